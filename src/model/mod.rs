@@ -1,0 +1,23 @@
+//! What anyone can read off a robot arm: a serial chain, its joints, limits and drives, and the names and the order
+//! of its dynamic parameters.
+//!
+//! ```text
+//! T_i(q) = before_i · J_i(q) · after_i        J = rotation about z, or translation along z
+//! ```
+//! places the frame of link i in that of link i−1. Standard DH fills `after`, modified DH and URDF fill `before`, so
+//! one recursion serves every convention, and each keeps the link frame in which its parameters are published.
+//!
+//! A [`Robot`] carries no inertia: parameters are values of their own ([`StandardParameters`]), and the true ones of
+//! a simulation are a type that only the last module can name.
+
+mod drive;
+mod friction;
+mod joint;
+mod parameters;
+mod robot;
+
+pub use drive::Drive;
+pub use friction::smooth_sign;
+pub use joint::{DhConvention, DhRow, Joint, JointKind, Limits, exact_sincos};
+pub use parameters::{Columns, DriveParameters, ParameterId, ParameterKind, StandardParameters};
+pub use robot::{Capsule, Obstacle, Robot, RobotFault, RobotSpec, Shape};

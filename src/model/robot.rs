@@ -1,0 +1,279 @@
+//! A serial chain, valid by construction.
+
+use nalgebra::{DMatrix, Vector3};
+
+use super::{Joint, JointKind};
+use crate::spatial::{Motion, Placement};
+
+/// A capsule: every point within `radius` of a segment, m.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Capsule {
+    /// One end of the segment, in the frame of its link.
+    pub from: Vector3<f64>,
+    /// The other end.
+    pub to: Vector3<f64>,
+    /// Radius, m.
+    pub radius: f64,
+}
+
+/// The shape of one link, for collisions and for what a link can weigh; `link` 0 is the base, link i the i-th.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Shape {
+    /// The link whose frame the capsule is given in; 0 is the base.
+    pub link: usize,
+    /// What it looks like.
+    pub capsule: Capsule,
+}
+
+/// Something that stands in the way, in the base frame.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Obstacle {
+    /// Everything below the height `z`, m.
+    Floor {
+        /// Height in the base frame, m.
+        z: f64,
+    },
+}
+
+/// What a [`Robot`] is made of; [`Robot::new`] checks it.
+#[derive(Clone, Debug)]
+pub struct RobotSpec {
+    /// Name, as in the file.
+    pub name: String,
+    /// Gravity in the world frame, m/s².
+    pub gravity: Vector3<f64>,
+    /// Pose of the base frame in the world.
+    pub base: Placement,
+    /// The joints from the base outwards.
+    pub joints: Vec<Joint>,
+    /// Motor coordinates from joint coordinates, `q_motor = C q` (n × n), where motors are coupled.
+    pub coupling: Option<DMatrix<f64>>,
+    /// Shapes of the links.
+    pub shapes: Vec<Shape>,
+    /// What stands around the robot.
+    pub obstacles: Vec<Obstacle>,
+}
+
+/// Why a robot cannot be as specified.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RobotFault {
+    /// No joints.
+    #[error("robot \"{robot}\" has no joints, expected at least one")]
+    NoJoints {
+        /// Name of the robot.
+        robot: String,
+    },
+    /// Two joints of one name.
+    #[error("joint name \"{joint}\" occurs twice, expected each name once")]
+    DuplicateJoint {
+        /// The name.
+        joint: String,
+    },
+    /// A quantity is outside what is possible.
+    #[error("joint \"{joint}\": {quantity} is {found}, expected {expected}")]
+    Joint {
+        /// Name of the joint.
+        joint: String,
+        /// Which quantity.
+        quantity: &'static str,
+        /// What was found.
+        found: String,
+        /// What is possible.
+        expected: &'static str,
+    },
+    /// The coupling matrix is not n × n and invertible.
+    #[error("coupling is {found}, expected {expected}")]
+    Coupling {
+        /// What was found.
+        found: String,
+        /// What is possible.
+        expected: String,
+    },
+    /// A shape names a link that is not there.
+    #[error("shape {index}: link is {found}, expected 0 (the base) to {dof}")]
+    Shape {
+        /// Position among the shapes, from one.
+        index: usize,
+        /// What was found.
+        found: usize,
+        /// Number of links.
+        dof: usize,
+    },
+}
+
+/// A serial robot arm: kinematics, limits, drives, shapes. No inertia.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Robot {
+    name: String,
+    gravity: Vector3<f64>,
+    base: Placement,
+    joints: Vec<Joint>,
+    axes: Vec<Motion>,
+    coupling: Option<DMatrix<f64>>,
+    shapes: Vec<Shape>,
+    obstacles: Vec<Obstacle>,
+}
+
+impl Robot {
+    /// Checks a specification.
+    ///
+    /// # Errors
+    /// [`RobotFault`] with what was found and what is possible.
+    pub fn new(spec: RobotSpec) -> Result<Self, RobotFault> {
+        let RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles } = spec;
+        if joints.is_empty() {
+            return Err(RobotFault::NoJoints { robot: name });
+        }
+        for (i, joint) in joints.iter().enumerate() {
+            if joints[..i].iter().any(|other| other.name == joint.name) {
+                return Err(RobotFault::DuplicateJoint { joint: joint.name.clone() });
+            }
+            check_joint(joint)?;
+        }
+        let n = joints.len();
+        if let Some(c) = &coupling
+            && (c.shape() != (n, n) || c.clone().try_inverse().is_none())
+        {
+            return Err(RobotFault::Coupling {
+                found: format!("a {} × {} matrix", c.nrows(), c.ncols()),
+                expected: format!("an invertible {n} × {n} matrix"),
+            });
+        }
+        for (index, shape) in shapes.iter().enumerate() {
+            if shape.link > n {
+                return Err(RobotFault::Shape { index: index + 1, found: shape.link, dof: n });
+            }
+        }
+        let axes = joints.iter().map(Joint::axis).collect();
+        Ok(Self { name, gravity, base, joints, axes, coupling, shapes, obstacles })
+    }
+
+    /// Its name.
+    #[must_use]
+    pub fn name(&self) -> &str {
+        &self.name
+    }
+
+    /// Number of joints n.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// The joints from the base outwards; joint i moves link i.
+    #[must_use]
+    pub fn joints(&self) -> &[Joint] {
+        &self.joints
+    }
+
+    /// Axis of each joint as a motion in its link's frame.
+    #[must_use]
+    pub fn axes(&self) -> &[Motion] {
+        &self.axes
+    }
+
+    /// Gravity in the frame of the base, m/s².
+    #[must_use]
+    pub fn gravity(&self) -> Vector3<f64> {
+        self.base.rotation.tr_mul(&self.gravity)
+    }
+
+    /// Pose of the base frame in the world.
+    #[must_use]
+    pub fn base(&self) -> &Placement {
+        &self.base
+    }
+
+    /// Motor coordinates from joint coordinates, `q_motor = C q`, where motors are coupled.
+    #[must_use]
+    pub fn coupling(&self) -> Option<&DMatrix<f64>> {
+        self.coupling.as_ref()
+    }
+
+    /// Whether motor `index` drives more than its own joint.
+    #[must_use]
+    pub fn is_coupled(&self, index: usize) -> bool {
+        self.coupling.as_ref().is_some_and(|c| c.row(index).iter().enumerate().any(|(j, &x)| j != index && x != 0.0))
+    }
+
+    /// Shapes of the links.
+    #[must_use]
+    pub fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// What stands around the robot.
+    #[must_use]
+    pub fn obstacles(&self) -> &[Obstacle] {
+        &self.obstacles
+    }
+
+    /// Pose of every link's frame in the base frame at joint coordinates `q` (n).
+    #[must_use]
+    pub fn poses(&self, q: &[f64]) -> Vec<Placement> {
+        let mut pose = Placement::identity();
+        self.joints
+            .iter()
+            .zip(q)
+            .map(|(joint, &q)| {
+                pose = pose.compose(&joint.placement(q));
+                pose
+            })
+            .collect()
+    }
+
+    /// Index of the joint with this name.
+    #[must_use]
+    pub fn joint_index(&self, name: &str) -> Option<usize> {
+        self.joints.iter().position(|joint| joint.name == name)
+    }
+
+    /// The same robot with another gravity in the world frame, m/s².
+    #[must_use]
+    pub fn with_gravity(mut self, gravity: Vector3<f64>) -> Self {
+        self.gravity = gravity;
+        self
+    }
+}
+
+fn check_joint(joint: &Joint) -> Result<(), RobotFault> {
+    let fault = |quantity, found: String, expected| {
+        Err(RobotFault::Joint { joint: joint.name.clone(), quantity, found, expected })
+    };
+    let (low, high) = joint.limits.position;
+    if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
+        return fault("position limit", format!("{low} to {high}"), "the lower below the upper");
+    }
+    for (quantity, value) in [
+        ("velocity limit", joint.limits.velocity),
+        ("acceleration limit", joint.limits.acceleration),
+        ("torque limit", joint.limits.torque),
+        ("gear ratio", joint.drive.gear),
+        ("torque constant", joint.drive.torque_constant),
+        ("current limit", joint.drive.current_limit),
+        ("converter range", joint.drive.adc_range),
+    ] {
+        if value.is_nan() || value <= 0.0 {
+            return fault(quantity, value.to_string(), "a number above zero");
+        }
+    }
+    for (quantity, value) in [
+        ("encoder counts", joint.drive.counts_per_revolution),
+        ("current noise", joint.drive.current_noise),
+        ("Coulomb velocity", joint.drive.coulomb_velocity),
+    ] {
+        if !(value.is_finite() && value >= 0.0) {
+            return fault(quantity, value.to_string(), "a finite number not below zero");
+        }
+    }
+    if joint.drive.encoder_sign.abs() != 1.0 {
+        return fault("encoder sign", joint.drive.encoder_sign.to_string(), "1 or -1");
+    }
+    if joint.drive.adc_bits > 30 {
+        return fault("converter bits", joint.drive.adc_bits.to_string(), "0 (none) to 30");
+    }
+    if joint.kind == JointKind::Revolute && joint.drive.adc_bits > 0 && !joint.drive.adc_range.is_finite() {
+        return fault("converter range", joint.drive.adc_range.to_string(), "a finite number where there are bits");
+    }
+    Ok(())
+}

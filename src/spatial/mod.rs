@@ -1,0 +1,14 @@
+//! Six-dimensional vectors of rigid-body mechanics, placements of frames, and the inertia of one body.
+//!
+//! Angular part first, always: a motion is `(ω, v)`, a force `(n, f)`. The paper writes its eqs. 2-4 force first,
+//! `γ = (f, n)`; the permutation that swaps the two halves is the only difference.
+//!
+//! This module knows no robot. Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, ch. 2.
+
+mod inertia;
+mod placement;
+mod vectors;
+
+pub use inertia::{Inertia, InertiaFault, PseudoInertia};
+pub use placement::Placement;
+pub use vectors::{Force, Motion};
