@@ -1,1 +1,27 @@
-//! dynamics
+//! The equations of motion of a serial arm: torque from motion, motion from torque, inertia and energy.
+//!
+//! ```text
+//! τ = M(q) q̈ + c(q, q̇) + g(q) + τ_drive(q̇, q̈)
+//! ```
+//! The paper's Newton–Euler recursions (its eqs. 2–4) in the frames in which the links' parameters are published.
+//! Spatial vectors are angular first, `γ = (n, f)`; the paper writes force first, `γ = (f, n)`. With
+//! `P = [0 1; 1 0]` (3×3 blocks) that swaps the halves, the paper's `D` of eq. 4 is `P X* P` of ours: the permutation
+//! is stated here once and used nowhere. The base frame's acceleration is minus gravity, so weight needs no term.
+//!
+//! Drives (rotor inertia, friction, offset, coupled motors) are [`TorqueTerm`]s beside the recursion, never inside it.
+//! Not modelled: elasticity, backlash, gyroscopic torque of fast rotors, contact.
+//!
+//! References: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, ch. 5 (RNEA), 6 (CRBA), 7 (ABA);
+//! W. Khalil, E. Dombre, *Modeling, Identification and Control of Robots*, 2002, ch. 9.
+
+mod drive_train;
+mod model;
+mod states;
+mod torque_term;
+
+pub use drive_train::{DriveTerm, DriveTrain};
+pub use model::Dynamics;
+pub use states::States;
+pub use torque_term::{
+    CoulombFriction, MotorCoulomb, MotorViscous, Offset, RotorInertia, Side, TorqueTerm, ViscousFriction,
+};

@@ -1,0 +1,198 @@
+//! The regressor of joint efforts, at one sample and over many.
+
+use nalgebra::{DMatrix, Vector3};
+
+use super::BodyRegressor;
+use crate::dynamics::{DriveTrain, States};
+use crate::model::{Columns, Joint, ParameterId, Robot};
+use crate::spatial::Motion;
+
+/// Up to this many joints no evaluation allocates.
+const INLINE_JOINTS: usize = 8;
+
+/// `Y(q, q̇, q̈)` of one robot: n rows (joints), p columns (parameters).
+///
+/// ```
+/// use armid::conformance::chains;
+/// use armid::dynamics::Dynamics;
+/// use armid::model::Columns;
+/// use armid::regressor::JointTorqueRegressor;
+/// use armid::seed::Seed;
+/// let mut rng = Seed::new(1).stream("doc", 0);
+/// let (robot, parameters) = chains::random_robot(&mut rng, 6);
+/// let (q, qd, qdd) = chains::random_state(&mut rng, 6);
+/// let regressor = JointTorqueRegressor::new(&robot, Columns::RigidRotorFriction);
+/// let mut y = vec![0.0; regressor.rows() * regressor.cols()];
+/// regressor.evaluate(&q, &qd, &qdd, &mut y);
+/// let mut tau = [0.0; 6];
+/// Dynamics::new(&robot, &parameters).inverse(&q, &qd, &qdd, &mut tau);
+/// let phi = parameters.vector(&robot, regressor.columns());
+/// for (row, tau) in y.chunks_exact(regressor.cols()).zip(tau) {
+///     let by_regressor: f64 = row.iter().zip(&phi).map(|(y, phi)| y * phi).sum();
+///     assert!((by_regressor - tau).abs() < 1e-11);
+/// }
+/// ```
+#[derive(Clone, Debug)]
+pub struct JointTorqueRegressor {
+    joints: Vec<Joint>,
+    axes: Vec<Motion>,
+    gravity: Vector3<f64>,
+    drives: DriveTrain,
+    columns: Columns,
+    parameters: Vec<ParameterId>,
+}
+
+impl JointTorqueRegressor {
+    /// The regressor of `robot` with these columns.
+    #[must_use]
+    pub fn new(robot: &Robot, columns: Columns) -> Self {
+        Self {
+            joints: robot.joints().to_vec(),
+            axes: robot.axes().to_vec(),
+            gravity: robot.gravity(),
+            drives: DriveTrain::new(robot, columns),
+            columns,
+            parameters: columns.parameters(robot),
+        }
+    }
+
+    /// The parameter of each column, p.
+    #[must_use]
+    pub fn parameters(&self) -> &[ParameterId] {
+        &self.parameters
+    }
+
+    /// Which columns it has.
+    #[must_use]
+    pub const fn columns(&self) -> Columns {
+        self.columns
+    }
+
+    /// Number of rows of one sample: joints n.
+    #[must_use]
+    pub fn rows(&self) -> usize {
+        self.joints.len()
+    }
+
+    /// Number of columns p.
+    #[must_use]
+    pub fn cols(&self) -> usize {
+        self.parameters.len()
+    }
+
+    /// One sample: overwrites `out` with `Y(q, q̇, q̈)`, n × p row-major.
+    ///
+    /// `q`, `qd`, `qdd` (n each) in rad, rad/s, rad/s²; entries in N·m per unit of the parameter.
+    ///
+    /// # Panics
+    /// If a slice is shorter than n, or `out` than n·p.
+    pub fn evaluate(&self, q: &[f64], qd: &[f64], qdd: &[f64], out: &mut [f64]) {
+        let base = (Motion::zero(), Motion::new(Vector3::zeros(), -self.gravity));
+        self.evaluate_from(base, q, qd, qdd, out);
+    }
+
+    /// The recursion from a base that moves with velocity `v` and acceleration `a`, gravity subtracted.
+    pub(super) fn evaluate_from(
+        &self,
+        (mut v, mut a): (Motion, Motion),
+        q: &[f64],
+        qd: &[f64],
+        qdd: &[f64],
+        out: &mut [f64],
+    ) {
+        let (n, p) = (self.rows(), self.cols());
+        let out = &mut out[..n * p];
+        out.fill(0.0);
+        // Axes of the joints so far, in the frame of the current link.
+        let mut inline = [Motion::zero(); INLINE_JOINTS];
+        let mut heap = Vec::new();
+        let carried: &mut [Motion] = if n <= INLINE_JOINTS {
+            &mut inline
+        } else {
+            heap.resize(n, Motion::zero());
+            &mut heap
+        };
+        for k in 0..n {
+            let x = self.joints[k].placement(q[k]);
+            let rate = self.axes[k] * qd[k];
+            v = x.motion_to_child(&v) + rate;
+            a = x.motion_to_child(&a) + self.axes[k] * qdd[k] + v.cross(&rate);
+            for s in &mut carried[..k] {
+                *s = x.motion_to_child(s);
+            }
+            carried[k] = self.axes[k];
+            let body = BodyRegressor::new(&v, &a);
+            for (i, s) in carried[..=k].iter().enumerate() {
+                let start = i * p + 10 * k;
+                let block = out[start..].first_chunk_mut::<10>().expect("a row holds ten columns per link");
+                body.project(s, block);
+            }
+        }
+        for (column, term) in self.drives.terms().iter().enumerate() {
+            term.write_column(qd, qdd, 10 * n + column, p, out);
+        }
+    }
+
+    /// All samples: `W`, (n·N) × p, where row `k n + i` is joint i at sample k.
+    ///
+    /// # Panics
+    /// If the states are not those of n joints.
+    #[must_use]
+    pub fn stack(&self, states: &States) -> DMatrix<f64> {
+        let (n, p, samples) = (self.rows(), self.cols(), states.len());
+        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
+        let mut w = DMatrix::zeros(n * samples, p);
+        // Blocks small enough for the first cache, transposed into the matrix's columns.
+        const BLOCK: usize = 8;
+        let mut rows = vec![0.0; BLOCK * n * p];
+        for start in (0..samples).step_by(BLOCK) {
+            let count = BLOCK.min(samples - start);
+            for (k, out) in (start..start + count).zip(rows.chunks_exact_mut(n * p)) {
+                self.evaluate(states.q(k), states.qd(k), states.qdd(k), out);
+            }
+            for (c, mut column) in w.column_iter_mut().enumerate() {
+                for r in 0..count * n {
+                    column[start * n + r] = rows[r * p + c];
+                }
+            }
+        }
+        w
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformance::chains::{self, ChainRecipe};
+    use crate::dynamics::Dynamics;
+    use crate::seed::Seed;
+
+    #[test]
+    fn identity_inverse_dynamics_is_regressor_times_parameters() {
+        let seed = Seed::new(11);
+        for run in 0..60 {
+            let mut rng = seed.stream("chains", run);
+            let dof = 1 + usize::try_from(run % 9).unwrap();
+            let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
+            let (robot, parameters) = recipe.draw(&mut rng);
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RigidRotorFriction);
+            let phi = parameters.vector(&robot, Columns::RigidRotorFriction);
+            let mut dynamics = Dynamics::new(&robot, &parameters);
+            let mut states = States::new(dof);
+            for _ in 0..10 {
+                let (q, qd, qdd) = chains::random_state(&mut rng, dof);
+                states.push(&q, &qd, &qdd);
+            }
+            let torque = regressor.stack(&states) * phi;
+            for k in 0..states.len() {
+                let mut tau = vec![0.0; dof];
+                dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut tau);
+                let size = tau.iter().fold(1.0_f64, |m, t| m.max(t.abs()));
+                for i in 0..dof {
+                    // Rounding of some hundred operations on torques of this size.
+                    assert!((torque[k * dof + i] - tau[i]).abs() < 1e-13 * size, "chain {run}, joint {i}");
+                }
+            }
+        }
+    }
+}
