@@ -1,1 +1,25 @@
-//! base
+//! Which parameters, and which combinations of parameters, the joint torques reveal.
+//!
+//! ```text
+//! Y(q, q̇, q̈) φ = Y_b(q, q̇, q̈) β        β = K φ        Y_b = the kept columns of Y        K is b × p
+//! ```
+//! K is the reduced row echelon form of the stacked regressor: the columns are walked from left to right in the order
+//! of the parameters and kept if independent of those kept before, so K is unique, and three routes to it can be
+//! compared entry by entry ([`Method`]): the five steps of the paper's section II.B, one rank-revealing QR, and a
+//! recursion over the links that needs neither random numbers nor a trajectory.
+//!
+//! A slip of the paper's step 5, mended here: `f_i = L α_i` describes the *columns*. The parameters regroup the other
+//! way: the torque keeps its value when a dependent parameter θ_i goes into the kept ones, `β_b = θ_b + Σ_i α_bi θ_i`;
+//! no θ_i equals `D_BSVᵀ α_i`.
+
+mod error;
+mod method;
+mod paper_steps;
+mod reduction;
+mod table_two;
+
+pub use error::BaseError;
+pub use method::Method;
+pub use paper_steps::PaperSets;
+pub use reduction::{BaseReduction, Category};
+pub use table_two::{TableTwoRow, table_two};

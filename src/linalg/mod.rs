@@ -1,1 +1,28 @@
-//! Least squares and rank.
+//! Rank, condition and normal equations of stacked regressors, with stated tolerances.
+//!
+//! ```text
+//! W = Q R        columns scaled to unit length first, so that no choice of units decides a rank
+//! ```
+//! A column counts as independent of others when its part orthogonal to them is longer than a stated fraction of the
+//! column itself ([`RankTolerance`], with the reasons for its default).
+//!
+//! Every sum here runs in an order fixed by the size of the input alone. nalgebra's product of two dynamic matrices
+//! picks its kernel by the CPU and is therefore not used where the bits of a result are stored: [`Gram`] and
+//! [`product`] take its place.
+//!
+//! Reference: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed., 2013, ch. 5.
+
+mod condition;
+mod gram;
+mod left_to_right;
+mod reflection;
+mod rank;
+mod tolerance;
+mod triangular;
+
+pub use condition::{condition, condition_scaled, normalised_columns, singular_values};
+pub use gram::{Gram, product};
+pub use left_to_right::LeftToRight;
+pub use rank::RankRevealingQr;
+pub use tolerance::RankTolerance;
+pub use triangular::{solve_upper, triangular_factor};

@@ -1,0 +1,40 @@
+//! Why a reduction cannot be made.
+
+use super::Method;
+
+/// Why a reduction cannot be made.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum BaseError {
+    /// The states are of another robot.
+    #[error("states of {found} joints, expected {expected} for robot \"{robot}\"")]
+    Dof {
+        /// Name of the robot.
+        robot: String,
+        /// Joints of the states.
+        found: usize,
+        /// Joints of the robot.
+        expected: usize,
+    },
+    /// Fewer samples than the paper's step 1 asks for.
+    #[error("{found} samples, expected at least {expected}")]
+    TooFewSamples {
+        /// Number of samples.
+        found: usize,
+        /// The least number.
+        expected: usize,
+    },
+    /// A number among the states, or a column of the regressor made from them, is not finite.
+    #[error("sample {sample} gives a regressor entry {value}, expected finite numbers")]
+    NotFinite {
+        /// Index of the sample, from zero.
+        sample: usize,
+        /// What was found.
+        value: f64,
+    },
+    /// The structural recursion knows no trajectory.
+    #[error("method \"{}\" on a given trajectory, expected \"paper\" or \"qr\"", method.name())]
+    NoTrajectory {
+        /// The method asked for.
+        method: Method,
+    },
+}

@@ -1,0 +1,34 @@
+//! The routes to the base parameters.
+
+/// How the base parameters are found. All three give the same K.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+pub enum Method {
+    /// Steps 1–5 of the paper's section II.B, on random states.
+    Paper,
+    /// One left-to-right rank-revealing QR, on random states.
+    Qr,
+    /// The recursion over the links: no random states.
+    #[default]
+    Structural,
+}
+
+impl Method {
+    /// Every method.
+    pub const ALL: [Self; 3] = [Self::Paper, Self::Qr, Self::Structural];
+
+    /// Its name on the command line and in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Paper => "paper",
+            Self::Qr => "qr",
+            Self::Structural => "structural",
+        }
+    }
+
+    /// The method with this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|method| method.name() == name)
+    }
+}
