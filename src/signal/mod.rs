@@ -1,1 +1,15 @@
-//! signal
+//! From a recording to samples: period averaging with the noise it reveals, derivatives, joint torque, decimation.
+//!
+//! ```text
+//! x̄[k] = 1/P Σ_p x_p[k]        Σ = 1/(N (P−1)) Σ_p Σ_k e_p[k] e_p[k]ᵀ,   e_p = x_p − x̄
+//! ```
+//! An experiment repeats one period P times. The average is the signal, the scatter over the periods is the noise:
+//! its covariance between joints and its correlation in time are measured, not assumed. Averages of a periodic signal
+//! are periodic, so filters run in their steady state and nothing happens at the ends.
+//!
+//! Two routes to velocity and acceleration: through the Fourier coefficients of the measured positions (Swevers et
+//! al.), or zero-phase low pass and central differences (the paper's IV.B). Torque passes the same low pass.
+//! A record without periods goes through [`process_aperiodic`]; its noise is left to the estimator's residual.
+//!
+//! Not here: outliers, missing samples, unequal sampling. Reference: J. Swevers, C. Ganseman, D. B. Tükel, J. De
+//! Schutter, H. Van Brussel, *Optimal robot excitation and identification*, IEEE T-RA 13(5), 1997, eqs. 19-22.

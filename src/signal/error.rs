@@ -1,0 +1,84 @@
+//! What can be wrong with a record.
+
+/// Why a record cannot be turned into samples.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum SignalError {
+    /// A series has another length than the layout of the record asks for.
+    #[error("{quantity}: {found} values, expected {expected}")]
+    Length {
+        /// Which series.
+        quantity: &'static str,
+        /// What was found.
+        found: usize,
+        /// What the layout asks for.
+        expected: String,
+    },
+    /// A value is NaN or infinite.
+    #[error("{quantity} of joint {joint}: sample {sample} is {value}, expected a finite number")]
+    NotFinite {
+        /// Which series.
+        quantity: &'static str,
+        /// Joint, from one.
+        joint: usize,
+        /// Sample, from zero.
+        sample: usize,
+        /// What was found.
+        value: f64,
+    },
+    /// A period is not a whole number of samples.
+    #[error("a period of {period_s} s at {rate_hz} Hz is {found} samples, expected a whole number of at least {least}")]
+    PeriodSamples {
+        /// Period, s.
+        period_s: f64,
+        /// Sampling rate, Hz.
+        rate_hz: f64,
+        /// Samples in one period.
+        found: f64,
+        /// Fewest samples that can be processed.
+        least: usize,
+    },
+    /// The record cannot be thinned to the wanted number of samples.
+    #[error("{found} samples per period wanted, expected {expected}")]
+    Decimation {
+        /// What was wanted.
+        found: usize,
+        /// What is possible.
+        expected: String,
+    },
+    /// A cut-off frequency outside what the sampling rate allows.
+    #[error("cut-off frequency is {found} Hz, expected above 0 and below half the sampling rate, {nyquist} Hz")]
+    Cutoff {
+        /// What was wanted, Hz.
+        found: f64,
+        /// Half the sampling rate, Hz.
+        nyquist: f64,
+    },
+    /// A setting has a value that makes no sense.
+    #[error("{setting} is {found}, expected {expected}")]
+    Setting {
+        /// Which setting.
+        setting: &'static str,
+        /// What was found.
+        found: String,
+        /// What is possible.
+        expected: &'static str,
+    },
+    /// The record belongs to another robot.
+    #[error("the record has {found} joints, the robot has {expected}")]
+    Joints {
+        /// Joints in the record.
+        found: usize,
+        /// Joints of the robot.
+        expected: usize,
+    },
+}
+
+/// Checks that every value of a row-major series is a finite number.
+pub(super) fn check_finite(quantity: &'static str, values: &[f64], dof: usize) -> Result<(), SignalError> {
+    match values.iter().position(|value| !value.is_finite()) {
+        Some(at) => {
+            Err(SignalError::NotFinite { quantity, joint: at % dof + 1, sample: at / dof, value: values[at] })
+        }
+        None => Ok(()),
+    }
+}
