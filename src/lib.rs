@@ -12,11 +12,11 @@
 //! The library does no input or output and reads no clock.
 #![forbid(unsafe_code)]
 
-pub mod linalg;
-pub mod model;
-pub mod provenance;
 pub mod seed;
+pub mod provenance;
+pub mod linalg;
 pub mod spatial;
+pub mod model;
 pub mod dynamics;
 pub mod regressor;
 pub mod base;

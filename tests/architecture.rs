@@ -1,0 +1,275 @@
+//! The invariants of `ARCHITECTURE.md` that a compiler does not see: who may name whom, and what the core never does.
+
+#[path = "architecture/source.rs"]
+mod source;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use source::Source;
+
+fn root() -> PathBuf {
+    PathBuf::from(env!("CARGO_MANIFEST_DIR"))
+}
+
+fn read(path: &Path) -> String {
+    fs::read_to_string(path).unwrap_or_else(|error| panic!("{}: {error}", path.display()))
+}
+
+/// Every source file below a folder that is compiled into the library, in a fixed order.
+fn library_files(folder: &Path) -> Vec<(PathBuf, Source)> {
+    let (mut files, mut test_only, mut folders) = (Vec::new(), Vec::new(), vec![folder.to_path_buf()]);
+    while let Some(folder) = folders.pop() {
+        let entries = fs::read_dir(&folder).unwrap_or_else(|error| panic!("{}: {error}", folder.display()));
+        for path in entries.map(|entry| entry.expect("a readable folder").path()) {
+            if path.is_dir() {
+                folders.push(path);
+            } else if path.extension().is_some_and(|extension| extension == "rs") {
+                let source = Source::read(&read(&path));
+                let home = match path.file_stem().and_then(|stem| stem.to_str()) {
+                    Some("mod" | "lib" | "main") | None => path.with_file_name(""),
+                    Some(_) => path.with_extension(""),
+                };
+                for module in &source.test_modules {
+                    test_only.push(home.join(format!("{module}.rs")));
+                    test_only.push(home.join(module));
+                }
+                files.push((path, source));
+            }
+        }
+    }
+    files.retain(|(path, _)| !test_only.iter().any(|excluded| path.starts_with(excluded)));
+    files.sort_by(|a, b| a.0.cmp(&b.0));
+    files
+}
+
+fn shown(path: &Path) -> String {
+    path.strip_prefix(root()).unwrap_or(path).display().to_string()
+}
+
+/// The modules of the core in the order in which `lib.rs` declares them.
+fn module_order() -> Vec<String> {
+    let library = Source::read(&read(&root().join("src/lib.rs")));
+    library
+        .words
+        .windows(3)
+        .filter(|words| words[0].text == "pub" && words[1].text == "mod")
+        .map(|words| words[2].text.clone())
+        .collect()
+}
+
+/// The module of the core that a file belongs to, and how many modules below the root it is.
+fn module_of(path: &Path) -> (String, usize) {
+    let inner = path.strip_prefix(root().join("src")).expect("a file of the core").with_extension("");
+    let mut parts: Vec<String> = inner.iter().map(|part| part.to_string_lossy().into_owned()).collect();
+    if parts.last().is_some_and(|part| part == "mod") {
+        parts.pop();
+    }
+    (parts[0].clone(), parts.len())
+}
+
+fn assert_none(faults: &[String]) {
+    assert!(faults.is_empty(), "{} violation(s):\n  {}", faults.len(), faults.join("\n  "));
+}
+
+#[test]
+fn modules_of_the_core_stand_in_the_order_of_the_method() {
+    let expected = "seed provenance linalg spatial model dynamics regressor base excitation experiment signal \
+                    estimation study conformance";
+    assert_eq!(module_order().join(" "), expected);
+}
+
+#[test]
+fn a_module_of_the_core_imports_only_from_those_above_it() {
+    let order = module_order();
+    let place = |name: &str| order.iter().position(|module| module == name);
+    let mut faults = Vec::new();
+    for (path, source) in library_files(&root().join("src")) {
+        let (module, depth) = module_of(&path);
+        if module == "lib" {
+            continue;
+        }
+        let Some(own) = place(&module) else {
+            faults.push(format!("{}: module {module} is not declared in lib.rs", shown(&path)));
+            continue;
+        };
+        for name in source.names_below("crate") {
+            match place(&name.text) {
+                Some(other) if other <= own => {}
+                Some(_) => faults.push(format!(
+                    "{}:{}: {module} names crate::{}, which stands below it",
+                    shown(&path),
+                    name.line,
+                    name.text
+                )),
+                None => faults.push(format!(
+                    "{}:{}: crate::{} is no module; name the module that holds it",
+                    shown(&path),
+                    name.line,
+                    name.text
+                )),
+            }
+        }
+        for line in source.climbs_to_root(depth) {
+            faults.push(format!("{}:{line}: reaches the root through super; write crate::", shown(&path)));
+        }
+    }
+    assert_none(&faults);
+}
+
+#[test]
+fn crates_depend_as_the_house_is_built() {
+    // The manifest, and which of our own crates it may name.
+    let allowed: [(&str, &[&str]); 4] = [
+        ("Cargo.toml", &[]),
+        ("sim/Cargo.toml", &["armid"]),
+        ("reports/Cargo.toml", &["armid"]),
+        ("cli/Cargo.toml", &["armid", "armid-sim", "armid-reports"]),
+    ];
+    let members: toml::Table = read(&root().join("Cargo.toml")).parse().expect("a manifest");
+    let members = members["workspace"]["members"].as_array().expect("a list").len();
+    assert_eq!(members, allowed.len(), "a new crate belongs into this test");
+    let mut faults = Vec::new();
+    for (manifest, allowed) in allowed {
+        let table: toml::Table = read(&root().join(manifest)).parse().expect("a manifest");
+        for (kind, dependencies) in dependency_tables(&table) {
+            for name in dependencies.keys().filter(|name| name.starts_with("armid")) {
+                if !allowed.contains(&name.as_str()) {
+                    faults.push(format!("{manifest}: [{kind}] names {name}, expected only {allowed:?}"));
+                }
+            }
+        }
+    }
+    assert_none(&faults);
+}
+
+/// Every table of dependencies of a manifest, for all targets and for each one.
+fn dependency_tables(manifest: &toml::Table) -> Vec<(String, &toml::Table)> {
+    let kinds = ["dependencies", "dev-dependencies", "build-dependencies"];
+    let mut tables = Vec::new();
+    for kind in kinds {
+        if let Some(table) = manifest.get(kind).and_then(toml::Value::as_table) {
+            tables.push((kind.to_owned(), table));
+        }
+        let targets = manifest.get("target").and_then(toml::Value::as_table);
+        for (target, table) in targets.into_iter().flatten() {
+            if let Some(table) = table.get(kind).and_then(toml::Value::as_table) {
+                tables.push((format!("target.{target}.{kind}"), table));
+            }
+        }
+    }
+    tables
+}
+
+#[test]
+fn the_core_touches_neither_files_nor_clock_nor_terminal() {
+    let mut faults = Vec::new();
+    for (path, source) in library_files(&root().join("src")) {
+        for name in source.names_below("std") {
+            if ["fs", "env", "time", "net", "process", "io", "os", "path", "thread"].contains(&name.text.as_str()) {
+                faults.push(format!("{}:{}: std::{}", shown(&path), name.line, name.text));
+            }
+        }
+        for word in ["println", "print", "eprintln", "eprint", "dbg"] {
+            for line in source.lines_of(&[word, "!"]) {
+                faults.push(format!("{}:{line}: {word}!", shown(&path)));
+            }
+        }
+    }
+    let library = Source::read(&read(&root().join("src/lib.rs")));
+    assert!(!library.lines_of(&["forbid", "(", "unsafe_code", ")"]).is_empty(), "src/lib.rs: forbid(unsafe_code)");
+    assert_none(&faults);
+}
+
+#[test]
+fn transcendental_functions_come_from_one_place() {
+    // The standard library hands these to the C library or the CPU, whose last bit differs between machines.
+    let forbidden = [
+        "sin", "cos", "tan", "sin_cos", "asin", "acos", "atan", "atan2", "sinh", "cosh", "tanh", "asinh", "acosh",
+        "atanh", "exp", "exp2", "exp_m1", "ln", "log", "log2", "log10", "ln_1p", "powf", "cbrt", "hypot", "mul_add",
+    ];
+    let mut faults = Vec::new();
+    for folder in ["src", "sim/src"] {
+        for (path, source) in library_files(&root().join(folder)) {
+            for function in forbidden {
+                for line in source.lines_of(&[".", function, "("]) {
+                    faults.push(format!("{}:{line}: .{function}(), expected libm::…", shown(&path)));
+                }
+                for line in source.lines_of(&["f64", ":", ":", function]) {
+                    faults.push(format!("{}:{line}: f64::{function}, expected libm::…", shown(&path)));
+                }
+            }
+        }
+    }
+    assert_none(&faults);
+}
+
+#[test]
+fn no_module_is_a_drawer_for_everything() {
+    let drawers = ["util", "utils", "common", "helper", "helpers", "misc", "types", "traits", "prelude"];
+    let mut faults = Vec::new();
+    for folder in ["src", "sim/src", "reports/src", "cli/src"] {
+        for (path, source) in library_files(&root().join(folder)) {
+            for name in drawers {
+                if path.file_stem().is_some_and(|stem| stem == name) || path.iter().any(|part| part == name) {
+                    faults.push(format!("{}: a module called {name}", shown(&path)));
+                }
+                for line in source.lines_of(&["mod", name]) {
+                    faults.push(format!("{}:{line}: a module called {name}", shown(&path)));
+                }
+            }
+        }
+    }
+    assert_none(&faults);
+}
+
+#[test]
+fn a_mod_file_holds_no_logic() {
+    let mut faults = Vec::new();
+    for folder in ["src", "sim/src", "reports/src", "cli/src"] {
+        for (path, source) in library_files(&root().join(folder)) {
+            if path.file_name().is_none_or(|name| name != "mod.rs") {
+                continue;
+            }
+            for keyword in ["fn", "struct", "enum", "impl", "trait", "const", "static", "macro_rules"] {
+                for line in source.words.iter().filter(|word| word.text == keyword).map(|word| word.line) {
+                    faults.push(format!("{}:{line}: {keyword}; expected documentation, mod and use", shown(&path)));
+                }
+            }
+        }
+    }
+    assert_none(&faults);
+}
+
+#[test]
+fn the_reader_of_sources_sees_what_it_should() {
+    let source = Source::read(
+        r##"
+        // use crate::comment;
+        /* use crate::outer; /* nested */ use crate::still; */
+        use crate::{seed, model::{Robot, Joint}, spatial as s};
+        const TEXT: &str = "use crate::text; // \" }";
+        const RAW: &str = r#"use crate::raw; " "#;
+        const QUOTE: char = '"';
+        fn f<'a>(x: &'a str) -> crate::linalg::Gram { std::fs::read(x) }
+        #[cfg(test)]
+        use crate::{study, estimation};
+        #[cfg(test)]
+        mod outside;
+        #[cfg(test)]
+        #[allow(dead_code)]
+        mod tests { fn g() { crate::signal::h("}"); } }
+        #[cfg(not(test))]
+        fn kept() { super::super::above(); }
+        mod inner { use super::near; }
+        "##,
+    );
+    let names: Vec<String> = source.names_below("crate").into_iter().map(|word| word.text).collect();
+    assert_eq!(names, ["seed", "model", "spatial", "linalg"]);
+    let std: Vec<String> = source.names_below("std").into_iter().map(|word| word.text).collect();
+    assert_eq!(std, ["fs"]);
+    assert_eq!(source.test_modules, ["outside"]);
+    // A file two modules below the root: super::super is the root, super inside an inline module is not.
+    assert_eq!(source.climbs_to_root(2), [17]);
+    assert_eq!(source.climbs_to_root(1), [17]);
+}
