@@ -43,12 +43,8 @@ const PERIOD_S: f64 = 10.0;
 /// Table I as it is printed, in the angles it is printed in.
 #[must_use]
 pub fn printed() -> FourierTrajectory {
-    let joints = (0..6).map(|i| FourierJoint {
-        name: format!("joint{}", i + 1),
-        a: A[i].to_vec(),
-        b: B[i].to_vec(),
-        q0: Q0[i],
-    });
+    let joints =
+        (0..6).map(|i| FourierJoint { name: format!("joint{}", i + 1), a: A[i].to_vec(), b: B[i].to_vec(), q0: Q0[i] });
     FourierTrajectory { period_s: PERIOD_S, joints: joints.collect() }
 }
 

@@ -133,7 +133,8 @@ mod tests {
 
     #[test]
     fn faults_carry_line_and_column() {
-        let good = "period_s = 10.0\nharmonics = 2\n\n[[joint]]\nname = \"Ä\"\na = [1.0, 2.0]\nb = [0.0, 1.0]\nq0 = 0.1\n";
+        let good =
+            "period_s = 10.0\nharmonics = 2\n\n[[joint]]\nname = \"Ä\"\na = [1.0, 2.0]\nb = [0.0, 1.0]\nq0 = 0.1\n";
         assert!(FourierTrajectory::from_toml(good).is_ok());
         let twice = format!("{good}\n{}", &good[good.find("[[").unwrap()..]);
         for (text, line, column, words) in [

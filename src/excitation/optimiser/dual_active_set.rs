@@ -481,8 +481,7 @@ mod tests {
             let (n, count) = [(6, 40), (20, 200), (40, 600)][run as usize % 3];
             let program = random(n, count, run);
             let mut source = FixedRows { rows: program.rows.clone(), tolerance: 1e-10 };
-            let solution =
-                solve_quadratic(&program.hessian, &program.gradient, Vec::new(), &mut source).unwrap();
+            let solution = solve_quadratic(&program.hessian, &program.gradient, Vec::new(), &mut source).unwrap();
             check_optimality(&program, &solution);
             let other = clarabel(&program);
             for (x, y) in solution.step.iter().zip(&other) {
@@ -512,12 +511,10 @@ mod tests {
     #[test]
     fn analytic_box_projection() {
         // The point of the unit box nearest to (2, −3, 0.5).
-        let rows: Vec<Row> = (0..3)
-            .flat_map(|i| [1.0, -1.0].map(|sign| Row { start: i, normal: vec![sign], bound: 1.0 }))
-            .collect();
+        let rows: Vec<Row> =
+            (0..3).flat_map(|i| [1.0, -1.0].map(|sign| Row { start: i, normal: vec![sign], bound: 1.0 })).collect();
         let mut source = FixedRows { rows, tolerance: 1e-12 };
-        let solution =
-            solve_quadratic(&DMatrix::identity(3, 3), &[-2.0, 3.0, -0.5], Vec::new(), &mut source).unwrap();
+        let solution = solve_quadratic(&DMatrix::identity(3, 3), &[-2.0, 3.0, -0.5], Vec::new(), &mut source).unwrap();
         assert!((&solution.step - DVector::from_vec(vec![1.0, -1.0, 0.5])).norm() < 1e-14);
         let mut multipliers: Vec<f64> = solution.active.iter().map(|active| active.1).collect();
         multipliers.sort_by(f64::total_cmp);

@@ -1,0 +1,35 @@
+//! What one run of a study leaves behind: small, whole, and enough for every figure.
+
+use super::referee::Score;
+
+/// One run of one design: what every estimator made of it, or why there is nothing.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Outcome {
+    /// Index of the design in the study.
+    pub design: usize,
+    /// Number of the run within the design.
+    pub run: u64,
+    /// `None` where the run ended as planned, else the reason: a counted row, never a gap.
+    pub failure: Option<String>,
+    /// One entry per estimator, in the order of the plan; empty where the run failed.
+    pub estimates: Vec<ScoredEstimate>,
+}
+
+/// One estimate with its score.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct ScoredEstimate {
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Why it failed, where it did; the vectors are empty then.
+    pub failure: Option<String>,
+    /// Base parameters β̂ (b).
+    pub beta: Vec<f64>,
+    /// Standard deviations that the estimator states (b).
+    pub std: Vec<f64>,
+    /// Half widths of the 95 % intervals that it states (b).
+    pub half_width: Vec<f64>,
+    /// RMS residual of each joint, N·m.
+    pub residual_rms: Vec<f64>,
+    /// How far from the truth it is.
+    pub score: Option<Score>,
+}

@@ -1,0 +1,235 @@
+//! What a study does: robot, experiment, families of designs, estimators, metrics. The text of `study.toml`.
+
+use crate::excitation::CriterionKind;
+use crate::estimation::EstimatorKind;
+use super::units::ReferenceUnits;
+use crate::model::Columns;
+use crate::seed::Seed;
+
+/// A whole study. Two runs of one plan give the same bytes.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct StudyPlan {
+    /// Short name; the folder under `reports/`.
+    pub name: String,
+    /// The question that the study answers, one sentence.
+    pub question: String,
+    /// Bundled name of the robot, or path of its file.
+    pub robot: String,
+    /// Every random number comes from it.
+    pub seed: Seed,
+    /// Runs of each design, unless its family says otherwise.
+    pub runs: usize,
+    /// The experiment that every design is performed as.
+    pub experiment: ExperimentSettings,
+    /// How a recording becomes an estimate.
+    pub identification: IdentificationSettings,
+    /// Where predictions are tested.
+    pub validation: ValidationSettings,
+    /// Units in which errors of unlike parameters are added.
+    pub reference: ReferenceUnits,
+    /// The families of designs that are compared.
+    #[serde(rename = "design")]
+    pub designs: Vec<FamilyPlan>,
+    /// Whether the claims of the paper are examined too.
+    #[serde(default)]
+    pub paper_claims: bool,
+}
+
+/// The experiment of every design.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ExperimentSettings {
+    /// Period of the excitation, s.
+    pub period_s: f64,
+    /// Harmonics of each joint's Fourier series.
+    pub harmonics: usize,
+    /// Sampling rate, Hz.
+    pub rate_hz: f64,
+    /// Recorded periods.
+    pub periods: usize,
+    /// Periods that are performed and not recorded, so that the motion settles.
+    pub discarded_periods: usize,
+}
+
+/// How a recording becomes an estimate.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct IdentificationSettings {
+    /// What is estimated: `rigid`, `rigid+rotor`, `rigid+rotor+friction`.
+    pub columns: String,
+    /// `fourier` or `differences`.
+    pub derivatives: String,
+    /// Samples of the averaged period that the estimators see.
+    pub samples_per_period: usize,
+    /// Names of estimators.
+    pub estimators: Vec<String>,
+}
+
+/// Random trajectories on which torque predictions are tested; no design and no estimate sees them.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ValidationSettings {
+    /// How many.
+    pub trajectories: usize,
+    /// Samples of each.
+    pub samples: usize,
+}
+
+/// How the designs of a family are made.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Making {
+    /// By the optimiser, from independent starts.
+    Optimised,
+    /// The best of as many random draws as the optimiser has evaluations.
+    Random,
+    /// The paper's Table I, corrected.
+    TableOne,
+}
+
+/// Designs of one making and criterion; a criterion is judged by its family, never by one design.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct FamilyPlan {
+    /// Name in tables and figures.
+    pub name: String,
+    /// How its designs are made.
+    pub making: Making,
+    /// What is optimised, or by what the best draw is chosen; absent for a fixed trajectory.
+    #[serde(default)]
+    pub criterion: Option<String>,
+    /// Number of designs, each from a start of its own.
+    pub starts: usize,
+    /// Evaluations of the criterion that each design may use; a gradient counts as one more.
+    #[serde(default)]
+    pub evaluations: usize,
+    /// Runs of each design, where it differs from the study's.
+    #[serde(default)]
+    pub runs: Option<usize>,
+}
+
+/// Why a plan cannot be carried out.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum PlanFault {
+    /// A name that is not in the list.
+    #[error("{key} is \"{found}\", expected one of {expected}")]
+    Name {
+        /// The key.
+        key: &'static str,
+        /// What was found.
+        found: String,
+        /// The names that there are.
+        expected: String,
+    },
+    /// A number out of range.
+    #[error("{key} is {found}, expected {expected}")]
+    Number {
+        /// The key.
+        key: String,
+        /// What was found.
+        found: String,
+        /// What is possible.
+        expected: &'static str,
+    },
+}
+
+impl StudyPlan {
+    /// Checks what the types leave open: names, and numbers that must be positive.
+    ///
+    /// # Errors
+    /// [`PlanFault`] with the key, what was found and what was expected.
+    pub fn check(&self) -> Result<(), PlanFault> {
+        self.columns()?;
+        self.estimators()?;
+        let counts = [
+            ("runs", self.runs),
+            ("experiment.harmonics", self.experiment.harmonics),
+            ("experiment.periods", self.experiment.periods),
+            ("identification.samples_per_period", self.identification.samples_per_period),
+            ("validation.trajectories", self.validation.trajectories),
+            ("validation.samples", self.validation.samples),
+            ("number of [[design]] tables", self.designs.len()),
+        ];
+        let family_counts = self.designs.iter().flat_map(|family| {
+            [("design.starts", family.starts), ("design.runs", family.runs.unwrap_or(1))]
+        });
+        for (key, found) in counts.into_iter().chain(family_counts) {
+            if found == 0 {
+                return Err(number(key, found, "at least 1"));
+            }
+        }
+        let units = &self.reference;
+        for (key, found) in [
+            ("experiment.period_s", self.experiment.period_s),
+            ("experiment.rate_hz", self.experiment.rate_hz),
+            ("reference.mass_kg", units.mass_kg),
+            ("reference.first_moment_kg_m", units.first_moment_kg_m),
+            ("reference.inertia_kg_m2", units.inertia_kg_m2),
+            ("reference.viscous_nm_s_rad", units.viscous_nm_s_rad),
+            ("reference.torque_nm", units.torque_nm),
+        ] {
+            if !(found.is_finite() && found > 0.0) {
+                return Err(number(key, found, "a finite number above zero"));
+            }
+        }
+        for family in &self.designs {
+            if family.making != Making::TableOne {
+                family.criterion()?;
+                if family.evaluations == 0 {
+                    return Err(number("design.evaluations", family.evaluations, "at least 1"));
+                }
+            } else if family.starts != 1 {
+                return Err(number("design.starts", family.starts, "1, since a fixed trajectory has one design"));
+            }
+        }
+        Ok(())
+    }
+
+    /// The columns that are estimated.
+    ///
+    /// # Errors
+    /// [`PlanFault::Name`].
+    pub fn columns(&self) -> Result<Columns, PlanFault> {
+        let found = &self.identification.columns;
+        Columns::parse(found).ok_or_else(|| name("identification.columns", found, Columns::ALL.map(Columns::name)))
+    }
+
+    /// The estimators that are compared.
+    ///
+    /// # Errors
+    /// [`PlanFault::Name`].
+    pub fn estimators(&self) -> Result<Vec<EstimatorKind>, PlanFault> {
+        let named = |found: &String| {
+            EstimatorKind::parse(found)
+                .ok_or_else(|| name("identification.estimators", found, EstimatorKind::ALL.iter().map(|e| e.name())))
+        };
+        self.identification.estimators.iter().map(named).collect()
+    }
+
+    /// Runs of each design of a family.
+    #[must_use]
+    pub fn runs_of(&self, family: usize) -> usize {
+        self.designs[family].runs.unwrap_or(self.runs)
+    }
+}
+
+impl FamilyPlan {
+    /// The criterion of an optimised or random family.
+    ///
+    /// # Errors
+    /// [`PlanFault::Name`] where it is absent or unknown.
+    pub fn criterion(&self) -> Result<CriterionKind, PlanFault> {
+        let found = self.criterion.as_deref().unwrap_or("");
+        CriterionKind::parse(found)
+            .ok_or_else(|| name("design.criterion", found, CriterionKind::ALL.iter().map(|c| c.name())))
+    }
+}
+
+fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) -> PlanFault {
+    PlanFault::Number { key: key.into(), found: found.to_string(), expected }
+}
+
+fn name(key: &'static str, found: &str, names: impl IntoIterator<Item = &'static str>) -> PlanFault {
+    PlanFault::Name { key, found: found.to_owned(), expected: names.into_iter().collect::<Vec<_>>().join(", ") }
+}

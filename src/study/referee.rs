@@ -1,0 +1,105 @@
+//! Scores an estimate against the truth: the only place, besides the simulator, where the truth is read.
+//!
+//! ```text
+//! prediction RMSE  √( eᵀ G e / N )          e = β̂ − β,  G = Σ_k Y_b(k)ᵀ Y_b(k) over N validation samples, joint by joint
+//! reference RMSE   √( Σ_i (e_i / u_i)² / b ) u_i the declared unit of parameter i
+//! ```
+//! Nothing is divided by a true value, which may be zero. The validation trajectories are random and were not used for
+//! fitting; the prediction error is the error of the model alone, without the noise of a second measurement.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::Truth;
+use super::units::ReferenceUnits;
+use crate::base::BaseReduction;
+use crate::dynamics::States;
+use crate::model::Robot;
+use crate::regressor::JointTorqueRegressor;
+
+/// Knows the truth and says how far an estimate is from it.
+#[derive(Clone, Debug)]
+pub struct Referee {
+    truth: DVector<f64>,
+    units: DVector<f64>,
+    ratings: Vec<f64>,
+    grams: Vec<DMatrix<f64>>,
+    samples: usize,
+}
+
+/// How far one estimate is from the truth.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Score {
+    /// Torque prediction RMSE over all joints and validation samples, N·m.
+    pub prediction_rmse_nm: f64,
+    /// The same with every joint's torque divided by its rating, so that the wrist counts as much as the shoulder.
+    pub prediction_rmse_of_rating: f64,
+    /// Torque prediction RMSE of each joint, N·m.
+    pub joint_rmse_nm: Vec<f64>,
+    /// RMS parameter error in the declared reference units.
+    pub reference_rmse: f64,
+}
+
+impl Referee {
+    /// A referee for the base parameters `base` of `robot`, predicting on `validation`.
+    #[must_use]
+    pub fn new(
+        robot: &Robot,
+        truth: &Truth,
+        regressor: &JointTorqueRegressor,
+        base: &BaseReduction,
+        validation: &[States],
+        units: &ReferenceUnits,
+    ) -> Self {
+        let (n, b) = (robot.dof(), base.rank());
+        let mut grams = vec![DMatrix::zeros(b, b); n];
+        let mut samples = 0;
+        for states in validation {
+            samples += states.len();
+            let w = base.select_columns(&regressor.stack(states));
+            for (joint, gram) in grams.iter_mut().enumerate() {
+                let mut rows = DMatrix::zeros(states.len(), b);
+                for k in 0..states.len() {
+                    rows.row_mut(k).copy_from(&w.row(k * n + joint));
+                }
+                *gram += rows.tr_mul(&rows);
+            }
+        }
+        Self {
+            truth: base.beta(&truth.vector(robot, regressor.columns())),
+            units: DVector::from_iterator(b, base.kept.iter().map(|&c| units.of(base.parameters[c].kind))),
+            ratings: robot.joints().iter().map(|joint| joint.limits.torque).collect(),
+            grams,
+            samples,
+        }
+    }
+
+    /// The true base parameters β, length b.
+    #[must_use]
+    pub const fn truth(&self) -> &DVector<f64> {
+        &self.truth
+    }
+
+    /// The declared unit of each base parameter, length b.
+    #[must_use]
+    pub const fn units(&self) -> &DVector<f64> {
+        &self.units
+    }
+
+    /// The score of an estimate β̂ (b).
+    #[must_use]
+    pub fn score(&self, estimate: &DVector<f64>) -> Score {
+        let error = estimate - &self.truth;
+        let joint_rmse_nm: Vec<f64> =
+            self.grams.iter().map(|g| (error.dot(&(g * &error)).max(0.0) / self.samples as f64).sqrt()).collect();
+        let n = joint_rmse_nm.len() as f64;
+        let pooled = |weights: &dyn Fn(usize) -> f64| {
+            (joint_rmse_nm.iter().enumerate().map(|(j, r)| (r * weights(j)).powi(2)).sum::<f64>() / n).sqrt()
+        };
+        Score {
+            prediction_rmse_nm: pooled(&|_| 1.0),
+            prediction_rmse_of_rating: pooled(&|j| 1.0 / self.ratings[j]),
+            reference_rmse: error.component_div(&self.units).norm() / (error.len() as f64).sqrt(),
+            joint_rmse_nm,
+        }
+    }
+}

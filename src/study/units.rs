@@ -1,0 +1,33 @@
+//! Units in which errors of unlike parameters are added: declared by a study, never derived from the truth.
+
+use crate::model::ParameterKind;
+
+/// The error that counts as one, for each kind of parameter.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ReferenceUnits {
+    /// Masses.
+    pub mass_kg: f64,
+    /// First moments.
+    pub first_moment_kg_m: f64,
+    /// Inertias of links and rotors.
+    pub inertia_kg_m2: f64,
+    /// Viscous friction.
+    pub viscous_nm_s_rad: f64,
+    /// Coulomb friction and offsets.
+    pub torque_nm: f64,
+}
+
+impl ReferenceUnits {
+    /// The unit of one kind of parameter.
+    #[must_use]
+    pub const fn of(&self, kind: ParameterKind) -> f64 {
+        match kind {
+            ParameterKind::M => self.mass_kg,
+            ParameterKind::Mcx | ParameterKind::Mcy | ParameterKind::Mcz => self.first_moment_kg_m,
+            ParameterKind::Fv | ParameterKind::Fvm => self.viscous_nm_s_rad,
+            ParameterKind::Fc | ParameterKind::Fo | ParameterKind::Fcm => self.torque_nm,
+            _ => self.inertia_kg_m2,
+        }
+    }
+}

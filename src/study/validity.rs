@@ -1,0 +1,188 @@
+//! Which values of a base parameter no real arm of this shape can have: the paper's "values that are not reasonable",
+//! made a test.
+//!
+//! ```text
+//! link k is a mass distribution ρ ≥ 0 inside its shape, of total mass at most m_max
+//! β_b = Σ_k ∫ f_bk(x) ρ_k(x) dx       f_bk(x) = c₀ + gᵀx + xᵀQx, from row b of K and the ten of a unit point mass at x
+//! range of β_b = [ Σ_k m_max min(0, min f_bk),  Σ_k m_max max(0, max f_bk) ]
+//! ```
+//! The extremes of a linear functional over such distributions are point masses, so the range is exact once each
+//! quadratic is maximised over the link's capsules. An estimate outside the range is invalid. A value inside may still
+//! be wrong: parameters are tested one at a time. Rotor inertia and friction are only bounded below, by zero; offsets
+//! not at all.
+
+use nalgebra::{Matrix3, Vector3};
+
+use super::statistics::Interval;
+use crate::base::BaseReduction;
+use crate::model::{Capsule, ParameterKind, Robot};
+
+/// For every base parameter the interval of values that links of at most `max_mass` kg inside their shapes can have.
+///
+/// A link without a shape of its own takes those of its neighbours nearest to the base.
+#[must_use]
+pub fn feasible_ranges(robot: &Robot, base: &BaseReduction, max_mass: f64) -> Vec<Interval> {
+    let shapes: Vec<Vec<Capsule>> = (0..robot.dof()).map(|link| shapes_of(robot, link)).collect();
+    (0..base.rank())
+        .map(|row| {
+            let mut range = Interval { low: 0.0, high: 0.0 };
+            for (link, capsules) in shapes.iter().enumerate() {
+                let mut ten = [0.0; 10];
+                for (column, id) in base.parameters.iter().enumerate() {
+                    let k = base.k[(row, column)];
+                    if id.index != link || k == 0.0 {
+                        continue;
+                    }
+                    match id.kind {
+                        ParameterKind::Fo => range = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY },
+                        ParameterKind::Ia
+                        | ParameterKind::Fv
+                        | ParameterKind::Fc
+                        | ParameterKind::Fvm
+                        | ParameterKind::Fcm => {
+                            if k > 0.0 {
+                                range.high = f64::INFINITY;
+                            } else {
+                                range.low = f64::NEG_INFINITY;
+                            }
+                        }
+                        rigid => ten[rigid as usize] = k,
+                    }
+                }
+                let unit_mass = Quadratic::of_point_mass(&ten);
+                range.high += max_mass * unit_mass.maximum(capsules).max(0.0);
+                range.low -= max_mass * unit_mass.negated().maximum(capsules).max(0.0);
+            }
+            range
+        })
+        .collect()
+}
+
+/// The capsules of one link in its own frame; borrowed from the nearest link towards the base that has any, seen at
+/// the zero position, where it has none.
+fn shapes_of(robot: &Robot, link: usize) -> Vec<Capsule> {
+    let poses = robot.poses(&vec![0.0; robot.dof()]);
+    for owner in (0..=link).rev() {
+        let own: Vec<Capsule> =
+            robot.shapes().iter().filter(|shape| shape.link == owner + 1).map(|shape| shape.capsule).collect();
+        if !own.is_empty() {
+            let from_owner = poses[link].inverse().compose(&poses[owner]);
+            return own
+                .into_iter()
+                .map(|c| Capsule { from: from_owner.point(&c.from), to: from_owner.point(&c.to), radius: c.radius })
+                .collect();
+        }
+    }
+    Vec::new()
+}
+
+/// `c₀ + gᵀx + xᵀQx`.
+struct Quadratic {
+    constant: f64,
+    linear: Vector3<f64>,
+    square: Matrix3<f64>,
+}
+
+impl Quadratic {
+    /// Value of `Σ c_p φ_p` for a unit point mass at x: its ten are 1, x, y, z, y²+z², −xy, −xz, x²+z², −yz, x²+y².
+    fn of_point_mass(c: &[f64; 10]) -> Self {
+        let (xx, xy, xz, yy, yz, zz) = (c[4], c[5], c[6], c[7], c[8], c[9]);
+        Self {
+            constant: c[0],
+            linear: Vector3::new(c[1], c[2], c[3]),
+            square: Matrix3::new(
+                yy + zz,
+                -0.5 * xy,
+                -0.5 * xz,
+                -0.5 * xy,
+                xx + zz,
+                -0.5 * yz,
+                -0.5 * xz,
+                -0.5 * yz,
+                xx + yy,
+            ),
+        }
+    }
+
+    fn negated(&self) -> Self {
+        Self { constant: -self.constant, linear: -self.linear, square: -self.square }
+    }
+
+    fn at(&self, x: &Vector3<f64>) -> f64 {
+        self.constant + self.linear.dot(x) + x.dot(&(self.square * x))
+    }
+
+    /// The largest value over the capsules: projected gradient ascent from points spread over ends, middles and
+    /// surfaces. A quadratic on a ball has at most two local maxima that are not global (Martínez 1994), so the spread
+    /// of starts finds the global one.
+    fn maximum(&self, capsules: &[Capsule]) -> f64 {
+        let step = 0.5 / (self.square.norm() + self.linear.norm() + f64::MIN_POSITIVE);
+        let mut best = f64::NEG_INFINITY;
+        for capsule in capsules {
+            for start in starts(capsule) {
+                let mut x = start;
+                for _ in 0..200 {
+                    let gradient = self.linear + self.square * x * 2.0;
+                    let next = project(&(x + gradient * step), capsule);
+                    let moved = (next - x).norm();
+                    x = next;
+                    if moved < 1e-12 {
+                        break;
+                    }
+                }
+                best = best.max(self.at(&x)).max(self.at(&start));
+            }
+        }
+        best
+    }
+}
+
+fn starts(capsule: &Capsule) -> impl Iterator<Item = Vector3<f64>> + '_ {
+    let axis = capsule.to - capsule.from;
+    [0.0, 0.5, 1.0].into_iter().flat_map(move |s| {
+        (0..27).map(move |corner| {
+            let direction =
+                Vector3::new(f64::from(corner % 3 - 1), f64::from(corner / 3 % 3 - 1), f64::from(corner / 9 - 1));
+            let length = direction.norm();
+            let offset = if length > 0.0 { direction * (capsule.radius / length) } else { direction };
+            project(&(capsule.from + axis * s + offset), capsule)
+        })
+    })
+}
+
+/// The point of a capsule nearest to `x`.
+fn project(x: &Vector3<f64>, capsule: &Capsule) -> Vector3<f64> {
+    let axis = capsule.to - capsule.from;
+    let length_squared = axis.norm_squared();
+    let s = if length_squared > 0.0 { ((x - capsule.from).dot(&axis) / length_squared).clamp(0.0, 1.0) } else { 0.0 };
+    let spine = capsule.from + axis * s;
+    let away = x - spine;
+    let distance = away.norm();
+    if distance <= capsule.radius { *x } else { spine + away * (capsule.radius / distance) }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_extremes_over_a_ball_and_a_capsule() {
+        let ball = Capsule { from: Vector3::zeros(), to: Vector3::zeros(), radius: 2.0 };
+        // Mass: 1 everywhere. First moment x: the radius. Izz = x² + y²: the radius squared.
+        let of = |index: usize| {
+            let mut c = [0.0; 10];
+            c[index] = 1.0;
+            Quadratic::of_point_mass(&c)
+        };
+        assert!((of(0).maximum(&[ball]) - 1.0).abs() < 1e-12);
+        assert!((of(1).maximum(&[ball]) - 2.0).abs() < 1e-9);
+        assert!((of(9).maximum(&[ball]) - 4.0).abs() < 1e-9);
+        // Ixy = −∫ x y ρ: its largest value on the ball is r²/2, at x = −y.
+        assert!((of(5).maximum(&[ball]) - 2.0).abs() < 1e-9);
+        let rod = Capsule { from: Vector3::zeros(), to: Vector3::new(3.0, 0.0, 0.0), radius: 0.5 };
+        assert!((of(1).maximum(&[rod]) - 3.5).abs() < 1e-9);
+        assert!((of(1).negated().maximum(&[rod]) - 0.5).abs() < 1e-9);
+        // Izz = x² + y² is largest at the far end: (3.5)².
+        assert!((of(9).maximum(&[rod]) - 12.25).abs() < 1e-8);
+    }
+}
