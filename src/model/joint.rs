@@ -162,7 +162,7 @@ impl Joint {
 #[must_use]
 pub fn exact_sincos(degrees: f64) -> (f64, f64) {
     let quarter = degrees / 90.0;
-    if quarter == quarter.trunc() && quarter.abs() < 1e9 {
+    if quarter.fract() == 0.0 && quarter.abs() < 1e9 {
         match quarter.rem_euclid(4.0) as u8 {
             0 => (0.0, 1.0),
             1 => (1.0, 0.0),

@@ -10,14 +10,19 @@
 //! A [`Robot`] carries no inertia: parameters are values of their own ([`StandardParameters`]), and the true ones of
 //! a simulation are a type that only the last module can name.
 
+mod bundled;
 mod drive;
 mod friction;
 mod joint;
 mod parameters;
 mod robot;
+mod servo;
+pub mod format;
 
+pub use bundled::{BundledRobot, bundled};
 pub use drive::Drive;
 pub use friction::smooth_sign;
 pub use joint::{DhConvention, DhRow, Joint, JointKind, Limits, exact_sincos};
 pub use parameters::{Columns, DriveParameters, ParameterId, ParameterKind, StandardParameters};
 pub use robot::{Capsule, Obstacle, Robot, RobotFault, RobotSpec, Shape};
+pub use servo::{EffortInterface, ServoTuning};

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::{Joint, JointKind};
+use super::{EffortInterface, Joint, JointKind, ServoTuning};
 use crate::spatial::{Motion, Placement};
 
 /// A capsule: every point within `radius` of a segment, m.
@@ -112,6 +112,8 @@ pub struct Robot {
     coupling: Option<DMatrix<f64>>,
     shapes: Vec<Shape>,
     obstacles: Vec<Obstacle>,
+    effort: EffortInterface,
+    servo: ServoTuning,
 }
 
 impl Robot {
@@ -145,7 +147,8 @@ impl Robot {
             }
         }
         let axes = joints.iter().map(Joint::axis).collect();
-        Ok(Self { name, gravity, base, joints, axes, coupling, shapes, obstacles })
+        let (effort, servo) = (EffortInterface::default(), ServoTuning::default());
+        Ok(Self { name, gravity, base, joints, axes, coupling, shapes, obstacles, effort, servo })
     }
 
     /// Its name.
@@ -208,6 +211,32 @@ impl Robot {
         &self.obstacles
     }
 
+    /// What its controller reports as effort.
+    #[must_use]
+    pub fn effort(&self) -> EffortInterface {
+        self.effort
+    }
+
+    /// How its servo is tuned.
+    #[must_use]
+    pub fn servo(&self) -> &ServoTuning {
+        &self.servo
+    }
+
+    /// The same robot with another effort interface.
+    #[must_use]
+    pub fn with_effort(mut self, effort: EffortInterface) -> Self {
+        self.effort = effort;
+        self
+    }
+
+    /// The same robot with another tuning of its servo.
+    #[must_use]
+    pub fn with_servo(mut self, servo: ServoTuning) -> Self {
+        self.servo = servo;
+        self
+    }
+
     /// Pose of every link's frame in the base frame at joint coordinates `q` (n).
     #[must_use]
     pub fn poses(&self, q: &[f64]) -> Vec<Placement> {
@@ -266,7 +295,7 @@ fn check_joint(joint: &Joint) -> Result<(), RobotFault> {
             return fault(quantity, value.to_string(), "a finite number not below zero");
         }
     }
-    if joint.drive.encoder_sign.abs() != 1.0 {
+    if ![1.0, -1.0].contains(&joint.drive.encoder_sign) {
         return fault("encoder sign", joint.drive.encoder_sign.to_string(), "1 or -1");
     }
     if joint.drive.adc_bits > 30 {

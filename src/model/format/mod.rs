@@ -1,0 +1,29 @@
+//! Robots and their parameters as text: TOML, URDF and MJCF. Text in, value out; nothing here opens a file.
+//!
+//! | text | function | value |
+//! |---|---|---|
+//! | `robot.toml` | [`parse_robot`] | [`Robot`](super::Robot) |
+//! | `truth.toml`, `published.toml`, an export | [`parse_parameters`] | [`ParameterFile`] |
+//! | `nominal.toml` | [`parse_nominal`] | [`NominalParameters`] |
+//! | name → value, TOML or JSON | [`parse_parameter_map`] | [`StandardParameters`](super::StandardParameters) |
+//!
+//! Keys carry their unit as a suffix. A link is called after the joint that moves it, the one that stands still is
+//! `base`. Every fault is a [`FormatError`] that says what was found, what was expected, and the line and column.
+
+mod error;
+mod parameter_file;
+mod parameter_map;
+mod parameter_writer;
+mod reading;
+mod robot_file;
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "a number of the text is read to its last bit")]
+mod fault_tests;
+
+pub use error::FormatError;
+pub use parameter_file::{
+    NominalParameters, Note, ParameterFile, RelativeUncertainty, parse_nominal, parse_parameters,
+};
+pub use parameter_map::parse_parameter_map;
+pub use parameter_writer::write_parameters;
+pub use robot_file::parse_robot;

@@ -1,0 +1,90 @@
+//! Values that know where they stand in the text, and the checks that every file shares.
+
+use std::ops::Range;
+
+use nalgebra::{Matrix3, Vector3};
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+
+use super::FormatError;
+use crate::model::exact_sincos;
+use crate::spatial::Placement;
+
+/// A number and where it stands.
+pub(super) type Number = Spanned<f64>;
+/// A list of numbers and where they stand.
+pub(super) type Row = Spanned<Vec<Number>>;
+
+/// Reads TOML into the shape of a file.
+pub(super) fn read<T: DeserializeOwned>(text: &str) -> Result<T, FormatError> {
+    toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))
+}
+
+/// The checks of one text.
+#[derive(Clone, Copy)]
+pub(super) struct Check<'a> {
+    text: &'a str,
+}
+
+impl<'a> Check<'a> {
+    pub(super) fn new(text: &'a str) -> Self {
+        Self { text }
+    }
+
+    pub(super) fn fault<T>(&self, span: Range<usize>, message: impl Into<String>) -> Result<T, FormatError> {
+        Err(FormatError::at(self.text, span, message))
+    }
+
+    pub(super) fn finite(&self, key: &str, number: &Number) -> Result<f64, FormatError> {
+        let value = *number.get_ref();
+        if value.is_finite() {
+            Ok(value)
+        } else {
+            self.fault(number.span(), format!("{key} is {value}, expected a finite number"))
+        }
+    }
+
+    pub(super) fn positive(&self, key: &str, number: &Number) -> Result<f64, FormatError> {
+        let value = self.finite(key, number)?;
+        if value > 0.0 {
+            Ok(value)
+        } else {
+            self.fault(number.span(), format!("{key} is {value}, expected a number above zero"))
+        }
+    }
+
+    pub(super) fn not_negative(&self, key: &str, number: &Number) -> Result<f64, FormatError> {
+        let value = self.finite(key, number)?;
+        if value >= 0.0 {
+            Ok(value)
+        } else {
+            self.fault(number.span(), format!("{key} is {value}, expected a number not below zero"))
+        }
+    }
+
+    /// A list of exactly `N` finite numbers.
+    pub(super) fn numbers<const N: usize>(&self, key: &str, row: &Row) -> Result<[f64; N], FormatError> {
+        let found = row.get_ref();
+        if found.len() != N {
+            return self.fault(row.span(), format!("{key} has {} numbers, expected {N}", found.len()));
+        }
+        let mut out = [0.0; N];
+        for (slot, number) in out.iter_mut().zip(found) {
+            *slot = self.finite(key, number)?;
+        }
+        Ok(out)
+    }
+
+    pub(super) fn vector(&self, key: &str, row: &Row) -> Result<Vector3<f64>, FormatError> {
+        self.numbers::<3>(key, row).map(Vector3::from)
+    }
+}
+
+/// Rotation by roll, pitch and yaw in degrees about the fixed x, y and z axes: `Rz(yaw) Ry(pitch) Rx(roll)`.
+pub(super) fn roll_pitch_yaw(degrees: [f64; 3]) -> Matrix3<f64> {
+    let [roll, pitch, yaw] = degrees.map(exact_sincos);
+    let turn = Placement::rotation_z(yaw.0, yaw.1)
+        .compose(&Placement::rotation_y(pitch.0, pitch.1))
+        .compose(&Placement::rotation_x(roll.0, roll.1));
+    turn.rotation
+}

@@ -1,0 +1,378 @@
+//! `robot.toml`: kinematics, limits, drives and shapes of an arm.
+
+use std::ops::Range;
+
+use nalgebra::{DMatrix, Vector3};
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::FormatError;
+use super::reading::{Check, Number, Row, read, roll_pitch_yaw};
+use crate::model::{
+    Capsule, DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, Obstacle, Robot, RobotSpec,
+    ServoTuning, Shape,
+};
+use crate::spatial::Placement;
+
+/// Gravity where a file does not say otherwise, m/s².
+const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct RobotTable {
+    name: String,
+    convention: DhConvention,
+    gravity_m_s2: Option<Row>,
+    #[serde(default)]
+    effort: EffortInterface,
+    base: Option<BaseTable>,
+    servo: Option<ServoTable>,
+    joint: Spanned<Vec<Spanned<JointTable>>>,
+    coupling: Option<CouplingTable>,
+    #[serde(default)]
+    shape: Vec<ShapeTable>,
+    floor: Option<FloorTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct BaseTable {
+    position_m: Option<Row>,
+    roll_pitch_yaw_deg: Option<Row>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ServoTable {
+    rate_hz: Number,
+    bandwidth_hz: Number,
+    damping: Number,
+    integral_hz: Number,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct JointTable {
+    name: Spanned<String>,
+    kind: JointKind,
+    dh: DhTable,
+    #[serde(default)]
+    limits: LimitsTable,
+    drive: Option<DriveTable>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DhTable {
+    offset_deg: Number,
+    d_m: Number,
+    a_m: Number,
+    alpha_deg: Number,
+}
+
+#[derive(Default, Deserialize)]
+#[serde(deny_unknown_fields)]
+struct LimitsTable {
+    position_deg: Option<Row>,
+    position_m: Option<Row>,
+    velocity_deg_s: Option<Number>,
+    velocity_m_s: Option<Number>,
+    acceleration_rad_s2: Option<Number>,
+    acceleration_m_s2: Option<Number>,
+    torque_nm: Option<Number>,
+    force_n: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct DriveTable {
+    gear: Option<Number>,
+    gear_rad_m: Option<Number>,
+    torque_constant_nm_a: Option<Number>,
+    current_limit_a: Option<Number>,
+    counts_per_revolution: Option<Number>,
+    counts_per_m: Option<Number>,
+    encoder_sign: Option<Number>,
+    current_noise_a: Option<Number>,
+    adc_range_a: Option<Number>,
+    adc_bits: Option<Spanned<u32>>,
+    coulomb_velocity_rad_s: Option<Number>,
+    coulomb_velocity_m_s: Option<Number>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct CouplingTable {
+    motor_from_joint: Spanned<Vec<Row>>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct ShapeTable {
+    link: Spanned<String>,
+    from_m: Row,
+    to_m: Row,
+    radius_m: Number,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct FloorTable {
+    z_m: Number,
+}
+
+/// Reads a `robot.toml`.
+///
+/// Angles and speeds are in the units that their keys name, and SI inside. A limit that is not given is infinite, a
+/// joint without a `drive` has [`Drive::ideal`]. Where the effort interface is `torque`, the torque constant may be
+/// left out; it is then 1 / gear, so that the effort passes through the drive unchanged.
+///
+/// # Errors
+/// [`FormatError`] with line and column: an unknown or missing key, a list of the wrong length, a number that is not
+/// finite, a gear that is not positive, limits that are reversed, a link that is not there, a singular coupling.
+pub fn parse_robot(text: &str) -> Result<Robot, FormatError> {
+    let file: RobotTable = read(text)?;
+    let check = Check::new(text);
+    let tables = file.joint.get_ref();
+    if tables.is_empty() {
+        return check.fault(file.joint.span(), "the robot has no joints, expected at least one [[joint]]");
+    }
+    let mut names: Vec<&str> = Vec::with_capacity(tables.len());
+    let mut joints = Vec::with_capacity(tables.len());
+    for table in tables {
+        let reader = JointReader { check, at: table.span(), table: table.get_ref(), effort: file.effort };
+        let name = table.get_ref().name.get_ref().as_str();
+        if name == "base" || names.contains(&name) {
+            let message = format!("joint name \"{name}\" is taken, expected a name that no other link has");
+            return check.fault(table.get_ref().name.span(), message);
+        }
+        names.push(name);
+        joints.push(reader.joint(file.convention)?);
+    }
+    let shapes = file.shape.iter().map(|shape| read_shape(check, shape, &names)).collect::<Result<_, _>>()?;
+    let obstacles = match &file.floor {
+        Some(floor) => vec![Obstacle::Floor { z: check.finite("z_m", &floor.z_m)? }],
+        None => Vec::new(),
+    };
+    let spec = RobotSpec {
+        name: file.name,
+        gravity: match &file.gravity_m_s2 {
+            Some(row) => check.vector("gravity_m_s2", row)?,
+            None => Vector3::from(STANDARD_GRAVITY),
+        },
+        base: read_base(check, file.base.as_ref())?,
+        joints,
+        coupling: file.coupling.as_ref().map(|table| read_coupling(check, table, tables.len())).transpose()?,
+        shapes,
+        obstacles,
+    };
+    let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?.unwrap_or_default();
+    match Robot::new(spec) {
+        Ok(robot) => Ok(robot.with_effort(file.effort).with_servo(servo)),
+        Err(fault) => check.fault(file.joint.span(), fault.to_string()),
+    }
+}
+
+fn read_base(check: Check<'_>, table: Option<&BaseTable>) -> Result<Placement, FormatError> {
+    let mut base = Placement::identity();
+    if let Some(table) = table {
+        if let Some(row) = &table.position_m {
+            base.translation = check.vector("position_m", row)?;
+        }
+        if let Some(row) = &table.roll_pitch_yaw_deg {
+            base.rotation = roll_pitch_yaw(check.numbers("roll_pitch_yaw_deg", row)?);
+        }
+    }
+    Ok(base)
+}
+
+fn read_servo(check: Check<'_>, table: &ServoTable) -> Result<ServoTuning, FormatError> {
+    Ok(ServoTuning {
+        rate_hz: check.positive("rate_hz", &table.rate_hz)?,
+        bandwidth_hz: check.positive("bandwidth_hz", &table.bandwidth_hz)?,
+        damping: check.positive("damping", &table.damping)?,
+        integral_hz: check.not_negative("integral_hz", &table.integral_hz)?,
+    })
+}
+
+fn read_coupling(check: Check<'_>, table: &CouplingTable, n: usize) -> Result<DMatrix<f64>, FormatError> {
+    let rows = table.motor_from_joint.get_ref();
+    let whole = table.motor_from_joint.span();
+    if rows.len() != n {
+        return check.fault(whole, format!("motor_from_joint has {} rows, expected {n}, one per motor", rows.len()));
+    }
+    let mut matrix = DMatrix::zeros(n, n);
+    for (i, row) in rows.iter().enumerate() {
+        if row.get_ref().len() != n {
+            let found = row.get_ref().len();
+            return check
+                .fault(row.span(), format!("row {} of motor_from_joint has {found} numbers, expected {n}", i + 1));
+        }
+        for (j, number) in row.get_ref().iter().enumerate() {
+            matrix[(i, j)] = check.finite("motor_from_joint", number)?;
+        }
+    }
+    if matrix.clone().try_inverse().is_none() {
+        return check.fault(whole, "motor_from_joint is singular, expected a matrix with an inverse");
+    }
+    Ok(matrix)
+}
+
+fn read_shape(check: Check<'_>, table: &ShapeTable, joints: &[&str]) -> Result<Shape, FormatError> {
+    let name = table.link.get_ref();
+    let link = if name == "base" { Some(0) } else { joints.iter().position(|joint| joint == name).map(|i| i + 1) };
+    let Some(link) = link else {
+        let message = format!("link \"{name}\" is not there, expected \"base\" or one of {}", quoted(joints));
+        return check.fault(table.link.span(), message);
+    };
+    let capsule = Capsule {
+        from: check.vector("from_m", &table.from_m)?,
+        to: check.vector("to_m", &table.to_m)?,
+        radius: check.positive("radius_m", &table.radius_m)?,
+    };
+    Ok(Shape { link, capsule })
+}
+
+/// Names for a message: `"a", "b", "c"`.
+pub(super) fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+}
+
+/// Reads one `[[joint]]`.
+struct JointReader<'a> {
+    check: Check<'a>,
+    at: Range<usize>,
+    table: &'a JointTable,
+    effort: EffortInterface,
+}
+
+impl JointReader<'_> {
+    fn joint(&self, convention: DhConvention) -> Result<Joint, FormatError> {
+        let dh = &self.table.dh;
+        let row = DhRow {
+            offset_deg: self.check.finite("offset_deg", &dh.offset_deg)?,
+            d: self.check.finite("d_m", &dh.d_m)?,
+            a: self.check.finite("a_m", &dh.a_m)?,
+            alpha_deg: self.check.finite("alpha_deg", &dh.alpha_deg)?,
+        };
+        let (before, after) = row.placements(convention);
+        Ok(Joint {
+            name: self.table.name.get_ref().clone(),
+            kind: self.table.kind,
+            before,
+            after,
+            dh: Some((convention, row)),
+            limits: self.limits()?,
+            drive: self.drive()?,
+        })
+    }
+
+    /// The key of a pair that fits the joint's kind; the other one is a fault.
+    fn fitting<'b, T>(
+        &self,
+        revolute: (&'static str, &'b Option<Spanned<T>>),
+        prismatic: (&'static str, &'b Option<Spanned<T>>),
+    ) -> Result<Option<(&'static str, &'b Spanned<T>)>, FormatError> {
+        let ((key, value), (wrong_key, wrong), kind) = match self.table.kind {
+            JointKind::Revolute => (revolute, prismatic, "revolute"),
+            JointKind::Prismatic => (prismatic, revolute, "prismatic"),
+        };
+        if let Some(wrong) = wrong {
+            let message = format!("{wrong_key} is given for a {kind} joint, expected {key}");
+            return self.check.fault(wrong.span(), message);
+        }
+        Ok(value.as_ref().map(|value| (key, value)))
+    }
+
+    fn limits(&self) -> Result<Limits, FormatError> {
+        let table = &self.table.limits;
+        let revolute = self.table.kind == JointKind::Revolute;
+        // A degree limit is converted once, here; an angle of the file is a double of its own all the way.
+        let si = |value: f64| if revolute { value.to_radians() } else { value };
+        let mut limits = Limits::NONE;
+        if let Some((key, row)) =
+            self.fitting(("position_deg", &table.position_deg), ("position_m", &table.position_m))?
+        {
+            let [low, high] = self.check.numbers::<2>(key, row)?;
+            if low >= high {
+                let message = format!("{key} is [{low}, {high}], expected the lower limit below the upper");
+                return self.check.fault(row.span(), message);
+            }
+            limits.position = (si(low), si(high));
+        }
+        if let Some((key, x)) =
+            self.fitting(("velocity_deg_s", &table.velocity_deg_s), ("velocity_m_s", &table.velocity_m_s))?
+        {
+            limits.velocity = si(self.check.positive(key, x)?);
+        }
+        if let Some((key, x)) = self.fitting(
+            ("acceleration_rad_s2", &table.acceleration_rad_s2),
+            ("acceleration_m_s2", &table.acceleration_m_s2),
+        )? {
+            limits.acceleration = self.check.positive(key, x)?;
+        }
+        if let Some((key, x)) = self.fitting(("torque_nm", &table.torque_nm), ("force_n", &table.force_n))? {
+            limits.torque = self.check.positive(key, x)?;
+        }
+        Ok(limits)
+    }
+
+    fn drive(&self) -> Result<Drive, FormatError> {
+        let Some(table) = &self.table.drive else { return Ok(Drive::ideal()) };
+        let check = self.check;
+        let mut drive = Drive::ideal();
+        let Some((key, gear)) = self.fitting(("gear", &table.gear), ("gear_rad_m", &table.gear_rad_m))? else {
+            let name = self.table.name.get_ref();
+            return check.fault(self.at.clone(), format!("the drive of joint \"{name}\" has no gear, expected one"));
+        };
+        drive.gear = check.positive(key, gear)?;
+        drive.torque_constant = match (&table.torque_constant_nm_a, self.effort) {
+            (Some(x), _) => check.positive("torque_constant_nm_a", x)?,
+            (None, EffortInterface::Torque) => 1.0 / drive.gear,
+            (None, EffortInterface::Current) => {
+                let name = self.table.name.get_ref();
+                let message = format!(
+                    "the drive of joint \"{name}\" has no torque_constant_nm_a, expected one since effort is a current"
+                );
+                return check.fault(self.at.clone(), message);
+            }
+        };
+        if let Some(x) = &table.current_limit_a {
+            drive.current_limit = check.positive("current_limit_a", x)?;
+        }
+        if let Some((key, x)) = self
+            .fitting(("counts_per_revolution", &table.counts_per_revolution), ("counts_per_m", &table.counts_per_m))?
+        {
+            drive.counts_per_revolution = check.positive(key, x)?;
+        }
+        if let Some(x) = &table.encoder_sign {
+            drive.encoder_sign = check.finite("encoder_sign", x)?;
+            if ![1.0, -1.0].contains(&drive.encoder_sign) {
+                return check.fault(x.span(), format!("encoder_sign is {}, expected 1 or -1", drive.encoder_sign));
+            }
+        }
+        if let Some(x) = &table.current_noise_a {
+            drive.current_noise = check.not_negative("current_noise_a", x)?;
+        }
+        if let Some(x) = &table.adc_range_a {
+            drive.adc_range = check.positive("adc_range_a", x)?;
+        }
+        if let Some(bits) = &table.adc_bits {
+            drive.adc_bits = *bits.get_ref();
+            if drive.adc_bits > 30 {
+                let message = format!("adc_bits is {}, expected 0 (no quantisation) to 30", drive.adc_bits);
+                return check.fault(bits.span(), message);
+            }
+            if drive.adc_bits > 0 && drive.adc_range.is_infinite() {
+                return check.fault(bits.span(), "adc_bits is given without adc_range_a, expected both or neither");
+            }
+        }
+        if let Some((key, x)) = self.fitting(
+            ("coulomb_velocity_rad_s", &table.coulomb_velocity_rad_s),
+            ("coulomb_velocity_m_s", &table.coulomb_velocity_m_s),
+        )? {
+            drive.coulomb_velocity = check.not_negative(key, x)?;
+        }
+        Ok(drive)
+    }
+}
