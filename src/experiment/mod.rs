@@ -1,1 +1,47 @@
-//! experiment
+//! Performing an experiment: what is asked for, what carries it out, and what it leaves behind.
+//!
+//! ```text
+//! ExperimentPlan ── Arm ──→ Recording          Arm = Servo<P: Plant> | a real robot | Replay
+//!
+//!                 ┌────────────────────── Servo ─────────────────────┐
+//! command r(t) ─→ │ PID ─ current limit ─ Kt, gear, coupling ─ Plant │
+//!                 │  └──────── encoder counts ←──────────────────┘   │ ─→ q̂, î at rate_hz
+//! ```
+//! A [`Plant`] turns torque into motion; a [`Servo`] puts the controller and the sensors of a real arm around it, so
+//! that a simulated experiment and a real one differ in nothing that a later stage can see. Which of them performs a
+//! plan is one word for the user and one type here.
+//!
+//! Time: sample k is taken at `t = k / rate_hz` after the beginning; torques are held over a servo step. Wall time
+//! plays no part. Every random number comes from the servo's seed and run.
+
+mod arm;
+mod command;
+mod command_table;
+mod controller;
+mod cycle;
+mod phase;
+mod plan;
+mod plant;
+mod recording;
+mod replay;
+mod sensing;
+mod servo;
+mod tracking;
+mod transmission;
+#[cfg(test)]
+mod hinges;
+
+pub use arm::{Arm, ArmError, Divergence, Ending, Flow, RawSample, Sink};
+pub use command::Command;
+pub use command_table::CommandTable;
+pub use controller::JointPid;
+pub use cycle::{Cycle, Next, TrueState};
+pub use phase::{Phase, PhaseSpan};
+pub use plan::{ExperimentPlan, Layout, PlanError};
+pub use plant::{Plant, PlantError};
+pub use recording::{Recording, record};
+pub use replay::Replay;
+pub use sensing::Sensing;
+pub use servo::{Servo, ServoError, gain_pose};
+pub use tracking::Tracking;
+pub use transmission::Transmission;

@@ -1,0 +1,141 @@
+//! What performs an experiment, simulated or real, and where its samples go.
+
+use super::{ExperimentPlan, Phase, PlanError, PlantError, Recording};
+
+/// An arm that performs experiments: a servo around a simulated plant, a real robot, or a stored recording.
+///
+/// Laws that every arm obeys are in `conformance::arm_laws`.
+pub trait Arm: Send {
+    /// Performs a plan from beginning to end, or until the sink says stop.
+    ///
+    /// `sink` hears [`Sink::begin`] once, before the first sample, and then every sample in the order of time.
+    ///
+    /// # Errors
+    /// [`ArmError`] where the experiment cannot begin. One that begins and goes wrong has an [`Ending`] that says how,
+    /// and its samples up to there count.
+    fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError>;
+}
+
+impl<A: Arm + ?Sized> Arm for Box<A> {
+    fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
+        (**self).perform(plan, sink)
+    }
+}
+
+/// Where samples go: into memory, into a file, into a running average.
+pub trait Sink {
+    /// Hears what is about to be recorded: a [`Recording`] that has every field but no samples yet.
+    fn begin(&mut self, recording: &Recording);
+
+    /// Takes one sample and says whether to go on.
+    fn sample(&mut self, sample: &RawSample<'_>) -> Flow;
+}
+
+/// Whether an experiment goes on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Flow {
+    /// Go on.
+    Continue,
+    /// Come to rest and end.
+    Stop,
+}
+
+/// What the sensors say at one moment, and what was asked for. All slices have length n.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct RawSample<'a> {
+    /// Position in the experiment, from zero.
+    pub index: usize,
+    /// Time since the beginning of the experiment, s.
+    pub t: f64,
+    /// What the arm is doing.
+    pub phase: Phase,
+    /// Joint coordinates from the encoders, rad (m).
+    pub q: &'a [f64],
+    /// What the robot reports as effort: motor currents, A, or joint torques, N·m (N).
+    pub effort: &'a [f64],
+    /// Commanded joint coordinates, rad (m).
+    pub command: &'a [f64],
+}
+
+/// How an experiment ended.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Ending {
+    /// Everything was performed.
+    Completed,
+    /// The sink asked to stop.
+    Stopped {
+        /// Time of the last sample, s.
+        t: f64,
+        /// Phase of the last sample.
+        phase: Phase,
+    },
+    /// The motion ran away.
+    Diverged {
+        /// When, s.
+        t: f64,
+        /// In which phase.
+        phase: Phase,
+        /// What went wrong.
+        reason: Divergence,
+    },
+}
+
+impl Ending {
+    /// Whether everything was performed.
+    #[must_use]
+    pub const fn is_complete(&self) -> bool {
+        matches!(self, Self::Completed)
+    }
+}
+
+/// How a motion ran away.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum Divergence {
+    /// The plant gave up.
+    #[error(transparent)]
+    Plant(#[from] PlantError),
+    /// A joint is faster than ten times its limit.
+    #[error("joint \"{joint}\": speed {found:.3} exceeds ten times its limit {limit:.3} (rad/s or m/s)")]
+    Speed {
+        /// Name of the joint.
+        joint: String,
+        /// Its speed, rad/s (m/s).
+        found: f64,
+        /// Its limit, rad/s (m/s).
+        limit: f64,
+    },
+}
+
+/// Why an experiment cannot begin.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ArmError {
+    /// The plan cannot be performed.
+    #[error(transparent)]
+    Plan(#[from] PlanError),
+    /// The servo cannot sample at the rate that the plan asks for.
+    #[error("the servo runs at {servo_hz} Hz, expected a whole multiple of the plan's {rate_hz} Hz")]
+    Rate {
+        /// Rate of the servo, Hz.
+        servo_hz: f64,
+        /// Rate of the plan, Hz.
+        rate_hz: f64,
+    },
+    /// A stored recording is of another experiment.
+    #[error("the recording's {quantity} is {found}, expected the plan's {expected}")]
+    Mismatch {
+        /// Which quantity differs.
+        quantity: &'static str,
+        /// What the recording has.
+        found: String,
+        /// What the plan has.
+        expected: String,
+    },
+    /// The arm itself cannot begin: no link, not homed, not enabled.
+    #[error("{arm}: {reason}")]
+    Unavailable {
+        /// Name of the arm.
+        arm: String,
+        /// Why.
+        reason: String,
+    },
+}

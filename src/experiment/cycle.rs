@@ -1,0 +1,221 @@
+//! The servo between two steps of its plant: sensors, controller, phases, samples. No plant inside, so that several
+//! runs can share the steps of one.
+
+use std::sync::Arc;
+
+use super::sensing::Sensors;
+use super::{CommandTable, Divergence, Ending, Flow, JointPid, Layout, Phase, RawSample, Sink, Tracking, Transmission};
+use crate::model::{EffortInterface, Robot};
+
+/// The true state behind one sample, for tests, scoring and bounds; no sensor sees it. All slices have length n.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct TrueState<'a> {
+    /// Position in the experiment, from zero.
+    pub index: usize,
+    /// Time since the beginning of the experiment, s.
+    pub t: f64,
+    /// What the arm is doing.
+    pub phase: Phase,
+    /// Joint coordinates, rad (m).
+    pub q: &'a [f64],
+    /// Joint velocities, rad/s (m/s).
+    pub qd: &'a [f64],
+    /// Effort of the motors on the joints, held from this moment to the next servo step, N·m (N).
+    pub tau: &'a [f64],
+}
+
+/// What a cycle wants next.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Next {
+    /// Step the plant under [`Cycle::tau`].
+    Step,
+    /// The experiment is over.
+    End(Ending),
+}
+
+/// One experiment as a sequence of servo steps.
+#[derive(Clone, Debug)]
+pub struct Cycle {
+    layout: Arc<Layout>,
+    table: Arc<CommandTable>,
+    rate_hz: f64,
+    per_sample: usize,
+    effort: EffortInterface,
+    joints: Vec<String>,
+    /// Ten times the speed limits.
+    runaway: Vec<f64>,
+    transmission: Transmission,
+    controller: JointPid,
+    sensors: Sensors,
+    tracking: Tracking,
+    step: usize,
+    sample: usize,
+    phase: usize,
+    q_motor: Vec<f64>,
+    command_motor: Vec<f64>,
+    measured: Vec<f64>,
+    current: Vec<f64>,
+    before: Vec<f64>,
+    torque_motor: Vec<f64>,
+    tau: Vec<f64>,
+    sensed: Vec<f64>,
+    q_sample: Vec<f64>,
+    effort_sample: Vec<f64>,
+}
+
+/// Everything a cycle is made of.
+pub(super) struct CycleSpec<'a> {
+    pub(super) robot: &'a Robot,
+    pub(super) layout: Arc<Layout>,
+    pub(super) table: Arc<CommandTable>,
+    pub(super) rate_hz: f64,
+    pub(super) per_sample: usize,
+    pub(super) transmission: Transmission,
+    pub(super) controller: JointPid,
+    pub(super) sensors: Sensors,
+}
+
+impl Cycle {
+    pub(super) fn new(spec: CycleSpec<'_>) -> Self {
+        let CycleSpec { robot, layout, table, rate_hz, per_sample, transmission, mut controller, sensors } = spec;
+        controller.reset();
+        let n = robot.dof();
+        let zero = || vec![0.0; n];
+        Self {
+            layout,
+            table,
+            rate_hz,
+            per_sample,
+            effort: robot.effort(),
+            joints: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+            runaway: robot.joints().iter().map(|joint| 10.0 * joint.limits.velocity).collect(),
+            transmission,
+            controller,
+            sensors,
+            tracking: Tracking::new(n),
+            step: 0,
+            sample: 0,
+            phase: 0,
+            q_motor: zero(),
+            command_motor: zero(),
+            measured: zero(),
+            current: zero(),
+            before: zero(),
+            torque_motor: zero(),
+            tau: zero(),
+            sensed: zero(),
+            q_sample: zero(),
+            effort_sample: zero(),
+        }
+    }
+
+    /// Length of a servo step, s.
+    #[must_use]
+    pub fn dt(&self) -> f64 {
+        self.controller.dt()
+    }
+
+    /// Where the plant must be at rest when the experiment begins, n.
+    #[must_use]
+    pub fn start(&self) -> &[f64] {
+        self.table.row(0)
+    }
+
+    /// What the motors exert on the joints until the next step, N·m (N); n.
+    #[must_use]
+    pub fn tau(&self) -> &[f64] {
+        &self.tau
+    }
+
+    /// How well the command was followed so far; mean errors only after the end.
+    #[must_use]
+    pub fn tracking(&self) -> &Tracking {
+        &self.tracking
+    }
+
+    /// One servo step at the plant's state `q`, `qd`: reads the sensors, decides [`Cycle::tau`], hands a sample to the
+    /// sink where one is due.
+    pub fn advance(
+        &mut self,
+        q: &[f64],
+        qd: &[f64],
+        sink: &mut dyn Sink,
+        observer: &mut dyn FnMut(&TrueState<'_>),
+    ) -> Next {
+        let due = self.step.is_multiple_of(self.per_sample);
+        while due && self.phase < self.layout.spans.len() && self.sample >= self.layout.spans[self.phase].samples.end {
+            self.phase += 1;
+        }
+        let Some(span) = self.layout.spans.get(self.phase) else { return self.end(Ending::Completed) };
+        let phase = span.phase;
+        if let Some(reason) = self.runaway(q, qd) {
+            return self.end(Ending::Diverged { t: self.step as f64 * self.dt(), phase, reason });
+        }
+        let command = self.table.row(self.step);
+        self.transmission.motor_motion(q, &mut self.q_motor);
+        self.transmission.motor_motion(command, &mut self.command_motor);
+        self.sensors.positions(&self.q_motor, &mut self.measured);
+        self.before.copy_from_slice(&self.current);
+        let saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
+        if self.step == 0 {
+            self.before.copy_from_slice(&self.current);
+        }
+        for i in 0..self.tau.len() {
+            self.torque_motor[i] = self.transmission.per_ampere()[i] * self.current[i];
+        }
+        self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
+        self.tracking.saturated_steps += usize::from(saturated);
+        if phase == Phase::Record {
+            self.tracking.add(command, q, &self.tau, &self.current);
+        }
+        self.step += 1;
+        if due {
+            let (index, t) = (self.sample, self.sample as f64 / self.rate_hz);
+            self.sample += 1;
+            self.transmission.joint_motion(&self.measured, &mut self.q_sample);
+            self.sensors.currents(&self.before, &self.current, &mut self.sensed);
+            self.report();
+            observer(&TrueState { index, t, phase, q, qd, tau: &self.tau });
+            let command = self.table.row(self.step - 1);
+            let sample = RawSample { index, t, phase, q: &self.q_sample, effort: &self.effort_sample, command };
+            if sink.sample(&sample) == Flow::Stop {
+                return self.end(Ending::Stopped { t, phase });
+            }
+        }
+        Next::Step
+    }
+
+    /// Ends the experiment because the plant gave up.
+    pub fn fail(&mut self, fault: super::PlantError) -> Ending {
+        let phase = self.layout.spans.get(self.phase).map_or(Phase::RampOut, |span| span.phase);
+        let t = self.step as f64 * self.dt();
+        self.tracking.finish();
+        Ending::Diverged { t, phase, reason: Divergence::Plant(fault) }
+    }
+
+    fn end(&mut self, ending: Ending) -> Next {
+        self.tracking.finish();
+        Next::End(ending)
+    }
+
+    /// Currents as the robot reports them.
+    fn report(&mut self) {
+        match self.effort {
+            EffortInterface::Current => self.effort_sample.copy_from_slice(&self.sensed),
+            EffortInterface::Torque => {
+                for i in 0..self.sensed.len() {
+                    self.torque_motor[i] = self.transmission.per_ampere()[i] * self.sensed[i];
+                }
+                self.transmission.joint_torque(&self.torque_motor, &mut self.effort_sample);
+            }
+        }
+    }
+
+    fn runaway(&self, q: &[f64], qd: &[f64]) -> Option<Divergence> {
+        if let Some(fault) = super::PlantError::of_state(q, qd) {
+            return Some(Divergence::Plant(fault));
+        }
+        let i = (0..qd.len()).find(|&i| qd[i].abs() > self.runaway[i])?;
+        Some(Divergence::Speed { joint: self.joints[i].clone(), found: qd[i].abs(), limit: self.runaway[i] / 10.0 })
+    }
+}

@@ -1,0 +1,59 @@
+//! A stored recording as an arm.
+
+use super::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Sink};
+use crate::excitation::Trajectory;
+
+/// Performs an experiment by playing what another arm once recorded.
+#[derive(Clone, Debug)]
+pub struct Replay(pub Recording);
+
+impl Replay {
+    /// The plan's motion and rates must be those of the recording; times around the recorded periods may differ.
+    fn check(&self, plan: &ExperimentPlan) -> Result<(), ArmError> {
+        let recording = &self.0;
+        let layout = plan.check(recording.dof)?;
+        let mismatch =
+            |quantity, found: String, expected: String| Err(ArmError::Mismatch { quantity, found, expected });
+        if (recording.rate_hz - plan.rate_hz).abs() > 1e-9 * plan.rate_hz {
+            return mismatch("rate_hz", recording.rate_hz.to_string(), plan.rate_hz.to_string());
+        }
+        if recording.period_samples != layout.period_samples {
+            return mismatch(
+                "samples per period",
+                recording.period_samples.to_string(),
+                layout.period_samples.to_string(),
+            );
+        }
+        if recording.trajectory != plan.trajectory {
+            return mismatch("trajectory", "another motion".to_owned(), "motion".to_owned());
+        }
+        if recording.periods() < plan.periods {
+            return mismatch("number of recorded periods", recording.periods().to_string(), plan.periods.to_string());
+        }
+        Ok(())
+    }
+}
+
+impl Arm for Replay {
+    fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
+        self.check(plan)?;
+        let recording = &self.0;
+        let n = recording.dof;
+        sink.begin(&Recording { t: Vec::new(), q: Vec::new(), effort: Vec::new(), ..recording.clone() });
+        let mut command = vec![0.0; n];
+        let (mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n]);
+        let origin = recording.samples(Phase::Record).start;
+        for k in 0..recording.len() {
+            let phase = recording.phase(k).unwrap_or(Phase::RampOut);
+            let since = (k as f64 - origin as f64) / recording.rate_hz;
+            recording.trajectory.evaluate(since, &mut command, &mut qd, &mut qdd);
+            let t = recording.t[k];
+            let sample =
+                RawSample { index: k, t, phase, q: recording.q(k), effort: recording.effort(k), command: &command };
+            if sink.sample(&sample) == Flow::Stop {
+                return Ok(Ending::Stopped { t, phase });
+            }
+        }
+        Ok(Ending::Completed)
+    }
+}

@@ -1,0 +1,391 @@
+//! A plant with the controller and the sensors of a real arm around it.
+
+use std::sync::Arc;
+
+use super::cycle::CycleSpec;
+use super::sensing::Sensors;
+use super::{
+    Arm, ArmError, CommandTable, Cycle, Ending, ExperimentPlan, JointPid, Next, Plant, Recording, Sensing, Sink,
+    Tracking, Transmission, TrueState,
+};
+use crate::dynamics::Dynamics;
+use crate::model::{Robot, StandardParameters};
+use crate::provenance::Provenance;
+use crate::seed::Seed;
+
+/// A simulated arm: a plant under the robot's joint servo, seen through the robot's sensors.
+///
+/// Each servo step reads the encoders, lets the controller decide motor currents, and holds the torques of these
+/// currents on the plant until the next step. Gains come from the nominal parameters at
+/// [`gain_pose`]; the controller never sees the plant's own.
+///
+/// A run is a pure function of robot, plant, plan, sensing, seed and run number.
+#[derive(Clone, Debug)]
+pub struct Servo<P> {
+    robot: Robot,
+    robot_text: String,
+    plant: P,
+    sensing: Sensing,
+    seed: Seed,
+    run: u64,
+    inertia: Vec<f64>,
+    tracking: Option<Tracking>,
+}
+
+/// Why a servo cannot be built.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ServoError {
+    /// Plant, parameters and robot do not belong together.
+    #[error("{quantity} has {found} joints, expected the robot's {expected}")]
+    Dof {
+        /// What does not fit.
+        quantity: &'static str,
+        /// Its number of joints.
+        found: usize,
+        /// The robot's.
+        expected: usize,
+    },
+    /// The nominal parameters give a motor no inertia to place gains on.
+    #[error("motor of joint \"{joint}\": nominal inertia is {inertia} kg·m² at the gain pose, expected above zero")]
+    Inertia {
+        /// Name of the joint.
+        joint: String,
+        /// What was found.
+        inertia: f64,
+    },
+}
+
+/// The pose at which gains are placed: every joint a quarter of its range above the middle of it, 45° where it has no
+/// limits. An arm with its elbow half bent, neither folded nor stretched; n, rad (m).
+#[must_use]
+pub fn gain_pose(robot: &Robot) -> Vec<f64> {
+    robot
+        .joints()
+        .iter()
+        .map(|joint| {
+            let (low, high) = joint.limits.position;
+            if (high - low).is_finite() { low + 0.75 * (high - low) } else { std::f64::consts::FRAC_PI_4 }
+        })
+        .collect()
+}
+
+/// The mass matrix column by column: the torque of each unit acceleration, less that of none.
+fn mass_matrix(dynamics: &mut Dynamics, q: &[f64]) -> nalgebra::DMatrix<f64> {
+    let n = q.len();
+    let rest = vec![0.0; n];
+    let (mut bias, mut tau) = (vec![0.0; n], vec![0.0; n]);
+    dynamics.inverse(q, &rest, &rest, &mut bias);
+    let mut m = nalgebra::DMatrix::zeros(n, n);
+    for j in 0..n {
+        let mut unit = vec![0.0; n];
+        unit[j] = 1.0;
+        dynamics.inverse(q, &rest, &unit, &mut tau);
+        for i in 0..n {
+            m[(i, j)] = tau[i] - bias[i];
+        }
+    }
+    m
+}
+
+impl<P: Plant> Servo<P> {
+    /// A servo around a plant, with gains for the nominal parameters, the sensors of the robot file, seed 0 and run 0.
+    ///
+    /// # Errors
+    /// [`ServoError`] where plant or parameters do not fit the robot, or give a motor no inertia.
+    pub fn new(robot: &Robot, nominal: &StandardParameters, plant: P) -> Result<Self, ServoError> {
+        let expected = robot.dof();
+        for (quantity, found) in [("plant", plant.dof()), ("nominal parameter set", nominal.links.len())] {
+            if found != expected {
+                return Err(ServoError::Dof { quantity, found, expected });
+            }
+        }
+        let mass_matrix = mass_matrix(&mut Dynamics::new(robot, nominal), &gain_pose(robot));
+        let inertia = Transmission::new(robot).motor_inertia(&mass_matrix);
+        for (joint, &inertia) in robot.joints().iter().zip(&inertia) {
+            if !(inertia.is_finite() && inertia > 0.0) {
+                return Err(ServoError::Inertia { joint: joint.name.clone(), inertia });
+            }
+        }
+        Ok(Self {
+            robot: robot.clone(),
+            robot_text: String::new(),
+            plant,
+            sensing: Sensing::default(),
+            seed: Seed::new(0),
+            run: 0,
+            inertia,
+            tracking: None,
+        })
+    }
+
+    /// The same servo with the random streams of another seed and run.
+    #[must_use]
+    pub fn with_seed(mut self, seed: Seed, run: u64) -> Self {
+        (self.seed, self.run) = (seed, run);
+        self
+    }
+
+    /// The same servo with other sensors.
+    #[must_use]
+    pub fn with_sensing(mut self, sensing: Sensing) -> Self {
+        self.sensing = sensing;
+        self
+    }
+
+    /// The same servo, whose recordings carry the text of the robot file.
+    #[must_use]
+    pub fn with_robot_text(mut self, text: impl Into<String>) -> Self {
+        self.robot_text = text.into();
+        self
+    }
+
+    /// The plant.
+    #[must_use]
+    pub fn plant(&self) -> &P {
+        &self.plant
+    }
+
+    /// Nominal inertia that each motor sees at the gain pose, kg·m², n.
+    #[must_use]
+    pub fn inertia(&self) -> &[f64] {
+        &self.inertia
+    }
+
+    /// How well the last experiment followed its command.
+    #[must_use]
+    pub fn tracking(&self) -> Option<&Tracking> {
+        self.tracking.as_ref()
+    }
+
+    /// What a recording of this plan is, before its first sample.
+    ///
+    /// # Errors
+    /// [`ArmError::Plan`] where the plan cannot be performed.
+    pub fn recording(&self, plan: &ExperimentPlan) -> Result<Recording, ArmError> {
+        let layout = plan.check(self.robot.dof())?;
+        Ok(Recording {
+            robot: self.robot.name().to_owned(),
+            robot_text: self.robot_text.clone(),
+            dof: self.robot.dof(),
+            rate_hz: plan.rate_hz,
+            joints: self.robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+            effort_unit: self.robot.effort(),
+            phases: layout.spans,
+            trajectory: plan.trajectory.clone(),
+            period_samples: layout.period_samples,
+            t: Vec::new(),
+            q: Vec::new(),
+            effort: Vec::new(),
+            provenance: Provenance::new(self.robot.name(), &self.robot_text, Some(self.seed)),
+        })
+    }
+
+    /// The servo's part of one experiment, for callers that step the plant themselves.
+    ///
+    /// # Errors
+    /// [`ArmError`] where the plan cannot be performed.
+    pub fn cycle(&self, plan: &ExperimentPlan) -> Result<Cycle, ArmError> {
+        let layout = plan.check(self.robot.dof())?;
+        let tuning = self.robot.servo();
+        let ratio = tuning.rate_hz / plan.rate_hz;
+        if ratio < 0.5 || (ratio - ratio.round()).abs() > 1e-9 * ratio {
+            return Err(ArmError::Rate { servo_hz: tuning.rate_hz, rate_hz: plan.rate_hz });
+        }
+        let per_sample = ratio.round() as usize;
+        let transmission = Transmission::new(&self.robot);
+        let limit: Vec<f64> = self.robot.joints().iter().map(|joint| joint.drive.current_limit).collect();
+        Ok(Cycle::new(CycleSpec {
+            robot: &self.robot,
+            table: Arc::new(CommandTable::new(plan, &layout, per_sample)),
+            layout: Arc::new(layout),
+            rate_hz: plan.rate_hz,
+            per_sample,
+            controller: JointPid::new(tuning, &self.inertia, transmission.per_ampere(), &limit),
+            transmission,
+            sensors: Sensors::new(&self.robot, &self.sensing, self.seed, self.run),
+        }))
+    }
+
+    /// Performs a plan and shows an observer the plant's true state at every sample, before the sink gets what the
+    /// sensors made of it.
+    ///
+    /// # Errors
+    /// [`ArmError`] where the experiment cannot begin.
+    pub fn perform_observed(
+        &mut self,
+        plan: &ExperimentPlan,
+        sink: &mut dyn Sink,
+        observer: &mut dyn FnMut(&TrueState<'_>),
+    ) -> Result<Ending, ArmError> {
+        let mut cycle = self.cycle(plan)?;
+        sink.begin(&self.recording(plan)?);
+        self.plant.reset(cycle.start(), &vec![0.0; self.robot.dof()]);
+        let dt = cycle.dt();
+        let ending = loop {
+            let (q, qd) = self.plant.state();
+            if let Next::End(ending) = cycle.advance(q, qd, sink, observer) {
+                break ending;
+            }
+            if let Err(fault) = self.plant.step(cycle.tau(), dt) {
+                break cycle.fail(fault);
+            }
+        };
+        self.tracking = Some(cycle.tracking().clone());
+        Ok(ending)
+    }
+}
+
+impl<P: Plant> Arm for Servo<P> {
+    fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
+        self.perform_observed(plan, sink, &mut |_| {})
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::hinges::{self, FlyWheels};
+    use crate::experiment::{Divergence, Flow, Phase, PlantError, RawSample, record};
+    use crate::model::{EffortInterface, ServoTuning};
+
+    fn plan(dof: usize) -> ExperimentPlan {
+        ExperimentPlan { settle_s: 0.2, ramp_s: 0.5, periods: 3, ..ExperimentPlan::new(hinges::trajectory(dof)) }
+    }
+
+    fn servo(robot: &Robot) -> Servo<FlyWheels> {
+        Servo::new(robot, &hinges::parameters(robot.dof()), FlyWheels::new(robot.dof())).unwrap()
+    }
+
+    #[test]
+    fn analytic_gains_sit_on_the_rotor() {
+        let servo = servo(&hinges::single());
+        assert!((servo.inertia()[0] - hinges::INERTIA).abs() < 1e-15);
+        assert!((gain_pose(&hinges::single())[0] - 1.5).abs() < 1e-15);
+    }
+
+    #[test]
+    fn identity_ideal_samples_are_the_true_state() {
+        // Without sensors' faults q̂ = q, and the current is half of the torques held before and after the sample.
+        for robot in [hinges::single(), hinges::coupled()] {
+            let n = robot.dof();
+            let mut servo = servo(&robot).with_sensing(Sensing::ideal());
+            let robot = robot.with_effort(EffortInterface::Torque);
+            let mut servo_torque = Servo { robot: robot.clone(), ..servo.clone() };
+            let (mut q, mut tau) = (Vec::new(), Vec::new());
+            let mut recording = record(&mut servo_torque, &plan(n)).unwrap().0;
+            assert_eq!(recording.effort_unit, EffortInterface::Torque);
+            struct Nothing;
+            impl Sink for Nothing {
+                fn begin(&mut self, _: &Recording) {}
+                fn sample(&mut self, _: &RawSample<'_>) -> Flow {
+                    Flow::Continue
+                }
+            }
+            servo
+                .perform_observed(&plan(n), &mut Nothing, &mut |state| {
+                    q.extend_from_slice(state.q);
+                    tau.extend_from_slice(state.tau);
+                })
+                .unwrap();
+            for (x, y) in recording.q.iter().zip(&q) {
+                assert!((x - y).abs() < 1e-14);
+            }
+            for k in n..tau.len() {
+                assert!((recording.effort[k] - 0.5 * (tau[k] + tau[k - n])).abs() < 1e-12);
+            }
+            recording.effort.clear();
+        }
+    }
+
+    #[test]
+    fn analytic_flywheels_follow_within_the_documented_error() {
+        let robot = hinges::coupled();
+        let mut servo = servo(&robot).with_seed(Seed::new(4), 2);
+        let (recording, ending) = record(&mut servo, &plan(2)).unwrap();
+        assert!(ending.is_complete());
+        assert_eq!(recording.len(), plan(2).layout().unwrap().samples());
+        assert_eq!(recording.periods(), 3);
+        let tracking = servo.tracking().unwrap();
+        // The nominal inertia behind the coupling is 4 and 2 kg·m² on the motors; accelerations stay below 6 rad/s²,
+        // so the error stays below q̈/ω² = 6/50² times a few for the coupling.
+        assert!(tracking.peak_error.iter().all(|&e| e < 6e-3), "{tracking:?}");
+        assert_eq!(tracking.saturated_steps, 0);
+        assert_eq!(tracking.steps, 6000);
+    }
+
+    #[test]
+    fn identity_equal_seed_equal_bits_and_other_runs_differ() {
+        let robot = hinges::coupled();
+        let run = |seed, run| {
+            let mut servo = servo(&robot).with_seed(Seed::new(seed), run);
+            let first = record(&mut servo, &plan(2)).unwrap().0;
+            assert_eq!(record(&mut servo, &plan(2)).unwrap().0, first, "the second experiment of one servo");
+            first
+        };
+        let base = run(1, 0);
+        assert_eq!(run(1, 0), base);
+        for other in [run(1, 1), run(2, 0)] {
+            assert_ne!(other.effort, base.effort);
+            assert_ne!(other.q, base.q);
+        }
+    }
+
+    #[test]
+    fn rates_that_do_not_divide_are_refused_and_faster_servos_sample_every_so_often() {
+        let robot = hinges::single();
+        let tuning = |rate_hz| ServoTuning { rate_hz, ..ServoTuning::default() };
+        let slow = servo(&robot.clone().with_servo(tuning(1500.0)));
+        assert!(matches!(slow.cycle(&plan(1)), Err(ArmError::Rate { .. })));
+        let mut fast = servo(&robot.with_servo(tuning(5000.0))).with_sensing(Sensing::ideal());
+        let (recording, ending) = record(&mut fast, &plan(1)).unwrap();
+        assert!(ending.is_complete());
+        assert_eq!(recording.len(), plan(1).layout().unwrap().samples());
+        assert_eq!(fast.tracking().unwrap().steps, 3 * 2000 * 5);
+    }
+
+    #[test]
+    fn a_sink_can_stop_and_a_runaway_ends_with_its_reason() {
+        struct Until(f64);
+        impl Sink for Until {
+            fn begin(&mut self, _: &Recording) {}
+            fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
+                if sample.t < self.0 { Flow::Continue } else { Flow::Stop }
+            }
+        }
+        let robot = hinges::single();
+        let ending = servo(&robot).perform(&plan(1), &mut Until(0.5)).unwrap();
+        assert_eq!(ending, Ending::Stopped { t: 0.5, phase: Phase::RampIn });
+
+        /// A plant that sets off by itself.
+        struct Runaway(FlyWheels, f64);
+        impl Plant for Runaway {
+            fn dof(&self) -> usize {
+                1
+            }
+            fn state(&self) -> (&[f64], &[f64]) {
+                self.0.state()
+            }
+            fn reset(&mut self, q: &[f64], qd: &[f64]) {
+                self.0.reset(q, qd);
+            }
+            fn step(&mut self, _: &[f64], dt: f64) -> Result<(), PlantError> {
+                self.0.step(&[self.1], dt)
+            }
+        }
+        for torque in [1e4, f64::NAN] {
+            let plant = Runaway(FlyWheels::new(1), torque);
+            let mut servo = Servo::new(&robot, &hinges::parameters(1), plant).unwrap();
+            let ending = servo.perform(&plan(1), &mut Until(9e9)).unwrap();
+            match ending {
+                Ending::Diverged { reason: Divergence::Speed { found, limit, .. }, t, .. } => {
+                    // 1e4 N·m on 2 kg·m² passes 30 rad/s after 6 ms.
+                    assert!(torque.is_finite() && found > 10.0 * limit && (0.005..0.008).contains(&t));
+                }
+                Ending::Diverged { reason: Divergence::Plant(PlantError::NotFinite { joint: 1, .. }), .. } => {
+                    assert!(torque.is_nan());
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+}
