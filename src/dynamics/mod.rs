@@ -14,12 +14,18 @@
 //! References: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, ch. 5 (RNEA), 6 (CRBA), 7 (ABA);
 //! W. Khalil, E. Dombre, *Modeling, Identification and Control of Robots*, 2002, ch. 9.
 
+mod articulated;
+mod composite;
 mod drive_train;
+mod energy;
+mod joint_frames;
 mod model;
 mod states;
+mod symmetric;
 mod torque_term;
 
 pub use drive_train::{DriveTerm, DriveTrain};
+pub use energy::Energy;
 pub use model::Dynamics;
 pub use states::States;
 pub use torque_term::{

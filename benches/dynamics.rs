@@ -1,0 +1,64 @@
+//! Times one evaluation of the equations of motion and of the regressor on a random arm of six revolute joints:
+//! `cargo bench -p armid --bench dynamics`. Prints the best of several batches, ns per evaluation.
+#![allow(clippy::print_stdout, reason = "a benchmark prints its figures")]
+
+use std::hint::black_box;
+use std::time::Instant;
+
+use armid::conformance::chains::{self, ChainRecipe};
+use armid::dynamics::{Dynamics, States};
+use armid::model::{Columns, DhConvention};
+use armid::regressor::JointTorqueRegressor;
+use armid::seed::Seed;
+
+const STATES: usize = 256;
+
+fn time(name: &str, per_call: usize, mut run: impl FnMut(usize)) {
+    let calls = (400_000 / per_call.max(1)).max(50);
+    let best = (0..20)
+        .map(|_| {
+            let start = Instant::now();
+            for k in 0..calls {
+                run(k % STATES);
+            }
+            start.elapsed().as_secs_f64() / (calls * per_call) as f64
+        })
+        .fold(f64::INFINITY, f64::min);
+    println!("{name:<42} {:>9.1} ns", best * 1e9);
+}
+
+fn main() {
+    let mut rng = Seed::new(1).stream("bench", 0);
+    let recipe = ChainRecipe { prismatic: 0.0, convention: Some(DhConvention::Standard), ..ChainRecipe::new(6) };
+    let (robot, parameters) = recipe.draw(&mut rng);
+    let mut states = States::new(6);
+    for _ in 0..STATES {
+        let (q, qd, qdd) = chains::random_state(&mut rng, 6);
+        states.push(&q, &qd, &qdd);
+    }
+    let mut dynamics = Dynamics::new(&robot, &parameters);
+    let mut out = [0.0; 6];
+    time("inverse dynamics", 1, |k| {
+        dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut out);
+        black_box(&out);
+    });
+    time("forward dynamics, mass matrix", 1, |k| {
+        dynamics.forward(states.q(k), states.qd(k), states.qdd(k), &mut out);
+        black_box(&out);
+    });
+    time("forward dynamics, articulated bodies", 1, |k| {
+        dynamics.forward_articulated(states.q(k), states.qd(k), states.qdd(k), &mut out);
+        black_box(&out);
+    });
+    for columns in Columns::ALL {
+        let regressor = JointTorqueRegressor::new(&robot, columns);
+        let mut y = vec![0.0; regressor.rows() * regressor.cols()];
+        time(&format!("regressor, {}", columns.name()), 1, |k| {
+            regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y);
+            black_box(&y);
+        });
+        time(&format!("stacked regressor, {}, per sample", columns.name()), STATES, |_| {
+            black_box(regressor.stack(&states));
+        });
+    }
+}

@@ -1,0 +1,145 @@
+//! The mass matrix by composite bodies (Featherstone, table 6.2) and the bias torque, in joint frames.
+//!
+//! ```text
+//! I^C_i = I_i + X* I^C_{i+1} X         F = I^C_j S_j         M_ij = S_iᵀ X* F   for i ≤ j
+//! ```
+
+use nalgebra::Vector3;
+
+use super::joint_frames::{Body, JointChain, JointPose};
+use crate::spatial::{Force, Motion};
+
+/// What the recursion keeps of one joint.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct CompositeJoint {
+    pose: JointPose,
+    body: Body,
+    wrench: Force,
+}
+
+/// Workspace for `n` joints.
+pub(super) fn workspace(chain: &JointChain) -> Vec<CompositeJoint> {
+    chain
+        .joints
+        .iter()
+        .zip(&chain.bodies)
+        .map(|(joint, &body)| CompositeJoint { pose: joint.pose(0.0), body, wrench: Force::zero() })
+        .collect()
+}
+
+/// Fills the lower triangle of the row-major n × n mass matrix of the links for positions whose poses are in `work`.
+#[inline]
+fn mass_matrix(chain: &JointChain, work: &mut [CompositeJoint], mass: &mut [f64]) {
+    let n = chain.joints.len();
+    let work = &mut work[..n];
+    for j in (0..n).rev() {
+        let body = work[j].body;
+        let h = &body.first_moment;
+        let mut force;
+        if chain.joints[j].revolute {
+            let i = &body.rotational;
+            force = Force::new(Vector3::new(i.xz, i.yz, i.zz), Vector3::new(-h.y, h.x, 0.0));
+            mass[j * n + j] = i.zz;
+        } else {
+            force = Force::new(Vector3::new(h.y, -h.x, 0.0), Vector3::new(0.0, 0.0, body.mass));
+            mass[j * n + j] = body.mass;
+        }
+        for i in (0..j).rev() {
+            force = work[i + 1].pose.force_to_parent(&force);
+            mass[j * n + i] = if chain.joints[i].revolute { force.ang.z } else { force.lin.z };
+        }
+        if j > 0 {
+            let seen = body.to_parent(&work[j].pose);
+            work[j - 1].body = work[j - 1].body.joined(&seen);
+        }
+    }
+}
+
+/// The lower triangle of the row-major n × n mass matrix of the links at `q`.
+pub(super) fn mass_matrix_at(chain: &JointChain, work: &mut [CompositeJoint], q: &[f64], mass: &mut [f64]) {
+    for (((w, joint), body), &q) in work.iter_mut().zip(&chain.joints).zip(&chain.bodies).zip(q) {
+        w.pose = joint.pose(q);
+        w.body = *body;
+    }
+    mass_matrix(chain, work, mass);
+}
+
+/// Mass matrix (lower triangle) and bias efforts `c(q, q̇) + g(q)` (n) of the links.
+#[inline]
+pub(super) fn mass_matrix_and_bias(
+    chain: &JointChain,
+    work: &mut [CompositeJoint],
+    (q, qd): (&[f64], &[f64]),
+    mass: &mut [f64],
+    bias: &mut [f64],
+) {
+    let n = chain.joints.len();
+    let (q, qd, bias) = (&q[..n], &qd[..n], &mut bias[..n]);
+    let work = &mut work[..n];
+    let mut v = Motion::zero();
+    let mut a = Motion::new(Vector3::zeros(), chain.base_acceleration);
+    for (k, (joint, body)) in chain.joints.iter().zip(&chain.bodies).enumerate() {
+        let pose = joint.pose(q[k]);
+        v = pose.motion_to_child(&v);
+        a = pose.motion_to_child(&a);
+        let rate = qd[k];
+        if joint.revolute {
+            v.ang.z += rate;
+            a.ang.x += v.ang.y * rate;
+            a.ang.y -= v.ang.x * rate;
+            a.lin.x += v.lin.y * rate;
+            a.lin.y -= v.lin.x * rate;
+        } else {
+            v.lin.z += rate;
+            a.lin.x += v.ang.y * rate;
+            a.lin.y -= v.ang.x * rate;
+        }
+        work[k] = CompositeJoint { pose, body: *body, wrench: body.wrench(&v, &a) };
+    }
+    let mut force = Force::zero();
+    for k in (0..n).rev() {
+        force += work[k].wrench;
+        bias[k] = if chain.joints[k].revolute { force.ang.z } else { force.lin.z };
+        if k > 0 {
+            force = work[k].pose.force_to_parent(&force);
+        }
+    }
+    mass_matrix(chain, work, mass);
+}
+
+/// Solves `M x = b` in place for a symmetric positive definite M given by its lower triangle (row-major n × n), by
+/// `M = L D Lᵀ`; M is overwritten.
+#[inline]
+pub(super) fn solve(n: usize, m: &mut [f64], b: &mut [f64]) {
+    let (m, b) = (&mut m[..n * n], &mut b[..n]);
+    for j in 0..n {
+        let (above, rest) = m.split_at_mut(j * n);
+        let row = &mut rest[..n];
+        // Row j of L, times D until it is divided.
+        for i in 0..j {
+            let other = &above[i * n..i * n + n];
+            let mut sum = row[i];
+            for k in 0..i {
+                sum -= row[k] * other[k];
+            }
+            row[i] = sum;
+        }
+        let (mut d, mut x) = (row[j], b[j]);
+        for k in 0..j {
+            // above[k][k] holds 1/D_k.
+            let l = row[k] * above[k * n + k];
+            d -= l * row[k];
+            x -= l * b[k];
+            row[k] = l;
+        }
+        row[j] = 1.0 / d;
+        b[j] = x;
+    }
+    for j in (0..n).rev() {
+        let mut x = b[j] * m[j * n + j];
+        for k in j + 1..n {
+            x -= m[k * n + j] * b[k];
+        }
+        b[j] = x;
+    }
+}
