@@ -13,13 +13,16 @@
 //! no θ_i equals `D_BSVᵀ α_i`.
 
 mod error;
+mod geometry;
 mod method;
 mod paper_steps;
 mod reduction;
+mod structural;
 mod table_two;
 
 pub use error::BaseError;
 pub use method::Method;
 pub use paper_steps::PaperSets;
 pub use reduction::{BaseReduction, Category};
+pub use structural::BaseMotion;
 pub use table_two::{TableTwoRow, table_two};

@@ -1,0 +1,105 @@
+//! The walk from the base to the last link.
+
+use std::collections::HashMap;
+
+use nalgebra::{DMatrix, Vector3};
+
+use super::friction;
+use super::harmonics::{Functional, Harmonics, inner_product};
+use super::motion::{Attainable, BaseMotion};
+use super::span::{basis, echelon};
+use crate::base::geometry::Geometry;
+use crate::base::{BaseReduction, Method};
+use crate::model::{JointKind, ParameterId, ParameterKind};
+use crate::spatial::Motion;
+
+/// Parameters of a link.
+const TEN: usize = 10;
+
+/// The reduction of a robot of this geometry, its base moving as stated.
+///
+/// A functional is a row over the base's own ten parameters and φ. Those of the base are nuisances: it pushes back on
+/// a moving base with a force that nobody measures, so only functionals without them are revealed.
+pub(in crate::base) fn reduce(geometry: &Geometry, parameters: &[ParameterId], motion: BaseMotion) -> BaseReduction {
+    let columns: HashMap<ParameterId, usize> =
+        parameters.iter().enumerate().map(|(column, &id)| (id, TEN + column)).collect();
+    let width = TEN + parameters.len();
+    let coupling = geometry.scaled_coupling();
+
+    // ½ V₀ᵀ I[ρ_0(q)] V₀ with V₀ the base's own motion: its slope in q is torque, its constant part is not.
+    let directions = motion.directions();
+    let mut rows: Vec<Vec<f64>> = Vec::new();
+    for (a, v) in directions.iter().enumerate() {
+        for w in &directions[a..] {
+            rows.push(row_at(width, 0, &inner_product(v, w)));
+        }
+    }
+    let mut attainable = Attainable::at_base(geometry, motion);
+    for j in 0..geometry.dof() {
+        let axis = axis(geometry, j);
+        attainable = attainable.beyond(geometry, j, &axis);
+        rows = carry_over(geometry, j, &rows, width);
+        for (labels, v) in attainable.iter() {
+            let mut row = row_at(width, j + 1, &inner_product(&v, &axis));
+            let (gravity, joints) = labels.split_last().expect("there is a label for gravity");
+            for (i, &label) in joints.iter().enumerate() {
+                for k in 0..geometry.dof() {
+                    if let Some(&column) = columns.get(&ParameterId { kind: ParameterKind::Ia, index: k }) {
+                        row[column] += label * coupling[(k, i)] * coupling[(k, j)];
+                    }
+                }
+            }
+            if let Some(&column) = columns.get(&ParameterId { kind: ParameterKind::Fo, index: j }) {
+                row[column] += gravity;
+            }
+            rows.push(row);
+        }
+        rows = basis(&rows, width);
+    }
+    for functional in friction::functionals(geometry, parameters) {
+        let mut row = vec![0.0; TEN];
+        row.extend(functional);
+        rows.push(row);
+    }
+    let form = echelon(&rows, width);
+    let revealed: Vec<usize> = (0..form.rank()).filter(|&row| form.kept[row] >= TEN).collect();
+    let kept = revealed.iter().map(|&row| form.kept[row] - TEN).collect();
+    let k = DMatrix::from_fn(revealed.len(), parameters.len(), |row, column| {
+        form.coefficients[(revealed[row], TEN + column)]
+    });
+    BaseReduction::from_echelon(parameters, kept, k, Method::Structural).with_units(&geometry.units(parameters))
+}
+
+/// The axis of joint j in the frame of its link.
+fn axis(geometry: &Geometry, j: usize) -> Motion {
+    let (z, zero) = (Vector3::z(), Vector3::zeros());
+    let at_joint = match geometry.kinds[j] {
+        JointKind::Revolute => Motion::new(z, zero),
+        JointKind::Prismatic => Motion::new(zero, z),
+    };
+    geometry.after[j].motion_to_child(&at_joint)
+}
+
+/// Functionals of everything from link j on (`slot` j holds their value on it) as functionals of what lies beyond
+/// joint j: the constant part goes on with the row, each moving part starts a row of its own.
+fn carry_over(geometry: &Geometry, j: usize, rows: &[Vec<f64>], width: usize) -> Vec<Vec<f64>> {
+    let harmonics = Harmonics::of(geometry.kinds[j], &geometry.before[j], &geometry.after[j]);
+    let mut carried = Vec::new();
+    for row in rows {
+        let r = Functional::from_column_slice(&row[TEN * j..TEN * (j + 1)]);
+        for part in harmonics.moving_parts(&r) {
+            carried.push(row_at(width, j + 1, &part));
+        }
+        let mut row = row.clone();
+        row[TEN * (j + 1)..TEN * (j + 2)].copy_from_slice(harmonics.constant_part(&r).as_slice());
+        carried.push(row);
+    }
+    carried
+}
+
+/// A row that is zero but for one link; slot 0 is the base.
+fn row_at(width: usize, slot: usize, functional: &Functional) -> Vec<f64> {
+    let mut row = vec![0.0; width];
+    row[TEN * slot..TEN * (slot + 1)].copy_from_slice(functional.as_slice());
+    row
+}
