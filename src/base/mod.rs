@@ -16,6 +16,8 @@ mod error;
 mod geometry;
 mod method;
 mod paper_steps;
+mod random_states;
+mod reduce;
 mod reduction;
 mod structural;
 mod table_two;
@@ -23,6 +25,10 @@ mod table_two;
 pub use error::BaseError;
 pub use method::Method;
 pub use paper_steps::PaperSets;
+pub use reduce::{reduce, reduce_on};
 pub use reduction::{BaseReduction, Category};
 pub use structural::BaseMotion;
 pub use table_two::{TableTwoRow, table_two};
+
+#[cfg(test)]
+mod tests;

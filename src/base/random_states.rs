@@ -1,0 +1,42 @@
+//! Random states that excite everything a robot can do: the paper's step 1.
+
+use rand::RngExt;
+
+use super::geometry::Geometry;
+use crate::dynamics::States;
+use crate::model::JointKind;
+use crate::seed::Stream;
+
+/// Rows of a stacked regressor for each of its columns. Three times as many rows as unknowns bring the condition number
+/// of random columns close to its limit for infinitely many.
+const ROWS_PER_COLUMN: usize = 3;
+
+/// The least number of states, the paper's `N ≥ 10`.
+pub(super) const LEAST_STATES: usize = 10;
+
+impl Geometry {
+    /// How many random states a regressor of `columns` columns is stacked from.
+    pub(super) fn state_count(&self, columns: usize) -> usize {
+        (ROWS_PER_COLUMN * columns).div_ceil(self.dof()).max(LEAST_STATES)
+    }
+
+    /// `count` independent states: angles within ±π, rates within ±f, accelerations within ±f², with `f = √(g / length)`
+    /// the frequency at which the arm's own motion weighs as much as gravity; limits do not matter to geometry.
+    pub(super) fn random_states(&self, count: usize, rng: &mut Stream) -> States {
+        let f = self.frequency;
+        let mut states = States::new(self.dof());
+        for _ in 0..count {
+            let mut draw = |bound: f64| -> Vec<f64> {
+                (0..self.dof()).map(|i| self.coordinate_unit(i) * rng.random_range(-bound..bound)).collect()
+            };
+            let (mut q, qd, qdd) = (draw(1.0), draw(f), draw(f * f));
+            for (q, kind) in q.iter_mut().zip(&self.kinds) {
+                if *kind == JointKind::Revolute {
+                    *q *= std::f64::consts::PI;
+                }
+            }
+            states.push(&q, &qd, &qdd);
+        }
+        states
+    }
+}

@@ -1,0 +1,84 @@
+//! From a robot to its base parameters.
+
+use nalgebra::DMatrix;
+
+use super::geometry::Geometry;
+use super::random_states::LEAST_STATES;
+use super::{BaseError, BaseMotion, BaseReduction, Method, PaperSets, structural};
+use crate::dynamics::States;
+use crate::model::{Columns, ParameterId, Robot};
+use crate::regressor::JointTorqueRegressor;
+use crate::seed::Seed;
+
+/// The base parameters of a robot under motions of every kind.
+///
+/// [`Method::Paper`] and [`Method::Qr`] draw random states from `seed`; [`Method::Structural`] draws nothing. All three
+/// give the same kept columns and, to rounding, the same K.
+///
+/// ```
+/// use armid::base::{Method, reduce};
+/// use armid::model::Columns;
+/// use armid::seed::Seed;
+/// # let robot = armid::conformance::chains::planar_2r();
+/// let base = reduce(&robot, Columns::Rigid, Method::Structural, Seed::new(1))?;
+/// let qr = reduce(&robot, Columns::Rigid, Method::Qr, Seed::new(1))?;
+/// assert_eq!(base.names(), qr.names());
+/// assert!((&base.k - &qr.k).amax() < 1e-9);
+/// # Ok::<(), armid::base::BaseError>(())
+/// ```
+///
+/// # Errors
+/// [`BaseError::NotFinite`] if the robot's geometry is not finite.
+pub fn reduce(robot: &Robot, columns: Columns, method: Method, seed: Seed) -> Result<BaseReduction, BaseError> {
+    let geometry = Geometry::of(robot);
+    let parameters = columns.parameters(robot);
+    if method == Method::Structural {
+        return Ok(structural::reduce(&geometry, &parameters, BaseMotion::Fixed));
+    }
+    let states = geometry.random_states(geometry.state_count(parameters.len()), &mut seed.stream("base reduction", 0));
+    reduce_on(robot, columns, method, &states)
+}
+
+/// The base parameters that a given motion reveals: a category can only fall against [`reduce`], never rise.
+///
+/// `states` are the samples of one trajectory, at least ten (the paper's N); `method` is [`Method::Paper`] or
+/// [`Method::Qr`]. Coulomb columns use each drive's own smooth sign.
+///
+/// # Errors
+/// [`BaseError::NoTrajectory`] for [`Method::Structural`], [`BaseError::Dof`] for states of another robot,
+/// [`BaseError::TooFewSamples`], and [`BaseError::NotFinite`] for states that are not finite.
+pub fn reduce_on(robot: &Robot, columns: Columns, method: Method, states: &States) -> Result<BaseReduction, BaseError> {
+    if states.dof != robot.dof() {
+        return Err(BaseError::Dof { robot: robot.name().to_owned(), found: states.dof, expected: robot.dof() });
+    }
+    if states.len() < LEAST_STATES {
+        return Err(BaseError::TooFewSamples { found: states.len(), expected: LEAST_STATES });
+    }
+    let w = JointTorqueRegressor::new(robot, columns).stack(states);
+    reduce_stack(&Geometry::of(robot), &columns.parameters(robot), w, method)
+}
+
+/// The reduction of a stacked regressor, whose row `k n + i` is joint i, in SI units.
+fn reduce_stack(
+    geometry: &Geometry,
+    parameters: &[ParameterId],
+    mut w: DMatrix<f64>,
+    method: Method,
+) -> Result<BaseReduction, BaseError> {
+    let n = geometry.dof();
+    let units = geometry.units(parameters);
+    for (mut column, unit) in w.column_iter_mut().zip(&units) {
+        for (row, entry) in column.iter_mut().enumerate() {
+            if !entry.is_finite() {
+                return Err(BaseError::NotFinite { sample: row / n, value: *entry });
+            }
+            *entry *= unit / geometry.effort_unit(row % n);
+        }
+    }
+    let reduction = match method {
+        Method::Paper => PaperSets::of(&w).reduction(parameters),
+        Method::Qr => BaseReduction::from_stack(parameters, &w, Method::Qr),
+        Method::Structural => return Err(BaseError::NoTrajectory { method }),
+    };
+    Ok(reduction.with_units(&units))
+}

@@ -1,0 +1,3 @@
+//! Laws of the reduction: three routes, one K.
+
+mod agreement;
