@@ -76,9 +76,7 @@ pub enum SignalError {
 /// Checks that every value of a row-major series is a finite number.
 pub(super) fn check_finite(quantity: &'static str, values: &[f64], dof: usize) -> Result<(), SignalError> {
     match values.iter().position(|value| !value.is_finite()) {
-        Some(at) => {
-            Err(SignalError::NotFinite { quantity, joint: at % dof + 1, sample: at / dof, value: values[at] })
-        }
+        Some(at) => Err(SignalError::NotFinite { quantity, joint: at % dof + 1, sample: at / dof, value: values[at] }),
         None => Ok(()),
     }
 }

@@ -13,3 +13,30 @@
 //!
 //! Not here: outliers, missing samples, unequal sampling. Reference: J. Swevers, C. Ganseman, D. B. Tükel, J. De
 //! Schutter, H. Van Brussel, *Optimal robot excitation and identification*, IEEE T-RA 13(5), 1997, eqs. 19-22.
+
+mod aperiodic;
+mod butterworth;
+mod differences;
+mod error;
+mod fourier_transform;
+mod harmonics;
+mod noise;
+mod period_average;
+mod periodic;
+mod processing;
+mod samples;
+mod scatter;
+mod torque;
+
+pub use aperiodic::{AperiodicRecord, process_aperiodic};
+pub use butterworth::Butterworth;
+pub use differences::{differences, differences_periodic};
+pub use error::SignalError;
+pub use fourier_transform::FourierTransform;
+pub use harmonics::{Bandwidth, HarmonicSeries};
+pub use noise::NoiseModel;
+pub use period_average::{PeriodAverage, PeriodicRecord};
+pub use periodic::process_periods;
+pub use processing::{Derivatives, Processing, TorqueFilter};
+pub use samples::Samples;
+pub use torque::torque_per_current;

@@ -11,8 +11,8 @@
 
 use nalgebra::DMatrix;
 
-use super::error::check_finite;
 use super::SignalError;
+use super::error::check_finite;
 
 /// Whole periods of a record, back to back: `q` and `effort` are (P·N) × n, row-major.
 #[derive(Clone, Copy, Debug)]
@@ -206,9 +206,14 @@ mod tests {
         let mut variance = [0.0; 2];
         for run in 0..runs {
             let (q, effort) = record(periods, len, run);
-            let average =
-                PeriodAverage::new(&PeriodicRecord { dof: 2, rate_hz: 10.0, period_samples: len, q: &q, effort: &effort })
-                    .unwrap();
+            let average = PeriodAverage::new(&PeriodicRecord {
+                dof: 2,
+                rate_hz: 10.0,
+                period_samples: len,
+                q: &q,
+                effort: &effort,
+            })
+            .unwrap();
             assert_eq!(average.degrees_of_freedom, 40);
             mean += average.effort_covariance.unwrap() / runs as f64;
             for (sum, v) in variance.iter_mut().zip(average.q_variance.unwrap()) {
@@ -216,13 +221,9 @@ mod tests {
             }
         }
         // Standard deviation of the mean of a variance: s² √(2/(200·40)) = 1.6 %; five of them.
-        for (found, expected) in [
-            (mean[(0, 0)], 4.0),
-            (mean[(0, 1)], 2.4),
-            (mean[(1, 1)], 2.08),
-            (variance[0], 0.01),
-            (variance[1], 0.04),
-        ] {
+        for (found, expected) in
+            [(mean[(0, 0)], 4.0), (mean[(0, 1)], 2.4), (mean[(1, 1)], 2.08), (variance[0], 0.01), (variance[1], 0.04)]
+        {
             assert!((found / expected - 1.0).abs() < 0.08, "{found} against {expected}");
         }
     }
@@ -232,9 +233,10 @@ mod tests {
         let period: Vec<f64> = (0..24).map(|k| libm::sin(f64::from(k))).collect();
         let q = period.repeat(4);
         let average =
-            PeriodAverage::new(&PeriodicRecord { dof: 2, rate_hz: 1.0, period_samples: 12, q: &q, effort: &q }).unwrap();
+            PeriodAverage::new(&PeriodicRecord { dof: 2, rate_hz: 1.0, period_samples: 12, q: &q, effort: &q })
+                .unwrap();
         assert_eq!(average.q, period);
-        assert_eq!(average.effort_covariance.unwrap(), DMatrix::zeros(2, 2));
+        assert_eq!(average.effort_covariance.as_ref(), Some(&DMatrix::zeros(2, 2)));
         assert_eq!((average.len(), average.period_s), (12, 12.0));
         let one = PeriodicRecord { dof: 2, rate_hz: 1.0, period_samples: 12, q: &period, effort: &period };
         assert!(PeriodAverage::new(&one).unwrap().effort_covariance.is_none());

@@ -1,0 +1,94 @@
+//! A record without periods: the whole of it filtered, differentiated and thinned.
+
+use nalgebra::DMatrix;
+
+use super::error::check_finite;
+use super::periodic::{column, effort_units, put_column, thinned};
+use super::torque::map_rows;
+use super::{Butterworth, Derivatives, Processing, Samples, SignalError, differences};
+use crate::dynamics::States;
+use crate::model::Robot;
+
+/// A record of any motion: `q` and `effort` are N × n, row-major.
+#[derive(Clone, Copy, Debug)]
+pub struct AperiodicRecord<'a> {
+    /// Number of joints n.
+    pub dof: usize,
+    /// Sampling rate, Hz.
+    pub rate_hz: f64,
+    /// Positions, rad or m.
+    pub q: &'a [f64],
+    /// Efforts, in whatever unit the arm reports.
+    pub effort: &'a [f64],
+}
+
+/// Processes a record without periods by zero-phase low pass and central differences; torque goes through the same
+/// low pass. `rate_hz` is the rate to thin to, Hz, at least four times the cut-off where the record has more.
+///
+/// There is no scatter to see noise in, so the result carries none, and estimators take it from their residual. The
+/// cut-off is [`Processing::cutoff_hz`], 10 Hz where nothing is stated.
+///
+/// # Errors
+/// [`SignalError`] where the record is malformed, shorter than 8 samples, or a setting does not fit it.
+pub fn process_aperiodic(
+    record: &AperiodicRecord<'_>,
+    robot: &Robot,
+    to_torque: &DMatrix<f64>,
+    rate_hz: f64,
+    processing: &Processing,
+) -> Result<Samples, SignalError> {
+    processing.check()?;
+    let n = record.dof;
+    if robot.dof() != n {
+        return Err(SignalError::Joints { found: n, expected: robot.dof() });
+    }
+    let len = record.q.len() / n;
+    if len < 8 || !record.q.len().is_multiple_of(n) {
+        let expected = format!("a multiple of {n} joints, at least {}", 8 * n);
+        return Err(SignalError::Length { quantity: "positions", found: record.q.len(), expected });
+    }
+    if record.effort.len() != record.q.len() {
+        let expected = format!("{}, as many as positions", record.q.len());
+        return Err(SignalError::Length { quantity: "efforts", found: record.effort.len(), expected });
+    }
+    check_finite("position", record.q, n)?;
+    check_finite("effort", record.effort, n)?;
+    let cutoff_hz = processing.cutoff_hz(0.0);
+    let filter = Butterworth::new(processing.filter_order, cutoff_hz, record.rate_hz)?;
+    if !(rate_hz >= 4.0 * cutoff_hz || rate_hz >= record.rate_hz) {
+        return Err(SignalError::Setting {
+            setting: "rate to thin to",
+            found: format!("{rate_hz} Hz"),
+            expected: "at least four times the cut-off frequency",
+        });
+    }
+    let step = ((record.rate_hz / rate_hz) as usize).max(1);
+    let torque = map_rows(record.effort, to_torque);
+    let count = len.div_ceil(step);
+    let mut states = States::with_len(n, count);
+    let mut tau = vec![0.0; count * n];
+    for i in 0..n {
+        let q = filter.zero_phase_reflected(&column(record.q, n, i));
+        let (qd, qdd) = differences(&q, 1.0 / record.rate_hz);
+        put_column(&mut states.q, n, i, &thinned(&q, step));
+        put_column(&mut states.qd, n, i, &thinned(&qd, step));
+        put_column(&mut states.qdd, n, i, &thinned(&qdd, step));
+        let filtered = filter.zero_phase_reflected(&column(&torque, n, i));
+        put_column(&mut tau, n, i, &thinned(&filtered, step));
+    }
+    Ok(Samples {
+        states,
+        tau,
+        units: effort_units(robot),
+        rate_hz: record.rate_hz / step as f64,
+        period_s: None,
+        periods: 1,
+        torque_covariance: None,
+        position_noise: None,
+        noise: None,
+        derivatives: Derivatives::Differences,
+        position_band_hz: vec![cutoff_hz; n],
+        torque_band_hz: Some(cutoff_hz),
+        provenance: None,
+    })
+}

@@ -1,0 +1,111 @@
+//! The settings of signal processing.
+
+use super::{Bandwidth, SignalError};
+
+/// How velocity and acceleration are found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Derivatives {
+    /// Analytically, through the Fourier coefficients of the measured positions. Needs periods.
+    #[default]
+    Fourier,
+    /// Zero-phase Butterworth low pass, then central differences: the paper's IV.B.
+    Differences,
+}
+
+impl Derivatives {
+    /// Every route.
+    pub const ALL: [Self; 2] = [Self::Fourier, Self::Differences];
+
+    /// Its name on the command line and in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fourier => "fourier",
+            Self::Differences => "differences",
+        }
+    }
+
+    /// The route with this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|route| route.name() == name)
+    }
+}
+
+/// Which low pass torque goes through before it is thinned.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum TorqueFilter {
+    /// The one that positions went through.
+    SameAsPositions,
+    /// The harmonics that the thinned samples can carry, and no other: white noise stays white.
+    #[default]
+    AntiAlias,
+}
+
+/// Settings of the way from a recording to samples.
+///
+/// ```
+/// use armid::signal::{Derivatives, Processing};
+/// let processing = Processing { derivatives: Derivatives::Differences, ..Processing::default() };
+/// assert_eq!(processing.cutoff_hz(0.5), 10.0); // 5 × 0.5 Hz is below 10 Hz
+/// assert_eq!(processing.cutoff_hz(4.0), 20.0);
+/// ```
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Processing {
+    /// How velocity and acceleration are found.
+    pub derivatives: Derivatives,
+    /// Which harmonics of the measured positions are kept, on the Fourier route.
+    pub bandwidth: Bandwidth,
+    /// Cut-off of one pass of the low pass on the route of differences, Hz; 5 times the highest commanded frequency
+    /// or 10 Hz, whichever is higher, where it is `None`.
+    pub cutoff_hz: Option<f64>,
+    /// Order of one pass of that low pass.
+    pub filter_order: usize,
+    /// Which low pass torque goes through.
+    pub torque_filter: TorqueFilter,
+    /// Samples to keep of one period; all of them where the recording has no more.
+    pub samples_per_period: usize,
+}
+
+impl Default for Processing {
+    fn default() -> Self {
+        Self {
+            derivatives: Derivatives::Fourier,
+            bandwidth: Bandwidth::NoiseFloor,
+            cutoff_hz: None,
+            filter_order: 4,
+            torque_filter: TorqueFilter::AntiAlias,
+            samples_per_period: 1000,
+        }
+    }
+}
+
+impl Processing {
+    /// The cut-off for a motion whose highest commanded frequency is `highest_hz`, Hz.
+    #[must_use]
+    pub fn cutoff_hz(&self, highest_hz: f64) -> f64 {
+        self.cutoff_hz.unwrap_or((5.0 * highest_hz).max(10.0))
+    }
+
+    /// Checks the settings that make sense only within bounds.
+    pub(super) fn check(&self) -> Result<(), SignalError> {
+        if self.samples_per_period < 8 {
+            return Err(SignalError::Decimation { found: self.samples_per_period, expected: "at least 8".to_owned() });
+        }
+        match self.bandwidth {
+            Bandwidth::Hertz(hz) if !(hz.is_finite() && hz > 0.0) => Err(SignalError::Setting {
+                setting: "bandwidth of the positions",
+                found: format!("{hz} Hz"),
+                expected: "a finite frequency above zero",
+            }),
+            Bandwidth::Harmonics(0) => Err(SignalError::Setting {
+                setting: "bandwidth of the positions",
+                found: "0 harmonics".to_owned(),
+                expected: "at least 1",
+            }),
+            _ => Ok(()),
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! What estimation starts from: states, torque, and the noise of both.
+
+use nalgebra::DMatrix;
+
+use super::{Derivatives, NoiseModel};
+use crate::dynamics::States;
+use crate::provenance::Provenance;
+
+/// Processed samples of one experiment: M instants of n joints, uniform in time.
+///
+/// ```text
+/// τ_k = Y(q_k, q̇_k, q̈_k) φ + ε_k        E[ε_k ε_{k+l}ᵀ] = R(l)
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Samples {
+    /// Positions, velocities, accelerations, M × n each.
+    pub states: States,
+    /// Joint torque, M × n row-major, N·m (N for a prismatic joint).
+    pub tau: Vec<f64>,
+    /// Unit of each joint's torque.
+    pub units: Vec<String>,
+    /// Samples per second, Hz.
+    pub rate_hz: f64,
+    /// The period that the samples cover once, s; `None` for a record without periods.
+    pub period_s: Option<f64>,
+    /// Periods that were averaged; 1 where nothing was.
+    pub periods: usize,
+    /// Covariance of one raw sample of torque, neither averaged nor filtered, n × n, (N·m)²; `None` where fewer than
+    /// two periods show no scatter.
+    pub torque_covariance: Option<DMatrix<f64>>,
+    /// Standard deviation of one raw sample of position, per joint, rad (m); `None` as above.
+    pub position_noise: Option<Vec<f64>>,
+    /// Noise of `tau` as it stands here, after averaging, filter and decimation; `None` as above.
+    pub noise: Option<NoiseModel>,
+    /// How derivatives were taken.
+    pub derivatives: Derivatives,
+    /// Upper end of the band that positions were kept in, per joint, Hz.
+    pub position_band_hz: Vec<f64>,
+    /// Upper end of the band that torque was kept in, Hz; `None` where it was neither filtered nor thinned.
+    pub torque_band_hz: Option<f64>,
+    /// What produced it, where the recording says so.
+    pub provenance: Option<Provenance>,
+}
+
+impl Samples {
+    /// Number of joints n.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.states.dof
+    }
+
+    /// Number of instants M.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.states.len()
+    }
+
+    /// Whether there are no samples.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.states.is_empty()
+    }
+
+    /// Torque of sample `k`, n.
+    #[must_use]
+    pub fn tau(&self, k: usize) -> &[f64] {
+        &self.tau[k * self.dof()..(k + 1) * self.dof()]
+    }
+
+    /// Samples whose states and torque are known exactly, without noise: for tests and bounds. `tau` is M × n.
+    ///
+    /// # Panics
+    /// If torque and states have not the same size.
+    #[must_use]
+    pub fn exact(states: States, tau: Vec<f64>, units: Vec<String>, rate_hz: f64) -> Self {
+        assert_eq!(states.q.len(), tau.len(), "one torque per joint and sample");
+        Self {
+            position_band_hz: vec![0.5 * rate_hz; states.dof],
+            states,
+            tau,
+            units,
+            rate_hz,
+            period_s: None,
+            periods: 1,
+            torque_covariance: None,
+            position_noise: None,
+            noise: None,
+            derivatives: Derivatives::Fourier,
+            torque_band_hz: None,
+            provenance: None,
+        }
+    }
+}

@@ -1,0 +1,36 @@
+//! Motor current to joint torque.
+//!
+//! ```text
+//! τ = Cᵀ diag(N_m K_m) i        q_motor = C q        (power: τᵀ q̇ = (N K i)ᵀ C q̇)
+//! ```
+//! with the gear ratio N and the torque constant K of each motor, and C = 1 where motors are not coupled. The rotor's
+//! inertia and the drive's friction are part of the model, not of this map.
+
+use nalgebra::DMatrix;
+
+use crate::model::Robot;
+
+/// The matrix that turns motor currents (n, A) into joint torques (n, N·m; N for a prismatic joint).
+#[must_use]
+pub fn torque_per_current(robot: &Robot) -> DMatrix<f64> {
+    let n = robot.dof();
+    let constants: Vec<f64> = robot.joints().iter().map(|joint| joint.drive.torque_per_ampere()).collect();
+    DMatrix::from_fn(n, n, |i, j| {
+        let coupling = robot.coupling().map_or(if i == j { 1.0 } else { 0.0 }, |c| c[(j, i)]);
+        coupling * constants[j]
+    })
+}
+
+/// `rows · mapᵀ` for a row-major table n wide: the map applied to every sample.
+pub(super) fn map_rows(rows: &[f64], map: &DMatrix<f64>) -> Vec<f64> {
+    let n = map.nrows();
+    let mut out = vec![0.0; rows.len()];
+    for (to, from) in out.chunks_exact_mut(n).zip(rows.chunks_exact(n)) {
+        for (i, to) in to.iter_mut().enumerate() {
+            for (j, from) in from.iter().enumerate() {
+                *to += map[(i, j)] * from;
+            }
+        }
+    }
+    out
+}
