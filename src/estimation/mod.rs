@@ -1,1 +1,39 @@
-//! estimation
+//! From samples to parameters with honest error bars.
+//!
+//! ```text
+//! y = W_b β + ε        cov ε = C        OLS: min ‖y − W_b β‖        WLS: min (y − W_b β)ᵀ Σ⁻¹ (y − W_b β)   (the paper's eq. 6)
+//! ```
+//! [`Observation`] holds the equations, [`EstimationProblem`] adds what else an estimator may look at, and an
+//! [`Estimator`] turns it into an [`Estimate`]: base parameters with covariance, intervals, residuals, and the
+//! [`Finding`]s a reader must know. Each estimator is one file and one line in [`EstimatorKind`].
+//!
+//! The equations' error bars come from the noise that scattered over periods, with its correlation in time; where no
+//! period was repeated, from the residual. No estimator sees the truth: the types that hold it come after this module.
+
+mod appraisal;
+mod completion;
+mod error;
+mod estimate;
+mod estimator;
+mod finding;
+mod interval;
+mod observation;
+mod ordinary;
+mod prediction;
+mod problem;
+mod residual;
+mod termination;
+mod weighted;
+
+pub use completion::{Completion, complete};
+pub use error::EstimationError;
+pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
+pub use estimator::{Estimator, EstimatorKind};
+pub use finding::Finding;
+pub use interval::student_quantile_975;
+pub use observation::Observation;
+pub use ordinary::OrdinaryLeastSquares;
+pub use prediction::{Validation, predict, validate};
+pub use problem::EstimationProblem;
+pub use termination::Termination;
+pub use weighted::WeightedLeastSquares;

@@ -14,6 +14,7 @@
 
 mod condition;
 mod gram;
+mod least_squares;
 mod left_to_right;
 mod reflection;
 mod rank;
@@ -22,6 +23,7 @@ mod triangular;
 
 pub use condition::{condition, condition_scaled, normalised_columns, singular_values};
 pub use gram::{Gram, product};
+pub use least_squares::{BlockWhitening, LeastSquares, LeastSquaresError, transpose_product};
 pub use left_to_right::LeftToRight;
 pub use rank::RankRevealingQr;
 pub use tolerance::RankTolerance;

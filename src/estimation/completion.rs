@@ -1,0 +1,78 @@
+//! A full set of standard parameters that agrees with estimated base parameters.
+//!
+//! ```text
+//! φ = φ_nom + Kᵀ (K Kᵀ)⁻¹ (β̂ − K φ_nom)        K φ = β̂
+//! ```
+//! The smallest change of the nominal set, in SI units, that makes its base parameters the estimated ones; what
+//! torque does not show stays nominal. It predicts torque as β̂ does. Nothing forces it to be physically consistent:
+//! the findings say where it is not.
+
+use nalgebra::DVector;
+
+use super::{EstimationError, Finding};
+use crate::base::BaseReduction;
+use crate::linalg::{LeastSquares, product};
+use crate::model::{ParameterKind, StandardParameters};
+use crate::spatial::InertiaFault;
+
+/// A full set of standard parameters, and where no real arm can have it.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Completion {
+    /// The set.
+    pub parameters: StandardParameters,
+    /// Links and drives that are not physically consistent; none where all are.
+    pub findings: Vec<Finding>,
+}
+
+/// Completes base parameters β̂ (b) with a nominal set.
+///
+/// # Errors
+/// [`EstimationError::Mismatch`] where β̂ has not one value per base parameter or the nominal set is of another arm.
+pub fn complete(
+    base: &BaseReduction,
+    beta: &DVector<f64>,
+    nominal: &StandardParameters,
+) -> Result<Completion, EstimationError> {
+    if beta.len() != base.rank() {
+        let (found, expected) = (beta.len().to_string(), base.rank().to_string());
+        return Err(EstimationError::Mismatch { quantity: "base parameters", found, expected });
+    }
+    let links = base.parameters.iter().map(|id| id.index + 1).max().unwrap_or(0);
+    if nominal.links.len() != links || nominal.drives.len() != links {
+        let (found, expected) = (nominal.links.len().to_string(), links.to_string());
+        return Err(EstimationError::Mismatch { quantity: "links of the nominal set", found, expected });
+    }
+    let p = base.parameters.len();
+    let phi = DVector::from_iterator(p, base.parameters.iter().map(|&id| nominal.get(id)));
+    let missing = beta - base.beta(&phi);
+    // Kᵀ (K Kᵀ)⁻¹ d = Kᵀ times the solution of K Kᵀ x = d; K holds an identity, so K Kᵀ is well away from singular.
+    let k_t = base.k.transpose();
+    let x = LeastSquares::solve(&product(&base.k, &k_t), &missing)?;
+    let mut change = vec![0.0; p];
+    for (j, column) in base.k.row_iter().enumerate() {
+        for (c, &coefficient) in column.iter().enumerate() {
+            change[c] += coefficient * x.solution()[j];
+        }
+    }
+    let mut parameters = nominal.clone();
+    for (c, &id) in base.parameters.iter().enumerate() {
+        parameters.set(id, phi[c] + change[c]);
+    }
+    let mut findings = Vec::new();
+    for (link, inertia) in parameters.links.iter().enumerate() {
+        if let Err(InertiaFault::NotPositiveDefinite { eigenvalue }) = inertia.check() {
+            findings.push(Finding::InconsistentLink { link: link + 1, eigenvalue });
+        }
+    }
+    for &id in &base.parameters {
+        let value = parameters.get(id);
+        let never_negative = matches!(
+            id.kind,
+            ParameterKind::Ia | ParameterKind::Fv | ParameterKind::Fc | ParameterKind::Fvm | ParameterKind::Fcm
+        );
+        if never_negative && value < 0.0 {
+            findings.push(Finding::NegativeDrive { parameter: id.to_string(), value });
+        }
+    }
+    Ok(Completion { parameters, findings })
+}

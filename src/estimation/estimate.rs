@@ -1,0 +1,117 @@
+//! What an estimator hands back.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::{Finding, Termination};
+use crate::provenance::Provenance;
+
+/// One base parameter.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct BaseEstimate {
+    /// Name of the parameter that stands for the combination.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// 95 % interval, lower and upper end.
+    pub ci95: [f64; 2],
+    /// Unit of all of them.
+    pub unit: String,
+}
+
+/// One standard parameter of a completed set.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct StandardEstimate {
+    /// Its name.
+    pub name: String,
+    /// Its value, in SI units.
+    pub value: f64,
+}
+
+/// Where the noise behind the intervals was seen.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum IntervalBasis {
+    /// In the scatter over repeated periods: noise alone.
+    Scatter,
+    /// In the residual of the fit: noise and model errors.
+    Residual,
+}
+
+/// Base parameters with their uncertainty, and how well the model explains the torque. Serialises to the keys of the
+/// `identify` command.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Estimate {
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Name of the robot.
+    pub robot: String,
+    /// Name of the columns that were estimated.
+    pub columns: String,
+    /// Base parameters β̂, b.
+    pub base: Vec<BaseEstimate>,
+    /// Covariance of β̂, b rows of b.
+    pub covariance: Vec<Vec<f64>>,
+    /// A full set of standard parameters φ with `K φ = β̂`, where one was asked for.
+    pub standard: Option<Vec<StandardEstimate>>,
+    /// Whether that set can be that of real bodies and drives.
+    pub consistent: Option<bool>,
+    /// RMS residual of each joint, n.
+    pub residual_rms: Vec<f64>,
+    /// Standard deviation of the noise in the equations of each joint, after averaging and filter, n.
+    pub noise_std: Vec<f64>,
+    /// Unit of both, n.
+    pub units: Vec<String>,
+    /// Condition number of W_b as the estimator solved it.
+    pub condition: f64,
+    /// The same with columns of unit length.
+    pub condition_scaled: f64,
+    /// Where the noise behind the intervals was seen.
+    pub interval_basis: IntervalBasis,
+    /// Degrees of freedom behind the intervals.
+    pub degrees_of_freedom: f64,
+    /// Instants that were fitted.
+    pub samples: usize,
+    /// Periods that were averaged.
+    pub periods: usize,
+    /// What a reader must know.
+    pub findings: Vec<Finding>,
+    /// How the estimator ended.
+    pub termination: Termination,
+    /// What produced it, where the recording says so.
+    pub provenance: Option<Provenance>,
+}
+
+impl Estimate {
+    /// β̂, length b.
+    #[must_use]
+    pub fn beta(&self) -> DVector<f64> {
+        DVector::from_iterator(self.base.len(), self.base.iter().map(|p| p.value))
+    }
+
+    /// Standard deviations, length b.
+    #[must_use]
+    pub fn std(&self) -> DVector<f64> {
+        DVector::from_iterator(self.base.len(), self.base.iter().map(|p| p.std))
+    }
+
+    /// Half widths of the 95 % intervals, length b.
+    #[must_use]
+    pub fn half_width(&self) -> DVector<f64> {
+        DVector::from_iterator(self.base.len(), self.base.iter().map(|p| 0.5 * (p.ci95[1] - p.ci95[0])))
+    }
+
+    /// Names of the base parameters, b.
+    #[must_use]
+    pub fn names(&self) -> Vec<String> {
+        self.base.iter().map(|p| p.name.clone()).collect()
+    }
+
+    /// Covariance of β̂, b × b.
+    #[must_use]
+    pub fn covariance_matrix(&self) -> DMatrix<f64> {
+        let b = self.base.len();
+        DMatrix::from_fn(b, b, |i, j| self.covariance[i][j])
+    }
+}

@@ -1,0 +1,126 @@
+//! What a reader of an estimate must know.
+
+use std::fmt;
+
+/// Something that does not stop an estimator and must not be overlooked; carries the number that was measured.
+///
+/// ```
+/// use armid::estimation::Finding;
+/// let finding = Finding::FewPeriods { periods: 2 };
+/// assert!(finding.to_string().contains("2 periods"));
+/// assert!(finding.advice().contains("record"));
+/// ```
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Finding {
+    /// A parameter whose standard deviation is more than a third of its value: its sign is in doubt at three sigma.
+    PoorlyDetermined {
+        /// Name of the base parameter.
+        parameter: String,
+        /// Its value.
+        value: f64,
+        /// Its standard deviation.
+        std: f64,
+        /// Unit of both.
+        unit: String,
+    },
+    /// The condition number of the equations with columns of unit length is large.
+    LargeCondition {
+        /// The condition number with columns of unit length.
+        condition_scaled: f64,
+    },
+    /// The residual of a joint is much larger than the noise that scattered over periods.
+    ResidualAboveNoise {
+        /// Joint, from one.
+        joint: usize,
+        /// RMS residual.
+        residual_rms: f64,
+        /// RMS residual expected of noise alone.
+        expected_rms: f64,
+        /// Their ratio.
+        ratio: f64,
+        /// Unit of both.
+        unit: String,
+    },
+    /// Neighbouring residuals of a joint are more alike than the noise is.
+    ResidualCorrelated {
+        /// Joint, from one.
+        joint: usize,
+        /// Correlation of the residual with the one before.
+        correlation: f64,
+        /// Correlation of the noise with the one before.
+        expected: f64,
+    },
+    /// Few periods were repeated, so that the noise is poorly known.
+    FewPeriods {
+        /// Recorded periods.
+        periods: usize,
+    },
+    /// Nothing was repeated: the noise was taken from the residual, and model errors with it.
+    NoiseFromResidual,
+    /// The completed standard parameters of a link are those of no real body.
+    InconsistentLink {
+        /// Link, from one.
+        link: usize,
+        /// Smallest eigenvalue of its pseudo-inertia.
+        eigenvalue: f64,
+    },
+    /// A drive parameter that cannot be negative is.
+    NegativeDrive {
+        /// Its name.
+        parameter: String,
+        /// Its value.
+        value: f64,
+    },
+}
+
+impl Finding {
+    /// What to do about it.
+    #[must_use]
+    pub const fn advice(&self) -> &'static str {
+        match self {
+            Self::PoorlyDetermined { .. } => {
+                "record more periods or excite this parameter more; do not read it by itself"
+            }
+            Self::LargeCondition { .. } => "design a trajectory that excites the parameters more evenly",
+            Self::ResidualAboveNoise { .. } => {
+                "the model misses something: friction law, torque constant, flexibility, or too narrow a filter; the \
+                 stated intervals cover noise alone"
+            }
+            Self::ResidualCorrelated { .. } => "look at the residual over time and over velocity for what is missing",
+            Self::FewPeriods { .. } => "record at least 4 periods",
+            Self::NoiseFromResidual => "record a periodic motion at least 4 times to tell noise from model errors",
+            Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
+                "use an estimator that enforces physical consistency before simulating with this model"
+            }
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::PoorlyDetermined { parameter, value, std, unit } => {
+                write!(f, "{parameter} = {value:.3e} {unit} has a standard deviation of {std:.3e} {unit}")
+            }
+            Self::LargeCondition { condition_scaled } => {
+                write!(f, "condition number {condition_scaled:.0} with columns of unit length")
+            }
+            Self::ResidualAboveNoise { joint, residual_rms, expected_rms, ratio, unit } => write!(
+                f,
+                "joint {joint}: residual {residual_rms:.3e} {unit} is {ratio:.1} times the {expected_rms:.3e} {unit} \
+                 expected of noise"
+            ),
+            Self::ResidualCorrelated { joint, correlation, expected } => write!(
+                f,
+                "joint {joint}: neighbouring residuals correlate by {correlation:.2}, the noise by {expected:.2}"
+            ),
+            Self::FewPeriods { periods } => write!(f, "{periods} periods tell little about the noise"),
+            Self::NoiseFromResidual => write!(f, "no repeated periods: the noise is taken from the residual"),
+            Self::InconsistentLink { link, eigenvalue } => {
+                write!(f, "link {link} is no real body: its pseudo-inertia has the eigenvalue {eigenvalue:.3e}")
+            }
+            Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
+        }
+    }
+}

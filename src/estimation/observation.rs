@@ -1,0 +1,114 @@
+//! The stacked linear equations of one experiment.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::EstimationError;
+use crate::base::BaseReduction;
+use crate::model::{Columns, JointKind, ParameterId, ParameterKind, Robot};
+use crate::provenance::Provenance;
+use crate::regressor::JointTorqueRegressor;
+use crate::signal::{NoiseModel, Samples};
+
+/// `y = W_b β + ε` over M instants of n joints: row `k n + i` is joint i at instant k.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Observation {
+    /// W_b, (n·M) × b.
+    pub regressor: DMatrix<f64>,
+    /// Joint torque, n·M.
+    pub y: DVector<f64>,
+    /// Number of joints n.
+    pub dof: usize,
+    /// Name of the robot.
+    pub robot: String,
+    /// Unit of each joint's torque, n.
+    pub units: Vec<String>,
+    /// Which columns are estimated.
+    pub columns: Columns,
+    /// The reduction to base parameters.
+    pub base: BaseReduction,
+    /// Unit of each base parameter, b.
+    pub parameter_units: Vec<String>,
+    /// Noise of y, where it was seen in the scatter over periods.
+    pub noise: Option<NoiseModel>,
+    /// Covariance of one raw sample of torque, n × n; `None` as above.
+    pub torque_covariance: Option<DMatrix<f64>>,
+    /// Whether the instants are one period, so that the last is followed by the first.
+    pub periodic: bool,
+    /// Periods that were averaged.
+    pub periods: usize,
+    /// What produced the samples.
+    pub provenance: Option<Provenance>,
+}
+
+impl Observation {
+    /// Evaluates the regressor at the samples' states and keeps the base columns.
+    ///
+    /// # Errors
+    /// [`EstimationError::Mismatch`] where robot, regressor, reduction and samples do not belong together;
+    /// [`EstimationError::TooFewSamples`] where there are fewer equations than parameters.
+    pub fn new(
+        robot: &Robot,
+        regressor: &JointTorqueRegressor,
+        base: &BaseReduction,
+        samples: &Samples,
+    ) -> Result<Self, EstimationError> {
+        let (n, b) = (robot.dof(), base.rank());
+        let mismatch =
+            |quantity, found: String, expected: String| Err(EstimationError::Mismatch { quantity, found, expected });
+        if regressor.rows() != n || samples.dof() != n {
+            let found = format!("{} in the regressor, {} in the samples", regressor.rows(), samples.dof());
+            return mismatch("joints", found, format!("the robot's {n}"));
+        }
+        if base.parameters != regressor.parameters() {
+            let found = format!("{} of the reduction", base.parameters.len());
+            return mismatch("parameters", found, format!("the regressor's {}", regressor.cols()));
+        }
+        if samples.len() * n < b {
+            let (samples, least) = (samples.len(), b.div_ceil(n));
+            return Err(EstimationError::TooFewSamples { samples, joints: n, parameters: b, least });
+        }
+        Ok(Self {
+            regressor: base.select_columns(&regressor.stack(&samples.states)),
+            y: DVector::from_column_slice(&samples.tau),
+            dof: n,
+            robot: robot.name().to_owned(),
+            units: samples.units.clone(),
+            columns: regressor.columns(),
+            base: base.clone(),
+            parameter_units: base.kept.iter().map(|&j| parameter_unit(robot, base.parameters[j])).collect(),
+            noise: samples.noise.clone(),
+            torque_covariance: samples.torque_covariance.clone(),
+            periodic: samples.period_s.is_some(),
+            periods: samples.periods,
+            provenance: samples.provenance.clone(),
+        })
+    }
+
+    /// Number of instants M.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.y.len() / self.dof
+    }
+
+    /// `y − W_b β`, n·M.
+    #[must_use]
+    pub fn residual(&self, beta: &DVector<f64>) -> DVector<f64> {
+        let mut residual = self.y.clone();
+        for (column, &value) in self.regressor.column_iter().zip(beta.iter()) {
+            residual.axpy(-value, &column, 1.0);
+        }
+        residual
+    }
+}
+
+/// Unit of a parameter, which for a drive depends on whether its joint turns or slides.
+fn parameter_unit(robot: &Robot, id: ParameterId) -> String {
+    let slides = robot.joints()[id.index].kind == JointKind::Prismatic;
+    match id.kind {
+        ParameterKind::Ia if slides => "kg",
+        ParameterKind::Fv | ParameterKind::Fvm if slides => "N·s/m",
+        ParameterKind::Fc | ParameterKind::Fo | ParameterKind::Fcm if slides => "N",
+        kind => kind.unit(),
+    }
+    .to_owned()
+}

@@ -1,0 +1,48 @@
+//! Ordinary least squares.
+//!
+//! ```text
+//! β̂ = (WᵀW)⁻¹ Wᵀ y        cov β̂ = (WᵀW)⁻¹ Wᵀ C W (WᵀW)⁻¹
+//! ```
+//! Every joint's residual counts the same in N·m, whatever its noise. Unbiased where the states are exact; its
+//! covariance is that of the measured noise, not of an assumed equal one.
+
+use super::appraisal::{Appraisal, solve};
+use super::residual::residual_noise;
+use super::{Estimate, EstimationError, EstimationProblem, Estimator, IntervalBasis, Termination};
+
+/// Ordinary least squares on the base columns.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct OrdinaryLeastSquares;
+
+impl Estimator for OrdinaryLeastSquares {
+    fn name(&self) -> &'static str {
+        "ols"
+    }
+
+    fn summary(&self) -> &'static str {
+        "ordinary least squares: every joint's residual counts the same"
+    }
+
+    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+        let observation = problem.observation;
+        let fit = solve(observation, &observation.regressor, &observation.y)?;
+        let (noise, basis) = match &observation.noise {
+            Some(noise) => (noise.clone(), IntervalBasis::Scatter),
+            None => {
+                let residual = observation.residual(fit.solution());
+                let b = observation.base.rank();
+                (residual_noise(&residual, observation.dof, b, observation.periodic), IntervalBasis::Residual)
+            }
+        };
+        Appraisal {
+            estimator: self.name(),
+            problem,
+            fit: &fit,
+            weighted: &observation.regressor,
+            noise: &noise,
+            basis,
+            termination: Termination::Direct,
+        }
+        .estimate()
+    }
+}

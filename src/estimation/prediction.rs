@@ -1,0 +1,80 @@
+//! What an estimate predicts, and how well.
+
+use super::residual::joint_rms;
+use super::{Estimate, EstimationError};
+use crate::dynamics::States;
+use crate::regressor::JointTorqueRegressor;
+use crate::signal::Samples;
+
+/// Torque that an estimate predicts for states, N × n row-major, N·m: `Y_b β̂`.
+///
+/// Columns are found by the names of the base parameters, so the reduction itself is not needed.
+///
+/// # Errors
+/// [`EstimationError::Mismatch`] where the regressor lacks a parameter of the estimate or the states are of another
+/// arm.
+pub fn predict(
+    estimate: &Estimate,
+    regressor: &JointTorqueRegressor,
+    states: &States,
+) -> Result<Vec<f64>, EstimationError> {
+    let (n, p) = (regressor.rows(), regressor.cols());
+    if states.dof != n {
+        let (found, expected) = (states.dof.to_string(), format!("the regressor's {n}"));
+        return Err(EstimationError::Mismatch { quantity: "joints of the states", found, expected });
+    }
+    let names: Vec<String> = regressor.parameters().iter().map(ToString::to_string).collect();
+    let mut columns = Vec::with_capacity(estimate.base.len());
+    for parameter in &estimate.base {
+        let column =
+            names.iter().position(|name| *name == parameter.name).ok_or_else(|| EstimationError::Mismatch {
+                quantity: "parameter of the estimate",
+                found: parameter.name.clone(),
+                expected: "one of the regressor's".to_owned(),
+            })?;
+        columns.push((column, parameter.value));
+    }
+    let mut rows = vec![0.0; n * p];
+    let mut torque = Vec::with_capacity(n * states.len());
+    for k in 0..states.len() {
+        regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
+        torque.extend(rows.chunks_exact(p).map(|row| columns.iter().map(|&(c, value)| row[c] * value).sum::<f64>()));
+    }
+    Ok(torque)
+}
+
+/// How well an estimate predicts torque that was not used to make it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Validation {
+    /// RMS difference between measured and predicted torque, n.
+    pub rms: Vec<f64>,
+    /// Its unit, n.
+    pub units: Vec<String>,
+    /// The same over the RMS of the measured torque, n; zero where that is zero.
+    pub relative_rms: Vec<f64>,
+}
+
+impl Validation {
+    /// Whether every joint's relative difference is at most `limit`.
+    #[must_use]
+    pub fn is_within(&self, limit: f64) -> bool {
+        self.relative_rms.iter().all(|&r| r <= limit)
+    }
+}
+
+/// Compares an estimate's prediction with samples.
+///
+/// # Errors
+/// As [`predict`].
+pub fn validate(
+    estimate: &Estimate,
+    regressor: &JointTorqueRegressor,
+    samples: &Samples,
+) -> Result<Validation, EstimationError> {
+    let predicted = predict(estimate, regressor, &samples.states)?;
+    let difference: Vec<f64> = samples.tau.iter().zip(&predicted).map(|(measured, model)| measured - model).collect();
+    let rms = joint_rms(&difference, samples.dof());
+    let measured = joint_rms(&samples.tau, samples.dof());
+    let relative_rms = rms.iter().zip(&measured).map(|(&r, &m)| if m > 0.0 { r / m } else { 0.0 }).collect();
+    Ok(Validation { rms, units: samples.units.clone(), relative_rms })
+}

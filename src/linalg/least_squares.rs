@@ -1,0 +1,376 @@
+//! Linear least squares with what is needed for error bars.
+//!
+//! ```text
+//! min ‖y − W β‖        W D⁻¹ = Q R, D = diag(‖w_j‖)        β̂ = D⁻¹ R⁻¹ Qᵀ y
+//! (WᵀW)⁻¹ = D⁻¹ R⁻¹ R⁻ᵀ D⁻¹        cov β̂ = (WᵀW)⁻¹ Wᵀ C W (WᵀW)⁻¹   for cov y = C
+//! ```
+//! Householder QR of the matrix with columns of unit length: the error of β̂ grows with the condition number and not,
+//! as with normal equations, with its square. Weights come in by [`BlockWhitening`]: rows arrive in blocks of n, one
+//! per sample, and every block has the covariance Σ.
+//!
+//! Reference: Å. Björck, *Numerical Methods for Least Squares Problems*, SIAM 1996, ch. 2.
+
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+
+use super::{RankTolerance, condition, product, solve_upper};
+
+/// Why a least-squares problem has no answer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LeastSquaresError {
+    /// Fewer equations than unknowns.
+    #[error("{rows} equations for {columns} unknowns, expected at least as many equations as unknowns")]
+    TooFewRows {
+        /// Number of equations.
+        rows: usize,
+        /// Number of unknowns.
+        columns: usize,
+    },
+    /// Matrix and right-hand side do not fit.
+    #[error("{found} measurements for {expected} equations, expected one each")]
+    Shape {
+        /// Number of measurements.
+        found: usize,
+        /// Number of equations.
+        expected: usize,
+    },
+    /// A NaN or an infinity among the equations.
+    #[error("equation {row} holds {value}, expected finite numbers")]
+    NotFinite {
+        /// Which row, from zero.
+        row: usize,
+        /// What was found.
+        value: f64,
+    },
+    /// A column is a combination of those before it.
+    #[error(
+        "column {column} has {independent:.1e} of its length independent of the columns before it, expected more than {least:.1e}"
+    )]
+    Dependent {
+        /// Which column, from zero.
+        column: usize,
+        /// The fraction of its length that is independent of the columns before it.
+        independent: f64,
+        /// The least fraction that counts.
+        least: f64,
+    },
+    /// The covariance of a block is not positive definite.
+    #[error("the {size} × {size} covariance of one sample is not positive definite")]
+    Covariance {
+        /// Rows in a block.
+        size: usize,
+    },
+    /// Rows do not divide into blocks.
+    #[error("{rows} rows, expected a multiple of the {size} rows in one sample")]
+    Blocks {
+        /// Number of rows.
+        rows: usize,
+        /// Rows in a block.
+        size: usize,
+    },
+}
+
+/// The solution of a least-squares problem, and the factor that its covariance is made of.
+///
+/// ```
+/// use armid::linalg::LeastSquares;
+/// use nalgebra::{dmatrix, dvector};
+/// // A straight line through (0, 1), (1, 3), (2, 5).
+/// let fit = LeastSquares::solve(&dmatrix![1.0, 0.0; 1.0, 1.0; 1.0, 2.0], &dvector![1.0, 3.0, 5.0])?;
+/// assert!((fit.solution() - dvector![1.0, 2.0]).norm() < 1e-14);
+/// assert!((fit.inverse_information()[(1, 1)] - 0.5).abs() < 1e-15);
+/// # Ok::<(), armid::linalg::LeastSquaresError>(())
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct LeastSquares {
+    solution: DVector<f64>,
+    /// R⁻¹ of the scaled problem, with the scales divided out of its rows: D⁻¹ R⁻¹.
+    root: DMatrix<f64>,
+    condition: f64,
+    condition_scaled: f64,
+}
+
+impl LeastSquares {
+    /// Solves `min ‖y − W β‖` for W (m × b) and y (m).
+    ///
+    /// # Errors
+    /// [`LeastSquaresError`] where shapes do not fit, a number is not finite or a column depends on others.
+    pub fn solve(w: &DMatrix<f64>, y: &DVector<f64>) -> Result<Self, LeastSquaresError> {
+        let (rows, columns) = w.shape();
+        if y.len() != rows {
+            return Err(LeastSquaresError::Shape { found: y.len(), expected: rows });
+        }
+        if rows < columns {
+            return Err(LeastSquaresError::TooFewRows { rows, columns });
+        }
+        let bad = w.iter().position(|v| !v.is_finite()).map(|at| (at % rows, w[at]));
+        if let Some((row, value)) = bad.or_else(|| y.iter().position(|v| !v.is_finite()).map(|row| (row, y[row]))) {
+            return Err(LeastSquaresError::NotFinite { row, value });
+        }
+        let scales: Vec<f64> = w.column_iter().map(|column| column.norm()).collect();
+        let mut scaled = w.clone();
+        for (mut column, &scale) in scaled.column_iter_mut().zip(&scales) {
+            if scale > 0.0 {
+                column.unscale_mut(scale);
+            }
+        }
+        let qr = scaled.qr();
+        let r = qr.r();
+        let least = RankTolerance::default().independent;
+        if let Some(column) = (0..columns).find(|&j| r[(j, j)].abs() <= least) {
+            return Err(LeastSquaresError::Dependent { column, independent: r[(column, column)].abs(), least });
+        }
+        let mut projected = y.clone();
+        qr.q_tr_mul(&mut projected);
+        let mut solution = solve_upper(&r, &projected.rows(0, columns).into_owned());
+        let mut root = inverse_upper(&r);
+        for (j, &scale) in scales.iter().enumerate() {
+            solution[j] /= scale;
+            root.row_mut(j).unscale_mut(scale);
+        }
+        let raw = DMatrix::from_fn(columns, columns, |i, j| r[(i, j)] * scales[j]);
+        Ok(Self { solution, root, condition: condition(&raw), condition_scaled: condition(&r) })
+    }
+
+    /// β̂, length b.
+    #[must_use]
+    pub const fn solution(&self) -> &DVector<f64> {
+        &self.solution
+    }
+
+    /// Condition number of W as it stands.
+    #[must_use]
+    pub const fn condition(&self) -> f64 {
+        self.condition
+    }
+
+    /// Condition number of W with columns of unit length.
+    #[must_use]
+    pub const fn condition_scaled(&self) -> f64 {
+        self.condition_scaled
+    }
+
+    /// `(WᵀW)⁻¹`, b × b: the covariance of β̂ where y has unit covariance.
+    #[must_use]
+    pub fn inverse_information(&self) -> DMatrix<f64> {
+        product(&self.root, &self.root.transpose())
+    }
+
+    /// `(WᵀW)⁻¹ V (WᵀW)⁻¹` for a symmetric V (b × b): the covariance of β̂ where `V = Wᵀ (cov y) W`.
+    #[must_use]
+    pub fn sandwich(&self, v: &DMatrix<f64>) -> DMatrix<f64> {
+        let root_t = self.root.transpose();
+        let middle = product(&product(&root_t, v), &self.root);
+        product(&product(&self.root, &middle), &root_t)
+    }
+}
+
+/// Inverse of an upper triangular matrix without zeros on its diagonal.
+fn inverse_upper(r: &DMatrix<f64>) -> DMatrix<f64> {
+    let b = r.ncols();
+    let mut inverse = DMatrix::zeros(b, b);
+    for j in 0..b {
+        let mut unit = DVector::zeros(j + 1);
+        unit[j] = 1.0;
+        let column = solve_upper(&r.view((0, 0), (j + 1, j + 1)).into_owned(), &unit);
+        inverse.view_mut((0, j), (j + 1, 1)).copy_from(&column);
+    }
+    inverse
+}
+
+/// `Aᵀ B` for A (m × a) and B (m × b), every entry summed in one fixed order: the same bits on every CPU.
+///
+/// # Panics
+/// If the matrices have not the same number of rows.
+#[must_use]
+pub fn transpose_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    assert_eq!(a.nrows(), b.nrows(), "as many rows in both");
+    let rows = a.nrows();
+    DMatrix::from_fn(a.ncols(), b.ncols(), |i, j| {
+        dot(&a.as_slice()[i * rows..(i + 1) * rows], &b.as_slice()[j * rows..(j + 1) * rows])
+    })
+}
+
+/// Eight partial sums, so that the sum is fast where the order is fixed.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let mut sums = [0.0; 8];
+    let (a8, a_rest) = a.as_chunks::<8>();
+    let (b8, b_rest) = b.as_chunks::<8>();
+    for (a, b) in a8.iter().zip(b8) {
+        for l in 0..8 {
+            sums[l] += a[l] * b[l];
+        }
+    }
+    for (l, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
+        sums[l] += a * b;
+    }
+    ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]))
+}
+
+/// Divides blocks of n rows by the root of their covariance, so that they have unit covariance: `Σ = L Lᵀ`, `L⁻¹ w`.
+///
+/// ```
+/// use armid::linalg::BlockWhitening;
+/// use nalgebra::dmatrix;
+/// let whitening = BlockWhitening::new(&dmatrix![4.0, 0.0; 0.0, 9.0])?;
+/// assert_eq!(whitening.whiten(&dmatrix![2.0; 3.0; 4.0; 6.0])?, dmatrix![1.0; 1.0; 2.0; 2.0]);
+/// # Ok::<(), armid::linalg::LeastSquaresError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct BlockWhitening {
+    factor: Cholesky<f64, Dyn>,
+}
+
+impl BlockWhitening {
+    /// For blocks of covariance `covariance` (n × n).
+    ///
+    /// # Errors
+    /// [`LeastSquaresError::Covariance`] unless it is positive definite.
+    pub fn new(covariance: &DMatrix<f64>) -> Result<Self, LeastSquaresError> {
+        let size = covariance.nrows();
+        Cholesky::new(covariance.clone())
+            .filter(|factor| factor.l_dirty().diagonal().iter().all(|&d| d.is_finite() && d > 0.0))
+            .map(|factor| Self { factor })
+            .ok_or(LeastSquaresError::Covariance { size })
+    }
+
+    /// `L⁻¹` times every block of rows of W ((n·N) × b).
+    ///
+    /// # Errors
+    /// [`LeastSquaresError::Blocks`] where the rows are no multiple of n.
+    pub fn whiten(&self, w: &DMatrix<f64>) -> Result<DMatrix<f64>, LeastSquaresError> {
+        self.on_blocks(w, |l, block| {
+            for i in 0..block.len() {
+                let sum: f64 = (0..i).map(|j| l[(i, j)] * block[j]).sum();
+                block[i] = (block[i] - sum) / l[(i, i)];
+            }
+        })
+    }
+
+    /// `L⁻ᵀ` times every block of rows: after [`Self::whiten`], `Σ⁻¹ W`.
+    ///
+    /// # Errors
+    /// [`LeastSquaresError::Blocks`] where the rows are no multiple of n.
+    pub fn whiten_transposed(&self, w: &DMatrix<f64>) -> Result<DMatrix<f64>, LeastSquaresError> {
+        self.on_blocks(w, |l, block| {
+            for i in (0..block.len()).rev() {
+                let sum: f64 = (i + 1..block.len()).map(|j| l[(j, i)] * block[j]).sum();
+                block[i] = (block[i] - sum) / l[(i, i)];
+            }
+        })
+    }
+
+    fn on_blocks(
+        &self,
+        w: &DMatrix<f64>,
+        solve: impl Fn(&DMatrix<f64>, &mut [f64]),
+    ) -> Result<DMatrix<f64>, LeastSquaresError> {
+        let l = self.factor.l_dirty();
+        let (size, rows) = (l.nrows(), w.nrows());
+        if !rows.is_multiple_of(size) {
+            return Err(LeastSquaresError::Blocks { rows, size });
+        }
+        let mut out = w.clone();
+        // Columns are contiguous and hold whole numbers of blocks.
+        for block in out.as_mut_slice().chunks_exact_mut(size) {
+            solve(l, block);
+        }
+        Ok(out)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+    use rand::RngExt;
+
+    fn random(rows: usize, columns: usize, run: u64) -> DMatrix<f64> {
+        let mut rng = Seed::new(2).stream("least squares", run);
+        DMatrix::from_fn(rows, columns, |_, _| rng.random_range(-1.0..1.0))
+    }
+
+    #[test]
+    fn identity_solution_and_covariance_agree_with_the_singular_value_decomposition() {
+        let mut w = random(60, 7, 0);
+        // Columns of very different size, as masses and friction coefficients are.
+        for (j, mut column) in w.column_iter_mut().enumerate() {
+            column *= libm::pow(10.0, j as f64 - 3.0);
+        }
+        let y = random(60, 1, 1).column(0).into_owned();
+        let fit = LeastSquares::solve(&w, &y).unwrap();
+        let inverse = w.clone().pseudo_inverse(1e-14).unwrap();
+        let expected = &inverse * &y;
+        let covariance = &inverse * inverse.transpose();
+        for i in 0..7 {
+            // Both routes lose the condition number, 1e6, of 1e-16.
+            assert!((fit.solution()[i] / expected[i] - 1.0).abs() < 1e-9);
+            for j in 0..7 {
+                let size = (covariance[(i, i)] * covariance[(j, j)]).sqrt();
+                assert!((fit.inverse_information()[(i, j)] - covariance[(i, j)]).abs() < 1e-9 * size);
+            }
+        }
+        let c = random(60, 60, 2);
+        let c = &c * c.transpose();
+        let sandwich = fit.sandwich(&transpose_product(&w, &(&c * &w)));
+        let expected = &inverse * c * inverse.transpose();
+        for i in 0..7 {
+            for j in 0..7 {
+                let size = (expected[(i, i)] * expected[(j, j)]).sqrt();
+                assert!((sandwich[(i, j)] - expected[(i, j)]).abs() < 1e-8 * size);
+            }
+        }
+        let singular = w.singular_values();
+        assert!((fit.condition() / (singular.max() / singular.min()) - 1.0).abs() < 1e-8);
+        assert!(fit.condition_scaled() < 3.0, "unit columns of a random matrix");
+    }
+
+    #[test]
+    fn identity_row_scaling_with_the_matching_weight_changes_nothing() {
+        let (w, y) = (random(40, 5, 3), random(40, 1, 4));
+        let plain = LeastSquares::solve(&w, &y.column(0).into_owned()).unwrap();
+        // Rows of joint 0 times 10 and of joint 1 times 0.1, told so by Σ.
+        let whitening = BlockWhitening::new(&nalgebra::dmatrix![100.0, 0.0; 0.0, 0.01]).unwrap();
+        let scale = |m: &DMatrix<f64>| {
+            let mut m = m.clone();
+            for (i, mut row) in m.row_iter_mut().enumerate() {
+                row *= if i % 2 == 0 { 10.0 } else { 0.1 };
+            }
+            whitening.whiten(&m).unwrap()
+        };
+        let weighted = LeastSquares::solve(&scale(&w), &scale(&y).column(0).into_owned()).unwrap();
+        assert!((plain.solution() - weighted.solution()).norm() < 1e-13 * plain.solution().norm());
+    }
+
+    #[test]
+    fn identity_whitening_is_the_inverse_root() {
+        let root = random(3, 3, 5) + DMatrix::identity(3, 3) * 3.0;
+        let covariance = &root * root.transpose();
+        let whitening = BlockWhitening::new(&covariance).unwrap();
+        let w = random(12, 2, 6);
+        let both = whitening.whiten_transposed(&whitening.whiten(&w).unwrap()).unwrap();
+        for k in 0..4 {
+            let back = &covariance * both.rows(3 * k, 3);
+            assert!((back - w.rows(3 * k, 3)).norm() < 1e-13);
+        }
+        assert_eq!(whitening.whiten(&random(4, 1, 7)), Err(LeastSquaresError::Blocks { rows: 4, size: 3 }));
+        assert!(BlockWhitening::new(&nalgebra::dmatrix![1.0, 2.0; 2.0, 1.0]).is_err());
+    }
+
+    #[test]
+    fn impossible_problems_are_refused() {
+        let mut w = random(6, 3, 8);
+        let y = DVector::zeros(6);
+        w.set_column(2, &(w.column(0) * 2.0 - w.column(1)));
+        assert!(matches!(LeastSquares::solve(&w, &y), Err(LeastSquaresError::Dependent { column: 2, .. })));
+        w[(4, 1)] = f64::NAN;
+        assert!(matches!(LeastSquares::solve(&w, &y), Err(LeastSquaresError::NotFinite { row: 4, .. })));
+        assert!(matches!(
+            LeastSquares::solve(&random(2, 3, 9), &DVector::zeros(2)),
+            Err(LeastSquaresError::TooFewRows { rows: 2, columns: 3 })
+        ));
+        assert!(matches!(
+            LeastSquares::solve(&random(4, 3, 9), &DVector::zeros(2)),
+            Err(LeastSquaresError::Shape { found: 2, expected: 4 })
+        ));
+    }
+}
