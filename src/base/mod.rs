@@ -13,6 +13,7 @@
 //! no θ_i equals `D_BSVᵀ α_i`.
 
 mod error;
+mod formula;
 mod geometry;
 mod method;
 mod paper_steps;
@@ -23,9 +24,10 @@ mod structural;
 mod table_two;
 
 pub use error::BaseError;
+pub use formula::{Coefficient, Formula, Product, Quantity, Symbol};
 pub use method::Method;
 pub use paper_steps::PaperSets;
-pub use reduce::{reduce, reduce_on};
+pub use reduce::{reduce, reduce_on, reduce_with_base};
 pub use reduction::{BaseReduction, Category};
 pub use structural::BaseMotion;
 pub use table_two::{TableTwoRow, table_two};

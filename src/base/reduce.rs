@@ -39,6 +39,14 @@ pub fn reduce(robot: &Robot, columns: Columns, method: Method, seed: Seed) -> Re
     reduce_on(robot, columns, method, &states)
 }
 
+/// The base parameters of a robot whose base moves in a known way, by the structural recursion.
+///
+/// The joints' efforts are measured, the force that moves the base is not.
+#[must_use]
+pub fn reduce_with_base(robot: &Robot, columns: Columns, motion: BaseMotion) -> BaseReduction {
+    structural::reduce(&Geometry::of(robot), &columns.parameters(robot), motion)
+}
+
 /// The base parameters that a given motion reveals: a category can only fall against [`reduce`], never rise.
 ///
 /// `states` are the samples of one trajectory, at least ten (the paper's N); `method` is [`Method::Paper`] or

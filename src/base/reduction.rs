@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Method;
+use super::{BaseMotion, Method};
 use crate::linalg::{LeftToRight, RankTolerance, product};
 use crate::model::ParameterId;
 
@@ -60,6 +60,8 @@ pub struct BaseReduction {
     pub k: DMatrix<f64>,
     /// How it was found.
     pub method: Method,
+    /// How the base of the robot moves.
+    pub base_motion: BaseMotion,
 }
 
 /// Coefficients of K smaller than this are rounding and become zero, in units in which robot and motion are of size 1.
@@ -67,6 +69,9 @@ pub struct BaseReduction {
 /// The random states leave K an error of some 1e-15 times a condition number of 1e1 to 1e4; the smallest true
 /// coefficients are squares of length ratios, 1e-5 for a length of three thousandths of the arm.
 pub(super) const SMALLEST_COEFFICIENT: f64 = 1e-9;
+
+/// Coefficients this close to a whole number become that number: most are 1 or −1 by geometry.
+const WHOLE: f64 = 1e-12;
 
 impl BaseReduction {
     /// The reduction of a stacked regressor W (rows × p) by one left-to-right QR; the columns should be scaled so
@@ -81,14 +86,20 @@ impl BaseReduction {
         Self::from_echelon(parameters, qr.kept, qr.coefficients, method)
     }
 
-    /// The reduction with these kept columns and this K, whose small coefficients are set to zero.
+    /// The reduction with these kept columns and this K, with coefficients that rounding has left near whole numbers put there.
     pub(super) fn from_echelon(
         parameters: &[ParameterId],
         kept: Vec<usize>,
         mut k: DMatrix<f64>,
         method: Method,
     ) -> Self {
-        k.iter_mut().filter(|x| x.abs() < SMALLEST_COEFFICIENT).for_each(|x| *x = 0.0);
+        for x in k.iter_mut() {
+            if x.abs() < SMALLEST_COEFFICIENT {
+                *x = 0.0;
+            } else if (*x - x.round()).abs() < WHOLE {
+                *x = x.round();
+            }
+        }
         let mut categories: Vec<Category> =
             (0..parameters.len())
                 .map(|j| {
@@ -99,7 +110,13 @@ impl BaseReduction {
             let alone = k.row(row).iter().enumerate().all(|(other, &x)| other == j || x == 0.0);
             categories[j] = if alone { Category::Identifiable } else { Category::Representative };
         }
-        Self { parameters: parameters.to_vec(), categories, kept, k, method }
+        Self { parameters: parameters.to_vec(), categories, kept, k, method, base_motion: BaseMotion::Fixed }
+    }
+
+    /// The same with another motion of the base.
+    pub(super) const fn with_base_motion(mut self, base_motion: BaseMotion) -> Self {
+        self.base_motion = base_motion;
+        self
     }
 
     /// Multiplies each parameter's unit: `units[j]` old units of parameter j make a new one, so that

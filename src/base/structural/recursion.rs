@@ -67,7 +67,9 @@ pub(in crate::base) fn reduce(geometry: &Geometry, parameters: &[ParameterId], m
     let k = DMatrix::from_fn(revealed.len(), parameters.len(), |row, column| {
         form.coefficients[(revealed[row], TEN + column)]
     });
-    BaseReduction::from_echelon(parameters, kept, k, Method::Structural).with_units(&geometry.units(parameters))
+    BaseReduction::from_echelon(parameters, kept, k, Method::Structural)
+        .with_units(&geometry.units(parameters))
+        .with_base_motion(motion)
 }
 
 /// The axis of joint j in the frame of its link.

@@ -1,0 +1,213 @@
+//! From numbers to formulas.
+
+use super::coefficient::power;
+use super::family::{Family, STRETCH};
+use super::symbol::Variable;
+use super::{Coefficient, Product, Symbol};
+
+/// A formula predicts a coefficient when it errs by less than this fraction of it: the recursion's own error is some
+/// 1e-13, and witnesses drawn at random agree with a wrong formula to this extent with a chance of 1e-9 each.
+const AGREEMENT: f64 = 1e-9;
+
+/// Largest numerator and denominator of a factor.
+const LARGEST_INTEGER: i32 = 8;
+
+/// Largest exponent of a letter.
+const LARGEST_EXPONENT: i32 = 4;
+
+/// Most products that are tried together; beyond it a sum of several would be luck.
+const MOST_CANDIDATES: usize = 400;
+
+/// The values of one entry of K over a family, with what a formula for it may be made of.
+struct Entry<'a> {
+    family: &'a Family,
+    /// Row and column in K.
+    at: (usize, usize),
+    /// The variables on which it depends.
+    variables: Vec<Variable>,
+}
+
+/// The formula of entry (row, column) of K; `degree` is its dimension in lengths.
+pub(super) fn coefficient(family: &Family, row: usize, column: usize, degree: i32) -> Coefficient {
+    let value = family.original.reduction.k[(row, column)];
+    let changes = |other: f64| (other - value).abs() > AGREEMENT * value.abs().max(other.abs());
+    let variables = family
+        .variables
+        .iter()
+        .filter(|(_, relative)| changes(relative.reduction.k[(row, column)]))
+        .map(|&(variable, _)| variable)
+        .collect();
+    let entry = Entry { family, at: (row, column), variables };
+    let found = entry.single_product().map(|product| vec![product]).or_else(|| entry.sum(degree));
+    found.map_or(Coefficient::Number(value), Coefficient::Sum)
+}
+
+impl Entry<'_> {
+    fn original(&self) -> f64 {
+        self.family.original.reduction.k[self.at]
+    }
+
+    /// Whether a sum of products predicts the entry on every relative.
+    fn holds(&self, sum: &[Product]) -> bool {
+        self.family.relatives().all(|relative| {
+            let value = relative.reduction.k[self.at];
+            let predicted: f64 = sum.iter().map(|product| product.value(|symbol| relative.letter(symbol))).sum();
+            (predicted - value).abs() <= AGREEMENT * value.abs()
+        })
+    }
+
+    /// Exponents from how the entry answers each variable, then the factor from its value.
+    fn single_product(&self) -> Option<Product> {
+        let mut powers = Vec::new();
+        for &variable in &self.variables {
+            let (_, relative) = self.family.variables.iter().find(|(other, _)| *other == variable)?;
+            let ratio = relative.reduction.k[self.at] / self.original();
+            match variable {
+                Variable::Length(symbol) => {
+                    let exponent = (-LARGEST_EXPONENT..=LARGEST_EXPONENT)
+                        .find(|&k| (power(STRETCH, k) / ratio - 1.0).abs() < AGREEMENT)?;
+                    powers.push((symbol, exponent));
+                }
+                Variable::Alpha(_) | Variable::Theta(_) => {
+                    let grown: Vec<(Symbol, f64)> = variable
+                        .symbols()
+                        .into_iter()
+                        .map(|symbol| (symbol, relative.letter(symbol) / self.family.original.letter(symbol)))
+                        .collect();
+                    let exponents = pairs_by_simplicity()
+                        .find(|k| (power(grown[0].1, k.0) * power(grown[1].1, k.1) / ratio - 1.0).abs() < AGREEMENT)?;
+                    powers.push((grown[0].0, exponents.0));
+                    powers.push((grown[1].0, exponents.1));
+                }
+            }
+        }
+        powers.retain(|&(_, exponent)| exponent != 0);
+        powers.sort_unstable();
+        let unit = Product { numerator: 1, denominator: 1, powers };
+        let (numerator, denominator) =
+            rational(self.original() / unit.value(|symbol| self.family.original.letter(symbol)))?;
+        let product = Product { numerator, denominator, ..unit };
+        self.holds(std::slice::from_ref(&product)).then_some(product)
+    }
+
+    /// A sum of two, then of three products of the variables on which the entry depends.
+    fn sum(&self, degree: i32) -> Option<Vec<Product>> {
+        let candidates = self.candidates(degree);
+        if candidates.len() > MOST_CANDIDATES {
+            return None;
+        }
+        // One row per relative: the entry, then each candidate; scaled by the entry.
+        let table: Vec<Vec<f64>> = self
+            .family
+            .relatives()
+            .map(|relative| {
+                let value = relative.reduction.k[self.at];
+                candidates.iter().map(|c| c.value(|symbol| relative.letter(symbol)) / value).collect()
+            })
+            .collect();
+        let witnesses = &table[table.len() - self.family.witnesses.len()..];
+        let solve = |chosen: &[usize]| -> Option<Vec<Product>> {
+            let count = chosen.len();
+            let a = nalgebra::DMatrix::from_fn(count, count, |i, j| witnesses[i][chosen[j]]);
+            let factors = a.lu().solve(&nalgebra::DVector::from_element(count, 1.0))?;
+            let sum = chosen
+                .iter()
+                .zip(factors.iter())
+                .map(|(&j, &factor)| {
+                    let (numerator, denominator) = rational(factor)?;
+                    Some(Product { numerator, denominator, ..candidates[j].clone() })
+                })
+                .collect::<Option<Vec<Product>>>()?;
+            self.holds(&sum).then_some(sum)
+        };
+        for i in 0..candidates.len() {
+            for j in 0..i {
+                if let Some(sum) = solve(&[j, i]) {
+                    return Some(sum);
+                }
+            }
+        }
+        // Three only among the simplest, whose sums are still telling.
+        let few = candidates.len().min(40);
+        for i in 0..few {
+            for j in 0..i {
+                for k in 0..j {
+                    if let Some(sum) = solve(&[k, j, i]) {
+                        return Some(sum);
+                    }
+                }
+            }
+        }
+        None
+    }
+
+    /// Products of the entry's variables with the right dimension, simplest first.
+    fn candidates(&self, degree: i32) -> Vec<Product> {
+        let mut products = vec![Vec::<(Symbol, i32)>::new()];
+        for variable in &self.variables {
+            let choices: Vec<Vec<(Symbol, i32)>> = match variable {
+                Variable::Length(symbol) => {
+                    (-LARGEST_EXPONENT..=LARGEST_EXPONENT).map(|k| vec![(*symbol, k)]).collect()
+                }
+                Variable::Alpha(_) | Variable::Theta(_) => {
+                    let symbols = variable.symbols();
+                    pairs_by_simplicity()
+                        .filter(|k| k.0 >= 0 && k.1 >= 0 && k.0 + k.1 <= 2)
+                        .map(|k| vec![(symbols[0], k.0), (symbols[1], k.1)])
+                        .collect()
+                }
+            };
+            products = products
+                .iter()
+                .flat_map(|product| choices.iter().map(move |choice| [product.clone(), choice.clone()].concat()))
+                .filter(|product| complexity(product) <= 2 * LARGEST_EXPONENT)
+                .collect();
+        }
+        let dimension = |powers: &[(Symbol, i32)]| -> i32 {
+            powers.iter().filter(|(symbol, _)| symbol.is_length()).map(|&(_, k)| k).sum()
+        };
+        products.retain(|powers| dimension(powers) == degree);
+        for powers in &mut products {
+            powers.retain(|&(_, exponent)| exponent != 0);
+            powers.sort_unstable();
+        }
+        products.sort_by_key(|powers| (complexity(powers), powers.clone()));
+        products.into_iter().map(|powers| Product { numerator: 1, denominator: 1, powers }).collect()
+    }
+}
+
+/// Sum of the exponents' sizes.
+fn complexity(powers: &[(Symbol, i32)]) -> i32 {
+    powers.iter().map(|&(_, exponent)| exponent.abs()).sum()
+}
+
+/// Exponents of cosine and sine, the smallest first.
+fn pairs_by_simplicity() -> impl Iterator<Item = (i32, i32)> {
+    let mut pairs: Vec<(i32, i32)> = (-2..=2).flat_map(|c| (-2..=2).map(move |s| (c, s))).collect();
+    pairs.sort_by_key(|&(c, s): &(i32, i32)| (c.abs() + s.abs(), -c, -s));
+    pairs.into_iter()
+}
+
+/// The rational number with small numerator and denominator that is this one; the smallest denominator wins.
+fn rational(x: f64) -> Option<(i32, i32)> {
+    (1..=LARGEST_INTEGER).find_map(|denominator| {
+        let scaled = x * f64::from(denominator);
+        let numerator = scaled.round();
+        let near = numerator != 0.0 && (scaled - numerator).abs() <= AGREEMENT * scaled.abs();
+        (near && numerator.abs() <= f64::from(LARGEST_INTEGER)).then_some((numerator as i32, denominator))
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_rational_numbers() {
+        assert_eq!(rational(-0.75), Some((-3, 4)));
+        assert_eq!(rational(2.0 + 1e-13), Some((2, 1)));
+        assert_eq!(rational(0.0), None);
+        assert_eq!(rational(std::f64::consts::PI), None);
+        assert_eq!(pairs_by_simplicity().next(), Some((0, 0)));
+    }
+}
