@@ -1,0 +1,169 @@
+//! The HTML page.
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::paragraph::{marked, printable};
+use super::{Block, Cell, Document, Plate, Section, Table};
+
+/// Everything the page needs to look right: no font, script or image is fetched. Print keeps figures and rows whole and
+/// unfolds what is folded.
+const STYLE: &str = include_str!("page.css");
+
+/// Numbers handed out while the page is written.
+#[derive(Default)]
+struct Counters {
+    figures: usize,
+    tables: usize,
+}
+
+pub(super) fn render(document: &Document) -> String {
+    let mut counters = Counters::default();
+    let sections: Vec<Markup> = document
+        .sections
+        .iter()
+        .enumerate()
+        .map(|(index, section)| render_section(section, index + 1, &mut counters))
+        .collect();
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (printable(&document.title)) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                header {
+                    h1 { (marked(&document.title)) }
+                    @if !document.subtitle.trim().is_empty() { p.subtitle { (marked(&document.subtitle)) } }
+                }
+                main {
+                    @if !document.summary.is_empty() {
+                        section.summary aria-label="Summary" {
+                            @for paragraph in &document.summary { p { (marked(paragraph)) } }
+                        }
+                    }
+                    @if document.sections.len() > 1 { (contents(document)) }
+                    @for section in &sections { (section) "\n" }
+                }
+                @if !document.provenance.is_empty() {
+                    footer {
+                        h2 #provenance { "Provenance" }
+                        dl {
+                            @for (name, value) in &document.provenance {
+                                dt { (marked(name)) }
+                                dd { (marked(value)) }
+                            }
+                        }
+                    }
+                }
+            }
+        }
+    };
+    let mut text = page.into_string();
+    text.push('\n');
+    text
+}
+
+fn contents(document: &Document) -> Markup {
+    html! {
+        nav aria-label="Contents" {
+            h2 { "Contents" }
+            ol {
+                @for (index, section) in document.sections.iter().enumerate() {
+                    li { a href={ "#section-" (index + 1) } { (marked(&section.heading)) } }
+                }
+            }
+        }
+    }
+}
+
+fn render_section(section: &Section, number: usize, counters: &mut Counters) -> Markup {
+    let blocks: Vec<Markup> = section.blocks.iter().map(|block| render_block(block, counters)).collect();
+    html! {
+        section {
+            h2 id={ "section-" (number) } { (number) ". " (marked(&section.heading)) }
+            @for block in &blocks { (block) "\n" }
+        }
+    }
+}
+
+fn render_block(block: &Block, counters: &mut Counters) -> Markup {
+    match block {
+        Block::Text(text) => html! { p { (marked(text)) } },
+        Block::List(items) => html! { ul { @for item in items { li { (marked(item)) } } } },
+        Block::Listing(text) => html! { pre { code { (printable(text)) } } },
+        Block::Subheading(text) => html! { h3 { (marked(text)) } },
+        Block::Figure(plate) => {
+            counters.figures += 1;
+            render_plate(plate, counters.figures)
+        }
+        Block::Table(table) => {
+            counters.tables += 1;
+            render_table(table, counters.tables)
+        }
+    }
+}
+
+fn render_plate(plate: &Plate, number: usize) -> Markup {
+    html! {
+        figure id={ "figure-" (plate.name) } {
+            // Written by this crate, escaped where it was written.
+            (PreEscaped(&plate.svg))
+            figcaption {
+                strong { "Figure " (number) "." } " "
+                @if plate.caption.trim().is_empty() { (marked(&plate.title)) } @else { (marked(&plate.caption)) }
+                " " span.file { (plate.name) ".svg" }
+            }
+        }
+    }
+}
+
+fn render_table(table: &Table, number: usize) -> Markup {
+    let count = table.rows.len();
+    if count >= Table::FOLDED_FROM {
+        html! {
+            details.table id={ "table-" (number) } {
+                summary { strong { "Table " (number) "." } " " (marked(&table.caption)) " " span.file { (count) " rows" } }
+                div.scroll { table { (rows(table)) } }
+            }
+        }
+    } else {
+        html! {
+            div.table.scroll id={ "table-" (number) } {
+                table {
+                    caption { strong { "Table " (number) "." } " " (marked(&table.caption)) }
+                    (rows(table))
+                }
+            }
+        }
+    }
+}
+
+fn rows(table: &Table) -> Markup {
+    html! {
+        thead {
+            tr {
+                @for column in &table.columns {
+                    th scope="col" class=[column.numeric.then_some("number")] {
+                        (marked(&column.label))
+                        @if !column.unit.is_empty() { br; span.unit { (printable(&column.unit)) } }
+                    }
+                }
+            }
+        }
+        tbody {
+            @for cells in &table.rows {
+                tr {
+                    @for (cell, column) in cells.iter().zip(&table.columns) {
+                        td class=[column.numeric.then_some("number")] {
+                            @match cell { Cell::Text(text) => (marked(text)), other => (other.written()) }
+                        }
+                    }
+                }
+                "\n"
+            }
+        }
+    }
+}

@@ -1,0 +1,226 @@
+//! The parts of a document.
+
+use super::{Table, page};
+use crate::{DocumentError, Figure};
+
+/// A report: title, summary, sections, and what produced it.
+///
+/// Texts may hold `` `code` `` and `**bold**`; everything else is taken literally.
+///
+/// ```
+/// use armid_reports::document::{Cell, Column, Document, Section, Table};
+/// let table = Table::new("Torque error", vec![Column::text("joint"), Column::number("RMSE", "N·m")])
+///     .row(vec![Cell::text("J1"), Cell::number(0.0612, 3)]);
+/// let document = Document::new("Which criterion?")
+///     .summary("The D-optimal design wins by **12 %**.")
+///     .provenance("seed", "2024")
+///     .section(Section::new("Result").text("The error is smallest for `d-optimal`.").table(table));
+/// let html = document.html().unwrap();
+/// assert!(html.contains("<code>d-optimal</code>") && html.contains("0.0612"));
+/// ```
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Document {
+    /// Title of the page.
+    pub title: String,
+    /// A line under the title; may be empty.
+    pub subtitle: String,
+    /// What the reader should take away, a paragraph each.
+    pub summary: Vec<String>,
+    /// The sections, in order.
+    pub sections: Vec<Section>,
+    /// What produced the report: pairs of name and value.
+    pub provenance: Vec<(String, String)>,
+}
+
+/// A heading and what stands under it.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Section {
+    /// The heading.
+    pub heading: String,
+    /// Text, figures, tables, in order.
+    pub blocks: Vec<Block>,
+}
+
+/// One part of a section.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Block {
+    /// A paragraph.
+    Text(String),
+    /// A bulleted list.
+    List(Vec<String>),
+    /// Text as it would stand in a terminal or a file: a command, a formula per line.
+    Listing(String),
+    /// A smaller heading inside the section.
+    Subheading(String),
+    /// A figure.
+    Figure(Plate),
+    /// A table.
+    Table(Table),
+}
+
+/// A figure that has been drawn.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Plate {
+    /// Stem of its file name.
+    pub name: String,
+    /// What one sees.
+    pub title: String,
+    /// What each mark means.
+    pub caption: String,
+    /// One SVG element.
+    pub svg: String,
+}
+
+impl Plate {
+    /// Draws a figure.
+    ///
+    /// # Errors
+    /// [`DocumentError::Figure`] where the figure cannot be drawn.
+    pub fn draw(figure: &dyn Figure) -> Result<Self, DocumentError> {
+        Ok(Self {
+            svg: figure.svg()?,
+            name: figure.name().to_owned(),
+            title: figure.title().to_owned(),
+            caption: figure.caption().to_owned(),
+        })
+    }
+}
+
+impl Section {
+    /// A section without content.
+    #[must_use]
+    pub fn new(heading: impl Into<String>) -> Self {
+        Self { heading: heading.into(), blocks: Vec::new() }
+    }
+
+    /// Adds any block.
+    #[must_use]
+    pub fn block(mut self, block: Block) -> Self {
+        self.blocks.push(block);
+        self
+    }
+
+    /// Adds a paragraph.
+    #[must_use]
+    pub fn text(self, text: impl Into<String>) -> Self {
+        self.block(Block::Text(text.into()))
+    }
+
+    /// Adds a bulleted list.
+    #[must_use]
+    pub fn list<I: IntoIterator<Item = S>, S: Into<String>>(self, items: I) -> Self {
+        self.block(Block::List(items.into_iter().map(Into::into).collect()))
+    }
+
+    /// Adds preformatted text.
+    #[must_use]
+    pub fn listing(self, text: impl Into<String>) -> Self {
+        self.block(Block::Listing(text.into()))
+    }
+
+    /// Adds a smaller heading.
+    #[must_use]
+    pub fn subheading(self, text: impl Into<String>) -> Self {
+        self.block(Block::Subheading(text.into()))
+    }
+
+    /// Adds a table.
+    #[must_use]
+    pub fn table(self, table: Table) -> Self {
+        self.block(Block::Table(table))
+    }
+
+    /// Draws and adds a figure.
+    ///
+    /// # Errors
+    /// [`DocumentError::Figure`] where the figure cannot be drawn.
+    pub fn figure(self, figure: &dyn Figure) -> Result<Self, DocumentError> {
+        Ok(self.block(Block::Figure(Plate::draw(figure)?)))
+    }
+}
+
+impl Document {
+    /// A document without content.
+    #[must_use]
+    pub fn new(title: impl Into<String>) -> Self {
+        Self { title: title.into(), ..Self::default() }
+    }
+
+    /// The same document with a line under the title.
+    #[must_use]
+    pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
+        self.subtitle = subtitle.into();
+        self
+    }
+
+    /// Adds a paragraph to the summary.
+    #[must_use]
+    pub fn summary(mut self, paragraph: impl Into<String>) -> Self {
+        self.summary.push(paragraph.into());
+        self
+    }
+
+    /// Adds a section.
+    #[must_use]
+    pub fn section(mut self, section: Section) -> Self {
+        self.sections.push(section);
+        self
+    }
+
+    /// Adds a line of provenance.
+    #[must_use]
+    pub fn provenance(mut self, name: impl Into<String>, value: impl Into<String>) -> Self {
+        self.provenance.push((name.into(), value.into()));
+        self
+    }
+
+    /// All figures, in the order of the page.
+    pub fn plates(&self) -> impl Iterator<Item = &Plate> {
+        self.sections.iter().flat_map(|section| &section.blocks).filter_map(|block| match block {
+            Block::Figure(plate) => Some(plate),
+            _ => None,
+        })
+    }
+
+    /// The figures as separate files: name with extension, content.
+    ///
+    /// # Errors
+    /// [`DocumentError::DuplicateFigure`] where two figures have one name.
+    pub fn svg_files(&self) -> Result<Vec<(String, &str)>, DocumentError> {
+        self.check_names()?;
+        Ok(self.plates().map(|plate| (format!("{}.svg", plate.name), plate.svg.as_str())).collect())
+    }
+
+    /// The document as one HTML page that needs nothing beside itself; equal documents give equal bytes.
+    ///
+    /// # Errors
+    /// [`DocumentError`] where the title or a heading is empty, two figures have one name, or a table row does not have
+    /// one cell per column.
+    pub fn html(&self) -> Result<String, DocumentError> {
+        let empty = |what: &str| DocumentError::Empty { what: what.to_owned(), expected: "a text" };
+        if self.title.trim().is_empty() {
+            return Err(empty("the title of the document"));
+        }
+        self.check_names()?;
+        for section in &self.sections {
+            if section.heading.trim().is_empty() {
+                return Err(empty("the heading of a section"));
+            }
+            for block in &section.blocks {
+                if let Block::Table(table) = block {
+                    table.check()?;
+                }
+            }
+        }
+        Ok(page::render(self))
+    }
+
+    fn check_names(&self) -> Result<(), DocumentError> {
+        let mut names: Vec<&str> = self.plates().map(|plate| plate.name.as_str()).collect();
+        names.sort_unstable();
+        match names.windows(2).find(|pair| pair[0] == pair[1]) {
+            Some(pair) => Err(DocumentError::DuplicateFigure { name: pair[0].to_owned() }),
+            None => Ok(()),
+        }
+    }
+}

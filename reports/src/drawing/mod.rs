@@ -1,0 +1,10 @@
+//! What every figure is drawn with: canvas, letters, axes, ticks, legend, panels.
+
+pub(crate) mod axis;
+pub(crate) mod canvas;
+pub(crate) mod check;
+pub(crate) mod head;
+pub(crate) mod lattice;
+pub(crate) mod path;
+pub(crate) mod ticks;
+pub(crate) mod typeface;
