@@ -20,6 +20,7 @@ pub mod document;
 
 pub use document::{Block, Cell, Column, Document, Plate, Section, Table};
 pub use drawing::axis::{Axis, Scale};
+pub use drawing::rows::{Band, Level};
 pub use error::{DocumentError, FigureError};
 pub use figures::*;
 pub use style::{Dash, Group, GroupStyle, Marker};

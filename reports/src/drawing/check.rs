@@ -1,6 +1,7 @@
 //! What every figure asks of its input before it draws anything.
 
 use super::axis::{Axis, Scale};
+use super::rows::Background;
 use crate::FigureError;
 use crate::figures::Heading;
 
@@ -95,5 +96,18 @@ impl<'a> Check<'a> {
                 to: pair[1],
             }),
         }
+    }
+
+    /// Levels and band behind the data.
+    pub(crate) fn background(self, background: &Background<'_>, scale: Scale) -> Result<(), FigureError> {
+        for level in background.levels {
+            self.on_axis(&format!("level \"{}\"", level.label), level.value, scale)?;
+        }
+        if let Some(band) = background.band {
+            let name = format!("band \"{}\"", band.label);
+            self.all_on_axis(&name, &[band.low, band.high], scale)?;
+            self.ascending(&name, &[band.low, band.high])?;
+        }
+        Ok(())
     }
 }

@@ -23,6 +23,10 @@ pub(crate) enum Swatch {
     Point(GroupStyle),
     /// A line that ends in a point.
     LinePoint(GroupStyle),
+    /// A level stroke through a point.
+    Interval(GroupStyle),
+    /// A thin line with two ends.
+    Whiskers,
     /// A box with its median.
     Box(GroupStyle),
     /// A straight line that belongs to no group.
@@ -118,6 +122,17 @@ fn swatch(canvas: &mut Canvas, swatch: Swatch, left: f64, y: f64) {
         Swatch::LinePoint(style) => {
             canvas.dashed(&[(left, y), (right, y)], style.dash.pattern(), stroke(&style));
             canvas.marker(style.marker, (centre, y), 4.5, style.colour, 1.0);
+        }
+        Swatch::Interval(style) => {
+            canvas.line((left, y), (right, y), Ink::new(style.colour, 1.6));
+            canvas.marker(style.marker, (centre, y), 4.0, style.colour, 1.0);
+        }
+        Swatch::Whiskers => {
+            let ink = Ink::new(Colour::MUTED, 1.2);
+            canvas.line((left, y), (right, y), ink);
+            for end in [left, right] {
+                canvas.line((end, y - 4.0), (end, y + 4.0), ink);
+            }
         }
         Swatch::Box(style) => {
             canvas.line((left, y), (right, y), Ink::new(style.colour, 1.2));

@@ -6,5 +6,6 @@ pub(crate) mod check;
 pub(crate) mod head;
 pub(crate) mod lattice;
 pub(crate) mod path;
+pub(crate) mod rows;
 pub(crate) mod ticks;
 pub(crate) mod typeface;

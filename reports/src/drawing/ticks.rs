@@ -162,7 +162,7 @@ pub(crate) fn plain(value: f64, decimals: usize) -> String {
 }
 
 /// Fixed-point digits without trailing zeros, at most `decimals` of them.
-fn shortest(value: f64, decimals: usize) -> String {
+pub(crate) fn shortest(value: f64, decimals: usize) -> String {
     let text = plain(value, decimals);
     if text.contains('.') { text.trim_end_matches('0').trim_end_matches('.').to_owned() } else { text }
 }

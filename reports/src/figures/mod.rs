@@ -1,9 +1,17 @@
 //! Kinds of figures, one per file: a plain struct of numbers and names, drawn by [`Figure::svg`].
 
+mod boxes;
+mod convergence;
 mod figure;
+mod heat;
+mod interval;
 mod scatter;
 mod time_series;
 
+pub use boxes::{BoxFigure, BoxRow, Distribution, Quantiles};
+pub use convergence::{ConvergenceFigure, ConvergencePanel, Curve};
 pub use figure::{Figure, Heading};
+pub use heat::{ColourMap, HeatFigure};
+pub use interval::{CoverageFigure, CoverageRow, Interval, IntervalFigure, IntervalRow};
 pub use scatter::{Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
 pub use time_series::{Limit, Line, TimePanel, TimeSeriesFigure};
