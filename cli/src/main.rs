@@ -1,1 +1,35 @@
-fn main() {}
+//! The `armid` command: arguments, files and composition. Everything it computes, the library computes.
+
+mod answer;
+mod arguments;
+mod atomic_file;
+mod commands;
+mod console;
+mod fault;
+
+mod interrupt;
+
+mod robot_source;
+mod suggestion;
+mod table;
+
+use std::process::ExitCode;
+
+use clap::Parser;
+
+use crate::arguments::Arguments;
+use crate::console::Console;
+
+fn main() -> ExitCode {
+    fault::install_reporter();
+    let arguments = Arguments::parse();
+    let console = Console::new(arguments.global);
+    let outcome = interrupt::watch().and_then(|()| commands::run(arguments.command, &console));
+    match outcome {
+        Ok(ending) => ending.exit_code(),
+        Err(report) => {
+            console.fault(&report);
+            ExitCode::from(2)
+        }
+    }
+}

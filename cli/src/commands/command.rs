@@ -1,0 +1,22 @@
+//! The list of commands.
+
+use miette::Result;
+
+use super::{completions, robot};
+use crate::answer::Ending;
+use crate::console::Console;
+
+/// What to do.
+#[derive(Debug, clap::Subcommand)]
+pub(crate) enum Command {
+    Robot(robot::Arguments),
+    Completions(completions::Arguments),
+}
+
+/// Does it.
+pub(crate) fn run(command: Command, console: &Console) -> Result<Ending> {
+    match command {
+        Command::Robot(arguments) => robot::run(&arguments, console),
+        Command::Completions(arguments) => completions::run(&arguments, console),
+    }
+}

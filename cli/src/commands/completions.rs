@@ -1,0 +1,27 @@
+//! `armid completions`
+
+use clap::CommandFactory;
+use clap_complete::Shell;
+use miette::Result;
+
+use crate::answer::Ending;
+use crate::console::Console;
+
+const AFTER_HELP: &str = "\
+Example:
+  armid completions bash > ~/.local/share/bash-completion/completions/armid";
+
+/// Print the completions for a shell
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(crate) struct Arguments {
+    /// The shell
+    shell: Shell,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let mut script = Vec::new();
+    clap_complete::generate(arguments.shell, &mut crate::arguments::Arguments::command(), "armid", &mut script);
+    console.print(&String::from_utf8_lossy(&script))?;
+    Ok(Ending::Done)
+}

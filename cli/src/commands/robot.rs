@@ -1,0 +1,290 @@
+//! `armid robot`
+
+use std::fmt::Write;
+
+use armid::model::format::parse_robot;
+use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, bundled};
+use armid::provenance::Provenance;
+use miette::Result;
+use serde_json::{Value, json};
+
+use crate::answer::{Answer, Ending};
+use crate::console::Console;
+use crate::robot_source::{ChainArguments, LoadedRobot, load};
+use crate::table::{Align, Table, number};
+
+const AFTER_HELP: &str = "\
+Examples:
+  armid robot                                    the bundled robots
+  armid robot crs-a460                           one of them
+  armid robot arm.urdf --tip-link tool0 --json   a chain of a URDF, for a program";
+
+/// Show a robot, or list the bundled ones
+///
+/// Links, limits, drives, nominal parameters and where they come from.
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(crate) struct Arguments {
+    /// A bundled name, a robot.toml, a .urdf or an MJCF .xml file
+    robot: Option<String>,
+    #[command(flatten)]
+    chain: ChainArguments,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let answer = match &arguments.robot {
+        Some(name) => describe(&load(name, &arguments.chain, None)?),
+        None => list(),
+    };
+    console.answer(&answer)?;
+    Ok(Ending::Done)
+}
+
+fn list() -> Answer {
+    let robots: Vec<Robot> = bundled().iter().filter_map(|entry| parse_robot(entry.robot).ok()).collect();
+    let mut table = Table::new(&[
+        ("robot", Align::Left),
+        ("joints", Align::Right),
+        ("kinds", Align::Left),
+        ("effort", Align::Left),
+        ("parameters", Align::Right),
+    ]);
+    for robot in &robots {
+        let kinds: String = robot.joints().iter().map(|joint| kind_letter(joint.kind)).collect();
+        let parameters = Columns::RigidRotorFriction.parameters(robot).len();
+        let cells = [robot.name(), &robot.dof().to_string(), &kinds, robot.effort().name(), &parameters.to_string()];
+        table.row(cells);
+    }
+    let json = robots
+        .iter()
+        .map(|robot| json!({ "name": robot.name(), "dof": robot.dof(), "effort": robot.effort().name() }))
+        .collect();
+    let text = format!("{}\nR turns, P slides; `armid robot NAME` shows one.\n", table.render(0));
+    Answer { text, json }
+}
+
+const fn kind_letter(kind: JointKind) -> char {
+    match kind {
+        JointKind::Revolute => 'R',
+        JointKind::Prismatic => 'P',
+    }
+}
+
+fn describe(loaded: &LoadedRobot) -> Answer {
+    let robot = &loaded.robot;
+    let provenance = Provenance::new(robot.name(), &loaded.text.content, None);
+    let mut text = format!("{}: {} joints, from {}\n", robot.name(), robot.dof(), loaded.text.name);
+    let gravity = robot.gravity();
+    let _ = writeln!(
+        text,
+        "gravity in the base frame  ({}) m/s²",
+        gravity.iter().map(|&g| number(g)).collect::<Vec<_>>().join(", ")
+    );
+    let _ = writeln!(text, "effort                     {}", effort(robot.effort()));
+    let _ = writeln!(text, "SHA-256 of the file        {}", provenance.robot_sha256);
+    let _ = write!(text, "\nChain\n{}", chain(robot).render(2));
+    let _ = write!(text, "\nLimits\n{}", limits(robot).render(2));
+    let _ = write!(text, "\nDrives\n{}", drives(robot).render(2));
+    if let Some(coupling) = robot.coupling() {
+        let _ = write!(text, "\nCoupling, motor coordinates from joint coordinates\n");
+        for row in coupling.row_iter() {
+            let cells: Vec<String> = row.iter().map(|&c| format!("{:>6}", number(c))).collect();
+            let _ = writeln!(text, "  {}", cells.join(" "));
+        }
+    }
+    for (heading, parameters) in [("Nominal parameters", &loaded.nominal), ("Parameters of the file", &loaded.own)] {
+        if let Some(parameters) = parameters {
+            let mut table = Table::new(&[
+                ("link", Align::Left),
+                ("m kg", Align::Right),
+                ("centre of mass m", Align::Left),
+                ("rotor kg·m²", Align::Right),
+                ("viscous N·m·s/rad", Align::Right),
+                ("Coulomb N·m", Align::Right),
+            ]);
+            for ((joint, link), drive) in robot.joints().iter().zip(&parameters.links).zip(&parameters.drives) {
+                let com = if link.mass > 0.0 { link.first_moment / link.mass } else { link.first_moment };
+                let com: Vec<String> = com.iter().map(|&c| format!("{c:>8.4}")).collect();
+                table.row([
+                    joint.name.clone(),
+                    number(link.mass),
+                    com.join(""),
+                    number(drive.rotor),
+                    number(drive.viscous),
+                    number(drive.coulomb),
+                ]);
+            }
+            let _ = write!(text, "\n{heading}\n{}", table.render(2));
+        }
+    }
+    Answer { text, json: as_json(loaded, &provenance) }
+}
+
+const fn effort(interface: EffortInterface) -> &'static str {
+    match interface {
+        EffortInterface::Current => "motor current, A",
+        EffortInterface::Torque => "effort at the joint, N·m or N",
+    }
+}
+
+fn chain(robot: &Robot) -> Table {
+    let mut table = Table::new(&[
+        ("joint", Align::Left),
+        ("kind", Align::Left),
+        ("frame", Align::Left),
+        ("offset °", Align::Right),
+        ("d m", Align::Right),
+        ("a m", Align::Right),
+        ("alpha °", Align::Right),
+    ]);
+    for joint in robot.joints() {
+        let (frame, row) = match &joint.dh {
+            Some((DhConvention::Standard, row)) => ("standard DH", Some(row)),
+            Some((DhConvention::Modified, row)) => ("modified DH", Some(row)),
+            None => ("placed", None),
+        };
+        let cells =
+            row.map_or([const { String::new() }; 4], |row| [row.offset_deg, row.d, row.a, row.alpha_deg].map(number));
+        let kind = match joint.kind {
+            JointKind::Revolute => "turns",
+            JointKind::Prismatic => "slides",
+        };
+        table.row([joint.name.clone(), kind.to_owned(), frame.to_owned()].into_iter().chain(cells));
+    }
+    table
+}
+
+fn limits(robot: &Robot) -> Table {
+    let mut table = Table::new(&[
+        ("joint", Align::Left),
+        ("position", Align::Right),
+        ("", Align::Left),
+        ("velocity", Align::Right),
+        ("acceleration", Align::Right),
+        ("effort", Align::Right),
+    ]);
+    for joint in robot.joints() {
+        let (low, high) = joint.limits.position;
+        let revolute = joint.kind == JointKind::Revolute;
+        let angle = |value: f64| if revolute { value.to_degrees() } else { value };
+        let unit = joint.kind.unit();
+        table.row([
+            joint.name.clone(),
+            format!("{} … {}", number(angle(low)), number(angle(high))),
+            if revolute { "°" } else { "m" }.to_owned(),
+            format!("{} {unit}/s", number(joint.limits.velocity)),
+            format!("{} {unit}/s²", number(joint.limits.acceleration)),
+            format!("{} {}", number(joint.limits.torque), joint.kind.effort_unit()),
+        ]);
+    }
+    table
+}
+
+fn drives(robot: &Robot) -> Table {
+    let mut table = Table::new(&[
+        ("joint", Align::Left),
+        ("gear", Align::Right),
+        ("Kt N·m/A", Align::Right),
+        ("limit A", Align::Right),
+        ("counts/turn", Align::Right),
+        ("sign", Align::Right),
+        ("noise A", Align::Right),
+        ("range A", Align::Right),
+        ("bits", Align::Right),
+        ("Coulomb rad/s", Align::Right),
+    ]);
+    for joint in robot.joints() {
+        let drive = &joint.drive;
+        table.row([
+            joint.name.clone(),
+            number(drive.gear),
+            number(drive.torque_constant),
+            number(drive.current_limit),
+            number(drive.counts_per_revolution),
+            number(drive.encoder_sign),
+            number(drive.current_noise),
+            number(drive.adc_range),
+            drive.adc_bits.to_string(),
+            number(drive.coulomb_velocity),
+        ]);
+    }
+    table
+}
+
+fn as_json(loaded: &LoadedRobot, provenance: &Provenance) -> Value {
+    let robot = &loaded.robot;
+    let shapes: Vec<Value> = robot
+        .shapes()
+        .iter()
+        .map(|shape| {
+            json!({
+                "link": shape.link,
+                "from_m": shape.capsule.from.as_slice(),
+                "to_m": shape.capsule.to.as_slice(),
+                "radius_m": shape.capsule.radius,
+            })
+        })
+        .collect();
+    let obstacles: Vec<Value> = robot
+        .obstacles()
+        .iter()
+        .map(|obstacle| match obstacle {
+            Obstacle::Floor { z } => json!({ "kind": "floor", "z_m": z }),
+        })
+        .collect();
+    let parameters = |set: &Option<armid::model::StandardParameters>| {
+        set.as_ref().map(|set| {
+            let ids = Columns::RigidRotorFriction.parameters(robot);
+            ids.into_iter().map(|id| (id.to_string(), json!(set.get(id)))).collect::<serde_json::Map<_, _>>()
+        })
+    };
+    json!({
+        "name": robot.name(),
+        "dof": robot.dof(),
+        "source": loaded.text.name,
+        "gravity_m_s2": robot.gravity().as_slice(),
+        "effort": robot.effort().name(),
+        "joints": robot.joints().iter().map(joint_json).collect::<Vec<_>>(),
+        "coupling": robot.coupling().map(|c| c.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<f64>>>()),
+        "shapes": shapes,
+        "obstacles": obstacles,
+        "servo": robot.servo(),
+        "nominal": parameters(&loaded.nominal),
+        "parameters": parameters(&loaded.own),
+        "provenance": provenance,
+    })
+}
+
+fn joint_json(joint: &Joint) -> Value {
+    let finite = |value: f64| value.is_finite().then_some(value);
+    json!({
+        "name": joint.name,
+        "kind": joint.kind,
+        "unit": joint.kind.unit(),
+        "effort_unit": joint.kind.effort_unit(),
+        "dh": joint.dh.map(|(convention, row)| json!({
+            "convention": convention,
+            "offset_deg": row.offset_deg,
+            "d_m": row.d,
+            "a_m": row.a,
+            "alpha_deg": row.alpha_deg,
+        })),
+        "limits": {
+            "position": [finite(joint.limits.position.0), finite(joint.limits.position.1)],
+            "velocity": finite(joint.limits.velocity),
+            "acceleration": finite(joint.limits.acceleration),
+            "effort": finite(joint.limits.torque),
+        },
+        "drive": {
+            "gear": joint.drive.gear,
+            "torque_constant_nm_a": joint.drive.torque_constant,
+            "current_limit_a": finite(joint.drive.current_limit),
+            "counts_per_revolution": joint.drive.counts_per_revolution,
+            "encoder_sign": joint.drive.encoder_sign,
+            "current_noise_a": joint.drive.current_noise,
+            "adc_range_a": finite(joint.drive.adc_range),
+            "adc_bits": joint.drive.adc_bits,
+            "coulomb_velocity_rad_s": joint.drive.coulomb_velocity,
+        },
+    })
+}

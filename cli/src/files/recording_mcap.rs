@@ -1,0 +1,216 @@
+//! Recordings as MCAP: joint states that any ROS 2 tool opens, and all that is needed to read them again.
+//!
+//! | where | what |
+//! |---|---|
+//! | `/joint_states` | `sensor_msgs/msg/JointState` in CDR: position rad (m), effort A or N·m (N), every sample |
+//! | `/joint_commands` | the commanded position, at most 100 times a second |
+//! | metadata `armid` | robot, robot file, joints, rate, unit of effort, trajectory, phases, provenance, experiment |
+//! | metadata `armid/ending` | how the experiment ended; absent where the file was cut off |
+//!
+//! Times count from the beginning of the experiment, so equal experiments give equal bytes.
+
+use std::collections::BTreeMap;
+use std::fs::{self, File};
+use std::io::BufWriter;
+use std::path::{Path, PathBuf};
+
+use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
+use mcap::records::{MessageHeader, Metadata};
+use miette::Result;
+
+use super::joint_state::{DEFINITION, JointState, NAME};
+use crate::fault::Fault;
+use crate::interrupt;
+
+/// Topic of the measured states.
+pub(crate) const STATES: &str = "/joint_states";
+/// Topic of the commands.
+const COMMANDS: &str = "/joint_commands";
+/// Name of the metadata record.
+pub(crate) const METADATA: &str = "armid";
+/// Name of the metadata record at the end.
+pub(crate) const ENDING: &str = "armid/ending";
+/// How often a command is stored, at most, Hz.
+const COMMAND_RATE_HZ: f64 = 100.0;
+/// Seconds of the experiment in one chunk: what a crash loses at most.
+const CHUNK_S: f64 = 1.0;
+
+/// Streams an experiment into `R.mcap.part`.
+pub(crate) struct McapSink<'a> {
+    path: PathBuf,
+    part: PathBuf,
+    experiment: String,
+    open: Option<Open>,
+    fault: Option<Fault>,
+    on_sample: Box<dyn FnMut(usize) + 'a>,
+}
+
+struct Open {
+    writer: mcap::Writer<BufWriter<File>>,
+    states: u16,
+    commands: u16,
+    joints: Vec<String>,
+    command_every: usize,
+    chunk_samples: usize,
+    samples: usize,
+}
+
+impl<'a> McapSink<'a> {
+    /// A sink that writes beside `path`. `experiment` is the text of the experiment file; `on_sample` hears how many
+    /// samples there are.
+    pub(crate) fn new(path: &Path, experiment: &str, on_sample: impl FnMut(usize) + 'a) -> Self {
+        let mut part = path.as_os_str().to_owned();
+        part.push(".part");
+        Self {
+            path: path.to_path_buf(),
+            part: part.into(),
+            experiment: experiment.to_owned(),
+            open: None,
+            fault: None,
+            on_sample: Box::new(on_sample),
+        }
+    }
+
+    /// Completes the file. It takes its name where the experiment was completed, and keeps the ending `.part` otherwise.
+    /// Returns where it is.
+    pub(crate) fn finish(mut self, ending: &Ending) -> Result<PathBuf> {
+        if let Some(fault) = self.fault.take() {
+            return Err(fault.into());
+        }
+        let Some(mut open) = self.open.take() else {
+            return Err(Fault::new("the arm never began a recording").into());
+        };
+        let (word, detail) = match ending {
+            Ending::Completed => ("completed", String::new()),
+            Ending::Stopped { t, phase } => ("stopped", format!("at t = {t} s ({})", phase.name())),
+            Ending::Diverged { t, phase, reason } => ("diverged", format!("at t = {t} s ({}): {reason}", phase.name())),
+        };
+        let record = [("ending", word.to_owned()), ("detail", detail), ("samples", open.samples.to_string())];
+        let metadata = record.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+        open.writer
+            .write_metadata(&Metadata { name: ENDING.to_owned(), metadata })
+            .and_then(|()| open.writer.finish())
+            .map_err(|error| cannot_write(&self.part, &error))?;
+        drop(open);
+        if ending.is_complete() {
+            fs::rename(&self.part, &self.path).map_err(|error| cannot_write(&self.path, &error))?;
+            Ok(self.path)
+        } else {
+            Ok(self.part)
+        }
+    }
+
+    fn create(&self, recording: &Recording) -> Result<Open, Fault> {
+        if let Some(folder) = self.part.parent() {
+            fs::create_dir_all(folder).map_err(|error| cannot_write(folder, &error))?;
+        }
+        let file = File::create(&self.part).map_err(|error| cannot_write(&self.part, &error))?;
+        let options = mcap::WriteOptions::new()
+            .profile("ros2")
+            .library(concat!("armid ", env!("CARGO_PKG_VERSION")))
+            .compression(None);
+        let start = || -> mcap::McapResult<Open> {
+            let mut writer = options.create(BufWriter::new(file))?;
+            writer.write_metadata(&Metadata { name: METADATA.to_owned(), metadata: self.metadata(recording) })?;
+            let schema = writer.add_schema(NAME, "ros2msg", DEFINITION.as_bytes())?;
+            let states = writer.add_channel(schema, STATES, "cdr", &BTreeMap::new())?;
+            let commands = writer.add_channel(schema, COMMANDS, "cdr", &BTreeMap::new())?;
+            writer.flush()?;
+            Ok(Open {
+                writer,
+                states,
+                commands,
+                joints: recording.joints.clone(),
+                command_every: (recording.rate_hz / COMMAND_RATE_HZ).ceil().max(1.0) as usize,
+                chunk_samples: (recording.rate_hz * CHUNK_S).ceil().max(1.0) as usize,
+                samples: 0,
+            })
+        };
+        start().map_err(|error| cannot_write(&self.part, &error))
+    }
+
+    fn metadata(&self, recording: &Recording) -> BTreeMap<String, String> {
+        let json = |value: serde_json::Result<String>| value.unwrap_or_default();
+        [
+            ("format", "1".to_owned()),
+            ("robot", recording.robot.clone()),
+            ("robot_file", recording.robot_text.clone()),
+            ("joints", json(serde_json::to_string(&recording.joints))),
+            ("rate_hz", recording.rate_hz.to_string()),
+            ("effort", recording.effort_unit.name().to_owned()),
+            ("effort_unit", effort_unit(recording).to_owned()),
+            ("trajectory", recording.trajectory.to_toml()),
+            ("period_samples", recording.period_samples.to_string()),
+            ("phases", json(serde_json::to_string(&recording.phases))),
+            ("provenance", json(serde_json::to_string(&recording.provenance))),
+            ("experiment", self.experiment.clone()),
+        ]
+        .into_iter()
+        .map(|(key, value)| (key.to_owned(), value))
+        .collect()
+    }
+}
+
+const fn effort_unit(recording: &Recording) -> &'static str {
+    match recording.effort_unit {
+        armid::model::EffortInterface::Current => "A",
+        armid::model::EffortInterface::Torque => "N·m (N where a joint slides)",
+    }
+}
+
+fn cannot_write(path: &Path, error: &impl std::fmt::Display) -> Fault {
+    Fault::new(format!("{} cannot be written: {error}", path.display()))
+}
+
+impl Sink for McapSink<'_> {
+    fn begin(&mut self, recording: &Recording) {
+        match self.create(recording) {
+            Ok(open) => self.open = Some(open),
+            Err(fault) => self.fault = Some(fault),
+        }
+    }
+
+    fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
+        let Some(open) = &mut self.open else { return Flow::Stop };
+        if let Err(error) = open.write(sample) {
+            self.fault = Some(cannot_write(&self.part, &error));
+            return Flow::Stop;
+        }
+        (self.on_sample)(open.samples);
+        if interrupt::asked() { Flow::Stop } else { Flow::Continue }
+    }
+}
+
+impl Open {
+    fn write(&mut self, sample: &RawSample<'_>) -> mcap::McapResult<()> {
+        let stamp_ns = (sample.t * 1e9).round() as u64;
+        let state = JointState {
+            stamp_ns,
+            frame_id: String::new(),
+            name: self.joints.clone(),
+            position: sample.q.to_vec(),
+            velocity: Vec::new(),
+            effort: sample.effort.to_vec(),
+        };
+        self.message(self.states, sample.index, &state)?;
+        if sample.index.is_multiple_of(self.command_every) {
+            let command = JointState { position: sample.command.to_vec(), effort: Vec::new(), ..state };
+            self.message(self.commands, sample.index / self.command_every, &command)?;
+        }
+        self.samples += 1;
+        if self.samples.is_multiple_of(self.chunk_samples) {
+            self.writer.flush()?;
+        }
+        Ok(())
+    }
+
+    fn message(&mut self, channel_id: u16, index: usize, state: &JointState) -> mcap::McapResult<()> {
+        let header = MessageHeader {
+            channel_id,
+            sequence: index as u32,
+            log_time: state.stamp_ns,
+            publish_time: state.stamp_ns,
+        };
+        self.writer.write_to_known_channel(&header, &state.encode())
+    }
+}

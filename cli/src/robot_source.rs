@@ -1,0 +1,128 @@
+//! ROBOT on the command line: a bundled name, a robot file, or a chain in a URDF or MJCF tree.
+
+use std::path::{Path, PathBuf};
+
+use armid::model::format::{FormatError, parse_nominal, parse_robot};
+use armid::model::{Robot, StandardParameters, bundled};
+use miette::Result;
+
+use crate::atomic_file::read_text;
+use crate::fault::{Fault, Text};
+use crate::suggestion;
+
+/// Which robot.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct RobotArguments {
+    /// A bundled name (`armid robot` lists them), a robot.toml, a .urdf or an MJCF .xml file
+    pub(crate) robot: String,
+    #[command(flatten)]
+    pub(crate) chain: ChainArguments,
+}
+
+/// Which chain of a tree.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct ChainArguments {
+    /// Link at which the chain begins, in a URDF or MJCF tree
+    #[arg(long, value_name = "LINK")]
+    pub(crate) base_link: Option<String>,
+    /// Link at which the chain ends, in a URDF or MJCF tree
+    #[arg(long, value_name = "LINK")]
+    pub(crate) tip_link: Option<String>,
+}
+
+/// A robot, the text that it came from, and what else is known about it.
+#[derive(Clone, Debug)]
+pub(crate) struct LoadedRobot {
+    pub(crate) robot: Robot,
+    /// The file itself, and what it is called.
+    pub(crate) text: Text,
+    /// What an experimenter would guess: `nominal.toml`.
+    pub(crate) nominal: Option<StandardParameters>,
+    /// The inertias that the file itself holds: a URDF or MJCF.
+    pub(crate) own: Option<StandardParameters>,
+    /// The folder of `robot.toml`, where it is a file; `None` where the robot is compiled in.
+    #[allow(dead_code, reason = "the simulator reads truth.toml there")]
+    pub(crate) folder: Option<PathBuf>,
+}
+
+impl RobotArguments {
+    pub(crate) fn load(&self) -> Result<LoadedRobot> {
+        load(&self.robot, &self.chain, None)
+    }
+}
+
+/// Finds and reads a robot. Relative paths begin at `beside`, the folder of the file that names the robot.
+pub(crate) fn load(name: &str, chain: &ChainArguments, beside: Option<&Path>) -> Result<LoadedRobot> {
+    if let Some(entry) = bundled().iter().find(|entry| entry.name == name) {
+        no_chain(chain, name)?;
+        let text = Text::new(format!("models/{name}/robot.toml"), entry.robot);
+        let robot = parse_robot(entry.robot).map_err(|fault| located(&text, &fault))?;
+        let nominal_text = Text::new(format!("models/{name}/nominal.toml"), entry.nominal);
+        let nominal = parse_nominal(entry.nominal, &robot).map_err(|fault| located(&nominal_text, &fault))?;
+        return Ok(LoadedRobot { robot, text, nominal: Some(nominal.parameters), own: None, folder: None });
+    }
+    let path = beside.map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
+    if !path.exists() {
+        return Err(unknown(name, &path).into());
+    }
+    let path = if path.is_dir() { path.join("robot.toml") } else { path };
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("toml") => {
+            no_chain(chain, name)?;
+            load_toml(&path)
+        }
+        other => Err(Fault::new(format!(
+            "{}: found a file ending in \"{}\", expected .toml, .urdf or .xml",
+            path.display(),
+            other.unwrap_or_default()
+        ))
+        .into()),
+    }
+}
+
+fn load_toml(path: &Path) -> Result<LoadedRobot> {
+    let text = read_text(path)?;
+    let robot = parse_robot(&text.content).map_err(|fault| located(&text, &fault))?;
+    let folder = path.parent().map_or_else(|| PathBuf::from("."), Path::to_path_buf);
+    let beside = folder.join("nominal.toml");
+    let nominal = if beside.is_file() {
+        let text = read_text(&beside)?;
+        Some(parse_nominal(&text.content, &robot).map_err(|fault| located(&text, &fault))?.parameters)
+    } else {
+        None
+    };
+    Ok(LoadedRobot { robot, text, nominal, own: None, folder: Some(folder) })
+}
+
+/// A fault of one of the library's text formats, shown in the text.
+pub(crate) fn located(text: &Text, fault: &FormatError) -> Fault {
+    let shown = Fault::new(&fault.message).maybe_help(suggestion::from_list_in(&fault.message));
+    match &fault.span {
+        Some(span) => shown.at(text, span.clone(), "here"),
+        None => shown.at_line(text, fault.line, fault.column),
+    }
+}
+
+fn no_chain(chain: &ChainArguments, name: &str) -> Result<()> {
+    let given = [("--base-link", &chain.base_link), ("--tip-link", &chain.tip_link)];
+    match given.iter().find(|(_, link)| link.is_some()) {
+        Some((option, _)) => {
+            let message =
+                format!("{option} chooses a chain in a URDF or MJCF tree; \"{name}\" is a serial chain already");
+            Err(Fault::new(message).into())
+        }
+        None => Ok(()),
+    }
+}
+
+fn unknown(name: &str, path: &Path) -> Fault {
+    let names: Vec<&str> = bundled().iter().map(|entry| entry.name).collect();
+    let looks_like_path = name.contains(['/', '\\']) || path.extension().is_some();
+    if looks_like_path {
+        Fault::new(format!("robot file {} is not there", path.display()))
+            .help(format!("bundled robots: {}", names.join(", ")))
+    } else {
+        Fault::new(format!("robot \"{name}\" is neither a bundled robot nor a file"))
+            .help(suggestion::help(name, &names))
+    }
+}

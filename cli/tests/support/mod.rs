@@ -1,0 +1,38 @@
+//! The command under test.
+#![allow(dead_code, reason = "each test file uses its own share")]
+
+use std::ffi::OsStr;
+use std::path::PathBuf;
+
+use assert_cmd::assert::Assert;
+
+/// The binary.
+pub(crate) fn program() -> PathBuf {
+    assert_cmd::cargo::cargo_bin!("armid").to_path_buf()
+}
+
+/// Runs `armid` with some arguments.
+pub(crate) fn armid<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> Assert {
+    assert_cmd::Command::new(program()).args(arguments).assert()
+}
+
+/// What it wrote to standard output.
+pub(crate) fn stdout(assert: &Assert) -> String {
+    String::from_utf8(assert.get_output().stdout.clone()).expect("text")
+}
+
+/// What it wrote to standard error.
+pub(crate) fn stderr(assert: &Assert) -> String {
+    String::from_utf8(assert.get_output().stderr.clone()).expect("text")
+}
+
+/// Standard output as one JSON value.
+pub(crate) fn json(assert: &Assert) -> serde_json::Value {
+    let text = stdout(assert);
+    serde_json::from_str(&text).unwrap_or_else(|error| panic!("{error} in {text}"))
+}
+
+/// A folder that goes away with the test.
+pub(crate) fn temporary() -> tempfile::TempDir {
+    tempfile::tempdir().expect("a temporary folder")
+}
