@@ -6,19 +6,26 @@
 //! | `truth.toml`, `published.toml`, an export | [`parse_parameters`] | [`ParameterFile`] |
 //! | `nominal.toml` | [`parse_nominal`] | [`NominalParameters`] |
 //! | name → value, TOML or JSON | [`parse_parameter_map`] | [`StandardParameters`](super::StandardParameters) |
+//! | URDF | [`parse_urdf`] | [`ImportedModel`] |
 //!
 //! Keys carry their unit as a suffix. A link is called after the joint that moves it, the one that stands still is
 //! `base`. Every fault is a [`FormatError`] that says what was found, what was expected, and the line and column.
 
+mod element;
 mod error;
 mod parameter_file;
 mod parameter_map;
 mod parameter_writer;
 mod reading;
 mod robot_file;
+mod tree;
+mod urdf;
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "a number of the text is read to its last bit")]
 mod fault_tests;
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "right angles and small sums are exact")]
+mod urdf_tests;
 
 pub use error::FormatError;
 pub use parameter_file::{
@@ -27,3 +34,5 @@ pub use parameter_file::{
 pub use parameter_map::parse_parameter_map;
 pub use parameter_writer::write_parameters;
 pub use robot_file::parse_robot;
+pub use tree::{ChainEnds, ImportedModel};
+pub use urdf::parse_urdf;

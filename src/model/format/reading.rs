@@ -15,6 +15,9 @@ pub(super) type Number = Spanned<f64>;
 /// A list of numbers and where they stand.
 pub(super) type Row = Spanned<Vec<Number>>;
 
+/// Gravity where a file does not say otherwise, m/s².
+pub(super) const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
+
 /// Reads TOML into the shape of a file.
 pub(super) fn read<T: DeserializeOwned>(text: &str) -> Result<T, FormatError> {
     toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))

@@ -7,15 +7,12 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::FormatError;
-use super::reading::{Check, Number, Row, read, roll_pitch_yaw};
+use super::reading::{Check, Number, Row, STANDARD_GRAVITY, read, roll_pitch_yaw};
 use crate::model::{
     Capsule, DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, Obstacle, Robot, RobotSpec,
     ServoTuning, Shape,
 };
 use crate::spatial::Placement;
-
-/// Gravity where a file does not say otherwise, m/s².
-const STANDARD_GRAVITY: [f64; 3] = [0.0, 0.0, -9.81];
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

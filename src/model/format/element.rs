@@ -1,0 +1,188 @@
+//! An element of an XML text that knows where it stands.
+
+use std::ops::Range;
+
+use nalgebra::{Matrix3, Vector3};
+use roxmltree::{Attribute, Document, Node};
+
+use super::FormatError;
+use super::reading::Check;
+use crate::model::exact_sincos;
+
+/// Parses XML, or says where it is malformed.
+pub(super) fn parse_xml(text: &str) -> Result<Document<'_>, FormatError> {
+    Document::parse(text).map_err(|fault| {
+        let (place, message) = (fault.pos(), fault.to_string());
+        let message = message.strip_suffix(&format!(" at {place}")).unwrap_or(&message);
+        FormatError::at_line(place.row as usize, place.col as usize, format!("malformed XML: {message}"))
+    })
+}
+
+/// One element and the checks of its text.
+#[derive(Clone, Copy)]
+pub(super) struct Element<'a> {
+    node: Node<'a, 'a>,
+    check: Check<'a>,
+}
+
+impl<'a> Element<'a> {
+    pub(super) fn root(document: &'a Document<'a>) -> Self {
+        Self { node: document.root_element(), check: Check::new(document.input_text()) }
+    }
+
+    pub(super) fn check(&self) -> Check<'a> {
+        self.check
+    }
+
+    /// Its tag, such as `joint`.
+    pub(super) fn tag(&self) -> &'a str {
+        self.node.tag_name().name()
+    }
+
+    /// Where its opening tag begins, up to the end of the tag's name.
+    pub(super) fn span(&self) -> Range<usize> {
+        let start = self.node.range().start;
+        start..start + 1 + self.tag().len()
+    }
+
+    pub(super) fn fault<T>(&self, message: impl Into<String>) -> Result<T, FormatError> {
+        self.check.fault(self.span(), message)
+    }
+
+    pub(super) fn elements(&self) -> impl Iterator<Item = Element<'a>> {
+        let check = self.check;
+        self.node.children().filter(Node::is_element).map(move |node| Element { node, check })
+    }
+
+    pub(super) fn all(&self, tag: &'static str) -> impl Iterator<Item = Element<'a>> {
+        self.elements().filter(move |element| element.tag() == tag)
+    }
+
+    /// The only element of a tag inside this one, if any; a second one is a fault.
+    pub(super) fn only(&self, tag: &'static str) -> Result<Option<Element<'a>>, FormatError> {
+        let mut found = self.all(tag);
+        let first = found.next();
+        match found.next() {
+            Some(second) => second.fault(format!("a second <{tag}> in <{}>, expected one at most", self.tag())),
+            None => Ok(first),
+        }
+    }
+
+    pub(super) fn attribute(&self, key: &str) -> Option<Attribute<'a, 'a>> {
+        self.node.attribute_node(key)
+    }
+
+    pub(super) fn required(&self, key: &str) -> Result<Attribute<'a, 'a>, FormatError> {
+        match self.attribute(key) {
+            Some(attribute) => Ok(attribute),
+            None => self.fault(format!("<{}> has no attribute {key}, expected one", self.tag())),
+        }
+    }
+
+    /// Exactly `N` finite numbers of one attribute.
+    pub(super) fn numbers_of<const N: usize>(&self, attribute: &Attribute<'a, 'a>) -> Result<[f64; N], FormatError> {
+        let (key, value) = (attribute.name(), attribute.value());
+        let fault = |found: String| {
+            let expected = if N == 1 { "a finite number".to_owned() } else { format!("{N} finite numbers") };
+            self.check.fault(attribute.range_value(), format!("{key} is {found}, expected {expected}"))
+        };
+        let words: Vec<&str> = value.split_ascii_whitespace().collect();
+        if words.len() != N {
+            return fault(format!("\"{value}\""));
+        }
+        let mut out = [0.0; N];
+        for (slot, word) in out.iter_mut().zip(words) {
+            match word.parse::<f64>() {
+                Ok(number) if number.is_finite() => *slot = number,
+                _ => return fault(format!("\"{word}\"")),
+            }
+        }
+        Ok(out)
+    }
+
+    pub(super) fn numbers<const N: usize>(&self, key: &str) -> Result<Option<[f64; N]>, FormatError> {
+        self.attribute(key).map(|attribute| self.numbers_of(&attribute)).transpose()
+    }
+
+    pub(super) fn number(&self, key: &str) -> Result<Option<f64>, FormatError> {
+        Ok(self.numbers::<1>(key)?.map(|[x]| x))
+    }
+
+    pub(super) fn required_number(&self, key: &str) -> Result<f64, FormatError> {
+        self.numbers_of::<1>(&self.required(key)?).map(|[x]| x)
+    }
+
+    /// A direction: three numbers that are not all zero, made a unit vector.
+    pub(super) fn direction_of(&self, attribute: &Attribute<'a, 'a>) -> Result<Vector3<f64>, FormatError> {
+        let axis = Vector3::from(self.numbers_of::<3>(attribute)?);
+        let length = axis.norm();
+        if length > 0.0 {
+            Ok(axis / length)
+        } else {
+            let message = format!("{} is the zero vector, expected a direction", attribute.name());
+            self.check.fault(attribute.range_value(), message)
+        }
+    }
+}
+
+/// Sine and cosine of an angle in rad, exact where the text means a multiple of 90°: within four roundings of one.
+pub(super) fn sincos(angle: f64) -> (f64, f64) {
+    let quarters = (angle / std::f64::consts::FRAC_PI_2).round();
+    let right = quarters * std::f64::consts::FRAC_PI_2;
+    if (angle - right).abs() <= 4.0 * f64::EPSILON * right.abs() {
+        exact_sincos(90.0 * quarters)
+    } else {
+        libm::sincos(angle)
+    }
+}
+
+/// The shortest turn that brings z onto a unit vector; exact where that is one of the axes.
+///
+/// ```text
+/// R = 1 + [v]× + [v]×² / (1 + c)      v = z × a,  c = z · a
+/// ```
+/// Where `a` points down, z is first turned over by 180° about x, so that `1 + c` is never small.
+pub(super) fn turn_z_to(axis: &Vector3<f64>) -> Matrix3<f64> {
+    if axis.z < 0.0 {
+        let over = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
+        return turn_z_to(&-axis) * over;
+    }
+    let cross = Vector3::z().cross(axis).cross_matrix();
+    Matrix3::identity() + cross + cross * cross / (1.0 + axis.z)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identity_the_turn_is_a_rotation_that_brings_z_onto_the_axis() {
+        for axis in [
+            Vector3::x(),
+            -Vector3::x(),
+            Vector3::y(),
+            -Vector3::y(),
+            Vector3::z(),
+            -Vector3::z(),
+            Vector3::new(0.6, -0.48, 0.64),
+            Vector3::new(1e-9, 0.0, -1.0).normalize(),
+            Vector3::new(-0.3, 0.2, -0.9).normalize(),
+        ] {
+            let r = turn_z_to(&axis);
+            let exact = axis.iter().all(|x| x.fract() == 0.0);
+            let bound = if exact { 0.0 } else { 4.0 * f64::EPSILON };
+            assert!((r.column(2) - axis).amax() <= bound, "{axis}");
+            assert!((r.transpose() * r - Matrix3::identity()).amax() <= bound && r.determinant() > 0.0, "{axis}");
+        }
+    }
+
+    #[test]
+    fn analytic_right_angles_are_exact_and_others_are_not_touched() {
+        use std::f64::consts::{FRAC_PI_2, PI};
+        assert_eq!(sincos(0.0), (0.0, 1.0));
+        assert_eq!(sincos(-FRAC_PI_2), (-1.0, 0.0));
+        assert_eq!(sincos(PI), (0.0, -1.0));
+        assert_eq!(sincos(1.57), libm::sincos(1.57));
+        assert_eq!(sincos(1e-17), libm::sincos(1e-17));
+    }
+}

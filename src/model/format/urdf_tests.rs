@@ -1,0 +1,295 @@
+//! URDF against closed forms, against a robot given by a DH table, and against another reader.
+
+use std::fmt::Write;
+
+use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, Vector3};
+
+use super::fault_tests::expect_fault;
+use super::{ChainEnds, FormatError, ImportedModel, parse_parameters, parse_robot, parse_urdf};
+use crate::conformance::chains::random_state;
+use crate::dynamics::Dynamics;
+use crate::model::{EffortInterface, JointKind, Robot, StandardParameters, bundled};
+use crate::seed::Seed;
+use crate::spatial::{Inertia, Placement};
+
+/// A slide that carries a rotated link with a tool fixed to it, a camera fixed to the base, and a two-jaw gripper.
+const TREE: &str = r#"<?xml version="1.0"?>
+<robot name="tree">
+  <link name="world"/>
+  <joint name="mount" type="fixed"><origin xyz="0 0 1" rpy="0 1.5707963267948966 0"/><parent link="world"/><child link="base"/></joint>
+  <link name="base"><inertial><mass value="9"/><inertia ixx="1" ixy="0" ixz="0" iyy="1" iyz="0" izz="1"/></inertial></link>
+  <joint name="slide" type="prismatic">
+    <origin xyz="0.1 0 0"/> <parent link="base"/> <child link="car"/> <axis xyz="0 2 0"/>
+    <limit lower="-0.5" upper="0.5" velocity="1.5" effort="0"/>
+    <dynamics damping="3" friction="4"/>
+  </joint>
+  <link name="car"><inertial><origin xyz="0 0 0.5" rpy="0 0 1.5707963267948966"/><mass value="2"/>
+    <inertia ixx="0.1" ixy="0.01" ixz="0" iyy="0.2" iyz="0" izz="0.25"/></inertial></link>
+  <joint name="turn" type="continuous"><origin xyz="0 0 1" rpy="0 0 3.141592653589793"/><parent link="car"/><child link="arm"/><axis xyz="1 0 0"/></joint>
+  <link name="arm"/>
+  <joint name="flange" type="fixed"><origin xyz="1 0 0"/><parent link="arm"/><child link="tool"/></joint>
+  <link name="tool"><inertial><mass value="3"/><inertia ixx="0.3" ixy="0" ixz="0" iyy="0.4" iyz="0" izz="0.5"/></inertial></link>
+  <joint name="bracket" type="fixed"><parent link="car"/><child link="camera"/></joint>
+  <link name="camera"><inertial><origin xyz="0 1 0"/><mass value="1"/><inertia ixx="0" ixy="0" ixz="0" iyy="0" iyz="0" izz="0"/></inertial></link>
+  <gazebo reference="tool"><anything/></gazebo>
+</robot>
+"#;
+
+fn parse(text: &str) -> Result<ImportedModel, FormatError> {
+    parse_urdf(text, &ChainEnds::default())
+}
+
+fn assert_near(found: &Inertia, expected: [f64; 10]) {
+    for (a, b) in found.to_array().iter().zip(expected) {
+        assert!((a - b).abs() < 1e-15, "{:?} against {expected:?}", found.to_array());
+    }
+}
+
+#[test]
+fn analytic_fixed_links_become_one() {
+    let model = parse(TREE).unwrap();
+    let [slide, turn] = model.robot.joints() else { panic!("two joints") };
+    assert_eq!((slide.name.as_str(), slide.kind), ("slide", JointKind::Prismatic));
+    assert_eq!((turn.name.as_str(), turn.kind), ("turn", JointKind::Revolute));
+    assert_eq!((slide.limits.position, slide.limits.velocity), ((-0.5, 0.5), 1.5));
+    // The root is the world, so gravity needs no turning; the pitched mount stands before the first joint.
+    assert_eq!(model.robot.gravity().as_slice(), [0.0, 0.0, -9.81]);
+    assert_eq!(model.robot.effort(), EffortInterface::Torque);
+    // The axis y of the car is y of the world; 0.1 m along x of the pitched base is 0.1 m down.
+    let pose = model.robot.poses(&[0.25, 0.0])[0];
+    assert!((pose.translation - Vector3::new(0.0, 0.25, 0.9)).norm() < 1e-16);
+    assert_eq!(slide.axis().lin.as_slice(), [0.0, 1.0, 0.0]);
+    // Car: 2 kg at (0, 0, 0.5) turned by 90° about z, so Ixx and Iyy change places and Ixy its sign; camera: 1 kg at y = 1.
+    assert_near(&model.parameters.links[0], [3.0, 0.0, 1.0, 1.0, 1.7, -0.01, 0.0, 0.6, 0.0, 1.25]);
+    // Tool: 3 kg at x = 1.
+    assert_near(&model.parameters.links[1], [3.0, 3.0, 0.0, 0.0, 0.3, 0.0, 0.0, 3.4, 0.0, 3.5]);
+    assert_eq!((model.parameters.drives[0].viscous, model.parameters.drives[0].coulomb), (3.0, 4.0));
+    assert_eq!(model.remarks, ["joint \"slide\": the effort limit 0 is read as no limit"]);
+    assert!(model.locked.is_empty());
+}
+
+#[test]
+fn analytic_ends_choose_the_chain() {
+    let ends = |base: Option<&str>, tip: Option<&str>| ChainEnds {
+        base: base.map(str::to_owned),
+        tip: tip.map(str::to_owned),
+    };
+    // From the base: the same chain, gravity turned into the pitched frame, and the mount in the base's pose.
+    let model = parse_urdf(TREE, &ends(Some("base"), None)).unwrap();
+    assert_eq!(model.robot.gravity().as_slice(), [9.81, 0.0, 0.0]);
+    assert_eq!(model.robot.base().translation.as_slice(), [0.0, 0.0, 1.0]);
+    assert_eq!(model.parameters, parse(TREE).unwrap().parameters);
+    // To the car: what lies beyond is held at zero and carried. The tool stands at (−1, 0, 1) of the car, turned.
+    let model = parse_urdf(TREE, &ends(None, Some("car"))).unwrap();
+    assert_eq!((model.robot.dof(), model.locked.as_slice()), (1, ["turn".to_owned()].as_slice()));
+    let whole = &model.parameters.links[0];
+    assert!((whole.mass - 6.0).abs() < 1e-15);
+    assert!((whole.first_moment - Vector3::new(-3.0, 1.0, 4.0)).norm() < 1e-15);
+    // A second arm makes a tree with a choice.
+    let jaws = r#"<link name="jaw"/><joint name="jaw" type="prismatic"><parent link="car"/><child link="jaw"/>
+      <limit lower="0" upper="0.1" velocity="1" effort="1"/></joint></robot>"#;
+    let gripper = TREE.replace("</robot>", jaws);
+    let fault = parse(&gripper).unwrap_err();
+    assert_eq!((fault.line, fault.column), (2, 1));
+    assert!(
+        fault.message.ends_with("expected a tip to choose the chain, one of \"camera\", \"jaw\", \"tool\""),
+        "{fault}"
+    );
+    let model = parse_urdf(&gripper, &ends(None, Some("tool"))).unwrap();
+    assert_eq!(model.locked, ["jaw"]);
+    for (base, tip, says) in [
+        (None, Some("hand"), "tip \"hand\" is not there"),
+        (Some("ground"), None, "base \"ground\" is not there"),
+        (Some("arm"), Some("car"), "\"car\" does not hang on \"arm\""),
+        (Some("arm"), Some("tool"), "no joint moves between \"arm\" and \"tool\""),
+    ] {
+        let fault = parse_urdf(TREE, &ends(base, tip)).unwrap_err();
+        assert!(fault.message.contains(says), "{fault}");
+    }
+}
+
+#[test]
+fn analytic_every_fault_names_its_place() {
+    for (from, to, says) in [
+        ("</robot>", "¶</robots>", "malformed XML: expected 'robot' tag, not 'robots'"),
+        ("<mass value=\"2\"/>", "<mass value=\"¶two\"/>", "value is \"two\", expected a finite number"),
+        ("<mass value=\"2\"/>", "<mass value=\"¶nan\"/>", "expected a finite number"),
+        ("<mass value=\"2\"/>", "¶<mass val=\"2\"/>", "<mass> has no attribute value"),
+        ("xyz=\"0 0 0.5\"", "xyz=\"¶0 0\"", "xyz is \"0 0\", expected 3 finite numbers"),
+        ("iyz=\"0\" izz=\"0.25\"", "iyz=\"0\"", "no attribute izz"),
+        ("<axis xyz=\"0 2 0\"/>", "<axis xyz=\"¶0 0 0\"/>", "zero vector"),
+        ("lower=\"-0.5\"", "lower=\"1.5\"", "limits are 1.5 to 0.5"),
+        ("velocity=\"1.5\"", "velocity=\"¶-1\"", "velocity is -1"),
+        ("<child link=\"car\"/>", "<child link=\"¶cart\"/>", "child link \"cart\" is not there"),
+        ("type=\"continuous\"", "type=\"¶screw\"", "joint type is \"screw\""),
+        ("type=\"continuous\"", "type=\"planar\"", "joint \"turn\" is planar"),
+        ("<axis xyz=\"1 0 0\"/>", "<mimic joint=\"slide\"/>", "joint \"turn\" is a mimic of joint \"slide\""),
+        ("<link name=\"arm\"/>", "<link name=\"¶car\"/>", "link \"car\" is there twice"),
+        (
+            "<parent link=\"car\"/><child link=\"camera\"/>",
+            "<parent link=\"car\"/><child link=\"tool\"/>",
+            "already hangs",
+        ),
+        ("</robot>", "<link name=\"loose\"/></robot>", "\"world\", \"loose\", expected exactly one"),
+        ("<limit lower=\"-0.5\" upper=\"0.5\" velocity=\"1.5\" effort=\"0\"/>", "", "no <limit>"),
+    ] {
+        let mut text = TREE.replacen(from, to, 1);
+        assert_ne!(text, TREE, "{from}");
+        if !text.contains('¶') {
+            // The element that is named, where the replacement does not show it.
+            let place = match says {
+                "no attribute izz" => "<inertia ixx=\"0.1\"",
+                "limits are 1.5 to 0.5" => "<limit",
+                "joint \"turn\" is planar" | "joint \"turn\" is a mimic of joint \"slide\"" => "<joint name=\"turn\"",
+                "already hangs" => "<joint name=\"bracket\"",
+                "no <limit>" => "<joint name=\"slide\"",
+                _ => "<robot",
+            };
+            text = text.replacen(place, &format!("¶{place}"), 1);
+        }
+        expect_fault(parse, &text, says);
+    }
+    expect_fault(parse, "¶<mujoco/>", "root element is <mujoco>, expected <robot>");
+    expect_fault(parse, "¶<robot/>", "no links");
+    let ring = r#"<robot><link name="r"/><link name="a"/>¶<link name="b"/>
+      <joint name="1" type="fixed"><parent link="a"/><child link="b"/></joint>
+      <joint name="2" type="fixed"><parent link="b"/><child link="a"/></joint></robot>"#;
+    expect_fault(parse, &ring.replacen('¶', "", 1).replacen("<link name=\"a\"", "¶<link name=\"a\"", 1), "in a loop");
+}
+
+/// A robot as URDF whose joint frames are turned away from the axes by `turn(i)`.
+fn to_urdf(robot: &Robot, parameters: &StandardParameters, turn: impl Fn(usize) -> Matrix3<f64>) -> String {
+    let mut text = String::from("<robot name=\"copy\"><link name=\"base\"/>\n");
+    let mut to_joint = Placement::identity();
+    let mut parent = "base".to_owned();
+    for (i, joint) in robot.joints().iter().enumerate() {
+        let turned = Placement::new(turn(i), Vector3::zeros());
+        let origin = to_joint.compose(&joint.before).compose(&turned);
+        to_joint = turned.inverse().compose(&joint.after);
+        let axis = turned.rotation.tr_mul(&Vector3::z());
+        // The inertial frame of the file is the link's frame of the robot, moved to the centre of mass.
+        let com = parameters.links[i].com().unwrap_or_default();
+        let inertial = to_joint.compose(&Placement::translation(com.x, com.y, com.z));
+        let about = parameters.links[i].about_com();
+        let name = &joint.name;
+        let kind = if joint.kind == JointKind::Revolute { "revolute" } else { "prismatic" };
+        write!(
+            text,
+            "<link name=\"{name}\"><inertial>{}<mass value=\"{:?}\"/><inertia ixx=\"{:?}\" ixy=\"{:?}\" ixz=\"{:?}\" \
+             iyy=\"{:?}\" iyz=\"{:?}\" izz=\"{:?}\"/></inertial></link>\n<joint name=\"{name}\" type=\"{kind}\">{}\
+             <parent link=\"{parent}\"/><child link=\"{name}\"/><axis xyz=\"{:?} {:?} {:?}\"/>\
+             <limit lower=\"{:?}\" upper=\"{:?}\" velocity=\"1\" effort=\"1\"/>\
+             <dynamics damping=\"{:?}\" friction=\"{:?}\"/></joint>\n",
+            origin_tag(&inertial),
+            parameters.links[i].mass,
+            about[(0, 0)],
+            about[(0, 1)],
+            about[(0, 2)],
+            about[(1, 1)],
+            about[(1, 2)],
+            about[(2, 2)],
+            origin_tag(&origin),
+            axis.x,
+            axis.y,
+            axis.z,
+            joint.limits.position.0,
+            joint.limits.position.1,
+            parameters.drives[i].viscous,
+            parameters.drives[i].coulomb,
+        )
+        .unwrap();
+        parent.clone_from(name);
+    }
+    text + "</robot>\n"
+}
+
+fn origin_tag(pose: &Placement) -> String {
+    let (t, r) = (pose.translation, pose.rotation);
+    let pitch = libm::atan2(-r[(2, 0)], libm::hypot(r[(0, 0)], r[(1, 0)]));
+    let (roll, yaw) = if r[(2, 0)].abs() > 1.0 - 1e-12 {
+        // Straight up or down only roll − yaw or roll + yaw shows: take yaw as zero.
+        (libm::atan2(-r[(1, 2)], r[(1, 1)]), 0.0)
+    } else {
+        (libm::atan2(r[(2, 1)], r[(2, 2)]), libm::atan2(r[(1, 0)], r[(0, 0)]))
+    };
+    format!("<origin xyz=\"{:?} {:?} {:?}\" rpy=\"{roll:?} {pitch:?} {yaw:?}\"/>", t.x, t.y, t.z)
+}
+
+fn generic_turn(i: usize) -> Matrix3<f64> {
+    *Rotation3::from_euler_angles(0.4 + i as f64, -0.7 * i as f64, 1.1).matrix()
+}
+
+#[test]
+fn identity_torques_of_a_dh_robot_and_of_its_urdf_are_equal() {
+    let entry = bundled().iter().find(|entry| entry.name == "crs-a460").unwrap();
+    let robot = parse_robot(entry.robot).unwrap();
+    let mut parameters =
+        parse_parameters(&entry.nominal[entry.nominal.find("[[link]]").unwrap()..], &robot, true).unwrap().parameters;
+    for (i, drive) in parameters.drives.iter_mut().enumerate() {
+        // URDF has no rotor inertia and no offset; products of inertia make the test sharper.
+        (drive.rotor, drive.offset) = (0.0, 0.0);
+        parameters.links[i].first_moment += Vector3::new(0.02, -0.01, 0.03);
+        parameters.links[i].rotational[(0, 1)] = 0.004;
+        parameters.links[i].rotational[(1, 0)] = 0.004;
+    }
+    let mut rng = Seed::new(3).stream("states", 0);
+    let mut by_dh = Dynamics::new(&robot, &parameters);
+    for turn in [|_| Matrix3::identity(), generic_turn] {
+        let model = parse(&to_urdf(&robot, &parameters, turn)).unwrap();
+        assert_eq!(model.robot.dof(), 6);
+        // An ideal drive has the plain sign; so must the other.
+        let mut by_urdf = Dynamics::new(&with_plain_sign(&model.robot, &robot), &model.parameters);
+        for _ in 0..20 {
+            let (q, qd, qdd) = random_state(&mut rng, 6);
+            let (mut a, mut b) = ([0.0; 6], [0.0; 6]);
+            by_dh.inverse(&q, &qd, &qdd, &mut a);
+            by_urdf.inverse(&q, &qd, &qdd, &mut b);
+            for (a, b) in a.iter().zip(b) {
+                // Angles go through atan2 and sincos and back, six times one after the other.
+                assert!((a - b).abs() < 1e-12 * (1.0 + a.abs()) * 1e1, "{a} against {b}");
+            }
+        }
+    }
+}
+
+/// `robot` with the velocity scales of Coulomb friction of another one.
+fn with_plain_sign(robot: &Robot, other: &Robot) -> Robot {
+    let mut joints = robot.joints().to_vec();
+    for (joint, other) in joints.iter_mut().zip(other.joints()) {
+        joint.drive.coulomb_velocity = other.drive.coulomb_velocity;
+    }
+    Robot::new(crate::model::RobotSpec {
+        name: robot.name().to_owned(),
+        gravity: robot.gravity(),
+        base: *robot.base(),
+        joints,
+        coupling: None,
+        shapes: Vec::new(),
+        obstacles: Vec::new(),
+    })
+    .unwrap()
+}
+
+#[test]
+fn urdf_rs_reads_the_same_chain() {
+    let entry = bundled().iter().find(|entry| entry.name == "crs-a460").unwrap();
+    let robot = parse_robot(entry.robot).unwrap();
+    let parameters = StandardParameters::zero(6);
+    let text = to_urdf(&robot, &parameters, generic_turn);
+    let model = parse(&text).unwrap();
+    let other = urdf_rs::read_from_string(&text).unwrap();
+    let q = [0.3, -1.2, 0.8, 2.0, -0.4, 1.5];
+    // Quaternions and axis-angle turns of another library, where ours are matrices from right-angled factors.
+    let mut pose = Isometry3::identity();
+    for ((joint, q), ours) in other.joints.iter().zip(q).zip(model.robot.poses(&q)) {
+        let (xyz, rpy, axis) = (joint.origin.xyz.0, joint.origin.rpy.0, joint.axis.xyz.0);
+        let origin = Isometry3::from_parts(
+            Translation3::new(xyz[0], xyz[1], xyz[2]),
+            Rotation3::from_euler_angles(rpy[0], rpy[1], rpy[2]).into(),
+        );
+        let turn = Rotation3::from_axis_angle(&Unit::new_normalize(Vector3::from(axis)), q);
+        pose = pose * origin * Isometry3::from_parts(Translation3::identity(), turn.into());
+        assert!((pose.rotation.to_rotation_matrix().matrix() - ours.rotation).amax() < 1e-14);
+        assert!((pose.translation.vector - ours.translation).amax() < 1e-14);
+    }
+}
