@@ -17,6 +17,7 @@ mod estimate;
 mod estimator;
 mod finding;
 mod interval;
+mod noise_basis;
 mod observation;
 mod ordinary;
 mod prediction;
@@ -24,6 +25,8 @@ mod problem;
 mod residual;
 mod termination;
 mod weighted;
+#[cfg(test)]
+mod tests;
 
 pub use completion::{Completion, complete};
 pub use error::EstimationError;

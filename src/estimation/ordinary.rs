@@ -7,7 +7,7 @@
 //! covariance is that of the measured noise, not of an assumed equal one.
 
 use super::appraisal::{Appraisal, solve};
-use super::residual::residual_noise;
+use super::noise_basis::{noise_of_fit, scatter_noise};
 use super::{Estimate, EstimationError, EstimationProblem, Estimator, IntervalBasis, Termination};
 
 /// Ordinary least squares on the base columns.
@@ -26,13 +26,9 @@ impl Estimator for OrdinaryLeastSquares {
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
         let observation = problem.observation;
         let fit = solve(observation, &observation.regressor, &observation.y)?;
-        let (noise, basis) = match &observation.noise {
-            Some(noise) => (noise.clone(), IntervalBasis::Scatter),
-            None => {
-                let residual = observation.residual(fit.solution());
-                let b = observation.base.rank();
-                (residual_noise(&residual, observation.dof, b, observation.periodic), IntervalBasis::Residual)
-            }
+        let (noise, basis) = match scatter_noise(observation) {
+            Some(noise) => (noise, IntervalBasis::Scatter),
+            None => (noise_of_fit(observation, fit.solution()), IntervalBasis::Residual),
         };
         Appraisal {
             estimator: self.name(),

@@ -11,10 +11,9 @@
 use nalgebra::DMatrix;
 
 use super::appraisal::{Appraisal, solve};
-use super::residual::residual_noise;
+use super::noise_basis::{noise_of_fit, scatter_noise};
 use super::{Estimate, EstimationError, EstimationProblem, Estimator, IntervalBasis, Termination};
 use crate::linalg::BlockWhitening;
-use crate::signal::NoiseModel;
 
 /// Least squares weighted with the inverse noise covariance of each sample.
 #[derive(Clone, Copy, Debug, Default)]
@@ -31,22 +30,21 @@ impl Estimator for WeightedLeastSquares {
 
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
         let observation = problem.observation;
-        let b = observation.base.rank();
-        let residual = |beta: &nalgebra::DVector<f64>| -> NoiseModel {
-            residual_noise(&observation.residual(beta), observation.dof, b, observation.periodic)
-        };
-        let seen = match &observation.noise {
-            Some(noise) => noise.clone(),
-            None => residual(solve(observation, &observation.regressor, &observation.y)?.solution()),
+        let (seen, basis) = match scatter_noise(observation) {
+            Some(noise) => (noise, IntervalBasis::Scatter),
+            None => {
+                let start = solve(observation, &observation.regressor, &observation.y)?;
+                (noise_of_fit(observation, start.solution()), IntervalBasis::Residual)
+            }
         };
         let whitening = BlockWhitening::new(seen.covariance())?;
         let w = whitening.whiten(&observation.regressor)?;
         let y = whitening.whiten(&DMatrix::from_column_slice(observation.y.len(), 1, observation.y.as_slice()))?;
         let fit = solve(observation, &w, &y.column(0).into_owned())?;
         let weighted = whitening.whiten_transposed(&w)?;
-        let (noise, basis) = match &observation.noise {
-            Some(_) => (seen, IntervalBasis::Scatter),
-            None => (residual(fit.solution()), IntervalBasis::Residual),
+        let noise = match basis {
+            IntervalBasis::Scatter => seen,
+            IntervalBasis::Residual => noise_of_fit(observation, fit.solution()),
         };
         Appraisal {
             estimator: self.name(),

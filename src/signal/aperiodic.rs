@@ -1,13 +1,11 @@
 //! A record without periods: the whole of it filtered, differentiated and thinned.
 
-use nalgebra::DMatrix;
-
 use super::error::check_finite;
 use super::periodic::{column, effort_units, put_column, thinned};
-use super::torque::map_rows;
+use super::torque::{map_rows, torque_map};
 use super::{Butterworth, Derivatives, Processing, Samples, SignalError, differences};
 use crate::dynamics::States;
-use crate::model::Robot;
+use crate::model::{EffortInterface, Robot};
 
 /// A record of any motion: `q` and `effort` are N × n, row-major.
 #[derive(Clone, Copy, Debug)]
@@ -33,7 +31,7 @@ pub struct AperiodicRecord<'a> {
 pub fn process_aperiodic(
     record: &AperiodicRecord<'_>,
     robot: &Robot,
-    to_torque: &DMatrix<f64>,
+    effort: EffortInterface,
     rate_hz: f64,
     processing: &Processing,
 ) -> Result<Samples, SignalError> {
@@ -63,7 +61,7 @@ pub fn process_aperiodic(
         });
     }
     let step = ((record.rate_hz / rate_hz) as usize).max(1);
-    let torque = map_rows(record.effort, to_torque);
+    let torque = map_rows(record.effort, &torque_map(robot, effort));
     let count = len.div_ceil(step);
     let mut states = States::with_len(n, count);
     let mut tau = vec![0.0; count * n];

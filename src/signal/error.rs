@@ -63,6 +63,14 @@ pub enum SignalError {
         /// What is possible.
         expected: &'static str,
     },
+    /// No period was recorded to its end.
+    #[error("{found} samples were recorded, expected at least the {expected} of one period")]
+    NoPeriods {
+        /// Samples of the recorded phase.
+        found: usize,
+        /// Samples in one period.
+        expected: usize,
+    },
     /// The record belongs to another robot.
     #[error("the record has {found} joints, the robot has {expected}")]
     Joints {

@@ -1,27 +1,24 @@
 //! Periods of raw samples to one period of processed ones.
 
-use nalgebra::DMatrix;
-
 use super::scatter::ScatterSpectrum;
-use super::torque::map_rows;
+use super::torque::{map_rows, torque_map};
 use super::{
     Bandwidth, Butterworth, Derivatives, FourierTransform, HarmonicSeries, NoiseModel, PeriodAverage, PeriodicRecord,
     Processing, Samples, SignalError, TorqueFilter, differences_periodic,
 };
 use crate::dynamics::States;
-use crate::model::Robot;
+use crate::model::{EffortInterface, Robot};
 
 /// Processes whole periods: average, derivatives, torque, thinning, and the noise of the result.
 ///
-/// `to_torque` (n × n) turns the record's efforts into joint torque ([`super::torque_per_current`], or the identity);
-/// `highest_hz` is the highest commanded frequency, which is always kept.
+/// `effort` says what the record's efforts are; `highest_hz` is the highest commanded frequency, which is always kept.
 ///
 /// # Errors
 /// [`SignalError`] where the record is malformed or a setting does not fit it.
 pub fn process_periods(
     record: &PeriodicRecord<'_>,
     robot: &Robot,
-    to_torque: &DMatrix<f64>,
+    effort: EffortInterface,
     highest_hz: f64,
     processing: &Processing,
 ) -> Result<Samples, SignalError> {
@@ -31,7 +28,7 @@ pub fn process_periods(
     if robot.dof() != n {
         return Err(SignalError::Joints { found: n, expected: robot.dof() });
     }
-    let torque = map_rows(record.effort, to_torque);
+    let torque = map_rows(record.effort, &torque_map(robot, effort));
     let record = PeriodicRecord { effort: &torque, ..*record };
     let average = PeriodAverage::new(&record)?;
     let transform = FourierTransform::new(average.len());

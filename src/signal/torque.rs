@@ -8,12 +8,16 @@
 
 use nalgebra::DMatrix;
 
-use crate::model::Robot;
+use crate::model::{EffortInterface, Robot};
 
-/// The matrix that turns motor currents (n, A) into joint torques (n, N·m; N for a prismatic joint).
+/// The matrix that turns efforts as the arm reports them (n) into joint torques (n, N·m; N for a prismatic joint): that
+/// of the drives for motor currents in A, the identity for torques.
 #[must_use]
-pub fn torque_per_current(robot: &Robot) -> DMatrix<f64> {
+pub fn torque_map(robot: &Robot, effort: EffortInterface) -> DMatrix<f64> {
     let n = robot.dof();
+    if effort == EffortInterface::Torque {
+        return DMatrix::identity(n, n);
+    }
     let constants: Vec<f64> = robot.joints().iter().map(|joint| joint.drive.torque_per_ampere()).collect();
     DMatrix::from_fn(n, n, |i, j| {
         let coupling = robot.coupling().map_or(if i == j { 1.0 } else { 0.0 }, |c| c[(j, i)]);

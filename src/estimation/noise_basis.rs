@@ -1,0 +1,19 @@
+//! Which noise an estimator believes.
+
+use nalgebra::DVector;
+
+use super::Observation;
+use super::residual::residual_noise;
+use crate::linalg::BlockWhitening;
+use crate::signal::NoiseModel;
+
+/// The noise that scattered over periods; `None` where nothing was repeated or some joint did not scatter at all.
+pub(super) fn scatter_noise(observation: &Observation) -> Option<NoiseModel> {
+    observation.noise.clone().filter(|noise| BlockWhitening::new(noise.covariance()).is_ok())
+}
+
+/// The noise that the residual of `beta` shows.
+pub(super) fn noise_of_fit(observation: &Observation, beta: &DVector<f64>) -> NoiseModel {
+    let residual = observation.residual(beta);
+    residual_noise(&residual, observation.dof, observation.base.rank(), observation.periodic)
+}

@@ -1,0 +1,5 @@
+//! Laws of the estimators: coverage of their intervals, agreement with other routes, recovery of exact data.
+
+mod coverage;
+mod recovery;
+mod setting;

@@ -1,0 +1,41 @@
+//! A recording to samples.
+
+use super::{PeriodicRecord, Processing, Samples, SignalError, process_periods};
+use crate::excitation::Trajectory;
+use crate::experiment::Recording;
+use crate::model::Robot;
+
+/// Processes the recorded periods of a recording.
+///
+/// Periods that the experiment did not finish are left out.
+///
+/// # Errors
+/// [`SignalError::NoPeriods`] where no whole period was recorded, [`SignalError`] where the recording is malformed or
+/// a setting does not fit it.
+pub fn process(recording: &Recording, robot: &Robot, processing: &Processing) -> Result<Samples, SignalError> {
+    let periods = recording.periods();
+    if periods == 0 {
+        let (found, expected) = (recording.recorded().len(), recording.period_samples);
+        return Err(SignalError::NoPeriods { found, expected });
+    }
+    let n = recording.dof;
+    for (quantity, series) in [("positions", &recording.q), ("efforts", &recording.effort)] {
+        if series.len() != recording.len() * n {
+            let expected = format!("{} ({} samples of {n} joints)", recording.len() * n, recording.len());
+            return Err(SignalError::Length { quantity, found: series.len(), expected });
+        }
+    }
+    let first = recording.recorded().start;
+    let rows = first * n..(first + periods * recording.period_samples) * n;
+    let record = PeriodicRecord {
+        dof: n,
+        rate_hz: recording.rate_hz,
+        period_samples: recording.period_samples,
+        q: &recording.q[rows.clone()],
+        effort: &recording.effort[rows],
+    };
+    let highest_hz = recording.trajectory.harmonics() as f64 / recording.trajectory.period_s();
+    let mut samples = process_periods(&record, robot, recording.effort_unit, highest_hz, processing)?;
+    samples.provenance = Some(recording.provenance.clone());
+    Ok(samples)
+}
