@@ -30,7 +30,7 @@ pub(super) fn render(document: &Document) -> String {
             head {
                 meta charset="utf-8";
                 meta name="viewport" content="width=device-width, initial-scale=1";
-                title { (printable(&document.title)) }
+                title { (printable(&document.title.replace(['`', '*'], ""))) }
                 style { (PreEscaped(STYLE)) }
             }
             body {

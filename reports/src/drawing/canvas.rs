@@ -81,6 +81,10 @@ impl Rect {
         self.bottom - self.top
     }
 
+    pub(crate) fn overlaps(&self, other: &Self) -> bool {
+        self.left < other.right && other.left < self.right && self.top < other.bottom && other.top < self.bottom
+    }
+
     pub(crate) fn centre(&self) -> (f64, f64) {
         (0.5 * (self.left + self.right), 0.5 * (self.top + self.bottom))
     }
@@ -178,18 +182,17 @@ impl Canvas {
         }
     }
 
-    /// Text on a white plate, so that it stays legible on top of lines and points.
-    pub(crate) fn note(&mut self, text: &str, at: (f64, f64), font: Font, colour: Colour, align: Align) {
-        let width = font.width(text);
-        let left = match align {
-            Align::Start => at.0,
-            Align::Middle => at.0 - 0.5 * width,
-            Align::End => at.0 - width,
+    /// Text centred on a white plate, so that it stays legible on top of lines and points.
+    pub(crate) fn note(&mut self, text: &str, at: (f64, f64), font: Font, colour: Colour) {
+        let (half_width, half_height) = (0.5 * font.width(text) + 2.0, 0.5 * font.size + 1.0);
+        let plate = Rect {
+            left: at.0 - half_width,
+            top: at.1 - half_height,
+            right: at.0 + half_width,
+            bottom: at.1 + half_height,
         };
-        let half = 0.5 * font.size + 1.0;
-        let plate = Rect { left: left - 2.0, top: at.1 - half, right: left + width + 2.0, bottom: at.1 + half };
         self.rectangle(&plate, Ink::new(Colour::WHITE, 0.0).faint(0.8));
-        self.text(text, at, font, colour, align);
+        self.text(text, at, font, colour, Align::Middle);
     }
 
     /// A marker of about `radius` px with a thin white rim that keeps neighbours apart.

@@ -25,6 +25,8 @@ pub(crate) enum Swatch {
     LinePoint(GroupStyle),
     /// A level stroke through a point.
     Interval(GroupStyle),
+    /// A piece of a bar.
+    Bar(GroupStyle),
     /// A thin line with two ends.
     Whiskers,
     /// A box with its median.
@@ -126,6 +128,12 @@ fn swatch(canvas: &mut Canvas, swatch: Swatch, left: f64, y: f64) {
         Swatch::Interval(style) => {
             canvas.line((left, y), (right, y), Ink::new(style.colour, 1.6));
             canvas.marker(style.marker, (centre, y), 4.0, style.colour, 1.0);
+        }
+        Swatch::Bar(style) => {
+            let case = Rect { left, top: y - 6.0, right, bottom: y + 6.0 };
+            canvas.rectangle(&case, Ink::new(style.colour, 0.0).faint(0.75));
+            canvas.outline(&case, Ink::new(style.colour, 1.0));
+            canvas.marker(style.marker, (centre, y), 3.0, Colour::WHITE, 1.0);
         }
         Swatch::Whiskers => {
             let ink = Ink::new(Colour::MUTED, 1.2);

@@ -87,6 +87,8 @@ pub(crate) struct Rows {
 
 /// Rows in one column before a second column is opened.
 const ONE_COLUMN: usize = 20;
+/// Height from which on the numbers stand at the top as well, px.
+const TALL: f64 = 480.0;
 /// Widest name of a row, px.
 const WIDEST_NAME: f64 = 300.0;
 
@@ -109,7 +111,8 @@ impl Rows {
         let (gap, right_edge) = (22.0, 26.0);
         let outer = MARGIN + right_edge + gap * (columns - 1) as f64;
         let width = (WIDTH - outer) / columns as f64 - widest - 10.0;
-        let top = head.height + 6.0;
+        let tall = rows_per_area as f64 * row_px > TALL;
+        let top = head.height + if tall { 26.0 } else { 6.0 };
         let bottom = top + rows_per_area as f64 * row_px;
         let mut canvas = Canvas::new(WIDTH, bottom + 54.0);
         head.draw(&mut canvas);
@@ -122,7 +125,7 @@ impl Rows {
             .collect();
         let mut rows = Self { canvas, areas, span, lanes, lane_px, row_px, rows_per_area };
         rows.behind(names, widest, background);
-        rows.axis(axis);
+        rows.axis(axis, tall);
         rows
     }
 
@@ -158,7 +161,8 @@ impl Rows {
         }
     }
 
-    fn axis(&mut self, axis: &Axis) {
+    /// Frame, marks, numbers (at the top too where `both_ends`), label.
+    fn axis(&mut self, axis: &Axis, both_ends: bool) {
         let mark = Ink::new(Colour::FRAME, 0.9);
         for index in 0..self.areas.len() {
             let area = self.areas[index];
@@ -174,6 +178,9 @@ impl Rows {
                 let half = 0.5 * Font::TICK.width(&tick.label);
                 let x = x.clamp(half + 2.0, (WIDTH - half - 2.0).max(half + 2.0));
                 self.canvas.text(&tick.label, (x, area.bottom + 14.0), Font::TICK, Colour::TEXT, Align::Middle);
+                if both_ends {
+                    self.canvas.text(&tick.label, (x, area.top - 10.0), Font::TICK, Colour::TEXT, Align::Middle);
+                }
             }
             let label = Font::LABEL.fit(&axis.text(), area.width() + 60.0);
             let at = (area.centre().0, area.bottom + 35.0);

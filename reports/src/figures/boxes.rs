@@ -139,12 +139,12 @@ impl BoxFigure {
     }
 }
 
-/// Draws one distribution around `y`, in a lane `lane_px` high.
+/// Draws one distribution around `y`, in a lane `lane_px` high: the box, the points upon it, the median upon them.
 fn draw(rows: &mut Rows, cell: &Distribution, group: &Group, (area, y, lane_px): (usize, f64, f64)) {
     let colour = group.style.colour;
     let half = (0.36 * lane_px).min(8.0);
     if let Some(quantiles) = cell.quantiles {
-        let [low, q1, median, q3, high] = quantiles.ascending().map(|value| rows.x(area, value));
+        let [low, q1, _, q3, high] = quantiles.ascending().map(|value| rows.x(area, value));
         let ink = Ink::new(colour, 1.2);
         for (from, to) in [(low, q1), (q3, high)] {
             rows.canvas.line((from, y), (to, y), ink);
@@ -153,25 +153,23 @@ fn draw(rows: &mut Rows, cell: &Distribution, group: &Group, (area, y, lane_px):
             rows.canvas.line((end, y - 0.55 * half), (end, y + 0.55 * half), ink);
         }
         let case = Rect { left: q1, top: y - half, right: q3, bottom: y + half };
-        rows.canvas.rectangle(&case, Ink::new(colour, 0.0).faint(0.3));
+        rows.canvas.rectangle(&case, Ink::new(Colour::WHITE, 0.0));
+        rows.canvas.rectangle(&case, Ink::new(colour, 0.0).faint(0.25));
         rows.canvas.outline(&case, ink);
-        rows.canvas.line((median, y - half), (median, y + half), Ink::new(Colour::TEXT, 1.8));
-        if cell.points.is_empty() {
-            rows.canvas.marker(group.style.marker, (median, y), 2.9, colour, 1.0);
-        }
     }
     let few = cell.points.len() <= 60;
     for (index, &value) in cell.points.iter().enumerate() {
         // Neighbours in the list alternate between five levels so that equal values stay apart.
         let shift = [0.0, 0.5, -0.5, 0.25, -0.25][index % 5] * half * 1.3;
-        let radius = if few { 2.8 } else { 1.8 };
-        rows.canvas.marker(
-            group.style.marker,
-            (rows.x(area, value), y + shift),
-            radius,
-            colour,
-            if few { 0.85 } else { 0.5 },
-        );
+        let (radius, opacity) = if few { (2.5, 0.8) } else { (1.8, 0.5) };
+        rows.canvas.marker(group.style.marker, (rows.x(area, value), y + shift), radius, colour, opacity);
+    }
+    if let Some(quantiles) = cell.quantiles {
+        let median = rows.x(area, quantiles.median);
+        rows.canvas.line((median, y - half), (median, y + half), Ink::new(Colour::TEXT, 2.0));
+        if cell.points.is_empty() {
+            rows.canvas.marker(group.style.marker, (median, y), 2.9, colour, 1.0);
+        }
     }
 }
 

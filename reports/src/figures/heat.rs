@@ -136,7 +136,8 @@ impl HeatFigure {
                 ColourMap::Signed => self.colours.colour(span, span.low + fraction * (span.high - span.low)),
             };
             let from = left + f64::from(step) * width;
-            let strip = Rect { left: from, top, right: from + width + 0.2, bottom: top + 12.0 };
+            // Each strip reaches the end and is painted over by the next: no seams.
+            let strip = Rect { left: from, top, right, bottom: top + 12.0 };
             canvas.rectangle(&strip, Ink::new(colour, 0.0));
         }
         canvas.outline(&Rect { left, top, right, bottom: top + 12.0 }, Ink::new(Colour::FRAME, 0.8));

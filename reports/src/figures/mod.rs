@@ -1,5 +1,6 @@
 //! Kinds of figures, one per file: a plain struct of numbers and names, drawn by [`Figure::svg`].
 
+mod bars;
 mod boxes;
 mod convergence;
 mod figure;
@@ -8,6 +9,7 @@ mod interval;
 mod scatter;
 mod time_series;
 
+pub use bars::{Bar, BarFigure, BarRow};
 pub use boxes::{BoxFigure, BoxRow, Distribution, Quantiles};
 pub use convergence::{ConvergenceFigure, ConvergencePanel, Curve};
 pub use figure::{Figure, Heading};

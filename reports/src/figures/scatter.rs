@@ -3,7 +3,7 @@
 use super::{Figure, Heading};
 use crate::FigureError;
 use crate::drawing::axis::{Axis, Span};
-use crate::drawing::canvas::{Align, Canvas, Colour, Ink};
+use crate::drawing::canvas::{Canvas, Colour, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::lattice::{Arrangement, Panel, Plot, lattice};
@@ -224,24 +224,56 @@ impl ScatterPanel {
         self.label_references(canvas, plot);
     }
 
-    /// Labels of horizontal lines stand at the right end above the line, of vertical ones at its top, upwards.
+    /// Writes the labels of level and upright lines beside them, where they cover the fewest points.
     fn label_references(&self, canvas: &mut Canvas, plot: &Plot) {
+        let points: Vec<(f64, f64)> = self
+            .groups
+            .iter()
+            .flat_map(|group| &group.points)
+            .flat_map(|point| {
+                let (low, high) = point.interval.unwrap_or((point.y, point.y));
+                [plot.at(point.x, point.y), plot.at(point.x, low), plot.at(point.x, high)]
+            })
+            .collect();
+        let area = &plot.area;
+        let mut taken: Vec<Rect> = Vec::new();
         for reference in &self.references {
-            match reference {
-                Reference::Y { value, label } => {
+            let label = Font::NOTE.fit(reference.label(), 0.6 * area.width());
+            let (width, reach) = (Font::NOTE.width(&label), 0.5 * Font::NOTE.size + 1.0);
+            let centres: Vec<(f64, f64)> = match reference {
+                Reference::Y { value, .. } => {
                     let y = plot.y_at(*value);
-                    let y = if y - plot.area.top < 18.0 { y + 9.0 } else { y - 9.0 };
-                    let label = Font::NOTE.fit(label, plot.area.width() - 8.0);
-                    canvas.note(&label, (plot.area.right - 3.0, y), Font::NOTE, Colour::MUTED, Align::End);
+                    let xs = [area.right - 3.0 - 0.5 * width, area.left + 4.0 + 0.5 * width, area.centre().0];
+                    xs.iter().flat_map(|&x| [(x, y - 9.0), (x, y + 9.0)]).collect()
                 }
-                Reference::X { value, label } => {
+                Reference::X { value, .. } => {
                     let x = plot.x_at(*value);
-                    let label = Font::NOTE.fit(label, 0.5 * plot.area.width() - 8.0);
-                    let room_right = plot.area.right - x > Font::NOTE.width(&label) + 8.0;
-                    let (x, align) = if room_right { (x + 5.0, Align::Start) } else { (x - 5.0, Align::End) };
-                    canvas.note(&label, (x, plot.area.top + 8.0), Font::NOTE, Colour::MUTED, align);
+                    let ys = [area.top + 9.0, area.bottom - 9.0, area.top + 27.0, area.bottom - 27.0];
+                    ys.iter().flat_map(|&y| [(x + 5.0 + 0.5 * width, y), (x - 5.0 - 0.5 * width, y)]).collect()
                 }
-                Reference::Segment { .. } => {}
+                Reference::Segment { .. } => continue,
+            };
+            let plate = |(x, y): (f64, f64)| Rect {
+                left: x - 0.5 * width,
+                top: y - reach,
+                right: x + 0.5 * width,
+                bottom: y + reach,
+            };
+            let cost = |rect: &Rect| {
+                let inside = rect.left >= area.left
+                    && rect.right <= area.right + 20.0
+                    && rect.top >= area.top
+                    && rect.bottom <= area.bottom;
+                let covered = points.iter().filter(|&&(x, y)| {
+                    x > rect.left - 5.0 && x < rect.right + 5.0 && y > rect.top - 5.0 && y < rect.bottom + 5.0
+                });
+                let clashes = taken.iter().filter(|other| rect.overlaps(other)).count();
+                covered.count() + 1000 * clashes + if inside { 0 } else { 10_000 }
+            };
+            let best = centres.into_iter().map(plate).min_by_key(|rect| cost(rect));
+            if let Some(rect) = best {
+                canvas.note(&label, rect.centre(), Font::NOTE, Colour::MUTED);
+                taken.push(rect);
             }
         }
     }
