@@ -3,10 +3,11 @@
 mod answer;
 mod arguments;
 mod atomic_file;
+mod choices;
 mod commands;
 mod console;
 mod fault;
-
+mod files;
 mod interrupt;
 
 mod robot_source;

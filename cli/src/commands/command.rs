@@ -2,7 +2,7 @@
 
 use miette::Result;
 
-use super::{completions, robot};
+use super::{completions, dynamics, reduce, robot};
 use crate::answer::Ending;
 use crate::console::Console;
 
@@ -10,6 +10,8 @@ use crate::console::Console;
 #[derive(Debug, clap::Subcommand)]
 pub(crate) enum Command {
     Robot(robot::Arguments),
+    Reduce(reduce::Arguments),
+    Dynamics(dynamics::Arguments),
     Completions(completions::Arguments),
 }
 
@@ -17,6 +19,8 @@ pub(crate) enum Command {
 pub(crate) fn run(command: Command, console: &Console) -> Result<Ending> {
     match command {
         Command::Robot(arguments) => robot::run(&arguments, console),
+        Command::Reduce(arguments) => reduce::run(&arguments, console),
+        Command::Dynamics(arguments) => dynamics::run(&arguments, console),
         Command::Completions(arguments) => completions::run(&arguments, console),
     }
 }

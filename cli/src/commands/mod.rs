@@ -2,6 +2,8 @@
 
 mod command;
 mod completions;
+mod dynamics;
+mod reduce;
 mod robot;
 
 pub(crate) use command::{Command, run};

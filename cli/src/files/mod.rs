@@ -1,9 +1,5 @@
 //! The files that the command reads and writes.
 
-pub(crate) mod joint_state;
-pub(crate) mod log;
 pub(crate) mod number_table;
-pub(crate) mod recording_csv;
-pub(crate) mod recording_mcap;
-pub(crate) mod recording_reader;
 pub(crate) mod states_csv;
+pub(crate) mod trajectory;

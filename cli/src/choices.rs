@@ -1,0 +1,15 @@
+//! Options whose values are a list that the library keeps: one place for names, completions and errors.
+
+use clap::builder::{PossibleValuesParser, TypedValueParser};
+
+/// A parser for the values with these names.
+pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(
+    all: &[T],
+    name: fn(T) -> &'static str,
+) -> impl TypedValueParser<Value = T> + use<T> {
+    let named: Vec<(&'static str, T)> = all.iter().map(|&value| (name(value), value)).collect();
+    let names: Vec<&'static str> = named.iter().map(|(name, _)| *name).collect();
+    PossibleValuesParser::new(names).try_map(move |found| {
+        named.iter().find(|(name, _)| *name == found).map(|(_, value)| *value).ok_or("not in the list")
+    })
+}

@@ -1,0 +1,171 @@
+//! `armid reduce`
+
+use std::fmt::Write;
+
+use armid::base::{BaseMotion, BaseReduction, Category, Method, reduce, reduce_on, reduce_with_base};
+use armid::model::{Columns, Robot};
+use armid::seed::Seed;
+use miette::Result;
+use serde_json::json;
+
+use crate::answer::{Answer, Ending};
+use crate::choices::one_of;
+use crate::console::Console;
+use crate::fault::Fault;
+use crate::files::trajectory;
+use crate::robot_source::RobotArguments;
+use crate::table::{Align, Table};
+
+const AFTER_HELP: &str = "\
+The methods give the same base parameters: `structural` walks the links and draws no random
+numbers, `qr` factorises a regressor of random states, `paper` takes the paper's steps 1 to 5.
+With --trajectory the categories are those of that motion alone (`paper` or `qr`).
+
+Examples:
+  armid reduce crs-a460
+  armid reduce crs-a460 --columns rigid+rotor+friction --json
+  armid reduce crs-a460 --trajectory T.toml
+  armid reduce crs-a460 --base moving";
+
+/// Samples of a trajectory over one period.
+const SAMPLES: usize = 1000;
+
+/// Find the base parameters: what the torques reveal
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// How they are found
+    #[arg(long, value_parser = one_of(&Method::ALL, Method::name))]
+    method: Option<Method>,
+    /// Categories for this trajectory: a TOML file, or table-one
+    #[arg(long, value_name = "T.toml")]
+    trajectory: Option<String>,
+    /// How the robot's base moves; its motion is known, the force on it is not
+    #[arg(long, default_value = "fixed", value_parser = one_of(&BaseMotion::ALL, BaseMotion::name))]
+    base: BaseMotion,
+    /// Which parameters there are
+    #[arg(long, default_value = "rigid", value_parser = one_of(&Columns::ALL, Columns::name))]
+    columns: Columns,
+    /// Seed of the random states of `paper` and `qr`
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let loaded = arguments.robot.load()?;
+    let robot = &loaded.robot;
+    let columns = arguments.columns;
+    let refused = |message: String| -> Result<BaseReduction> { Err(Fault::new(message).into()) };
+    let reduction = match (&arguments.trajectory, arguments.base) {
+        (None, BaseMotion::Fixed) => {
+            let method = arguments.method.unwrap_or_default();
+            reduce(robot, columns, method, Seed::new(arguments.seed)).map_err(|error| Fault::new(error.to_string()))?
+        }
+        (None, motion) => match arguments.method {
+            None | Some(Method::Structural) => reduce_with_base(robot, columns, motion),
+            Some(other) => {
+                refused(format!("--base {} with --method {}, expected structural", motion.name(), other.name()))?
+            }
+        },
+        (Some(name), BaseMotion::Fixed) => {
+            let states = trajectory::load(name, None, robot)?.sample(SAMPLES);
+            let method = arguments.method.unwrap_or(Method::Paper);
+            reduce_on(robot, columns, method, &states).map_err(|error| Fault::new(error.to_string()))?
+        }
+        (Some(_), motion) => {
+            refused(format!("--trajectory with --base {}, expected a fixed base", motion.name()))?
+        }
+    };
+    console.answer(&answer(robot, columns, &reduction, arguments.trajectory.as_deref()))?;
+    Ok(Ending::Done)
+}
+
+fn answer(robot: &Robot, columns: Columns, base: &BaseReduction, trajectory: Option<&str>) -> Answer {
+    let names = base.names();
+    let expressions = base.expressions(robot);
+    let parameters: Vec<_> = base
+        .parameters
+        .iter()
+        .zip(&base.categories)
+        .map(|(id, category)| json!({ "name": id.to_string(), "category": category.name() }))
+        .collect();
+    let rows: Vec<_> = (0..base.rank())
+        .map(|row| {
+            let terms: Vec<_> = base
+                .terms(row)
+                .into_iter()
+                .map(|(id, coefficient)| json!({ "parameter": id.to_string(), "coefficient": coefficient }))
+                .collect();
+            json!({ "name": names[row], "expression": expressions[row], "terms": terms })
+        })
+        .collect();
+    let json = json!({
+        "robot": robot.name(),
+        "columns": columns.name(),
+        "method": base.method.name(),
+        "base_motion": base.base_motion.name(),
+        "trajectory": trajectory,
+        "rank": base.rank(),
+        "counts": Category::ALL.map(|c| (c.name(), base.count(c))).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
+        "parameters": parameters,
+        "base": rows,
+    });
+    Answer { text: text(robot, columns, base, trajectory, &expressions), json }
+}
+
+fn text(
+    robot: &Robot,
+    columns: Columns,
+    base: &BaseReduction,
+    trajectory: Option<&str>,
+    expressions: &[String],
+) -> String {
+    let mut text = format!(
+        "{}: {} of {} parameters ({}) stand in the base; method {}, base {}{}\n\n",
+        robot.name(),
+        base.rank(),
+        base.parameters.len(),
+        columns.name(),
+        base.method.name(),
+        base.base_motion.name(),
+        trajectory.map_or_else(String::new, |name| format!(", on {name}")),
+    );
+    let meaning = |category| match category {
+        Category::Unidentifiable => "no torque shows them",
+        Category::Identifiable => "found alone",
+        Category::Representative => "each stands for a combination",
+        Category::Combination => "found only within these combinations",
+    };
+    let mut counts = Table::new(&[("category", Align::Left), ("number", Align::Right), ("meaning", Align::Left)]);
+    for category in Category::ALL {
+        counts.row([category.name(), &base.count(category).to_string(), meaning(category)]);
+    }
+    text.push_str(&counts.render(2));
+    for category in Category::ALL {
+        if category == Category::Representative || base.count(category) == 0 {
+            continue;
+        }
+        let names: Vec<String> = base
+            .parameters
+            .iter()
+            .zip(&base.categories)
+            .filter(|(_, found)| **found == category)
+            .map(|(id, _)| id.to_string())
+            .collect();
+        let mut list = Table::new(&[(category.name(), Align::Left)]);
+        list.row([names.join(" ")]);
+        let _ = write!(text, "\n{}", list.render(2));
+    }
+    if base.count(Category::Representative) > 0 {
+        let mut combinations = Table::new(&[("representative", Align::Left), ("base parameter", Align::Left)]);
+        for (row, &column) in base.kept.iter().enumerate() {
+            if base.categories[column] == Category::Representative {
+                combinations.row([base.parameters[column].to_string(), expressions[row].clone()]);
+            }
+        }
+        let _ = write!(text, "\n{}", combinations.render(2));
+    }
+    text
+}

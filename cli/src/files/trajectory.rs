@@ -1,0 +1,57 @@
+//! A trajectory on the command line: a TOML file, or a name that is compiled in.
+
+use std::path::Path;
+
+use armid::excitation::{ExcitationError, FourierTrajectory, table_one};
+use armid::model::Robot;
+use miette::Result;
+
+use crate::atomic_file::read_text;
+use crate::fault::{Fault, Text};
+use crate::suggestion;
+
+/// The trajectories that are compiled in: the paper's Table I, with and without its misprints mended.
+const NAMES: [&str; 2] = ["table-one", "table-one-printed"];
+
+/// Reads a trajectory for a robot. Relative paths begin at `beside`, the folder of the file that names it.
+pub(crate) fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<FourierTrajectory> {
+    let path = beside.map_or_else(|| name.into(), |folder| folder.join(name));
+    if path.is_file() {
+        return parse(&read_text(&path)?, robot);
+    }
+    let mut trajectory = match name {
+        "table-one" => table_one::corrected(),
+        "table-one-printed" => table_one::printed(),
+        _ => {
+            let fault = Fault::new(format!("trajectory file {} is not there", path.display()));
+            return Err(fault.help(suggestion::help(name, &NAMES)).into());
+        }
+    };
+    if trajectory.joints.len() != robot.dof() {
+        let message = format!("trajectory \"{name}\" moves 6 joints, expected the {} of \"{}\"", robot.dof(), robot.name());
+        return Err(Fault::new(message).into());
+    }
+    for (moved, joint) in trajectory.joints.iter_mut().zip(robot.joints()) {
+        moved.name.clone_from(&joint.name);
+    }
+    Ok(trajectory)
+}
+
+/// Reads a trajectory from its text; its joints must be the robot's, in the robot's order.
+pub(crate) fn parse(text: &Text, robot: &Robot) -> Result<FourierTrajectory> {
+    let trajectory = FourierTrajectory::from_toml(&text.content).map_err(|fault| match fault {
+        ExcitationError::File { line, column, message } => {
+            let help = suggestion::from_list_in(&message);
+            Fault::new(message).at_line(text, line, column).maybe_help(help)
+        }
+        other => Fault::new(format!("{}: {other}", text.name)),
+    })?;
+    let found: Vec<&str> = trajectory.joints.iter().map(|joint| joint.name.as_str()).collect();
+    let expected: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+    if found == expected {
+        return Ok(trajectory);
+    }
+    let message = format!("{}: found the joints {}, expected {}", text.name, found.join(", "), expected.join(", "));
+    let help = format!("a trajectory for \"{}\" names its joints in their order from the base outwards", robot.name());
+    Err(Fault::new(message).help(help).into())
+}
