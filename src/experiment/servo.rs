@@ -69,24 +69,6 @@ pub fn gain_pose(robot: &Robot) -> Vec<f64> {
         .collect()
 }
 
-/// The mass matrix column by column: the torque of each unit acceleration, less that of none.
-fn mass_matrix(dynamics: &mut Dynamics, q: &[f64]) -> nalgebra::DMatrix<f64> {
-    let n = q.len();
-    let rest = vec![0.0; n];
-    let (mut bias, mut tau) = (vec![0.0; n], vec![0.0; n]);
-    dynamics.inverse(q, &rest, &rest, &mut bias);
-    let mut m = nalgebra::DMatrix::zeros(n, n);
-    for j in 0..n {
-        let mut unit = vec![0.0; n];
-        unit[j] = 1.0;
-        dynamics.inverse(q, &rest, &unit, &mut tau);
-        for i in 0..n {
-            m[(i, j)] = tau[i] - bias[i];
-        }
-    }
-    m
-}
-
 impl<P: Plant> Servo<P> {
     /// A servo around a plant, with gains for the nominal parameters, the sensors of the robot file, seed 0 and run 0.
     ///
@@ -99,7 +81,7 @@ impl<P: Plant> Servo<P> {
                 return Err(ServoError::Dof { quantity, found, expected });
             }
         }
-        let mass_matrix = mass_matrix(&mut Dynamics::new(robot, nominal), &gain_pose(robot));
+        let mass_matrix = Dynamics::new(robot, nominal).mass_matrix(&gain_pose(robot));
         let inertia = Transmission::new(robot).motor_inertia(&mass_matrix);
         for (joint, &inertia) in robot.joints().iter().zip(&inertia) {
             if !(inertia.is_finite() && inertia > 0.0) {

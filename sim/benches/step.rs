@@ -1,0 +1,55 @@
+//! How long the simulator takes: one servo step of the bundled six-axis arm, and one whole experiment.
+//!
+//! `cargo bench -p armid-sim` prints microseconds per step of 1 ms and seconds per experiment of 115 s of motion.
+#![allow(clippy::print_stdout, reason = "a benchmark prints")]
+
+use std::time::Instant;
+
+use armid::excitation::{FourierTrajectory, table_one};
+use armid::experiment::{ExperimentPlan, Plant, Servo, record};
+use armid::model::bundled;
+use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
+use armid::seed::Seed;
+use armid::study::truth_text;
+use armid_sim::AnalyticPlant;
+
+fn main() {
+    let entry = bundled().iter().find(|entry| entry.name == "crs-a460").expect("the A460 is bundled");
+    let robot = parse_robot(entry.robot).expect("a valid robot");
+    let nominal = parse_nominal(entry.nominal, &robot).expect("valid parameters").parameters;
+    let truth = parse_parameters(truth_text(entry.name).expect("bundled"), &robot, true).expect("valid").parameters;
+    let plant = AnalyticPlant::new(&robot, &truth).expect("six joints");
+
+    let mut free = plant.clone();
+    let mut acceleration = [0.0; 6];
+    free.reset(&[0.3, 0.4, -0.2, 0.5, 0.6, 0.7], &[1.0, -0.8, 0.7, -1.2, 1.1, 0.9]);
+    let count = 1_000_000;
+    let begin = Instant::now();
+    for k in 0..count {
+        free.acceleration(&[f64::from(k) * 1e-6, 20.0, 5.0, 0.1, 0.2, 0.1], &mut acceleration);
+    }
+    println!("forward dynamics with friction: {:.0} ns", begin.elapsed().as_secs_f64() * 1e9 / f64::from(count));
+
+    // Five-second period: as long as the main job's experiments, and Table I's speeds.
+    let trajectory = table_one::corrected();
+    let short = FourierTrajectory { period_s: 5.0, ..trajectory.clone() };
+    for (name, trajectory) in [("period 10 s", trajectory), ("period 5 s", short)] {
+        let plan = ExperimentPlan::new(trajectory);
+        let mut best = f64::INFINITY;
+        let mut steps = 0;
+        let mut servo = Servo::new(&robot, &nominal, plant.clone()).expect("the nominal arm has inertia");
+        for run in 0..5 {
+            servo = servo.with_seed(Seed::new(1), run);
+            let begin = Instant::now();
+            let (recording, ending) = record(&mut servo, &plan).expect("a plan that can be performed");
+            best = best.min(begin.elapsed().as_secs_f64());
+            assert!(ending.is_complete());
+            steps = recording.len();
+        }
+        println!(
+            "{name}: {best:.3} s for an experiment of {:.0} s, {:.2} µs per servo step with sensors",
+            steps as f64 * 1e-3,
+            best * 1e6 / steps as f64
+        );
+    }
+}

@@ -1,0 +1,81 @@
+//! One number, or one number of each of several runs: the arithmetic that the equations of motion are written in.
+//!
+//! Every operation is the IEEE one on each lane, nothing is contracted or reordered, so that a run has the same bits
+//! whether it is computed alone or beside others, and on whatever width.
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+/// A number per run.
+pub(crate) trait Lane:
+    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
+{
+    /// The same number for every run.
+    fn splat(x: f64) -> Self;
+
+    /// `1 / self`.
+    fn reciprocal(self) -> Self;
+
+    /// `self / other`.
+    fn over(self, other: Self) -> Self;
+
+    /// The nearest whole number, of sizes below 2⁵¹; halves go to the even one.
+    fn nearest(self) -> Self;
+
+    /// `|self|`.
+    fn magnitude(self) -> Self;
+
+    /// The smaller of the two; `other` where they do not compare.
+    fn smaller(self, other: Self) -> Self;
+
+    /// `a` where `self < other`, otherwise `b`.
+    fn less(self, other: Self, a: Self, b: Self) -> Self;
+
+    /// `2^self` for whole numbers between −1000 and 1000.
+    fn power_of_two(self) -> Self;
+}
+
+/// Adding and taking away this number rounds to a whole number.
+const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 · 2⁵²
+
+impl Lane for f64 {
+    #[inline(always)]
+    fn splat(x: f64) -> Self {
+        x
+    }
+
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        1.0 / self
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        self / other
+    }
+
+    #[inline(always)]
+    fn nearest(self) -> Self {
+        (self + ROUND) - ROUND
+    }
+
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        self.abs()
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        if self < other { self } else { other }
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self, a: Self, b: Self) -> Self {
+        if self < other { a } else { b }
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        // The sum's low bits are the whole number; moved into the exponent.
+        Self::from_bits((self + (ROUND + 1023.0)).to_bits() << 52)
+    }
+}

@@ -1,0 +1,180 @@
+//! The simulator that is always there.
+
+use armid::experiment::{Plant, PlantError};
+use armid::model::{Robot, StandardParameters};
+
+use super::chain::Chain;
+use super::integrator::{self, State};
+
+/// A serial arm of rigid links with rotors and friction, integrated by Runge–Kutta of order 4 (see the module).
+///
+/// ```
+/// use armid::conformance::chains;
+/// use armid::experiment::Plant;
+/// use armid::model::StandardParameters;
+/// use armid::spatial::Inertia;
+/// use armid_sim::AnalyticPlant;
+/// use nalgebra::{Matrix3, Vector3};
+/// // Two bars that hang straight down stay where they are.
+/// let robot = chains::planar_2r();
+/// let mut bars = StandardParameters::zero(2);
+/// for link in &mut bars.links {
+///     *link = Inertia::from_com(1.0, Vector3::new(-0.2, 0.0, 0.0), Matrix3::from_diagonal_element(0.01));
+/// }
+/// let mut plant = AnalyticPlant::new(&robot, &bars).unwrap();
+/// plant.reset(&[-std::f64::consts::FRAC_PI_2, 0.0], &[0.0; 2]);
+/// plant.step(&[0.0; 2], 1e-3).unwrap();
+/// assert!(plant.state().1.iter().all(|v| v.abs() < 1e-15));
+/// ```
+#[derive(Debug)]
+pub struct AnalyticPlant {
+    arm: Box<dyn Arm>,
+}
+
+/// Why a robot cannot be simulated.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum AnalyticError {
+    /// Too many joints.
+    #[error("the robot has {dof} joints, expected at most {MOST_JOINTS}")]
+    Dof {
+        /// Number of joints.
+        dof: usize,
+    },
+    /// The parameters are of another robot.
+    #[error("the parameters are of {found} links, expected the robot's {expected}")]
+    Parameters {
+        /// Number of links they describe.
+        found: usize,
+        /// Number of joints of the robot.
+        expected: usize,
+    },
+    /// Coulomb friction that jumps at standstill.
+    #[error(
+        "joint \"{joint}\": Coulomb friction {coulomb} N·m with a Coulomb velocity of 0 rad/s, expected one above zero"
+    )]
+    Jump {
+        /// Name of the joint.
+        joint: String,
+        /// Its Coulomb friction, N·m.
+        coulomb: f64,
+    },
+}
+
+/// The largest number of joints.
+pub const MOST_JOINTS: usize = 8;
+
+impl AnalyticPlant {
+    /// The arm with these, true, parameters; at rest at zero.
+    ///
+    /// # Errors
+    /// [`AnalyticError`] where the robot has more than [`MOST_JOINTS`] joints, the parameters are not its own, or
+    /// Coulomb friction has no velocity scale.
+    pub fn new(robot: &Robot, parameters: &StandardParameters) -> Result<Self, AnalyticError> {
+        let dof = robot.dof();
+        let found = parameters.links.len().min(parameters.drives.len());
+        if found != dof {
+            return Err(AnalyticError::Parameters { found, expected: dof });
+        }
+        for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
+            let coulomb = if drive.coulomb == 0.0 { drive.motor_coulomb } else { drive.coulomb };
+            if coulomb != 0.0 && joint.drive.coulomb_velocity == 0.0 {
+                return Err(AnalyticError::Jump { joint: joint.name.clone(), coulomb });
+            }
+        }
+        let arm: Box<dyn Arm> = match dof {
+            1 => Box::new(Jointed::<1>::new(robot, parameters)),
+            2 => Box::new(Jointed::<2>::new(robot, parameters)),
+            3 => Box::new(Jointed::<3>::new(robot, parameters)),
+            4 => Box::new(Jointed::<4>::new(robot, parameters)),
+            5 => Box::new(Jointed::<5>::new(robot, parameters)),
+            6 => Box::new(Jointed::<6>::new(robot, parameters)),
+            7 => Box::new(Jointed::<7>::new(robot, parameters)),
+            8 => Box::new(Jointed::<8>::new(robot, parameters)),
+            _ => return Err(AnalyticError::Dof { dof }),
+        };
+        Ok(Self { arm })
+    }
+
+    /// Joint accelerations under the efforts `tau` in the present state, by this plant's own equations; n each.
+    ///
+    /// # Panics
+    /// If a slice has another length than n.
+    pub fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) {
+        self.arm.acceleration(tau, qdd);
+    }
+}
+
+impl Clone for AnalyticPlant {
+    fn clone(&self) -> Self {
+        Self { arm: self.arm.boxed() }
+    }
+}
+
+impl Plant for AnalyticPlant {
+    fn dof(&self) -> usize {
+        self.state().0.len()
+    }
+
+    fn state(&self) -> (&[f64], &[f64]) {
+        self.arm.state()
+    }
+
+    fn reset(&mut self, q: &[f64], qd: &[f64]) {
+        self.arm.reset(q, qd);
+    }
+
+    fn step(&mut self, tau: &[f64], dt: f64) -> Result<(), PlantError> {
+        self.arm.step(tau, dt);
+        let (q, qd) = self.arm.state();
+        PlantError::of_state(q, qd).map_or(Ok(()), Err)
+    }
+}
+
+/// A number of joints that is known when this is compiled, behind one that is not.
+trait Arm: std::fmt::Debug + Send + Sync {
+    fn state(&self) -> (&[f64], &[f64]);
+    fn reset(&mut self, q: &[f64], qd: &[f64]);
+    fn step(&mut self, tau: &[f64], dt: f64);
+    fn acceleration(&self, tau: &[f64], qdd: &mut [f64]);
+    fn boxed(&self) -> Box<dyn Arm>;
+}
+
+#[derive(Clone, Debug)]
+struct Jointed<const N: usize> {
+    chain: Chain<N>,
+    state: State<N, f64>,
+}
+
+impl<const N: usize> Jointed<N> {
+    fn new(robot: &Robot, parameters: &StandardParameters) -> Self {
+        Self { chain: Chain::new(robot, parameters), state: State { q: [0.0; N], v: [0.0; N] } }
+    }
+}
+
+fn fixed<const N: usize>(tau: &[f64]) -> [f64; N] {
+    let mut out = [0.0; N];
+    out.copy_from_slice(tau);
+    out
+}
+
+impl<const N: usize> Arm for Jointed<N> {
+    fn state(&self) -> (&[f64], &[f64]) {
+        (&self.state.q, &self.state.v)
+    }
+
+    fn reset(&mut self, q: &[f64], qd: &[f64]) {
+        self.state = State { q: fixed(q), v: fixed(qd) };
+    }
+
+    fn step(&mut self, tau: &[f64], dt: f64) {
+        integrator::step(&self.chain, &mut self.state, &fixed(tau), dt);
+    }
+
+    fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) {
+        qdd.copy_from_slice(&self.chain.accelerate(&self.state.q, &self.state.v, &fixed(tau)).0);
+    }
+
+    fn boxed(&self) -> Box<dyn Arm> {
+        Box::new(self.clone())
+    }
+}

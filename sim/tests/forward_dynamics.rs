@@ -1,0 +1,69 @@
+//! The simulator's own equations of motion against the core's, which are solved another way.
+
+use armid::conformance::chains::{self, ChainRecipe};
+use armid::dynamics::Dynamics;
+use armid::experiment::Plant;
+use armid::seed::Seed;
+use armid_sim::{AnalyticError, AnalyticPlant, MOST_JOINTS};
+use rand::RngExt;
+
+#[test]
+fn identity_accelerations_are_those_of_the_articulated_body_algorithm() {
+    let seed = Seed::new(2);
+    let mut worst: f64 = 0.0;
+    for run in 0..160 {
+        let mut rng = seed.stream("chains", run);
+        let dof = 1 + run as usize % MOST_JOINTS;
+        let recipe = ChainRecipe { tilted: true, prismatic: 0.3, ..ChainRecipe::new(dof) };
+        let (robot, parameters) = recipe.draw(&mut rng);
+        let mut dynamics = Dynamics::new(&robot, &parameters);
+        let mut plant = AnalyticPlant::new(&robot, &parameters).unwrap();
+        for _ in 0..5 {
+            let (q, qd, tau) = chains::random_state(&mut rng, dof);
+            plant.reset(&q, &qd);
+            let (mut own, mut other) = (vec![0.0; dof], vec![0.0; dof]);
+            plant.acceleration(&tau, &mut own);
+            dynamics.forward_articulated(&q, &qd, &tau, &mut other);
+            let size = other.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+            for (x, y) in own.iter().zip(&other) {
+                worst = worst.max((x - y).abs() / size);
+            }
+        }
+    }
+    // Rounding through mass matrices of condition numbers up to 1e4.
+    assert!(worst < 1e-11, "{worst:e}");
+}
+
+#[test]
+fn identity_coupled_accelerations_undo_inverse_dynamics() {
+    // The articulated body algorithm does not cover coupled rotors; Newton-Euler does.
+    let seed = Seed::new(3);
+    let mut worst: f64 = 0.0;
+    for run in 0..40 {
+        let mut rng = seed.stream("chains", run);
+        let dof = 2 + run as usize % 5;
+        let recipe = ChainRecipe { coupled: true, ..ChainRecipe::new(dof) };
+        let (robot, parameters) = recipe.draw(&mut rng);
+        let mut plant = AnalyticPlant::new(&robot, &parameters).unwrap();
+        let (q, qd, qdd) = chains::random_state(&mut rng, dof);
+        let (mut tau, mut own) = (vec![0.0; dof], vec![0.0; dof]);
+        Dynamics::new(&robot, &parameters).inverse(&q, &qd, &qdd, &mut tau);
+        plant.reset(&q, &qd);
+        plant.acceleration(&tau, &mut own);
+        for (x, y) in own.iter().zip(&qdd) {
+            worst = worst.max((x - y).abs());
+        }
+    }
+    assert!(worst < 1e-10, "{worst:e}");
+}
+
+#[test]
+fn what_cannot_be_simulated_is_named() {
+    let mut rng = Seed::new(4).stream("chains", 0);
+    let (robot, parameters) = chains::random_robot(&mut rng, MOST_JOINTS + 1);
+    assert_eq!(AnalyticPlant::new(&robot, &parameters).unwrap_err(), AnalyticError::Dof { dof: MOST_JOINTS + 1 });
+    let (small, _) = chains::random_robot(&mut rng, 2);
+    let fault = AnalyticPlant::new(&small, &parameters).unwrap_err();
+    assert_eq!(fault, AnalyticError::Parameters { found: MOST_JOINTS + 1, expected: 2 });
+    let _: f64 = rng.random();
+}
