@@ -49,7 +49,7 @@ impl Text {
 pub(crate) struct Fault {
     message: String,
     help: Option<String>,
-    place: Option<Place>,
+    place: Option<Box<Place>>,
 }
 
 #[derive(Debug)]
@@ -71,7 +71,7 @@ impl Fault {
         let (line, column) = text.position(span.start);
         let end = span.end.clamp(span.start, text.content.len().max(span.start));
         let source = NamedSource::new(&text.name, Arc::clone(&text.content));
-        self.place = Some(Place { source, span: span.start..end, label: label.into(), line, column });
+        self.place = Some(Box::new(Place { source, span: span.start..end, label: label.into(), line, column }));
         self
     }
 

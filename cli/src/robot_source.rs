@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::model::format::{FormatError, parse_nominal, parse_robot};
+use armid::model::format::{ChainEnds, FormatError, ImportedModel, parse_nominal, parse_robot, parse_urdf};
 use armid::model::{Robot, StandardParameters, bundled};
 use miette::Result;
 
@@ -40,6 +40,8 @@ pub(crate) struct LoadedRobot {
     pub(crate) nominal: Option<StandardParameters>,
     /// The inertias that the file itself holds: a URDF or MJCF.
     pub(crate) own: Option<StandardParameters>,
+    /// What was read otherwise than it is written, a sentence each.
+    pub(crate) remarks: Vec<String>,
     /// The folder of `robot.toml`, where it is a file; `None` where the robot is compiled in.
     #[allow(dead_code, reason = "the simulator reads truth.toml there")]
     pub(crate) folder: Option<PathBuf>,
@@ -59,7 +61,14 @@ pub(crate) fn load(name: &str, chain: &ChainArguments, beside: Option<&Path>) ->
         let robot = parse_robot(entry.robot).map_err(|fault| located(&text, &fault))?;
         let nominal_text = Text::new(format!("models/{name}/nominal.toml"), entry.nominal);
         let nominal = parse_nominal(entry.nominal, &robot).map_err(|fault| located(&nominal_text, &fault))?;
-        return Ok(LoadedRobot { robot, text, nominal: Some(nominal.parameters), own: None, folder: None });
+        return Ok(LoadedRobot {
+            robot,
+            text,
+            nominal: Some(nominal.parameters),
+            own: None,
+            remarks: Vec::new(),
+            folder: None,
+        });
     }
     let path = beside.map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
     if !path.exists() {
@@ -71,6 +80,7 @@ pub(crate) fn load(name: &str, chain: &ChainArguments, beside: Option<&Path>) ->
             no_chain(chain, name)?;
             load_toml(&path)
         }
+        Some("urdf") => load_tree(&path, chain, parse_urdf),
         other => Err(Fault::new(format!(
             "{}: found a file ending in \"{}\", expected .toml, .urdf or .xml",
             path.display(),
@@ -91,7 +101,23 @@ fn load_toml(path: &Path) -> Result<LoadedRobot> {
     } else {
         None
     };
-    Ok(LoadedRobot { robot, text, nominal, own: None, folder: Some(folder) })
+    Ok(LoadedRobot { robot, text, nominal, own: None, remarks: Vec::new(), folder: Some(folder) })
+}
+
+fn load_tree(
+    path: &Path,
+    chain: &ChainArguments,
+    parse: fn(&str, &ChainEnds) -> Result<ImportedModel, FormatError>,
+) -> Result<LoadedRobot> {
+    let text = read_text(path)?;
+    let ends = ChainEnds { base: chain.base_link.clone(), tip: chain.tip_link.clone() };
+    let model = parse(&text.content, &ends).map_err(|fault| located(&text, &fault))?;
+    let mut remarks = model.remarks;
+    if !model.locked.is_empty() {
+        remarks.push(format!("joints off the chain are held at zero: {}", model.locked.join(", ")));
+    }
+    let own = Some(model.parameters);
+    Ok(LoadedRobot { robot: model.robot, text, nominal: None, own, remarks, folder: None })
 }
 
 /// A fault of one of the library's text formats, shown in the text.

@@ -74,9 +74,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let method = arguments.method.unwrap_or(Method::Paper);
             reduce_on(robot, columns, method, &states).map_err(|error| Fault::new(error.to_string()))?
         }
-        (Some(_), motion) => {
-            refused(format!("--trajectory with --base {}, expected a fixed base", motion.name()))?
-        }
+        (Some(_), motion) => refused(format!("--trajectory with --base {}, expected a fixed base", motion.name()))?,
     };
     console.answer(&answer(robot, columns, &reduction, arguments.trajectory.as_deref()))?;
     Ok(Ending::Done)
@@ -123,7 +121,7 @@ fn text(
     expressions: &[String],
 ) -> String {
     let mut text = format!(
-        "{}: {} of {} parameters ({}) stand in the base; method {}, base {}{}\n\n",
+        "{}: {} base parameters of {} ({})\nmethod {}, base {}{}\n\n",
         robot.name(),
         base.rank(),
         base.parameters.len(),

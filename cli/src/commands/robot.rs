@@ -117,6 +117,13 @@ fn describe(loaded: &LoadedRobot) -> Answer {
             let _ = write!(text, "\n{heading}\n{}", table.render(2));
         }
     }
+    if !loaded.remarks.is_empty() {
+        let mut remarks = Table::new(&[("Remarks", Align::Left)]);
+        for remark in &loaded.remarks {
+            remarks.row([remark.as_str()]);
+        }
+        let _ = write!(text, "\n{}", remarks.render(0));
+    }
     Answer { text, json: as_json(loaded, &provenance) }
 }
 
@@ -251,6 +258,7 @@ fn as_json(loaded: &LoadedRobot, provenance: &Provenance) -> Value {
         "servo": robot.servo(),
         "nominal": parameters(&loaded.nominal),
         "parameters": parameters(&loaded.own),
+        "remarks": loaded.remarks,
         "provenance": provenance,
     })
 }

@@ -28,7 +28,8 @@ pub(crate) fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<F
         }
     };
     if trajectory.joints.len() != robot.dof() {
-        let message = format!("trajectory \"{name}\" moves 6 joints, expected the {} of \"{}\"", robot.dof(), robot.name());
+        let message =
+            format!("trajectory \"{name}\" moves 6 joints, expected the {} of \"{}\"", robot.dof(), robot.name());
         return Err(Fault::new(message).into());
     }
     for (moved, joint) in trajectory.joints.iter_mut().zip(robot.joints()) {

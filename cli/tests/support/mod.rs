@@ -2,7 +2,7 @@
 #![allow(dead_code, reason = "each test file uses its own share")]
 
 use std::ffi::OsStr;
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use assert_cmd::assert::Assert;
 
@@ -35,4 +35,11 @@ pub(crate) fn json(assert: &Assert) -> serde_json::Value {
 /// A folder that goes away with the test.
 pub(crate) fn temporary() -> tempfile::TempDir {
     tempfile::tempdir().expect("a temporary folder")
+}
+
+/// Writes a file into a folder and returns its path.
+pub(crate) fn write(folder: &Path, name: &str, text: &str) -> String {
+    let path = folder.join(name);
+    std::fs::write(&path, text).expect("a file in a temporary folder");
+    path.to_str().expect("a path in UTF-8").to_owned()
 }
