@@ -16,26 +16,35 @@ pub struct DriveTerm {
     pub parameter: ParameterId,
     /// Its law.
     pub law: Arc<dyn TorqueTerm>,
-    /// The non-zero entries `(joint, d)` of its direction `d`: `e_j`, or row j of the coupling matrix.
-    direction: Vec<(usize, f64)>,
+    /// The first non-zero entry of its direction `d`, as (joint, entry): the only one unless motors are coupled.
+    lead: (usize, f64),
+    /// The others.
+    others: Vec<(usize, f64)>,
 }
 
 impl DriveTerm {
     /// The term's own rate for joint rates: `dᵀ x`.
     #[inline]
     fn project(&self, x: &[f64]) -> f64 {
-        let mut sum = 0.0;
-        for &(joint, d) in &self.direction {
+        let mut sum = self.lead.1 * x[self.lead.0];
+        for &(joint, d) in &self.others {
             sum += d * x[joint];
         }
         sum
+    }
+
+    /// The non-zero entries `(joint, d)` of its direction: `e_j`, or row j of the coupling matrix.
+    #[inline]
+    fn direction(&self) -> impl Iterator<Item = (usize, f64)> + '_ {
+        std::iter::once(self.lead).chain(self.others.iter().copied())
     }
 
     /// Adds the torque of `value` units of the parameter: `τ += value d g(dᵀq̇, dᵀq̈)`; `qd`, `qdd`, `tau` of length n.
     #[inline]
     pub fn add_torque(&self, value: f64, qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
         let g = value * self.law.torque(self.project(qd), self.project(qdd));
-        for &(joint, d) in &self.direction {
+        tau[self.lead.0] += self.lead.1 * g;
+        for &(joint, d) in &self.others {
             tau[joint] += d * g;
         }
     }
@@ -44,7 +53,8 @@ impl DriveTerm {
     #[inline]
     pub fn write_column(&self, qd: &[f64], qdd: &[f64], column: usize, stride: usize, y: &mut [f64]) {
         let g = self.law.torque(self.project(qd), self.project(qdd));
-        for &(joint, d) in &self.direction {
+        y[self.lead.0 * stride + column] = self.lead.1 * g;
+        for &(joint, d) in &self.others {
             y[joint * stride + column] = d * g;
         }
     }
@@ -63,11 +73,11 @@ impl DriveTerm {
         dqdd: &mut [f64],
     ) {
         let mut weight = 0.0;
-        for &(joint, d) in &self.direction {
+        for (joint, d) in self.direction() {
             weight += d * weights[joint * stride + column];
         }
         let (by_velocity, by_acceleration) = self.law.slopes(self.project(qd), self.project(qdd));
-        for &(joint, d) in &self.direction {
+        for (joint, d) in self.direction() {
             dqd[joint] += d * weight * by_velocity;
             dqdd[joint] += d * weight * by_acceleration;
         }
@@ -99,13 +109,15 @@ impl DriveTrain {
             .into_iter()
             .filter_map(|parameter| {
                 let law = law(robot, parameter)?;
-                let direction = match (law.side(), robot.coupling()) {
+                let (lead, others) = match (law.side(), robot.coupling()) {
                     (Side::Motor, Some(c)) => {
-                        c.row(parameter.index).iter().copied().enumerate().filter(|&(_, d)| d != 0.0).collect()
+                        let row: Vec<f64> = c.row(parameter.index).iter().copied().collect();
+                        let mut entries = row.into_iter().enumerate().filter(|&(_, d)| d != 0.0);
+                        (entries.next()?, entries.collect())
                     }
-                    _ => vec![(parameter.index, 1.0)],
+                    _ => ((parameter.index, 1.0), Vec::new()),
                 };
-                Some(DriveTerm { parameter, law, direction })
+                Some(DriveTerm { parameter, law, lead, others })
             })
             .collect();
         Self { dof: robot.dof(), terms }
@@ -123,8 +135,8 @@ impl DriveTrain {
         let mut m = DMatrix::zeros(self.dof, self.dof);
         for term in &self.terms {
             let (_, slope) = term.law.slopes(0.0, 0.0);
-            for &(i, di) in &term.direction {
-                for &(j, dj) in &term.direction {
+            for (i, di) in term.direction() {
+                for (j, dj) in term.direction() {
                     m[(i, j)] += parameters.get(term.parameter) * slope * di * dj;
                 }
             }

@@ -28,6 +28,7 @@ pub use drive_train::{DriveTerm, DriveTrain};
 pub use energy::Energy;
 pub use model::Dynamics;
 pub use states::States;
+pub(crate) use symmetric::Symmetric3;
 pub use torque_term::{
     CoulombFriction, MotorCoulomb, MotorViscous, Offset, RotorInertia, Side, TorqueTerm, ViscousFriction,
 };

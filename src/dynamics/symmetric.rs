@@ -4,31 +4,31 @@ use nalgebra::{Matrix3, Vector3};
 
 /// A symmetric matrix; turning it about a coordinate axis takes 8 products.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(super) struct Symmetric3 {
-    pub(super) xx: f64,
-    pub(super) xy: f64,
-    pub(super) xz: f64,
-    pub(super) yy: f64,
-    pub(super) yz: f64,
-    pub(super) zz: f64,
+pub(crate) struct Symmetric3 {
+    pub(crate) xx: f64,
+    pub(crate) xy: f64,
+    pub(crate) xz: f64,
+    pub(crate) yy: f64,
+    pub(crate) yz: f64,
+    pub(crate) zz: f64,
 }
 
 impl Symmetric3 {
-    pub(super) const ZERO: Self = Self { xx: 0.0, xy: 0.0, xz: 0.0, yy: 0.0, yz: 0.0, zz: 0.0 };
+    pub(crate) const ZERO: Self = Self { xx: 0.0, xy: 0.0, xz: 0.0, yy: 0.0, yz: 0.0, zz: 0.0 };
 
     /// The upper triangle of a matrix.
-    pub(super) fn from_matrix(m: &Matrix3<f64>) -> Self {
+    pub(crate) fn from_matrix(m: &Matrix3<f64>) -> Self {
         Self { xx: m[(0, 0)], xy: m[(0, 1)], xz: m[(0, 2)], yy: m[(1, 1)], yz: m[(1, 2)], zz: m[(2, 2)] }
     }
 
     /// `s · 1`.
-    pub(super) const fn scalar(s: f64) -> Self {
+    pub(crate) const fn scalar(s: f64) -> Self {
         Self { xx: s, yy: s, zz: s, ..Self::ZERO }
     }
 
     /// `M x`.
     #[inline]
-    pub(super) fn times(&self, x: &Vector3<f64>) -> Vector3<f64> {
+    pub(crate) fn times(&self, x: &Vector3<f64>) -> Vector3<f64> {
         Vector3::new(
             self.xx * x.x + self.xy * x.y + self.xz * x.z,
             self.xy * x.x + self.yy * x.y + self.yz * x.z,
@@ -37,7 +37,7 @@ impl Symmetric3 {
     }
 
     #[inline]
-    pub(super) fn plus(&self, o: &Self) -> Self {
+    pub(crate) fn plus(&self, o: &Self) -> Self {
         Self {
             xx: self.xx + o.xx,
             xy: self.xy + o.xy,
@@ -50,7 +50,7 @@ impl Symmetric3 {
 
     /// `M − x yᵀ` where the product is known to be symmetric.
     #[inline]
-    pub(super) fn minus_outer(&self, x: &Vector3<f64>, y: &Vector3<f64>) -> Self {
+    pub(crate) fn minus_outer(&self, x: &Vector3<f64>, y: &Vector3<f64>) -> Self {
         Self {
             xx: self.xx - x.x * y.x,
             xy: self.xy - x.x * y.y,
@@ -63,7 +63,7 @@ impl Symmetric3 {
 
     /// `Rz M Rzᵀ`: with `e = s (xx − yy) + 2 c xy`, `xx' = xx − s e`, `yy' = yy + s e`, `xy' = c e − xy`.
     #[inline]
-    pub(super) fn turned_about_z(&self, s: f64, c: f64) -> Self {
+    pub(crate) fn turned_about_z(&self, s: f64, c: f64) -> Self {
         let e = s * (self.xx - self.yy) + c * (self.xy + self.xy);
         let d = s * e;
         Self {
@@ -78,7 +78,7 @@ impl Symmetric3 {
 
     /// `Rx M Rxᵀ`, the same in the plane of y and z.
     #[inline]
-    pub(super) fn turned_about_x(&self, s: f64, c: f64) -> Self {
+    pub(crate) fn turned_about_x(&self, s: f64, c: f64) -> Self {
         let e = s * (self.yy - self.zz) + c * (self.yz + self.yz);
         let d = s * e;
         Self {

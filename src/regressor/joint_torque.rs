@@ -34,10 +34,10 @@ const INLINE_JOINTS: usize = 8;
 /// ```
 #[derive(Clone, Debug)]
 pub struct JointTorqueRegressor {
-    joints: Vec<Joint>,
-    axes: Vec<Motion>,
+    pub(super) joints: Vec<Joint>,
+    pub(super) axes: Vec<Motion>,
     gravity: Vector3<f64>,
-    drives: DriveTrain,
+    pub(super) drives: DriveTrain,
     columns: Columns,
     parameters: Vec<ParameterId>,
 }
@@ -87,8 +87,12 @@ impl JointTorqueRegressor {
     /// # Panics
     /// If a slice is shorter than n, or `out` than n·p.
     pub fn evaluate(&self, q: &[f64], qd: &[f64], qdd: &[f64], out: &mut [f64]) {
-        let base = (Motion::zero(), Motion::new(Vector3::zeros(), -self.gravity));
-        self.evaluate_from(base, q, qd, qdd, out);
+        self.evaluate_from(self.base_at_rest(), q, qd, qdd, out);
+    }
+
+    /// Velocity and acceleration of a base at rest, gravity subtracted.
+    pub(super) fn base_at_rest(&self) -> (Motion, Motion) {
+        (Motion::zero(), Motion::new(Vector3::zeros(), -self.gravity))
     }
 
     /// The recursion from a base that moves with velocity `v` and acceleration `a`, gravity subtracted.

@@ -11,8 +11,13 @@
 //! Columns are in the order of [`Columns::parameters`](crate::model::Columns::parameters), in link frames, and none is
 //! dropped: finding out which the torque reveals is the next module's.
 
+mod adjoint;
 mod body;
+#[cfg(test)]
+mod forward_mode;
 mod joint_torque;
+mod moving_base;
 
 pub use body::BodyRegressor;
 pub use joint_torque::JointTorqueRegressor;
+pub use moving_base::BaseMotion;
