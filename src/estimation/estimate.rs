@@ -71,7 +71,7 @@ pub struct Estimate {
     pub interval_basis: IntervalBasis,
     /// Degrees of freedom behind the intervals.
     pub degrees_of_freedom: f64,
-    /// Instants that were fitted.
+    /// Equations of each joint.
     pub samples: usize,
     /// Periods that were averaged.
     pub periods: usize,

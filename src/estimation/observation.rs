@@ -9,7 +9,7 @@ use crate::provenance::Provenance;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::{NoiseModel, Samples};
 
-/// `y = W_b β + ε` over M instants of n joints: row `k n + i` is joint i at instant k.
+/// `y = W_b β + ε` over M blocks of samples of n joints: row `k n + i` is joint i, mean over block k.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
     /// W_b, (n·M) × b.
@@ -63,13 +63,13 @@ impl Observation {
             let found = format!("{} of the reduction", base.parameters.len());
             return mismatch("parameters", found, format!("the regressor's {}", regressor.cols()));
         }
-        if samples.len() * n < b {
-            let (samples, least) = (samples.len(), b.div_ceil(n));
+        if samples.blocks() * n < b {
+            let (samples, least) = (samples.blocks(), b.div_ceil(n));
             return Err(EstimationError::TooFewSamples { samples, joints: n, parameters: b, least });
         }
         Ok(Self {
-            regressor: base.select_columns(&regressor.stack(&samples.states)),
-            y: DVector::from_column_slice(&samples.tau),
+            regressor: block_regressor(regressor, base, samples),
+            y: DVector::from_vec(samples.block_means(&samples.tau, n)),
             dof: n,
             robot: robot.name().to_owned(),
             units: samples.units.clone(),
@@ -84,7 +84,7 @@ impl Observation {
         })
     }
 
-    /// Number of instants M.
+    /// Number of blocks M.
     #[must_use]
     pub fn samples(&self) -> usize {
         self.y.len() / self.dof
@@ -99,6 +99,33 @@ impl Observation {
         }
         residual
     }
+}
+
+/// W_b with the mean over each block of samples as one equation per joint, (n·M) × b.
+fn block_regressor(regressor: &JointTorqueRegressor, base: &BaseReduction, samples: &Samples) -> DMatrix<f64> {
+    let (n, p, b) = (regressor.rows(), regressor.cols(), base.rank());
+    let (states, block) = (&samples.states, samples.block);
+    let scale = 1.0 / block as f64;
+    let mut w = DMatrix::zeros(n * samples.blocks(), b);
+    let mut rows = vec![0.0; n * p];
+    let mut sums = vec![0.0; n * b];
+    for m in 0..samples.blocks() {
+        sums.fill(0.0);
+        for k in m * block..(m + 1) * block {
+            regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
+            for (sums, row) in sums.chunks_exact_mut(b).zip(rows.chunks_exact(p)) {
+                for (sum, &column) in sums.iter_mut().zip(&base.kept) {
+                    *sum += row[column];
+                }
+            }
+        }
+        for (i, sums) in sums.chunks_exact(b).enumerate() {
+            for (j, sum) in sums.iter().enumerate() {
+                w[(m * n + i, j)] = sum * scale;
+            }
+        }
+    }
+    w
 }
 
 /// Unit of a parameter, which for a drive depends on whether its joint turns or slides.

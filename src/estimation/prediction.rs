@@ -62,7 +62,7 @@ impl Validation {
     }
 }
 
-/// Compares an estimate's prediction with samples.
+/// Compares an estimate's prediction with samples, mean over block against mean over block.
 ///
 /// # Errors
 /// As [`predict`].
@@ -72,9 +72,10 @@ pub fn validate(
     samples: &Samples,
 ) -> Result<Validation, EstimationError> {
     let predicted = predict(estimate, regressor, &samples.states)?;
-    let difference: Vec<f64> = samples.tau.iter().zip(&predicted).map(|(measured, model)| measured - model).collect();
-    let rms = joint_rms(&difference, samples.dof());
-    let measured = joint_rms(&samples.tau, samples.dof());
+    let n = samples.dof();
+    let (measured, predicted) = (samples.block_means(&samples.tau, n), samples.block_means(&predicted, n));
+    let difference: Vec<f64> = measured.iter().zip(&predicted).map(|(measured, model)| measured - model).collect();
+    let (rms, measured) = (joint_rms(&difference, n), joint_rms(&measured, n));
     let relative_rms = rms.iter().zip(&measured).map(|(&r, &m)| if m > 0.0 { r / m } else { 0.0 }).collect();
     Ok(Validation { rms, units: samples.units.clone(), relative_rms })
 }

@@ -1,9 +1,9 @@
-//! A record without periods: the whole of it filtered, differentiated and thinned.
+//! A record without periods: the whole of it filtered and differentiated.
 
 use super::error::check_finite;
-use super::periodic::{column, effort_units, put_column, thinned};
+use super::periodic::{column, effort_units, put_column};
 use super::torque::{map_rows, torque_map};
-use super::{Butterworth, Derivatives, Processing, Samples, SignalError, differences};
+use super::{Butterworth, Derivatives, Processing, Samples, SignalError, TorqueFilter, differences};
 use crate::dynamics::States;
 use crate::model::{EffortInterface, Robot};
 
@@ -20,8 +20,8 @@ pub struct AperiodicRecord<'a> {
     pub effort: &'a [f64],
 }
 
-/// Processes a record without periods by zero-phase low pass and central differences; torque goes through the same
-/// low pass. `rate_hz` is the rate to thin to, Hz, at least four times the cut-off where the record has more.
+/// Processes a record without periods by zero-phase low pass and central differences. `rate_hz` is the rate of the
+/// equations, Hz: blocks of samples are averaged to come near it.
 ///
 /// There is no scatter to see noise in, so the result carries none, and estimators take it from their residual. The
 /// cut-off is [`Processing::cutoff_hz`], 10 Hz where nothing is stated.
@@ -53,32 +53,33 @@ pub fn process_aperiodic(
     check_finite("effort", record.effort, n)?;
     let cutoff_hz = processing.cutoff_hz(0.0);
     let filter = Butterworth::new(processing.filter_order, cutoff_hz, record.rate_hz)?;
-    if !(rate_hz >= 4.0 * cutoff_hz || rate_hz >= record.rate_hz) {
+    if !(rate_hz.is_finite() && rate_hz > 0.0) {
         return Err(SignalError::Setting {
-            setting: "rate to thin to",
+            setting: "rate of the equations",
             found: format!("{rate_hz} Hz"),
-            expected: "at least four times the cut-off frequency",
+            expected: "a finite number above zero",
         });
     }
-    let step = ((record.rate_hz / rate_hz) as usize).max(1);
-    let torque = map_rows(record.effort, &torque_map(robot, effort));
-    let count = len.div_ceil(step);
-    let mut states = States::with_len(n, count);
-    let mut tau = vec![0.0; count * n];
+    let mut tau = map_rows(record.effort, &torque_map(robot, effort));
+    let mut states = States::with_len(n, len);
+    let same = processing.torque_filter == TorqueFilter::SameAsPositions;
     for i in 0..n {
         let q = filter.zero_phase_reflected(&column(record.q, n, i));
         let (qd, qdd) = differences(&q, 1.0 / record.rate_hz);
-        put_column(&mut states.q, n, i, &thinned(&q, step));
-        put_column(&mut states.qd, n, i, &thinned(&qd, step));
-        put_column(&mut states.qdd, n, i, &thinned(&qdd, step));
-        let filtered = filter.zero_phase_reflected(&column(&torque, n, i));
-        put_column(&mut tau, n, i, &thinned(&filtered, step));
+        put_column(&mut states.q, n, i, &q);
+        put_column(&mut states.qd, n, i, &qd);
+        put_column(&mut states.qdd, n, i, &qdd);
+        if same {
+            let filtered = filter.zero_phase_reflected(&column(&tau, n, i));
+            put_column(&mut tau, n, i, &filtered);
+        }
     }
     Ok(Samples {
         states,
         tau,
         units: effort_units(robot),
-        rate_hz: record.rate_hz / step as f64,
+        block: ((record.rate_hz / rate_hz).round() as usize).clamp(1, len / 8),
+        rate_hz: record.rate_hz,
         period_s: None,
         periods: 1,
         torque_covariance: None,
@@ -86,7 +87,7 @@ pub fn process_aperiodic(
         noise: None,
         derivatives: Derivatives::Differences,
         position_band_hz: vec![cutoff_hz; n],
-        torque_band_hz: Some(cutoff_hz),
+        torque_band_hz: same.then_some(cutoff_hz),
         provenance: None,
     })
 }

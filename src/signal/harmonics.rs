@@ -98,23 +98,35 @@ impl HarmonicSeries {
         sum
     }
 
-    /// Value, first and second derivative at `count` uniform instants `k T / count`, k = 0, 1, ….
+    /// Value, first and second derivative at the N uniform instants `k T / N` of a transform, k = 0, 1, ….
+    ///
+    /// # Panics
+    /// If the transform has not more than twice as many samples as the series has harmonics.
     #[must_use]
-    pub fn sample(&self, count: usize) -> Vec<[f64; 3]> {
+    pub fn samples(&self, transform: &FourierTransform) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let n = transform.len();
+        assert!(2 * self.highest() < n, "{n} samples for {} harmonics", self.highest());
         let w = std::f64::consts::TAU / self.period_s;
-        let roots: Vec<(f64, f64)> =
-            (0..count).map(|k| libm::sincos(std::f64::consts::TAU * k as f64 / count as f64)).collect();
-        let mean = self.lines.first().map_or(0.0, |line| line.re);
-        (0..count)
-            .map(|k| {
-                let mut sum = [mean, 0.0, 0.0];
-                for (h, line) in self.lines.iter().enumerate().skip(1) {
-                    let (s, c) = roots[h * k % count];
-                    accumulate(&mut sum, line, w * h as f64, c, s);
+        // conj(Σ_h X_h exp(−2πi hk/N)) runs the transform backwards. Two real signals u and v share one pass: line h
+        // of u + i v is (U_h + i V_h)/2, line N−h is conj(U_h − i V_h)/2.
+        let backward = |u: &dyn Fn(usize) -> Complex<f64>, v: &dyn Fn(usize) -> Complex<f64>| -> (Vec<f64>, Vec<f64>) {
+            let i = Complex::new(0.0, 1.0);
+            let mut lines = vec![Complex::new(0.0, 0.0); n];
+            for h in 0..self.lines.len() {
+                let (u, v) = (u(h), i * v(h));
+                if h == 0 {
+                    lines[0] = (u + v).conj();
+                } else {
+                    lines[h] = ((u + v) * 0.5).conj();
+                    lines[n - h] = (u - v) * 0.5;
                 }
-                sum
-            })
-            .collect()
+            }
+            transform.forward(&lines).into_iter().map(|z| (z.re, -z.im)).unzip()
+        };
+        let velocity = |h: usize| self.lines[h] * Complex::new(0.0, w * h as f64);
+        let acceleration = |h: usize| self.lines[h] * -(w * h as f64).powi(2);
+        let (q, qd) = backward(&|h| self.lines[h], &velocity);
+        (q, qd, backward(&acceleration, &|_| Complex::new(0.0, 0.0)).0)
     }
 }
 
@@ -147,8 +159,10 @@ mod tests {
         let x: Vec<f64> = (0..n).map(|k| smooth(period * k as f64 / n as f64, w)[0]).collect();
         let series = HarmonicSeries::new(&FourierTransform::new(n), &x, period);
         // 31 harmonics of exp∘sin leave 1e-30; the rest is rounding, 1e-16 times h² ω² ≈ 6e3 for the acceleration.
-        for (k, sampled) in series.sample(48).iter().enumerate() {
-            let t = period * k as f64 / 48.0;
+        let (q, qd, qdd) = series.samples(&FourierTransform::new(96));
+        for k in 0..96 {
+            let t = period * k as f64 / 96.0;
+            let sampled = [q[k], qd[k], qdd[k]];
             let (expected, at) = (smooth(t, w), series.evaluate(t));
             for (order, bound) in [1e-14, 1e-12, 1e-10].into_iter().enumerate() {
                 assert!((sampled[order] - expected[order]).abs() < bound, "derivative {order} at {t}");

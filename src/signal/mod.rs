@@ -41,4 +41,4 @@ pub use periodic::process_periods;
 pub use processing::{Derivatives, Processing, TorqueFilter};
 pub use recorded::process;
 pub use samples::Samples;
-pub use torque::torque_map;
+pub use torque::{torque_map, torque_per_current};

@@ -31,38 +31,38 @@ pub fn process_periods(
     let torque = map_rows(record.effort, &torque_map(robot, effort));
     let record = PeriodicRecord { effort: &torque, ..*record };
     let average = PeriodAverage::new(&record)?;
-    let transform = FourierTransform::new(average.len());
-    let thinning = Thinning::new(average.len(), average.rate_hz, highest_hz, processing)?;
-
-    let (states, position_band_hz) = match processing.derivatives {
+    let len = average.len();
+    let block = block(len, processing.samples_per_period, highest_hz * average.period_s)?;
+    let transform = FourierTransform::new(len);
+    let (states, position_band_hz, filter) = match processing.derivatives {
         Derivatives::Fourier => {
-            fourier_states(&average, &transform, robot, highest_hz, processing.bandwidth, thinning.count)
+            let (states, bands) = fourier_states(&average, &transform, robot, highest_hz, processing.bandwidth);
+            let highest = bands.iter().copied().fold(0.0, f64::max);
+            (states, bands, LowPass::Harmonics((highest * average.period_s).round() as usize))
         }
-        Derivatives::Differences => difference_states(&average, &thinning),
-    };
-    let same = processing.torque_filter == TorqueFilter::SameAsPositions;
-    let low_pass = match (&thinning.filter, same) {
-        (Some(filter), true) => LowPass::Butterworth(filter),
-        (None, true) => {
-            let band = position_band_hz.iter().copied().fold(0.0, f64::max);
-            LowPass::Harmonics((band * average.period_s).round() as usize)
+        Derivatives::Differences => {
+            let cutoff_hz = processing.cutoff_hz(highest_hz);
+            let filter = Butterworth::new(processing.filter_order, cutoff_hz, average.rate_hz)?;
+            (difference_states(&average, &filter), vec![cutoff_hz; n], LowPass::Butterworth(filter))
         }
-        (_, false) if thinning.count < average.len() => LowPass::Harmonics((thinning.count - 1) / 2),
-        (_, false) => LowPass::None,
     };
-    let tau = low_pass.apply(&average, &transform, thinning.count);
+    let low_pass = match processing.torque_filter {
+        TorqueFilter::None => LowPass::None,
+        TorqueFilter::SameAsPositions => filter,
+    };
     let spacing_hz = 1.0 / average.period_s;
     let noise = ScatterSpectrum::new(&transform, &torque, &average.effort, n).map(|scatter| {
-        let scatter = scatter.filtered(|h| low_pass.gain(h, spacing_hz));
-        let count = thinning.count as f64 * (average.periods - 1) as f64;
-        NoiseModel::adaptive(|l| scatter.lag(l, thinning.count), thinning.count / 4, true, count)
-            .scaled(1.0 / average.periods as f64)
+        let scatter = scatter.filtered(|h| low_pass.gain(h, spacing_hz) * block_gain(h, block, len));
+        let blocks = len / block;
+        let count = (blocks * (average.periods - 1)) as f64;
+        NoiseModel::adaptive(|l| scatter.lag(l, blocks), blocks / 4, true, count).scaled(1.0 / average.periods as f64)
     });
     Ok(Samples {
         states,
-        tau,
+        tau: low_pass.apply(&average, &transform),
         units: effort_units(robot),
-        rate_hz: thinning.count as f64 / average.period_s,
+        block,
+        rate_hz: average.rate_hz,
         period_s: Some(average.period_s),
         periods: average.periods,
         torque_covariance: average.effort_covariance,
@@ -75,56 +75,38 @@ pub fn process_periods(
     })
 }
 
+/// Samples in one block, for `count` equations from `len` samples of a motion whose highest harmonic is `highest`.
+fn block(len: usize, count: usize, highest: f64) -> Result<usize, SignalError> {
+    let count = count.min(len);
+    let least = 2 * highest.round() as usize + 1;
+    if count < least || !len.is_multiple_of(count) {
+        return Err(SignalError::Decimation {
+            found: count,
+            expected: format!("a divisor of the {len} in the recording, at least {least} for the commanded harmonics"),
+        });
+    }
+    Ok(len / count)
+}
+
+/// Amplitude gain of the mean over `block` samples on line h of N: Dirichlet's kernel.
+fn block_gain(h: usize, block: usize, len: usize) -> f64 {
+    let x = std::f64::consts::PI * h as f64 / len as f64;
+    if h == 0 { 1.0 } else { libm::sin(block as f64 * x) / (block as f64 * libm::sin(x)) }
+}
+
 /// Unit of each joint's effort.
 pub(super) fn effort_units(robot: &Robot) -> Vec<String> {
     robot.joints().iter().map(|joint| joint.kind.effort_unit().to_owned()).collect()
 }
 
-/// Samples to keep, and the low pass of the route of differences.
-struct Thinning {
-    count: usize,
-    filter: Option<Butterworth>,
-}
-
-impl Thinning {
-    fn new(len: usize, rate_hz: f64, highest_hz: f64, processing: &Processing) -> Result<Self, SignalError> {
-        let count = processing.samples_per_period.min(len);
-        let period_s = len as f64 / rate_hz;
-        let least = (2.0 * highest_hz * period_s).round() as usize + 1;
-        if count < least {
-            return Err(SignalError::Decimation {
-                found: count,
-                expected: format!("at least {least}, more than two for each period of {highest_hz} Hz"),
-            });
-        }
-        if processing.derivatives == Derivatives::Fourier {
-            return Ok(Self { count, filter: None });
-        }
-        let cutoff_hz = processing.cutoff_hz(highest_hz);
-        let filter = Butterworth::new(processing.filter_order, cutoff_hz, rate_hz)?;
-        // At twice the cut-off both passes of order 4 leave 1/257 of the amplitude: what folds back is negligible.
-        let least = ((4.0 * cutoff_hz * period_s).ceil() as usize).min(len);
-        if count < least || !len.is_multiple_of(count) {
-            return Err(SignalError::Decimation {
-                found: count,
-                expected: format!(
-                    "a divisor of {len}, the samples in a period, of at least {least}, four for each period of the \
-                     cut-off at {cutoff_hz} Hz"
-                ),
-            });
-        }
-        Ok(Self { count, filter: Some(filter) })
-    }
-}
-
-/// What torque goes through before it is thinned.
-enum LowPass<'a> {
+/// What torque goes through.
+enum LowPass {
     None,
     Harmonics(usize),
-    Butterworth(&'a Butterworth),
+    Butterworth(Butterworth),
 }
 
-impl LowPass<'_> {
+impl LowPass {
     fn gain(&self, h: usize, spacing_hz: f64) -> f64 {
         match self {
             Self::None => 1.0,
@@ -141,21 +123,20 @@ impl LowPass<'_> {
         }
     }
 
-    /// Torque at `count` uniform instants, row-major.
-    fn apply(&self, average: &PeriodAverage, transform: &FourierTransform, count: usize) -> Vec<f64> {
-        let (n, len) = (average.dof, average.len());
-        let mut tau = vec![0.0; count * n];
+    /// Average torque after the filter, row-major.
+    fn apply(&self, average: &PeriodAverage, transform: &FourierTransform) -> Vec<f64> {
+        let n = average.dof;
+        let mut tau = average.effort.clone();
         for i in 0..n {
             let raw = column(&average.effort, n, i);
-            let series = match self {
-                Self::None => raw,
+            let filtered = match self {
+                Self::None => continue,
                 Self::Harmonics(last) => {
-                    let series = HarmonicSeries::new(transform, &raw, average.period_s).up_to(*last);
-                    series.sample(count).into_iter().map(|[value, ..]| value).collect()
+                    HarmonicSeries::new(transform, &raw, average.period_s).up_to(*last).samples(transform).0
                 }
-                Self::Butterworth(filter) => thinned(&filter.zero_phase_periodic(&raw), len / count),
+                Self::Butterworth(filter) => filter.zero_phase_periodic(&raw),
             };
-            put_column(&mut tau, n, i, &series);
+            put_column(&mut tau, n, i, &filtered);
         }
         tau
     }
@@ -167,11 +148,10 @@ fn fourier_states(
     robot: &Robot,
     highest_hz: f64,
     bandwidth: Bandwidth,
-    count: usize,
 ) -> (States, Vec<f64>) {
     let n = average.dof;
     let commanded = (highest_hz * average.period_s).round() as usize;
-    let mut states = States::with_len(n, count);
+    let mut states = States::with_len(n, average.len());
     let mut bands = Vec::with_capacity(n);
     for i in 0..n {
         let series = HarmonicSeries::new(transform, &column(&average.q, n, i), average.period_s);
@@ -182,11 +162,10 @@ fn fourier_states(
         };
         let last = last.max(commanded).min(series.highest());
         bands.push(last as f64 / average.period_s);
-        for (k, [q, qd, qdd]) in series.up_to(last).sample(count).into_iter().enumerate() {
-            states.q[k * n + i] = q;
-            states.qd[k * n + i] = qd;
-            states.qdd[k * n + i] = qdd;
-        }
+        let (q, qd, qdd) = series.up_to(last).samples(transform);
+        put_column(&mut states.q, n, i, &q);
+        put_column(&mut states.qd, n, i, &qd);
+        put_column(&mut states.qdd, n, i, &qdd);
     }
     (states, bands)
 }
@@ -201,31 +180,17 @@ fn position_floor(average: &PeriodAverage, robot: &Robot, i: usize) -> f64 {
     scatter / average.periods as f64 + (rounding - scatter).max(0.0)
 }
 
-fn difference_states(average: &PeriodAverage, thinning: &Thinning) -> (States, Vec<f64>) {
-    let (n, len) = (average.dof, average.len());
-    let mut states = States::with_len(n, thinning.count);
-    let mut band = 0.5 * average.rate_hz;
+fn difference_states(average: &PeriodAverage, filter: &Butterworth) -> States {
+    let n = average.dof;
+    let mut states = States::with_len(n, average.len());
     for i in 0..n {
-        let raw = column(&average.q, n, i);
-        let q = match &thinning.filter {
-            Some(filter) => {
-                band = filter.cutoff_hz();
-                filter.zero_phase_periodic(&raw)
-            }
-            None => raw,
-        };
+        let q = filter.zero_phase_periodic(&column(&average.q, n, i));
         let (qd, qdd) = differences_periodic(&q, 1.0 / average.rate_hz);
-        let step = len / thinning.count;
-        put_column(&mut states.q, n, i, &thinned(&q, step));
-        put_column(&mut states.qd, n, i, &thinned(&qd, step));
-        put_column(&mut states.qdd, n, i, &thinned(&qdd, step));
+        put_column(&mut states.q, n, i, &q);
+        put_column(&mut states.qd, n, i, &qd);
+        put_column(&mut states.qdd, n, i, &qdd);
     }
-    (states, vec![band; n])
-}
-
-/// Every `step`-th value.
-pub(super) fn thinned(x: &[f64], step: usize) -> Vec<f64> {
-    x.iter().step_by(step).copied().collect()
+    states
 }
 
 /// Column `i` of a row-major table n wide.

@@ -33,15 +33,16 @@ impl Derivatives {
     }
 }
 
-/// Which low pass torque goes through before it is thinned.
+/// Which low pass torque goes through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum TorqueFilter {
-    /// The one that positions went through.
-    SameAsPositions,
-    /// The harmonics that the thinned samples can carry, and no other: white noise stays white.
+    /// None: blocks of samples are averaged on both sides of the equations, which biases nothing.
     #[default]
-    AntiAlias,
+    None,
+    /// The one that positions went through. A filter does not commute with the model: where friction reverses, the
+    /// torque is smoothed and its regressor is not.
+    SameAsPositions,
 }
 
 /// Settings of the way from a recording to samples.
@@ -65,7 +66,8 @@ pub struct Processing {
     pub filter_order: usize,
     /// Which low pass torque goes through.
     pub torque_filter: TorqueFilter,
-    /// Samples to keep of one period; all of them where the recording has no more.
+    /// Equations per joint and period: so many blocks of consecutive samples are averaged, on both sides of the
+    /// equations. A divisor of the samples in a period; one equation per sample where the recording has no more.
     pub samples_per_period: usize,
 }
 
@@ -76,7 +78,7 @@ impl Default for Processing {
             bandwidth: Bandwidth::NoiseFloor,
             cutoff_hz: None,
             filter_order: 4,
-            torque_filter: TorqueFilter::AntiAlias,
+            torque_filter: TorqueFilter::None,
             samples_per_period: 1000,
         }
     }

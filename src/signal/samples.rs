@@ -6,19 +6,23 @@ use super::{Derivatives, NoiseModel};
 use crate::dynamics::States;
 use crate::provenance::Provenance;
 
-/// Processed samples of one experiment: M instants of n joints, uniform in time.
+/// Processed samples of one experiment: N instants of n joints, uniform in time.
 ///
 /// ```text
-/// τ_k = Y(q_k, q̇_k, q̈_k) φ + ε_k        E[ε_k ε_{k+l}ᵀ] = R(l)
+/// τ_k = Y(q_k, q̇_k, q̈_k) φ + ε_k        mean of D of them: one equation        E[ε̄_m ε̄_{m+l}ᵀ] = R(l)
 /// ```
+/// Estimators see the means over blocks of D consecutive samples, on both sides: exactly as true as the equations
+/// themselves, whatever the torque does within a block, and white noise stays white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
-    /// Positions, velocities, accelerations, M × n each.
+    /// Positions, velocities, accelerations, N × n each.
     pub states: States,
-    /// Joint torque, M × n row-major, N·m (N for a prismatic joint).
+    /// Joint torque, N × n row-major, N·m (N for a prismatic joint).
     pub tau: Vec<f64>,
     /// Unit of each joint's torque.
     pub units: Vec<String>,
+    /// Consecutive samples D that make one equation.
+    pub block: usize,
     /// Samples per second, Hz.
     pub rate_hz: f64,
     /// The period that the samples cover once, s; `None` for a record without periods.
@@ -30,13 +34,13 @@ pub struct Samples {
     pub torque_covariance: Option<DMatrix<f64>>,
     /// Standard deviation of one raw sample of position, per joint, rad (m); `None` as above.
     pub position_noise: Option<Vec<f64>>,
-    /// Noise of `tau` as it stands here, after averaging, filter and decimation; `None` as above.
+    /// Noise of the means over blocks, after averaging over periods and filter; `None` as above.
     pub noise: Option<NoiseModel>,
     /// How derivatives were taken.
     pub derivatives: Derivatives,
     /// Upper end of the band that positions were kept in, per joint, Hz.
     pub position_band_hz: Vec<f64>,
-    /// Upper end of the band that torque was kept in, Hz; `None` where it was neither filtered nor thinned.
+    /// Upper end of the band that torque was kept in, Hz; `None` where it was not filtered.
     pub torque_band_hz: Option<f64>,
     /// What produced it, where the recording says so.
     pub provenance: Option<Provenance>,
@@ -49,7 +53,7 @@ impl Samples {
         self.states.dof
     }
 
-    /// Number of instants M.
+    /// Number of instants N.
     #[must_use]
     pub fn len(&self) -> usize {
         self.states.len()
@@ -67,7 +71,29 @@ impl Samples {
         &self.tau[k * self.dof()..(k + 1) * self.dof()]
     }
 
-    /// Samples whose states and torque are known exactly, without noise: for tests and bounds. `tau` is M × n.
+    /// Number of equations M of each joint: whole blocks.
+    #[must_use]
+    pub fn blocks(&self) -> usize {
+        self.len() / self.block.max(1)
+    }
+
+    /// Means over blocks of a row-major table of one row per sample and `width` columns: M × `width`.
+    #[must_use]
+    pub fn block_means(&self, rows: &[f64], width: usize) -> Vec<f64> {
+        let scale = 1.0 / self.block as f64;
+        let mut means = vec![0.0; self.blocks() * width];
+        for (mean, block) in means.chunks_exact_mut(width).zip(rows.chunks_exact(self.block * width)) {
+            for row in block.chunks_exact(width) {
+                for (mean, value) in mean.iter_mut().zip(row) {
+                    *mean += value * scale;
+                }
+            }
+        }
+        means
+    }
+
+    /// Samples whose states and torque are known exactly, without noise: for tests and bounds. `tau` is N × n, every sample
+    /// is an equation.
     ///
     /// # Panics
     /// If torque and states have not the same size.
@@ -79,6 +105,7 @@ impl Samples {
             states,
             tau,
             units,
+            block: 1,
             rate_hz,
             period_s: None,
             periods: 1,
