@@ -55,11 +55,12 @@ fn spans(text: &str) -> Vec<Span<'_>> {
     spans
 }
 
-/// `text` without the control characters that HTML forbids.
+/// `text` without the characters that HTML forbids.
 pub(super) fn printable(text: &str) -> String {
-    text.chars()
-        .map(|character| if character.is_control() && !"\n\r\t".contains(character) { '\u{FFFD}' } else { character })
-        .collect()
+    let forbidden = |character: char| {
+        (character.is_control() && !"\n\r\t".contains(character)) || "\u{FFFE}\u{FFFF}".contains(character)
+    };
+    text.chars().map(|character| if forbidden(character) { '\u{FFFD}' } else { character }).collect()
 }
 
 #[cfg(test)]

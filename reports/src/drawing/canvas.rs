@@ -1,8 +1,8 @@
 //! A list of shapes in pixels, written as SVG by plotters.
 //!
 //! plotters places everything on whole pixels, which makes a smooth curve wobble. So shapes are written in tenths of a
-//! pixel and shown through a view box ten times as large as the picture; the opening tag with that view box, the title
-//! and the description for screen readers is ours, everything inside it is written by plotters.
+//! pixel and shown through a view box ten times as large as the picture. The opening tag with that view box, the title and
+//! the description for screen readers is ours, and so are dashes; every element inside is written by plotters.
 
 use plotters::backend::SVGBackend;
 use plotters::prelude::DrawingBackend;
@@ -91,7 +91,7 @@ impl Rect {
 }
 
 enum Shape {
-    Line { points: Vec<(i32, i32)>, ink: Ink },
+    Line { points: Vec<(i32, i32)>, ink: Ink, dashes: &'static [f64] },
     Area { points: Vec<(i32, i32)>, ink: Ink },
     Disc { centre: (i32, i32), radius: u32, ink: Ink, filled: bool },
     Text { text: String, at: (i32, i32), font: Font, colour: Colour, align: Align, upwards: bool },
@@ -121,21 +121,15 @@ impl Canvas {
     }
 
     pub(crate) fn polyline(&mut self, points: &[(f64, f64)], ink: Ink) {
+        self.dashed(points, &[], ink);
+    }
+
+    /// A polyline in strokes and gaps of the given lengths, px.
+    pub(crate) fn dashed(&mut self, points: &[(f64, f64)], dashes: &'static [f64], ink: Ink) {
         let mut points: Vec<(i32, i32)> = points.iter().map(|&point| units(point)).collect();
         points.dedup();
         if points.len() > 1 {
-            self.shapes.push(Shape::Line { points, ink });
-        }
-    }
-
-    /// A polyline cut into strokes and gaps.
-    pub(crate) fn dashed(&mut self, points: &[(f64, f64)], pattern: &[f64], ink: Ink) {
-        if pattern.is_empty() {
-            self.polyline(points, ink);
-            return;
-        }
-        for stroke in super::path::dashes(points, pattern) {
-            self.polyline(&stroke, ink);
+            self.shapes.push(Shape::Line { points, ink, dashes });
         }
     }
 
@@ -248,21 +242,17 @@ impl Canvas {
     /// The picture as one SVG element; equal shapes give equal bytes.
     pub(crate) fn finish(self, heading: &Heading) -> Result<String, FigureError> {
         let size = units((self.width, self.height));
-        let mut written = String::new();
-        {
-            let mut backend = SVGBackend::with_string(&mut written, (size.0.max(1) as u32, size.1.max(1) as u32));
-            let failed = |reason: String| FigureError::Backend { figure: heading.name.clone(), reason };
-            for shape in &self.shapes {
-                paint(&mut backend, shape).map_err(failed)?;
-            }
-            backend.present().map_err(|error| failed(error.to_string()))?;
+        let mut body = String::new();
+        for shape in &self.shapes {
+            let element =
+                element(shape).map_err(|reason| FigureError::Backend { figure: heading.name.clone(), reason })?;
+            body.push_str(&element);
         }
-        let body = written.split_once(">\n").map_or("", |(_, body)| body);
         let name = &heading.name;
         Ok(format!(
-            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" \
+            "<svg xmlns=\"http://www.w3.org/2000/svg\" width=\"{}\" height=\"{}\" viewBox=\"0 0 {} {}\" role=\"img\" stroke-linejoin=\"round\" \
              aria-labelledby=\"{name}-title {name}-desc\">\n<title id=\"{name}-title\">{}</title>\n\
-             <desc id=\"{name}-desc\">{}</desc>\n{body}",
+             <desc id=\"{name}-desc\">{}</desc>\n{body}</svg>\n",
             self.width.round(),
             self.height.round(),
             size.0,
@@ -273,9 +263,31 @@ impl Canvas {
     }
 }
 
+/// One shape as an SVG element, without the picture that the writer puts around it.
+fn element(shape: &Shape) -> Result<String, String> {
+    let mut written = String::new();
+    {
+        let mut backend = SVGBackend::with_string(&mut written, (1, 1));
+        paint(&mut backend, shape)?;
+        backend.present().map_err(|error| error.to_string())?;
+    }
+    let element = written.split_once(">\n").map_or("", |(_, rest)| rest);
+    let element = element.strip_suffix("</svg>\n").unwrap_or(element);
+    // Quotes in texts are escaped, so only attributes match.
+    let element = element.replace(" opacity=\"1\"", "");
+    Ok(match shape {
+        // The writer knows no dashes.
+        Shape::Line { dashes, .. } if !dashes.is_empty() => {
+            let lengths: Vec<String> = dashes.iter().map(|length| format!("{}", (length * UNITS).round())).collect();
+            element.replacen("<polyline", &format!("<polyline stroke-dasharray=\"{}\"", lengths.join(" ")), 1)
+        }
+        _ => element,
+    })
+}
+
 fn paint(backend: &mut SVGBackend<'_>, shape: &Shape) -> Result<(), String> {
     let painted = match shape {
-        Shape::Line { points, ink } => backend.draw_path(points.iter().copied(), &ink.shape_style(false)),
+        Shape::Line { points, ink, .. } => backend.draw_path(points.iter().copied(), &ink.shape_style(false)),
         Shape::Area { points, ink } => backend.fill_polygon(points.iter().copied(), &ink.shape_style(true)),
         Shape::Disc { centre, radius, ink, filled } => {
             backend.draw_circle(*centre, *radius, &ink.shape_style(*filled), *filled)

@@ -1,4 +1,4 @@
-//! A curve as a reader sees it: no more points than pixels can show, and dashes cut by length.
+//! A curve as a reader sees it: no more points than pixels can show.
 
 /// Curve with at most four points per half pixel of width and without points that move it by less than a twentieth of
 /// a pixel: the first, last, lowest and highest point of each half pixel stay, so no peak is lost.
@@ -76,57 +76,9 @@ fn distance_to_segment((x, y): (f64, f64), (ax, ay): (f64, f64), (bx, by): (f64,
     (ex * ex + ey * ey).sqrt()
 }
 
-/// The strokes of a dashed curve: `pattern` holds the lengths of stroke and gap in turn, px.
-pub(crate) fn dashes(points: &[(f64, f64)], pattern: &[f64]) -> Vec<Vec<(f64, f64)>> {
-    let mut strokes = Vec::new();
-    let Some(&first) = points.first() else { return strokes };
-    let mut part = 0;
-    let mut left = pattern[0];
-    let mut stroke = vec![first];
-    for pair in points.windows(2) {
-        let (from, to) = (pair[0], pair[1]);
-        let (dx, dy) = (to.0 - from.0, to.1 - from.1);
-        let length = (dx * dx + dy * dy).sqrt();
-        let mut done = 0.0;
-        while length - done > left {
-            done += left;
-            let at = (from.0 + dx * done / length, from.1 + dy * done / length);
-            if part % 2 == 0 {
-                stroke.push(at);
-                strokes.push(std::mem::take(&mut stroke));
-            } else {
-                stroke = vec![at];
-            }
-            part = (part + 1) % pattern.len();
-            left = pattern[part];
-        }
-        left -= length - done;
-        if part % 2 == 0 {
-            stroke.push(to);
-        }
-    }
-    if stroke.len() > 1 {
-        strokes.push(stroke);
-    }
-    strokes
-}
-
 #[cfg(test)]
 mod tests {
-    use super::{dashes, visible};
-
-    #[test]
-    fn analytic_dashes_of_a_straight_line() {
-        let strokes = dashes(&[(0.0, 0.0), (10.0, 0.0), (20.0, 0.0)], &[6.0, 2.0]);
-        assert_eq!(
-            strokes,
-            vec![
-                vec![(0.0, 0.0), (6.0, 0.0)],
-                vec![(8.0, 0.0), (10.0, 0.0), (14.0, 0.0)],
-                vec![(16.0, 0.0), (20.0, 0.0)]
-            ]
-        );
-    }
+    use super::visible;
 
     #[test]
     fn analytic_a_straight_line_keeps_its_ends_only() {

@@ -7,7 +7,7 @@ use crate::drawing::canvas::{Align, Colour, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Level, Rows};
-use crate::drawing::ticks::plain;
+use crate::drawing::ticks::compact;
 use crate::drawing::typeface::Font;
 use crate::style::Group;
 
@@ -104,7 +104,7 @@ impl BarFigure {
         let span = Span::covering(Scale::Linear, values, 0.02).ok_or_else(|| check.empty("every bar"))?;
         // The numbers stand beyond the ends of the bars.
         let widest = self.digits.map_or(0.0, |digits| {
-            bars().map(|bar| Font::NOTE.width(&plain(bar.value, digits.min(12)))).fold(0.0, f64::max) + 10.0
+            bars().map(|bar| Font::NOTE.width(&compact(bar.value, digits))).fold(0.0, f64::max) + 10.0
         });
         let (below, above) = (bars().any(|bar| bar.value < 0.0), bars().any(|bar| bar.value >= 0.0));
         let room = |wanted: bool| if wanted { widest } else { 0.0 };
@@ -156,8 +156,17 @@ impl Figure for BarFigure {
                     }
                 }
                 if let Some(digits) = self.digits {
-                    let text = plain(bar.value, digits.min(12));
-                    let (x, align) = if bar.value < 0.0 { (low - 5.0, Align::End) } else { (high + 5.0, Align::Start) };
+                    let text = compact(bar.value, digits);
+                    // A level's line that would cross the number pushes it outwards.
+                    let side = if bar.value < 0.0 { -1.0 } else { 1.0 };
+                    let mut x = if bar.value < 0.0 { low } else { high } + 5.0 * side;
+                    for level in &self.levels {
+                        let line = (rows.x(area, level.value) - x) * side;
+                        if line > -3.0 && line < Font::NOTE.width(&text) + 2.0 {
+                            x += (line + 4.0) * side;
+                        }
+                    }
+                    let align = if bar.value < 0.0 { Align::End } else { Align::Start };
                     rows.canvas.text(&text, (x, y), Font::NOTE, Colour::TEXT, align);
                 }
             }

@@ -7,7 +7,7 @@ use crate::drawing::canvas::{Align, Canvas, Colour, Ink, Rect};
 use crate::drawing::check::Check;
 use crate::drawing::head::{Head, MARGIN, WIDTH};
 use crate::drawing::lattice::x_ticks;
-use crate::drawing::ticks::{plain, powered};
+use crate::drawing::ticks::{compact, powered};
 use crate::drawing::typeface::Font;
 
 /// Coloured cells with row and column names and a colour bar.
@@ -58,6 +58,9 @@ const BLUES: [Colour; 4] =
 /// The same towards vermilion.
 const REDS: [Colour; 4] =
     [Colour(0xFE, 0xFC, 0xFA), Colour(0xF4, 0xBE, 0x93), Colour(0xD5, 0x5E, 0x00), Colour(0x5C, 0x1F, 0x00)];
+/// Room for the name of the numbers beside the colour bar, px.
+const WIDEST_LABEL: f64 = 480.0;
+/// Cell without a number.
 const MISSING: Colour = Colour(0xE2, 0xE2, 0xE2);
 
 /// Colour at `fraction` (0 to 1) of a ramp, linear between its entries.
@@ -119,11 +122,7 @@ impl HeatFigure {
 
     /// A number as printed in a cell.
     fn printed(&self, value: f64) -> String {
-        if self.value.scale == Scale::Log {
-            powered(value, self.digits.min(3))
-        } else {
-            plain(value, self.digits.min(12))
-        }
+        if self.value.scale == Scale::Log { powered(value, self.digits.min(3)) } else { compact(value, self.digits) }
     }
 
     fn bar(&self, canvas: &mut Canvas, span: &Span, top: f64, (left, right): (f64, f64)) {
@@ -146,7 +145,8 @@ impl HeatFigure {
             canvas.line((x, top + 12.0), (x, top + 15.5), Ink::new(Colour::FRAME, 0.9));
             canvas.text(&tick.label, (x, top + 24.0), Font::TICK, Colour::TEXT, Align::Middle);
         }
-        canvas.text(&self.value.text(), (left - 12.0, top + 6.0), Font::LABEL, Colour::TEXT, Align::End);
+        let label = Font::LABEL.fit(&self.value.text(), WIDEST_LABEL);
+        canvas.text(&label, (left - 12.0, top + 6.0), Font::LABEL, Colour::TEXT, Align::End);
     }
 }
 
@@ -173,7 +173,7 @@ impl Figure for HeatFigure {
         let mut canvas = Canvas::new(WIDTH, bottom + 14.0);
         head.draw(&mut canvas);
         let label = Font::LABEL.width(&self.value.text());
-        let bar_left = left.max(MARGIN + label.min(500.0) + 12.0);
+        let bar_left = left.max(MARGIN + label.min(WIDEST_LABEL) + 12.0);
         self.bar(&mut canvas, &span, bar_top, (bar_left, (bar_left + 320.0).min(WIDTH - 30.0)));
 
         let printed: Vec<Option<String>> =
