@@ -19,6 +19,8 @@ mod composite;
 mod drive_train;
 mod energy;
 mod joint_frames;
+#[cfg(test)]
+mod law_tests;
 mod model;
 mod states;
 mod symmetric;

@@ -20,4 +20,4 @@ mod moving_base;
 
 pub use body::BodyRegressor;
 pub use joint_torque::JointTorqueRegressor;
-pub use moving_base::BaseMotion;
+pub use moving_base::BaseState;
