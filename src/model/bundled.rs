@@ -23,7 +23,8 @@ macro_rules! robot {
     };
 }
 
-static ROBOTS: [BundledRobot; 1] = [robot!("crs-a460")];
+static ROBOTS: [BundledRobot; 4] =
+    [robot!("crs-a460"), robot!("puma-560"), robot!("staubli-tx40"), robot!("planar-2r")];
 
 /// Every robot that is compiled in.
 ///
