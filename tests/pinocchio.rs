@@ -1,7 +1,7 @@
 //! Dynamics and regressor against Pinocchio on fixtures made by `tests/pinocchio/generate.py`.
 
 use armid::dynamics::Dynamics;
-use armid::model::format::{parse_nominal, parse_robot};
+use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::model::{
     Columns, DhConvention, DhRow, Drive, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters,
 };
@@ -41,8 +41,8 @@ fn answers<'a>(text: &'a str, robot: &'a str) -> impl Iterator<Item = Answer<'a>
     lines.next().unwrap_or_else(|| panic!("no answers about {robot}"));
     lines.take_while(|line| line[0] != "robot").map(|line| Answer {
         what: line[0],
-        state: line[1].parse().unwrap(),
-        numbers: line[2..].iter().map(|x| x.parse().unwrap()).collect(),
+        state: line[1].parse().expect("the number of a state"),
+        numbers: line[2..].iter().map(|x| x.parse().expect("a number")).collect(),
     })
 }
 
@@ -119,6 +119,24 @@ fn pinocchio_crs_a460() {
     assert_eq!(counts, [1000, 10, 10, 2]);
 }
 
+#[test]
+fn pinocchio_puma_560_with_published_parameters() {
+    let robot = parse_robot(include_str!("../models/puma-560/robot.toml")).unwrap();
+    // As published: link 1 without mass, link 3 not consistent.
+    let file = parse_parameters(include_str!("../models/puma-560/published.toml"), &robot, false).unwrap();
+    let counts = compare(&robot, &without_friction(&file.parameters), 1, include_str!("pinocchio/puma-560.csv"));
+    assert_eq!(counts, [1000, 10, 10, 2]);
+}
+
+#[test]
+fn pinocchio_staubli_tx40_with_its_coupled_wrist() {
+    let robot = parse_robot(include_str!("../models/staubli-tx40/robot.toml")).unwrap();
+    assert!(robot.coupling().is_some());
+    let nominal = parse_nominal(include_str!("../models/staubli-tx40/nominal.toml"), &robot).unwrap().parameters;
+    let counts = compare(&robot, &without_friction(&nominal), 1, include_str!("pinocchio/staubli-tx40.csv"));
+    assert_eq!(counts, [100, 10, 10, 2]);
+}
+
 #[derive(serde::Deserialize)]
 struct ChainJoint {
     kind: JointKind,
@@ -163,7 +181,7 @@ impl Chain {
             shapes: Vec::new(),
             obstacles: Vec::new(),
         })
-        .unwrap();
+        .expect("a chain that Robot accepts");
         let mut parameters = StandardParameters::zero(robot.dof());
         parameters.links = self.links.iter().map(Inertia::from_array).collect();
         for (drive, &rotor) in parameters.drives.iter_mut().zip(&self.rotors_kg_m2) {

@@ -73,6 +73,14 @@ def frame_change(placement):
     return a
 
 
+def body(ten):
+    """The inertia with our ten parameters; Pinocchio keeps it about the centre of mass."""
+    m, x, y, z, xx, xy, xz, yy, yz, zz = ten
+    c = np.array([x, y, z]) / m if m else np.zeros(3)
+    about_origin = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
+    return pin.Inertia(m, c, about_origin - m * (c @ c * np.eye(3) - np.outer(c, c)))
+
+
 class Arm:
     def __init__(self, robot):
         self.robot = robot
@@ -89,9 +97,7 @@ class Arm:
             kind = pin.JointModelRZ() if joint["kind"] == "revolute" else pin.JointModelPZ()
             parent = self.model.addJoint(parent, kind, end * before, f"joint{parent + 1}")
             self.changes.append(frame_change(after))
-            # Given as numbers about the joint's frame, so that a link without mass can still have an inertia.
-            body = pin.Inertia.FromDynamicParameters(self.changes[-1] @ np.array(ten))
-            self.model.appendBodyToJoint(parent, body, pin.SE3.Identity())
+            self.model.appendBodyToJoint(parent, body(ten), after)
             end = after
         self.data = self.model.createData()
 
@@ -212,8 +218,7 @@ def main():
     chains = [random_chain(index) for index in range(CHAINS)]
     (HERE / "chains.json").write_text("[\n" + ",\n".join(json.dumps(chain) for chain in chains) + "\n]\n")
     for name, parameters, states in BUNDLED:
-        if (MODELS / name).is_dir():
-            write(f"{name}.csv", [(bundled(name, parameters), states, DEEP, REGRESSORS)])
+        write(f"{name}.csv", [(bundled(name, parameters), states, DEEP, REGRESSORS)])
     write("chains.csv", [(c, STATES_PER_CHAIN, 1, int(i < CHAINS_WITH_REGRESSOR)) for i, c in enumerate(chains)])
 
 
