@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::RankTolerance;
 use super::condition::normalised_columns;
-use super::reflection::{Reflection, norm};
+use super::reflection::{Reflection, dot, norm};
 
 /// QR that walks the columns of A from left to right and keeps a column if and only if it is independent of those kept
 /// before it; the others are combinations of the kept ones.
@@ -12,8 +12,8 @@ use super::reflection::{Reflection, norm};
 /// ```text
 /// A = A[:, kept] · C        C is b × n, the identity on the kept columns, zero on zero columns
 /// ```
-/// C is the reduced row echelon form of A. Columns are scaled to unit length first; each decision compares the part of
-/// a column that is orthogonal to the kept ones with the column itself ([`RankTolerance`]).
+/// C is the reduced row echelon form of A. Columns are scaled to unit length first; each decision is by the distance of
+/// a column from dependence on the kept ones ([`RankTolerance`]).
 ///
 /// ```
 /// use armid::linalg::{LeftToRight, RankTolerance};
@@ -31,14 +31,14 @@ pub struct LeftToRight {
     pub zero: Vec<usize>,
     /// C (b × n): each column of A as a combination of the kept ones.
     pub coefficients: DMatrix<f64>,
-    /// The shortest orthogonal part, relative to its column, that was kept; infinite where nothing was.
-    pub shortest_kept: f64,
-    /// The longest orthogonal part, relative to its column, that was dropped; 0 where nothing was.
-    pub longest_dropped: f64,
+    /// The smallest distance from dependence of a kept column; infinite where none was kept.
+    pub nearest_kept: f64,
+    /// The largest distance from dependence of a dropped column; 0 where none was dropped.
+    pub farthest_dropped: f64,
 }
 
 impl LeftToRight {
-    /// Factors A (m × n). `2 m n b` operations.
+    /// Factors A (m × n). `2 m n b + n b²` operations.
     #[must_use]
     pub fn new(a: &DMatrix<f64>, tolerance: RankTolerance) -> Self {
         let (scaled, lengths) = normalised_columns(a);
@@ -49,7 +49,7 @@ impl LeftToRight {
         // Upper triangle, column by column: heads[k] holds the first k + 1 entries of the k-th kept column.
         let mut heads: Vec<Vec<f64>> = Vec::new();
         let mut combinations: Vec<(usize, Vec<f64>)> = Vec::new();
-        let (mut shortest_kept, mut longest_dropped) = (f64::INFINITY, 0.0_f64);
+        let (mut nearest_kept, mut farthest_dropped) = (f64::INFINITY, 0.0_f64);
         for j in 0..a.ncols() {
             if lengths[j] <= tolerance.zero * longest {
                 zero.push(j);
@@ -60,17 +60,18 @@ impl LeftToRight {
                 reflection.apply(&mut column);
             }
             let k = kept.len();
+            let combination = back_substitute(&heads, column[..k].to_vec());
             let rest = norm(&column[k..]);
-            if rest > tolerance.independent {
-                shortest_kept = shortest_kept.min(rest);
+            let distance = rest / (1.0 + dot(&combination, &combination)).sqrt();
+            if distance > tolerance.independent {
+                nearest_kept = nearest_kept.min(distance);
                 reflections.push(Reflection::annihilate(&mut column, k));
                 column.truncate(k + 1);
                 heads.push(column);
                 kept.push(j);
             } else {
-                longest_dropped = longest_dropped.max(rest);
-                column.truncate(k);
-                combinations.push((j, back_substitute(&heads, column)));
+                farthest_dropped = farthest_dropped.max(distance);
+                combinations.push((j, combination));
             }
         }
         let mut coefficients = DMatrix::zeros(kept.len(), a.ncols());
@@ -82,7 +83,7 @@ impl LeftToRight {
                 coefficients[(k, j)] = value * lengths[j] / lengths[kept[k]];
             }
         }
-        Self { kept, zero, coefficients, shortest_kept, longest_dropped }
+        Self { kept, zero, coefficients, nearest_kept, farthest_dropped }
     }
 
     /// Number of kept columns b.
@@ -131,7 +132,7 @@ mod tests {
         }
         let rebuilt = a.select_columns(&qr.kept) * &qr.coefficients;
         assert!((rebuilt - &a).norm() < 1e-14 * a.norm());
-        assert!(qr.shortest_kept > 0.1 && qr.longest_dropped < 1e-14);
+        assert!(qr.nearest_kept > 0.1 && qr.farthest_dropped < 1e-14);
     }
 
     #[test]
@@ -153,5 +154,22 @@ mod tests {
         let wide = a.rows(0, 2).into_owned();
         assert_eq!(LeftToRight::new(&wide, RankTolerance::default()).rank(), 2);
         assert_eq!(LeftToRight::new(&DMatrix::zeros(4, 3), RankTolerance::default()).rank(), 0);
+    }
+
+    #[test]
+    fn analytic_a_difference_of_nearly_equal_columns_is_judged_by_its_distance() {
+        // a2 = (a1 − a0) · 1e6 to rounding: with coefficients of a million, 1e-16 of either is 1e-10 of a2.
+        let a0 = DMatrix::from_fn(60, 1, |i, _| libm::sin((i * i + 1) as f64));
+        let d = DMatrix::from_fn(60, 1, |i, _| libm::cos((i * i * i) as f64));
+        let mut a = DMatrix::zeros(60, 4);
+        a.set_column(0, &a0.column(0));
+        a.set_column(1, &(&a0 + &d * 1e-6).column(0));
+        a.set_column(2, &d.column(0));
+        let qr = LeftToRight::new(&a, RankTolerance::default());
+        assert_eq!(qr.kept, [0, 1]);
+        assert!((qr.coefficients[(1, 2)] * 1e-6 - 1.0).abs() < 1e-8);
+        // A change of 1e-4 of it is seen all the same.
+        a.set_column(3, &(&d + DMatrix::from_fn(60, 1, |i, _| libm::sin((3 * i) as f64)) * 1e-4).column(0));
+        assert_eq!(LeftToRight::new(&a, RankTolerance::default()).kept, [0, 1, 3]);
     }
 }

@@ -3,8 +3,8 @@
 //! ```text
 //! W = Q R        columns scaled to unit length first, so that no choice of units decides a rank
 //! ```
-//! A column counts as independent of others when its part orthogonal to them is longer than a stated fraction of the
-//! column itself ([`RankTolerance`], with the reasons for its default).
+//! A column counts as independent of others when its distance from dependence on them is more than a stated fraction
+//! of its length ([`RankTolerance`], with the reasons for its default).
 //!
 //! Every sum here runs in an order fixed by the size of the input alone. nalgebra's product of two dynamic matrices
 //! picks its kernel by the CPU and is therefore not used where the bits of a result are stored: [`Gram`] and

@@ -8,6 +8,8 @@ use super::reflection::{Reflection, norm};
 
 /// Householder QR of A with its columns scaled to unit length and then exchanged so that the longest rest comes first.
 ///
+/// The exchange keeps coefficients small, so the rest itself is the distance from dependence.
+///
 /// ```
 /// use armid::linalg::{RankRevealingQr, RankTolerance};
 /// use nalgebra::dmatrix;

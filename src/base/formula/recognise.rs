@@ -1,7 +1,9 @@
 //! From numbers to formulas.
 
+use nalgebra::{Matrix2, Matrix3, Vector2, Vector3};
+
 use super::coefficient::power;
-use super::family::{Family, STRETCH};
+use super::family::{Family, STRETCH, WITNESSES};
 use super::symbol::Variable;
 use super::{Coefficient, Product, Symbol};
 
@@ -15,8 +17,17 @@ const LARGEST_INTEGER: i32 = 8;
 /// Largest exponent of a letter.
 const LARGEST_EXPONENT: i32 = 4;
 
-/// Most products that are tried together; beyond it a sum of several would be luck.
-const MOST_CANDIDATES: usize = 400;
+/// Largest sum of exponents, without their signs, of a product in a sum.
+const MOST_COMPLEX: i32 = 6;
+
+/// A sum that depends on more lengths and angles than this is not looked for.
+const MOST_VARIABLES: usize = 4;
+
+/// How many products, simplest first, are tried in pairs.
+const MOST_IN_PAIRS: usize = 300;
+
+/// How many are tried in threes.
+const MOST_IN_THREES: usize = 60;
 
 /// The values of one entry of K over a family, with what a formula for it may be made of.
 struct Entry<'a> {
@@ -92,48 +103,49 @@ impl Entry<'_> {
 
     /// A sum of two, then of three products of the variables on which the entry depends.
     fn sum(&self, degree: i32) -> Option<Vec<Product>> {
-        let candidates = self.candidates(degree);
-        if candidates.len() > MOST_CANDIDATES {
+        if self.variables.len() > MOST_VARIABLES {
             return None;
         }
-        // One row per relative: the entry, then each candidate; scaled by the entry.
-        let table: Vec<Vec<f64>> = self
-            .family
-            .relatives()
-            .map(|relative| {
-                let value = relative.reduction.k[self.at];
-                candidates.iter().map(|c| c.value(|symbol| relative.letter(symbol)) / value).collect()
+        let candidates = self.candidates(degree);
+        // Candidate over entry on each witness: a formula's factors make the sum 1 on all of them.
+        let witnesses = &self.family.witnesses;
+        let ratios: Vec<[f64; WITNESSES]> = candidates
+            .iter()
+            .map(|candidate| {
+                std::array::from_fn(|w| {
+                    let value = witnesses[w].reduction.k[self.at];
+                    candidate.value(|symbol| witnesses[w].letter(symbol)) / value
+                })
             })
             .collect();
-        let witnesses = &table[table.len() - self.family.witnesses.len()..];
-        let solve = |chosen: &[usize]| -> Option<Vec<Product>> {
-            let count = chosen.len();
-            let a = nalgebra::DMatrix::from_fn(count, count, |i, j| witnesses[i][chosen[j]]);
-            let factors = a.lu().solve(&nalgebra::DVector::from_element(count, 1.0))?;
+        let accept = |chosen: &[(usize, f64)]| -> Option<Vec<Product>> {
             let sum = chosen
                 .iter()
-                .zip(factors.iter())
-                .map(|(&j, &factor)| {
+                .map(|&(j, factor)| {
                     let (numerator, denominator) = rational(factor)?;
                     Some(Product { numerator, denominator, ..candidates[j].clone() })
                 })
                 .collect::<Option<Vec<Product>>>()?;
             self.holds(&sum).then_some(sum)
         };
-        for i in 0..candidates.len() {
-            for j in 0..i {
-                if let Some(sum) = solve(&[j, i]) {
-                    return Some(sum);
+        for (j, second) in ratios.iter().enumerate() {
+            for (i, first) in ratios[..j].iter().enumerate() {
+                let matrix = Matrix2::from_fn(|w, c| if c == 0 { first[w] } else { second[w] });
+                let factors = matrix.try_inverse().map(|inverse| inverse * Vector2::repeat(1.0));
+                let found = factors.and_then(|x| accept(&[(i, x[0]), (j, x[1])]));
+                if found.is_some() {
+                    return found;
                 }
             }
         }
-        // Three only among the simplest, whose sums are still telling.
-        let few = candidates.len().min(40);
-        for i in 0..few {
-            for j in 0..i {
-                for k in 0..j {
-                    if let Some(sum) = solve(&[k, j, i]) {
-                        return Some(sum);
+        for (k, third) in ratios.iter().enumerate().take(MOST_IN_THREES) {
+            for (j, second) in ratios[..k].iter().enumerate() {
+                for (i, first) in ratios[..j].iter().enumerate() {
+                    let matrix = Matrix3::from_fn(|w, c| [first[w], second[w], third[w]][c]);
+                    let factors = matrix.try_inverse().map(|inverse| inverse * Vector3::repeat(1.0));
+                    let found = factors.and_then(|x| accept(&[(i, x[0]), (j, x[1]), (k, x[2])]));
+                    if found.is_some() {
+                        return found;
                     }
                 }
             }
@@ -151,16 +163,13 @@ impl Entry<'_> {
                 }
                 Variable::Alpha(_) | Variable::Theta(_) => {
                     let symbols = variable.symbols();
-                    pairs_by_simplicity()
-                        .filter(|k| k.0 >= 0 && k.1 >= 0 && k.0 + k.1 <= 2)
-                        .map(|k| vec![(symbols[0], k.0), (symbols[1], k.1)])
-                        .collect()
+                    pairs_by_simplicity().map(|k| vec![(symbols[0], k.0), (symbols[1], k.1)]).collect()
                 }
             };
             products = products
                 .iter()
                 .flat_map(|product| choices.iter().map(move |choice| [product.clone(), choice.clone()].concat()))
-                .filter(|product| complexity(product) <= 2 * LARGEST_EXPONENT)
+                .filter(|product| complexity(product) <= MOST_COMPLEX)
                 .collect();
         }
         let dimension = |powers: &[(Symbol, i32)]| -> i32 {
@@ -172,6 +181,7 @@ impl Entry<'_> {
             powers.sort_unstable();
         }
         products.sort_by_key(|powers| (complexity(powers), powers.clone()));
+        products.truncate(MOST_IN_PAIRS);
         products.into_iter().map(|powers| Product { numerator: 1, denominator: 1, powers }).collect()
     }
 }

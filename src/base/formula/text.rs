@@ -49,7 +49,7 @@ impl BaseReduction {
     /// # use armid::{base::{Method, reduce}, model::Columns, seed::Seed};
     /// # let robot = armid::conformance::chains::planar_2r();
     /// let base = reduce(&robot, Columns::RigidRotor, Method::Structural, Seed::new(1))?;
-    /// assert_eq!(base.expressions(&robot)[0], "m1 − Izz1/a1² + m2 − Ia1/a1²");
+    /// assert_eq!(base.expressions(&robot)[0], "m1 − Izz1/a1² + Izz2/a2² − Ia1/a1²");
     /// # Ok::<(), armid::base::BaseError>(())
     /// ```
     #[must_use]

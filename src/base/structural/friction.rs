@@ -39,38 +39,48 @@ pub(super) fn functionals(geometry: &Geometry, parameters: &[ParameterId]) -> Ve
             rows.push(row);
         }
     }
-    // Each group: a form, and the columns that share it with their directions, turned so that the forms are equal.
-    let mut groups: Vec<(DVector<f64>, bool, Vec<(usize, DVector<f64>)>)> = Vec::new();
+    let mut groups: Vec<Group> = Vec::new();
     for (column, id) in of_kind([ParameterKind::Fc, ParameterKind::Fcm]) {
         let d = direction(id);
         let velocity = geometry.coulomb_velocity[id.index] / geometry.coordinate_unit(id.index);
         let plain = velocity <= 0.0;
         let form = if plain { d.normalize() } else { &d / velocity };
-        let same = |other: &DVector<f64>| (&form - other).norm() <= SAME_FORM * form.norm();
-        let found = groups.iter_mut().find_map(|(other, other_plain, members)| {
-            if *other_plain != plain {
-                None
-            } else if same(other) {
-                Some((1.0, members))
-            } else if same(&-&*other) {
-                Some((-1.0, members))
-            } else {
-                None
-            }
-        });
+        let found = groups.iter_mut().find_map(|group| Some((group.sign_of(&form, plain)?, group)));
         match found {
-            Some((sign, members)) => members.push((column, d * sign)),
-            None => groups.push((form, plain, vec![(column, d)])),
+            Some((sign, group)) => group.members.push((column, d * sign)),
+            None => groups.push(Group { form, plain, members: vec![(column, d)] }),
         }
     }
-    for (_, _, members) in groups {
+    for group in groups {
         for i in 0..n {
             let mut row = vec![0.0; parameters.len()];
-            for (column, d) in &members {
+            for (column, d) in &group.members {
                 row[*column] = d[i];
             }
             rows.push(row);
         }
     }
     rows
+}
+
+/// The Coulomb terms of one form.
+struct Group {
+    /// `d/v` of the smooth sign, or the direction of `d` where the sign is plain.
+    form: DVector<f64>,
+    /// Whether the sign is plain.
+    plain: bool,
+    /// Columns and directions `d`, turned where the form is opposite.
+    members: Vec<(usize, DVector<f64>)>,
+}
+
+impl Group {
+    /// 1 if a form is that of the group, −1 if it is its opposite.
+    fn sign_of(&self, form: &DVector<f64>, plain: bool) -> Option<f64> {
+        let same = |other: &DVector<f64>| (other - &self.form).norm() <= SAME_FORM * self.form.norm();
+        match (plain == self.plain, same(form), same(&-form)) {
+            (true, true, _) => Some(1.0),
+            (true, _, true) => Some(-1.0),
+            _ => None,
+        }
+    }
 }

@@ -20,7 +20,13 @@ pub(super) fn echelon(rows: &[Vec<f64>], width: usize) -> LeftToRight {
     LeftToRight::new(&matrix, RankTolerance::default())
 }
 
-/// The same basis as rows.
+/// The same basis as rows whose largest entries are near 1, so that what they are multiplied with keeps its size: each
+/// is divided by a power of two, which costs no bit.
 pub(super) fn basis(rows: &[Vec<f64>], width: usize) -> Vec<Vec<f64>> {
-    echelon(rows, width).coefficients.row_iter().map(|row| row.iter().copied().collect()).collect()
+    let form = echelon(rows, width);
+    let scaled = |row: nalgebra::RowDVector<f64>| {
+        let factor = libm::ldexp(1.0, -libm::frexp(row.amax()).1);
+        row.iter().map(|x| x * factor).collect()
+    };
+    form.coefficients.row_iter().map(|row| scaled(row.into_owned())).collect()
 }

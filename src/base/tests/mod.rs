@@ -1,3 +1,8 @@
-//! Laws of the reduction: three routes, one K.
+//! Laws of the reduction on many robots: three routes, one K.
 
+mod a460;
 mod agreement;
+mod chains;
+mod formulas;
+mod moving_base;
+mod trajectory;
