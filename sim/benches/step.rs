@@ -6,12 +6,22 @@
 use std::time::Instant;
 
 use armid::excitation::{FourierTrajectory, table_one};
-use armid::experiment::{ExperimentPlan, Plant, Servo, record};
+use armid::experiment::{ExperimentPlan, Flow, Next, Plant, RawSample, Recording, Servo, Sink, record};
 use armid::model::bundled;
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::seed::Seed;
 use armid::study::truth_text;
 use armid_sim::AnalyticPlant;
+
+struct Nowhere;
+
+impl Sink for Nowhere {
+    fn begin(&mut self, _: &Recording) {}
+
+    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
+        Flow::Continue
+    }
+}
 
 fn main() {
     let entry = bundled().iter().find(|entry| entry.name == "crs-a460").expect("the A460 is bundled");
@@ -29,6 +39,21 @@ fn main() {
         free.acceleration(&[f64::from(k) * 1e-6, 20.0, 5.0, 0.1, 0.2, 0.1], &mut acceleration);
     }
     println!("forward dynamics with friction: {:.0} ns", begin.elapsed().as_secs_f64() * 1e9 / f64::from(count));
+
+    // The servo alone: its cycle on a plant that stands still.
+    let still = ExperimentPlan::new(table_one::corrected());
+    let servo = Servo::new(&robot, &nominal, plant.clone()).expect("the nominal arm has inertia");
+    let mut cycle = servo.cycle(&still).expect("a plan that can be performed");
+    let (q, qd) = (cycle.start().to_vec(), [0.0; 6]);
+    let begin = Instant::now();
+    let mut steps = 0;
+    while cycle.advance(&q, &qd, &mut Nowhere, &mut |_| {}) == Next::Step {
+        steps += 1;
+    }
+    println!(
+        "controller, sensors, phases: {:.0} ns per servo step",
+        begin.elapsed().as_secs_f64() * 1e9 / f64::from(steps)
+    );
 
     // Five-second period: as long as the main job's experiments, and Table I's speeds.
     let trajectory = table_one::corrected();

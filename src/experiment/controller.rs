@@ -25,6 +25,7 @@ pub struct JointPid {
     limit: Vec<f64>,
     smoothing: f64,
     dt: f64,
+    rate_hz: f64,
     integral: Vec<f64>,
     rate: Vec<f64>,
     last_error: Vec<f64>,
@@ -47,6 +48,7 @@ impl JointPid {
             limit: limit.to_vec(),
             smoothing: 1.0 - libm::exp(-10.0 * omega * dt),
             dt,
+            rate_hz: tuning.rate_hz,
             integral: vec![0.0; n],
             rate: vec![0.0; n],
             last_error: vec![0.0; n],
@@ -79,7 +81,7 @@ impl JointPid {
         let mut saturated = false;
         for i in 0..current.len() {
             let error = command[i] - measured[i];
-            let difference = if self.fresh { 0.0 } else { (error - self.last_error[i]) / self.dt };
+            let difference = if self.fresh { 0.0 } else { (error - self.last_error[i]) * self.rate_hz };
             self.last_error[i] = error;
             self.rate[i] += self.smoothing * (difference - self.rate[i]);
             let wanted = (self.kp[i] * error + self.kd[i] * self.rate[i] + self.integral[i]) * self.ampere[i];

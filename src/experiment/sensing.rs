@@ -77,6 +77,7 @@ struct Ammeter {
     noise: f64,
     /// Smallest step, A; 0 where it does not quantise.
     lsb: f64,
+    per_lsb: f64,
     codes: f64,
 }
 
@@ -91,10 +92,14 @@ impl Sensors {
             let noise = sensing.position_noise.get(i).copied().unwrap_or(0.0);
             Encoder { counts, step: step * joint.drive.encoder_sign, grid, noise }
         });
-        let meters = robot.joints().iter().map(|joint| Ammeter {
-            noise: if sensing.current_noise { joint.drive.current_noise } else { 0.0 },
-            lsb: if sensing.converters { joint.drive.adc_step() } else { 0.0 },
-            codes: if joint.drive.adc_bits > 0 { f64::from(1_u32 << (joint.drive.adc_bits - 1)) } else { 0.0 },
+        let meters = robot.joints().iter().map(|joint| {
+            let lsb = if sensing.converters { joint.drive.adc_step() } else { 0.0 };
+            Ammeter {
+                noise: if sensing.current_noise { joint.drive.current_noise } else { 0.0 },
+                lsb,
+                per_lsb: if lsb > 0.0 { 1.0 / lsb } else { 0.0 },
+                codes: if joint.drive.adc_bits > 0 { f64::from(1_u32 << (joint.drive.adc_bits - 1)) } else { 0.0 },
+            }
         });
         Self {
             encoders: encoders.collect(),
@@ -126,15 +131,16 @@ impl Sensors {
             measured[i] = if meter.lsb == 0.0 {
                 current
             } else {
-                nearest(current / meter.lsb).clamp(-meter.codes, meter.codes - 1.0) * meter.lsb
+                nearest(current * meter.per_lsb).clamp(-meter.codes, meter.codes - 1.0) * meter.lsb
             };
         }
     }
 }
 
-/// The nearest whole number.
+/// The nearest whole number, of sizes below 2⁵¹; halves go to the even one. Adding 1.5 · 2⁵² leaves no bits for less.
 fn nearest(x: f64) -> f64 {
-    (x + 0.5).floor()
+    const ROUND: f64 = 6_755_399_441_055_744.0;
+    (x + ROUND) - ROUND
 }
 
 fn normal(stream: &mut Stream) -> f64 {

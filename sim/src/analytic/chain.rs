@@ -17,10 +17,22 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::friction::Friction;
 
+/// The angle between two joint axes, where it saves work.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Twist {
+    /// Any angle.
+    Any,
+    /// Parallel: α = 0.
+    Parallel,
+    /// At right angles: α = 90° (with γ and β for the sign).
+    Right,
+}
+
 /// A joint and the link it moves.
 #[derive(Clone, Copy, Debug)]
 pub(crate) struct Link {
     pub(crate) prismatic: bool,
+    pub(crate) twist: Twist,
     /// Sine and cosine of α.
     pub(crate) sin: f64,
     pub(crate) cos: f64,
@@ -87,8 +99,14 @@ impl<const N: usize> Chain<N> {
                     + shift.transpose()
                     + own.translation * own.translation.transpose() * body.mass;
                 let first = rotated + own.translation * body.mass;
+                let twist = match (*sin, *cos) {
+                    (0.0, 1.0) => Twist::Parallel,
+                    (1.0, 0.0) => Twist::Right,
+                    _ => Twist::Any,
+                };
                 Link {
                     prismatic: joints[i].kind == JointKind::Prismatic,
+                    twist,
                     sin: *sin,
                     cos: *cos,
                     offset: beta + libm::atan2(sin_next, cos_next),

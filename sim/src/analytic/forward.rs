@@ -10,11 +10,15 @@
 //!
 //! Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, tables 5.1 and 6.2.
 
-use super::chain::{Chain, Link};
-use super::elementary::sin_cos;
+use super::chain::{Chain, Link, Twist};
 use super::lane::Lane;
 
 type Three<V> = [V; 3];
+
+/// Values of [`Twist`] that a function can be compiled for.
+const ANY: u8 = 0;
+const PARALLEL: u8 = 1;
+const RIGHT: u8 = 2;
 
 /// Where a link's frame stands: sine and cosine of its turn about z, and its origin in the frame before.
 #[derive(Clone, Copy)]
@@ -48,27 +52,38 @@ fn splat<V: Lane>(a: &[f64; 3]) -> Three<V> {
 
 /// A vector of the frame before, in the link's frame: `Rzᵀ Rxᵀ v`.
 #[inline(always)]
-fn outward<V: Lane>(link: &Link, pose: &Pose<V>, v: Three<V>) -> Three<V> {
-    let (sa, ca) = (V::splat(link.sin), V::splat(link.cos));
-    let y = ca * v[1] + sa * v[2];
-    let z = ca * v[2] - sa * v[1];
+fn outward<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, v: Three<V>) -> Three<V> {
+    let (y, z) = match TWIST {
+        PARALLEL => (v[1], v[2]),
+        RIGHT => (v[2], -v[1]),
+        _ => {
+            let (sa, ca) = (V::splat(link.sin), V::splat(link.cos));
+            (ca * v[1] + sa * v[2], ca * v[2] - sa * v[1])
+        }
+    };
     [pose.cos * v[0] + pose.sin * y, pose.cos * y - pose.sin * v[0], z]
 }
 
 /// A vector of the link's frame, in the frame before: `Rx Rz v`.
 #[inline(always)]
-fn inward<V: Lane>(link: &Link, pose: &Pose<V>, v: Three<V>) -> Three<V> {
-    let (sa, ca) = (V::splat(link.sin), V::splat(link.cos));
+fn inward<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, v: Three<V>) -> Three<V> {
     let x = pose.cos * v[0] - pose.sin * v[1];
     let y = pose.sin * v[0] + pose.cos * v[1];
-    [x, ca * y - sa * v[2], sa * y + ca * v[2]]
+    match TWIST {
+        PARALLEL => [x, y, v[2]],
+        RIGHT => [x, -v[2], y],
+        _ => {
+            let (sa, ca) = (V::splat(link.sin), V::splat(link.cos));
+            [x, ca * y - sa * v[2], sa * y + ca * v[2]]
+        }
+    }
 }
 
 /// A force `(n, f)` about the link's origin, about the origin of the frame before and in its axes.
 #[inline(always)]
-fn carry<V: Lane>(link: &Link, pose: &Pose<V>, n: Three<V>, f: Three<V>) -> (Three<V>, Three<V>) {
-    let f = inward(link, pose, f);
-    (add(inward(link, pose, n), cross(pose.origin, f)), f)
+fn carry<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, n: Three<V>, f: Three<V>) -> (Three<V>, Three<V>) {
+    let f = inward::<TWIST, V>(link, pose, f);
+    (add(inward::<TWIST, V>(link, pose, n), cross(pose.origin, f)), f)
 }
 
 /// Rotates the plane (a, b; b, d) of a symmetric matrix.
@@ -87,14 +102,20 @@ struct Moments<V> {
 
 /// Moments about the link's origin, about the origin of the frame before and in its axes, added to `to`.
 #[inline(always)]
-fn gather<V: Lane>(link: &Link, pose: &Pose<V>, of: &Moments<V>, to: &mut Moments<V>) {
-    let (sa, ca) = (V::splat(link.sin), V::splat(link.cos));
+fn gather<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, of: &Moments<V>, to: &mut Moments<V>) {
     let [xx, xy, xz, yy, yz, zz] = of.second;
     let (xx, xy, yy) = turn(pose.sin, pose.cos, xx, xy, yy);
     let (xz, yz) = (pose.cos * xz - pose.sin * yz, pose.sin * xz + pose.cos * yz);
-    let (yy, yz, zz) = turn(sa, ca, yy, yz, zz);
-    let (xy, xz) = (ca * xy - sa * xz, sa * xy + ca * xz);
-    let rotated = inward(link, pose, of.first);
+    let [xy, xz, yy, yz, zz] = match TWIST {
+        PARALLEL => [xy, xz, yy, yz, zz],
+        RIGHT => [-xz, xy, zz, -yz, yy],
+        _ => {
+            let (sa, ca) = (V::splat(link.sin), V::splat(link.cos));
+            let (yy, yz, zz) = turn(sa, ca, yy, yz, zz);
+            [ca * xy - sa * xz, sa * xy + ca * xz, yy, yz, zz]
+        }
+    };
+    let rotated = inward::<TWIST, V>(link, pose, of.first);
     let p = pose.origin;
     let mass = V::splat(link.outboard);
     let half = V::splat(0.5 * link.outboard);
@@ -116,97 +137,144 @@ fn gather<V: Lane>(link: &Link, pose: &Pose<V>, of: &Moments<V>, to: &mut Moment
     }
 }
 
+/// Motion of the link that the sweep outwards has come to.
+struct Outward<V> {
+    /// Angular velocity and acceleration.
+    w: Three<V>,
+    wd: Three<V>,
+    /// Acceleration of the frame's origin, less gravity.
+    a: Three<V>,
+    /// `[ω̇]× + [ω]×²`.
+    u: [Three<V>; 3],
+}
+
+#[inline(always)]
+fn apply<V: Lane>(u: &[Three<V>; 3], x: &Three<V>) -> Three<V> {
+    std::array::from_fn(|j| u[j][0] * x[0] + u[j][1] * x[1] + u[j][2] * x[2])
+}
+
+impl<V: Lane> Outward<V> {
+    /// Goes on to the next link, and gives the moment and the force that its motion needs.
+    #[inline(always)]
+    fn next<const TWIST: u8>(&mut self, link: &Link, pose: &Pose<V>, v: V) -> (Three<V>, Three<V>) {
+        self.a = add(self.a, apply(&self.u, &pose.origin));
+        self.a = outward::<TWIST, V>(link, pose, self.a);
+        self.w = outward::<TWIST, V>(link, pose, self.w);
+        self.wd = outward::<TWIST, V>(link, pose, self.wd);
+        let Self { w, wd, a, .. } = self;
+        if link.prismatic {
+            let twice = v + v;
+            a[0] = a[0] + w[1] * twice;
+            a[1] = a[1] - w[0] * twice;
+        } else {
+            wd[0] = wd[0] + w[1] * v;
+            wd[1] = wd[1] - w[0] * v;
+            w[2] = w[2] + v;
+        }
+        let (xx, yy, zz) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
+        let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
+        let u = [
+            [-(yy + zz), xy - wd[2], xz + wd[1]],
+            [xy + wd[2], -(xx + zz), yz - wd[0]],
+            [xz - wd[1], yz + wd[0], -(xx + yy)],
+        ];
+        self.u = u;
+        let h: Three<V> = splat(&link.first);
+        let mass = V::splat(link.mass);
+        let turning = apply(&u, &h);
+        let force = std::array::from_fn(|j| mass * self.a[j] + turning[j]);
+        let s = link.second.map(V::splat);
+        let rows = [[s[0], s[1], s[2]], [s[1], s[3], s[4]], [s[2], s[4], s[5]]];
+        let product = |j: usize, k: usize| u[j][0] * rows[k][0] + u[j][1] * rows[k][1] + u[j][2] * rows[k][2];
+        let spin = [product(2, 1) - product(1, 2), product(0, 2) - product(2, 0), product(1, 0) - product(0, 1)];
+        (add(cross(h, self.a), spin), force)
+    }
+}
+
+/// What the sweep inwards carries from frame to frame.
+struct Inward<const N: usize, V> {
+    /// Moment and force that the motion of all links from here on needs.
+    n: Three<V>,
+    f: Three<V>,
+    carried: Moments<V>,
+    /// Moment and force that accelerate joint k alone, for every k from here on.
+    column_n: [Three<V>; N],
+    column_f: [Three<V>; N],
+}
+
+impl<const N: usize, V: Lane> Inward<N, V> {
+    /// Expresses everything in the frame before link `i` and takes in `before`, the moments of the link there.
+    #[inline(always)]
+    fn next<const TWIST: u8>(&mut self, i: usize, link: &Link, pose: &Pose<V>, before: Moments<V>) {
+        (self.n, self.f) = carry::<TWIST, V>(link, pose, self.n, self.f);
+        for k in i..N {
+            (self.column_n[k], self.column_f[k]) = carry::<TWIST, V>(link, pose, self.column_n[k], self.column_f[k]);
+        }
+        let mut next = before;
+        gather::<TWIST, V>(link, pose, &self.carried, &mut next);
+        self.carried = next;
+    }
+}
+
 impl<const N: usize> Chain<N> {
     /// Accelerations of the joints, and the factor of the mass matrix at `q`.
     #[inline(always)]
     pub(crate) fn accelerate<V: Lane>(&self, q: &[V; N], v: &[V; N], tau: &[V; N]) -> ([V; N], Factor<N, V>) {
         let zero = V::splat(0.0);
         let none = [zero; 3];
-        let mut poses = [Pose { sin: zero, cos: zero, origin: none }; N];
+        let links = &self.links;
+        let angles: [V; N] = std::array::from_fn(|i| {
+            let offset = V::splat(links[i].offset);
+            if links[i].prismatic { offset } else { q[i] + offset }
+        });
+        let sines: [(V, V); N] = V::sines(&angles);
+        let poses: [Pose<V>; N] = std::array::from_fn(|i| {
+            let mut origin = splat(&links[i].origin);
+            if links[i].prismatic {
+                origin[1] = origin[1] - V::splat(links[i].sin) * q[i];
+                origin[2] = origin[2] + V::splat(links[i].cos) * q[i];
+            }
+            Pose { sin: sines[i].0, cos: sines[i].1, origin }
+        });
         let (mut forces, mut moments) = ([none; N], [none; N]);
-        let (mut w, mut wd, mut a) = (none, none, splat(&self.lift));
-        // U of the link before; the base does not turn.
-        let mut u = [none; 3];
+        // The base does not turn.
+        let mut outward = Outward { w: none, wd: none, a: splat(&self.lift), u: [none; 3] };
         for i in 0..N {
-            let link = &self.links[i];
-            let mut origin = splat(&link.origin);
-            let pose = if link.prismatic {
-                origin[1] = origin[1] - V::splat(link.sin) * q[i];
-                origin[2] = origin[2] + V::splat(link.cos) * q[i];
-                let (sin, cos) = sin_cos(V::splat(link.offset));
-                Pose { sin, cos, origin }
-            } else {
-                let (sin, cos) = sin_cos(q[i] + V::splat(link.offset));
-                Pose { sin, cos, origin }
+            let (link, pose) = (&links[i], &poses[i]);
+            (moments[i], forces[i]) = match link.twist {
+                Twist::Any => outward.next::<ANY>(link, pose, v[i]),
+                Twist::Parallel => outward.next::<PARALLEL>(link, pose, v[i]),
+                Twist::Right => outward.next::<RIGHT>(link, pose, v[i]),
             };
-            poses[i] = pose;
-            if i > 0 {
-                for j in 0..3 {
-                    a[j] = a[j] + (u[j][0] * origin[0] + u[j][1] * origin[1] + u[j][2] * origin[2]);
-                }
-            }
-            a = outward(link, &pose, a);
-            w = outward(link, &pose, w);
-            wd = outward(link, &pose, wd);
-            if link.prismatic {
-                let twice = v[i] + v[i];
-                a[0] = a[0] + w[1] * twice;
-                a[1] = a[1] - w[0] * twice;
-            } else {
-                wd[0] = wd[0] + w[1] * v[i];
-                wd[1] = wd[1] - w[0] * v[i];
-                w[2] = w[2] + v[i];
-            }
-            let (xx, yy, zz) = (w[0] * w[0], w[1] * w[1], w[2] * w[2]);
-            let (xy, xz, yz) = (w[0] * w[1], w[0] * w[2], w[1] * w[2]);
-            u = [
-                [-(yy + zz), xy - wd[2], xz + wd[1]],
-                [xy + wd[2], -(xx + zz), yz - wd[0]],
-                [xz - wd[1], yz + wd[0], -(xx + yy)],
-            ];
-            let h: Three<V> = splat(&link.first);
-            let mass = V::splat(link.mass);
-            for j in 0..3 {
-                forces[i][j] = mass * a[j] + (u[j][0] * h[0] + u[j][1] * h[1] + u[j][2] * h[2]);
-            }
-            let s = link.second.map(V::splat);
-            let rows = [[s[0], s[1], s[2]], [s[1], s[3], s[4]], [s[2], s[4], s[5]]];
-            let product = |j: usize, k: usize| u[j][0] * rows[k][0] + u[j][1] * rows[k][1] + u[j][2] * rows[k][2];
-            let spin = [product(2, 1) - product(1, 2), product(0, 2) - product(2, 0), product(1, 0) - product(0, 1)];
-            moments[i] = add(cross(h, a), spin);
         }
         let friction = self.friction.torque(v);
         let mut right = [zero; N];
         let mut matrix = [[zero; N]; N];
         let own = |link: &Link| Moments { first: splat(&link.first), second: link.second.map(V::splat) };
-        let mut carried = own(&self.links[N - 1]);
-        let (mut column_n, mut column_f) = ([none; N], [none; N]);
-        let (mut n, mut f) = (none, none);
+        let mut inward =
+            Inward { n: none, f: none, carried: own(&links[N - 1]), column_n: [none; N], column_f: [none; N] };
         for i in (0..N).rev() {
-            let link = &self.links[i];
-            n = add(n, moments[i]);
-            f = add(f, forces[i]);
-            let h = carried.first;
-            let s = carried.second;
-            (column_n[i], column_f[i]) = if link.prismatic {
+            let link = &links[i];
+            inward.n = add(inward.n, moments[i]);
+            inward.f = add(inward.f, forces[i]);
+            let (h, s) = (inward.carried.first, inward.carried.second);
+            (inward.column_n[i], inward.column_f[i]) = if link.prismatic {
                 ([h[1], -h[0], zero], [zero, zero, V::splat(link.outboard)])
             } else {
                 ([-s[2], -s[4], s[0] + s[3]], [-h[1], h[0], zero])
             };
             let along = |n: &Three<V>, f: &Three<V>| if link.prismatic { f[2] } else { n[2] };
-            right[i] = tau[i] - friction[i] - along(&n, &f);
+            right[i] = tau[i] - friction[i] - along(&inward.n, &inward.f);
             for k in i..N {
-                matrix[k][i] = along(&column_n[k], &column_f[k]) + V::splat(self.rotors[k][i]);
+                matrix[k][i] = along(&inward.column_n[k], &inward.column_f[k]) + V::splat(self.rotors[k][i]);
             }
             if i > 0 {
-                let pose = &poses[i];
-                (n, f) = carry(link, pose, n, f);
-                for k in i..N {
-                    (column_n[k], column_f[k]) = carry(link, pose, column_n[k], column_f[k]);
+                let (pose, before) = (&poses[i], own(&links[i - 1]));
+                match link.twist {
+                    Twist::Any => inward.next::<ANY>(i, link, pose, before),
+                    Twist::Parallel => inward.next::<PARALLEL>(i, link, pose, before),
+                    Twist::Right => inward.next::<RIGHT>(i, link, pose, before),
                 }
-                let mut next = own(&self.links[i - 1]);
-                gather(link, pose, &carried, &mut next);
-                carried = next;
             }
         }
         let factor = Factor::new(&matrix);

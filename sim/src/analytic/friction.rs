@@ -19,16 +19,18 @@ impl Rub {
         Self { viscous, coulomb, per_speed: if coulomb == 0.0 { 0.0 } else { 1.0 / speed } }
     }
 
-    #[inline(always)]
-    fn torque<V: Lane>(&self, v: V) -> V {
-        V::splat(self.viscous) * v + V::splat(self.coulomb) * tanh(v * V::splat(self.per_speed))
-    }
-
     /// Slope of the torque at the speed `v`, at most; N·m·s/rad.
     fn slope(&self, v: f64) -> f64 {
         let t = tanh(v * self.per_speed);
         self.viscous + self.coulomb * self.per_speed * (1.0 - t * t)
     }
+}
+
+/// Torques of N coordinates that move with the speeds `v`.
+#[inline(always)]
+fn torques<const N: usize, V: Lane>(rubs: &[Rub; N], v: &[V; N]) -> [V; N] {
+    let signs: [V; N] = V::tangents(&std::array::from_fn(|i| v[i] * V::splat(rubs[i].per_speed)));
+    std::array::from_fn(|i| V::splat(rubs[i].viscous) * v[i] + V::splat(rubs[i].coulomb) * signs[i])
 }
 
 /// Friction of a robot with N joints.
@@ -72,20 +74,22 @@ impl<const N: usize> Friction<N> {
     /// Torque that friction and offset take, N·m.
     #[inline(always)]
     pub(crate) fn torque<V: Lane>(&self, v: &[V; N]) -> [V; N] {
-        let mut out = [V::splat(0.0); N];
+        let mut out = torques(&self.joints, v);
         for i in 0..N {
-            out[i] = self.joints[i].torque(v[i]) + V::splat(self.offset[i]);
+            out[i] = out[i] + V::splat(self.offset[i]);
         }
         if let Some(motors) = &self.motors {
+            let c = &motors.coupling;
+            let mut speeds = [V::splat(0.0); N];
             for i in 0..N {
-                let row = &motors.coupling[i];
-                let mut speed = V::splat(0.0);
                 for j in 0..N {
-                    speed = speed + V::splat(row[j]) * v[j];
+                    speeds[i] = speeds[i] + V::splat(c[i][j]) * v[j];
                 }
-                let torque = motors.rubs[i].torque(speed);
-                for j in 0..N {
-                    out[j] = out[j] + V::splat(row[j]) * torque;
+            }
+            let torques = torques(&motors.rubs, &speeds);
+            for j in 0..N {
+                for i in 0..N {
+                    out[j] = out[j] + V::splat(c[i][j]) * torques[i];
                 }
             }
         }
