@@ -1,7 +1,7 @@
 //! Tables: named columns with units, one cell per column in every row.
 
 use crate::DocumentError;
-use crate::drawing::ticks::{plain, powered};
+use crate::drawing::ticks::{plain, powered_in_full};
 
 /// A table with a caption.
 ///
@@ -112,7 +112,7 @@ fn significant(value: f64, digits: usize) -> String {
     let rounded = format!("{:.*e}", digits - 1, value.abs());
     let exponent: i32 = rounded.split_once('e').and_then(|(_, exponent)| exponent.parse().ok()).unwrap_or(0);
     if !(-4..6).contains(&exponent) {
-        return powered(value, digits - 1);
+        return powered_in_full(value, digits - 1);
     }
     plain(value, (digits as i32 - 1 - exponent).max(0) as usize)
 }

@@ -119,7 +119,7 @@ fn write(values: Vec<f64>, span: &Span) -> Vec<Tick> {
             // Between numbers of a log axis the steps differ: each number takes the digits it needs.
             Scale::Log if largest > 99_999.0 || smallest < 0.000_99 => powered(value, 9),
             Scale::Log => shortest(value, 12),
-            Scale::Linear if largest > 999_999.0 || largest < 0.000_99 => {
+            Scale::Linear if !(0.000_99..=999_999.0).contains(&largest) => {
                 let digits = (log10(largest.max(f64::MIN_POSITIVE)).floor() - log10(spread).floor()).clamp(0.0, 12.0);
                 powered(value, if spread.is_finite() { digits as usize } else { 3 })
             }
@@ -177,16 +177,27 @@ pub(crate) fn powered(value: f64, digits: usize) -> String {
     if value.abs() <= 0.0 {
         return "0".to_owned();
     }
-    let written = format!("{:.digits$e}", value.abs());
-    let (mantissa, exponent) = written.split_once('e').unwrap_or((&written, "0"));
-    let mantissa = if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { mantissa };
-    let sign = if value < 0.0 { "−" } else { "" };
-    let power: String = exponent.chars().map(superscript).collect();
-    match (mantissa, exponent) {
+    let (sign, mantissa, power) = split(value, digits);
+    let mantissa =
+        if mantissa.contains('.') { mantissa.trim_end_matches('0').trim_end_matches('.') } else { &mantissa };
+    match (mantissa, power.as_str()) {
         ("1", _) => format!("{sign}10{power}"),
-        (_, "0") => format!("{sign}{mantissa}"),
+        (_, "⁰") => format!("{sign}{mantissa}"),
         _ => format!("{sign}{mantissa}×10{power}"),
     }
+}
+
+/// `1.0×10⁻⁶`, with exactly `digits` digits after the point.
+pub(crate) fn powered_in_full(value: f64, digits: usize) -> String {
+    let (sign, mantissa, power) = split(value, digits);
+    format!("{sign}{mantissa}×10{power}")
+}
+
+/// Sign, mantissa with `digits` digits after the point, and exponent in superscript.
+fn split(value: f64, digits: usize) -> (&'static str, String, String) {
+    let written = format!("{:.digits$e}", value.abs());
+    let (mantissa, exponent) = written.split_once('e').unwrap_or((&written, "0"));
+    (if value < 0.0 { "−" } else { "" }, mantissa.to_owned(), exponent.chars().map(superscript).collect())
 }
 
 fn superscript(character: char) -> char {
@@ -207,7 +218,7 @@ fn superscript(character: char) -> char {
 
 #[cfg(test)]
 mod tests {
-    use super::{Scale, Span, plain, powered, ticks};
+    use super::{Scale, Span, plain, powered, powered_in_full, ticks};
 
     fn labels(scale: Scale, low: f64, high: f64, length: f64) -> Vec<String> {
         let span = Span { scale, low, high };
@@ -262,5 +273,6 @@ mod tests {
         assert_eq!(powered(-1e12, 3), "−10¹²");
         assert_eq!(powered(1.0, 3), "10⁰");
         assert_eq!(powered(0.0, 3), "0");
+        assert_eq!(powered_in_full(1e-5, 1), "1.0×10⁻⁵");
     }
 }

@@ -267,8 +267,13 @@ impl ScatterPanel {
                 let covered = points.iter().filter(|&&(x, y)| {
                     x > rect.left - 5.0 && x < rect.right + 5.0 && y > rect.top - 5.0 && y < rect.bottom + 5.0
                 });
+                let crossed = self.references.iter().filter(|other| match other {
+                    Reference::X { value, .. } => (rect.left - 2.0..rect.right + 2.0).contains(&plot.x_at(*value)),
+                    Reference::Y { value, .. } => (rect.top..rect.bottom).contains(&plot.y_at(*value)),
+                    Reference::Segment { .. } => false,
+                });
                 let clashes = taken.iter().filter(|other| rect.overlaps(other)).count();
-                covered.count() + 1000 * clashes + if inside { 0 } else { 10_000 }
+                covered.count() + 3 * crossed.count() + 1000 * clashes + if inside { 0 } else { 10_000 }
             };
             let best = centres.into_iter().map(plate).min_by_key(|rect| cost(rect));
             if let Some(rect) = best {
