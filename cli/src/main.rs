@@ -2,13 +2,17 @@
 
 mod answer;
 mod arguments;
+mod arms;
 mod atomic_file;
+mod bundled_experiments;
 mod choices;
 mod commands;
 mod console;
 mod fault;
 mod files;
+mod identification;
 mod interrupt;
+mod progress;
 
 mod robot_source;
 mod suggestion;
@@ -25,7 +29,7 @@ fn main() -> ExitCode {
     fault::install_reporter();
     let arguments = Arguments::parse();
     let console = Console::new(arguments.global);
-    let outcome = interrupt::watch().and_then(|()| commands::run(arguments.command, &console));
+    let outcome = interrupt::watch().and_then(|()| commands::carry_out(arguments.command, &console));
     match outcome {
         Ok(ending) => ending.exit_code(),
         Err(report) => {

@@ -2,12 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::model::format::{ChainEnds, FormatError, ImportedModel, parse_nominal, parse_robot, parse_urdf};
+use armid::model::format::{ChainEnds, FormatError, parse_nominal, parse_parameters, parse_robot, parse_urdf};
 use armid::model::{Robot, StandardParameters, bundled};
+use armid::study::truth_text;
 use miette::Result;
 
 use crate::atomic_file::read_text;
 use crate::fault::{Fault, Text};
+use crate::files::log::RecordedRobot;
 use crate::suggestion;
 
 /// Which robot.
@@ -38,13 +40,50 @@ pub(crate) struct LoadedRobot {
     pub(crate) text: Text,
     /// What an experimenter would guess: `nominal.toml`.
     pub(crate) nominal: Option<StandardParameters>,
+    /// Its text.
+    pub(crate) nominal_text: Option<Text>,
     /// The inertias that the file itself holds: a URDF or MJCF.
     pub(crate) own: Option<StandardParameters>,
     /// What was read otherwise than it is written, a sentence each.
     pub(crate) remarks: Vec<String>,
-    /// The folder of `robot.toml`, where it is a file; `None` where the robot is compiled in.
-    #[allow(dead_code, reason = "the simulator reads truth.toml there")]
-    pub(crate) folder: Option<PathBuf>,
+    /// Where the parameters are that a simulated arm is made of.
+    truth: TruthSource,
+}
+
+#[derive(Clone, Debug)]
+enum TruthSource {
+    /// Compiled in, under this name.
+    Bundled(&'static str),
+    /// `truth.toml` in this folder.
+    Folder(PathBuf),
+    /// The file's own inertias.
+    Own,
+}
+
+impl LoadedRobot {
+    /// What a simulated arm of this kind is made of. Nothing but a simulator may ask.
+    pub(crate) fn truth(&self) -> Result<StandardParameters> {
+        let text = match (&self.truth, &self.own) {
+            (TruthSource::Own, Some(own)) => return Ok(own.clone()),
+            (TruthSource::Bundled(name), _) => {
+                let text = truth_text(name).unwrap_or_default();
+                Text::new(format!("models/{name}/truth.toml"), text)
+            }
+            (TruthSource::Folder(folder), _) => {
+                let path = folder.join("truth.toml");
+                if !path.is_file() {
+                    let message = format!("{} is not there: a simulated arm is made of its parameters", path.display());
+                    return Err(Fault::new(message).into());
+                }
+                read_text(&path)?
+            }
+            (TruthSource::Own, None) => {
+                let message = format!("\"{}\" has no inertias to simulate with", self.robot.name());
+                return Err(Fault::new(message).into());
+            }
+        };
+        Ok(parse_parameters(&text.content, &self.robot, true).map_err(|fault| located(&text, &fault))?.parameters)
+    }
 }
 
 impl RobotArguments {
@@ -60,14 +99,15 @@ pub(crate) fn load(name: &str, chain: &ChainArguments, beside: Option<&Path>) ->
         let text = Text::new(format!("models/{name}/robot.toml"), entry.robot);
         let robot = parse_robot(entry.robot).map_err(|fault| located(&text, &fault))?;
         let nominal_text = Text::new(format!("models/{name}/nominal.toml"), entry.nominal);
-        let nominal = parse_nominal(entry.nominal, &robot).map_err(|fault| located(&nominal_text, &fault))?;
+        let nominal = parse_nominal(entry.nominal, &robot).map_err(|fault| located(&nominal_text, &fault))?.parameters;
         return Ok(LoadedRobot {
             robot,
             text,
-            nominal: Some(nominal.parameters),
+            nominal: Some(nominal),
+            nominal_text: Some(nominal_text),
             own: None,
             remarks: Vec::new(),
-            folder: None,
+            truth: TruthSource::Bundled(entry.name),
         });
     }
     let path = beside.map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
@@ -80,7 +120,7 @@ pub(crate) fn load(name: &str, chain: &ChainArguments, beside: Option<&Path>) ->
             no_chain(chain, name)?;
             load_toml(&path)
         }
-        Some("urdf") => load_tree(&path, chain, parse_urdf),
+        Some("urdf") => tree(read_text(&path)?, chain),
         other => Err(Fault::new(format!(
             "{}: found a file ending in \"{}\", expected .toml, .urdf or .xml",
             path.display(),
@@ -95,29 +135,55 @@ fn load_toml(path: &Path) -> Result<LoadedRobot> {
     let robot = parse_robot(&text.content).map_err(|fault| located(&text, &fault))?;
     let folder = path.parent().map_or_else(|| PathBuf::from("."), Path::to_path_buf);
     let beside = folder.join("nominal.toml");
-    let nominal = if beside.is_file() {
-        let text = read_text(&beside)?;
-        Some(parse_nominal(&text.content, &robot).map_err(|fault| located(&text, &fault))?.parameters)
-    } else {
-        None
+    let nominal_text = if beside.is_file() { Some(read_text(&beside)?) } else { None };
+    let nominal = match &nominal_text {
+        Some(text) => Some(parse_nominal(&text.content, &robot).map_err(|fault| located(text, &fault))?.parameters),
+        None => None,
     };
-    Ok(LoadedRobot { robot, text, nominal, own: None, remarks: Vec::new(), folder: Some(folder) })
+    Ok(LoadedRobot {
+        robot,
+        text,
+        nominal,
+        own: None,
+        remarks: Vec::new(),
+        truth: TruthSource::Folder(folder),
+        nominal_text,
+    })
 }
 
-fn load_tree(
-    path: &Path,
-    chain: &ChainArguments,
-    parse: fn(&str, &ChainEnds) -> Result<ImportedModel, FormatError>,
-) -> Result<LoadedRobot> {
-    let text = read_text(path)?;
+/// The chain of a tree in XML.
+fn tree(text: Text, chain: &ChainArguments) -> Result<LoadedRobot> {
     let ends = ChainEnds { base: chain.base_link.clone(), tip: chain.tip_link.clone() };
-    let model = parse(&text.content, &ends).map_err(|fault| located(&text, &fault))?;
+    let model = parse_urdf(&text.content, &ends).map_err(|fault| located(&text, &fault))?;
     let mut remarks = model.remarks;
     if !model.locked.is_empty() {
         remarks.push(format!("joints off the chain are held at zero: {}", model.locked.join(", ")));
     }
     let own = Some(model.parameters);
-    Ok(LoadedRobot { robot: model.robot, text, nominal: None, own, remarks, folder: None })
+    Ok(LoadedRobot {
+        robot: model.robot,
+        text,
+        nominal: None,
+        nominal_text: None,
+        own,
+        remarks,
+        truth: TruthSource::Own,
+    })
+}
+
+/// The robot that a recording holds.
+pub(crate) fn of_recording(name: &str, recorded: &RecordedRobot) -> Result<LoadedRobot> {
+    let text = Text::new(format!("{name} (robot file)"), recorded.text.as_str());
+    if recorded.text.trim_start().starts_with('<') {
+        return tree(text, &recorded.chain);
+    }
+    let robot = parse_robot(&text.content).map_err(|fault| located(&text, &fault))?;
+    let nominal_text = recorded.nominal.as_deref().map(|nominal| Text::new(format!("{name} (nominal file)"), nominal));
+    let nominal = match &nominal_text {
+        Some(text) => Some(parse_nominal(&text.content, &robot).map_err(|fault| located(text, &fault))?.parameters),
+        None => None,
+    };
+    Ok(LoadedRobot { robot, text, nominal, nominal_text, own: None, remarks: Vec::new(), truth: TruthSource::Own })
 }
 
 /// A fault of one of the library's text formats, shown in the text.

@@ -2,7 +2,7 @@
 
 use miette::Result;
 
-use super::{completions, dynamics, reduce, robot};
+use super::{completions, dynamics, identify, reduce, robot, run, validate};
 use crate::answer::Ending;
 use crate::console::Console;
 
@@ -12,15 +12,21 @@ pub(crate) enum Command {
     Robot(robot::Arguments),
     Reduce(reduce::Arguments),
     Dynamics(dynamics::Arguments),
+    Run(run::Arguments),
+    Identify(identify::Arguments),
+    Validate(validate::Arguments),
     Completions(completions::Arguments),
 }
 
 /// Does it.
-pub(crate) fn run(command: Command, console: &Console) -> Result<Ending> {
+pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
     match command {
         Command::Robot(arguments) => robot::run(&arguments, console),
         Command::Reduce(arguments) => reduce::run(&arguments, console),
         Command::Dynamics(arguments) => dynamics::run(&arguments, console),
+        Command::Run(arguments) => run::run(&arguments, console),
+        Command::Identify(arguments) => identify::run(&arguments, console),
+        Command::Validate(arguments) => validate::run(&arguments, console),
         Command::Completions(arguments) => completions::run(&arguments, console),
     }
 }

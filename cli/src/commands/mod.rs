@@ -3,7 +3,10 @@
 mod command;
 mod completions;
 mod dynamics;
+mod identify;
 mod reduce;
 mod robot;
+mod run;
+mod validate;
 
-pub(crate) use command::{Command, run};
+pub(crate) use command::{Command, carry_out};

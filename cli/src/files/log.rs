@@ -1,6 +1,5 @@
 //! What identification reads: a log of positions and efforts, from whatever recorded it.
 
-use std::ops::Range;
 use std::path::Path;
 
 use armid::experiment::Recording;
@@ -9,6 +8,7 @@ use miette::Result;
 
 use super::{recording_csv, recording_reader};
 use crate::fault::Fault;
+use crate::robot_source::ChainArguments;
 
 /// Positions and efforts of some joints at a constant rate.
 #[derive(Clone, Debug)]
@@ -27,19 +27,29 @@ pub(crate) struct Log {
     pub(crate) q: Vec<f64>,
     /// Efforts, A or N·m (N); N × n.
     pub(crate) effort: Vec<f64>,
-    /// Samples in one period, where the file says that the motion is periodic.
-    pub(crate) period_samples: Option<usize>,
-    /// The samples that count.
-    pub(crate) counted: Range<usize>,
+    /// The robot that was recorded, where the file holds it.
+    pub(crate) robot: Option<RecordedRobot>,
     /// The experiment, where armid performed it.
     pub(crate) recording: Option<Recording>,
     /// Whether the file is whole.
     pub(crate) complete: bool,
 }
 
+/// The robot as a recording holds it: texts.
+#[derive(Clone, Debug, Default)]
+pub(crate) struct RecordedRobot {
+    /// Its file.
+    pub(crate) text: String,
+    /// What an experimenter would guess, where there was such a file.
+    pub(crate) nominal: Option<String>,
+    /// The chain that was chosen in a tree.
+    pub(crate) chain: ChainArguments,
+}
+
 /// Reads a log: MCAP by its first bytes, CSV otherwise.
 pub(crate) fn read(path: &Path) -> Result<Log> {
-    let bytes = std::fs::read(path).map_err(|error| Fault::new(format!("{} cannot be read: {error}", path.display())))?;
+    let bytes =
+        std::fs::read(path).map_err(|error| Fault::new(format!("{} cannot be read: {error}", path.display())))?;
     if bytes.starts_with(mcap::MAGIC) {
         return recording_reader::read(path, &bytes);
     }

@@ -1,5 +1,12 @@
 //! The files that the command reads and writes.
 
+pub(crate) mod experiment_toml;
+pub(crate) mod file_sink;
+pub(crate) mod joint_state;
+pub(crate) mod log;
 pub(crate) mod number_table;
+pub(crate) mod recording_csv;
+pub(crate) mod recording_mcap;
+pub(crate) mod recording_reader;
 pub(crate) mod states_csv;
 pub(crate) mod trajectory;

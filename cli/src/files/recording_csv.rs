@@ -31,9 +31,8 @@ pub(crate) fn read(text: Text) -> Result<Log> {
         rate_hz,
         effort_unit: Some(unit),
         q: rows.clone().flat_map(|row| table.pick(row, &q)).collect(),
-        effort: rows.clone().flat_map(|row| table.pick(row, &effort)).collect(),
-        period_samples: None,
-        counted: rows,
+        effort: rows.flat_map(|row| table.pick(row, &effort)).collect(),
+        robot: None,
         recording: None,
         complete: true,
     })

@@ -4,7 +4,7 @@
 //! |---|---|
 //! | `/joint_states` | `sensor_msgs/msg/JointState` in CDR: position rad (m), effort A or N·m (N), every sample |
 //! | `/joint_commands` | the commanded position, at most 100 times a second |
-//! | metadata `armid` | robot, robot file, joints, rate, unit of effort, trajectory, phases, provenance, experiment |
+//! | metadata `armid` | robot and its file, joints, rate, unit of effort, trajectory, phases, provenance, experiment |
 //! | metadata `armid/ending` | how the experiment ended; absent where the file was cut off |
 //!
 //! Times count from the beginning of the experiment, so equal experiments give equal bytes.
@@ -18,6 +18,7 @@ use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
 use mcap::records::{MessageHeader, Metadata};
 use miette::Result;
 
+use super::file_sink::FileSink;
 use super::joint_state::{DEFINITION, JointState, NAME};
 use crate::fault::Fault;
 use crate::interrupt;
@@ -39,7 +40,7 @@ const CHUNK_S: f64 = 1.0;
 pub(crate) struct McapSink<'a> {
     path: PathBuf,
     part: PathBuf,
-    experiment: String,
+    notes: BTreeMap<String, String>,
     open: Option<Open>,
     fault: Option<Fault>,
     on_sample: Box<dyn FnMut(usize) + 'a>,
@@ -56,24 +57,20 @@ struct Open {
 }
 
 impl<'a> McapSink<'a> {
-    /// A sink that writes beside `path`. `experiment` is the text of the experiment file; `on_sample` hears how many
-    /// samples there are.
-    pub(crate) fn new(path: &Path, experiment: &str, on_sample: impl FnMut(usize) + 'a) -> Self {
-        let mut part = path.as_os_str().to_owned();
-        part.push(".part");
+    /// A sink that writes beside `path`. `notes` go into the metadata as they are; `on_sample` hears how many samples
+    /// there are.
+    pub(crate) fn new(path: &Path, notes: BTreeMap<String, String>, on_sample: impl FnMut(usize) + 'a) -> Self {
         Self {
             path: path.to_path_buf(),
-            part: part.into(),
-            experiment: experiment.to_owned(),
+            part: part_of(path),
+            notes,
             open: None,
             fault: None,
             on_sample: Box::new(on_sample),
         }
     }
 
-    /// Completes the file. It takes its name where the experiment was completed, and keeps the ending `.part` otherwise.
-    /// Returns where it is.
-    pub(crate) fn finish(mut self, ending: &Ending) -> Result<PathBuf> {
+    fn complete(&mut self, ending: &Ending) -> Result<PathBuf> {
         if let Some(fault) = self.fault.take() {
             return Err(fault.into());
         }
@@ -94,9 +91,9 @@ impl<'a> McapSink<'a> {
         drop(open);
         if ending.is_complete() {
             fs::rename(&self.part, &self.path).map_err(|error| cannot_write(&self.path, &error))?;
-            Ok(self.path)
+            Ok(self.path.clone())
         } else {
-            Ok(self.part)
+            Ok(self.part.clone())
         }
     }
 
@@ -143,10 +140,10 @@ impl<'a> McapSink<'a> {
             ("period_samples", recording.period_samples.to_string()),
             ("phases", json(serde_json::to_string(&recording.phases))),
             ("provenance", json(serde_json::to_string(&recording.provenance))),
-            ("experiment", self.experiment.clone()),
         ]
         .into_iter()
         .map(|(key, value)| (key.to_owned(), value))
+        .chain(self.notes.clone())
         .collect()
     }
 }
@@ -158,8 +155,21 @@ const fn effort_unit(recording: &Recording) -> &'static str {
     }
 }
 
+/// `R.mcap.part` for `R.mcap`: what a file is called that is not whole.
+pub(crate) fn part_of(path: &Path) -> PathBuf {
+    let mut part = path.as_os_str().to_owned();
+    part.push(".part");
+    part.into()
+}
+
 fn cannot_write(path: &Path, error: &impl std::fmt::Display) -> Fault {
     Fault::new(format!("{} cannot be written: {error}", path.display()))
+}
+
+impl FileSink for McapSink<'_> {
+    fn finish(mut self: Box<Self>, ending: &Ending) -> Result<PathBuf> {
+        self.complete(ending)
+    }
 }
 
 impl Sink for McapSink<'_> {

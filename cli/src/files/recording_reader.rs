@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use armid::excitation::FourierTrajectory;
-use armid::experiment::{Phase, PhaseSpan, Recording};
+use armid::experiment::{PhaseSpan, Recording};
 use armid::model::EffortInterface;
 use armid::provenance::Provenance;
 use mcap::McapError;
@@ -13,9 +13,10 @@ use mcap::records::Record;
 use miette::Result;
 
 use super::joint_state::{JointState, NAME};
-use super::log::Log;
+use super::log::{Log, RecordedRobot};
 use super::recording_mcap::{METADATA, STATES};
 use crate::fault::Fault;
+use crate::robot_source::ChainArguments;
 
 /// What a file holds.
 #[derive(Default)]
@@ -30,7 +31,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Log> {
     let name = path.display().to_string();
     let contents = contents(&name, bytes)?;
     if !contents.whole && path.extension().is_none_or(|extension| extension != "part") {
-        let last = contents.states.last().map_or(0.0, |state| state.stamp_ns as f64 * 1e-9);
+        let last = contents.states.last().map_or(0.0, |state| state.stamp_ns as f64 / 1e9);
         let message = format!(
             "{name} is cut off: it ends after {} samples, at t = {last:.3} s, without the footer of an MCAP file",
             contents.states.len()
@@ -120,10 +121,18 @@ fn own(name: &str, metadata: &BTreeMap<String, String>, states: &[JointState]) -
     let trajectory = FourierTrajectory::from_toml(get("trajectory")?)
         .map_err(|error| Fault::new(format!("{name}: metadata \"trajectory\": {error}")))?;
     let dof = joints.len();
+    let robot = RecordedRobot {
+        text: get("robot_file")?.clone(),
+        nominal: metadata.get("nominal_file").cloned(),
+        chain: ChainArguments {
+            base_link: metadata.get("base_link").cloned(),
+            tip_link: metadata.get("tip_link").cloned(),
+        },
+    };
     let (q, effort) = columns(name, &joints, states)?;
     let recording = Recording {
         robot: get("robot")?.clone(),
-        robot_text: get("robot_file")?.clone(),
+        robot_text: robot.text.clone(),
         dof,
         rate_hz,
         joints: joints.clone(),
@@ -131,7 +140,7 @@ fn own(name: &str, metadata: &BTreeMap<String, String>, states: &[JointState]) -
         phases,
         trajectory,
         period_samples,
-        t: states.iter().map(|state| state.stamp_ns as f64 * 1e-9).collect(),
+        t: states.iter().map(|state| state.stamp_ns as f64 / 1e9).collect(),
         q: q.clone(),
         effort: effort.clone(),
         provenance,
@@ -144,8 +153,7 @@ fn own(name: &str, metadata: &BTreeMap<String, String>, states: &[JointState]) -
         effort_unit: Some(effort_unit),
         q,
         effort,
-        period_samples: Some(period_samples),
-        counted: recording.samples(Phase::Record),
+        robot: Some(robot),
         recording: Some(recording),
         complete: true,
     })
@@ -175,8 +183,7 @@ fn foreign(name: &str, states: &[JointState]) -> Result<Log> {
         effort_unit: None,
         q,
         effort,
-        period_samples: None,
-        counted: 0..n,
+        robot: None,
         recording: None,
         complete: true,
     })

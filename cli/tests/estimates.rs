@@ -1,0 +1,189 @@
+//! `armid identify` and `armid validate`
+
+mod support;
+
+use std::path::Path;
+
+use serde_json::Value;
+use support::{armid, experiment, json, stderr, stdout, temporary, write};
+
+fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().expect("a path in UTF-8").to_owned()
+}
+
+/// A recording of the paper's trajectory.
+fn record(folder: &Path, name: &str, seed: &str) -> String {
+    let recording = path(folder, name);
+    armid(["run", &experiment(folder, 3), "--seed", seed, "-o", &recording]).success();
+    recording
+}
+
+fn value(estimate: &Value, name: &str) -> f64 {
+    let base = estimate["base"].as_array().expect("a list");
+    let found = base.iter().find(|parameter| parameter["name"] == name).expect("a parameter");
+    found["value"].as_f64().expect("a number")
+}
+
+#[test]
+fn the_keys_of_the_contract_are_there_and_friction_is_that_of_the_simulated_arm() {
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "3");
+    let out = path(folder.path(), "E.json");
+    let estimate = json(&armid(["identify", &recording, "-o", &out, "--json"]).success());
+    for key in [
+        "estimator",
+        "base",
+        "standard",
+        "consistent",
+        "residual_rms",
+        "noise_std",
+        "units",
+        "condition",
+        "findings",
+        "termination",
+    ] {
+        assert!(estimate.get(key).is_some(), "{key}");
+    }
+    assert_eq!(estimate["estimator"], "wls");
+    assert_eq!(estimate["base"].as_array().unwrap().len(), 58);
+    for key in ["name", "value", "std", "ci95"] {
+        assert!(estimate["base"][0].get(key).is_some(), "{key}");
+    }
+    assert_eq!(estimate["ci95"], Value::Null);
+    assert_eq!(estimate["base"][0]["ci95"].as_array().unwrap().len(), 2);
+    assert_eq!(estimate["standard"].as_array().unwrap().len(), 84);
+    assert_eq!(estimate["units"], Value::from(vec!["N·m"; 6]));
+    for key in ["residual_rms", "noise_std"] {
+        assert_eq!(estimate[key].as_array().unwrap().len(), 6);
+    }
+    let written: Value = serde_json::from_str(&std::fs::read_to_string(&out).unwrap()).unwrap();
+    assert_eq!(written, estimate);
+
+    // Friction stands in the base alone; the file that the simulator reads has it. Three periods of 10 s give it to
+    // a hundredth and better; the bound is 3 % for the bias of the servo's delay.
+    let truth = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/crs-a460/truth.toml")).unwrap();
+    let truth: toml::Table = truth.parse().unwrap();
+    for (k, drive) in truth["drive"].as_array().unwrap().iter().enumerate() {
+        for (symbol, key) in [("Fv", "viscous_nm_s_rad"), ("Fc", "coulomb_nm")] {
+            let (found, expected) = (value(&estimate, &format!("{symbol}{}", k + 1)), drive[key].as_float().unwrap());
+            assert!((found / expected - 1.0).abs() < 0.03, "{symbol}{}: {found} {expected}", k + 1);
+        }
+    }
+}
+
+#[test]
+fn identity_a_csv_gives_what_the_recording_gives() {
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "3");
+    let csv = path(folder.path(), "R.csv");
+    armid(["run", &path(folder.path(), "experiment.toml"), "--seed", "3", "-o", &csv]).success();
+    let direct = json(&armid(["identify", &recording, "--json"]).success());
+    // The periods that count begin after 1 s at rest, 2 s of ramp and 10 s thrown away.
+    let log = ["identify", &csv, "--robot", "crs-a460", "--period", "10", "--skip", "13", "--json"];
+    let through_csv = json(&armid(log).success());
+    assert_eq!(through_csv["periods"], 3);
+    for (a, b) in direct["base"].as_array().unwrap().iter().zip(through_csv["base"].as_array().unwrap()) {
+        let (value, other, std) =
+            (a["value"].as_f64().unwrap(), b["value"].as_f64().unwrap(), a["std"].as_f64().unwrap());
+        // The same samples; the band of each joint's position is found in them, not known beforehand.
+        assert!((value - other).abs() < std, "{a} {b}");
+    }
+    let fault = stderr(&armid(["identify", &csv]).code(2));
+    assert!(fault.contains("does not say which robot it is of, expected --robot"), "{fault}");
+    let fault = stderr(&armid(["identify", &csv, "--robot", "crs-a460", "--period", "0.0333"]).code(2));
+    assert!(fault.contains("--period 0.0333 s is 33.300 samples"), "{fault}");
+    let fault = stderr(&armid(["identify", &recording, "--period", "10"]).code(2));
+    assert!(fault.contains("says its own period"), "{fault}");
+    let aperiodic = json(&armid(["identify", &csv, "--robot", "crs-a460", "--json"]).success());
+    assert_eq!(aperiodic["interval_basis"], "residual");
+}
+
+#[test]
+fn a_csv_with_a_wrong_header_is_shown_with_line_and_column() {
+    let folder = temporary();
+    for (text, wanted) in [
+        ("time,q1,tau1\n0,1,2\n", "log.csv:1:1: heading \"t\" is missing"),
+        ("t,q1,q2,tau1\n0,1,2,3\n", "log.csv:1:1: heading \"tau2\" is missing"),
+        ("t,q1,tau1,extra\n0,1,2,3\n", "log.csv:1:11: found heading \"extra\""),
+        ("t,q1,tau1\n0,1,2\n0.001,x,2\n", "log.csv:3:7: q1: found \"x\""),
+        ("t,q1,tau1\n0,1,2\n0.001,1,2\n0.5,1,2\n", "log.csv:3:1: t: found a step of"),
+        ("t,q1,tau1\n0,1,2\n0.001,1,2\n", "log.csv holds 1 joints, expected the 6 of robot \"crs-a460\""),
+    ] {
+        let log = write(folder.path(), "log.csv", text);
+        let fault = stderr(&armid(["identify", &log, "--robot", "crs-a460"]).code(2));
+        assert!(fault.contains(wanted), "{wanted} not in {fault}");
+    }
+}
+
+#[test]
+fn estimators_are_listed_and_several_answer_together() {
+    let list = json(&armid(["identify", "--list", "--json"]).success());
+    let names: Vec<&str> = list.as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect();
+    assert!(names.contains(&"ols") && names.contains(&"wls"), "{names:?}");
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "3");
+    let out = path(folder.path(), "E.json");
+    let both = ["identify", &recording, "--estimator", "ols", "wls", "--no-friction", "-o", &out, "--json"];
+    let both = json(&armid(both).success());
+    assert_eq!((both[0]["estimator"].as_str(), both[1]["estimator"].as_str()), (Some("ols"), Some("wls")));
+    assert_eq!(both[0]["base"].as_array().unwrap().len(), 36);
+    let fault = stderr(&armid(["identify", &recording, "--estimator", "wsl"]).code(2));
+    assert!(fault.contains("wls"), "{fault}");
+    // A model without friction misses much: both fail, and the list is validated one by one.
+    let verdicts = json(&armid(["validate", &out, &recording, "--limit", "0.05", "--json"]).code(1));
+    assert_eq!(verdicts.as_array().unwrap().len(), 2);
+    assert_eq!(verdicts[0]["verdict"], "failed");
+    let text = stdout(&armid(["identify", &recording, "-v"]).success());
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+}
+
+#[test]
+fn validation_passes_on_another_recording_and_fails_a_hard_limit() {
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "3");
+    let other = record(folder.path(), "V.mcap", "4");
+    let estimate = path(folder.path(), "E.json");
+    armid(["identify", &recording, "-o", &estimate]).success();
+    let verdict = json(&armid(["validate", &estimate, &other, "--json"]).success());
+    for key in ["rms", "units", "relative_rms"] {
+        assert_eq!(verdict[key].as_array().unwrap().len(), 6, "{key}");
+    }
+    assert_eq!(verdict["verdict"], "passed");
+    let verdict = json(&armid(["validate", &estimate, &other, "--limit", "1e-6", "--json"]).code(1));
+    assert_eq!(verdict["verdict"], "failed");
+    let text = stdout(&armid(["validate", &estimate, &other]).success());
+    assert!(text.contains("passed") && text.contains("wrist_roll"), "{text}");
+}
+
+#[test]
+fn an_estimate_that_is_none_is_shown_with_line_and_column() {
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "3");
+    let broken = write(folder.path(), "E.json", "{\n  \"estimator\": wls\n}\n");
+    let fault = stderr(&armid(["validate", &broken, &recording]).code(2));
+    assert!(fault.contains("E.json:2:16: ") && fault.contains("expected an estimate"), "{fault}");
+    let good = path(folder.path(), "good.json");
+    armid(["identify", &recording, "-o", &good]).success();
+    let other = std::fs::read_to_string(&good)
+        .unwrap()
+        .replace("\"robot\": \"crs-a460\",\n  \"sam", "\"robot\": \"arm\",\n  \"sam");
+    let other = write(folder.path(), "other.json", &other);
+    let fault = stderr(&armid(["validate", &other, &recording]).code(2));
+    assert!(fault.contains("is of robot \"arm\", expected \"crs-a460\""), "{fault}");
+}
+
+#[test]
+fn a_motion_that_does_not_excite_is_refused_with_advice() {
+    let folder = temporary();
+    let mut text = "period_s = 10.0\nharmonics = 1\n".to_owned();
+    for name in ["waist", "shoulder", "elbow", "wrist_roll", "wrist_pitch", "tool_roll"] {
+        let a = if name == "waist" { 0.5 } else { 0.0 };
+        text += &format!("\n[[joint]]\nname = \"{name}\"\na = [{a:?}]\nb = [0.0]\nq0 = 0.1\n");
+    }
+    write(folder.path(), "T.toml", &text);
+    let file = write(folder.path(), "x.toml", "robot = \"crs-a460\"\ntrajectory = \"T.toml\"\nperiods = 2\n");
+    let recording = path(folder.path(), "R.mcap");
+    armid(["run", &file, "-o", &recording]).success();
+    let fault = stderr(&armid(["identify", &recording]).code(2));
+    assert!(fault.contains("is not excited") && fault.contains("armid design"), "{fault}");
+}

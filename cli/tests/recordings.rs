@@ -1,0 +1,180 @@
+//! `armid run`, and what recordings are.
+
+mod support;
+
+use std::path::Path;
+use std::process::{Child, Command, Stdio};
+use std::time::Duration;
+
+use support::{armid, experiment, json, stderr, stdout, temporary, write};
+
+fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().expect("a path in UTF-8").to_owned()
+}
+
+#[test]
+fn an_experiment_is_recorded_whole() {
+    let folder = temporary();
+    let experiment = experiment(folder.path(), 2);
+    let recording = path(folder.path(), "sub/R.mcap");
+    let done = json(&armid(["run", &experiment, "-o", &recording, "--json"]).success());
+    for key in ["recording", "robot", "arm", "seed", "run", "ending", "samples", "rate_hz", "periods", "tracking"] {
+        assert!(done.get(key).is_some(), "{key}");
+    }
+    assert_eq!((done["ending"].as_str(), done["recording"].as_str()), (Some("completed"), Some(recording.as_str())));
+    // 1 s at rest, 2 s into the motion, one period of 10 s thrown away, two that count, 2 s out of it, at 1 kHz.
+    assert_eq!(done["samples"], 35_000);
+    assert_eq!(std::fs::read_dir(folder.path().join("sub")).unwrap().count(), 1);
+    // The servo's bandwidth is 8 Hz, the motion's 0.5 Hz: it follows within 2°.
+    assert!(done["tracking"]["peak_error"].as_array().unwrap().iter().all(|e| e.as_f64().unwrap() < 0.035));
+}
+
+#[test]
+fn identity_equal_seed_equal_bytes_and_another_seed_others() {
+    let folder = temporary();
+    let experiment = experiment(folder.path(), 1);
+    let record = |name: &str, seed: &str, run: &str| {
+        let recording = path(folder.path(), name);
+        armid(["run", &experiment, "--seed", seed, "--run", run, "-o", &recording]).success();
+        std::fs::read(recording).unwrap()
+    };
+    let first = record("a.mcap", "5", "0");
+    assert!(first == record("b.mcap", "5", "0"));
+    assert!(first != record("c.mcap", "6", "0"));
+    assert!(first != record("d.mcap", "5", "1"));
+}
+
+#[test]
+fn identity_a_replayed_recording_holds_the_same_samples() {
+    let folder = temporary();
+    let experiment = experiment(folder.path(), 1);
+    let (first, second) = (path(folder.path(), "R.mcap"), path(folder.path(), "again.csv"));
+    armid(["run", &experiment, "-o", &first]).success();
+    armid(["run", &experiment, "--arm", "replay", "--recording", &first, "-o", &second]).success();
+    let direct = path(folder.path(), "direct.csv");
+    armid(["run", &experiment, "-o", &direct]).success();
+    assert!(std::fs::read(&direct).unwrap() == std::fs::read(&second).unwrap());
+    let fault = stderr(&armid(["run", &experiment, "--arm", "replay"]).code(2));
+    assert!(fault.contains("arm replay needs --recording"), "{fault}");
+    let fault = stderr(&armid(["run", &experiment, "--arm", "replay", "--recording", &direct]).code(2));
+    assert!(fault.contains("was not recorded by armid"), "{fault}");
+}
+
+#[test]
+fn a_recording_that_was_cut_off_is_named_and_its_chunks_are_used_on_request() {
+    let folder = temporary();
+    let experiment = experiment(folder.path(), 2);
+    let whole = path(folder.path(), "R.mcap");
+    armid(["run", &experiment, "-o", &whole]).success();
+    let bytes = std::fs::read(&whole).unwrap();
+    // Two thirds hold the first of the two periods that count, and a part of the second.
+    let cut = path(folder.path(), "cut.mcap");
+    std::fs::write(&cut, &bytes[..bytes.len() * 4 / 5]).unwrap();
+    let fault = stderr(&armid(["identify", &cut]).code(2));
+    assert!(fault.contains("cut.mcap is cut off: it ends after 2") && fault.contains(".mcap.part"), "{fault}");
+    std::fs::rename(&cut, path(folder.path(), "cut.mcap.part")).unwrap();
+    let estimate = json(&armid(["identify", &path(folder.path(), "cut.mcap.part"), "--json"]).success());
+    assert_eq!(estimate["periods"], 1);
+
+    let other = write(folder.path(), "text.mcap", "t,q1,tau1\n0,1,2\n");
+    let fault = stderr(&armid(["identify", &other]).code(2));
+    assert!(fault.contains("text.mcap does not begin as an MCAP file does"), "{fault}");
+    let mut damaged = bytes.clone();
+    let at = bytes.len() / 2;
+    damaged[at] ^= 0xff;
+    let path = path(folder.path(), "damaged.mcap");
+    std::fs::write(&path, &damaged).unwrap();
+    let fault = stderr(&armid(["identify", &path]).code(2));
+    assert!(fault.contains("damaged.mcap cannot be read as MCAP"), "{fault}");
+}
+
+#[test]
+fn a_wrong_experiment_is_shown_with_line_and_column() {
+    let folder = temporary();
+    for (text, wanted) in [
+        ("robot = \"crs-a460\"\ntrajectroy = \"T.toml\"\n", "x.toml:2:1: unknown field `trajectroy`"),
+        ("robot = \"crs-a460\"\n", "missing field `trajectory`"),
+        ("robot = \"crs-a640\"\ntrajectory = \"table-one\"\n", "did you mean \"crs-a460\""),
+        ("robot = \"crs-a460\"\ntrajectory = \"table-two\"\n", "did you mean \"table-one\""),
+        ("robot = \"crs-a460\"\ntrajectory = \"table-one\"\nperiods = 0\n", "x.toml:3:11: periods is 0"),
+        ("robot = \"crs-a460\"\ntrajectory = \"table-one\"\nrate_hz = 333.33\n", "x.toml:3:11: a period of 10 s holds"),
+        ("robot = \"crs-a460\"\ntrajectory = \"table-one\"\narm = \"analitic\"\n", "x.toml:3:7: arm is \"analitic\""),
+        ("robot = \"crs-a460\"\ntrajectory = \"table-one\"\nperiods = \n", "x.toml:3:11: "),
+        (
+            "robot = \"crs-a460\"\ntrajectory = \"table-one\"\n[sensing]\nposition_noise = [1, 2]\n",
+            "x.toml:4:18: position_noise is [1.0, 2.0], expected 6 numbers",
+        ),
+        // The ramp of half a second asks for more acceleration than the joints may have.
+        ("robot = \"crs-a460\"\ntrajectory = \"table-one\"\nramp_s = 0.05\n", "exceeds its limit"),
+    ] {
+        let file = write(folder.path(), "x.toml", text);
+        let fault = stderr(&armid(["run", &file, "-o", &path(folder.path(), "R.mcap")]).code(2));
+        assert!(fault.contains(wanted), "{wanted} not in {fault}");
+        assert!(!folder.path().join("R.mcap.part").exists());
+    }
+    let fault = stderr(&armid(["run", "no-such-experiment"]).code(2));
+    assert!(fault.contains("experiment \"no-such-experiment\" is neither a file"), "{fault}");
+}
+
+#[test]
+fn the_default_place_is_reports_under_the_current_folder() {
+    let folder = temporary();
+    let experiment = experiment(folder.path(), 1);
+    let output = Command::new(support::program()).args(["run", &experiment]).current_dir(folder.path()).output();
+    assert!(output.unwrap().status.success());
+    assert!(folder.path().join("reports/first/recording.mcap").is_file());
+    let folder_itself = folder.path().to_str().unwrap();
+    let again = stdout(&armid(["run", folder_itself, "-o", &path(folder.path(), "R.mcap")]).success());
+    assert!(again.starts_with("first: completed"), "{again}");
+}
+
+/// Starts an experiment of a day, and waits until a part of it is in the file.
+fn endless(folder: &Path, part: &str) -> Child {
+    let child = Command::new(support::program())
+        .args(["run", &experiment(folder, 8640), "-o", &path(folder, "R.mcap")])
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .expect("a program");
+    // 13 s until the first period counts, 10 s of it, 300 kB a second.
+    let enough = || std::fs::metadata(folder.join(part)).is_ok_and(|part| part.len() > 9_000_000);
+    while !enough() {
+        std::thread::sleep(Duration::from_millis(5));
+    }
+    child
+}
+
+#[cfg(unix)]
+fn signal(child: &Child, name: &str) {
+    let status = Command::new("kill").args([name, &child.id().to_string()]).status().expect("kill");
+    assert!(status.success());
+}
+
+#[cfg(unix)]
+#[test]
+fn an_interrupted_experiment_keeps_what_it_has() {
+    let folder = temporary();
+    let child = endless(folder.path(), "R.mcap.part");
+    signal(&child, "-INT");
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let text = String::from_utf8(output.stdout).unwrap();
+    assert!(text.contains("stopped at t = ") && text.contains("R.mcap.part"), "{text}");
+    assert!(!folder.path().join("R.mcap").exists());
+    let estimate = json(&armid(["identify", &path(folder.path(), "R.mcap.part"), "--json"]).success());
+    assert!(estimate["periods"].as_u64().unwrap() >= 1);
+}
+
+#[cfg(unix)]
+#[test]
+fn a_killed_experiment_leaves_its_chunks() {
+    let folder = temporary();
+    let child = endless(folder.path(), "R.mcap.part");
+    signal(&child, "-KILL");
+    child.wait_with_output().unwrap();
+    let part = path(folder.path(), "R.mcap.part");
+    let estimate = json(&armid(["identify", &part, "--json"]).success());
+    assert!(estimate["periods"].as_u64().unwrap() >= 1);
+    let text = stdout(&armid(["identify", &part]).success());
+    assert!(text.contains("the recording is cut off"), "{text}");
+}
