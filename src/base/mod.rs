@@ -27,7 +27,7 @@ pub use error::BaseError;
 pub use formula::{Coefficient, Formula, Product, Quantity, Symbol};
 pub use method::Method;
 pub use paper_steps::PaperSets;
-pub use reduce::{reduce, reduce_on, reduce_with_base};
+pub use reduce::{reduce, reduce_moving_base, reduce_on, reduce_with_base};
 pub use reduction::{BaseReduction, Category};
 pub use structural::BaseMotion;
 pub use table_two::{TableTwoRow, table_two};

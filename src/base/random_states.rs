@@ -1,11 +1,15 @@
 //! Random states that excite everything a robot can do: the paper's step 1.
 
+use nalgebra::Vector3;
 use rand::RngExt;
 
+use super::BaseMotion;
 use super::geometry::Geometry;
 use crate::dynamics::States;
 use crate::model::JointKind;
+use crate::regressor::BaseState;
 use crate::seed::Stream;
+use crate::spatial::Motion;
 
 /// Rows of a stacked regressor for each of its columns. Three times as many rows as unknowns bring the condition number
 /// of random columns close to its limit for infinitely many.
@@ -38,5 +42,27 @@ impl Geometry {
             states.push(&q, &qd, &qdd);
         }
         states
+    }
+
+    /// A random state of a base that moves as stated, its rates of the size of the joints'; `gravity` (m/s², in the frame
+    /// of the base at rest) turns with it.
+    pub(super) fn random_base_state(&self, motion: BaseMotion, gravity: &Vector3<f64>, rng: &mut Stream) -> BaseState {
+        let f = self.frequency;
+        let mut draw = |bound: f64| {
+            motion.directions().iter().fold(Motion::zero(), |sum, direction| {
+                let unit = if direction.ang == Vector3::zeros() { self.length } else { 1.0 };
+                sum + *direction * (unit * rng.random_range(-bound..bound))
+            })
+        };
+        let (velocity, acceleration) = (draw(f), draw(f * f));
+        let mut turned = *gravity;
+        let turns = motion.directions().into_iter().filter(|direction| direction.ang != Vector3::zeros());
+        for turn in turns {
+            // Rodrigues' formula about one axis after the other reaches every orientation that the base can take.
+            let (s, c) = libm::sincos(rng.random_range(-std::f64::consts::PI..std::f64::consts::PI));
+            let axis = turn.ang;
+            turned = turned * c + axis.cross(&turned) * s + axis * (axis.dot(&turned) * (1.0 - c));
+        }
+        BaseState { velocity, acceleration, gravity: turned }
     }
 }

@@ -1,10 +1,11 @@
 //! The three methods agree, and `Y φ = Y_b β`.
 
-use nalgebra::DVector;
+use nalgebra::{DVector, dmatrix};
 use rand::RngExt;
 
-use super::chains::{a460, bundled_robots, random_chains, relengthened};
+use super::chains::{a460, bundled_robots, parts, random_chains, relengthened};
 use crate::base::{BaseReduction, Method, reduce};
+use crate::conformance::chains::planar_2r;
 use crate::linalg::product;
 use crate::model::{Columns, Robot};
 use crate::regressor::JointTorqueRegressor;
@@ -43,6 +44,28 @@ fn identity_three_methods_agree_on_bundled_robots() {
             assert_same(&paper, &structural, &robot);
             assert_same(&qr, &structural, &robot);
         }
+    }
+}
+
+#[test]
+fn analytic_a_differential_gear_regroups_friction_and_rotors() {
+    // Motors at q1 + q2 and q1 − q2, plain signs. Viscous friction fills three entries of a symmetric 2 × 2 matrix with
+    // four parameters; the four sign forms q̇1, q̇2, q̇1 ± q̇2 are independent; of the rotors, H22 − H12 = 2 Ia2 shows
+    // alone and Ia1 goes over to the links: 6 rigid + 1 rotor + 3 viscous + 4 Coulomb + 2 offsets.
+    let mut spec = parts(&planar_2r());
+    spec.coupling = Some(dmatrix![1.0, 1.0; 1.0, -1.0]);
+    for joint in &mut spec.joints {
+        joint.drive.coulomb_velocity = 0.0;
+    }
+    let robot = Robot::new(spec).unwrap();
+    let [paper, qr, structural] = three(&robot, Columns::RigidRotorFriction);
+    assert_eq!((structural.parameters.len(), structural.rank()), (32, 16));
+    assert_same(&paper, &structural, &robot);
+    assert_same(&qr, &structural, &robot);
+    let texts = structural.expressions(&robot);
+    // Fvm1 (1 1; 1 1) + Fvm2 (1 −1; −1 1) + diag(Fv1, Fv2): the off-diagonal entry is Fvm1 − Fvm2.
+    for expected in ["Ia2", "Fv1 + 2·Fvm2", "Fv2 + 2·Fvm2", "Fvm1 − Fvm2", "Fcm1", "Fcm2"] {
+        assert!(texts.iter().any(|text| text == expected), "{expected} is not among {texts:#?}");
     }
 }
 

@@ -4,5 +4,6 @@ mod a460;
 mod agreement;
 mod chains;
 mod formulas;
+mod gautier_khalil;
 mod moving_base;
 mod trajectory;

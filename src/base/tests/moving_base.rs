@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::chains::{a460, parts, random_chains};
 use crate::base::geometry::Geometry;
-use crate::base::{BaseMotion, Category, reduce_with_base};
+use crate::base::{BaseMotion, Category, Method, reduce, reduce_moving_base, reduce_with_base};
 use crate::linalg::{LeftToRight, RankTolerance};
 use crate::model::{Columns, Drive, Joint, JointKind, Limits, Robot};
 use crate::regressor::JointTorqueRegressor;
@@ -68,7 +68,7 @@ fn identity_the_recursion_and_a_robot_on_more_joints_agree() {
     let chains = random_chains(30).into_iter().filter(|(robot, _)| robot.dof() < 6);
     for (robot, columns) in chains.chain([(a460(), Columns::RigidRotorFriction)]) {
         for motion in BaseMotion::ALL {
-            let base = reduce_with_base(&robot, columns, motion);
+            let base = reduce_with_base(&robot, columns, motion, Method::Structural, Seed::new(1)).unwrap();
             let (w, units) = own_regressor(&robot, columns, motion);
             let qr = LeftToRight::new(&w, RankTolerance::default());
             assert_eq!(base.kept, qr.kept, "{} {} {columns:?}", robot.name(), motion.name());
@@ -89,7 +89,8 @@ fn published_claim_a_mobile_base_reveals_all_of_link_one_holds_in_part() {
     // The paper, section IV.C: "If we install the robot on a mobile base, we might be able to identify also the 9
     // unidentifiable parameters of axis 1". Six directions reveal six of the nine, a platform two.
     let arm = a460();
-    let free = reduce_with_base(&arm, Columns::Rigid, BaseMotion::Free);
+    let on = |motion, method| reduce_with_base(&arm, Columns::Rigid, motion, method, Seed::new(2)).unwrap();
+    let free = on(BaseMotion::Free, Method::Structural);
     assert_eq!(free.rank(), 42);
     let invisible: Vec<String> = (0..60)
         .filter(|&j| free.categories[j] == Category::Unidentifiable)
@@ -98,6 +99,38 @@ fn published_claim_a_mobile_base_reveals_all_of_link_one_holds_in_part() {
     assert_eq!(invisible, ["m1", "mcy1"]);
     let texts = free.expressions(&arm);
     assert!(texts.iter().any(|text| text.starts_with("Ixx1 − Izz1 + ")), "{texts:#?}");
-    assert_eq!(reduce_with_base(&arm, Columns::Rigid, BaseMotion::Planar).rank(), 38);
-    assert_eq!(reduce_with_base(&arm, Columns::Rigid, BaseMotion::Fixed).rank(), 36);
+    let by_states = reduce_moving_base(&arm, Seed::new(3)).unwrap();
+    assert_eq!((&by_states.kept, by_states.base_motion), (&free.kept, BaseMotion::Free));
+    assert_eq!(by_states.expressions(&arm), texts);
+    for method in Method::ALL {
+        assert_eq!(on(BaseMotion::Planar, method).rank(), 38, "{}", method.name());
+        assert_eq!(on(BaseMotion::Fixed, method).rank(), 36, "{}", method.name());
+    }
+}
+
+#[test]
+fn identity_three_methods_agree_on_a_moving_base() {
+    for (robot, columns) in random_chains(42) {
+        for motion in [BaseMotion::Planar, BaseMotion::Free] {
+            let [paper, qr, structural] =
+                Method::ALL.map(|method| reduce_with_base(&robot, columns, motion, method, Seed::new(2)).unwrap());
+            for other in [paper, qr] {
+                assert_eq!(other.kept, structural.kept, "{} {}", robot.name(), motion.name());
+                assert_eq!(other.categories, structural.categories);
+                let size = structural.k.amax().max(1.0);
+                assert!((&other.k - &structural.k).amax() < 1e-9 * size, "{} {}", robot.name(), motion.name());
+            }
+        }
+    }
+}
+
+#[test]
+fn identity_a_base_at_rest_is_a_fixed_base() {
+    let arm = a460();
+    let fixed = reduce(&arm, Columns::RigidRotorFriction, Method::Structural, Seed::new(1)).unwrap();
+    for method in Method::ALL {
+        let other =
+            reduce_with_base(&arm, Columns::RigidRotorFriction, BaseMotion::Fixed, method, Seed::new(1)).unwrap();
+        assert_eq!((&other.kept, &other.categories), (&fixed.kept, &fixed.categories));
+    }
 }
