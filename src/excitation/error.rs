@@ -1,5 +1,8 @@
 //! What can stop a design before it starts.
 
+use crate::base::BaseError;
+use crate::model::RobotFault;
+
 /// Why a trajectory or a design problem cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExcitationError {
@@ -33,4 +36,10 @@ pub enum ExcitationError {
         /// What is possible.
         expected: String,
     },
+    /// The base parameters could not be found.
+    #[error(transparent)]
+    Base(#[from] BaseError),
+    /// The robot's limits or drives are impossible.
+    #[error(transparent)]
+    Robot(#[from] RobotFault),
 }

@@ -3,15 +3,39 @@
 //! The paper's sections II.C, II.D and III: finite Fourier series as trajectories, a criterion on the information
 //! `M = W_bᵀ Σ⁻¹ W_b` of the base columns, limits as constraints, and an optimiser of our own.
 
+mod basis;
+mod certificate;
+pub mod criterion;
+mod design;
 mod error;
+mod feasibility;
 mod fourier;
+mod information;
+mod limit_rows;
+mod limits;
 pub mod optimiser;
+mod problem;
+mod start;
+mod torque;
 pub mod table_one;
 mod trajectory;
 mod trajectory_file;
 mod trigonometric;
 
+#[cfg(test)]
+pub(crate) mod fixtures;
+
+pub use basis::{FourierBasis, Quantity, SampledBasis};
+pub use certificate::{Certificate, WorstCases, WorstLimitUse};
+pub use criterion::{Criterion, CriterionKind};
+pub use design::{Design, HistoryPoint, Termination, best_of, design, design_from, multistart, random_design};
 pub use error::ExcitationError;
 pub use fourier::{FourierJoint, FourierTrajectory};
+pub use information::{Information, InformationObjective};
+pub use limit_rows::LimitRows;
+pub use limits::WorstUse;
+pub use problem::{DEFAULT_EVALUATIONS, DesignProblem, Margins};
+pub use start::{PAPER_VELOCITIES, paper_start};
+pub use torque::TorqueLimits;
 pub use trajectory::Trajectory;
 pub use trigonometric::{EXTREMUM_TOLERANCE, Extremum, TrigonometricPolynomial};

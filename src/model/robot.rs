@@ -237,6 +237,19 @@ impl Robot {
         self
     }
 
+    /// The same robot with every joint changed, as for other limits or another friction law.
+    ///
+    /// # Errors
+    /// [`RobotFault`] if a joint is no longer possible.
+    pub fn with_joints(mut self, mut change: impl FnMut(&mut Joint)) -> Result<Self, RobotFault> {
+        for joint in &mut self.joints {
+            change(joint);
+            check_joint(joint)?;
+        }
+        self.axes = self.joints.iter().map(Joint::axis).collect();
+        Ok(self)
+    }
+
     /// Pose of every link's frame in the base frame at joint coordinates `q` (n).
     #[must_use]
     pub fn poses(&self, q: &[f64]) -> Vec<Placement> {

@@ -1,0 +1,65 @@
+//! The condition number of W_b with its columns scaled to unit length.
+
+use nalgebra::DMatrix;
+
+use super::spectrum::{log_condition, log_condition_smooth};
+use super::{Criterion, CriterionKind, Score};
+
+/// `ln κ(W_b D)` with D = diag(M)^−½, which does not depend on the parameters' units; exact or smooth as
+/// [`Condition`](super::Condition).
+///
+/// With C = D M D and S_C = ∂value/∂C
+///
+/// ```text
+/// S = D S_C D − diag( (S_C C)_ii / M_ii )
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConditionScaled {
+    sharpness: Option<f64>,
+}
+
+impl ConditionScaled {
+    /// The condition number itself.
+    #[must_use]
+    pub const fn exact() -> Self {
+        Self { sharpness: None }
+    }
+
+    /// Its smooth upper bound with sharpness p.
+    #[must_use]
+    pub const fn smooth(sharpness: f64) -> Self {
+        Self { sharpness: Some(sharpness) }
+    }
+}
+
+impl Criterion for ConditionScaled {
+    fn kind(&self) -> CriterionKind {
+        CriterionKind::ConditionScaled
+    }
+
+    fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
+        let b = m.nrows();
+        if m.diagonal().iter().any(|&x| x.is_nan() || x <= 0.0) {
+            if let Some(s) = sensitivity {
+                s.fill(0.0);
+            }
+            return Score::exact(f64::INFINITY);
+        }
+        let d: Vec<f64> = m.diagonal().iter().map(|x| 1.0 / x.sqrt()).collect();
+        let c = DMatrix::from_fn(b, b, |i, j| m[(i, j)] * d[i] * d[j]);
+        let log_kappa = |s: Option<&mut DMatrix<f64>>| match self.sharpness {
+            None => log_condition(&c, s),
+            Some(p) => log_condition_smooth(&c, p, s),
+        };
+        let Some(s) = sensitivity else { return log_kappa(None) };
+        let value = log_kappa(Some(&mut *s));
+        for j in 0..b {
+            let turned: f64 = s.column(j).iter().zip(c.column(j).iter()).map(|(s, c)| s * c).sum();
+            for i in 0..b {
+                s[(i, j)] *= d[i] * d[j];
+            }
+            s[(j, j)] -= turned / m[(j, j)];
+        }
+        value
+    }
+}

@@ -1,0 +1,88 @@
+//! Functions of the extreme eigenvalues of a symmetric matrix, and their derivatives.
+
+use nalgebra::{DMatrix, SymmetricEigen};
+
+use super::Score;
+
+/// `½ (ln λ_max − ln λ_min)` and one subgradient.
+pub(super) fn log_condition(m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
+    spectral(m, sensitivity, |values, weights| {
+        let (low, high) = extremes(values);
+        weights[high] = 0.5 / values[high];
+        weights[low] -= 0.5 / values[low];
+        Score::exact(0.5 * (libm::log(values[high]) - libm::log(values[low])))
+    })
+}
+
+/// `1/(2p) (ln Σ λ^p + ln Σ λ^−p)` and its gradient.
+pub(super) fn log_condition_smooth(m: &DMatrix<f64>, p: f64, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
+    spectral(m, sensitivity, |values, weights| {
+        let logs: Vec<f64> = values.iter().map(|&x| libm::log(x)).collect();
+        let (low, high) = extremes(values);
+        // Powers relative to the extremes, so that nothing overflows.
+        let up: Vec<f64> = logs.iter().map(|x| libm::exp(p * (x - logs[high]))).collect();
+        let down: Vec<f64> = logs.iter().map(|x| libm::exp(p * (logs[low] - x))).collect();
+        let (sum_up, sum_down) = (up.iter().sum::<f64>(), down.iter().sum::<f64>());
+        for i in 0..values.len() {
+            weights[i] = 0.5 * (up[i] / sum_up - down[i] / sum_down) / values[i];
+        }
+        let exact = 0.5 * (logs[high] - logs[low]);
+        Score { value: exact + 0.5 * (libm::log(sum_up) + libm::log(sum_down)) / p, exact }
+    })
+}
+
+fn extremes(values: &[f64]) -> (usize, usize) {
+    let (mut low, mut high) = (0, 0);
+    for (i, &x) in values.iter().enumerate() {
+        if x < values[low] {
+            low = i;
+        }
+        if x > values[high] {
+            high = i;
+        }
+    }
+    (low, high)
+}
+
+/// A symmetric function of the eigenvalues: `of` returns its value and fills ∂value/∂λ_i; `S = V diag(∂) Vᵀ`.
+fn spectral(
+    m: &DMatrix<f64>,
+    sensitivity: Option<&mut DMatrix<f64>>,
+    of: impl Fn(&[f64], &mut [f64]) -> Score,
+) -> Score {
+    let b = m.nrows();
+    let mut weights = vec![0.0; b];
+    let (values, vectors) = match &sensitivity {
+        Some(_) => {
+            let eigen = SymmetricEigen::new(m.clone());
+            (eigen.eigenvalues, Some(eigen.eigenvectors))
+        }
+        None => (m.symmetric_eigenvalues(), None),
+    };
+    let largest = values.iter().fold(0.0_f64, |x, y| x.max(*y));
+    // Below the rounding of the eigenvalues a positive one is as good as none.
+    let sound = values.iter().all(|&x| x > 1e-15 * largest);
+    let value = if sound { of(values.as_slice(), &mut weights) } else { Score::exact(f64::INFINITY) };
+    if let (Some(s), Some(vectors)) = (sensitivity, vectors) {
+        s.fill(0.0);
+        let largest = weights.iter().fold(0.0_f64, |x, y| x.max(y.abs()));
+        for (i, &weight) in weights.iter().enumerate() {
+            if weight.abs() <= 1e-18 * largest {
+                continue;
+            }
+            let v = &vectors.as_slice()[i * b..(i + 1) * b];
+            for (c, &vc) in v.iter().enumerate() {
+                let factor = weight * vc;
+                for (entry, &vr) in s.column_mut(c).as_mut_slice()[c..].iter_mut().zip(&v[c..]) {
+                    *entry += factor * vr;
+                }
+            }
+        }
+        for c in 0..b {
+            for r in c + 1..b {
+                s[(c, r)] = s[(r, c)];
+            }
+        }
+    }
+    value
+}

@@ -1,0 +1,136 @@
+//! All limits of a problem in one place: as rows for the optimiser, and exactly at the end.
+
+use super::certificate::Certificate;
+use super::design::{EXCESS_TOLERANCE, Termination};
+use super::limit_rows::LimitRows;
+use super::limits::{WorstUse, shrink_into_limits};
+use super::optimiser::{LinearLimits, SmoothLimits, Unlimited};
+use super::torque::TorqueLimits;
+use super::{DesignProblem, ExcitationError, FourierBasis, FourierTrajectory, Margins};
+use crate::model::Robot;
+
+/// What the optimiser keeps away from a linear limit, relative, so that its own tolerance never exceeds it.
+const INSIDE: f64 = 1e-6;
+
+/// The optimiser's tolerance for linear limits, relative.
+const ROW_TOLERANCE: f64 = 1e-7;
+
+/// Torque is sampled this many times as finely as the criterion.
+const TORQUE_SAMPLES: usize = 2;
+
+/// A first guess is not shrunk below this part of itself.
+const START_FACTOR: f64 = 0.2;
+
+/// The limits of a design problem.
+pub(crate) struct Feasibility {
+    robot: Robot,
+    basis: FourierBasis,
+    margins: Margins,
+    linear: LimitRows,
+    smooth: Box<dyn SmoothLimits>,
+    torque: Option<TorqueLimits>,
+    samples: usize,
+}
+
+impl Feasibility {
+    pub(crate) fn new(problem: &DesignProblem) -> Result<Self, ExcitationError> {
+        let basis = problem.basis()?;
+        let robot = problem.robot.clone();
+        let part = 1.0 - INSIDE;
+        let margins = Margins {
+            position: part * problem.margins.position,
+            velocity: part * problem.margins.velocity,
+            acceleration: part * problem.margins.acceleration,
+            torque: (1.0 - 2.0 * EXCESS_TOLERANCE) * problem.margins.torque,
+        };
+        let samples = TORQUE_SAMPLES * problem.samples;
+        let torque =
+            problem.nominal.as_ref().map(|nominal| TorqueLimits::new(&robot, nominal, &basis, samples, margins.torque));
+        let smooth: Box<dyn SmoothLimits> = match &torque {
+            Some(torque) => Box::new(torque.clone()),
+            None => Box::new(Unlimited),
+        };
+        let linear = LimitRows::new(&robot, &basis, &margins, ROW_TOLERANCE);
+        Ok(Self { robot, basis, margins, linear, smooth, torque, samples })
+    }
+
+    pub(crate) fn basis(&self) -> &FourierBasis {
+        &self.basis
+    }
+
+    pub(crate) fn smooth(&mut self) -> &mut dyn SmoothLimits {
+        &mut *self.smooth
+    }
+
+    pub(crate) fn limits(&mut self) -> (&mut dyn LinearLimits, &mut dyn SmoothLimits) {
+        (&mut self.linear, &mut *self.smooth)
+    }
+
+    /// Brings a first guess inside all limits: joint by joint, then all amplitudes by one factor until torque holds.
+    ///
+    /// Where that would leave hardly any motion, only the other limits are brought to hold: the optimiser finds its
+    /// way back inside more easily than away from rest.
+    pub(crate) fn bring_inside(&mut self, mut trajectory: FourierTrajectory) -> FourierTrajectory {
+        shrink_into_limits(&self.robot, &mut trajectory, &self.margins);
+        self.shrink_for_torque(trajectory, self.samples, START_FACTOR)
+    }
+
+    /// The last exact correction: whatever the optimiser's tolerances left is shrunk away.
+    pub(crate) fn finish(&mut self, mut trajectory: FourierTrajectory) -> FourierTrajectory {
+        shrink_into_limits(&self.robot, &mut trajectory, &self.margins);
+        // Ten times the optimiser's own grid, and refined in time.
+        self.shrink_for_torque(trajectory, 10 * self.samples, 0.0)
+    }
+
+    /// Shrinks all amplitudes by the largest factor that brings torque inside, found by bisection.
+    ///
+    /// A trajectory that would have to shrink below `least` stays as it is.
+    fn shrink_for_torque(&mut self, trajectory: FourierTrajectory, samples: usize, least: f64) -> FourierTrajectory {
+        let Some(torque) = &mut self.torque else { return trajectory };
+        let mut holds =
+            |candidate: &FourierTrajectory| torque.worst(candidate, samples).ratio <= 1.0 + EXCESS_TOLERANCE;
+        if holds(&trajectory) {
+            return trajectory;
+        }
+        if !holds(&scaled(&trajectory, least)) {
+            return trajectory;
+        }
+        let (mut inside, mut outside) = (least, 1.0);
+        for _ in 0..20 {
+            let middle = 0.5 * (inside + outside);
+            if holds(&scaled(&trajectory, middle)) {
+                inside = middle;
+            } else {
+                outside = middle;
+            }
+        }
+        scaled(&trajectory, inside)
+    }
+
+    /// What is still exceeded, if anything.
+    pub(crate) fn verdict(&self, problem: &DesignProblem, certificate: &Certificate) -> Option<Termination> {
+        let worst = &certificate.worst;
+        let cases: [(&str, Option<WorstUse>, f64); 4] = [
+            ("position", Some(worst.position), problem.margins.position),
+            ("velocity", Some(worst.velocity), problem.margins.velocity),
+            ("acceleration", Some(worst.acceleration), problem.margins.acceleration),
+            ("torque", worst.torque, problem.margins.torque),
+        ];
+        cases.into_iter().find_map(|(limit, worst, part)| {
+            let worst = worst.filter(|worst| worst.ratio > part)?;
+            let joint = self.robot.joints()[worst.joint].name.clone();
+            Some(Termination::Infeasible { limit: limit.into(), joint, worst })
+        })
+    }
+}
+
+/// All amplitudes times a factor; the mean positions stay.
+fn scaled(trajectory: &FourierTrajectory, factor: f64) -> FourierTrajectory {
+    let mut scaled = trajectory.clone();
+    for joint in &mut scaled.joints {
+        for amplitude in joint.a.iter_mut().chain(&mut joint.b) {
+            *amplitude *= factor;
+        }
+    }
+    scaled
+}

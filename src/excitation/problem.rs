@@ -1,0 +1,175 @@
+//! What is asked of a design.
+
+use nalgebra::DMatrix;
+
+use super::basis::{FourierBasis, Quantity};
+use super::{CriterionKind, ExcitationError};
+use crate::base::{BaseReduction, Method, reduce};
+use crate::model::{Columns, ParameterKind, Robot, StandardParameters};
+use crate::seed::Seed;
+
+/// Which part of each limit a design may use.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Margins {
+    /// Of half the position range, about its middle.
+    pub position: f64,
+    /// Of the speed limit.
+    pub velocity: f64,
+    /// Of the acceleration limit.
+    pub acceleration: f64,
+    /// Of the torque rating.
+    pub torque: f64,
+}
+
+impl Margins {
+    /// The part for one quantity.
+    #[must_use]
+    pub const fn of(&self, quantity: Quantity) -> f64 {
+        match quantity {
+            Quantity::Position => self.position,
+            Quantity::Velocity => self.velocity,
+            Quantity::Acceleration => self.acceleration,
+        }
+    }
+}
+
+impl Default for Margins {
+    /// All of the limits that are known exactly, and nine tenths of the torque ratings: the parameters that torque is
+    /// computed with are a guess.
+    fn default() -> Self {
+        Self { position: 1.0, velocity: 1.0, acceleration: 1.0, torque: 0.9 }
+    }
+}
+
+/// A design problem: robot, columns, criterion, limits and budget.
+///
+/// ```
+/// use armid::excitation::{CriterionKind, DesignProblem};
+/// use armid::model::{Columns, bundled, format::parse_robot};
+/// let robot = parse_robot(bundled()[0].robot).unwrap();
+/// let problem = DesignProblem::new(robot, Columns::Rigid, CriterionKind::Condition).unwrap();
+/// assert_eq!(problem.base.rank(), 36);
+/// assert_eq!((problem.period_s, problem.harmonics), (10.0, 5));
+/// ```
+#[derive(Clone, Debug)]
+pub struct DesignProblem {
+    /// The robot, with its limits.
+    pub robot: Robot,
+    /// Which parameters are to be estimated.
+    pub columns: Columns,
+    /// Their base: the criterion is that of its kept columns.
+    pub base: BaseReduction,
+    /// What is minimised.
+    pub criterion: CriterionKind,
+    /// Period T, s.
+    pub period_s: f64,
+    /// Number of harmonics H.
+    pub harmonics: usize,
+    /// Samples of one period in the criterion.
+    pub samples: usize,
+    /// Parameters that torque limits are computed with; without them torque is not limited.
+    pub nominal: Option<StandardParameters>,
+    /// Which part of each limit may be used.
+    pub margins: Margins,
+    /// Noise of each joint's torque, N·m (n), for the criteria that weight rows; all 1 without it.
+    pub sigma: Option<Vec<f64>>,
+    /// Information already collected, b × b per torque row of one period, weighted by the same noise; for the
+    /// criteria that weight rows.
+    pub prior: Option<DMatrix<f64>>,
+    /// Criterion evaluations allowed; a gradient counts as one more.
+    pub max_evaluations: usize,
+    /// Steps of the optimiser allowed.
+    pub max_iterations: usize,
+    /// Samples of one period in the certificate.
+    pub certificate_samples: usize,
+}
+
+/// Default budget of one design: criterion evaluations, of which a gradient is one more.
+pub const DEFAULT_EVALUATIONS: usize = 400;
+
+impl DesignProblem {
+    /// The paper's setting: period 10 s, five harmonics, no torque limits.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Base`] if the base parameters cannot be found.
+    pub fn new(robot: Robot, columns: Columns, criterion: CriterionKind) -> Result<Self, ExcitationError> {
+        let base = reduce(&robot, columns, Method::Structural, Seed::new(0))?;
+        Ok(Self {
+            robot,
+            columns,
+            base,
+            criterion,
+            period_s: 10.0,
+            harmonics: 5,
+            samples: 100,
+            nominal: None,
+            margins: Margins::default(),
+            sigma: None,
+            prior: None,
+            max_evaluations: DEFAULT_EVALUATIONS,
+            max_iterations: usize::MAX,
+            certificate_samples: 5000,
+        })
+    }
+
+    /// Position, among the kept columns, of those that belong to rigid bodies.
+    #[must_use]
+    pub fn rigid_positions(&self) -> Vec<usize> {
+        let rigid = |&(_, &column): &(usize, &usize)| self.base.parameters[column].kind <= ParameterKind::Izz;
+        self.base.kept.iter().enumerate().filter(rigid).map(|(position, _)| position).collect()
+    }
+
+    /// Noise of each joint for the rows of the criterion: all 1 where it does not weight them.
+    pub(crate) fn row_noise(&self) -> Vec<f64> {
+        match &self.sigma {
+            Some(sigma) if self.criterion.is_weighted() => sigma.clone(),
+            _ => vec![1.0; self.robot.dof()],
+        }
+    }
+
+    /// Checks the settings and makes the family of trajectories.
+    pub(crate) fn basis(&self) -> Result<FourierBasis, ExcitationError> {
+        let fault = |quantity: &str, found: String, expected: String| {
+            Err(ExcitationError::Problem { quantity: quantity.into(), found, expected })
+        };
+        let n = self.robot.dof();
+        if self.samples < 4 * self.harmonics {
+            let expected = format!("at least {}, four for each period of the highest harmonic", 4 * self.harmonics);
+            return fault("number of samples", self.samples.to_string(), expected);
+        }
+        for (quantity, part) in [
+            ("part of the position range", self.margins.position),
+            ("part of the speed limit", self.margins.velocity),
+            ("part of the acceleration limit", self.margins.acceleration),
+            ("part of the torque rating", self.margins.torque),
+        ] {
+            if !(part > 0.0 && part.is_finite()) {
+                return fault(quantity, part.to_string(), "a finite number above zero".into());
+            }
+        }
+        if let Some(sigma) = &self.sigma {
+            if sigma.len() != n {
+                return fault("number of noise levels", sigma.len().to_string(), format!("{n}, one for each joint"));
+            }
+            if let Some(bad) = sigma.iter().find(|x| !(x.is_finite() && **x > 0.0)) {
+                return fault("a noise level", format!("{bad} N·m"), "a finite number above zero".into());
+            }
+        }
+        if let Some(prior) = &self.prior {
+            let b = self.base.rank();
+            if prior.shape() != (b, b) {
+                let found = format!("{} × {}", prior.nrows(), prior.ncols());
+                return fault("size of the prior information", found, format!("{b} × {b}"));
+            }
+        }
+        if let Some(nominal) = &self.nominal
+            && nominal.links.len() != n
+        {
+            return fault("number of nominal links", nominal.links.len().to_string(), n.to_string());
+        }
+        if self.max_evaluations == 0 {
+            return fault("number of evaluations", "0".into(), "at least one".into());
+        }
+        FourierBasis::new(&self.robot, self.period_s, self.harmonics)
+    }
+}
