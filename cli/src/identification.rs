@@ -49,7 +49,7 @@ pub(crate) struct Prepared {
 pub(crate) fn prepare(path: &Path, arguments: &LogArguments) -> Result<Prepared> {
     let log = log::read(path)?;
     let robot = robot(&log, arguments)?;
-    check(&log, &robot)?;
+    let log = arranged(log, &robot)?;
     let samples = samples(&log, &robot, arguments)?;
     Ok(Prepared { log, robot, samples })
 }
@@ -65,32 +65,36 @@ fn robot(log: &Log, arguments: &LogArguments) -> Result<LoadedRobot> {
     }
 }
 
-fn check(log: &Log, loaded: &LoadedRobot) -> Result<()> {
+/// The log with the robot's joints in the robot's order; joints of other things, a gripper's, are left out.
+fn arranged(mut log: Log, loaded: &LoadedRobot) -> Result<Log> {
     let robot = &loaded.robot;
-    if log.dof != robot.dof() {
-        let message = format!(
-            "{} holds {} joints, expected the {} of robot \"{}\"",
-            log.name,
-            log.dof,
-            robot.dof(),
-            robot.name()
-        );
-        return Err(Fault::new(message).into());
-    }
     let expected: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
-    match &log.joints {
-        Some(joints) if *joints != expected => {
-            let message = format!(
-                "{} holds the joints {}, expected {} of robot \"{}\"",
-                log.name,
-                joints.join(", "),
-                expected.join(", "),
-                robot.name()
-            );
-            Err(Fault::new(message).into())
+    let Some(joints) = &log.joints else {
+        if log.dof == robot.dof() {
+            return Ok(log);
         }
-        _ => Ok(()),
+        let (found, expected) = (log.dof, robot.dof());
+        let message =
+            format!("{} holds {found} joints, expected the {expected} of robot \"{}\"", log.name, robot.name());
+        return Err(Fault::new(message).into());
+    };
+    if *joints == expected {
+        return Ok(log);
     }
+    let order: Option<Vec<usize>> = expected.iter().map(|name| joints.iter().position(|found| found == name)).collect();
+    let Some(order) = order.filter(|_| log.recording.is_none()) else {
+        let (found, expected) = (joints.join(", "), expected.join(", "));
+        let message =
+            format!("{} holds the joints {found}, expected {expected} of robot \"{}\"", log.name, robot.name());
+        return Err(Fault::new(message).into());
+    };
+    let pick = |table: &[f64]| -> Vec<f64> {
+        table.chunks_exact(joints.len()).flat_map(|row| order.iter().map(|&joint| row[joint])).collect()
+    };
+    (log.q, log.effort) = (pick(&log.q), pick(&log.effort));
+    log.dof = robot.dof();
+    log.joints = Some(expected.into_iter().map(str::to_owned).collect());
+    Ok(log)
 }
 
 fn samples(log: &Log, loaded: &LoadedRobot, arguments: &LogArguments) -> Result<Samples> {

@@ -1,0 +1,122 @@
+"""A recording of armid through Foxglove's reader, and one of Foxglove's writer through armid."""
+
+import csv
+import json
+import os
+import subprocess
+import tempfile
+import unittest
+from pathlib import Path
+
+from mcap.reader import make_reader
+from mcap.writer import CompressionType
+from mcap_ros2.decoder import DecoderFactory
+from mcap_ros2.writer import Writer
+
+ARMID = Path(os.environ["ARMID"]).resolve()
+EXPERIMENT = 'robot = "crs-a460"\ntrajectory = "table-one"\nperiods = 2\nseed = 3\n'
+
+
+def armid(*arguments):
+    return subprocess.run([ARMID, *arguments], check=True, capture_output=True, text=True).stdout
+
+
+class Recording(unittest.TestCase):
+    @classmethod
+    def setUpClass(cls):
+        cls.scratch = tempfile.TemporaryDirectory()
+        cls.folder = Path(cls.scratch.name)
+        experiment = cls.folder / "experiment.toml"
+        experiment.write_text(EXPERIMENT, encoding="utf-8")
+        cls.mcap, cls.csv = cls.folder / "R.mcap", cls.folder / "R.csv"
+        armid("run", str(experiment), "-o", str(cls.mcap))
+        armid("run", str(experiment), "-o", str(cls.csv))
+        with cls.csv.open(encoding="utf-8") as file:
+            cls.rows = [[float(field) for field in row] for row in list(csv.reader(file))[1:]]
+
+    @classmethod
+    def tearDownClass(cls):
+        cls.scratch.cleanup()
+
+    def test_every_joint_state_is_that_of_the_csv(self):
+        with self.mcap.open("rb") as file:
+            reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
+            messages = list(reader.iter_decoded_messages(topics=["/joint_states"]))
+        self.assertEqual(len(messages), len(self.rows))
+        self.assertEqual(messages[0].schema.name, "sensor_msgs/msg/JointState")
+        self.assertEqual((messages[0].schema.encoding, messages[0].channel.message_encoding), ("ros2msg", "cdr"))
+        for k, (_, _, message, state) in enumerate(messages):
+            t, q, effort = self.rows[k][0], self.rows[k][1:7], self.rows[k][7:13]
+            self.assertEqual(list(state.name)[:2], ["waist", "shoulder"])
+            self.assertEqual(list(state.position), q)
+            self.assertEqual(list(state.velocity), [])
+            self.assertEqual(list(state.effort), effort)
+            nanoseconds = state.header.stamp.sec * 10**9 + state.header.stamp.nanosec
+            self.assertEqual(nanoseconds, round(t * 1e9))
+            self.assertEqual((message.log_time, message.sequence), (nanoseconds, k))
+
+    def test_the_command_is_on_a_second_channel(self):
+        with self.mcap.open("rb") as file:
+            reader = make_reader(file, decoder_factories=[DecoderFactory()])
+            commands = list(reader.iter_decoded_messages(topics=["/joint_commands"]))
+        self.assertEqual(len(commands), -(-len(self.rows) // 10))
+        for k, (_, _, _, command) in enumerate(commands):
+            # The servo follows within 2 degrees.
+            for commanded, measured in zip(command.position, self.rows[10 * k][1:7], strict=True):
+                self.assertLess(abs(commanded - measured), 0.035)
+
+    def test_metadata_says_what_was_recorded(self):
+        with self.mcap.open("rb") as file:
+            records = {record.name: record.metadata for record in make_reader(file).iter_metadata()}
+        found = records["armid"]
+        self.assertEqual(found["robot"], "crs-a460")
+        self.assertIn("[joint.limits]", found["robot_file"])
+        self.assertEqual(found["experiment"], EXPERIMENT)
+        self.assertEqual((found["rate_hz"], found["effort"], found["effort_unit"]), ("1000", "current", "A"))
+        phases = json.loads(found["phases"])
+        names = [phase["phase"] for phase in phases]
+        self.assertEqual(names, ["settle", "ramp-in", "discard", "record", "ramp-out"])
+        self.assertEqual(phases[3]["samples"], {"start": 13000, "end": 33000})
+        self.assertEqual(json.loads(found["provenance"])["seed"], 3)
+        self.assertTrue(found["trajectory"].startswith("period_s = 10.0\nharmonics = 5\n"))
+        self.assertEqual(records["armid/ending"]["ending"], "completed")
+
+    def test_a_recording_of_another_writer_is_identified(self):
+        """Joints in another order, a gripper, a stamp that begins elsewhere, no metadata: as a ROS 2 bag has it."""
+        with self.mcap.open("rb") as file:
+            definition = next(iter(make_reader(file).get_summary().schemas.values())).data.decode()
+        names = ["waist", "shoulder", "elbow", "wrist_roll", "wrist_pitch", "tool_roll"]
+        orders = [[3, 0, 5, 1, 4, 2], [0, 1, 2, 3, 4, 5]]
+        other = self.folder / "other.mcap"
+        with other.open("wb") as file:
+            writer = Writer(file, compression=CompressionType.NONE)
+            schema = writer.register_msgdef("sensor_msgs/msg/JointState", definition)
+            for k, row in enumerate(self.rows):
+                stamp = 1_700_000_000_000_000_000 + k * 1_000_000
+                order = orders[k % 2]
+                writer.write_message(
+                    topic="/joint_states",
+                    schema=schema,
+                    message={
+                        "header": {
+                            "stamp": {"sec": stamp // 10**9, "nanosec": stamp % 10**9},
+                            "frame_id": "base",
+                        },
+                        "name": ["gripper"] + [names[i] for i in order],
+                        "position": [0.01] + [row[1 + i] for i in order],
+                        "velocity": [0.0] * 7,
+                        "effort": [0.5] + [row[7 + i] for i in order],
+                    },
+                    log_time=stamp,
+                    publish_time=stamp,
+                    sequence=k,
+                )
+            writer.finish()
+        log = ["--robot", "crs-a460", "--period", "10", "--skip", "13", "--json"]
+        through_mcap = json.loads(armid("identify", str(other), *log))
+        through_csv = json.loads(armid("identify", str(self.csv), *log))
+        self.assertEqual(through_mcap["base"], through_csv["base"])
+
+
+if __name__ == "__main__":
+    unittest.main()
