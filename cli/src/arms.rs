@@ -2,15 +2,14 @@
 
 use std::path::Path;
 
-use armid::experiment::{Arm, Ending, Replay, Servo, Sink, Tracking};
-use armid::model::StandardParameters;
+use armid::experiment::{Arm, Ending, Replay, Sink, Tracking};
 use armid::seed::Seed;
-use armid_sim::AnalyticPlant;
 use miette::Result;
 
 use crate::fault::Fault;
 use crate::files::experiment_toml::Experiment;
 use crate::files::log;
+use crate::simulated_arm::Simulation;
 
 /// Every arm, listed once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,6 +22,9 @@ pub(crate) enum ArmKind {
 
 impl ArmKind {
     pub(crate) const ALL: [Self; 2] = [Self::Analytic, Self::Replay];
+
+    /// Those that simulate.
+    pub(crate) const SIMULATED: [Self; 1] = [Self::Analytic];
 
     pub(crate) const fn name(self) -> &'static str {
         match self {
@@ -52,15 +54,11 @@ pub(crate) fn perform(
     let fault = |error: &dyn std::fmt::Display| Fault::new(format!("arm {}: {error}", kind.name()));
     match kind {
         ArmKind::Analytic => {
-            let robot = &experiment.robot.robot;
-            let truth = experiment.robot.truth()?;
-            let nominal = nominal(experiment, &truth);
-            let plant = AnalyticPlant::new(robot, &truth).map_err(|error| fault(&error))?;
-            let mut servo = Servo::new(robot, &nominal, plant)
+            let simulation = Simulation::of(experiment.robot.clone(), kind)?;
+            let mut servo = simulation
+                .servo(&experiment.sensing)
                 .map_err(|error| fault(&error))?
-                .with_seed(Seed::new(experiment.seed), experiment.run)
-                .with_sensing(experiment.sensing.clone())
-                .with_robot_text(&*experiment.robot.text.content);
+                .with_seed(Seed::new(experiment.seed), experiment.run);
             let ending = servo.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
             Ok(Performed { ending, tracking: servo.tracking().cloned() })
         }
@@ -77,9 +75,4 @@ pub(crate) fn perform(
             Ok(Performed { ending, tracking: None })
         }
     }
-}
-
-/// What the controller's gains are placed on: the experimenter's guess, and the file's own inertias where there is none.
-fn nominal(experiment: &Experiment, own: &StandardParameters) -> StandardParameters {
-    experiment.robot.nominal.clone().unwrap_or_else(|| own.clone())
 }

@@ -13,8 +13,10 @@ mod files;
 mod identification;
 mod interrupt;
 mod progress;
-
 mod robot_source;
+mod simulated_arm;
+mod study_answer;
+mod study_source;
 mod suggestion;
 mod table;
 

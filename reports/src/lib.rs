@@ -17,10 +17,12 @@ mod style;
 mod drawing;
 pub mod figures;
 pub mod document;
+mod study;
 
 pub use document::{Block, Cell, Column, Document, Plate, Section, Table};
 pub use drawing::axis::{Axis, Scale};
 pub use drawing::rows::{Band, Level};
 pub use error::{DocumentError, FigureError};
 pub use figures::*;
+pub use study::study_document;
 pub use style::{Dash, Group, GroupStyle, Marker};

@@ -5,8 +5,15 @@
 //! ```
 //! This module comes last, so that nothing that identifies can name the [`Truth`].
 
+mod bound;
+mod design;
+mod examples;
 mod outcome;
+pub mod paper;
+mod plan;
 mod referee;
+mod result;
+mod stage;
 mod summary;
 mod truth;
 mod truth_files;
@@ -14,8 +21,16 @@ pub mod statistics;
 mod units;
 mod validity;
 
+pub use bound::{cramer_rao_std, torque_covariance};
+pub use design::StudyDesign;
+pub use examples::{Examples, LimitExample, PredictionExample, exact_states};
 pub use outcome::{Outcome, ScoredEstimate};
+pub use plan::{
+    ExperimentSettings, FamilyPlan, IdentificationSettings, Making, PlanFault, StudyPlan, ValidationSettings,
+};
 pub use referee::{Referee, Score};
+pub use result::{JointLine, PaperResult, ParameterLine, StudyResult, StudyStory};
+pub use stage::{Stage, StudyError};
 pub use summary::{Comparison, DesignRow, Evidence, FamilyScore, Findings, Foretelling, Metric, ParameterScore};
 pub use truth::Truth;
 pub use truth_files::truth_text;

@@ -1,6 +1,7 @@
 //! What one run of a study leaves behind: small, whole, and enough for every figure.
 
 use super::referee::Score;
+use crate::estimation::Estimate;
 
 /// One run of one design: what every estimator made of it, or why there is nothing.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -32,4 +33,34 @@ pub struct ScoredEstimate {
     pub residual_rms: Vec<f64>,
     /// How far from the truth it is.
     pub score: Option<Score>,
+}
+
+impl ScoredEstimate {
+    /// An estimate and its score.
+    #[must_use]
+    pub fn new(estimate: &Estimate, score: Score) -> Self {
+        Self {
+            estimator: estimate.estimator.clone(),
+            failure: None,
+            beta: estimate.beta().as_slice().to_vec(),
+            std: estimate.std().as_slice().to_vec(),
+            half_width: estimate.half_width().as_slice().to_vec(),
+            residual_rms: estimate.residual_rms.clone(),
+            score: Some(score),
+        }
+    }
+
+    /// An estimator that gave nothing, and why.
+    #[must_use]
+    pub fn failed(estimator: &str, reason: String) -> Self {
+        Self {
+            estimator: estimator.to_owned(),
+            failure: Some(reason),
+            beta: Vec::new(),
+            std: Vec::new(),
+            half_width: Vec::new(),
+            residual_rms: Vec::new(),
+            score: None,
+        }
+    }
 }

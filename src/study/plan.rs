@@ -1,9 +1,10 @@
 //! What a study does: robot, experiment, families of designs, estimators, metrics. The text of `study.toml`.
 
-use crate::excitation::CriterionKind;
-use crate::estimation::EstimatorKind;
 use super::units::ReferenceUnits;
+use crate::estimation::EstimatorKind;
+use crate::excitation::CriterionKind;
 use crate::model::Columns;
+use crate::model::format::FormatError;
 use crate::seed::Seed;
 
 /// A whole study. Two runs of one plan give the same bytes.
@@ -109,6 +110,26 @@ pub struct FamilyPlan {
     pub runs: Option<usize>,
 }
 
+impl PlanFault {
+    /// Where in the text the fault's key stands: the first line with that key and the value that was found.
+    fn place(&self, text: &str) -> std::ops::Range<usize> {
+        let (key, found) = match self {
+            Self::Name { key, found, .. } => (*key, found),
+            Self::Number { key, found, .. } => (key.as_str(), found),
+        };
+        let key = key.rsplit('.').next().unwrap_or(key);
+        let mut begin = 0;
+        for line in text.split_inclusive('\n') {
+            if line.trim_start().starts_with(key) && line.contains(found.as_str()) {
+                let start = begin + line.find(found.as_str()).unwrap_or(0);
+                return start..start + found.len();
+            }
+            begin += line.len();
+        }
+        0..0
+    }
+}
+
 /// Why a plan cannot be carried out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum PlanFault {
@@ -135,6 +156,17 @@ pub enum PlanFault {
 }
 
 impl StudyPlan {
+    /// Reads a `study.toml`.
+    ///
+    /// # Errors
+    /// [`FormatError`] with line and column where the text is not TOML, has a key too many or too few, or asks for
+    /// something that is not there.
+    pub fn from_toml(text: &str) -> Result<Self, FormatError> {
+        let plan: Self = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
+        plan.check().map_err(|fault| FormatError::at(text, fault.place(text), fault.to_string()))?;
+        Ok(plan)
+    }
+
     /// Checks what the types leave open: names, and numbers that must be positive.
     ///
     /// # Errors
@@ -151,9 +183,10 @@ impl StudyPlan {
             ("validation.samples", self.validation.samples),
             ("number of [[design]] tables", self.designs.len()),
         ];
-        let family_counts = self.designs.iter().flat_map(|family| {
-            [("design.starts", family.starts), ("design.runs", family.runs.unwrap_or(1))]
-        });
+        let family_counts = self
+            .designs
+            .iter()
+            .flat_map(|family| [("design.starts", family.starts), ("design.runs", family.runs.unwrap_or(1))]);
         for (key, found) in counts.into_iter().chain(family_counts) {
             if found == 0 {
                 return Err(number(key, found, "at least 1"));
@@ -207,6 +240,14 @@ impl StudyPlan {
         self.identification.estimators.iter().map(named).collect()
     }
 
+    /// Sets the runs of each design, and scales those of families that have a number of their own.
+    pub fn scale_runs(&mut self, runs: usize) {
+        for family in &mut self.designs {
+            family.runs = family.runs.map(|own| (own * runs).div_ceil(self.runs));
+        }
+        self.runs = runs;
+    }
+
     /// Runs of each design of a family.
     #[must_use]
     pub fn runs_of(&self, family: usize) -> usize {
@@ -230,6 +271,6 @@ fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) 
     PlanFault::Number { key: key.into(), found: found.to_string(), expected }
 }
 
-fn name(key: &'static str, found: &str, names: impl IntoIterator<Item = &'static str>) -> PlanFault {
+pub(super) fn name(key: &'static str, found: &str, names: impl IntoIterator<Item = &'static str>) -> PlanFault {
     PlanFault::Name { key, found: found.to_owned(), expected: names.into_iter().collect::<Vec<_>>().join(", ") }
 }

@@ -118,7 +118,8 @@ pub fn wilson_interval(hits: usize, trials: usize, level: f64) -> Option<Interva
     let centre = p + z * z / (2.0 * n);
     let half = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
     let scale = 1.0 + z * z / n;
-    Some(Interval { low: ((centre - half) / scale).max(0.0), high: ((centre + half) / scale).min(1.0) })
+    // Rounding may leave the ends a last bit inside of p where p is 0 or 1.
+    Some(Interval { low: ((centre - half) / scale).clamp(0.0, p), high: ((centre + half) / scale).clamp(p, 1.0) })
 }
 
 /// Spearman's rank correlation of paired values, ties sharing their mean rank; `None` where either side is constant.

@@ -2,7 +2,7 @@
 
 use miette::Result;
 
-use super::{completions, dynamics, identify, reduce, robot, run, validate};
+use super::{completions, dynamics, identify, reduce, report, robot, run, study, validate};
 use crate::answer::Ending;
 use crate::console::Console;
 
@@ -15,6 +15,8 @@ pub(crate) enum Command {
     Run(run::Arguments),
     Identify(identify::Arguments),
     Validate(validate::Arguments),
+    Study(study::Arguments),
+    Report(report::Arguments),
     Completions(completions::Arguments),
 }
 
@@ -27,6 +29,8 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Run(arguments) => run::run(&arguments, console),
         Command::Identify(arguments) => identify::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
+        Command::Study(arguments) => study::run(&arguments, console),
+        Command::Report(arguments) => report::run(&arguments, console),
         Command::Completions(arguments) => completions::run(&arguments, console),
     }
 }

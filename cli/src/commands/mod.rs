@@ -5,8 +5,10 @@ mod completions;
 mod dynamics;
 mod identify;
 mod reduce;
+mod report;
 mod robot;
 mod run;
 mod validate;
+mod study;
 
 pub(crate) use command::{Command, carry_out};

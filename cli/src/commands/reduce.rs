@@ -63,12 +63,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let method = arguments.method.unwrap_or_default();
             reduce(robot, columns, method, Seed::new(arguments.seed)).map_err(|error| Fault::new(error.to_string()))?
         }
-        (None, motion) => match arguments.method {
-            None | Some(Method::Structural) => reduce_with_base(robot, columns, motion),
-            Some(other) => {
-                refused(format!("--base {} with --method {}, expected structural", motion.name(), other.name()))?
-            }
-        },
+        (None, motion) => {
+            let (method, seed) = (arguments.method.unwrap_or_default(), Seed::new(arguments.seed));
+            reduce_with_base(robot, columns, motion, method, seed).map_err(|error| Fault::new(error.to_string()))?
+        }
         (Some(name), BaseMotion::Fixed) => {
             let states = trajectory::load(name, None, robot)?.sample(SAMPLES);
             let method = arguments.method.unwrap_or(Method::Paper);

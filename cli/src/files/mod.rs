@@ -3,10 +3,13 @@
 pub(crate) mod experiment_toml;
 pub(crate) mod file_sink;
 pub(crate) mod joint_state;
+pub(crate) mod journal;
 pub(crate) mod log;
 pub(crate) mod number_table;
+pub(crate) mod parquet_table;
 pub(crate) mod recording_csv;
 pub(crate) mod recording_mcap;
 pub(crate) mod recording_reader;
 pub(crate) mod states_csv;
+pub(crate) mod study_store;
 pub(crate) mod trajectory;

@@ -25,7 +25,7 @@ pub struct FormatError {
 
 impl FormatError {
     /// A fault at some bytes of a text.
-    pub(super) fn at(text: &str, span: Range<usize>, message: impl Into<String>) -> Self {
+    pub(crate) fn at(text: &str, span: Range<usize>, message: impl Into<String>) -> Self {
         let mut start = span.start.min(text.len());
         while !text.is_char_boundary(start) {
             start -= 1;
@@ -49,7 +49,7 @@ impl FormatError {
     }
 
     /// A fault of TOML's grammar or of the shape that a table must have.
-    pub(super) fn of_toml(text: &str, fault: &toml::de::Error) -> Self {
+    pub(crate) fn of_toml(text: &str, fault: &toml::de::Error) -> Self {
         Self::at(text, fault.span().unwrap_or(0..0), fault.message().trim_end())
     }
 }

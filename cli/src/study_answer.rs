@@ -1,0 +1,75 @@
+//! What `armid study` says when it is done: who won by which metric, and where the report is.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use armid::study::{Metric, StudyResult};
+
+use crate::answer::Answer;
+use crate::table::{Align, Table, number};
+
+/// The answer of a finished study.
+pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: &Path) -> Answer {
+    let mut text = format!("{}\n\n{}", result.plan.question, families(result).render(0));
+    let _ = writeln!(text, "\n{runs} runs, {failed} failed. Smaller is better; geometric means over runs.");
+    let estimator = result.plan.identification.estimators.last().map_or("", String::as_str);
+    let headline = result.findings.comparisons.iter().filter(|c| {
+        c.estimator == estimator
+            && [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str()))
+    });
+    for c in headline {
+        let sign = if c.metric.is_logarithmic() { "−" } else { "/" };
+        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]", i.low, i.high));
+        let verdict = c.better.as_ref().map_or_else(|| "undecided".to_owned(), |better| format!("{better} is better"));
+        let _ = writeln!(
+            text,
+            "{}, {} {sign} {}: {:.3}{interval}, {verdict}",
+            c.metric.title(),
+            c.first,
+            c.second,
+            c.difference
+        );
+    }
+    if let Some(paper) = &result.paper {
+        let _ = writeln!(text);
+        for claim in &paper.claims {
+            let _ = writeln!(text, "{:>14}  {}", claim.verdict.words(), claim.claim);
+        }
+    }
+    let _ = writeln!(text, "\nreport: {}", report.display());
+    let json = serde_json::json!({
+        "name": result.plan.name,
+        "runs": runs,
+        "failed": failed,
+        "report": report.display().to_string(),
+        "findings": &result.findings,
+        "paper": &result.paper,
+    });
+    Answer { text, json }
+}
+
+fn families(result: &StudyResult) -> Table {
+    let mut table = Table::new(&[
+        ("family", Align::Left),
+        ("estimator", Align::Left),
+        ("designs", Align::Right),
+        ("runs", Align::Right),
+        ("prediction N·m", Align::Right),
+        ("of rating", Align::Right),
+        ("log volume", Align::Right),
+        ("reference", Align::Right),
+        ("coverage %", Align::Right),
+    ]);
+    for family in &result.findings.families {
+        let mut row =
+            vec![family.family.clone(), family.estimator.clone(), family.designs.to_string(), family.runs.to_string()];
+        row.extend((0..Metric::ALL.len()).map(|m| family.values[m].map_or_else(|| "–".to_owned(), short)));
+        row.push(format!("{:.1}", 100.0 * family.coverage));
+        table.row(row);
+    }
+    table
+}
+
+fn short(value: f64) -> String {
+    if value.abs() >= 1e-3 { format!("{value:.4}") } else { number(value) }
+}

@@ -1,0 +1,111 @@
+//! Criterion value against achieved error, and the spread of the error by criterion.
+
+use armid::study::{StudyDesign, StudyStory};
+
+use super::shown_estimator;
+use crate::{
+    Axis, BoxFigure, BoxRow, Cell, Column, Distribution, DocumentError, Group, Heading, Quantiles, ScatterFigure,
+    ScatterGroup, ScatterPanel, ScatterPoint, Section, Table,
+};
+
+type Value = (&'static str, &'static str, fn(&StudyDesign) -> f64, bool);
+
+/// Title, axis, value and whether the axis is logarithmic.
+const VALUES: [Value; 3] = [
+    ("Condition number", "condition number", |d| d.certificate.condition_all, true),
+    ("Scaled condition number", "condition number, unit columns", |d| d.certificate.condition_scaled_all, true),
+    ("D-optimality", "ln det of the information per row", |d| d.certificate.log_det_information_all, false),
+];
+
+pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
+    let result = &story.result;
+    let estimator = shown_estimator(story);
+    let index = result.plan.identification.estimators.len().saturating_sub(1);
+    let groups = Group::assign(result.plan.designs.iter().map(|family| family.name.clone()));
+    let spread = &result.findings.design_prediction[index];
+    let panels = VALUES
+        .iter()
+        .map(|(title, axis, value, log)| ScatterPanel {
+            title: (*title).to_owned(),
+            x: if *log { Axis::log(*axis, "") } else { Axis::linear(*axis, "") },
+            y: Axis::log("prediction RMSE", "N·m"),
+            groups: groups
+                .iter()
+                .enumerate()
+                .map(|(family, group)| ScatterGroup {
+                    label: group.label.clone(),
+                    style: group.style,
+                    points: result
+                        .designs
+                        .iter()
+                        .zip(spread)
+                        .filter(|(design, _)| design.family == family)
+                        .filter_map(|(design, spread)| {
+                            let spread = spread.as_ref()?;
+                            let point = ScatterPoint::new(value(design), spread.median);
+                            Some(point.interval(spread.lower_quartile, spread.upper_quartile))
+                        })
+                        .collect(),
+                })
+                .filter(|group| !group.points.is_empty())
+                .collect(),
+            references: Vec::new(),
+        })
+        .collect();
+    let scatter = ScatterFigure {
+        heading: Heading::new("criterion-and-error", "What a criterion promises and what its design achieves")
+            .subtitle(format!("{} designs, estimator {estimator}", result.designs.len()))
+            .caption("One point per design: median over its runs of the torque prediction RMSE on validation trajectories; bars reach from the lower to the upper quartile."),
+        columns: 3,
+        panels,
+    };
+    let mut rows: Vec<BoxRow> = Vec::new();
+    for name in &result.plan.identification.estimators {
+        rows.push(BoxRow {
+            label: name.clone(),
+            cells: groups
+                .iter()
+                .map(|group| {
+                    let family =
+                        result.findings.families.iter().find(|f| f.estimator == *name && f.family == group.label)?;
+                    let s = family.prediction_spread?;
+                    Some(Distribution::of(Quantiles {
+                        low: s.low,
+                        q1: s.lower_quartile,
+                        median: s.median,
+                        q3: s.upper_quartile,
+                        high: s.high,
+                    }))
+                })
+                .collect(),
+        });
+    }
+    let boxes = BoxFigure {
+        heading: Heading::new("error-by-criterion", "Torque prediction error by criterion")
+            .subtitle("all designs and runs of each family")
+            .caption("RMSE on validation trajectories, all joints. Box: quartiles and median; whiskers: 5 % and 95 % quantiles over runs."),
+        value: Axis::log("prediction RMSE", "N·m"),
+        whiskers: "5 % to 95 %".to_owned(),
+        groups,
+        rows,
+        levels: Vec::new(),
+    };
+    let mut table = Table::new(
+        "Does a design's own value foretell its error? Spearman's rank correlation over designs; the criteria are oriented so that smaller is better, so a useful one has a value near 1.",
+        vec![
+            Column::text("value"),
+            Column::text("estimator"),
+            Column::number("designs", ""),
+            Column::number("rank correlation", ""),
+        ],
+    );
+    for f in &result.findings.foretelling {
+        table = table.row(vec![
+            Cell::text(&f.value),
+            Cell::text(&f.estimator),
+            Cell::count(f.designs),
+            f.rank_correlation.map_or(Cell::Missing, |r| Cell::fixed(r, 2)),
+        ]);
+    }
+    Ok(Section::new("Criteria and errors").figure(&boxes)?.figure(&scatter)?.table(table))
+}

@@ -1,0 +1,92 @@
+//! Trajectories against limits.
+
+use armid::study::{LimitExample, StudyStory};
+
+use crate::{
+    Axis, Cell, Column, DocumentError, GroupStyle, Heading, Limit, Line, Section, Table, TimePanel, TimeSeriesFigure,
+};
+
+pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
+    let result = &story.result;
+    let mut section = Section::new("Trajectories and limits").text(
+        "Position, velocity, acceleration and the torque of the nominal parameters, each over its limit: at 1 a limit is reached. Limits hold between samples too.",
+    );
+    for example in &story.examples.limits {
+        section = section.figure(&figure(example, story))?;
+    }
+    let mut table = Table::new(
+        "Every design: condition numbers and information of the rigid base columns and of all estimated ones, and the worst use of each limit.",
+        vec![
+            Column::text("family"),
+            Column::number("start", ""),
+            Column::number("evaluations", ""),
+            Column::text("ended"),
+            Column::number("condition, rigid", ""),
+            Column::number("condition", ""),
+            Column::number("scaled", ""),
+            Column::number("ln det", ""),
+            Column::number("position", "%"),
+            Column::number("velocity", "%"),
+            Column::number("acceleration", "%"),
+            Column::number("torque", "%"),
+        ],
+    );
+    for design in &result.designs {
+        let c = &design.certificate;
+        let percent = |value: f64| Cell::fixed(100.0 * value, 1);
+        table = table.row(vec![
+            Cell::text(&result.plan.designs[design.family].name),
+            Cell::count(design.start),
+            Cell::count(design.evaluations),
+            design.termination.as_ref().map_or(Cell::Missing, |t| Cell::text(t.name())),
+            Cell::number(c.condition, 4),
+            Cell::number(c.condition_all, 4),
+            Cell::number(c.condition_scaled_all, 4),
+            Cell::number(c.log_det_information_all, 4),
+            percent(c.worst_limit_use.position),
+            percent(c.worst_limit_use.velocity),
+            percent(c.worst_limit_use.acceleration),
+            c.worst_limit_use.torque.map_or(Cell::Missing, percent),
+        ]);
+    }
+    Ok(section.table(table))
+}
+
+fn figure(example: &LimitExample, story: &StudyStory) -> TimeSeriesFigure {
+    let panels = story
+        .result
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            let quantities = [
+                ("position", &example.position),
+                ("velocity", &example.velocity),
+                ("acceleration", &example.acceleration),
+                ("torque", &example.torque),
+            ];
+            TimePanel {
+                title: joint.name.clone(),
+                lines: quantities
+                    .into_iter()
+                    .enumerate()
+                    .filter(|(_, (_, values))| values[j].iter().all(|v| v.is_finite()))
+                    .map(|(i, (label, values))| {
+                        Line::new(label, GroupStyle::nth(i), example.time_s.clone(), values[j].clone())
+                    })
+                    .collect(),
+                limits: vec![Limit::new(1.0, "limit"), Limit::new(-1.0, "limit")],
+            }
+        })
+        .collect();
+    TimeSeriesFigure {
+        heading: Heading::new(format!("limits-{}", example.family), format!("A {} design against its limits", example.family))
+            .subtitle(format!("design {} of the study", example.design))
+            .caption("Each quantity over its limit; position counts from the middle of its range. Torque is that of the nominal parameters, over the joint's rating."),
+        time: Axis::linear("time", "s"),
+        value: Axis::linear("share of the limit", ""),
+        columns: 2,
+        same_range: true,
+        panels,
+    }
+}

@@ -1,0 +1,110 @@
+//! Parameter by parameter: bias, spread against its bound, coverage.
+
+use armid::study::{FamilyScore, StudyStory};
+
+use super::shown_estimator;
+use crate::{
+    Axis, Band, Cell, Column, CoverageFigure, CoverageRow, DocumentError, Group, Heading, Interval, IntervalFigure,
+    IntervalRow, Level, Section, Table,
+};
+
+pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
+    let result = &story.result;
+    let estimator = shown_estimator(story);
+    let families: Vec<&FamilyScore> =
+        result.findings.families.iter().filter(|f| f.estimator == estimator && f.runs > 1).collect();
+    let section = Section::new("Parameters");
+    if families.is_empty() {
+        return Ok(section.text("No family has runs enough to tell."));
+    }
+    let groups = Group::assign(families.iter().map(|f| f.family.clone()));
+    let bias = IntervalFigure {
+        heading: Heading::new("bias", "Bias of the base parameters")
+            .subtitle(format!("estimator {estimator}, in the declared reference units"))
+            .caption("Mean error over runs with its 95 % interval, designs taken as the units; an interval that leaves out zero shows a bias."),
+        value: Axis::linear("bias", "reference units"),
+        groups: groups.clone(),
+        rows: result
+            .parameters
+            .iter()
+            .enumerate()
+            .map(|(i, parameter)| IntervalRow {
+                label: parameter.name.clone(),
+                cells: families
+                    .iter()
+                    .map(|family| {
+                        let score = &family.parameters[i];
+                        let unit = parameter.reference_unit;
+                        score.bias_interval.map(|b| Interval::new(score.bias / unit, b.low / unit, b.high / unit))
+                    })
+                    .collect(),
+            })
+            .collect(),
+        levels: vec![Level::new(0.0, "no bias")],
+        band: None,
+    };
+    let coverage = CoverageFigure {
+        heading: Heading::new("coverage", "How often a stated 95 % interval holds the truth")
+            .subtitle(format!("estimator {estimator}, through the whole chain"))
+            .caption("Share of runs with its 95 % Wilson interval. Averaging, derivatives and decimation are part of the chain; what is below 95 % is bias that no interval from noise can cover."),
+        groups,
+        rows: result
+            .parameters
+            .iter()
+            .enumerate()
+            .map(|(i, parameter)| CoverageRow {
+                label: parameter.name.clone(),
+                percent: families
+                    .iter()
+                    .map(|family| {
+                        let score = &family.parameters[i];
+                        score.coverage_interval.map(|c| {
+                            Interval::new(100.0 * score.coverage, 100.0 * c.low, 100.0 * c.high)
+                        })
+                    })
+                    .collect(),
+            })
+            .collect(),
+        nominal_percent: 95.0,
+        band: Band::new(93.0, 97.0, "93 to 97 %"),
+    };
+    Ok(section.figure(&bias)?.figure(&coverage)?.table(table(story, &families)))
+}
+
+fn table(story: &StudyStory, families: &[&FamilyScore]) -> Table {
+    let mut table = Table::new(
+        "Every base parameter of every family. Bound: the Cramér–Rao standard deviation at the noise-free motion, all raw samples of all periods.",
+        vec![
+            Column::text("parameter"),
+            Column::text("combination"),
+            Column::text("unit"),
+            Column::text("family"),
+            Column::number("true value", ""),
+            Column::number("bias", ""),
+            Column::number("std", ""),
+            Column::number("stated std", ""),
+            Column::number("bound", ""),
+            Column::number("RMSE", ""),
+            Column::number("coverage", "%"),
+        ],
+    );
+    for (i, parameter) in story.result.parameters.iter().enumerate() {
+        for family in families {
+            let s = &family.parameters[i];
+            table = table.row(vec![
+                Cell::text(&parameter.name),
+                Cell::text(&parameter.expression),
+                Cell::text(&parameter.unit),
+                Cell::text(&family.family),
+                Cell::number(parameter.truth, 4),
+                Cell::number(s.bias, 2),
+                Cell::number(s.std, 3),
+                Cell::number(s.stated_std, 3),
+                Cell::number(s.bound_std, 3),
+                Cell::number(s.rmse, 3),
+                Cell::fixed(100.0 * s.coverage, 1),
+            ]);
+        }
+    }
+    table
+}

@@ -1,0 +1,44 @@
+//! Measured against predicted torque.
+
+use armid::study::StudyStory;
+
+use crate::{Axis, DocumentError, GroupStyle, Heading, Line, Section, TimePanel, TimeSeriesFigure};
+
+pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
+    let section = Section::new("Measured and predicted torque");
+    let Some(example) = &story.examples.prediction else {
+        return Ok(section.text("No run gave an estimate to predict with."));
+    };
+    let panels = story
+        .result
+        .joints
+        .iter()
+        .enumerate()
+        .map(|(j, joint)| {
+            let residual = example.measured[j].iter().zip(&example.predicted[j]).map(|(m, p)| m - p).collect();
+            let line = |label: &str, style: GroupStyle, values: Vec<f64>| {
+                Line::new(label, style, example.time_s.clone(), values)
+            };
+            TimePanel {
+                title: format!("{}: residual {:.3} {} RMS", joint.name, example.rms[j], joint.effort_unit),
+                lines: vec![
+                    line("measured", GroupStyle::nth(0), example.measured[j].clone()),
+                    line("predicted", GroupStyle::nth(1), example.predicted[j].clone()),
+                    line("measured − predicted", GroupStyle::nth(3).with_width(1.0), residual),
+                ],
+                limits: Vec::new(),
+            }
+        })
+        .collect();
+    let figure = TimeSeriesFigure {
+        heading: Heading::new("prediction", "Torque along a trajectory that no fit has seen")
+            .subtitle(format!("estimate: {} from a {} design", example.estimator, example.family))
+            .caption("Measured: mean over the recorded periods of a validation experiment. Predicted: the estimate, at the measured positions and their derivatives."),
+        time: Axis::linear("time", "s"),
+        value: Axis::linear("torque", "N·m"),
+        columns: 2,
+        same_range: false,
+        panels,
+    };
+    section.figure(&figure)
+}

@@ -1,0 +1,113 @@
+//! The designs of a study: one trajectory per family and start, with its certificate and how it was found.
+
+use super::plan::Making;
+use super::{Stage, StudyError};
+use crate::excitation::{
+    Certificate, CriterionKind, Design, DesignProblem, ExcitationError, FourierTrajectory, HistoryPoint, Termination,
+    design, random_design, table_one,
+};
+
+/// One design of a study.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct StudyDesign {
+    /// Index of its family.
+    pub family: usize,
+    /// Number of its start within the family.
+    pub start: usize,
+    /// The trajectory.
+    pub trajectory: FourierTrajectory,
+    /// What was optimised or chosen by; `None` for a fixed trajectory.
+    pub criterion: Option<CriterionKind>,
+    /// What it is worth and how much of each limit it uses.
+    pub certificate: Certificate,
+    /// Evaluations of the criterion that were spent.
+    pub evaluations: usize,
+    /// Steps of the optimiser, or draws.
+    pub iterations: usize,
+    /// How the optimisation ended; `None` for a fixed trajectory.
+    pub termination: Option<Termination>,
+    /// How the value developed.
+    pub history: Vec<HistoryPoint>,
+}
+
+impl StudyDesign {
+    /// The values that might foretell the error of a design, all of the columns that are estimated; smaller is better.
+    #[must_use]
+    pub fn values(&self) -> Vec<(&'static str, f64)> {
+        vec![
+            ("condition", self.certificate.condition_all),
+            ("condition-scaled", self.certificate.condition_scaled_all),
+            ("d-optimal", -self.certificate.log_det_information_all),
+        ]
+    }
+
+    fn of(family: usize, start: usize, design: Design) -> Self {
+        Self {
+            family,
+            start,
+            trajectory: design.trajectory,
+            criterion: Some(design.criterion),
+            certificate: design.certificate,
+            evaluations: design.evaluations,
+            iterations: design.iterations,
+            termination: Some(design.termination),
+            history: design.history,
+        }
+    }
+}
+
+impl Stage {
+    /// Makes one design of one family. Families share their starts: start k of every family is the same first guess.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the settings are impossible for the robot.
+    pub fn design(&self, family: usize, start: usize) -> Result<StudyDesign, StudyError> {
+        let plan = &self.plan.designs[family];
+        let seed = self.plan.seed.child("design", 0);
+        let index = start as u64;
+        match plan.making {
+            Making::Optimised => Ok(StudyDesign::of(
+                family,
+                start,
+                design(&self.problem(plan.criterion()?, plan.evaluations)?, seed, index)?,
+            )),
+            Making::Random => {
+                let problem = self.problem(plan.criterion()?, plan.evaluations)?;
+                Ok(StudyDesign::of(family, start, random_design(&problem, seed, index)?))
+            }
+            Making::TableOne => {
+                let trajectory = table_one::corrected();
+                let certificate = Certificate::of(&self.problem(CriterionKind::Condition, 1)?, &trajectory)?;
+                Ok(StudyDesign {
+                    family,
+                    start,
+                    trajectory,
+                    criterion: None,
+                    certificate,
+                    evaluations: 0,
+                    iterations: 0,
+                    termination: None,
+                    history: Vec::new(),
+                })
+            }
+        }
+    }
+
+    /// The design problem of a criterion: the columns that are estimated, all limits of the robot, the noise of its
+    /// sensors, the torque of the nominal parameters.
+    pub(super) fn problem(
+        &self,
+        criterion: CriterionKind,
+        evaluations: usize,
+    ) -> Result<DesignProblem, ExcitationError> {
+        let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();
+        Ok(DesignProblem {
+            period_s: self.plan.experiment.period_s,
+            harmonics: self.plan.experiment.harmonics,
+            nominal: Some(self.nominal.clone()),
+            sigma: Some(sigma),
+            max_evaluations: evaluations,
+            ..DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion)?
+        })
+    }
+}

@@ -1,0 +1,138 @@
+//! Single cases that a reader wants to see: a design against its limits, a measured torque against its prediction.
+
+use super::{ScoredEstimate, Stage, StudyDesign};
+use crate::dynamics::{Dynamics, States};
+use crate::signal::Samples;
+use nalgebra::DVector;
+
+/// Samples of every example.
+const SAMPLES: usize = 250;
+
+/// The cases that the figures of a study show.
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Examples {
+    /// One design of each family against its limits.
+    pub limits: Vec<LimitExample>,
+    /// A validation experiment: torque measured and predicted.
+    pub prediction: Option<PredictionExample>,
+}
+
+/// One design, every quantity over its limit: 1 is the limit.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct LimitExample {
+    /// Name of the family.
+    pub family: String,
+    /// Index of the design.
+    pub design: usize,
+    /// Time within the period, s.
+    pub time_s: Vec<f64>,
+    /// Position between its limits, −1 at the lower and 1 at the upper one: joint by joint, sample by sample.
+    pub position: Vec<Vec<f64>>,
+    /// Velocity over its limit.
+    pub velocity: Vec<Vec<f64>>,
+    /// Acceleration over its limit.
+    pub acceleration: Vec<Vec<f64>>,
+    /// Nominal torque over its rating.
+    pub torque: Vec<Vec<f64>>,
+}
+
+/// Torque along a trajectory that no fit has seen.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PredictionExample {
+    /// Name of the family whose design gave the estimate.
+    pub family: String,
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Time within the period, s.
+    pub time_s: Vec<f64>,
+    /// Measured torque, mean over the recorded periods, N·m: joint by joint, sample by sample.
+    pub measured: Vec<Vec<f64>>,
+    /// Predicted torque, N·m.
+    pub predicted: Vec<Vec<f64>>,
+    /// RMS of the difference, joint by joint, N·m.
+    pub rms: Vec<f64>,
+}
+
+impl Stage {
+    /// A design against its limits, with the torque of the nominal parameters.
+    #[must_use]
+    pub fn limit_example(&self, index: usize, design: &StudyDesign) -> LimitExample {
+        let states = design.trajectory.sample(SAMPLES);
+        let mut dynamics = Dynamics::new(&self.robot, &self.nominal);
+        let n = states.dof;
+        let empty = || vec![Vec::with_capacity(SAMPLES); n];
+        let (mut position, mut velocity, mut acceleration, mut torque) = (empty(), empty(), empty(), empty());
+        let mut tau = vec![0.0; n];
+        for k in 0..states.len() {
+            dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut tau);
+            for (j, joint) in self.robot.joints().iter().enumerate() {
+                let limits = &joint.limits;
+                let (low, high) = limits.position;
+                position[j].push((2.0 * states.q(k)[j] - low - high) / (high - low));
+                velocity[j].push(states.qd(k)[j] / limits.velocity);
+                acceleration[j].push(states.qdd(k)[j] / limits.acceleration);
+                torque[j].push(tau[j] / limits.torque);
+            }
+        }
+        LimitExample {
+            family: self.plan.designs[design.family].name.clone(),
+            design: index,
+            time_s: times(design.trajectory.period_s, SAMPLES),
+            position,
+            velocity,
+            acceleration,
+            torque,
+        }
+    }
+
+    /// Measured torque of a validation experiment beside what an estimate of `design` predicts for its states.
+    #[must_use]
+    pub fn prediction_example(
+        &self,
+        design: &StudyDesign,
+        estimate: &ScoredEstimate,
+        measured: &Samples,
+    ) -> PredictionExample {
+        let n = self.robot.dof();
+        let beta = DVector::from_column_slice(&estimate.beta);
+        let predicted = self.base.select_columns(&self.regressor.stack(&measured.states)) * beta;
+        let by_joint = |values: &[f64]| -> Vec<Vec<f64>> {
+            (0..n).map(|j| values.iter().skip(j).step_by(n).copied().collect()).collect()
+        };
+        let (measured_torque, predicted) = (by_joint(&measured.tau), by_joint(predicted.as_slice()));
+        let rms = measured_torque
+            .iter()
+            .zip(&predicted)
+            .map(|(m, p)| {
+                let difference: Vec<f64> = m.iter().zip(p).map(|(a, b)| a - b).collect();
+                super::statistics::root_mean_square(&difference)
+            })
+            .collect();
+        PredictionExample {
+            family: self.plan.designs[design.family].name.clone(),
+            estimator: estimate.estimator.clone(),
+            time_s: times(self.plan.experiment.period_s, measured.len()),
+            measured: measured_torque,
+            predicted,
+            rms,
+        }
+    }
+}
+
+fn times(period_s: f64, count: usize) -> Vec<f64> {
+    (0..count).map(|k| period_s * k as f64 / count as f64).collect()
+}
+
+/// The exact states of one period, as the referee sees them: positions, velocities and held torques of the plant, and
+/// the accelerations that the true parameters give them.
+#[must_use]
+pub fn exact_states(dynamics: &mut Dynamics, q: &[f64], qd: &[f64], tau: &[f64]) -> States {
+    let n = dynamics.dof();
+    let mut states = States::new(n);
+    let mut qdd = vec![0.0; n];
+    for ((q, qd), tau) in q.chunks_exact(n).zip(qd.chunks_exact(n)).zip(tau.chunks_exact(n)) {
+        dynamics.forward(q, qd, tau, &mut qdd);
+        states.push(q, qd, &qdd);
+    }
+    states
+}

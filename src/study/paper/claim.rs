@@ -1,0 +1,71 @@
+//! One claim and what was found.
+
+use crate::study::statistics::Interval;
+
+/// What the numbers say of a claim.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Verdict {
+    /// It holds.
+    Holds,
+    /// It holds in part, or under a condition that the finding states.
+    HoldsInPart,
+    /// It does not hold.
+    DoesNotHold,
+    /// The numbers do not decide.
+    Undecided,
+}
+
+impl Verdict {
+    /// In words.
+    #[must_use]
+    pub const fn words(self) -> &'static str {
+        match self {
+            Self::Holds => "holds",
+            Self::HoldsInPart => "holds in part",
+            Self::DoesNotHold => "does not hold",
+            Self::Undecided => "undecided",
+        }
+    }
+}
+
+/// A number behind a verdict.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Quantity {
+    /// What was measured, with its unit.
+    pub name: String,
+    /// Its value.
+    pub value: f64,
+    /// Its 95 % interval, where it is a statistic.
+    pub interval: Option<Interval>,
+    /// Number of runs, designs or samples behind it.
+    pub samples: usize,
+}
+
+impl Quantity {
+    /// A number without an interval.
+    #[must_use]
+    pub fn new(name: impl Into<String>, value: f64, samples: usize) -> Self {
+        Self { name: name.into(), value, interval: None, samples }
+    }
+
+    /// With its interval.
+    #[must_use]
+    pub const fn with_interval(mut self, interval: Option<Interval>) -> Self {
+        self.interval = interval;
+        self
+    }
+}
+
+/// A claim of the paper and what armid finds.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Claim {
+    /// The claim, in our words, with the place in the paper.
+    pub claim: String,
+    /// What the numbers say.
+    pub verdict: Verdict,
+    /// How the verdict follows from them.
+    pub rule: String,
+    /// The numbers.
+    pub quantities: Vec<Quantity>,
+}

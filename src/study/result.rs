@@ -1,0 +1,123 @@
+//! What a study stores beside its rows: enough to print and draw every part of its report again.
+
+use super::paper::{Claim, TableLine};
+use super::{Examples, Findings, Stage, StudyDesign, StudyPlan};
+use crate::provenance::Provenance;
+
+/// The stored summary of a study. Equal plan, equal bytes.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct StudyResult {
+    /// The plan as run.
+    pub plan: StudyPlan,
+    /// What produced it.
+    pub provenance: Provenance,
+    /// The robot's joints.
+    pub joints: Vec<JointLine>,
+    /// The base parameters.
+    pub parameters: Vec<ParameterLine>,
+    /// The arm that performed the experiments.
+    pub arm: String,
+    /// Every design.
+    pub designs: Vec<StudyDesign>,
+    /// Cramér–Rao standard deviations of each design, in the order of the parameters.
+    pub bounds: Vec<Vec<f64>>,
+    /// What all runs together say.
+    pub findings: Findings,
+    /// The paper's claims examined, and its Table II, where the plan asks for them.
+    pub paper: Option<PaperResult>,
+}
+
+/// The paper's claims and its Table II.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct PaperResult {
+    /// One entry per claim.
+    pub claims: Vec<Claim>,
+    /// One line per base parameter of the rigid arm.
+    pub table: Vec<TableLine>,
+}
+
+/// One joint, as tables and figures name it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct JointLine {
+    /// Its name.
+    pub name: String,
+    /// Unit of its effort.
+    pub effort_unit: String,
+    /// Torque rating, in that unit; `None` where there is none.
+    pub rating: Option<f64>,
+}
+
+/// One base parameter, as tables and figures name it.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct ParameterLine {
+    /// Name of the parameter that stands for the combination.
+    pub name: String,
+    /// The combination, with its coefficients recognised.
+    pub expression: String,
+    /// Its unit on a revolute joint.
+    pub unit: String,
+    /// Its true value.
+    pub truth: f64,
+    /// The error that counts as one.
+    pub reference_unit: f64,
+}
+
+/// A study with the single cases that its figures show.
+#[derive(Clone, Debug, PartialEq)]
+pub struct StudyStory {
+    /// The summary.
+    pub result: StudyResult,
+    /// The cases.
+    pub examples: Examples,
+}
+
+impl Stage {
+    /// Puts together what is stored.
+    #[must_use]
+    pub fn result(
+        &self,
+        arm: &str,
+        provenance: Provenance,
+        designs: Vec<StudyDesign>,
+        bounds: Vec<Vec<f64>>,
+        findings: Findings,
+        paper: Option<PaperResult>,
+    ) -> StudyResult {
+        let (truth, units) = (self.referee().truth(), self.referee().units());
+        let parameters = self
+            .base
+            .names()
+            .into_iter()
+            .zip(self.base.expressions(&self.robot))
+            .enumerate()
+            .map(|(i, (name, expression))| ParameterLine {
+                name,
+                expression,
+                unit: self.base.parameters[self.base.kept[i]].kind.unit().to_owned(),
+                truth: truth[i],
+                reference_unit: units[i],
+            })
+            .collect();
+        let joints = self
+            .robot
+            .joints()
+            .iter()
+            .map(|joint| JointLine {
+                name: joint.name.clone(),
+                effort_unit: joint.kind.effort_unit().to_owned(),
+                rating: joint.limits.torque.is_finite().then_some(joint.limits.torque),
+            })
+            .collect();
+        StudyResult {
+            plan: self.plan.clone(),
+            provenance,
+            joints,
+            parameters,
+            arm: arm.to_owned(),
+            designs,
+            bounds,
+            findings,
+            paper,
+        }
+    }
+}

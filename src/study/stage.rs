@@ -1,0 +1,255 @@
+//! Everything of a study that is fixed before its first run: the robot, its reduction, the referee, the settings.
+//!
+//! ```text
+//! Stage::new → Stage::design(family, start) → Stage::bound → Stage::trial(design, run) → Stage::findings
+//! ```
+//! Each step is a function of the plan and its seed alone, so that any of them can be done again, in any order, on any
+//! number of threads, and give the same bytes. Who performs the experiment is the caller's choice: an [`Arm`].
+
+use std::collections::BTreeMap;
+
+use nalgebra::DMatrix;
+
+use super::bound::{cramer_rao_std, torque_covariance};
+use super::outcome::{Outcome, ScoredEstimate};
+use super::plan::{PlanFault, StudyPlan};
+use super::summary::{DesignRow, Evidence, Findings};
+use super::{Referee, StudyDesign, Truth};
+use crate::base::{BaseError, BaseReduction, Method, reduce};
+use crate::dynamics::States;
+use crate::estimation::{EstimationProblem, EstimatorKind, Observation};
+use crate::excitation::{ExcitationError, FourierTrajectory, paper_start};
+use crate::experiment::{Arm, Ending, ExperimentPlan, record};
+use crate::model::{Robot, StandardParameters};
+use crate::regressor::JointTorqueRegressor;
+use crate::seed::Seed;
+use crate::signal::{Derivatives, Processing, Samples, process};
+
+/// Why a study cannot begin.
+#[derive(Debug, thiserror::Error)]
+pub enum StudyError {
+    /// The plan asks for something that is not there.
+    #[error(transparent)]
+    Plan(#[from] PlanFault),
+    /// The robot cannot be reduced.
+    #[error(transparent)]
+    Base(#[from] BaseError),
+    /// A trajectory cannot be made.
+    #[error(transparent)]
+    Excitation(#[from] ExcitationError),
+}
+
+/// A study that is ready to run.
+#[derive(Debug)]
+pub struct Stage {
+    pub(super) plan: StudyPlan,
+    pub(super) robot: Robot,
+    pub(super) nominal: StandardParameters,
+    pub(super) regressor: JointTorqueRegressor,
+    pub(super) base: BaseReduction,
+    pub(super) noise: DMatrix<f64>,
+    referee: Referee,
+    estimators: Vec<EstimatorKind>,
+    processing: Processing,
+    validation: Vec<States>,
+}
+
+impl Stage {
+    /// Reduces the robot, draws the validation trajectories, and puts the referee in place.
+    ///
+    /// # Errors
+    /// [`StudyError`] where the plan, the robot or the validation trajectories do not allow it.
+    pub fn new(plan: StudyPlan, robot: Robot, nominal: StandardParameters, truth: &Truth) -> Result<Self, StudyError> {
+        plan.check()?;
+        let columns = plan.columns()?;
+        let regressor = JointTorqueRegressor::new(&robot, columns);
+        let base = reduce(&robot, columns, Method::Structural, plan.seed)?;
+        let validation = (0..plan.validation.trajectories as u64)
+            .map(|index| Ok(validation_trajectory(&plan, &robot, index)?.sample(plan.validation.samples)))
+            .collect::<Result<Vec<_>, ExcitationError>>()?;
+        let referee = Referee::new(&robot, truth, &regressor, &base, &validation, &plan.reference);
+        let processing = Processing {
+            derivatives: plan.derivatives()?,
+            samples_per_period: plan.identification.samples_per_period,
+            ..Processing::default()
+        };
+        Ok(Self {
+            noise: torque_covariance(&robot),
+            estimators: plan.estimators()?,
+            plan,
+            robot,
+            nominal,
+            regressor,
+            base,
+            referee,
+            processing,
+            validation,
+        })
+    }
+
+    /// The plan.
+    #[must_use]
+    pub const fn plan(&self) -> &StudyPlan {
+        &self.plan
+    }
+
+    /// The robot.
+    #[must_use]
+    pub const fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// The reduction to base parameters.
+    #[must_use]
+    pub const fn base(&self) -> &BaseReduction {
+        &self.base
+    }
+
+    /// Who knows the truth.
+    #[must_use]
+    pub const fn referee(&self) -> &Referee {
+        &self.referee
+    }
+
+    /// How recordings are processed.
+    #[must_use]
+    pub const fn processing(&self) -> &Processing {
+        &self.processing
+    }
+
+    /// States of the validation trajectories.
+    #[must_use]
+    pub fn validation(&self) -> &[States] {
+        &self.validation
+    }
+
+    /// One of the validation trajectories.
+    ///
+    /// # Errors
+    /// [`ExcitationError`] where the settings are impossible for the robot.
+    pub fn validation_trajectory(&self, index: u64) -> Result<FourierTrajectory, ExcitationError> {
+        validation_trajectory(&self.plan, &self.robot, index)
+    }
+
+    /// Every design of the plan as (family, start), in the order in which designs are numbered.
+    #[must_use]
+    pub fn designs(&self) -> Vec<(usize, usize)> {
+        let families = self.plan.designs.iter().enumerate();
+        families.flat_map(|(family, plan)| (0..plan.starts).map(move |start| (family, start))).collect()
+    }
+
+    /// The experiment that performs a trajectory.
+    #[must_use]
+    pub fn experiment(&self, trajectory: &FourierTrajectory) -> ExperimentPlan {
+        let settings = &self.plan.experiment;
+        ExperimentPlan {
+            rate_hz: settings.rate_hz,
+            discarded_periods: settings.discarded_periods,
+            periods: settings.periods,
+            ..ExperimentPlan::new(trajectory.clone())
+        }
+    }
+
+    /// Seed and run number of the random streams of one run.
+    #[must_use]
+    pub fn stream(&self, design: usize, run: u64) -> (Seed, u64) {
+        (self.plan.seed.child("run", design as u64), run)
+    }
+
+    /// Cramér–Rao standard deviations of the base parameters (b), at the exact motion of one period of the closed
+    /// loop; infinite where the motion does not excite all of them.
+    #[must_use]
+    pub fn bound(&self, exact: &States) -> Vec<f64> {
+        let settings = &self.plan.experiment;
+        let weight = settings.period_s * settings.rate_hz / exact.len() as f64;
+        cramer_rao_std(&self.regressor, &self.base, exact, &self.noise, weight, settings.periods)
+            .unwrap_or_else(|| vec![f64::INFINITY; self.base.rank()])
+    }
+
+    /// One run: performs the experiment on `arm`, processes what it recorded, estimates and scores. Whatever goes wrong
+    /// is a reason in the outcome.
+    #[must_use]
+    pub fn trial(&self, index: usize, design: &StudyDesign, run: u64, arm: &mut dyn Arm) -> Outcome {
+        match self.samples(&design.trajectory, arm) {
+            Ok(samples) => Outcome { design: index, run, failure: None, estimates: self.estimates(&samples) },
+            Err(reason) => Outcome { design: index, run, failure: Some(reason), estimates: Vec::new() },
+        }
+    }
+
+    /// Performs the experiment and processes the recording.
+    ///
+    /// # Errors
+    /// The reason, as the study's rows state it.
+    pub fn samples(&self, trajectory: &FourierTrajectory, arm: &mut dyn Arm) -> Result<Samples, String> {
+        let (recording, ending) = record(arm, &self.experiment(trajectory)).map_err(|fault| format!("arm: {fault}"))?;
+        if let Ending::Diverged { t, reason, .. } = ending {
+            return Err(format!("diverged at t = {t:.3} s: {reason}"));
+        }
+        process(&recording, &self.robot, &self.processing).map_err(|fault| format!("signal: {fault}"))
+    }
+
+    /// Every estimator of the plan on the same samples, each with its score.
+    #[must_use]
+    pub fn estimates(&self, samples: &Samples) -> Vec<ScoredEstimate> {
+        let observation = match Observation::new(&self.robot, &self.regressor, &self.base, samples) {
+            Ok(observation) => observation,
+            Err(fault) => {
+                return self.estimators.iter().map(|e| ScoredEstimate::failed(e.name(), fault.to_string())).collect();
+            }
+        };
+        let problem = EstimationProblem::new(&observation).with_robot(&self.robot).with_samples(samples);
+        self.estimators
+            .iter()
+            .map(|kind| match kind.estimator().estimate(&problem) {
+                Ok(estimate) => ScoredEstimate::new(&estimate, self.referee.score(&estimate.beta())),
+                Err(fault) => ScoredEstimate::failed(kind.name(), fault.to_string()),
+            })
+            .collect()
+    }
+
+    /// What all outcomes say; `bounds` holds the Cramér–Rao standard deviations of each design.
+    #[must_use]
+    pub fn findings(&self, designs: &[StudyDesign], bounds: &[Vec<f64>], outcomes: &[Outcome]) -> Findings {
+        let mut sorted: BTreeMap<(usize, u64), &Outcome> = BTreeMap::new();
+        for outcome in outcomes {
+            sorted.insert((outcome.design, outcome.run), outcome);
+        }
+        let outcomes: Vec<Outcome> = sorted.into_values().cloned().collect();
+        let families: Vec<String> = self.plan.designs.iter().map(|family| family.name.clone()).collect();
+        let values: Vec<Vec<(&str, f64)>> = designs.iter().map(StudyDesign::values).collect();
+        let rows: Vec<DesignRow<'_>> = designs
+            .iter()
+            .zip(bounds)
+            .zip(&values)
+            .map(|((design, bound_std), values)| DesignRow { family: design.family, bound_std, values })
+            .collect();
+        Evidence {
+            families: &families,
+            designs: &rows,
+            estimators: &self.plan.identification.estimators,
+            truth: self.referee.truth(),
+            units: self.referee.units(),
+            outcomes: &outcomes,
+            seed: self.plan.seed.child("bootstrap", 0),
+        }
+        .findings()
+    }
+}
+
+fn validation_trajectory(plan: &StudyPlan, robot: &Robot, index: u64) -> Result<FourierTrajectory, ExcitationError> {
+    let settings = &plan.experiment;
+    paper_start(robot, settings.period_s, settings.harmonics, plan.seed.child("validation", 0), index)
+}
+
+impl StudyPlan {
+    /// The derivative route.
+    ///
+    /// # Errors
+    /// [`PlanFault::Name`].
+    pub fn derivatives(&self) -> Result<Derivatives, PlanFault> {
+        let found = &self.identification.derivatives;
+        Derivatives::parse(found).ok_or_else(|| {
+            super::plan::name("identification.derivatives", found, Derivatives::ALL.map(Derivatives::name))
+        })
+    }
+}
