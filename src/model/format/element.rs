@@ -68,6 +68,10 @@ impl<'a> Element<'a> {
         }
     }
 
+    pub(super) fn attributes(&self) -> impl Iterator<Item = Attribute<'a, 'a>> {
+        self.node.attributes()
+    }
+
     pub(super) fn attribute(&self, key: &str) -> Option<Attribute<'a, 'a>> {
         self.node.attribute_node(key)
     }
@@ -136,19 +140,21 @@ pub(super) fn sincos(angle: f64) -> (f64, f64) {
     }
 }
 
-/// The shortest turn that brings z onto a unit vector; exact where that is one of the axes.
+/// The shortest turn that brings z onto a unit vector; exact where that is one of the axes. Straight down it is about x.
 ///
 /// ```text
-/// R = 1 + [v]× + [v]×² / (1 + c)      v = z × a,  c = z · a
+/// R = c 1 + [v]× + (1 − c) u uᵀ      v = z × a,  c = z · a,  u = v / |v|
 /// ```
-/// Where `a` points down, z is first turned over by 180° about x, so that `1 + c` is never small.
+/// Upwards `(1 − c) u uᵀ = v vᵀ / (1 + c)`, which needs no direction of a small `v`.
 pub(super) fn turn_z_to(axis: &Vector3<f64>) -> Matrix3<f64> {
-    if axis.z < 0.0 {
-        let over = Matrix3::from_diagonal(&Vector3::new(1.0, -1.0, -1.0));
-        return turn_z_to(&-axis) * over;
-    }
-    let cross = Vector3::z().cross(axis).cross_matrix();
-    Matrix3::identity() + cross + cross * cross / (1.0 + axis.z)
+    let (v, c) = (Vector3::z().cross(axis), axis.z);
+    let along = if c >= 0.0 {
+        v * v.transpose() / (1.0 + c)
+    } else {
+        let u = v.try_normalize(0.0).unwrap_or_else(Vector3::x);
+        u * u.transpose() * (1.0 - c)
+    };
+    Matrix3::from_diagonal_element(c) + v.cross_matrix() + along
 }
 
 #[cfg(test)]
@@ -173,6 +179,8 @@ mod tests {
             let bound = if exact { 0.0 } else { 4.0 * f64::EPSILON };
             assert!((r.column(2) - axis).amax() <= bound, "{axis}");
             assert!((r.transpose() * r - Matrix3::identity()).amax() <= bound && r.determinant() > 0.0, "{axis}");
+            // The shortest turn is by the angle between both: its trace is 1 + 2 cos.
+            assert!((r.trace() - (1.0 + 2.0 * axis.z)).abs() <= bound, "{axis}");
         }
     }
 

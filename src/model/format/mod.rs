@@ -7,12 +7,15 @@
 //! | `nominal.toml` | [`parse_nominal`] | [`NominalParameters`] |
 //! | name → value, TOML or JSON | [`parse_parameter_map`] | [`StandardParameters`](super::StandardParameters) |
 //! | URDF | [`parse_urdf`] | [`ImportedModel`] |
+//! | MJCF | [`parse_mjcf`] | [`ImportedModel`] |
 //!
 //! Keys carry their unit as a suffix. A link is called after the joint that moves it, the one that stands still is
 //! `base`. Every fault is a [`FormatError`] that says what was found, what was expected, and the line and column.
 
 mod element;
 mod error;
+mod mjcf;
+mod mjcf_settings;
 mod parameter_file;
 mod parameter_map;
 mod parameter_writer;
@@ -25,9 +28,13 @@ mod urdf;
 mod fault_tests;
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "right angles and small sums are exact")]
+mod mjcf_tests;
+#[cfg(test)]
+#[allow(clippy::float_cmp, reason = "right angles and small sums are exact")]
 mod urdf_tests;
 
 pub use error::FormatError;
+pub use mjcf::parse_mjcf;
 pub use parameter_file::{
     NominalParameters, Note, ParameterFile, RelativeUncertainty, parse_nominal, parse_parameters,
 };

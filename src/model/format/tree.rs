@@ -64,8 +64,8 @@ pub(super) struct Body {
     /// Pose of its frame in the parent's, at zero.
     pub(super) placement: Placement,
     pub(super) connection: Connection,
-    /// In its own frame.
-    pub(super) inertia: Inertia,
+    /// In its own frame; a fault that counts only where the body moves.
+    pub(super) inertia: Result<Inertia, FormatError>,
     pub(super) at: Range<usize>,
 }
 
@@ -181,7 +181,8 @@ impl Tree<'_> {
                 (Connection::Fixed, _) => (link, pose),
             };
             if link > 0 {
-                parameters.links[link - 1] = sum(&parameters.links[link - 1], &moved(&body.inertia, &pose));
+                let inertia = body.inertia.as_ref().map_err(Clone::clone)?;
+                parameters.links[link - 1] = sum(&parameters.links[link - 1], &moved(inertia, &pose));
             }
             carried[b] = Some((link, pose));
         }

@@ -98,7 +98,7 @@ fn bodies(
     let mut bodies = Vec::with_capacity(links.len());
     while next < order.len() {
         let link = order[next];
-        let inertia = read_inertial(links[link])?;
+        let inertia = Ok(read_inertial(links[link])?);
         bodies.push(match &carrier[link] {
             None => Body {
                 name: names[link].to_owned(),
