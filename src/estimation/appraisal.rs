@@ -4,17 +4,20 @@
 //! cov β̂ = (WᵀPW)⁻¹ (PW)ᵀ C (PW) (WᵀPW)⁻¹        P = 1 (OLS) or Σ⁻¹ (WLS)
 //! ```
 //! with the covariance C of all equations, correlation in time included. For white noise and P = Σ⁻¹ the middle part
-//! cancels against one factor and `(WᵀΣ⁻¹W)⁻¹` remains. One term adds to the model's own b parameters nothing: model
-//! errors are not in C when it comes from scatter, and findings tell where the residual says that there are some.
+//! cancels against one factor and `(WᵀΣ⁻¹W)⁻¹` remains.
+//!
+//! The scatter over periods does not see what repeats: model errors, errors of the measured motion. Where the residual
+//! of a joint is much larger than the scatter explains, a finding says so, and C is taken from the residual instead,
+//! with its correlation in time: intervals then hold model errors as far as these look like noise.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::residual::{joint_rms, neighbour_correlation};
+use super::residual::{joint_rms, neighbour_correlation, residual_noise};
 use super::{
     BaseEstimate, Estimate, EstimationError, EstimationProblem, Finding, IntervalBasis, Observation, StandardEstimate,
     Termination, complete, student_quantile_975,
 };
-use crate::linalg::{LeastSquares, LeastSquaresError, transpose_product};
+use crate::linalg::{LeastSquares, LeastSquaresError, product, transpose_product};
 use crate::signal::NoiseModel;
 
 /// A condition number with unit columns above this is worth telling: a relative error of a hundredth in the data can
@@ -43,8 +46,19 @@ impl Appraisal<'_> {
     pub(super) fn estimate(self) -> Result<Estimate, EstimationError> {
         let observation = self.problem.observation;
         let beta = self.fit.solution();
-        let covariance = self.fit.sandwich(&transpose_product(self.weighted, &self.noise.apply(self.weighted)));
-        let freedom = self.noise.degrees_of_freedom();
+        let residual = observation.residual(beta);
+        let residual_rms = joint_rms(residual.as_slice(), &observation.used, observation.dof);
+        let spread = self.noise.apply(self.weighted);
+        let covariance = self.fit.sandwich(&transpose_product(self.weighted, &spread));
+        let expected = ExpectedResidual::new(&self, &spread, &covariance);
+        let misfit = self.misfit(&residual_rms, &expected);
+        let (covariance, freedom, interval_basis) = if misfit.is_empty() {
+            (covariance, self.noise.degrees_of_freedom(), self.basis)
+        } else {
+            let seen = residual_noise(observation, &residual);
+            let covariance = self.fit.sandwich(&transpose_product(self.weighted, &seen.apply(self.weighted)));
+            (covariance, seen.degrees_of_freedom(), IntervalBasis::Residual)
+        };
         let t = student_quantile_975(freedom);
         let base: Vec<BaseEstimate> = observation
             .base
@@ -57,9 +71,8 @@ impl Appraisal<'_> {
                 BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit }
             })
             .collect();
-        let residual = observation.residual(beta);
-        let residual_rms = joint_rms(residual.as_slice(), observation.dof);
-        let mut findings = self.findings(&base, &residual, &residual_rms);
+        let mut findings = self.findings(&base, &residual, &expected);
+        findings.extend(misfit);
         let completion = match self.problem.nominal {
             Some(nominal) => Some(complete(&observation.base, beta, nominal)?),
             None => None,
@@ -83,7 +96,7 @@ impl Appraisal<'_> {
             units: observation.units.clone(),
             condition: self.fit.condition(),
             condition_scaled: self.fit.condition_scaled(),
-            interval_basis: self.basis,
+            interval_basis,
             degrees_of_freedom: freedom,
             samples: observation.samples(),
             periods: observation.periods,
@@ -94,7 +107,25 @@ impl Appraisal<'_> {
         })
     }
 
-    fn findings(&self, base: &[BaseEstimate], residual: &DVector<f64>, rms: &[f64]) -> Vec<Finding> {
+    /// Joints whose residual is much larger than scatter explains.
+    fn misfit(&self, rms: &[f64], expected: &ExpectedResidual) -> Vec<Finding> {
+        if self.basis == IntervalBasis::Residual {
+            return Vec::new();
+        }
+        let joints = rms.iter().zip(&expected.rms).zip(&self.problem.observation.units).enumerate();
+        joints
+            .filter(|(_, ((residual_rms, expected_rms), _))| **residual_rms > LARGE_RESIDUAL * **expected_rms)
+            .map(|(i, ((&residual_rms, &expected_rms), unit))| Finding::ResidualAboveNoise {
+                joint: i + 1,
+                residual_rms,
+                expected_rms,
+                ratio: residual_rms / expected_rms,
+                unit: unit.clone(),
+            })
+            .collect()
+    }
+
+    fn findings(&self, base: &[BaseEstimate], residual: &DVector<f64>, expected: &ExpectedResidual) -> Vec<Finding> {
         let observation = self.problem.observation;
         let mut findings = Vec::new();
         for p in base.iter().filter(|p| 3.0 * p.std > p.value.abs()) {
@@ -112,22 +143,58 @@ impl Appraisal<'_> {
         if observation.periods < FEW_PERIODS {
             findings.push(Finding::FewPeriods { periods: observation.periods });
         }
-        let left = (1.0 - base.len() as f64 / observation.y.len() as f64).max(0.0).sqrt();
-        let correlations = neighbour_correlation(residual.as_slice(), observation.dof);
-        for (i, noise_std) in self.noise.std().into_iter().enumerate() {
-            let (expected_rms, residual_rms) = (noise_std * left, rms[i]);
-            let joint = i + 1;
-            if residual_rms > LARGE_RESIDUAL * expected_rms {
-                let ratio = residual_rms / expected_rms;
-                let unit = observation.units[i].clone();
-                findings.push(Finding::ResidualAboveNoise { joint, residual_rms, expected_rms, ratio, unit });
-            }
-            let (correlation, expected) = (correlations[i], self.noise.correlation(i, 1));
+        for (i, correlation) in neighbour_correlation(residual.as_slice(), observation.dof).into_iter().enumerate() {
+            let expected = expected.correlation[i];
             if correlation > expected + LARGE_CORRELATION {
-                findings.push(Finding::ResidualCorrelated { joint, correlation, expected });
+                findings.push(Finding::ResidualCorrelated { joint: i + 1, correlation, expected });
             }
         }
         findings
+    }
+}
+
+/// What noise alone would leave as residual, per joint.
+///
+/// ```text
+/// r = (1 − W G) ε,  G = (WᵀPW)⁻¹ (PW)ᵀ        cov r = C − W G C − (W G C)ᵀ + W (cov β̂) Wᵀ
+/// ```
+/// Not simply the noise of that joint: in an ordinary fit the noise of a strong joint moves parameters that a quiet
+/// joint feels.
+struct ExpectedResidual {
+    rms: Vec<f64>,
+    /// Correlation of neighbours.
+    correlation: Vec<f64>,
+}
+
+impl ExpectedResidual {
+    /// `spread` is C P W.
+    fn new(appraisal: &Appraisal<'_>, spread: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Self {
+        let observation = appraisal.problem.observation;
+        let (n, w) = (observation.dof, &observation.regressor);
+        // Rows in turn, so work on transposes: column k of each is what belongs to equation k.
+        let gain = product(&appraisal.fit.inverse_information(), &w.transpose());
+        let fitted = product(covariance, &w.transpose());
+        let (w, spread) = (w.transpose(), spread.transpose());
+        let noise = appraisal.noise;
+        let (mut power, mut neighbours, mut counts) = (vec![0.0; n], vec![0.0; n], vec![0_u32; n]);
+        for row in 0..observation.y.len() {
+            let i = row % n;
+            let next = row + n;
+            for (other, sums) in [(row, &mut power), (next, &mut neighbours)] {
+                if other < observation.y.len() && observation.used[row] && observation.used[other] {
+                    let own = noise.covariance()[(i, i)];
+                    let raw = if other == row { own } else { own * noise.correlation(i, 1) };
+                    sums[i] +=
+                        raw - gain.column(row).dot(&spread.column(other)) - gain.column(other).dot(&spread.column(row))
+                            + fitted.column(row).dot(&w.column(other));
+                }
+            }
+            counts[i] += u32::from(observation.used[row]);
+        }
+        Self {
+            rms: power.iter().zip(&counts).map(|(p, &c)| (p.max(0.0) / f64::from(c.max(1))).sqrt()).collect(),
+            correlation: power.iter().zip(&neighbours).map(|(&p, n)| if p > 0.0 { n / p } else { 0.0 }).collect(),
+        }
     }
 }
 

@@ -6,16 +6,12 @@ use crate::linalg::LeastSquaresError;
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum EstimationError {
     /// Fewer equations than parameters.
-    #[error("{samples} samples of {joints} joints for {parameters} base parameters, expected at least {least} samples")]
-    TooFewSamples {
-        /// Instants.
-        samples: usize,
-        /// Joints.
-        joints: usize,
+    #[error("{equations} equations for {parameters} base parameters, expected at least as many; use more samples")]
+    TooFewEquations {
+        /// Equations.
+        equations: usize,
         /// Base parameters.
         parameters: usize,
-        /// Least number of instants.
-        least: usize,
     },
     /// The trajectory does not tell a base parameter from those before it.
     #[error(

@@ -85,7 +85,7 @@ impl Finding {
             Self::LargeCondition { .. } => "design a trajectory that excites the parameters more evenly",
             Self::ResidualAboveNoise { .. } => {
                 "the model misses something: friction law, torque constant, flexibility, or too narrow a filter; the \
-                 stated intervals cover noise alone"
+                 intervals are taken from the residual"
             }
             Self::ResidualCorrelated { .. } => "look at the residual over time and over velocity for what is missing",
             Self::FewPeriods { .. } => "record at least 4 periods",

@@ -14,6 +14,5 @@ pub(super) fn scatter_noise(observation: &Observation) -> Option<NoiseModel> {
 
 /// The noise that the residual of `beta` shows.
 pub(super) fn noise_of_fit(observation: &Observation, beta: &DVector<f64>) -> NoiseModel {
-    let residual = observation.residual(beta);
-    residual_noise(&residual, observation.dof, observation.base.rank(), observation.periodic)
+    residual_noise(observation, &observation.residual(beta))
 }

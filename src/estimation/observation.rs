@@ -16,6 +16,8 @@ pub struct Observation {
     pub regressor: DMatrix<f64>,
     /// Joint torque, n·M.
     pub y: DVector<f64>,
+    /// Which rows are equations, n·M; the others are zero in both.
+    pub used: Vec<bool>,
     /// Number of joints n.
     pub dof: usize,
     /// Name of the robot.
@@ -63,13 +65,24 @@ impl Observation {
             let found = format!("{} of the reduction", base.parameters.len());
             return mismatch("parameters", found, format!("the regressor's {}", regressor.cols()));
         }
-        if samples.blocks() * n < b {
-            let (samples, least) = (samples.blocks(), b.div_ceil(n));
-            return Err(EstimationError::TooFewSamples { samples, joints: n, parameters: b, least });
+        let equations = samples.used.iter().filter(|used| **used).count();
+        if equations < b {
+            return Err(EstimationError::TooFewEquations { equations, parameters: b });
+        }
+        if samples.used.len() != samples.blocks() * n {
+            let (found, expected) = (samples.used.len().to_string(), (samples.blocks() * n).to_string());
+            return mismatch("marks of used equations", found, expected);
+        }
+        let mut w = block_regressor(regressor, base, samples);
+        let mut y = DVector::from_vec(samples.block_means(&samples.tau, n));
+        for (row, _) in samples.used.iter().enumerate().filter(|(_, used)| !**used) {
+            w.row_mut(row).fill(0.0);
+            y[row] = 0.0;
         }
         Ok(Self {
-            regressor: block_regressor(regressor, base, samples),
-            y: DVector::from_vec(samples.block_means(&samples.tau, n)),
+            regressor: w,
+            y,
+            used: samples.used.clone(),
             dof: n,
             robot: robot.name().to_owned(),
             units: samples.units.clone(),
@@ -90,7 +103,13 @@ impl Observation {
         self.y.len() / self.dof
     }
 
-    /// `y − W_b β`, n·M.
+    /// Number of equations: used rows.
+    #[must_use]
+    pub fn equations(&self) -> usize {
+        self.used.iter().filter(|used| **used).count()
+    }
+
+    /// `y − W_b β`, n·M; zero in rows that are no equation.
     #[must_use]
     pub fn residual(&self, beta: &DVector<f64>) -> DVector<f64> {
         let mut residual = self.y.clone();

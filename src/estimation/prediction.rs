@@ -62,7 +62,8 @@ impl Validation {
     }
 }
 
-/// Compares an estimate's prediction with samples, mean over block against mean over block.
+/// Compares an estimate's prediction with samples, mean over block against mean over block, where friction does not
+/// reverse.
 ///
 /// # Errors
 /// As [`predict`].
@@ -75,7 +76,7 @@ pub fn validate(
     let n = samples.dof();
     let (measured, predicted) = (samples.block_means(&samples.tau, n), samples.block_means(&predicted, n));
     let difference: Vec<f64> = measured.iter().zip(&predicted).map(|(measured, model)| measured - model).collect();
-    let (rms, measured) = (joint_rms(&difference, n), joint_rms(&measured, n));
+    let (rms, measured) = (joint_rms(&difference, &samples.used, n), joint_rms(&measured, &samples.used, n));
     let relative_rms = rms.iter().zip(&measured).map(|(&r, &m)| if m > 0.0 { r / m } else { 0.0 }).collect();
     Ok(Validation { rms, units: samples.units.clone(), relative_rms })
 }

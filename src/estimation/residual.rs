@@ -2,17 +2,21 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::Observation;
 use crate::signal::NoiseModel;
 
-/// Lag covariances of the residual `r` (n·M), corrected for the `parameters` that were fitted:
+/// Lag covariances of the residual `r` (n·M), corrected for the b parameters that were fitted:
 ///
 /// ```text
-/// R(l) = 1/(M (1 − b/(nM))) Σ_k r_k r_{k+l}ᵀ
+/// R_ij(l) = 1/(M_ij(0) (1 − b/E)) Σ_k r_i,k r_j,k+l        E equations, M_ij(0) instants at which both i and j are used
 /// ```
-/// over all k that have a partner; with `wraps` the last instant is followed by the first.
-pub(super) fn residual_noise(r: &DVector<f64>, dof: usize, parameters: usize, wraps: bool) -> NoiseModel {
-    let count = r.len() / dof;
-    let left = 1.0 - parameters as f64 / r.len() as f64;
+/// over all k that have a partner; in a period the last instant is followed by the first.
+pub(super) fn residual_noise(observation: &Observation, r: &DVector<f64>) -> NoiseModel {
+    let (dof, wraps, count) = (observation.dof, observation.periodic, observation.samples());
+    let used = |k: usize, i: usize| observation.used[k * dof + i];
+    let left = (1.0 - observation.base.rank() as f64 / observation.equations().max(1) as f64).max(f64::EPSILON);
+    let shared =
+        DMatrix::from_fn(dof, dof, |i, j| (0..count).filter(|&k| used(k, i) && used(k, j)).count().max(1) as f64);
     let lag = |l: usize| {
         let mut sum = DMatrix::zeros(dof, dof);
         for k in 0..(if wraps { count } else { count - l }) {
@@ -23,18 +27,26 @@ pub(super) fn residual_noise(r: &DVector<f64>, dof: usize, parameters: usize, wr
                 }
             }
         }
-        sum / (count as f64 * left.max(f64::EPSILON))
+        sum.component_div(&shared) / left
     };
-    NoiseModel::adaptive(lag, count / 4, wraps, count as f64 * left)
+    NoiseModel::adaptive(lag, count / 4, wraps, observation.equations() as f64 / dof as f64 * left)
 }
 
-/// RMS of each joint's entries of `r` (n·M), n.
-pub(super) fn joint_rms(r: &[f64], dof: usize) -> Vec<f64> {
-    let count = (r.len() / dof).max(1) as f64;
-    (0..dof).map(|i| (r.iter().skip(i).step_by(dof).map(|r| r * r).sum::<f64>() / count).sqrt()).collect()
+/// RMS of each joint's entries of `r` (n·M) where they are used, n.
+pub(super) fn joint_rms(r: &[f64], used: &[bool], dof: usize) -> Vec<f64> {
+    (0..dof)
+        .map(|i| {
+            let (mut sum, mut count) = (0.0, 0);
+            for (r, _) in r.iter().zip(used).skip(i).step_by(dof).filter(|(_, used)| **used) {
+                sum += r * r;
+                count += 1;
+            }
+            (sum / f64::from(count.max(1))).sqrt()
+        })
+        .collect()
 }
 
-/// Correlation of each joint's residual with the one before, n.
+/// Correlation of each joint's residual with the one before, n; residuals that are not used are zero.
 pub(super) fn neighbour_correlation(r: &[f64], dof: usize) -> Vec<f64> {
     (0..dof)
         .map(|i| {

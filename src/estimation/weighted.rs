@@ -37,11 +37,12 @@ impl Estimator for WeightedLeastSquares {
                 (noise_of_fit(observation, start.solution()), IntervalBasis::Residual)
             }
         };
-        let whitening = BlockWhitening::new(seen.covariance())?;
-        let w = whitening.whiten(&observation.regressor)?;
-        let y = whitening.whiten(&DMatrix::from_column_slice(observation.y.len(), 1, observation.y.as_slice()))?;
+        let mut whitening = BlockWhitening::new(seen.covariance())?;
+        let w = whitening.whiten(&observation.regressor, &observation.used)?;
+        let y = whitening
+            .whiten(&DMatrix::from_column_slice(observation.y.len(), 1, observation.y.as_slice()), &observation.used)?;
         let fit = solve(observation, &w, &y.column(0).into_owned())?;
-        let weighted = whitening.whiten_transposed(&w)?;
+        let weighted = whitening.whiten_transposed(&w, &observation.used)?;
         let noise = match basis {
             IntervalBasis::Scatter => seen,
             IntervalBasis::Residual => noise_of_fit(observation, fit.solution()),

@@ -5,12 +5,11 @@
 //! (WᵀW)⁻¹ = D⁻¹ R⁻¹ R⁻ᵀ D⁻¹        cov β̂ = (WᵀW)⁻¹ Wᵀ C W (WᵀW)⁻¹   for cov y = C
 //! ```
 //! Householder QR of the matrix with columns of unit length: the error of β̂ grows with the condition number and not,
-//! as with normal equations, with its square. Weights come in by [`BlockWhitening`]: rows arrive in blocks of n, one
-//! per sample, and every block has the covariance Σ.
+//! as with normal equations, with its square. Weights come in by [`super::BlockWhitening`].
 //!
 //! Reference: Å. Björck, *Numerical Methods for Least Squares Problems*, SIAM 1996, ch. 2.
 
-use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
+use nalgebra::{DMatrix, DVector};
 
 use super::{RankTolerance, condition, product, solve_upper};
 
@@ -206,78 +205,6 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]))
 }
 
-/// Divides blocks of n rows by the root of their covariance, so that they have unit covariance: `Σ = L Lᵀ`, `L⁻¹ w`.
-///
-/// ```
-/// use armid::linalg::BlockWhitening;
-/// use nalgebra::dmatrix;
-/// let whitening = BlockWhitening::new(&dmatrix![4.0, 0.0; 0.0, 9.0])?;
-/// assert_eq!(whitening.whiten(&dmatrix![2.0; 3.0; 4.0; 6.0])?, dmatrix![1.0; 1.0; 2.0; 2.0]);
-/// # Ok::<(), armid::linalg::LeastSquaresError>(())
-/// ```
-#[derive(Clone, Debug)]
-pub struct BlockWhitening {
-    factor: Cholesky<f64, Dyn>,
-}
-
-impl BlockWhitening {
-    /// For blocks of covariance `covariance` (n × n).
-    ///
-    /// # Errors
-    /// [`LeastSquaresError::Covariance`] unless it is positive definite.
-    pub fn new(covariance: &DMatrix<f64>) -> Result<Self, LeastSquaresError> {
-        let size = covariance.nrows();
-        Cholesky::new(covariance.clone())
-            .filter(|factor| factor.l_dirty().diagonal().iter().all(|&d| d.is_finite() && d > 0.0))
-            .map(|factor| Self { factor })
-            .ok_or(LeastSquaresError::Covariance { size })
-    }
-
-    /// `L⁻¹` times every block of rows of W ((n·N) × b).
-    ///
-    /// # Errors
-    /// [`LeastSquaresError::Blocks`] where the rows are no multiple of n.
-    pub fn whiten(&self, w: &DMatrix<f64>) -> Result<DMatrix<f64>, LeastSquaresError> {
-        self.on_blocks(w, |l, block| {
-            for i in 0..block.len() {
-                let sum: f64 = (0..i).map(|j| l[(i, j)] * block[j]).sum();
-                block[i] = (block[i] - sum) / l[(i, i)];
-            }
-        })
-    }
-
-    /// `L⁻ᵀ` times every block of rows: after [`Self::whiten`], `Σ⁻¹ W`.
-    ///
-    /// # Errors
-    /// [`LeastSquaresError::Blocks`] where the rows are no multiple of n.
-    pub fn whiten_transposed(&self, w: &DMatrix<f64>) -> Result<DMatrix<f64>, LeastSquaresError> {
-        self.on_blocks(w, |l, block| {
-            for i in (0..block.len()).rev() {
-                let sum: f64 = (i + 1..block.len()).map(|j| l[(j, i)] * block[j]).sum();
-                block[i] = (block[i] - sum) / l[(i, i)];
-            }
-        })
-    }
-
-    fn on_blocks(
-        &self,
-        w: &DMatrix<f64>,
-        solve: impl Fn(&DMatrix<f64>, &mut [f64]),
-    ) -> Result<DMatrix<f64>, LeastSquaresError> {
-        let l = self.factor.l_dirty();
-        let (size, rows) = (l.nrows(), w.nrows());
-        if !rows.is_multiple_of(size) {
-            return Err(LeastSquaresError::Blocks { rows, size });
-        }
-        let mut out = w.clone();
-        // Columns are contiguous and hold whole numbers of blocks.
-        for block in out.as_mut_slice().chunks_exact_mut(size) {
-            solve(l, block);
-        }
-        Ok(out)
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -322,38 +249,6 @@ mod tests {
         let singular = w.singular_values();
         assert!((fit.condition() / (singular.max() / singular.min()) - 1.0).abs() < 1e-8);
         assert!(fit.condition_scaled() < 3.0, "unit columns of a random matrix");
-    }
-
-    #[test]
-    fn identity_row_scaling_with_the_matching_weight_changes_nothing() {
-        let (w, y) = (random(40, 5, 3), random(40, 1, 4));
-        let plain = LeastSquares::solve(&w, &y.column(0).into_owned()).unwrap();
-        // Rows of joint 0 times 10 and of joint 1 times 0.1, told so by Σ.
-        let whitening = BlockWhitening::new(&nalgebra::dmatrix![100.0, 0.0; 0.0, 0.01]).unwrap();
-        let scale = |m: &DMatrix<f64>| {
-            let mut m = m.clone();
-            for (i, mut row) in m.row_iter_mut().enumerate() {
-                row *= if i % 2 == 0 { 10.0 } else { 0.1 };
-            }
-            whitening.whiten(&m).unwrap()
-        };
-        let weighted = LeastSquares::solve(&scale(&w), &scale(&y).column(0).into_owned()).unwrap();
-        assert!((plain.solution() - weighted.solution()).norm() < 1e-13 * plain.solution().norm());
-    }
-
-    #[test]
-    fn identity_whitening_is_the_inverse_root() {
-        let root = random(3, 3, 5) + DMatrix::identity(3, 3) * 3.0;
-        let covariance = &root * root.transpose();
-        let whitening = BlockWhitening::new(&covariance).unwrap();
-        let w = random(12, 2, 6);
-        let both = whitening.whiten_transposed(&whitening.whiten(&w).unwrap()).unwrap();
-        for k in 0..4 {
-            let back = &covariance * both.rows(3 * k, 3);
-            assert!((back - w.rows(3 * k, 3)).norm() < 1e-13);
-        }
-        assert_eq!(whitening.whiten(&random(4, 1, 7)), Err(LeastSquaresError::Blocks { rows: 4, size: 3 }));
-        assert!(BlockWhitening::new(&nalgebra::dmatrix![1.0, 2.0; 2.0, 1.0]).is_err());
     }
 
     #[test]

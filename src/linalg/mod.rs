@@ -12,6 +12,7 @@
 //!
 //! Reference: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed., 2013, ch. 5.
 
+mod block_whitening;
 mod condition;
 mod gram;
 mod least_squares;
@@ -21,9 +22,10 @@ mod rank;
 mod tolerance;
 mod triangular;
 
+pub use block_whitening::BlockWhitening;
 pub use condition::{condition, condition_scaled, normalised_columns, singular_values};
 pub use gram::{Gram, product};
-pub use least_squares::{BlockWhitening, LeastSquares, LeastSquaresError, transpose_product};
+pub use least_squares::{LeastSquares, LeastSquaresError, transpose_product};
 pub use left_to_right::LeftToRight;
 pub use rank::RankRevealingQr;
 pub use tolerance::RankTolerance;

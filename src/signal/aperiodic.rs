@@ -1,7 +1,7 @@
 //! A record without periods: the whole of it filtered and differentiated.
 
 use super::error::check_finite;
-use super::periodic::{column, effort_units, put_column};
+use super::periodic::{column, effort_units, put_column, used_blocks};
 use super::torque::{map_rows, torque_map};
 use super::{Butterworth, Derivatives, Processing, Samples, SignalError, TorqueFilter, differences};
 use crate::dynamics::States;
@@ -74,11 +74,13 @@ pub fn process_aperiodic(
             put_column(&mut tau, n, i, &filtered);
         }
     }
+    let block = ((record.rate_hz / rate_hz).round() as usize).clamp(1, len / 8);
     Ok(Samples {
+        used: used_blocks(&states, block, processing.reversal_fraction),
         states,
         tau,
         units: effort_units(robot),
-        block: ((record.rate_hz / rate_hz).round() as usize).clamp(1, len / 8),
+        block,
         rate_hz: record.rate_hz,
         period_s: None,
         periods: 1,

@@ -3,7 +3,7 @@
 //! ```text
 //! X[h] = Σ_k x[k] exp(−2πi h k / N)        x[k] = 1/N Σ_h X[h] exp(2πi h k / N)
 //! ```
-//! Mixed-radix decimation in time (Cooley and Tukey 1965): `O(N Σ p)` over the prime factors p of N, so a period of
+//! Mixed-radix decimation in time (Cooley and Tukey 1965): `O(N Σ p)` over the factors p of N, so a period of
 //! 10,000 samples is fast and one of 10,007 still right. Scalar, fixed order of sums: the same bits on every machine.
 
 use nalgebra::Complex;
@@ -32,7 +32,7 @@ impl FourierTransform {
                 Complex::new(c, s)
             })
             .collect();
-        Self { roots, factors: prime_factors(len) }
+        Self { roots, factors: radices(len) }
     }
 
     /// Number of samples N.
@@ -91,6 +91,7 @@ impl FourierTransform {
         out
     }
 
+    /// `out` becomes the transform of the n = `out.len()` values `x[0], x[stride], …`, where n is the product of `factors`.
     fn transform(
         &self,
         x: &[Complex<f64>],
@@ -100,47 +101,72 @@ impl FourierTransform {
         scratch: &mut [Complex<f64>],
     ) {
         let Some((&p, rest)) = factors.split_first() else {
-            if let (Some(out), Some(&x)) = (out.first_mut(), x.first()) {
-                *out = x;
-            }
+            out.copy_from_slice(&x[..out.len()]);
             return;
         };
-        let n = out.len();
-        let m = n / p;
-        for r in 0..p {
-            self.transform(&x[r * stride..], stride * p, rest, &mut out[r * m..(r + 1) * m], scratch);
+        let m = out.len() / p;
+        if m == 1 {
+            for (out, &x) in out.iter_mut().zip(x.iter().step_by(stride)) {
+                *out = x;
+            }
+        } else {
+            for (r, out) in out.chunks_exact_mut(m).enumerate() {
+                self.transform(&x[r * stride..], stride * p, rest, out, scratch);
+            }
         }
-        let total = self.len();
-        // exp(−2πi j / n) is the root number j · total / n = j · stride.
+        // exp(−2πi j / n) is the root number j · stride, since n · stride is the whole length.
         for k in 0..m {
-            for r in 0..p {
-                scratch[r] = out[r * m + k] * self.roots[r * k * stride % total];
+            scratch[0] = out[k];
+            for r in 1..p {
+                scratch[r] = out[r * m + k] * self.roots[r * k * stride];
             }
-            if p == 2 {
-                out[k] = scratch[0] + scratch[1];
-                out[m + k] = scratch[0] - scratch[1];
-                continue;
-            }
-            for s in 0..p {
-                let mut sum = scratch[0];
-                for r in 1..p {
-                    sum += scratch[r] * self.roots[(r * s % p) * m * stride];
+            match p {
+                2 => {
+                    out[k] = scratch[0] + scratch[1];
+                    out[m + k] = scratch[0] - scratch[1];
                 }
-                out[s * m + k] = sum;
+                4 => {
+                    let (a, b) = (scratch[0] + scratch[2], scratch[0] - scratch[2]);
+                    let (c, d) = (scratch[1] + scratch[3], scratch[1] - scratch[3]);
+                    let d = Complex::new(d.im, -d.re);
+                    out[k] = a + c;
+                    out[m + k] = b + d;
+                    out[2 * m + k] = a - c;
+                    out[3 * m + k] = b - d;
+                }
+                _ => {
+                    for s in 0..p {
+                        let mut sum = scratch[0];
+                        let mut turn = 0;
+                        for value in &scratch[1..p] {
+                            turn += s;
+                            if turn >= p {
+                                turn -= p;
+                            }
+                            sum += value * self.roots[turn * m * stride];
+                        }
+                        out[s * m + k] = sum;
+                    }
+                }
             }
         }
     }
 }
 
-fn prime_factors(mut n: usize) -> Vec<usize> {
+/// Factors of n, by which the transform divides it: as many fours as possible, then primes.
+fn radices(mut n: usize) -> Vec<usize> {
     let mut factors = Vec::new();
-    let mut p = 2;
-    while p * p <= n {
-        while n.is_multiple_of(p) {
+    let mut p = 4;
+    while p * p <= n || p == 4 {
+        while n > 1 && n.is_multiple_of(p) {
             factors.push(p);
             n /= p;
         }
-        p += 1;
+        p = match p {
+            4 => 2,
+            2 => 3,
+            odd => odd + 2,
+        };
     }
     if n > 1 {
         factors.push(n);

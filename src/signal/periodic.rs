@@ -58,6 +58,7 @@ pub fn process_periods(
         NoiseModel::adaptive(|l| scatter.lag(l, blocks), blocks / 4, true, count).scaled(1.0 / average.periods as f64)
     });
     Ok(Samples {
+        used: used_blocks(&states, block, processing.reversal_fraction),
         states,
         tau: low_pass.apply(&average, &transform),
         units: effort_units(robot),
@@ -75,17 +76,41 @@ pub fn process_periods(
     })
 }
 
-/// Samples in one block, for `count` equations from `len` samples of a motion whose highest harmonic is `highest`.
+/// Samples in one block, for at most `count` equations from `len` samples of a motion whose highest harmonic is
+/// `highest`.
 fn block(len: usize, count: usize, highest: f64) -> Result<usize, SignalError> {
-    let count = count.min(len);
     let least = 2 * highest.round() as usize + 1;
-    if count < least || !len.is_multiple_of(count) {
+    let found = (1..=count.min(len)).rev().find(|&count| len.is_multiple_of(count)).unwrap_or(1);
+    if found < least {
         return Err(SignalError::Decimation {
-            found: count,
-            expected: format!("a divisor of the {len} in the recording, at least {least} for the commanded harmonics"),
+            found,
+            expected: format!("at least {least} for the commanded harmonics, from a divisor of {len}"),
         });
     }
-    Ok(len / count)
+    Ok(len / found)
+}
+
+/// Which blocks are an equation of which joint, M × n: those in which the joint is never slower than `fraction` of its
+/// top speed.
+pub(super) fn used_blocks(states: &States, block: usize, fraction: f64) -> Vec<bool> {
+    let n = states.dof;
+    let mut slowest = vec![0.0; n];
+    for qd in states.qd.chunks_exact(n) {
+        for (top, qd) in slowest.iter_mut().zip(qd) {
+            *top = qd.abs().max(*top);
+        }
+    }
+    for top in &mut slowest {
+        *top *= fraction;
+    }
+    states
+        .qd
+        .chunks_exact(n * block)
+        .flat_map(|rows| {
+            let slowest = &slowest;
+            (0..n).map(move |i| rows.iter().skip(i).step_by(n).all(|qd| qd.abs() >= slowest[i]))
+        })
+        .collect()
 }
 
 /// Amplitude gain of the mean over `block` samples on line h of N: Dirichlet's kernel.

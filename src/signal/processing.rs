@@ -66,9 +66,12 @@ pub struct Processing {
     pub filter_order: usize,
     /// Which low pass torque goes through.
     pub torque_filter: TorqueFilter,
-    /// Equations per joint and period: so many blocks of consecutive samples are averaged, on both sides of the
-    /// equations. A divisor of the samples in a period; one equation per sample where the recording has no more.
+    /// Equations per joint and period, at most: so many blocks of consecutive samples are averaged, on both sides of
+    /// the equations. The largest divisor of the samples in a period that does not exceed it.
     pub samples_per_period: usize,
+    /// Blocks in which a joint moves slower than this fraction of its top speed give no equation of that joint: where
+    /// its friction reverses, the measured velocity is not good enough to say when. 0 keeps all.
+    pub reversal_fraction: f64,
 }
 
 impl Default for Processing {
@@ -79,7 +82,8 @@ impl Default for Processing {
             cutoff_hz: None,
             filter_order: 4,
             torque_filter: TorqueFilter::None,
-            samples_per_period: 1000,
+            samples_per_period: 250,
+            reversal_fraction: 0.02,
         }
     }
 }
@@ -95,6 +99,13 @@ impl Processing {
     pub(super) fn check(&self) -> Result<(), SignalError> {
         if self.samples_per_period < 8 {
             return Err(SignalError::Decimation { found: self.samples_per_period, expected: "at least 8".to_owned() });
+        }
+        if !(0.0..0.5).contains(&self.reversal_fraction) {
+            return Err(SignalError::Setting {
+                setting: "fraction of the top speed below which equations are left out",
+                found: self.reversal_fraction.to_string(),
+                expected: "0 to 0.5",
+            });
         }
         match self.bandwidth {
             Bandwidth::Hertz(hz) if !(hz.is_finite() && hz > 0.0) => Err(SignalError::Setting {

@@ -23,6 +23,8 @@ pub struct Samples {
     pub units: Vec<String>,
     /// Consecutive samples D that make one equation.
     pub block: usize,
+    /// Which blocks are an equation of which joint, M × n row-major.
+    pub used: Vec<bool>,
     /// Samples per second, Hz.
     pub rate_hz: f64,
     /// The period that the samples cover once, s; `None` for a record without periods.
@@ -102,6 +104,7 @@ impl Samples {
         assert_eq!(states.q.len(), tau.len(), "one torque per joint and sample");
         Self {
             position_band_hz: vec![0.5 * rate_hz; states.dof],
+            used: vec![true; tau.len()],
             states,
             tau,
             units,

@@ -207,6 +207,6 @@ fn a_parameter_that_is_not_excited_is_named() {
     let few = Samples::exact(States::with_len(6, 5), vec![0.0; 30], vec!["N·m".to_owned(); 6], 1.0);
     assert!(matches!(
         Observation::new(&robot, &regressor, &base, &few),
-        Err(EstimationError::TooFewSamples { samples: 5, least: 10, .. })
+        Err(EstimationError::TooFewEquations { equations: 30, parameters: 58 })
     ));
 }

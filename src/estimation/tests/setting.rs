@@ -44,6 +44,7 @@ pub(super) fn synthetic(count: usize, b: usize, rng: &mut impl Rng) -> (Observat
     let beta = DVector::from_fn(b, |_, _| rng.random_range(-2.0..2.0));
     let observation = Observation {
         y: &regressor * &beta,
+        used: vec![true; 2 * count],
         dof: 2,
         robot: "synthetic".to_owned(),
         units: vec!["N·m".to_owned(); 2],
