@@ -16,7 +16,7 @@ fn every_command_explains_itself() {
     let text = stdout(&armid(["--help"]).success());
     assert!(text.contains("Exit status"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
-    for command in ["robot", "reduce", "dynamics", "run", "identify", "validate", "completions"] {
+    for command in ["robot", "reduce", "dynamics", "design", "run", "identify", "validate", "doctor", "completions"] {
         assert!(text.contains(&format!("\n  {command} ")), "{text}");
         let text = stdout(&armid([command, "--help"]).success());
         assert!(text.contains("Example"), "{text}");

@@ -2,7 +2,7 @@
 
 use miette::Result;
 
-use super::{completions, dynamics, identify, reduce, report, robot, run, study, validate};
+use super::{completions, design, doctor, dynamics, identify, reduce, report, robot, run, study, validate};
 use crate::answer::Ending;
 use crate::console::Console;
 
@@ -12,11 +12,13 @@ pub(crate) enum Command {
     Robot(robot::Arguments),
     Reduce(reduce::Arguments),
     Dynamics(dynamics::Arguments),
+    Design(design::Arguments),
     Run(run::Arguments),
     Identify(identify::Arguments),
     Validate(validate::Arguments),
     Study(study::Arguments),
     Report(report::Arguments),
+    Doctor(doctor::Arguments),
     Completions(completions::Arguments),
 }
 
@@ -26,11 +28,13 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Robot(arguments) => robot::run(&arguments, console),
         Command::Reduce(arguments) => reduce::run(&arguments, console),
         Command::Dynamics(arguments) => dynamics::run(&arguments, console),
+        Command::Design(arguments) => design::run(&arguments, console),
         Command::Run(arguments) => run::run(&arguments, console),
         Command::Identify(arguments) => identify::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
         Command::Study(arguments) => study::run(&arguments, console),
         Command::Report(arguments) => report::run(&arguments, console),
+        Command::Doctor(arguments) => doctor::run(&arguments, console),
         Command::Completions(arguments) => completions::run(&arguments, console),
     }
 }

@@ -2,6 +2,8 @@
 
 mod command;
 mod completions;
+mod design;
+mod doctor;
 mod dynamics;
 mod identify;
 mod reduce;

@@ -1,0 +1,71 @@
+//! `armid doctor`
+
+use armid::model::bundled;
+use miette::Result;
+use serde_json::json;
+
+use crate::answer::{Answer, Ending};
+use crate::arms::ArmKind;
+use crate::bundled_experiments;
+use crate::console::Console;
+use crate::table::{Align, Table};
+
+const AFTER_HELP: &str = "\
+Example:
+  armid doctor --json";
+
+/// Say what this machine offers
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(crate) struct Arguments {}
+
+pub(crate) fn run(_: &Arguments, console: &Console) -> Result<Ending> {
+    let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
+    let simd = vector_units();
+    let arms = ArmKind::ALL.map(ArmKind::name);
+    let robots: Vec<&str> = bundled().iter().map(|entry| entry.name).collect();
+    let experiments = bundled_experiments::names("experiment.toml");
+    let studies = bundled_experiments::names("study.toml");
+    let platform = format!("{} {}", std::env::consts::OS, std::env::consts::ARCH);
+    let none = |list: String| if list.is_empty() { "none".to_owned() } else { list };
+    let mut table = Table::new(&[("armid", Align::Left), (env!("CARGO_PKG_VERSION"), Align::Left)]);
+    for (name, value) in [
+        ("platform", platform.clone()),
+        ("cores", cores.to_string()),
+        ("vector units", none(simd.join(", "))),
+        ("arms", arms.join(", ")),
+        ("robots", robots.join(", ")),
+        ("experiments", none(experiments.join(", "))),
+        ("studies", none(studies.join(", "))),
+    ] {
+        table.row([name.to_owned(), value]);
+    }
+    let json = json!({
+        "version": env!("CARGO_PKG_VERSION"),
+        "platform": platform,
+        "cores": cores,
+        "simd": simd,
+        "arms": arms,
+        "robots": robots,
+        "experiments": experiments,
+        "studies": studies,
+    });
+    console.answer(&Answer { text: table.render(0), json })?;
+    Ok(Ending::Done)
+}
+
+/// Vector instructions that this processor has.
+fn vector_units() -> Vec<&'static str> {
+    #[cfg(target_arch = "x86_64")]
+    let found = [
+        ("sse4.2", is_x86_feature_detected!("sse4.2")),
+        ("avx2", is_x86_feature_detected!("avx2")),
+        ("fma", is_x86_feature_detected!("fma")),
+        ("avx512f", is_x86_feature_detected!("avx512f")),
+    ];
+    #[cfg(target_arch = "aarch64")]
+    let found = [("neon", true)];
+    #[cfg(not(any(target_arch = "x86_64", target_arch = "aarch64")))]
+    let found: [(&'static str, bool); 0] = [];
+    found.into_iter().filter(|(_, there)| *there).map(|(name, _)| name).collect()
+}

@@ -1,0 +1,161 @@
+//! `armid design`
+
+mod support;
+
+use std::f64::consts::TAU;
+use std::path::Path;
+
+use serde_json::Value;
+use support::{armid, json, stderr, stdout, temporary};
+
+fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().expect("a path in UTF-8").to_owned()
+}
+
+/// A small budget: the tests ask what is answered, not how good it is.
+const SMALL: [&str; 6] = ["--starts", "2", "--evaluations", "40", "--columns", "rigid"];
+
+fn design(criterion: &str, more: &[&str], out: &str) -> Value {
+    let arguments = ["design", "crs-a460", "--criterion", criterion, "-o", out, "--json"];
+    json(&armid(arguments.iter().chain(&SMALL).chain(more)).success())
+}
+
+#[test]
+fn the_keys_of_the_contract_are_there_for_every_criterion() {
+    let folder = temporary();
+    for criterion in ["condition", "condition-scaled", "d-optimal"] {
+        let out = path(folder.path(), "T.toml");
+        let found = design(criterion, &[], &out);
+        assert_eq!(found["criterion"], criterion);
+        for key in [
+            "condition",
+            "condition_scaled",
+            "log_det_information",
+            "condition_all",
+            "condition_scaled_all",
+            "log_det_information_all",
+            "iterations",
+            "evaluations",
+            "seconds",
+        ] {
+            assert!(found[key].is_number(), "{key}");
+        }
+        for key in ["position", "velocity", "acceleration", "torque"] {
+            let used = found["worst_limit_use"][key].as_f64().unwrap();
+            assert!(used > 0.0 && used <= 1.0 + 1e-9, "{key}: {used}");
+        }
+        assert!(found["worst_limit_use"].get("clearance_m").is_some());
+        assert!(found["certificate_samples"].as_u64().unwrap() >= 5000);
+        assert!(found["termination"].is_string());
+        // Only rigid columns were asked for: both sets of figures are the same.
+        assert_eq!(found["condition"], found["condition_all"]);
+        let written: toml::Table = std::fs::read_to_string(&out).unwrap().parse().unwrap();
+        assert_eq!(written["period_s"].as_float(), found["trajectory"]["period_s"].as_f64());
+        assert_eq!(written["joint"][0]["a"][0].as_float(), found["trajectory"]["joint"][0]["a"][0].as_f64());
+    }
+}
+
+#[test]
+fn identity_equal_seed_equal_trajectory_for_any_number_of_threads() {
+    let folder = temporary();
+    let mut texts = Vec::new();
+    for (name, threads) in [("one.toml", "1"), ("two.toml", "2")] {
+        let out = path(folder.path(), name);
+        assert_cmd::Command::new(support::program())
+            .args(["design", "crs-a460", "--criterion", "d-optimal", "-o", &out])
+            .args(SMALL)
+            .env("RAYON_NUM_THREADS", threads)
+            .assert()
+            .success();
+        texts.push(std::fs::read_to_string(&out).unwrap());
+    }
+    assert_eq!(texts[0], texts[1]);
+    let other = path(folder.path(), "other.toml");
+    design("d-optimal", &["--seed", "2"], &other);
+    assert_ne!(texts[0], std::fs::read_to_string(&other).unwrap());
+}
+
+/// The series written out from the file's own numbers, on a grid of its own, against the limits as `armid robot` says.
+#[test]
+fn identity_nothing_is_exceeded_on_another_grid() {
+    let folder = temporary();
+    let out = path(folder.path(), "T.toml");
+    design("condition", &["--max-acceleration", "8"], &out);
+    let robot = json(&armid(["robot", "crs-a460", "--json"]).success());
+    let file: toml::Table = std::fs::read_to_string(&out).unwrap().parse().unwrap();
+    let omega = TAU / file["period_s"].as_float().unwrap();
+    for (moved, joint) in file["joint"].as_array().unwrap().iter().zip(robot["joints"].as_array().unwrap()) {
+        assert_eq!(moved["name"].as_str(), joint["name"].as_str());
+        let numbers = |key: &str| -> Vec<f64> {
+            moved[key].as_array().unwrap().iter().map(|value| value.as_float().unwrap()).collect()
+        };
+        let (a, b, q0) = (numbers("a"), numbers("b"), moved["q0"].as_float().unwrap());
+        let limits = &joint["limits"];
+        let limit = |value: &Value| value.as_f64().unwrap();
+        for k in 0..7001 {
+            let t = k as f64 / 7001.0 * TAU / omega;
+            let (mut q, mut qd, mut qdd) = (q0, 0.0, 0.0);
+            for (l, (a, b)) in a.iter().zip(&b).enumerate() {
+                let w = omega * (l + 1) as f64;
+                let (sin, cos) = (w * t).sin_cos();
+                q += a / w * sin - b / w * cos;
+                qd += a * cos + b * sin;
+                qdd += w * (b * cos - a * sin);
+            }
+            // Rounding alone.
+            let slack = 1e-9;
+            assert!(q >= limit(&limits["position"][0]) - slack && q <= limit(&limits["position"][1]) + slack);
+            assert!(qd.abs() <= limit(&limits["velocity"]) + slack, "{} {qd}", moved["name"]);
+            assert!(qdd.abs() <= 8.0 + slack, "{} {qdd}", moved["name"]);
+        }
+    }
+    // And the designed trajectory can be performed.
+    let experiment =
+        support::write(folder.path(), "x.toml", "robot = \"crs-a460\"\ntrajectory = \"T.toml\"\nperiods = 1\n");
+    armid(["run", &experiment, "-o", &path(folder.path(), "R.mcap")]).success();
+}
+
+#[test]
+fn no_trajectory_within_the_limits_is_a_negative_verdict_and_no_file() {
+    let folder = temporary();
+    let out = path(folder.path(), "T.toml");
+    // Gravity alone asks for more than a thousandth of the shoulder's rating.
+    let robot = std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/crs-a460/robot.toml")).unwrap();
+    let nominal =
+        std::fs::read_to_string(concat!(env!("CARGO_MANIFEST_DIR"), "/../models/crs-a460/nominal.toml")).unwrap();
+    let weak = support::write(folder.path(), "robot.toml", &robot.replace("torque_nm = 66.08", "torque_nm = 0.06"));
+    support::write(folder.path(), "nominal.toml", &nominal);
+    let arguments = ["design", &weak, "--criterion", "d-optimal", "-o", &out];
+    let text = stdout(&armid(arguments.iter().chain(&SMALL)).code(1));
+    assert!(text.contains("no trajectory within the limits was found") && text.contains("torque"), "{text}");
+    assert!(!Path::new(&out).exists());
+}
+
+#[test]
+fn impossible_settings_are_named() {
+    let folder = temporary();
+    let out = path(folder.path(), "T.toml");
+    for (arguments, wanted) in [
+        (vec!["--criterion", "d-optimum"], "d-optimal"),
+        (vec!["--criterion", "condition", "--starts", "0"], "--starts is 0"),
+        (vec!["--criterion", "condition", "--max-acceleration=-1"], "acceleration limit is -1"),
+        (vec!["--criterion", "condition", "--period", "0"], "0"),
+        (vec!["--criterion", "condition", "--harmonics", "0"], "0"),
+        (vec!["--criterion", "condition", "--evaluations", "0"], "number of evaluations is 0"),
+        (vec![], "--criterion"),
+    ] {
+        let fault = stderr(&armid(["design", "crs-a460", "-o", &out].iter().chain(&arguments)).code(2));
+        assert!(fault.contains(wanted), "{wanted} not in {fault}");
+        assert!(!Path::new(&out).exists());
+    }
+}
+
+#[test]
+fn the_text_reads_at_a_hundred_columns() {
+    let folder = temporary();
+    let out = path(folder.path(), "T.toml");
+    let arguments = ["design", "crs-a460", "--criterion", "d-optimal", "-o", &out, "-v", "--weighted", "--baseline"];
+    let text = stdout(&armid(arguments.iter().chain(&SMALL)).success());
+    assert!(text.contains("condition number") && text.contains("random trajectories"), "{text}");
+    assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+}
