@@ -9,13 +9,27 @@ use super::FormatError;
 use super::reading::Check;
 use crate::model::exact_sincos;
 
-/// Parses XML, or says where it is malformed.
+/// Elements inside elements at most; far more than any arm has, and few enough for any stack.
+const DEEPEST: usize = 200;
+
+/// Parses XML, or says where it is malformed or nested too deeply.
 pub(super) fn parse_xml(text: &str) -> Result<Document<'_>, FormatError> {
-    Document::parse(text).map_err(|fault| {
+    let document = Document::parse(text).map_err(|fault| {
         let (place, message) = (fault.pos(), fault.to_string());
         let message = message.strip_suffix(&format!(" at {place}")).unwrap_or(&message);
         FormatError::at_line(place.row as usize, place.col as usize, format!("malformed XML: {message}"))
-    })
+    })?;
+    // Depth by node, parents before children.
+    let mut depth: Vec<usize> = Vec::new();
+    for node in document.descendants() {
+        let here = node.parent().map_or(0, |parent| depth[parent.id().get_usize()] + 1);
+        if here > DEEPEST {
+            let message = format!("an element inside {DEEPEST} others, expected fewer");
+            return Err(FormatError::at(text, node.range(), message));
+        }
+        depth.resize(node.id().get_usize() + 1, here);
+    }
+    Ok(document)
 }
 
 /// One element and the checks of its text.

@@ -13,7 +13,7 @@ use crate::seed::Seed;
 use crate::spatial::Placement;
 
 /// Every way to state an orientation and an inertia, nested defaults, a fixed body, a slide, joints off the origin.
-const MIXED: &str = r#"<mujoco model="mixed">
+pub(super) const MIXED: &str = r#"<mujoco model="mixed">
   <compiler angle="degree" eulerseq="zyx"/>
   <option gravity="0.5 -1 -9.5"/>
   <default>

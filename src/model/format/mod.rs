@@ -30,6 +30,8 @@ mod fault_tests;
 #[allow(clippy::float_cmp, reason = "right angles and small sums are exact")]
 mod mjcf_tests;
 #[cfg(test)]
+mod mutation_tests;
+#[cfg(test)]
 #[allow(clippy::float_cmp, reason = "right angles and small sums are exact")]
 mod urdf_tests;
 

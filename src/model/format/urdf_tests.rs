@@ -13,7 +13,7 @@ use crate::seed::Seed;
 use crate::spatial::{Inertia, Placement};
 
 /// A slide that carries a rotated link with a tool fixed to it, a camera fixed to the base, and a two-jaw gripper.
-const TREE: &str = r#"<?xml version="1.0"?>
+pub(super) const TREE: &str = r#"<?xml version="1.0"?>
 <robot name="tree">
   <link name="world"/>
   <joint name="mount" type="fixed"><origin xyz="0 0 1" rpy="0 1.5707963267948966 0"/><parent link="world"/><child link="base"/></joint>
