@@ -1,13 +1,14 @@
-//! Times one evaluation of the equations of motion and of the regressor on a random arm of six revolute joints:
+//! Times one evaluation of the equations of motion and of the regressor on the CRS A460 at random states:
 //! `cargo bench -p armid --bench dynamics [-- PART_OF_A_NAME]`. Prints the best of several batches, ns per evaluation.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its figures")]
 
 use std::hint::black_box;
 use std::time::Instant;
 
-use armid::conformance::chains::{self, ChainRecipe};
+use armid::conformance::chains;
 use armid::dynamics::{Dynamics, States};
-use armid::model::{Columns, DhConvention};
+use armid::model::format::{parse_nominal, parse_robot};
+use armid::model::{Columns, bundled};
 use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
 
@@ -33,9 +34,10 @@ fn time(name: &str, per_call: usize, mut run: impl FnMut(usize)) {
 }
 
 fn main() {
+    let entry = bundled().iter().find(|entry| entry.name == "crs-a460").expect("a bundled robot");
+    let robot = parse_robot(entry.robot).expect("a bundled robot is valid");
+    let parameters = parse_nominal(entry.nominal, &robot).expect("bundled parameters are valid").parameters;
     let mut rng = Seed::new(1).stream("bench", 0);
-    let recipe = ChainRecipe { prismatic: 0.0, convention: Some(DhConvention::Standard), ..ChainRecipe::new(6) };
-    let (robot, parameters) = recipe.draw(&mut rng);
     let mut states = States::new(6);
     for _ in 0..STATES {
         let (q, qd, qdd) = chains::random_state(&mut rng, 6);
@@ -48,7 +50,7 @@ fn main() {
         black_box(&out);
     });
     time("forward dynamics, mass matrix", 1, |k| {
-        dynamics.forward(states.q(k), states.qd(k), states.qdd(k), &mut out);
+        dynamics.forward_composite(states.q(k), states.qd(k), states.qdd(k), &mut out);
         black_box(&out);
     });
     time("forward dynamics, articulated bodies", 1, |k| {
@@ -62,8 +64,15 @@ fn main() {
             regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y);
             black_box(&y);
         });
-        time(&format!("stacked regressor, {}, per sample", columns.name()), STATES, |_| {
+        time(&format!("stack, {}, per sample", columns.name()), STATES, |_| {
             black_box(regressor.stack(&states));
         });
     }
+    let regressor = JointTorqueRegressor::new(&robot, Columns::RigidRotorFriction);
+    let g: Vec<f64> = (0..regressor.rows() * regressor.cols()).map(|k| (k % 7) as f64 - 3.0).collect();
+    let (mut dq, mut dqd, mut dqdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
+    time("regressor, adjoint", 1, |k| {
+        regressor.adjoint(states.q(k), states.qd(k), states.qdd(k), &g, &mut dq, &mut dqd, &mut dqdd);
+        black_box((&dq, &dqd, &dqdd));
+    });
 }

@@ -87,7 +87,7 @@ fn compare(robot: &Robot, parameters: &StandardParameters, seed: u64, text: &str
             }
             "acceleration" => {
                 let effort: Vec<f64> = qd.iter().map(|v| 5.0 * v).collect();
-                dynamics.forward(q, qd, &effort, &mut out);
+                dynamics.forward_composite(q, qd, &effort, &mut out);
                 assert_equal(&out, &answer.numbers, &label);
                 dynamics.forward_articulated(q, qd, &effort, &mut out);
                 assert_equal(&out, &answer.numbers, &label);

@@ -159,18 +159,16 @@ pub(super) fn workspace(chain: &JointChain) -> Vec<ArticulatedJoint> {
         .collect()
 }
 
-/// Accelerations `qdd` (n) for joint efforts `tau` (n), friction already subtracted, and rotor inertias `rotors` (n).
-#[inline]
+/// Turns joint efforts (n), friction already subtracted, into accelerations, in place, with rotor inertias `rotors` (n).
 pub(super) fn accelerations(
     chain: &JointChain,
     work: &mut [ArticulatedJoint],
     rotors: &[f64],
     (q, qd): (&[f64], &[f64]),
-    tau: &[f64],
-    qdd: &mut [f64],
+    x: &mut [f64],
 ) {
     let n = chain.joints.len();
-    let (q, qd, tau, qdd, rotors) = (&q[..n], &qd[..n], &tau[..n], &mut qdd[..n], &rotors[..n]);
+    let (q, qd, x, rotors) = (&q[..n], &qd[..n], &mut x[..n], &rotors[..n]);
     let work = &mut work[..n];
     let mut v = Motion::zero();
     for (k, (joint, body)) in chain.joints.iter().zip(&chain.bodies).enumerate() {
@@ -198,7 +196,7 @@ pub(super) fn accelerations(
         let (column, along) = w.inertia.axis_column(revolute);
         w.u_column = column;
         w.inverse_d = 1.0 / (along + rotors[k]);
-        w.u = tau[k] - if revolute { w.bias.ang.z } else { w.bias.lin.z };
+        w.u = x[k] - if revolute { w.bias.ang.z } else { w.bias.lin.z };
         if k > 0 {
             let scaled = column * w.inverse_d;
             let projected = w.inertia.minus_outer(&column, &scaled);
@@ -212,11 +210,11 @@ pub(super) fn accelerations(
     let mut a = Motion::new(Vector3::zeros(), chain.base_acceleration);
     for (k, w) in work.iter().enumerate() {
         a = w.pose.motion_to_child(&a) + w.c;
-        qdd[k] = (w.u - a.dot(&w.u_column)) * w.inverse_d;
+        x[k] = (w.u - a.dot(&w.u_column)) * w.inverse_d;
         if chain.joints[k].revolute {
-            a.ang.z += qdd[k];
+            a.ang.z += x[k];
         } else {
-            a.lin.z += qdd[k];
+            a.lin.z += x[k];
         }
     }
 }

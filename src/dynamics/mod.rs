@@ -21,13 +21,15 @@ mod energy;
 mod joint_frames;
 #[cfg(test)]
 mod law_tests;
+mod link_pose;
 mod model;
 mod states;
 mod symmetric;
 mod torque_term;
 
-pub use drive_train::{DriveTerm, DriveTrain};
+pub use drive_train::DriveTrain;
 pub use energy::Energy;
+pub(crate) use link_pose::LinkPose;
 pub use model::Dynamics;
 pub use states::States;
 pub(crate) use symmetric::Symmetric3;

@@ -2,11 +2,11 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::DriveTrain;
 use super::articulated::{self, ArticulatedJoint};
-use super::composite::{self, CompositeJoint};
+use super::composite;
 use super::joint_frames::JointChain;
-use crate::model::{Columns, Joint, Robot, StandardParameters};
+use super::{DriveTrain, LinkPose};
+use crate::model::{Columns, Robot, StandardParameters};
 use crate::spatial::{Force, Inertia, Motion, Placement};
 
 /// The equations of motion of one robot with one set of parameters. Holds its workspace, so that no evaluation
@@ -28,11 +28,11 @@ use crate::spatial::{Force, Inertia, Motion, Placement};
 /// ```
 #[derive(Clone, Debug)]
 pub struct Dynamics {
-    pub(super) joints: Vec<Joint>,
+    pub(super) poses: Vec<LinkPose>,
     pub(super) axes: Vec<Motion>,
     pub(super) links: Vec<Inertia>,
     pub(super) drives: DriveTrain,
-    /// Value of each drive term's parameter.
+    /// See [`DriveTrain::values`].
     pub(super) drive_values: Vec<f64>,
     /// Acceleration of the base: minus gravity.
     pub(super) base_acceleration: Motion,
@@ -43,11 +43,11 @@ pub struct Dynamics {
     placements: Vec<Placement>,
     forces: Vec<Force>,
     articulated: Vec<ArticulatedJoint>,
-    composite: Vec<CompositeJoint>,
+    composite: composite::Workspace,
     /// Diagonal of `drive_inertia`.
     rotors: Vec<f64>,
-    mass: Vec<f64>,
-    bias: Vec<f64>,
+    drive_torque: Vec<f64>,
+    zeros: Vec<f64>,
 }
 
 impl Dynamics {
@@ -65,7 +65,7 @@ impl Dynamics {
             parameters.drives.len()
         );
         let drives = DriveTrain::new(robot, Columns::RigidRotorFriction);
-        let drive_values = drives.terms().iter().map(|term| parameters.get(term.parameter)).collect();
+        let drive_values = drives.values(parameters);
         let drive_inertia = drives.inertia(parameters);
         let chain = JointChain::new(robot, &parameters.links);
         Self {
@@ -73,11 +73,11 @@ impl Dynamics {
             rotors: drive_inertia.diagonal().iter().copied().collect(),
             drive_inertia: drive_inertia.transpose().as_slice().to_vec(),
             articulated: articulated::workspace(&chain),
-            composite: composite::workspace(&chain),
+            composite: composite::Workspace::new(&chain),
             chain,
-            mass: vec![0.0; n * n],
-            bias: vec![0.0; n],
-            joints: robot.joints().to_vec(),
+            drive_torque: vec![0.0; n],
+            zeros: vec![0.0; n],
+            poses: robot.joints().iter().map(LinkPose::new).collect(),
             axes: robot.axes().to_vec(),
             links: parameters.links.clone(),
             drives,
@@ -91,7 +91,7 @@ impl Dynamics {
     /// Number of joints n.
     #[must_use]
     pub fn dof(&self) -> usize {
-        self.joints.len()
+        self.poses.len()
     }
 
     /// Joint efforts that produce an acceleration: recursive Newton–Euler, `O(n)`.
@@ -110,7 +110,7 @@ impl Dynamics {
         let n = self.dof();
         let (mut v, mut a) = (Motion::zero(), self.base_acceleration);
         for i in 0..n {
-            let x = self.joints[i].placement(q[i]);
+            let x = self.poses[i].at(q[i]);
             let rate = self.axes[i] * qd[i];
             v = x.motion_to_child(&v) + rate;
             a = x.motion_to_child(&a) + self.axes[i] * qdd[i] + v.cross(&rate);
@@ -123,57 +123,57 @@ impl Dynamics {
             tau[i] = self.axes[i].dot(&f);
             f = self.placements[i].force_to_parent(&f);
         }
-        for (term, &value) in self.drives.terms().iter().zip(&self.drive_values) {
-            term.add_torque(value, qd, qdd, tau);
-        }
+        self.drives.add_torque(&self.drive_values, &qd[..n], &qdd[..n], &mut tau[..n]);
     }
 
     /// Joint accelerations that efforts produce: `M(q) q̈ = τ − c(q, q̇) − g(q) − τ_friction`.
     ///
-    /// By the mass matrix (composite bodies) and `L D Lᵀ`: up to about ten joints that takes fewer operations than
-    /// [`forward_articulated`](Self::forward_articulated), and coupled motors, whose rotors fill `CᵀIaC`, need nothing
-    /// of their own. `q`, `qd` in rad, rad/s, `tau` in N·m, `qdd` in rad/s², n each.
+    /// By [`forward_composite`](Self::forward_composite) up to eleven joints and where motors are coupled, else by
+    /// [`forward_articulated`](Self::forward_articulated): the faster of the two (`benches/dynamics.rs`). `q`, `qd` in rad,
+    /// rad/s, `tau` in N·m, `qdd` in rad/s², n each.
     ///
     /// # Panics
     /// If a slice is shorter than n.
     pub fn forward(&mut self, q: &[f64], qd: &[f64], tau: &[f64], qdd: &mut [f64]) {
-        let n = self.dof();
-        composite::mass_matrix_and_bias(&self.chain, &mut self.composite, (q, qd), &mut self.mass, &mut self.bias);
-        self.add_drive_bias(qd, qdd);
-        for (m, d) in self.mass.iter_mut().zip(&self.drive_inertia) {
-            *m += d;
+        if self.dof() > 11 {
+            self.forward_articulated(q, qd, tau, qdd);
+        } else {
+            self.forward_composite(q, qd, tau, qdd);
         }
-        for i in 0..n {
-            qdd[i] = tau[i] - self.bias[i];
-        }
-        composite::solve(n, &mut self.mass, qdd);
     }
 
-    /// The same accelerations by articulated bodies, `O(n)`: the better of the two on long chains.
+    /// The same accelerations by the mass matrix of composite bodies and its `L D Lᵀ`, `O(n³)` with a small factor.
+    ///
+    /// # Panics
+    /// If a slice is shorter than n.
+    pub fn forward_composite(&mut self, q: &[f64], qd: &[f64], tau: &[f64], qdd: &mut [f64]) {
+        self.subtract_drive_torque(qd, tau, qdd);
+        composite::accelerations(&self.chain, &mut self.composite, &self.drive_inertia, (q, qd), qdd);
+    }
+
+    /// The same accelerations by articulated bodies, `O(n)`.
     ///
     /// Where motors are coupled the rotors' part `CᵀIaC` of the mass matrix is not diagonal: a rotor is then carried by
-    /// no single joint, the recursion over single joints does not hold, and [`forward`](Self::forward) is used.
+    /// no single joint, the recursion over single joints does not hold, and the mass matrix is used instead.
     ///
     /// # Panics
     /// If a slice is shorter than n.
     pub fn forward_articulated(&mut self, q: &[f64], qd: &[f64], tau: &[f64], qdd: &mut [f64]) {
         if self.coupled {
-            return self.forward(q, qd, tau, qdd);
+            return self.forward_composite(q, qd, tau, qdd);
         }
-        self.bias.fill(0.0);
-        self.add_drive_bias(qd, qdd);
-        for (bias, tau) in self.bias.iter_mut().zip(tau) {
-            *bias = tau - *bias;
-        }
-        articulated::accelerations(&self.chain, &mut self.articulated, &self.rotors, (q, qd), &self.bias, qdd);
+        self.subtract_drive_torque(qd, tau, qdd);
+        articulated::accelerations(&self.chain, &mut self.articulated, &self.rotors, (q, qd), qdd);
     }
 
-    /// Adds the drives' torque at zero acceleration to `bias`; `zeros` is overwritten with zeros.
+    /// What the drives leave of the efforts `tau` at zero acceleration.
     #[inline]
-    fn add_drive_bias(&mut self, qd: &[f64], zeros: &mut [f64]) {
-        zeros[..self.bias.len()].fill(0.0);
-        for (term, &value) in self.drives.terms().iter().zip(&self.drive_values) {
-            term.add_torque(value, qd, zeros, &mut self.bias);
+    fn subtract_drive_torque(&mut self, qd: &[f64], tau: &[f64], rest: &mut [f64]) {
+        let n = self.dof();
+        self.drive_torque.fill(0.0);
+        self.drives.add_torque(&self.drive_values, &qd[..n], &self.zeros, &mut self.drive_torque);
+        for ((rest, tau), drive) in rest[..n].iter_mut().zip(&tau[..n]).zip(&self.drive_torque) {
+            *rest = tau - drive;
         }
     }
 
@@ -183,8 +183,8 @@ impl Dynamics {
     /// If `q` is shorter than n.
     pub fn mass_matrix(&mut self, q: &[f64]) -> DMatrix<f64> {
         let n = self.dof();
-        composite::mass_matrix_at(&self.chain, &mut self.composite, q, &mut self.mass);
-        DMatrix::from_fn(n, n, |i, j| self.mass[i.max(j) * n + i.min(j)] + self.drive_inertia[i * n + j])
+        composite::mass_matrix_at(&self.chain, &mut self.composite, q);
+        DMatrix::from_fn(n, n, |i, j| self.composite.mass[i.max(j) * n + i.min(j)] + self.drive_inertia[i * n + j])
     }
 }
 
@@ -199,16 +199,18 @@ mod tests {
         let seed = Seed::new(12);
         for run in 0..60 {
             let mut rng = seed.stream("chains", run);
-            let dof = 1 + usize::try_from(run % 9).unwrap();
+            let dof = 1 + usize::try_from(run % 13).unwrap();
             let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
             let (robot, parameters) = recipe.draw(&mut rng);
             let mut dynamics = Dynamics::new(&robot, &parameters);
             for _ in 0..10 {
                 let (q, qd, qdd) = chains::random_state(&mut rng, dof);
-                let (mut tau, mut a, mut b) = (vec![0.0; dof], vec![0.0; dof], vec![0.0; dof]);
+                let [mut tau, mut a, mut b, mut c] = std::array::from_fn(|_| vec![0.0; dof]);
                 dynamics.inverse(&q, &qd, &qdd, &mut tau);
-                dynamics.forward(&q, &qd, &tau, &mut a);
+                dynamics.forward_composite(&q, &qd, &tau, &mut a);
                 dynamics.forward_articulated(&q, &qd, &tau, &mut b);
+                dynamics.forward(&q, &qd, &tau, &mut c);
+                assert!(c == a || c == b);
                 for i in 0..dof {
                     // Rounding times the condition number of the mass matrix, at most some thousands.
                     assert!((a[i] - qdd[i]).abs() < 1e-9, "chain {run}: {a:?} {qdd:?}");

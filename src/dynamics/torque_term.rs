@@ -1,4 +1,4 @@
-//! What a drive adds to the torque of the rigid links, one law per type.
+//! What the drives add to the torque of the rigid links, one law per type.
 //!
 //! ```text
 //! τ += φ · d · g(dᵀq̇, dᵀq̈)        d = e_j (joint side) or Cᵀe_j (motor side)
@@ -22,7 +22,7 @@ pub enum Side {
     Motor,
 }
 
-/// One law `g(v, a)` of a drive: torque per unit of its parameter.
+/// One law `g(v, a)` of the drives of a robot: torque per unit of its parameter, one for each joint or motor.
 ///
 /// The law may be any function of velocity, but must be affine in acceleration with a constant slope: the slope is
 /// the term's part in the mass matrix.
@@ -33,11 +33,18 @@ pub trait TorqueTerm: fmt::Debug + Send + Sync {
     /// In which coordinate it lives.
     fn side(&self) -> Side;
 
-    /// The law `g(v, a)`, torque per unit parameter; `v` in rad/s, `a` in rad/s².
-    fn torque(&self, v: f64, a: f64) -> f64;
+    /// The law `g(v, a)` of joint or motor `index`, torque per unit parameter; `v` in rad/s, `a` in rad/s².
+    fn torque(&self, index: usize, v: f64, a: f64) -> f64;
 
     /// Its slopes `(∂g/∂v, ∂g/∂a)`.
-    fn slopes(&self, v: f64, a: f64) -> (f64, f64);
+    fn slopes(&self, index: usize, v: f64, a: f64) -> (f64, f64);
+
+    /// The law of several neighbours, the first of them `first`: `out_k = g(v_k, a_k)`.
+    fn torques(&self, first: usize, v: &[f64], a: &[f64], out: &mut [f64]) {
+        for (k, ((out, &v), &a)) in out.iter_mut().zip(v).zip(a).enumerate() {
+            *out = self.torque(first + k, v, a);
+        }
+    }
 }
 
 macro_rules! linear_law {
@@ -56,12 +63,12 @@ macro_rules! linear_law {
             }
 
             #[inline]
-            fn torque(&self, $v: f64, $a: f64) -> f64 {
+            fn torque(&self, _index: usize, $v: f64, $a: f64) -> f64 {
                 $law
             }
 
             #[inline]
-            fn slopes(&self, _v: f64, _a: f64) -> (f64, f64) {
+            fn slopes(&self, _index: usize, _v: f64, _a: f64) -> (f64, f64) {
                 $slopes
             }
         }
@@ -88,10 +95,10 @@ linear_law!(
 macro_rules! coulomb_law {
     ($(#[$doc:meta])* $name:ident, $kind:ident, $side:ident) => {
         $(#[$doc])*
-        #[derive(Clone, Copy, Debug, PartialEq)]
+        #[derive(Clone, Debug, PartialEq)]
         pub struct $name {
-            /// Velocity scale `v_s` of the smooth sign, rad/s; 0 is the plain sign.
-            pub velocity: f64,
+            /// Velocity scale `v_s` of the smooth sign of each joint or motor, rad/s; 0 is the plain sign.
+            pub velocities: Vec<f64>,
         }
 
         impl TorqueTerm for $name {
@@ -104,15 +111,16 @@ macro_rules! coulomb_law {
             }
 
             #[inline]
-            fn torque(&self, v: f64, _a: f64) -> f64 {
-                smooth_sign(v, self.velocity)
+            fn torque(&self, index: usize, v: f64, _a: f64) -> f64 {
+                smooth_sign(v, self.velocities[index])
             }
 
             #[inline]
-            fn slopes(&self, v: f64, _a: f64) -> (f64, f64) {
+            fn slopes(&self, index: usize, v: f64, _a: f64) -> (f64, f64) {
                 // d/dv tanh(v / v_s) = (1 − tanh²) / v_s; the plain sign is flat wherever it has a slope.
-                let s = smooth_sign(v, self.velocity);
-                (if self.velocity > 0.0 { (1.0 - s * s) / self.velocity } else { 0.0 }, 0.0)
+                let v_s = self.velocities[index];
+                let s = smooth_sign(v, v_s);
+                (if v_s > 0.0 { (1.0 - s * s) / v_s } else { 0.0 }, 0.0)
             }
         }
     };
@@ -135,10 +143,10 @@ mod tests {
         [
             Box::new(RotorInertia),
             Box::new(ViscousFriction),
-            Box::new(CoulombFriction { velocity: 0.05 }),
+            Box::new(CoulombFriction { velocities: vec![0.05, 1.0] }),
             Box::new(Offset),
             Box::new(MotorViscous),
-            Box::new(MotorCoulomb { velocity: 0.3 }),
+            Box::new(MotorCoulomb { velocities: vec![0.3, 1.0] }),
         ]
     }
 
@@ -149,10 +157,13 @@ mod tests {
         let expected = [a, v, tanh(0.6), 1.0, v, tanh(0.1)];
         for (law, expected) in laws().iter().zip(expected) {
             // One rounding of exp in each of four places.
-            assert!((law.torque(v, a) - expected).abs() < 1e-14, "{law:?}");
+            assert!((law.torque(0, v, a) - expected).abs() < 1e-14, "{law:?}");
         }
-        assert_eq!(CoulombFriction { velocity: 0.0 }.torque(-1e-9, 0.0), -1.0);
-        assert_eq!(CoulombFriction { velocity: 0.0 }.slopes(1.0, 0.0), (0.0, 0.0));
+        let plain = CoulombFriction { velocities: vec![0.0] };
+        assert!(plain.torque(0, -1e-9, 0.0).total_cmp(&-1.0).is_eq() && plain.slopes(0, 1.0, 0.0) == (0.0, 0.0));
+        let mut several = [0.0; 2];
+        laws()[2].torques(0, &[0.03, 0.03], &[0.0; 2], &mut several);
+        assert!((several[0] - tanh(0.6)).abs() < 1e-14 && (several[1] - tanh(0.03)).abs() < 1e-14);
     }
 
     #[test]
@@ -160,12 +171,12 @@ mod tests {
         for law in laws() {
             for (v, a) in [(0.03, -2.0), (-0.2, 0.4), (0.0, 0.0)] {
                 let h = 1e-6;
-                let dv = (law.torque(v + h, a) - law.torque(v - h, a)) / (2.0 * h);
-                let da = (law.torque(v, a + h) - law.torque(v, a - h)) / (2.0 * h);
-                let (by_velocity, by_acceleration) = law.slopes(v, a);
+                let dv = (law.torque(0, v + h, a) - law.torque(0, v - h, a)) / (2.0 * h);
+                let da = (law.torque(0, v, a + h) - law.torque(0, v, a - h)) / (2.0 * h);
+                let (by_velocity, by_acceleration) = law.slopes(0, v, a);
                 // Truncation h² g‴/6 with g‴ up to 2/v_s³ = 16000.
                 assert!((dv - by_velocity).abs() < 1e-8 && (da - by_acceleration).abs() < 1e-8, "{law:?}");
-                assert_eq!(by_acceleration, law.slopes(1.0, 1.0).1);
+                assert!(by_acceleration.total_cmp(&law.slopes(0, 1.0, 1.0).1).is_eq());
             }
         }
     }

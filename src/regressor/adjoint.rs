@@ -95,7 +95,7 @@ impl JointTorqueRegressor {
         let mut axes: Vec<Motion> = Vec::with_capacity(n * (n + 1) / 2);
         let (mut v, mut a) = self.base_at_rest();
         for k in 0..n {
-            let placement = self.joints[k].placement(q[k]);
+            let placement = self.poses[k].at(q[k]);
             let axis = self.axes[k];
             let carried = (placement.motion_to_child(&v), placement.motion_to_child(&a));
             let rate = axis * qd[k];
@@ -137,9 +137,7 @@ impl JointTorqueRegressor {
             v_bar = placement.force_to_parent(&v_bar);
             a_bar = placement.force_to_parent(&a_bar);
         }
-        for (column, term) in self.drives.terms().iter().enumerate() {
-            term.add_gradient(qd, qdd, 10 * n + column, p, g, dqd, dqdd);
-        }
+        self.drives.add_gradient((qd, qdd), 10 * n, p, g, dqd, dqdd);
     }
 }
 

@@ -3,8 +3,9 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::BodyRegressor;
-use crate::dynamics::{DriveTrain, States};
-use crate::model::{Columns, Joint, ParameterId, Robot};
+use super::carried_axes::{AxisPair, axes, carry_axes};
+use crate::dynamics::{DriveTrain, LinkPose, States};
+use crate::model::{Columns, ParameterId, Robot};
 use crate::spatial::Motion;
 
 /// Up to this many joints no evaluation allocates.
@@ -34,7 +35,7 @@ const INLINE_JOINTS: usize = 8;
 /// ```
 #[derive(Clone, Debug)]
 pub struct JointTorqueRegressor {
-    pub(super) joints: Vec<Joint>,
+    pub(super) poses: Vec<LinkPose>,
     pub(super) axes: Vec<Motion>,
     gravity: Vector3<f64>,
     pub(super) drives: DriveTrain,
@@ -47,7 +48,7 @@ impl JointTorqueRegressor {
     #[must_use]
     pub fn new(robot: &Robot, columns: Columns) -> Self {
         Self {
-            joints: robot.joints().to_vec(),
+            poses: robot.joints().iter().map(LinkPose::new).collect(),
             axes: robot.axes().to_vec(),
             gravity: robot.gravity(),
             drives: DriveTrain::new(robot, columns),
@@ -71,7 +72,7 @@ impl JointTorqueRegressor {
     /// Number of rows of one sample: joints n.
     #[must_use]
     pub fn rows(&self) -> usize {
-        self.joints.len()
+        self.poses.len()
     }
 
     /// Number of columns p.
@@ -106,35 +107,33 @@ impl JointTorqueRegressor {
     ) {
         let (n, p) = (self.rows(), self.cols());
         let out = &mut out[..n * p];
-        out.fill(0.0);
-        // Axes of the joints so far, in the frame of the current link.
-        let mut inline = [Motion::zero(); INLINE_JOINTS];
+        // What neither links nor drives write below: links further in, and the drives of other joints.
+        for (i, row) in out.chunks_exact_mut(p).enumerate() {
+            row[..10 * i].fill(0.0);
+            row[10 * n..].fill(0.0);
+        }
+        let mut inline = [AxisPair::ZERO; INLINE_JOINTS / 2];
         let mut heap = Vec::new();
-        let carried: &mut [Motion] = if n <= INLINE_JOINTS {
+        let carried: &mut [AxisPair] = if n <= INLINE_JOINTS {
             &mut inline
         } else {
-            heap.resize(n, Motion::zero());
+            heap.resize(n.div_ceil(2), AxisPair::ZERO);
             &mut heap
         };
         for k in 0..n {
-            let x = self.joints[k].placement(q[k]);
-            let rate = self.axes[k] * qd[k];
+            let x = self.poses[k].at(q[k]);
+            let axis = &self.axes[k];
+            let rate = *axis * qd[k];
             v = x.motion_to_child(&v) + rate;
-            a = x.motion_to_child(&a) + self.axes[k] * qdd[k] + v.cross(&rate);
-            for s in &mut carried[..k] {
-                *s = x.motion_to_child(s);
-            }
-            carried[k] = self.axes[k];
+            a = x.motion_to_child(&a) + *axis * qdd[k] + v.cross(&rate);
+            carry_axes(carried, k, &x, axis);
             let body = BodyRegressor::new(&v, &a);
-            for (i, s) in carried[..=k].iter().enumerate() {
-                let start = i * p + 10 * k;
-                let block = out[start..].first_chunk_mut::<10>().expect("a row holds ten columns per link");
-                body.project(s, block);
+            for (s, row) in axes(carried, k + 1).zip(out.chunks_exact_mut(p)) {
+                let block = row[10 * k..].first_chunk_mut().expect("a row holds ten columns per link");
+                body.project(&s, block);
             }
         }
-        for (column, term) in self.drives.terms().iter().enumerate() {
-            term.write_column(qd, qdd, 10 * n + column, p, out);
-        }
+        self.drives.write_columns(&qd[..n], &qdd[..n], 10 * n, p, out);
     }
 
     /// All samples: `W`, (n·N) × p, where row `k n + i` is joint i at sample k.

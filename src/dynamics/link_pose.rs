@@ -1,0 +1,87 @@
+//! The pose of a link in the one before, with everything that does not change worked out beforehand.
+
+use nalgebra::{Matrix3, Vector3};
+
+use crate::model::{Joint, JointKind};
+use crate::spatial::Placement;
+
+/// `T(q) = before · J(q) · after` as twelve numbers that are linear in two functions of q:
+///
+/// ```text
+/// T(q) = constant + x(q) · first + y(q) · second        x, y = cos q, sin q  (revolute)  or  q, 0  (prismatic)
+/// ```
+/// The right angles of a DH table leave zeros and ones in the three parts, so a product that vanishes by geometry still
+/// vanishes to the last bit.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct LinkPose {
+    kind: JointKind,
+    constant: [f64; 12],
+    first: [f64; 12],
+    second: [f64; 12],
+}
+
+impl LinkPose {
+    pub(crate) fn new(joint: &Joint) -> Self {
+        let (before, after) = (&joint.before, &joint.after);
+        let z = Vector3::z();
+        // The part of the joint's rotation that stays, those along cos and sin, and its translation per coordinate.
+        let (stays, along_x, along_y, slide) = match joint.kind {
+            JointKind::Revolute => (
+                Matrix3::from_diagonal(&z),
+                Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 0.0)),
+                z.cross_matrix(),
+                Vector3::zeros(),
+            ),
+            JointKind::Prismatic => (Matrix3::identity(), Matrix3::zeros(), Matrix3::zeros(), z),
+        };
+        let part = |turn: &Matrix3<f64>, shift: Vector3<f64>| {
+            let rotation = before.rotation * turn;
+            numbers(&(rotation * after.rotation), &(rotation * after.translation + shift))
+        };
+        Self {
+            kind: joint.kind,
+            constant: part(&stays, before.translation),
+            first: part(&along_x, before.rotation * slide),
+            second: part(&along_y, Vector3::zeros()),
+        }
+    }
+
+    /// The pose at coordinate `q`, rad or m.
+    #[inline]
+    pub(crate) fn at(&self, q: f64) -> Placement {
+        let (y, x) = match self.kind {
+            JointKind::Revolute => libm::sincos(q),
+            JointKind::Prismatic => (0.0, q),
+        };
+        let t: [f64; 12] = std::array::from_fn(|k| self.constant[k] + x * self.first[k] + y * self.second[k]);
+        Placement {
+            rotation: Matrix3::new(t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]),
+            translation: Vector3::new(t[9], t[10], t[11]),
+        }
+    }
+}
+
+fn numbers(rotation: &Matrix3<f64>, translation: &Vector3<f64>) -> [f64; 12] {
+    std::array::from_fn(|k| if k < 9 { rotation.as_slice()[k] } else { translation[k - 9] })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformance::chains;
+    use crate::seed::Seed;
+
+    #[test]
+    fn identity_pose_is_that_of_the_joint() {
+        for run in 0..20 {
+            let mut rng = Seed::new(16).stream("poses", run);
+            let (robot, _) = chains::random_robot(&mut rng, 6);
+            let (q, _, _) = chains::random_state(&mut rng, 6);
+            for (joint, &q) in robot.joints().iter().zip(&q) {
+                let (found, expected) = (LinkPose::new(joint).at(q), joint.placement(q));
+                assert!((found.rotation - expected.rotation).amax() < 1e-15);
+                assert!((found.translation - expected.translation).amax() < 1e-15);
+            }
+        }
+    }
+}
