@@ -1,3 +1,8 @@
 //! What every implementation must satisfy, and the random robots to show it on.
 
+pub mod arm_laws;
 pub mod chains;
+pub mod plant_laws;
+mod broken_law;
+
+pub use broken_law::BrokenLaw;

@@ -29,7 +29,7 @@ mod servo;
 mod tracking;
 mod transmission;
 #[cfg(test)]
-mod hinges;
+pub(crate) mod hinges;
 
 pub use arm::{Arm, ArmError, Divergence, Ending, Flow, RawSample, Sink};
 pub use command::Command;

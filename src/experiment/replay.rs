@@ -57,3 +57,44 @@ impl Arm for Replay {
         Ok(Ending::Completed)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformance::arm_laws::{self, ArmTolerance};
+    use crate::experiment::hinges::{self, FlyWheels};
+    use crate::experiment::{ExperimentPlan, Servo, record};
+    use crate::seed::Seed;
+
+    fn plan() -> ExperimentPlan {
+        ExperimentPlan { settle_s: 0.2, ramp_s: 0.5, periods: 2, ..ExperimentPlan::new(hinges::trajectory(2)) }
+    }
+
+    fn servo() -> Servo<FlyWheels> {
+        let robot = hinges::coupled();
+        Servo::new(&robot, &hinges::parameters(2), FlyWheels::new(2)).unwrap().with_seed(Seed::new(6), 1)
+    }
+
+    #[test]
+    fn identity_servo_and_replay_obey_the_laws_of_arms() {
+        arm_laws::check(&plan(), &ArmTolerance::SIMULATED, servo).unwrap();
+        let recording = record(&mut servo(), &plan()).unwrap().0;
+        arm_laws::check(&plan(), &ArmTolerance::SIMULATED, || Replay(recording.clone())).unwrap();
+        assert_eq!(record(&mut Replay(recording.clone()), &plan()).unwrap().0, recording);
+    }
+
+    #[test]
+    fn a_recording_of_another_experiment_is_refused() {
+        let recording = record(&mut servo(), &plan()).unwrap().0;
+        let mut other = plan();
+        other.trajectory.joints[0].q0 += 0.1;
+        for (plan, word) in [
+            (ExperimentPlan { rate_hz: 500.0, ..plan() }, "rate_hz is 1000, expected the plan's 500"),
+            (other, "trajectory"),
+            (plan().with_periods(3), "number of recorded periods is 2, expected the plan's 3"),
+        ] {
+            let message = record(&mut Replay(recording.clone()), &plan).unwrap_err().to_string();
+            assert!(message.contains(word), "{message}");
+        }
+    }
+}

@@ -99,8 +99,10 @@ impl<const N: usize> Friction<N> {
     /// Whether any coordinate with Coulomb friction may come within `reach` of the scale `v_s` while each joint's
     /// speed `v` changes by `change` at most.
     pub(crate) fn may_turn(&self, v: &[f64; N], change: &[f64; N], reach: f64) -> bool {
-        let near =
-            |rub: &Rub, v: f64, change: f64| rub.per_speed > 0.0 && !((v.abs() - change) * rub.per_speed > reach);
+        let near = |rub: &Rub, v: f64, change: f64| {
+            let nearest = (v.abs() - change) * rub.per_speed;
+            rub.per_speed > 0.0 && (nearest <= reach || nearest.is_nan())
+        };
         (0..N).any(|i| near(&self.joints[i], v[i], change[i]))
             || self.motors.as_ref().is_some_and(|motors| {
                 (0..N).any(|i| {

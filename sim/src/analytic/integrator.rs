@@ -5,7 +5,7 @@
 //! ```
 //! with `y = (q, q̇)`, torque held. Smooth Coulomb friction makes velocities near zero decay at rates up to
 //! `λ = tr(M⁻¹ D)`, `D` the slopes of friction: some thousands per second at standstill. A step is divided into
-//! `⌈λ h / 0.8⌉` equal parts, at most [`MOST_PARTS`], `λ` bounded over the speeds that the step may pass through. Away
+//! `⌈λ h / 1.2⌉` equal parts, at most [`MOST_PARTS`], `λ` bounded over the speeds that the step may pass through. Away
 //! from standstill the tanh is flat and there is one part. The method is stable up to `λ h = 2.78`.
 
 use super::chain::Chain;
@@ -13,7 +13,7 @@ use super::forward::Factor;
 use super::lane::Lane;
 
 /// Largest `λ h` of a part of a step.
-const STIFFNESS: f64 = 0.8;
+const STIFFNESS: f64 = 1.2;
 /// Beyond this many `v_s` the slope of the smooth sign, below 4e-5 of the slope at zero, is no longer looked at.
 const REACH: f64 = 5.7;
 /// More parts than this a step never has.

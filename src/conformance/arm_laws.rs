@@ -1,0 +1,187 @@
+//! What every arm obeys, simulated, replayed or real.
+//!
+//! - a recording is announced once, before its samples, and says what the plan says;
+//! - samples come in the order of time, one for every tick of the plan, in the plan's phases, every value finite;
+//! - the arm follows its command while it counts;
+//! - when the sink says stop, no sample follows, and the ending says so;
+//! - a plan that cannot be performed is refused before anything is announced.
+
+use super::BrokenLaw;
+use crate::experiment::{Arm, Ending, ExperimentPlan, Flow, Layout, Phase, RawSample, Recording, Sink};
+
+/// What may be asked of an arm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ArmTolerance {
+    /// Largest distance from the command in a recorded period, rad (m).
+    pub tracking: f64,
+    /// Largest distance of a time stamp from its tick, in ticks.
+    pub jitter: f64,
+    /// Whether two experiments are the same to the last bit.
+    pub repeatable: bool,
+}
+
+impl ArmTolerance {
+    /// A simulated arm that follows within 0.05 rad.
+    pub const SIMULATED: Self = Self { tracking: 0.05, jitter: 1e-9, repeatable: true };
+}
+
+/// Checks one arm on one plan that it can perform.
+///
+/// ```text
+/// arm_laws::check(&plan, &ArmTolerance::SIMULATED, || servo.clone())?
+/// ```
+///
+/// # Errors
+/// [`BrokenLaw`]: the first law that does not hold, with what was found.
+pub fn check<A: Arm>(plan: &ExperimentPlan, tolerance: &ArmTolerance, make: impl Fn() -> A) -> Result<(), BrokenLaw> {
+    let whole = perform("an experiment ends as planned", &mut make(), plan, usize::MAX)?;
+    let layout = whole.layout.clone();
+    BrokenLaw::unless(
+        "an experiment ends as planned",
+        whole.ending == Ending::Completed && whole.recording.len() == layout.samples(),
+        format!("{:?} after {} samples", whole.ending, whole.recording.len()),
+        format!("Completed after {} samples", layout.samples()),
+    )?;
+    announcement(plan, &whole)?;
+    samples(plan, tolerance, &whole)?;
+    if tolerance.repeatable {
+        let again = perform("an experiment can be repeated", &mut make(), plan, usize::MAX)?;
+        BrokenLaw::unless(
+            "an experiment can be repeated",
+            again.recording == whole.recording,
+            "another recording",
+            "the same bits",
+        )?;
+    }
+    stopping(plan, &make)?;
+    refusal(plan, &make)
+}
+
+/// Hears everything and judges nothing.
+struct Witness {
+    announced: usize,
+    early: bool,
+    recording: Option<Recording>,
+    phases: Vec<Phase>,
+    indices: Vec<usize>,
+    tracking: f64,
+    until: usize,
+}
+
+impl Sink for Witness {
+    fn begin(&mut self, recording: &Recording) {
+        self.announced += 1;
+        self.recording = Some(recording.clone());
+    }
+
+    fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
+        let Some(recording) = &mut self.recording else {
+            self.early = true;
+            return Flow::Stop;
+        };
+        recording.t.push(sample.t);
+        recording.q.extend_from_slice(sample.q);
+        recording.effort.extend_from_slice(sample.effort);
+        self.phases.push(sample.phase);
+        self.indices.push(sample.index);
+        if sample.phase == Phase::Record {
+            for (q, command) in sample.q.iter().zip(sample.command) {
+                self.tracking = self.tracking.max((q - command).abs());
+            }
+        }
+        if self.indices.len() < self.until { Flow::Continue } else { Flow::Stop }
+    }
+}
+
+struct Heard {
+    layout: Layout,
+    ending: Ending,
+    recording: Recording,
+    phases: Vec<Phase>,
+    indices: Vec<usize>,
+    tracking: f64,
+}
+
+fn witness(until: usize) -> Witness {
+    let (phases, indices) = (Vec::new(), Vec::new());
+    Witness { announced: 0, early: false, recording: None, phases, indices, tracking: 0.0, until }
+}
+
+fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: usize) -> Result<Heard, BrokenLaw> {
+    let fault = |found: String, expected: &str| BrokenLaw { law, found, expected: expected.to_owned() };
+    let layout = plan.layout().map_err(|e| fault(e.to_string(), "a plan that can be performed"))?;
+    let mut witness = witness(until);
+    let ending = arm.perform(plan, &mut witness).map_err(|e| fault(e.to_string(), "an experiment"))?;
+    let law = "a recording is announced once, before its samples";
+    BrokenLaw::unless(
+        law,
+        witness.announced == 1 && !witness.early,
+        format!("{} announcements", witness.announced),
+        "one",
+    )?;
+    let Witness { recording, phases, indices, tracking, .. } = witness;
+    let recording = recording.ok_or_else(|| fault("none".to_owned(), "a recording"))?;
+    Ok(Heard { layout, ending, recording, phases, indices, tracking })
+}
+
+fn announcement(plan: &ExperimentPlan, heard: &Heard) -> Result<(), BrokenLaw> {
+    let law = "a recording says what the plan says";
+    let recording = &heard.recording;
+    let n = plan.trajectory.joints.len();
+    BrokenLaw::unless(law, recording.dof == n, recording.dof.to_string(), format!("{n} joints"))?;
+    BrokenLaw::unless(law, recording.joints.len() == n, format!("{:?}", recording.joints), format!("{n} names"))?;
+    BrokenLaw::unless_at_most(law, (recording.rate_hz - plan.rate_hz).abs(), 1e-9 * plan.rate_hz)?;
+    let (found, expected) = (recording.period_samples, heard.layout.period_samples);
+    BrokenLaw::unless(law, found == expected, format!("{found} samples"), format!("{expected} in a period"))?;
+    BrokenLaw::unless(
+        law,
+        recording.periods() == plan.periods,
+        format!("{} periods", recording.periods()),
+        format!("{} recorded periods", plan.periods),
+    )?;
+    BrokenLaw::unless(law, recording.trajectory == plan.trajectory, "another trajectory", "the plan's")
+}
+
+fn samples(plan: &ExperimentPlan, tolerance: &ArmTolerance, heard: &Heard) -> Result<(), BrokenLaw> {
+    let law = "samples come one per tick in the plan's phases";
+    let recording = &heard.recording;
+    let total = recording.len();
+    let lengths = (recording.q.len(), recording.effort.len());
+    let expected = total * recording.dof;
+    BrokenLaw::unless(law, lengths == (expected, expected), format!("{lengths:?} values"), expected.to_string())?;
+    for k in 0..total {
+        BrokenLaw::unless(law, heard.indices[k] == k, format!("index {}", heard.indices[k]), k.to_string())?;
+        let tick = (recording.t[k] * plan.rate_hz - k as f64).abs();
+        BrokenLaw::unless_at_most(law, tick, tolerance.jitter.max(1e-12 * k as f64))?;
+        let (found, expected) = (heard.phases[k], heard.layout.phase(k));
+        BrokenLaw::unless(law, found == expected, found.name(), expected.name())?;
+    }
+    let finite = recording.q.iter().chain(&recording.effort).all(|x| x.is_finite());
+    BrokenLaw::unless("every value is finite", finite, "one that is not", "finite numbers")?;
+    BrokenLaw::unless_at_most("the arm follows its command", heard.tracking, tolerance.tracking)
+}
+
+fn stopping<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), BrokenLaw> {
+    let law = "when the sink says stop no sample follows";
+    let until = plan.layout().map_or(1, |layout| layout.samples() / 2).max(1);
+    let heard = perform(law, &mut make(), plan, until)?;
+    let found = heard.recording.len();
+    BrokenLaw::unless(law, found == until, format!("{found} samples"), until.to_string())?;
+    let said = matches!(&heard.ending, Ending::Stopped { phase, .. } if *phase == heard.layout.phase(until - 1));
+    BrokenLaw::unless(law, said, format!("{:?}", heard.ending), "Stopped in the phase of the last sample")
+}
+
+fn refusal<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), BrokenLaw> {
+    let law = "a plan that cannot be performed is refused before anything is announced";
+    let mut narrow = plan.clone();
+    narrow.trajectory.joints.pop();
+    let never = ExperimentPlan { periods: 0, ..plan.clone() };
+    let between = ExperimentPlan { rate_hz: plan.rate_hz * 0.999_77, ..plan.clone() };
+    for impossible in [narrow, never, between] {
+        let mut witness = witness(1);
+        let answer = make().perform(&impossible, &mut witness);
+        BrokenLaw::unless(law, answer.is_err(), format!("{answer:?}"), "an error")?;
+        BrokenLaw::unless(law, witness.announced == 0, "an announcement", "none")?;
+    }
+    Ok(())
+}
