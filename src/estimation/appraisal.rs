@@ -23,8 +23,9 @@ use crate::signal::NoiseModel;
 /// A condition number with unit columns above this is worth telling: a relative error of a hundredth in the data can
 /// then become one of the size of the parameters.
 const LARGE_CONDITION: f64 = 100.0;
-/// Residuals above this multiple of what noise explains are worth telling.
-const LARGE_RESIDUAL: f64 = 1.5;
+/// Residuals above this multiple of what noise explains are worth telling. Below two, the residual of a quiet joint in
+/// an ordinary fit gets there by chance: few directions of the others' noise leak into it.
+const LARGE_RESIDUAL: f64 = 2.0;
 /// Correlation of neighbouring residuals beyond that of the noise that is worth telling.
 const LARGE_CORRELATION: f64 = 0.3;
 /// Fewer periods than this are worth telling.

@@ -8,15 +8,16 @@ use crate::signal::NoiseModel;
 /// Lag covariances of the residual `r` (n·M), corrected for the b parameters that were fitted:
 ///
 /// ```text
-/// R_ij(l) = 1/(M_ij(0) (1 − b/E)) Σ_k r_i,k r_j,k+l        E equations, M_ij(0) instants at which both i and j are used
+/// R_ij(l) = 1/(√(M_i M_j) (1 − b/E)) Σ_k r_i,k r_j,k+l        E equations, M_i of them of joint i
 /// ```
-/// over all k that have a partner; in a period the last instant is followed by the first.
+/// over all k that have a partner; in a period the last instant is followed by the first. With this divisor R(0) is
+/// never indefinite.
 pub(super) fn residual_noise(observation: &Observation, r: &DVector<f64>) -> NoiseModel {
     let (dof, wraps, count) = (observation.dof, observation.periodic, observation.samples());
     let used = |k: usize, i: usize| observation.used[k * dof + i];
     let left = (1.0 - observation.base.rank() as f64 / observation.equations().max(1) as f64).max(f64::EPSILON);
-    let shared =
-        DMatrix::from_fn(dof, dof, |i, j| (0..count).filter(|&k| used(k, i) && used(k, j)).count().max(1) as f64);
+    let counts: Vec<f64> = (0..dof).map(|i| (0..count).filter(|&k| used(k, i)).count().max(1) as f64).collect();
+    let shared = DMatrix::from_fn(dof, dof, |i, j| (counts[i] * counts[j]).sqrt());
     let lag = |l: usize| {
         let mut sum = DMatrix::zeros(dof, dof);
         for k in 0..(if wraps { count } else { count - l }) {

@@ -229,3 +229,46 @@ pub(super) fn put_column(rows: &mut [f64], n: usize, i: usize, values: &[f64]) {
         *to = *value;
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_block_gain_is_that_of_the_mean() {
+        let (len, block) = (60, 5);
+        let transform = FourierTransform::new(len);
+        for h in 0..=30 {
+            let tone: Vec<f64> = (0..len)
+                .map(|k| libm::cos(std::f64::consts::TAU * ((h * k) % len) as f64 / len as f64 + 0.3))
+                .collect();
+            // The mean over every window, not only every fifth: no aliasing, so one line in, one line out.
+            let mean: Vec<f64> =
+                (0..len).map(|k| (0..block).map(|l| tone[(k + l) % len]).sum::<f64>() / block as f64).collect();
+            let (before, after) = (transform.forward_real(&tone), transform.forward_real(&mean));
+            let gain = after[h].norm() / before[h].norm();
+            assert!((gain - block_gain(h, block, len).abs()).abs() < 1e-12, "line {h}");
+        }
+    }
+
+    #[test]
+    fn analytic_blocks_with_a_reversal_are_left_out() {
+        let mut states = States::new(2);
+        for k in 0..12 {
+            let qd = f64::from(k) - 5.8;
+            states.push(&[0.0, 0.0], &[qd, 1.0], &[0.0, 0.0]);
+        }
+        // Joint 1 passes through zero between samples 5 and 6, in the second block of four; joint 2 never stops.
+        let used = used_blocks(&states, 4, 0.05);
+        assert_eq!(used, [true, true, false, true, true, true]);
+        assert!(used_blocks(&states, 4, 0.0).iter().all(|&used| used));
+    }
+
+    #[test]
+    fn analytic_block_lengths_divide_the_period() {
+        assert_eq!(block(10_000, 250, 5.0), Ok(40));
+        assert_eq!(block(10_000, 240, 5.0), Ok(50));
+        assert_eq!(block(100, 250, 5.0), Ok(1));
+        assert!(matches!(block(10_007, 250, 5.0), Err(SignalError::Decimation { found: 1, .. })));
+    }
+}

@@ -44,3 +44,25 @@ pub(super) fn map_rows(rows: &[f64], map: &DMatrix<f64>) -> Vec<f64> {
     }
     out
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformance::chains::ChainRecipe;
+    use crate::seed::Seed;
+    use nalgebra::DVector;
+
+    #[test]
+    fn identity_power_at_the_joints_is_power_at_the_motors() {
+        let mut rng = Seed::new(6).stream("coupled", 0);
+        let (robot, _) = ChainRecipe { coupled: true, ..ChainRecipe::new(4) }.draw(&mut rng);
+        let coupling = robot.coupling().unwrap();
+        let current = DVector::from_vec(vec![0.3, -1.2, 0.7, 2.0]);
+        let qd = DVector::from_vec(vec![1.0, 0.2, -0.4, 0.9]);
+        let motor_torque = DVector::from_fn(4, |i, _| robot.joints()[i].drive.torque_per_ampere() * current[i]);
+        let at_motors = motor_torque.dot(&(coupling * &qd));
+        let torque = map_rows(current.as_slice(), &torque_per_current(&robot));
+        assert!((DVector::from_vec(torque).dot(&qd) - at_motors).abs() < 1e-12);
+        assert_eq!(torque_map(&robot, EffortInterface::Torque), DMatrix::identity(4, 4));
+    }
+}

@@ -1,5 +1,6 @@
 //! Laws of the estimators: coverage of their intervals, agreement with other routes, recovery of exact data.
 
+mod chain;
 mod coverage;
 mod recovery;
 mod setting;

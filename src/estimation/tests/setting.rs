@@ -23,7 +23,16 @@ pub(super) fn a460() -> (Robot, StandardParameters) {
 
 /// Exact samples of the A460 on Table I at `count` instants, with the regressor and the base of all columns.
 pub(super) fn a460_samples(count: usize) -> (Robot, StandardParameters, JointTorqueRegressor, BaseReduction, Samples) {
-    let (robot, parameters) = a460();
+    a460_samples_of(count, |_| {})
+}
+
+/// The same after a change of the parameters.
+pub(super) fn a460_samples_of(
+    count: usize,
+    change: impl Fn(&mut StandardParameters),
+) -> (Robot, StandardParameters, JointTorqueRegressor, BaseReduction, Samples) {
+    let (robot, mut parameters) = a460();
+    change(&mut parameters);
     let columns = Columns::RigidRotorFriction;
     let regressor = JointTorqueRegressor::new(&robot, columns);
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
