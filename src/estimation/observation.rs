@@ -47,7 +47,7 @@ impl Observation {
     ///
     /// # Errors
     /// [`EstimationError::Mismatch`] where robot, regressor, reduction and samples do not belong together;
-    /// [`EstimationError::TooFewSamples`] where there are fewer equations than parameters.
+    /// [`EstimationError::TooFewEquations`]: where there are fewer equations than parameters.
     pub fn new(
         robot: &Robot,
         regressor: &JointTorqueRegressor,

@@ -41,6 +41,13 @@ impl StudyDesign {
         ]
     }
 
+    /// The value by which the design was made, smaller is better; the condition number of a fixed trajectory.
+    #[must_use]
+    pub fn own_value(&self) -> f64 {
+        let name = self.criterion.unwrap_or(CriterionKind::Condition).name();
+        self.values().iter().find(|(value, _)| *value == name).map_or(f64::INFINITY, |(_, value)| *value)
+    }
+
     fn of(family: usize, start: usize, design: Design) -> Self {
         Self {
             family,

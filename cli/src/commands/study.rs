@@ -9,13 +9,14 @@ use armid::experiment::Sensing;
 use armid::provenance::{Provenance, sha256};
 use armid::seed::Seed;
 use armid::study::paper::examine;
-use armid::study::{Examples, Outcome, PaperResult, Stage, StudyDesign, StudyStory};
+use armid::study::{Examples, Outcome, PaperResult, Stage, StudyDesign, StudyPlan, StudyStory};
 use indicatif::ProgressBar;
 use miette::Result;
 use rayon::prelude::*;
 
-use crate::answer::Ending;
+use crate::answer::{Answer, Ending};
 use crate::arms::ArmKind;
+use crate::atomic_file::write_text;
 use crate::console::Console;
 use crate::fault::Fault;
 use crate::files::journal::{Journal, Piece};
@@ -37,10 +38,13 @@ Examples:
 
 /// Run a Monte Carlo study of designs and estimators
 #[derive(Debug, clap::Args)]
-#[command(after_help = AFTER_HELP)]
+#[command(after_help = AFTER_HELP, args_conflicts_with_subcommands = true, subcommand_negates_reqs = true)]
 pub(crate) struct Arguments {
+    #[command(subcommand)]
+    action: Option<Action>,
     /// A bundled study, a folder with a study.toml, or the file itself
-    study: String,
+    #[arg(required = true)]
+    study: Option<String>,
     /// Runs of each design, in place of the plan's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     runs: Option<u32>,
@@ -50,34 +54,135 @@ pub(crate) struct Arguments {
     /// Go on with the finished work in the output folder
     #[arg(long)]
     resume: bool,
+    /// Perform only part K of N of the runs; `armid study merge` puts the parts together
+    #[arg(long, value_name = "K/N")]
+    shard: Option<Shard>,
     /// Which simulated arm performs the experiments
     #[arg(long, default_value = "analytic", value_parser = choices::one_of(&ArmKind::SIMULATED, ArmKind::name))]
     arm: ArmKind,
 }
 
+/// What to do with studies that have been performed in parts.
+#[derive(Debug, clap::Subcommand)]
+enum Action {
+    /// Put the parts of a study together: folders that --shard wrote
+    Merge {
+        /// The folders of all parts
+        #[arg(required = true, value_name = "DIR")]
+        folders: Vec<PathBuf>,
+    },
+}
+
+/// Part `k` of `n`, counted from one.
+#[derive(Clone, Copy, Debug)]
+struct Shard {
+    k: usize,
+    n: usize,
+}
+
+impl std::str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+        match parts {
+            Some((k, n)) if 1 <= k && k <= n => Ok(Self { k, n }),
+            _ => Err("expected K/N with 1 ≤ K ≤ N, as 2/8".to_owned()),
+        }
+    }
+}
+
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let (mut plan, folder) = study_source::load(&arguments.study)?;
+    if let Some(Action::Merge { folders }) = &arguments.action {
+        return merge(folders, console);
+    }
+    let (mut plan, folder) = study_source::load(arguments.study.as_deref().unwrap_or_default())?;
     if let Some(runs) = arguments.runs {
         plan.scale_runs(runs as usize);
     }
-    let output = console.output().map_or_else(|| Path::new("reports").join(&plan.name), Path::to_path_buf);
-    let simulation = Simulation::load(&plan.robot, folder.as_deref(), arguments.arm)?;
-    let (robot, nominal) = (simulation.robot().clone(), simulation.nominal.clone());
-    let stage = Stage::new(plan, robot, nominal, &simulation.truth).map_err(in_words)?;
+    let output = output_folder(&plan, console);
+    let prepared = Prepared::new(plan, folder.as_deref(), arguments.arm)?;
     let threads = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.jobs.map_or(0, |jobs| jobs as usize))
         .build()
         .map_err(in_words)?;
     threads.install(|| {
-        let study = Performance { stage: &stage, simulation: &simulation, output: &output, console };
-        match study.perform(arguments.resume)? {
-            Some(work) => study.finish(work),
-            None => {
+        let study = prepared.performance(&output, arguments.shard, console);
+        let (journal, pieces) = study.journal(arguments.resume)?;
+        match (study.perform(journal, pieces)?, arguments.shard) {
+            (Some(work), None) => study.finish(work),
+            (Some(_), Some(shard)) => {
+                let message = format!(
+                    "part {} of {} is in {}; put the parts together with armid study merge",
+                    shard.k,
+                    shard.n,
+                    output.display()
+                );
+                console.show(&Answer {
+                    json: serde_json::json!({ "shard": output, "k": shard.k, "n": shard.n }),
+                    text: message + "\n",
+                })?;
+                Ok(Ending::Done)
+            }
+            (None, _) => {
                 console.note(format!("interrupted; go on with --resume -o {}", output.display()));
                 Ok(Ending::Interrupted)
             }
         }
     })
+}
+
+/// Puts parts together; every piece must be there, since a merge performs nothing.
+fn merge(folders: &[PathBuf], console: &Console) -> Result<Ending> {
+    let (plan, _) = study_source::load(&folders[0].display().to_string())?;
+    let path = |folder: &Path| folder.join(Journal::NAME);
+    let name = Journal::arm(&path(&folders[0]))?;
+    let arm =
+        ArmKind::parse(&name).ok_or_else(|| Fault::new(format!("the parts were performed by an arm \"{name}\"")))?;
+    let output = output_folder(&plan, console);
+    let prepared = Prepared::new(plan, Some(&folders[0]), arm)?;
+    let study = prepared.performance(&output, None, console);
+    let identity = study.identity()?;
+    let mut pieces = Vec::new();
+    for folder in folders {
+        pieces.extend(Journal::read(&path(folder), &identity, arm.name())?);
+    }
+    let missing = study.missing(&pieces);
+    if missing > 0 {
+        let message = format!("{missing} runs are in none of the folders, expected every part of the study, complete");
+        return Err(Fault::new(message).into());
+    }
+    let (mut journal, _) = study.journal(false)?;
+    for piece in &pieces {
+        journal.add(piece)?;
+    }
+    match study.perform(journal, pieces)? {
+        Some(work) => study.finish(work),
+        None => Ok(Ending::Interrupted),
+    }
+}
+
+fn output_folder(plan: &StudyPlan, console: &Console) -> PathBuf {
+    console.output().map_or_else(|| Path::new("reports").join(&plan.name), Path::to_path_buf)
+}
+
+/// A study and the arm that it is performed on.
+struct Prepared {
+    stage: Stage,
+    simulation: Simulation,
+}
+
+impl Prepared {
+    fn new(plan: StudyPlan, beside: Option<&Path>, arm: ArmKind) -> Result<Self> {
+        let simulation = Simulation::load(&plan.robot, beside, arm)?;
+        let (robot, nominal) = (simulation.robot().clone(), simulation.nominal.clone());
+        let stage = Stage::new(plan, robot, nominal, &simulation.truth).map_err(in_words)?;
+        Ok(Self { stage, simulation })
+    }
+
+    fn performance<'a>(&'a self, output: &'a Path, shard: Option<Shard>, console: &'a Console) -> Performance<'a> {
+        Performance { stage: &self.stage, simulation: &self.simulation, output, shard, console }
+    }
 }
 
 fn in_words(error: impl std::fmt::Display) -> Fault {
@@ -89,6 +194,7 @@ struct Performance<'a> {
     stage: &'a Stage,
     simulation: &'a Simulation,
     output: &'a Path,
+    shard: Option<Shard>,
     console: &'a Console,
 }
 
@@ -103,10 +209,44 @@ struct Work {
 }
 
 impl Performance<'_> {
-    /// Makes the designs and performs the runs that the journal does not hold yet; `None` where interrupted.
-    fn perform(&self, resume: bool) -> Result<Option<Work>> {
-        let identity = format!("{}{}", plan_text(self.stage.plan())?, self.simulation.arm.name());
-        let (journal, pieces) = Journal::open(self.output, &sha256(&identity), resume)?;
+    /// What decides the rows: stored work with another identity belongs to another study.
+    fn identity(&self) -> Result<String> {
+        Ok(sha256(&plan_text(self.stage.plan())?))
+    }
+
+    /// The journal in the output folder, and what it holds already; the plan stands beside it.
+    fn journal(&self, resume: bool) -> Result<(Journal, Vec<Piece>)> {
+        let opened = Journal::open(self.output, &self.identity()?, self.simulation.arm.name(), resume)?;
+        write_text(&self.output.join("study.toml"), &plan_text(self.stage.plan())?)?;
+        Ok(opened)
+    }
+
+    /// Every run of the study, or of its part, as (design, run).
+    fn planned(&self) -> Vec<(usize, u64)> {
+        let plan = self.stage.plan();
+        let slots = self.stage.designs();
+        let all = slots
+            .iter()
+            .enumerate()
+            .flat_map(|(index, &(family, _))| (0..plan.runs_of(family) as u64).map(move |run| (index, run)));
+        let mine = |position: usize| self.shard.is_none_or(|shard| position % shard.n == shard.k - 1);
+        all.enumerate().filter(|(position, _)| mine(*position)).map(|(_, key)| key).collect()
+    }
+
+    /// How many planned runs are not among the pieces.
+    fn missing(&self, pieces: &[Piece]) -> usize {
+        let have: HashSet<(usize, u64)> = pieces
+            .iter()
+            .filter_map(|piece| match piece {
+                Piece::Run { outcome, .. } => Some((outcome.design, outcome.run)),
+                Piece::Design { .. } => None,
+            })
+            .collect();
+        self.planned().iter().filter(|key| !have.contains(key)).count()
+    }
+
+    /// Makes the designs and performs the runs that are not among the pieces yet; `None` where interrupted.
+    fn perform(&self, journal: Journal, pieces: Vec<Piece>) -> Result<Option<Work>> {
         let slots = self.stage.designs();
         let mut designs: Vec<Option<Made>> = vec![None; slots.len()];
         let mut outcomes: Vec<(Outcome, f64)> = Vec::new();
@@ -162,13 +302,7 @@ impl Performance<'_> {
         journal: &Mutex<Journal>,
     ) -> Result<bool> {
         let have: HashSet<(usize, u64)> = outcomes.iter().map(|(o, _)| (o.design, o.run)).collect();
-        let plan = self.stage.plan();
-        let planned: Vec<(usize, u64)> = designs
-            .iter()
-            .enumerate()
-            .flat_map(|(index, (design, ..))| (0..plan.runs_of(design.family) as u64).map(move |run| (index, run)))
-            .filter(|key| !have.contains(key))
-            .collect();
+        let planned: Vec<(usize, u64)> = self.planned().into_iter().filter(|key| !have.contains(key)).collect();
         let count = planned.len();
         let bar = progress::bar(self.console, count as u64, "runs");
         let performed = planned
@@ -188,6 +322,7 @@ impl Performance<'_> {
         let complete = performed.len() == count;
         outcomes.extend(performed);
         outcomes.sort_by_key(|(outcome, _)| (outcome.design, outcome.run));
+        outcomes.dedup_by_key(|(outcome, _)| (outcome.design, outcome.run));
         Ok(complete)
     }
 
@@ -227,7 +362,7 @@ impl Performance<'_> {
     fn examples(&self, designs: &[StudyDesign], outcomes: &[Outcome]) -> Result<Examples> {
         let best = |family: usize| {
             let of_family = designs.iter().enumerate().filter(|(_, design)| design.family == family);
-            of_family.min_by(|(_, a), (_, b)| a.certificate.condition_all.total_cmp(&b.certificate.condition_all))
+            of_family.min_by(|(_, a), (_, b)| a.own_value().total_cmp(&b.own_value()))
         };
         let families = self.stage.plan().designs.len();
         let limits =

@@ -2,7 +2,7 @@
 
 use armid::study::{StudyDesign, StudyStory};
 
-use super::shown_estimator;
+use super::page::shown_estimator;
 use crate::{
     Axis, BoxFigure, BoxRow, Cell, Column, Distribution, DocumentError, Group, Heading, Quantiles, ScatterFigure,
     ScatterGroup, ScatterPanel, ScatterPoint, Section, Table,

@@ -4,75 +4,9 @@ mod convergence;
 mod criteria;
 mod limits;
 mod overview;
+mod page;
 mod paper;
 mod parameters;
 mod prediction;
 
-use armid::study::StudyStory;
-
-use crate::{Document, DocumentError};
-
-/// The page of a study with every figure and table.
-///
-/// # Errors
-/// [`DocumentError`] where a figure cannot be drawn from what is stored.
-pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
-    let result = &story.result;
-    let plan = &result.plan;
-    let runs: usize = result.findings.families.iter().filter(|f| is_first(result, f)).map(|f| f.runs).sum();
-    let mut document = Document::new(&plan.question)
-        .subtitle(format!(
-            "{} on the {} arm: {} designs, {} runs, seed {}",
-            plan.name,
-            result.arm,
-            result.designs.len(),
-            runs,
-            plan.seed.value()
-        ))
-        .section(overview::section(story))
-        .section(criteria::section(story)?);
-    for paragraph in overview::summary(story) {
-        document = document.summary(paragraph);
-    }
-    if let Some(paper) = &result.paper {
-        document = document.section(paper::claims(paper)).section(paper::table(paper));
-    }
-    document = document
-        .section(limits::section(story)?)
-        .section(convergence::section(story)?)
-        .section(prediction::section(story)?)
-        .section(parameters::section(story)?);
-    Ok(document
-        .provenance("armid", &result.provenance.version)
-        .provenance(
-            "robot",
-            format!("{}, SHA-256 of its file {}", result.provenance.robot, result.provenance.robot_sha256),
-        )
-        .provenance("seed", plan.seed.value().to_string())
-        .provenance(
-            "experiment",
-            format!(
-                "{} periods of {} s recorded at {} Hz after {} discarded",
-                plan.experiment.periods,
-                plan.experiment.period_s,
-                plan.experiment.rate_hz,
-                plan.experiment.discarded_periods
-            ),
-        )
-        .provenance(
-            "identification",
-            format!(
-                "{} columns, derivatives by {}, {} samples of the mean period",
-                plan.identification.columns, plan.identification.derivatives, plan.identification.samples_per_period
-            ),
-        ))
-}
-
-/// The estimator that figures show: the last of the plan, which is the one that knows most.
-fn shown_estimator(story: &StudyStory) -> &str {
-    story.result.plan.identification.estimators.last().map_or("", String::as_str)
-}
-
-fn is_first(result: &armid::study::StudyResult, score: &armid::study::FamilyScore) -> bool {
-    result.plan.identification.estimators.first() == Some(&score.estimator)
-}
+pub use page::study_document;

@@ -1,8 +1,8 @@
 //! What the study found, in words and two tables.
 
-use armid::study::{Comparison, Metric, StudyStory};
+use armid::study::{Comparison, StudyStory};
 
-use super::shown_estimator;
+use super::page::shown_estimator;
 use crate::{Cell, Column, Section, Table};
 
 /// One sentence per deciding comparison, the first metric first.
@@ -46,20 +46,20 @@ pub(super) fn sentence(c: &Comparison) -> String {
 /// The values of every family, and every pairwise difference.
 pub(super) fn section(story: &StudyStory) -> Section {
     let findings = &story.result.findings;
-    let mut columns = vec![
+    let columns = vec![
         Column::text("family"),
         Column::text("estimator"),
         Column::number("designs", ""),
         Column::number("runs", ""),
         Column::number("failed", ""),
+        Column::number("prediction", "N·m"),
+        Column::number("prediction", "of rating"),
+        Column::number("log volume", ""),
+        Column::number("parameters", "ref. units"),
+        Column::number("coverage", "%"),
     ];
-    columns.extend(Metric::ALL.iter().map(|metric| {
-        let (label, unit) = metric.title().split_once(", ").unwrap_or((metric.title(), ""));
-        Column::number(label, unit)
-    }));
-    columns.push(Column::number("coverage of 95 % intervals", "%"));
     let mut values = Table::new(
-        "What each family of designs achieves: geometric means over runs; smaller is better. A log volume needs more runs than parameters.",
+        "What each family of designs achieves; smaller is better. Torque prediction RMSE and parameter RMSE are geometric means over runs; the log volume of the error in reference units needs more runs than parameters; coverage is that of the stated 95 % intervals.",
         columns,
     );
     for family in &findings.families {
@@ -70,7 +70,7 @@ pub(super) fn section(story: &StudyStory) -> Section {
             Cell::count(family.runs),
             Cell::count(family.failures),
         ];
-        row.extend(family.values.iter().map(|value| value.map_or(Cell::Missing, |value| Cell::number(value, 4))));
+        row.extend(family.values.iter().map(|value| value.map_or(Cell::Missing, |value| Cell::number(value, 3))));
         row.push(Cell::fixed(100.0 * family.coverage, 1));
         values = values.row(row);
     }

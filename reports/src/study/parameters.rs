@@ -2,7 +2,7 @@
 
 use armid::study::{FamilyScore, StudyStory};
 
-use super::shown_estimator;
+use super::page::shown_estimator;
 use crate::{
     Axis, Band, Cell, Column, CoverageFigure, CoverageRow, DocumentError, Group, Heading, Interval, IntervalFigure,
     IntervalRow, Level, Section, Table,

@@ -61,7 +61,7 @@ pub(crate) struct Chain<const N: usize> {
 
 /// `R = Rz(γ) Rx(α) Rz(β)`: sine and cosine of γ and α, and β.
 fn split(r: &Matrix3<f64>) -> ((f64, f64), (f64, f64), f64) {
-    let sin = r[(0, 2)].hypot(r[(1, 2)]);
+    let sin = (r[(0, 2)] * r[(0, 2)] + r[(1, 2)] * r[(1, 2)]).sqrt();
     let gamma = if sin > 0.0 { (r[(0, 2)] / sin, -r[(1, 2)] / sin) } else { (0.0, 1.0) };
     // β is the angle of Rz(−γ) R's first column, which Rx(α) leaves in place.
     let (s, c) = gamma;
