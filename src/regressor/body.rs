@@ -1,6 +1,6 @@
 //! The wrench on one body as a linear function of its ten parameters.
 
-use nalgebra::SMatrix;
+use nalgebra::{Matrix3, SMatrix, Vector3};
 
 use crate::spatial::Motion;
 
@@ -11,7 +11,7 @@ use crate::spatial::Motion;
 /// K = [ 0   −[b]×             L(α) + [ω]× L(ω) ]      b = a_lin + ω × v_lin
 /// K = [ b   [α]× + [ω]×[ω]×   0                ]      L(ω) J = J ω for the six of a symmetric J
 /// ```
-/// Only what is not zero is stored, by rows.
+/// Only the blocks are stored: `b`, the 3×3 block of the first moment, and the 3×6 block of the rotational inertia.
 ///
 /// ```
 /// use armid::regressor::BodyRegressor;
@@ -28,10 +28,12 @@ use crate::spatial::Motion;
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BodyRegressor {
-    /// The rows of the moment, all ten columns; the first is zero.
-    angular: [[f64; 10]; 3],
-    /// The rows of the force, the columns of the mass and the first moment.
-    linear: [[f64; 4]; 3],
+    /// Acceleration of the point at the frame's origin, `b = a_lin + ω × v_lin`.
+    pub b: Vector3<f64>,
+    /// `[α]× + [ω]×[ω]×`: force per first moment.
+    pub moment: Matrix3<f64>,
+    /// `L(α) + [ω]× L(ω)`: moment per rotational inertia.
+    pub inertia: SMatrix<f64, 3, 6>,
 }
 
 impl BodyRegressor {
@@ -40,42 +42,47 @@ impl BodyRegressor {
     #[must_use]
     pub fn new(v: &Motion, a: &Motion) -> Self {
         let (w, dw) = (&v.ang, &a.ang);
-        let b = a.lin + w.cross(&v.lin);
         let (xx, yy, zz) = (w.x * w.x, w.y * w.y, w.z * w.z);
         let (xy, xz, yz) = (w.x * w.y, w.x * w.z, w.y * w.z);
-        Self {
-            angular: [
-                [0.0, 0.0, b.z, -b.y, dw.x, dw.y - xz, dw.z + xy, -yz, yy - zz, yz],
-                [0.0, -b.z, 0.0, b.x, xz, dw.x + yz, zz - xx, dw.y, dw.z - xy, -xz],
-                [0.0, b.y, -b.x, 0.0, -xy, xx - yy, dw.x - yz, xy, dw.y + xz, dw.z],
-            ],
-            linear: [
-                [b.x, -yy - zz, xy - dw.z, xz + dw.y],
-                [b.y, xy + dw.z, -xx - zz, yz - dw.x],
-                [b.z, xz - dw.y, yz + dw.x, -xx - yy],
-            ],
-        }
+        #[rustfmt::skip]
+        let moment = Matrix3::new(
+            -yy - zz,    xy - dw.z,   xz + dw.y,
+            xy + dw.z,   -xx - zz,    yz - dw.x,
+            xz - dw.y,   yz + dw.x,   -xx - yy,
+        );
+        #[rustfmt::skip]
+        let inertia = SMatrix::<f64, 3, 6>::new(
+            dw.x,  dw.y - xz,  dw.z + xy,  -yz,   yy - zz,    yz,
+            xz,    dw.x + yz,  zz - xx,    dw.y,  dw.z - xy,  -xz,
+            -xy,   xx - yy,    dw.x - yz,  xy,    dw.y + xz,  dw.z,
+        );
+        Self { b: a.lin + w.cross(&v.lin), moment, inertia }
     }
 
     /// `sᵀ K`: what the ten parameters contribute to the effort along the axis `s`, given in the body's frame.
     #[inline]
     pub fn project(&self, s: &Motion, out: &mut [f64; 10]) {
         let (n, f) = (&s.ang, &s.lin);
-        let ([x, y, z], [u, v, w]) = (&self.angular, &self.linear);
-        for c in 0..10 {
-            out[c] = n.x * x[c] + n.y * y[c] + n.z * z[c];
+        let (b, k) = (&self.b, &self.moment);
+        out[0] = b.dot(f);
+        let turned = b.cross(n);
+        for c in 0..3 {
+            out[1 + c] = turned[c] + (k[(0, c)] * f.x + k[(1, c)] * f.y + k[(2, c)] * f.z);
         }
-        for c in 0..4 {
-            out[c] += f.x * u[c] + f.y * v[c] + f.z * w[c];
+        for c in 0..6 {
+            let column = self.inertia.column(c);
+            out[4 + c] = column[0] * n.x + column[1] * n.y + column[2] * n.z;
         }
     }
 
     /// The whole 6 × 10 matrix, angular rows first.
     #[must_use]
     pub fn matrix(&self) -> SMatrix<f64, 6, 10> {
-        SMatrix::from_fn(|r, c| match r {
-            0..3 => self.angular[r][c],
-            _ => self.linear[r - 3].get(c).copied().unwrap_or(0.0),
-        })
+        let mut k = SMatrix::<f64, 6, 10>::zeros();
+        k.fixed_view_mut::<3, 3>(0, 1).copy_from(&(-self.b.cross_matrix()));
+        k.fixed_view_mut::<3, 6>(0, 4).copy_from(&self.inertia);
+        k.fixed_view_mut::<3, 1>(3, 0).copy_from(&self.b);
+        k.fixed_view_mut::<3, 3>(3, 1).copy_from(&self.moment);
+        k
     }
 }

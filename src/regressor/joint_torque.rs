@@ -3,7 +3,6 @@
 use nalgebra::{DMatrix, Vector3};
 
 use super::BodyRegressor;
-use super::carried_axes::{AxisPair, axes, carry_axes};
 use crate::dynamics::{DriveTrain, LinkPose, States};
 use crate::model::{Columns, ParameterId, Robot};
 use crate::spatial::Motion;
@@ -107,17 +106,13 @@ impl JointTorqueRegressor {
     ) {
         let (n, p) = (self.rows(), self.cols());
         let out = &mut out[..n * p];
-        // What neither links nor drives write below: links further in, and the drives of other joints.
-        for (i, row) in out.chunks_exact_mut(p).enumerate() {
-            row[..10 * i].fill(0.0);
-            row[10 * n..].fill(0.0);
-        }
-        let mut inline = [AxisPair::ZERO; INLINE_JOINTS / 2];
+        // Axes of the joints so far, in the frame of the current link.
+        let mut inline = [Motion::zero(); INLINE_JOINTS];
         let mut heap = Vec::new();
-        let carried: &mut [AxisPair] = if n <= INLINE_JOINTS {
+        let carried: &mut [Motion] = if n <= INLINE_JOINTS {
             &mut inline
         } else {
-            heap.resize(n.div_ceil(2), AxisPair::ZERO);
+            heap.resize(n, Motion::zero());
             &mut heap
         };
         for k in 0..n {
@@ -126,12 +121,19 @@ impl JointTorqueRegressor {
             let rate = *axis * qd[k];
             v = x.motion_to_child(&v) + rate;
             a = x.motion_to_child(&a) + *axis * qdd[k] + v.cross(&rate);
-            carry_axes(carried, k, &x, axis);
-            let body = BodyRegressor::new(&v, &a);
-            for (s, row) in axes(carried, k + 1).zip(out.chunks_exact_mut(p)) {
-                let block = row[10 * k..].first_chunk_mut().expect("a row holds ten columns per link");
-                body.project(&s, block);
+            for s in &mut carried[..k] {
+                *s = x.motion_to_child(s);
             }
+            carried[k] = *axis;
+            let body = BodyRegressor::new(&v, &a);
+            for (i, row) in out.chunks_exact_mut(p).enumerate() {
+                let block = row[10 * k..].first_chunk_mut().expect("a row holds ten columns per link");
+                // A link further in does not load joint i.
+                if i <= k { body.project(&carried[i], block) } else { *block = [0.0; 10] }
+            }
+        }
+        for row in out.chunks_exact_mut(p) {
+            row[10 * n..].fill(0.0);
         }
         self.drives.write_columns(&qd[..n], &qdd[..n], 10 * n, p, out);
     }

@@ -13,7 +13,6 @@
 
 mod adjoint;
 mod body;
-mod carried_axes;
 #[cfg(test)]
 mod forward_mode;
 mod joint_torque;
