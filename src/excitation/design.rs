@@ -11,79 +11,13 @@ use rayon::prelude::*;
 
 use super::certificate::Certificate;
 use super::criterion::CriterionKind;
-use super::feasibility::Feasibility;
+use super::descent::{Found, SHARPNESS, cost, optimise};
+use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::information::InformationObjective;
-use super::limits::WorstUse;
-use super::optimiser::{Progress, Sequential, SequentialSettings};
 use super::start::paper_start;
+use super::termination::{HistoryPoint, Termination};
 use super::{DesignProblem, ExcitationError, FourierTrajectory};
 use crate::seed::Seed;
-
-/// How an optimisation ended.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case", tag = "reason")]
-pub enum Termination {
-    /// The quadratic model promises no further gain.
-    Converged,
-    /// No step along the last direction improved on its start.
-    Stalled,
-    /// All evaluations were used.
-    EvaluationBudget,
-    /// All iterations were used.
-    IterationBudget,
-    /// No trajectory inside the limits was found.
-    Infeasible {
-        /// Which kind of limit.
-        limit: String,
-        /// Name of the joint.
-        joint: String,
-        /// The worst case of the last iterate.
-        worst: WorstUse,
-    },
-    /// No iterate showed all chosen parameters: the criterion has no finite value.
-    Singular,
-    /// Random draws have no end of their own: all of the budget was drawn.
-    Drawn,
-}
-
-impl Termination {
-    /// Whether the trajectory holds all limits and shows all chosen parameters.
-    #[must_use]
-    pub const fn is_feasible(&self) -> bool {
-        !matches!(self, Self::Infeasible { .. } | Self::Singular)
-    }
-
-    /// Whether more budget would not have changed the result.
-    #[must_use]
-    pub const fn is_converged(&self) -> bool {
-        matches!(self, Self::Converged | Self::Stalled)
-    }
-
-    /// One word for it.
-    #[must_use]
-    pub const fn name(&self) -> &'static str {
-        match self {
-            Self::Converged => "converged",
-            Self::Stalled => "stalled",
-            Self::EvaluationBudget => "evaluation-budget",
-            Self::IterationBudget => "iteration-budget",
-            Self::Infeasible { .. } => "infeasible",
-            Self::Singular => "singular",
-            Self::Drawn => "drawn",
-        }
-    }
-}
-
-/// One point of the convergence figure.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct HistoryPoint {
-    /// Evaluations spent so far.
-    pub evaluations: usize,
-    /// The criterion as people read it: κ or ln det M, on the optimiser's samples.
-    pub value: f64,
-    /// Excess over the permitted torque, summed over joints, relative; the other limits always hold.
-    pub excess: f64,
-}
 
 /// A designed trajectory.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -108,19 +42,13 @@ pub struct Design {
     pub start: FourierTrajectory,
 }
 
-/// Excess over the permitted torque, already a little below the allowed one, that counts as none.
-pub(crate) const EXCESS_TOLERANCE: f64 = 1e-4;
-
-/// Sharpnesses of the smoothed criteria, one after the other.
-const SHARPNESS: [f64; 6] = [4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
-
 /// Designs one trajectory from the paper's first guess number `start`.
 ///
 /// # Errors
 /// [`ExcitationError`] if the problem's settings are impossible.
 pub fn design(problem: &DesignProblem, seed: Seed, start: u64) -> Result<Design, ExcitationError> {
     let first = paper_start(&problem.robot, problem.period_s, problem.harmonics, seed, start)?;
-    design_from(problem, &first)
+    continue_from(problem, &first, seed.child("hop", start))
 }
 
 /// Designs one trajectory from a given first guess of the same period, brought inside the limits first.
@@ -128,17 +56,16 @@ pub fn design(problem: &DesignProblem, seed: Seed, start: u64) -> Result<Design,
 /// # Errors
 /// [`ExcitationError`] if the problem's settings are impossible or the guess is of another family.
 pub fn design_from(problem: &DesignProblem, start: &FourierTrajectory) -> Result<Design, ExcitationError> {
+    continue_from(problem, start, Seed::new(0))
+}
+
+fn continue_from(problem: &DesignProblem, start: &FourierTrajectory, hops: Seed) -> Result<Design, ExcitationError> {
     let mut feasibility = Feasibility::new(problem)?;
     let start = feasibility.bring_inside(start.clone());
-    let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
-    let mut run = Run::new(problem, &mut feasibility, &mut objective, &start)?;
-    let mut ending = run.optimise();
-    if !run.last.1.is_finite() {
-        ending = Termination::Singular;
-    }
-    let Run { best, last, history, iterations, evaluations, .. } = run;
-    let (x, value) = best.unwrap_or(last);
-    let trajectory = feasibility.finish(feasibility.basis().trajectory(&x));
+    let x = feasibility.basis().coefficients(&start)?;
+    let Found { x, value, ending, iterations, evaluations, history } = optimise(problem, &mut feasibility, x, hops)?;
+    let trajectory = feasibility.basis().trajectory(&x);
+    let trajectory = feasibility.finish(trajectory);
     let certificate = Certificate::of(problem, &trajectory)?;
     let termination = feasibility.verdict(problem, &certificate).unwrap_or(ending);
     let criterion = problem.criterion;
@@ -156,11 +83,10 @@ pub fn multistart(problem: &DesignProblem, seed: Seed, starts: u64) -> Result<Ve
 /// The best of a set of designs by their own criterion, among those that hold all limits; the first of equals.
 #[must_use]
 pub fn best_of(designs: &[Design]) -> Option<&Design> {
-    let cost = |design: &Design| match design.criterion {
-        CriterionKind::DOptimal => -design.value,
-        CriterionKind::Condition | CriterionKind::ConditionScaled => design.value,
-    };
-    designs.iter().filter(|design| design.termination.is_feasible()).min_by(|x, y| cost(x).total_cmp(&cost(y)))
+    designs
+        .iter()
+        .filter(|design| design.termination.is_feasible())
+        .min_by(|x, y| cost(x.criterion, x.value).total_cmp(&cost(y.criterion, y.value)))
 }
 
 /// The baseline: the best of as many random draws as the budget has evaluations, each the paper's first guess brought
@@ -183,7 +109,8 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
         let better = best.as_ref().is_none_or(|&(_, least)| value < least);
         if better && (excess <= EXCESS_TOLERANCE || best.is_none()) {
             let evaluations = draw + 1;
-            history.push(HistoryPoint { evaluations, value: problem.criterion.report(value), excess });
+            let reported = problem.criterion.report(value);
+            history.push(HistoryPoint { evaluations, value: reported, current: reported, excess });
             best = Some((trajectory, value));
         }
     }
@@ -202,107 +129,6 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
         history,
         start,
     })
-}
-
-/// One optimisation.
-struct Run<'a> {
-    problem: &'a DesignProblem,
-    feasibility: &'a mut Feasibility,
-    objective: &'a mut InformationObjective,
-    state: Sequential,
-    /// Variables and reported value of the best iterate inside the limits.
-    best: Option<(Vec<f64>, f64)>,
-    /// The same of the last iterate.
-    last: (Vec<f64>, f64),
-    least: f64,
-    history: Vec<HistoryPoint>,
-    iterations: usize,
-    evaluations: usize,
-}
-
-impl<'a> Run<'a> {
-    fn new(
-        problem: &'a DesignProblem,
-        feasibility: &'a mut Feasibility,
-        objective: &'a mut InformationObjective,
-        start: &FourierTrajectory,
-    ) -> Result<Self, ExcitationError> {
-        let x = feasibility.basis().coefficients(start)?;
-        let state = Sequential::new(x.clone(), objective, feasibility.smooth(), SequentialSettings::default());
-        let mut run = Self {
-            problem,
-            feasibility,
-            objective,
-            state,
-            best: None,
-            last: (x, f64::NAN),
-            least: f64::INFINITY,
-            history: Vec::new(),
-            iterations: 0,
-            evaluations: 0,
-        };
-        run.record();
-        Ok(run)
-    }
-
-    /// Judges the current iterate by the criterion itself.
-    fn record(&mut self) {
-        let (exact, excess) = (self.objective.exact(), self.state.excess);
-        let value = self.problem.criterion.report(exact);
-        self.iterations = self.state.iterations;
-        self.evaluations = self.state.evaluations;
-        self.history.push(HistoryPoint { evaluations: self.evaluations, value, excess });
-        self.last = (self.state.x.clone(), value);
-        if excess <= EXCESS_TOLERANCE && exact < self.least {
-            self.least = exact;
-            self.best = Some(self.last.clone());
-        }
-    }
-
-    fn optimise(&mut self) -> Termination {
-        let kind = self.problem.criterion;
-        let stages = if kind.is_smooth() { &SHARPNESS[..1] } else { &SHARPNESS[..] };
-        let mut ending = Termination::Converged;
-        for (stage, &sharpness) in stages.iter().enumerate() {
-            if stage > 0 {
-                self.objective.change(kind.smooth(sharpness));
-                self.state.restart(self.objective, self.feasibility.smooth());
-            }
-            let share = self.stage_budget(stage, stages.len());
-            loop {
-                if self.state.evaluations + 2 > self.problem.max_evaluations {
-                    return Termination::EvaluationBudget;
-                }
-                if self.state.iterations >= self.problem.max_iterations {
-                    return Termination::IterationBudget;
-                }
-                let (linear, smooth) = self.feasibility.limits();
-                match self.state.step(self.objective, linear, smooth) {
-                    Progress::Moved => self.record(),
-                    Progress::Stationary => {
-                        ending = Termination::Converged;
-                        break;
-                    }
-                    Progress::Stalled => {
-                        ending = Termination::Stalled;
-                        break;
-                    }
-                }
-                if self.state.evaluations >= share {
-                    break;
-                }
-            }
-        }
-        ending
-    }
-
-    /// Evaluations after which the next sharpness takes over, even if this one has not converged.
-    fn stage_budget(&self, stage: usize, stages: usize) -> usize {
-        if stage + 1 == stages {
-            return usize::MAX;
-        }
-        (self.problem.max_evaluations * (stage + 1)) / stages
-    }
 }
 
 #[cfg(test)]

@@ -1,13 +1,16 @@
 //! All limits of a problem in one place: as rows for the optimiser, and exactly at the end.
 
 use super::certificate::Certificate;
-use super::design::{EXCESS_TOLERANCE, Termination};
 use super::limit_rows::LimitRows;
 use super::limits::{WorstUse, shrink_into_limits};
 use super::optimiser::{LinearLimits, SmoothLimits, Unlimited};
+use super::termination::Termination;
 use super::torque::TorqueLimits;
 use super::{DesignProblem, ExcitationError, FourierBasis, FourierTrajectory, Margins};
 use crate::model::Robot;
+
+/// Excess over the permitted torque, already a little below the allowed one, that counts as none.
+pub(crate) const EXCESS_TOLERANCE: f64 = 1e-4;
 
 /// What the optimiser keeps away from a linear limit, relative, so that its own tolerance never exceeds it.
 const INSIDE: f64 = 1e-6;
@@ -72,20 +75,26 @@ impl Feasibility {
     /// way back inside more easily than away from rest.
     pub(crate) fn bring_inside(&mut self, mut trajectory: FourierTrajectory) -> FourierTrajectory {
         shrink_into_limits(&self.robot, &mut trajectory, &self.margins);
-        self.shrink_for_torque(trajectory, self.samples, START_FACTOR)
+        self.shrink_for_torque(trajectory, self.samples, START_FACTOR, 7)
     }
 
     /// The last exact correction: whatever the optimiser's tolerances left is shrunk away.
     pub(crate) fn finish(&mut self, mut trajectory: FourierTrajectory) -> FourierTrajectory {
         shrink_into_limits(&self.robot, &mut trajectory, &self.margins);
         // Ten times the optimiser's own grid, and refined in time.
-        self.shrink_for_torque(trajectory, 10 * self.samples, 0.0)
+        self.shrink_for_torque(trajectory, 10 * self.samples, 0.0, 30)
     }
 
     /// Shrinks all amplitudes by the largest factor that brings torque inside, found by bisection.
     ///
     /// A trajectory that would have to shrink below `least` stays as it is.
-    fn shrink_for_torque(&mut self, trajectory: FourierTrajectory, samples: usize, least: f64) -> FourierTrajectory {
+    fn shrink_for_torque(
+        &mut self,
+        trajectory: FourierTrajectory,
+        samples: usize,
+        least: f64,
+        halvings: usize,
+    ) -> FourierTrajectory {
         let Some(torque) = &mut self.torque else { return trajectory };
         let mut holds =
             |candidate: &FourierTrajectory| torque.worst(candidate, samples).ratio <= 1.0 + EXCESS_TOLERANCE;
@@ -96,7 +105,7 @@ impl Feasibility {
             return trajectory;
         }
         let (mut inside, mut outside) = (least, 1.0);
-        for _ in 0..20 {
+        for _ in 0..halvings {
             let middle = 0.5 * (inside + outside);
             if holds(&scaled(&trajectory, middle)) {
                 inside = middle;

@@ -24,7 +24,7 @@ use crate::seed::Seed;
 pub const PAPER_VELOCITIES: usize = 100;
 
 /// Part of its tightest limit that a joint of a start uses.
-const START_USE: f64 = 0.9;
+const START_USE: f64 = 0.999;
 
 /// The paper's first guess for a design: a start of its own for every `index`, inside all limits of position, velocity
 /// and acceleration.

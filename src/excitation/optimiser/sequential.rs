@@ -59,6 +59,8 @@ pub enum Progress {
     Stationary,
     /// No step along the direction lowers the merit.
     Stalled,
+    /// A value and a gradient more would exceed the allowed evaluations.
+    OutOfBudget,
 }
 
 /// Settings of the optimiser.
@@ -70,11 +72,13 @@ pub struct SequentialSettings {
     pub first_step: f64,
     /// Shortenings of a step before it counts as stalled.
     pub shortenings: usize,
+    /// Evaluations allowed in all.
+    pub max_evaluations: usize,
 }
 
 impl Default for SequentialSettings {
     fn default() -> Self {
-        Self { tolerance: 1e-6, first_step: 0.3, shortenings: 12 }
+        Self { tolerance: 1e-6, first_step: 0.3, shortenings: 12, max_evaluations: usize::MAX }
     }
 }
 
@@ -156,6 +160,9 @@ impl Sequential {
         linear: &mut dyn LinearLimits,
         smooth: &mut dyn SmoothLimits,
     ) -> Progress {
+        if self.evaluations + 2 > self.settings.max_evaluations {
+            return Progress::OutOfBudget;
+        }
         linear.recenter(&self.x);
         let mut smooth_rows = Vec::new();
         smooth.linearise(&self.x, &mut smooth_rows);
@@ -178,6 +185,10 @@ impl Sequential {
         let merit = self.value + self.penalty * self.excess;
         let mut length = 1.0;
         for _ in 0..self.settings.shortenings {
+            if self.evaluations + 2 > self.settings.max_evaluations {
+                self.keep_active(solution, 0.0);
+                return Progress::OutOfBudget;
+            }
             let trial: Vec<f64> = self.x.iter().zip(d).map(|(x, d)| x + length * d).collect();
             let value = objective.value(&trial);
             let excess = smooth.excess(&trial);

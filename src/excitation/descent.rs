@@ -1,0 +1,187 @@
+//! One optimisation: descents along a growing sharpness, and hops for as long as the budget lasts.
+//!
+//! ```text
+//! x_hop = ½ x_best + ½ x_fresh
+//! ```
+//! Good trajectories are many, and a descent ends at the nearest. What a converged descent leaves of the budget goes
+//! into another one, from halfway between the best trajectory so far and a fresh first guess: inside the linear
+//! limits, since they are convex, and with half of what made the best one good.
+
+use super::criterion::CriterionKind;
+use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
+use super::information::InformationObjective;
+use super::optimiser::{Progress, Sequential, SequentialSettings};
+use super::start::paper_start;
+use super::termination::{HistoryPoint, Termination};
+use super::{DesignProblem, ExcitationError};
+use crate::seed::Seed;
+
+/// Sharpnesses p of the smoothed criteria, one after the other.
+pub(crate) const SHARPNESS: [f64; 6] = [4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
+
+/// Evaluations that must be left for another descent.
+const HOP_EVALUATIONS: usize = 60;
+
+/// Share of the fresh first guess in the start of another descent.
+const HOP_SHARE: f64 = 0.5;
+
+/// What an optimisation found.
+pub(crate) struct Found {
+    /// Variables of the best iterate inside the limits, or of the last one.
+    pub(crate) x: Vec<f64>,
+    /// The criterion there, as people read it.
+    pub(crate) value: f64,
+    pub(crate) ending: Termination,
+    pub(crate) iterations: usize,
+    pub(crate) evaluations: usize,
+    pub(crate) history: Vec<HistoryPoint>,
+}
+
+/// Optimises a problem from the variables of a first guess inside the limits.
+pub(crate) fn optimise(
+    problem: &DesignProblem,
+    feasibility: &mut Feasibility,
+    start: Vec<f64>,
+    seed: Seed,
+) -> Result<Found, ExcitationError> {
+    let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
+    let state = Sequential::new(start, &mut objective, feasibility.smooth(), settings(problem));
+    let last = (state.x.clone(), f64::NAN);
+    let mut search = Search {
+        problem,
+        feasibility,
+        objective: &mut objective,
+        state,
+        best: None,
+        last,
+        least: f64::INFINITY,
+        history: Vec::new(),
+    };
+    search.record();
+    let mut ending = search.descend();
+    let mut last = ending.clone();
+    let mut hop = 0;
+    while last.is_converged() && search.state.evaluations + HOP_EVALUATIONS <= problem.max_evaluations {
+        search.hop(seed, hop)?;
+        hop += 1;
+        let before = search.least;
+        last = search.descend();
+        // A hop that did not help leaves the result, and so its ending, as it was.
+        if search.least < before {
+            ending = last.clone();
+        }
+    }
+    Ok(search.found(ending))
+}
+
+fn settings(problem: &DesignProblem) -> SequentialSettings {
+    SequentialSettings { max_evaluations: problem.max_evaluations, ..SequentialSettings::default() }
+}
+
+struct Search<'a> {
+    problem: &'a DesignProblem,
+    feasibility: &'a mut Feasibility,
+    objective: &'a mut InformationObjective,
+    state: Sequential,
+    /// Variables and reported value of the best iterate inside the limits.
+    best: Option<(Vec<f64>, f64)>,
+    /// The same of the last iterate.
+    last: (Vec<f64>, f64),
+    /// The minimised value of the best.
+    least: f64,
+    history: Vec<HistoryPoint>,
+}
+
+impl Search<'_> {
+    /// Judges the current iterate by the criterion itself.
+    fn record(&mut self) {
+        let (exact, excess) = (self.objective.exact(), self.state.excess);
+        let current = self.problem.criterion.report(exact);
+        self.last = (self.state.x.clone(), current);
+        if excess <= EXCESS_TOLERANCE && exact < self.least {
+            self.least = exact;
+            self.best = Some(self.last.clone());
+        }
+        let value = self.best.as_ref().map_or(current, |best| best.1);
+        self.history.push(HistoryPoint { evaluations: self.state.evaluations, value, current, excess });
+    }
+
+    /// Another start, halfway between the best trajectory and a fresh first guess.
+    fn hop(&mut self, seed: Seed, index: u64) -> Result<(), ExcitationError> {
+        let problem = self.problem;
+        let fresh = paper_start(&problem.robot, problem.period_s, problem.harmonics, seed, index)?;
+        let fresh = self.feasibility.bring_inside(fresh);
+        let fresh = self.feasibility.basis().coefficients(&fresh)?;
+        let (best, _) = self.best.as_ref().unwrap_or(&self.last);
+        let x = best.iter().zip(&fresh).map(|(best, fresh)| best + HOP_SHARE * (fresh - best)).collect();
+        self.objective.change(problem.criterion.smooth(SHARPNESS[0]));
+        let (evaluations, iterations) = (self.state.evaluations, self.state.iterations);
+        self.state = Sequential::new(x, self.objective, self.feasibility.smooth(), settings(problem));
+        // The limit is on all descents together.
+        self.state.evaluations += evaluations;
+        self.state.iterations += iterations;
+        self.record();
+        Ok(())
+    }
+
+    /// One descent, sharper and sharper.
+    fn descend(&mut self) -> Termination {
+        let kind = self.problem.criterion;
+        let stages: &[f64] = if kind.is_smooth() { &SHARPNESS[..1] } else { &SHARPNESS };
+        let budget = self.problem.max_evaluations;
+        let first = self.state.evaluations;
+        let mut ending = Termination::Converged;
+        for (stage, &sharpness) in stages.iter().enumerate() {
+            if stage > 0 {
+                if self.state.evaluations + 2 > budget {
+                    return Termination::EvaluationBudget;
+                }
+                self.objective.change(kind.smooth(sharpness));
+                self.state.restart(self.objective, self.feasibility.smooth());
+            }
+            // Equal shares of what was left, so that the sharpest gets its turn even if none converges.
+            let share = first + budget.saturating_sub(first) * (stage + 1) / stages.len();
+            loop {
+                if self.state.iterations >= self.problem.max_iterations {
+                    return Termination::IterationBudget;
+                }
+                let (linear, smooth) = self.feasibility.limits();
+                ending = match self.state.step(self.objective, linear, smooth) {
+                    Progress::Moved => {
+                        self.record();
+                        if self.state.evaluations >= share && stage + 1 < stages.len() {
+                            break;
+                        }
+                        continue;
+                    }
+                    Progress::Stationary => Termination::Converged,
+                    Progress::Stalled => Termination::Stalled,
+                    Progress::OutOfBudget => return Termination::EvaluationBudget,
+                };
+                break;
+            }
+        }
+        ending
+    }
+
+    fn found(self, ending: Termination) -> Found {
+        let (x, value) = self.best.unwrap_or(self.last);
+        let ending = if value.is_finite() { ending } else { Termination::Singular };
+        Found {
+            x,
+            value,
+            ending,
+            iterations: self.state.iterations,
+            evaluations: self.state.evaluations,
+            history: self.history,
+        }
+    }
+}
+
+/// The value that is minimised, from the one that people read.
+pub(crate) fn cost(kind: CriterionKind, value: f64) -> f64 {
+    match kind {
+        CriterionKind::DOptimal => -value,
+        CriterionKind::Condition | CriterionKind::ConditionScaled => value,
+    }
+}

@@ -1,0 +1,73 @@
+//! How an optimisation ended, and how its value developed.
+
+use super::limits::WorstUse;
+
+/// How an optimisation ended.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case", tag = "reason")]
+pub enum Termination {
+    /// The quadratic model promises no further gain, and too little of the budget is left for another try.
+    Converged,
+    /// No step along the last direction improved on its start.
+    Stalled,
+    /// All evaluations were used.
+    EvaluationBudget,
+    /// All iterations were used.
+    IterationBudget,
+    /// No trajectory inside the limits was found.
+    Infeasible {
+        /// Which kind of limit.
+        limit: String,
+        /// Name of the joint.
+        joint: String,
+        /// The worst case of the last iterate.
+        worst: WorstUse,
+    },
+    /// No iterate showed all chosen parameters: the criterion has no finite value.
+    Singular,
+    /// Random draws have no end of their own: all of the budget was drawn.
+    Drawn,
+}
+
+impl Termination {
+    /// Whether the trajectory holds all limits and shows all chosen parameters.
+    #[must_use]
+    pub const fn is_feasible(&self) -> bool {
+        !matches!(self, Self::Infeasible { .. } | Self::Singular)
+    }
+
+    /// Whether the optimiser ended by itself, not by its budget.
+    #[must_use]
+    pub const fn is_converged(&self) -> bool {
+        matches!(self, Self::Converged | Self::Stalled)
+    }
+
+    /// One word for it.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::Converged => "converged",
+            Self::Stalled => "stalled",
+            Self::EvaluationBudget => "evaluation-budget",
+            Self::IterationBudget => "iteration-budget",
+            Self::Infeasible { .. } => "infeasible",
+            Self::Singular => "singular",
+            Self::Drawn => "drawn",
+        }
+    }
+}
+
+/// One point of the convergence figure.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct HistoryPoint {
+    /// Evaluations spent so far.
+    pub evaluations: usize,
+    /// The criterion of the best trajectory inside all limits so far, as people read it: κ or ln det M, on the
+    /// optimiser's samples; that of the current iterate as long as none was inside.
+    pub value: f64,
+    /// The criterion of the current iterate.
+    pub current: f64,
+    /// Excess of the current iterate over the permitted torque, summed over joints, relative; the other limits always
+    /// hold.
+    pub excess: f64,
+}
