@@ -2,4 +2,4 @@
 
 mod analytic;
 
-pub use analytic::{AnalyticError, AnalyticPlant, MOST_JOINTS};
+pub use analytic::{AnalyticError, AnalyticPlant, AnalyticTeam, MOST_JOINTS, perform_runs, record_runs};

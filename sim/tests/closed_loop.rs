@@ -10,7 +10,7 @@ use armid::model::{Columns, Robot, StandardParameters, bundled};
 use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
 use armid::study::truth_text;
-use armid_sim::AnalyticPlant;
+use armid_sim::{AnalyticPlant, record_runs};
 
 fn arm(name: &str) -> (Robot, StandardParameters, Servo<AnalyticPlant>) {
     let entry = bundled().iter().find(|entry| entry.name == name).unwrap();
@@ -149,5 +149,24 @@ fn identity_the_simulated_arm_obeys_the_laws_of_arms() {
         // inertia: 0.2 rad behind.
         let tolerance = ArmTolerance { tracking: 0.25, ..ArmTolerance::SIMULATED };
         arm_laws::check(&plan, &tolerance, || servo.clone()).unwrap_or_else(|broken| panic!("{name}: {broken}"));
+    }
+}
+
+#[test]
+fn identity_runs_together_have_the_bits_of_each_alone() {
+    let (robot, _, servo) = arm("crs-a460");
+    let plan = ExperimentPlan {
+        settle_s: 0.2,
+        ramp_s: 0.5,
+        periods: 1,
+        discarded_periods: 0,
+        ..ExperimentPlan::new(gentle(&robot, 2.0))
+    };
+    let runs: Vec<(Seed, u64)> = (0..5).map(|k| (Seed::new(k % 2), k)).collect();
+    let together = record_runs(&servo, &plan, &runs).unwrap();
+    assert_eq!(together.len(), runs.len());
+    for (&(seed, run), other) in runs.iter().zip(together) {
+        let alone = record(&mut servo.clone().with_seed(seed, run), &plan).unwrap();
+        assert!(alone == other, "seed {seed:?}, run {run}");
     }
 }

@@ -39,7 +39,7 @@ pub use cycle::{Cycle, Next, TrueState};
 pub use phase::{Phase, PhaseSpan};
 pub use plan::{ExperimentPlan, Layout, PlanError};
 pub use plant::{Plant, PlantError};
-pub use recording::{Recording, record};
+pub use recording::{Recorder, Recording, record};
 pub use replay::Replay;
 pub use sensing::Sensing;
 pub use servo::{Servo, ServoError, gain_pose};

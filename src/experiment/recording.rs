@@ -96,13 +96,21 @@ impl Recording {
     }
 }
 
-/// Keeps every sample of one experiment in memory.
+/// A sink that keeps every sample of one experiment in memory.
 #[derive(Clone, Debug, Default)]
-struct Memory {
+pub struct Recorder {
     recording: Option<Recording>,
 }
 
-impl Sink for Memory {
+impl Recorder {
+    /// What was recorded; `None` where no experiment began.
+    #[must_use]
+    pub fn into_recording(self) -> Option<Recording> {
+        self.recording
+    }
+}
+
+impl Sink for Recorder {
     fn begin(&mut self, recording: &Recording) {
         let mut recording = recording.clone();
         let samples = recording.phases.last().map_or(0, |span| span.samples.end);
@@ -127,9 +135,9 @@ impl Sink for Memory {
 /// # Errors
 /// [`ArmError`] where the experiment cannot begin.
 pub fn record(arm: &mut dyn Arm, plan: &ExperimentPlan) -> Result<(Recording, Ending), ArmError> {
-    let mut memory = Memory::default();
-    let ending = arm.perform(plan, &mut memory)?;
-    let recording = memory.recording.ok_or_else(|| ArmError::Unavailable {
+    let mut recorder = Recorder::default();
+    let ending = arm.perform(plan, &mut recorder)?;
+    let recording = recorder.into_recording().ok_or_else(|| ArmError::Unavailable {
         arm: "arm".to_owned(),
         reason: "it reports an ending, expected it to begin a recording first".to_owned(),
     })?;

@@ -139,11 +139,11 @@ impl<P: Plant> Servo<P> {
         self.tracking.as_ref()
     }
 
-    /// What a recording of this plan is, before its first sample.
+    /// What a recording of this plan with this seed is, before its first sample.
     ///
     /// # Errors
     /// [`ArmError::Plan`] where the plan cannot be performed.
-    pub fn recording(&self, plan: &ExperimentPlan) -> Result<Recording, ArmError> {
+    pub fn recording(&self, plan: &ExperimentPlan, seed: Seed) -> Result<Recording, ArmError> {
         let layout = plan.check(self.robot.dof())?;
         Ok(Recording {
             robot: self.robot.name().to_owned(),
@@ -158,15 +158,15 @@ impl<P: Plant> Servo<P> {
             t: Vec::new(),
             q: Vec::new(),
             effort: Vec::new(),
-            provenance: Provenance::new(self.robot.name(), &self.robot_text, Some(self.seed)),
+            provenance: Provenance::new(self.robot.name(), &self.robot_text, Some(seed)),
         })
     }
 
-    /// The servo's part of one experiment, for callers that step the plant themselves.
+    /// The servo's part of an experiment for each seed and run number, for callers that step the plants themselves.
     ///
     /// # Errors
     /// [`ArmError`] where the plan cannot be performed.
-    pub fn cycle(&self, plan: &ExperimentPlan) -> Result<Cycle, ArmError> {
+    pub fn cycles(&self, plan: &ExperimentPlan, runs: &[(Seed, u64)]) -> Result<Vec<Cycle>, ArmError> {
         let layout = plan.check(self.robot.dof())?;
         let tuning = self.robot.servo();
         let ratio = tuning.rate_hz / plan.rate_hz;
@@ -176,16 +176,31 @@ impl<P: Plant> Servo<P> {
         let per_sample = ratio.round() as usize;
         let transmission = Transmission::new(&self.robot);
         let limit: Vec<f64> = self.robot.joints().iter().map(|joint| joint.drive.current_limit).collect();
-        Ok(Cycle::new(CycleSpec {
-            robot: &self.robot,
-            table: Arc::new(CommandTable::new(plan, &layout, per_sample)),
-            layout: Arc::new(layout),
-            rate_hz: plan.rate_hz,
-            per_sample,
-            controller: JointPid::new(tuning, &self.inertia, transmission.per_ampere(), &limit),
-            transmission,
-            sensors: Sensors::new(&self.robot, &self.sensing, self.seed, self.run),
-        }))
+        let controller = JointPid::new(tuning, &self.inertia, transmission.per_ampere(), &limit);
+        let table = Arc::new(CommandTable::new(plan, &layout, per_sample));
+        let layout = Arc::new(layout);
+        let cycle = |&(seed, run): &(Seed, u64)| {
+            Cycle::new(CycleSpec {
+                robot: &self.robot,
+                layout: Arc::clone(&layout),
+                table: Arc::clone(&table),
+                rate_hz: plan.rate_hz,
+                per_sample,
+                transmission: transmission.clone(),
+                controller: controller.clone(),
+                sensors: Sensors::new(&self.robot, &self.sensing, seed, run),
+            })
+        };
+        Ok(runs.iter().map(cycle).collect())
+    }
+
+    /// The servo's part of one experiment with this servo's own seed and run.
+    ///
+    /// # Errors
+    /// [`ArmError`] where the plan cannot be performed.
+    pub fn cycle(&self, plan: &ExperimentPlan) -> Result<Cycle, ArmError> {
+        let mut cycles = self.cycles(plan, &[(self.seed, self.run)])?;
+        Ok(cycles.pop().expect("one cycle for one run"))
     }
 
     /// Performs a plan and shows an observer the plant's true state at every sample, before the sink gets what the
@@ -200,7 +215,7 @@ impl<P: Plant> Servo<P> {
         observer: &mut dyn FnMut(&TrueState<'_>),
     ) -> Result<Ending, ArmError> {
         let mut cycle = self.cycle(plan)?;
-        sink.begin(&self.recording(plan)?);
+        sink.begin(&self.recording(plan, self.seed)?);
         self.plant.reset(cycle.start(), &vec![0.0; self.robot.dof()]);
         let dt = cycle.dt();
         let ending = loop {

@@ -18,7 +18,7 @@ const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
 /// Sine and cosine, within 1.5 units in the last place of 1 for |x| < 10⁵ rad.
 #[inline(always)]
 pub(crate) fn sin_cos<V: Lane>(x: V) -> (V, V) {
-    let c = V::splat;
+    let c = |value: f64| x.splat(value);
     let k = (x * c(std::f64::consts::FRAC_2_PI)).nearest();
     let r = (x - k * c(HALF_PI[0])) - k * c(HALF_PI[1]);
     let z = r * r;
@@ -52,7 +52,7 @@ pub(crate) fn sin_cos<V: Lane>(x: V) -> (V, V) {
 /// Hyperbolic tangent, within 4e-16; exactly ±1 beyond ±20.
 #[inline(always)]
 pub(crate) fn tanh<V: Lane>(x: V) -> V {
-    let c = V::splat;
+    let c = |value: f64| x.splat(value);
     // In this order NaN stays NaN.
     let w = c(20.0).smaller(x.magnitude()) * c(-2.0);
     let k = (w * c(std::f64::consts::LOG2_E)).nearest();

@@ -46,8 +46,17 @@ fn cross<V: Lane>(a: Three<V>, b: Three<V>) -> Three<V> {
 }
 
 #[inline(always)]
-fn splat<V: Lane>(a: &[f64; 3]) -> Three<V> {
-    [V::splat(a[0]), V::splat(a[1]), V::splat(a[2])]
+fn splat<V: Lane>(one: V, a: &[f64; 3]) -> Three<V> {
+    [one.splat(a[0]), one.splat(a[1]), one.splat(a[2])]
+}
+
+#[inline(always)]
+fn moments<V: Lane>(one: V, link: &Link) -> Moments<V> {
+    let s = &link.second;
+    Moments {
+        first: splat(one, &link.first),
+        second: [one.splat(s[0]), one.splat(s[1]), one.splat(s[2]), one.splat(s[3]), one.splat(s[4]), one.splat(s[5])],
+    }
 }
 
 /// A vector of the frame before, in the link's frame: `Rzᵀ Rxᵀ v`.
@@ -57,7 +66,7 @@ fn outward<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, v: Three<V>) -
         PARALLEL => (v[1], v[2]),
         RIGHT => (v[2], -v[1]),
         _ => {
-            let (sa, ca) = (V::splat(link.sin), V::splat(link.cos));
+            let (sa, ca) = (pose.sin.splat(link.sin), pose.sin.splat(link.cos));
             (ca * v[1] + sa * v[2], ca * v[2] - sa * v[1])
         }
     };
@@ -73,7 +82,7 @@ fn inward<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, v: Three<V>) ->
         PARALLEL => [x, y, v[2]],
         RIGHT => [x, -v[2], y],
         _ => {
-            let (sa, ca) = (V::splat(link.sin), V::splat(link.cos));
+            let (sa, ca) = (pose.sin.splat(link.sin), pose.sin.splat(link.cos));
             [x, ca * y - sa * v[2], sa * y + ca * v[2]]
         }
     }
@@ -110,17 +119,17 @@ fn gather<const TWIST: u8, V: Lane>(link: &Link, pose: &Pose<V>, of: &Moments<V>
         PARALLEL => [xy, xz, yy, yz, zz],
         RIGHT => [-xz, xy, zz, -yz, yy],
         _ => {
-            let (sa, ca) = (V::splat(link.sin), V::splat(link.cos));
+            let (sa, ca) = (pose.sin.splat(link.sin), pose.sin.splat(link.cos));
             let (yy, yz, zz) = turn(sa, ca, yy, yz, zz);
             [ca * xy - sa * xz, sa * xy + ca * xz, yy, yz, zz]
         }
     };
     let rotated = inward::<TWIST, V>(link, pose, of.first);
     let p = pose.origin;
-    let mass = V::splat(link.outboard);
-    let half = V::splat(0.5 * link.outboard);
+    let mass = pose.sin.splat(link.outboard);
+    let half = pose.sin.splat(0.5 * link.outboard);
     let k = [rotated[0] + half * p[0], rotated[1] + half * p[1], rotated[2] + half * p[2]];
-    let two = V::splat(2.0);
+    let two = pose.sin.splat(2.0);
     let shifted = [
         xx + two * k[0] * p[0],
         xy + (k[0] * p[1] + k[1] * p[0]),
@@ -150,7 +159,8 @@ struct Outward<V> {
 
 #[inline(always)]
 fn apply<V: Lane>(u: &[Three<V>; 3], x: &Three<V>) -> Three<V> {
-    std::array::from_fn(|j| u[j][0] * x[0] + u[j][1] * x[1] + u[j][2] * x[2])
+    let row = |j: usize| u[j][0] * x[0] + u[j][1] * x[1] + u[j][2] * x[2];
+    [row(0), row(1), row(2)]
 }
 
 impl<V: Lane> Outward<V> {
@@ -179,11 +189,11 @@ impl<V: Lane> Outward<V> {
             [xz - wd[1], yz + wd[0], -(xx + yy)],
         ];
         self.u = u;
-        let h: Three<V> = splat(&link.first);
-        let mass = V::splat(link.mass);
+        let Moments { first: h, second: s } = moments(v, link);
+        let mass = v.splat(link.mass);
         let turning = apply(&u, &h);
-        let force = std::array::from_fn(|j| mass * self.a[j] + turning[j]);
-        let s = link.second.map(V::splat);
+        let needed = |j: usize| mass * self.a[j] + turning[j];
+        let force = [needed(0), needed(1), needed(2)];
         let rows = [[s[0], s[1], s[2]], [s[1], s[3], s[4]], [s[2], s[4], s[5]]];
         let product = |j: usize, k: usize| u[j][0] * rows[k][0] + u[j][1] * rows[k][1] + u[j][2] * rows[k][2];
         let spin = [product(2, 1) - product(1, 2), product(0, 2) - product(2, 0), product(1, 0) - product(0, 1)];
@@ -220,28 +230,31 @@ impl<const N: usize> Chain<N> {
     /// Accelerations of the joints, and the factor of the mass matrix at `q`.
     #[inline(always)]
     pub(crate) fn accelerate<V: Lane>(&self, q: &[V; N], v: &[V; N], tau: &[V; N]) -> ([V; N], Factor<N, V>) {
-        let zero = V::splat(0.0);
+        let one = q[0];
+        let zero = one.splat(0.0);
         let none = [zero; 3];
         let links = &self.links;
-        let angles: [V; N] = std::array::from_fn(|i| {
-            let offset = V::splat(links[i].offset);
-            if links[i].prismatic { offset } else { q[i] + offset }
-        });
-        let sines: [(V, V); N] = V::sines(&angles);
-        let poses: [Pose<V>; N] = std::array::from_fn(|i| {
-            let mut origin = splat(&links[i].origin);
+        let mut angles = *q;
+        for i in 0..N {
+            let offset = one.splat(links[i].offset);
+            angles[i] = if links[i].prismatic { offset } else { q[i] + offset };
+        }
+        let sines = V::sines(&angles);
+        let mut poses = [Pose { sin: zero, cos: zero, origin: none }; N];
+        for i in 0..N {
+            let mut origin = splat(one, &links[i].origin);
             if links[i].prismatic {
-                origin[1] = origin[1] - V::splat(links[i].sin) * q[i];
-                origin[2] = origin[2] + V::splat(links[i].cos) * q[i];
+                origin[1] = origin[1] - one.splat(links[i].sin) * q[i];
+                origin[2] = origin[2] + one.splat(links[i].cos) * q[i];
             }
-            Pose { sin: sines[i].0, cos: sines[i].1, origin }
-        });
-        let (mut forces, mut moments) = ([none; N], [none; N]);
+            poses[i] = Pose { sin: sines[i].0, cos: sines[i].1, origin };
+        }
+        let (mut forces, mut torques) = ([none; N], [none; N]);
         // The base does not turn.
-        let mut outward = Outward { w: none, wd: none, a: splat(&self.lift), u: [none; 3] };
+        let mut outward = Outward { w: none, wd: none, a: splat(one, &self.lift), u: [none; 3] };
         for i in 0..N {
             let (link, pose) = (&links[i], &poses[i]);
-            (moments[i], forces[i]) = match link.twist {
+            (torques[i], forces[i]) = match link.twist {
                 Twist::Any => outward.next::<ANY>(link, pose, v[i]),
                 Twist::Parallel => outward.next::<PARALLEL>(link, pose, v[i]),
                 Twist::Right => outward.next::<RIGHT>(link, pose, v[i]),
@@ -250,26 +263,25 @@ impl<const N: usize> Chain<N> {
         let friction = self.friction.torque(v);
         let mut right = [zero; N];
         let mut matrix = [[zero; N]; N];
-        let own = |link: &Link| Moments { first: splat(&link.first), second: link.second.map(V::splat) };
         let mut inward =
-            Inward { n: none, f: none, carried: own(&links[N - 1]), column_n: [none; N], column_f: [none; N] };
+            Inward { n: none, f: none, carried: moments(one, &links[N - 1]), column_n: [none; N], column_f: [none; N] };
         for i in (0..N).rev() {
             let link = &links[i];
-            inward.n = add(inward.n, moments[i]);
+            inward.n = add(inward.n, torques[i]);
             inward.f = add(inward.f, forces[i]);
             let (h, s) = (inward.carried.first, inward.carried.second);
             (inward.column_n[i], inward.column_f[i]) = if link.prismatic {
-                ([h[1], -h[0], zero], [zero, zero, V::splat(link.outboard)])
+                ([h[1], -h[0], zero], [zero, zero, one.splat(link.outboard)])
             } else {
                 ([-s[2], -s[4], s[0] + s[3]], [-h[1], h[0], zero])
             };
             let along = |n: &Three<V>, f: &Three<V>| if link.prismatic { f[2] } else { n[2] };
             right[i] = tau[i] - friction[i] - along(&inward.n, &inward.f);
             for k in i..N {
-                matrix[k][i] = along(&inward.column_n[k], &inward.column_f[k]) + V::splat(self.rotors[k][i]);
+                matrix[k][i] = along(&inward.column_n[k], &inward.column_f[k]) + one.splat(self.rotors[k][i]);
             }
             if i > 0 {
-                let (pose, before) = (&poses[i], own(&links[i - 1]));
+                let (pose, before) = (&poses[i], moments(one, &links[i - 1]));
                 match link.twist {
                     Twist::Any => inward.next::<ANY>(i, link, pose, before),
                     Twist::Parallel => inward.next::<PARALLEL>(i, link, pose, before),
@@ -286,7 +298,7 @@ impl<const N: usize, V: Lane> Factor<N, V> {
     /// Factors a symmetric positive definite matrix of which only the lower triangle is read.
     #[inline(always)]
     fn new(matrix: &[[V; N]; N]) -> Self {
-        let zero = V::splat(0.0);
+        let zero = matrix[0][0].splat(0.0);
         let mut lower = [[zero; N]; N];
         let mut reciprocal = [zero; N];
         for j in 0..N {
@@ -307,6 +319,19 @@ impl<const N: usize, V: Lane> Factor<N, V> {
         Self { lower, reciprocal }
     }
 
+    /// How much a unit of effort along `d` accelerates along `d`: `dᵀ M⁻¹ d`.
+    #[inline(always)]
+    pub(crate) fn mobility(&self, mut d: [V; N]) -> V {
+        let mut sum = d[0] * d[0] * self.reciprocal[0];
+        for j in 1..N {
+            for k in 0..j {
+                d[j] = d[j] - self.lower[j][k] * d[k];
+            }
+            sum = sum + d[j] * d[j] * self.reciprocal[j];
+        }
+        sum
+    }
+
     #[inline(always)]
     fn solve(&self, mut x: [V; N]) -> [V; N] {
         for j in 1..N {
@@ -321,16 +346,5 @@ impl<const N: usize, V: Lane> Factor<N, V> {
             }
         }
         x
-    }
-}
-
-impl<const N: usize> Factor<N, f64> {
-    /// The inverse of the factored matrix.
-    pub(crate) fn inverse(&self) -> [[f64; N]; N] {
-        std::array::from_fn(|j| {
-            let mut unit = [0.0; N];
-            unit[j] = 1.0;
-            self.solve(unit)
-        })
     }
 }

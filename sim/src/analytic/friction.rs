@@ -3,6 +3,7 @@
 use armid::model::{Robot, StandardParameters};
 
 use super::elementary::tanh;
+use super::forward::Factor;
 use super::lane::Lane;
 
 /// Friction of one coordinate, a joint's or a motor's.
@@ -19,18 +20,38 @@ impl Rub {
         Self { viscous, coulomb, per_speed: if coulomb == 0.0 { 0.0 } else { 1.0 / speed } }
     }
 
-    /// Slope of the torque at the speed `v`, at most; N·m·s/rad.
-    fn slope(&self, v: f64) -> f64 {
-        let t = tanh(v * self.per_speed);
-        self.viscous + self.coulomb * self.per_speed * (1.0 - t * t)
+    /// 1 where the speed may come within `reach` of `v_s` if it is `v` and changes by `change` at most; else `other`.
+    #[inline(always)]
+    fn turns<V: Lane>(&self, v: V, change: V, reach: f64, other: V) -> V {
+        if self.per_speed == 0.0 {
+            return other;
+        }
+        let nearest = (v.magnitude() - change) * v.splat(self.per_speed);
+        v.splat(reach).less(nearest, other, v.splat(1.0))
+    }
+
+    /// Largest slope of the torque over these speeds, N·m·s/rad.
+    #[inline(always)]
+    fn slope<V: Lane>(&self, v: V, change: V) -> V {
+        let zero = v.splat(0.0);
+        let nearest = v.magnitude() - change;
+        let t = tanh(zero.less(nearest, nearest, zero) * v.splat(self.per_speed));
+        v.splat(self.viscous) + v.splat(self.coulomb * self.per_speed) * (v.splat(1.0) - t * t)
     }
 }
 
 /// Torques of N coordinates that move with the speeds `v`.
 #[inline(always)]
 fn torques<const N: usize, V: Lane>(rubs: &[Rub; N], v: &[V; N]) -> [V; N] {
-    let signs: [V; N] = V::tangents(&std::array::from_fn(|i| v[i] * V::splat(rubs[i].per_speed)));
-    std::array::from_fn(|i| V::splat(rubs[i].viscous) * v[i] + V::splat(rubs[i].coulomb) * signs[i])
+    let mut scaled = *v;
+    for i in 0..N {
+        scaled[i] = v[i] * v[i].splat(rubs[i].per_speed);
+    }
+    let mut out = V::tangents(&scaled);
+    for i in 0..N {
+        out[i] = v[i].splat(rubs[i].viscous) * v[i] + v[i].splat(rubs[i].coulomb) * out[i];
+    }
+    out
 }
 
 /// Friction of a robot with N joints.
@@ -76,61 +97,62 @@ impl<const N: usize> Friction<N> {
     pub(crate) fn torque<V: Lane>(&self, v: &[V; N]) -> [V; N] {
         let mut out = torques(&self.joints, v);
         for i in 0..N {
-            out[i] = out[i] + V::splat(self.offset[i]);
+            out[i] = out[i] + v[i].splat(self.offset[i]);
         }
         if let Some(motors) = &self.motors {
             let c = &motors.coupling;
-            let mut speeds = [V::splat(0.0); N];
+            let mut speeds = [v[0].splat(0.0); N];
             for i in 0..N {
                 for j in 0..N {
-                    speeds[i] = speeds[i] + V::splat(c[i][j]) * v[j];
+                    speeds[i] = speeds[i] + v[j].splat(c[i][j]) * v[j];
                 }
             }
             let torques = torques(&motors.rubs, &speeds);
             for j in 0..N {
                 for i in 0..N {
-                    out[j] = out[j] + V::splat(c[i][j]) * torques[i];
+                    out[j] = out[j] + v[j].splat(c[i][j]) * torques[i];
                 }
             }
         }
         out
     }
 
-    /// Whether any coordinate with Coulomb friction may come within `reach` of the scale `v_s` while each joint's
-    /// speed `v` changes by `change` at most.
-    pub(crate) fn may_turn(&self, v: &[f64; N], change: &[f64; N], reach: f64) -> bool {
-        let near = |rub: &Rub, v: f64, change: f64| {
-            let nearest = (v.abs() - change) * rub.per_speed;
-            rub.per_speed > 0.0 && (nearest <= reach || nearest.is_nan())
-        };
-        (0..N).any(|i| near(&self.joints[i], v[i], change[i]))
-            || self.motors.as_ref().is_some_and(|motors| {
-                (0..N).any(|i| {
-                    let (speed, swing) = motors.speed(i, v, change);
-                    near(&motors.rubs[i], speed, swing)
-                })
-            })
+    /// 1 where a coordinate with Coulomb friction may come within `reach` of its `v_s` while each joint's speed `v`
+    /// changes by `change` at most, 0 where none can.
+    #[inline(always)]
+    pub(crate) fn turns<V: Lane>(&self, v: &[V; N], change: &[V; N], reach: f64) -> V {
+        let mut flag = v[0].splat(0.0);
+        for i in 0..N {
+            flag = self.joints[i].turns(v[i], change[i], reach, flag);
+        }
+        if let Some(motors) = &self.motors {
+            for i in 0..N {
+                let (speed, swing) = motors.speed(i, v, change);
+                flag = motors.rubs[i].turns(speed, swing, reach, flag);
+            }
+        }
+        flag
     }
 
     /// Bound on the rate at which friction makes velocities decay while each joint's speed `v` changes by `change` at
     /// most, 1/s: `λ ≤ tr(M⁻¹ D) = Σ D_k d_kᵀ M⁻¹ d_k`, `D` the slopes, `d` joint axes and rows of the coupling.
-    pub(crate) fn decay(&self, v: &[f64; N], change: &[f64; N], inverse: &[[f64; N]; N]) -> f64 {
-        let closest = |v: f64, change: f64| (v.abs() - change).max(0.0);
-        let mut rate = 0.0;
+    #[inline(always)]
+    pub(crate) fn decay<V: Lane>(&self, v: &[V; N], change: &[V; N], factor: &Factor<N, V>) -> V {
+        let zero = v[0].splat(0.0);
+        let mut rate = zero;
         for i in 0..N {
-            rate += self.joints[i].slope(closest(v[i], change[i])) * inverse[i][i];
+            let mut axis = [zero; N];
+            axis[i] = zero.splat(1.0);
+            rate = rate + self.joints[i].slope(v[i], change[i]) * factor.mobility(axis);
         }
         if let Some(motors) = &self.motors {
             for i in 0..N {
-                let row = &motors.coupling[i];
-                let (speed, swing) = motors.speed(i, v, change);
-                let mut mobility = 0.0;
+                let mut row = [zero; N];
                 for j in 0..N {
-                    for k in 0..N {
-                        mobility += row[j] * inverse[j][k] * row[k];
-                    }
+                    row[j] = zero.splat(motors.coupling[i][j]);
                 }
-                rate += motors.rubs[i].slope(closest(speed, swing)) * mobility;
+                let (speed, swing) = motors.speed(i, v, change);
+                rate = rate + motors.rubs[i].slope(speed, swing) * factor.mobility(row);
             }
         }
         rate
@@ -138,10 +160,16 @@ impl<const N: usize> Friction<N> {
 }
 
 impl<const N: usize> Motors<N> {
-    fn speed(&self, i: usize, v: &[f64; N], change: &[f64; N]) -> (f64, f64) {
-        let row = &self.coupling[i];
-        let speed = (0..N).map(|j| row[j] * v[j]).sum();
-        let swing = (0..N).map(|j| row[j].abs() * change[j]).sum();
+    /// Speed of a motor, and by how much it may change.
+    #[inline(always)]
+    fn speed<V: Lane>(&self, i: usize, v: &[V; N], change: &[V; N]) -> (V, V) {
+        let zero = v[0].splat(0.0);
+        let (mut speed, mut swing) = (zero, zero);
+        for j in 0..N {
+            let c = self.coupling[i][j];
+            speed = speed + zero.splat(c) * v[j];
+            swing = swing + zero.splat(c.abs()) * change[j];
+        }
         (speed, swing)
     }
 }

@@ -16,5 +16,10 @@ mod friction;
 mod integrator;
 mod lane;
 mod plant;
+mod runs;
+mod team;
+mod wide;
 
 pub use plant::{AnalyticError, AnalyticPlant, MOST_JOINTS};
+pub use runs::{perform_runs, record_runs};
+pub use team::AnalyticTeam;

@@ -5,6 +5,7 @@ use armid::model::{Robot, StandardParameters};
 
 use super::chain::Chain;
 use super::integrator::{self, State};
+use super::team::{Members, Side};
 
 /// A serial arm of rigid links with rotors and friction, integrated by Runge–Kutta of order 4 (see the module).
 ///
@@ -95,6 +96,10 @@ impl AnalyticPlant {
         Ok(Self { arm })
     }
 
+    pub(super) fn members(&self, runs: usize) -> Box<dyn Members> {
+        self.arm.members(runs)
+    }
+
     /// Joint accelerations under the efforts `tau` in the present state, by this plant's own equations; n each.
     ///
     /// # Panics
@@ -137,6 +142,7 @@ trait Arm: std::fmt::Debug + Send + Sync {
     fn step(&mut self, tau: &[f64], dt: f64);
     fn acceleration(&self, tau: &[f64], qdd: &mut [f64]);
     fn boxed(&self) -> Box<dyn Arm>;
+    fn members(&self, runs: usize) -> Box<dyn Members>;
 }
 
 #[derive(Clone, Debug)]
@@ -176,5 +182,9 @@ impl<const N: usize> Arm for Jointed<N> {
 
     fn boxed(&self) -> Box<dyn Arm> {
         Box::new(self.clone())
+    }
+
+    fn members(&self, runs: usize) -> Box<dyn Members> {
+        Box::new(Side::new(&self.chain, &self.state, runs))
     }
 }

@@ -1,0 +1,103 @@
+//! As many runs side by side as the processor has lanes for, found out when the program runs.
+
+use std::ops::{Add, Mul, Neg, Sub};
+
+use pulp::Simd;
+
+use super::lane::{Lane, ROUND};
+
+/// A number of each of `S::F64_LANES` runs.
+#[derive(Clone, Copy)]
+pub(crate) struct Wide<S: Simd> {
+    simd: S,
+    pub(crate) x: S::f64s,
+}
+
+impl<S: Simd> Wide<S> {
+    #[inline(always)]
+    pub(crate) fn new(simd: S, x: S::f64s) -> Self {
+        Self { simd, x }
+    }
+}
+
+impl<S: Simd> Add for Wide<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn add(self, other: Self) -> Self {
+        Self::new(self.simd, self.simd.add_f64s(self.x, other.x))
+    }
+}
+
+impl<S: Simd> Sub for Wide<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn sub(self, other: Self) -> Self {
+        Self::new(self.simd, self.simd.sub_f64s(self.x, other.x))
+    }
+}
+
+impl<S: Simd> Mul for Wide<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn mul(self, other: Self) -> Self {
+        Self::new(self.simd, self.simd.mul_f64s(self.x, other.x))
+    }
+}
+
+impl<S: Simd> Neg for Wide<S> {
+    type Output = Self;
+    #[inline(always)]
+    fn neg(self) -> Self {
+        Self::new(self.simd, self.simd.neg_f64s(self.x))
+    }
+}
+
+impl<S: Simd> Lane for Wide<S> {
+    #[inline(always)]
+    fn splat(self, x: f64) -> Self {
+        Self::new(self.simd, self.simd.splat_f64s(x))
+    }
+
+    #[inline(always)]
+    fn reciprocal(self) -> Self {
+        self.splat(1.0).over(self)
+    }
+
+    #[inline(always)]
+    fn over(self, other: Self) -> Self {
+        Self::new(self.simd, self.simd.div_f64s(self.x, other.x))
+    }
+
+    #[inline(always)]
+    fn nearest(self) -> Self {
+        (self + self.splat(ROUND)) - self.splat(ROUND)
+    }
+
+    #[inline(always)]
+    fn magnitude(self) -> Self {
+        Self::new(self.simd, self.simd.abs_f64s(self.x))
+    }
+
+    #[inline(always)]
+    fn smaller(self, other: Self) -> Self {
+        self.less(other, self, other)
+    }
+
+    #[inline(always)]
+    fn less(self, other: Self, a: Self, b: Self) -> Self {
+        let mask = self.simd.less_than_f64s(self.x, other.x);
+        Self::new(self.simd, self.simd.select_f64s(mask, a.x, b.x))
+    }
+
+    #[inline(always)]
+    fn most(self) -> f64 {
+        self.simd.reduce_max_f64s(self.x)
+    }
+
+    #[inline(always)]
+    fn power_of_two(self) -> Self {
+        let bits = self.simd.transmute_u64s_f64s((self + self.splat(ROUND + 1023.0)).x);
+        let exponent = self.simd.mul_u64s(bits, self.simd.splat_u64s(1 << 52));
+        Self::new(self.simd, self.simd.transmute_f64s_u64s(exponent))
+    }
+}
