@@ -21,6 +21,7 @@ mod error;
 mod fourier_transform;
 mod harmonics;
 mod noise;
+mod noise_spectrum;
 mod period_average;
 mod periodic;
 mod processing;

@@ -14,6 +14,11 @@
 
 use nalgebra::DMatrix;
 
+use super::noise_spectrum::NoiseSpectrum;
+
+/// Lags up to which sums over lags are faster than transforms.
+const FEW_LAGS: usize = 16;
+
 /// Lag covariances of a stationary noise on n joints.
 ///
 /// ```
@@ -130,6 +135,9 @@ impl NoiseModel {
         let (n, rows) = (self.dof(), w.nrows());
         assert!(rows.is_multiple_of(n), "{rows} rows are no multiple of {n} joints");
         let count = rows / n;
+        // Two transforms of some 40 operations a sample are worth as many lags.
+        let spectrum = (self.length() > FEW_LAGS && self.length() < count)
+            .then(|| NoiseSpectrum::new(&self.lags, self.wraps, count));
         let mut out = DMatrix::zeros(rows, w.ncols());
         // One series per joint, so that the inner loop runs over consecutive numbers.
         let (mut from, mut to) = (vec![vec![0.0; count]; n], vec![vec![0.0; count]; n]);
@@ -138,21 +146,29 @@ impl NoiseModel {
                 from[row % n][row / n] = value;
                 to[row % n][row / n] = 0.0;
             }
-            for (l, r) in self.lags.iter().enumerate().take(count) {
-                for (i, to) in to.iter_mut().enumerate() {
-                    for (j, from) in from.iter().enumerate() {
-                        self.add_lag(to, from, r[(i, j)], l, true);
-                        if l > 0 {
-                            self.add_lag(to, from, r[(j, i)], l, false);
-                        }
-                    }
-                }
+            match &spectrum {
+                Some(spectrum) => spectrum.apply(&from, &mut to),
+                None => self.add_lags(&from, &mut to),
             }
             for (row, value) in out.column_mut(column).iter_mut().enumerate() {
                 *value = to[row % n][row / n];
             }
         }
         out
+    }
+
+    fn add_lags(&self, from: &[Vec<f64>], to: &mut [Vec<f64>]) {
+        let count = from.first().map_or(0, Vec::len);
+        for (l, r) in self.lags.iter().enumerate().take(count) {
+            for (i, to) in to.iter_mut().enumerate() {
+                for (j, from) in from.iter().enumerate() {
+                    self.add_lag(to, from, r[(i, j)], l, true);
+                    if l > 0 {
+                        self.add_lag(to, from, r[(j, i)], l, false);
+                    }
+                }
+            }
+        }
     }
 
     /// Adds `value` times the samples `lag` later (or earlier) to each sample.
@@ -211,6 +227,30 @@ mod tests {
                 }
             }
             assert!((noise.apply(&w) - whole * &w).norm() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn identity_many_lags_by_transform_equal_the_sums() {
+        for count in [61, 200] {
+            let lags: Vec<DMatrix<f64>> = (0..40)
+                .map(|l| DMatrix::from_fn(3, 3, |i, j| libm::cos((7 * l + 3 * i + 5 * j) as f64) / (l + 1) as f64))
+                .collect();
+            let w = DMatrix::from_fn(3 * count, 2, |i, j| libm::sin((3 * i + 5 * j) as f64));
+            for wraps in [false, true] {
+                let noise = NoiseModel { lags: lags.clone(), wraps, degrees_of_freedom: 1.0 };
+                let by_transform = noise.apply(&w);
+                let mut expected = vec![vec![0.0; count]; 3];
+                for column in 0..2 {
+                    let from: Vec<Vec<f64>> =
+                        (0..3).map(|i| (0..count).map(|k| w[(3 * k + i, column)]).collect()).collect();
+                    expected.iter_mut().for_each(|series| series.fill(0.0));
+                    noise.add_lags(&from, &mut expected);
+                    for row in 0..3 * count {
+                        assert!((by_transform[(row, column)] - expected[row % 3][row / 3]).abs() < 1e-12);
+                    }
+                }
+            }
         }
     }
 
