@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::model::format::{ChainEnds, FormatError, parse_nominal, parse_parameters, parse_robot, parse_urdf};
+use armid::model::format::{
+    ChainEnds, FormatError, parse_mjcf, parse_nominal, parse_parameters, parse_robot, parse_urdf,
+};
 use armid::model::{Robot, StandardParameters, bundled};
 use armid::study::truth_text;
 use miette::Result;
@@ -120,7 +122,7 @@ pub(crate) fn load(name: &str, chain: &ChainArguments, beside: Option<&Path>) ->
             no_chain(chain, name)?;
             load_toml(&path)
         }
-        Some("urdf") => tree(read_text(&path)?, chain),
+        Some("urdf" | "xml") => tree(read_text(&path)?, chain),
         other => Err(Fault::new(format!(
             "{}: found a file ending in \"{}\", expected .toml, .urdf or .xml",
             path.display(),
@@ -154,7 +156,8 @@ fn load_toml(path: &Path) -> Result<LoadedRobot> {
 /// The chain of a tree in XML.
 fn tree(text: Text, chain: &ChainArguments) -> Result<LoadedRobot> {
     let ends = ChainEnds { base: chain.base_link.clone(), tip: chain.tip_link.clone() };
-    let model = parse_urdf(&text.content, &ends).map_err(|fault| located(&text, &fault))?;
+    let parse = if is_mjcf(&text.content) { parse_mjcf } else { parse_urdf };
+    let model = parse(&text.content, &ends).map_err(|fault| located(&text, &fault))?;
     let mut remarks = model.remarks;
     if !model.locked.is_empty() {
         remarks.push(format!("joints off the chain are held at zero: {}", model.locked.join(", ")));
@@ -169,6 +172,22 @@ fn tree(text: Text, chain: &ChainArguments) -> Result<LoadedRobot> {
         remarks,
         truth: TruthSource::Own,
     })
+}
+
+/// Is the first element, past declarations and comments, MuJoCo's?
+fn is_mjcf(text: &str) -> bool {
+    let mut rest = text.trim_start_matches('\u{feff}').trim_start();
+    loop {
+        let end = if rest.starts_with("<!--") {
+            "-->"
+        } else if rest.starts_with("<?") || rest.starts_with("<!") {
+            ">"
+        } else {
+            return rest.starts_with("<mujoco");
+        };
+        let Some(at) = rest.find(end) else { return false };
+        rest = rest[at + end.len()..].trim_start();
+    }
 }
 
 /// The robot that a recording holds.
@@ -216,5 +235,18 @@ fn unknown(name: &str, path: &Path) -> Fault {
     } else {
         Fault::new(format!("robot \"{name}\" is neither a bundled robot nor a file"))
             .help(suggestion::help(name, &names))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::is_mjcf;
+
+    #[test]
+    fn the_first_element_decides() {
+        assert!(is_mjcf("<mujoco model=\"arm\"/>"));
+        assert!(is_mjcf("\u{feff}<?xml version=\"1.0\"?>\n<!-- <robot> -->\n<mujoco/>"));
+        assert!(!is_mjcf("<?xml version=\"1.0\"?><!-- <mujoco> --><robot name=\"arm\"/>"));
+        assert!(!is_mjcf("<!-- never closed <mujoco>"));
     }
 }

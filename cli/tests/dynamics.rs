@@ -11,6 +11,11 @@ const PENDULUM: &str = r#"<robot name="pendulum"><link name="world"/>
   <joint name="swing" type="continuous"><parent link="world"/><child link="rod"/><axis xyz="0 1 0"/>
     <dynamics damping="0.3"/></joint></robot>"#;
 
+/// The same rod in MuJoCo's format: its inertia is given about the centre of mass, too.
+const PENDULUM_MJCF: &str = r#"<!-- a rod --><mujoco model="pendulum"><compiler angle="radian"/><worldbody><body name="rod">
+  <joint name="swing" type="hinge" axis="0 1 0" damping="0.3"/>
+  <inertial pos="0 0 -0.5" mass="2" diaginertia="0.1 0.1 0.01"/></body></worldbody></mujoco>"#;
+
 /// Rows of a CSV of numbers below its heading.
 fn rows(text: &str) -> Vec<Vec<f64>> {
     text.lines().skip(1).map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect()).collect()
@@ -46,6 +51,20 @@ fn analytic_pendulum_in_all_four_quantities() {
     let row = &rows(&answer)[0];
     for (column, expected) in [(5, -9.81 * 0.7_f64.sin()), (9, -2.0), (12, -2.0), (13, 1.5), (15, 1.0)] {
         assert!((row[column] - expected).abs() < 1e-14, "{column}: {row:?}");
+    }
+}
+
+#[test]
+fn identity_urdf_and_mjcf_of_one_rod_swing_alike() {
+    let folder = temporary();
+    let states = write(folder.path(), "s.csv", "q1,qd1,qdd1\n0.7,1.5,-2\n0,0,1\n");
+    let torque = |name: &str, text: &str| {
+        let robot = write(folder.path(), name, text);
+        rows(&stdout(&armid(["dynamics", &robot, "--states", &states, "--quantity", "torque"]).success()))
+    };
+    let (urdf, mjcf) = (torque("rod.urdf", PENDULUM), torque("rod.xml", PENDULUM_MJCF));
+    for (a, b) in urdf.iter().zip(&mjcf) {
+        assert!((a[0] - b[0]).abs() < 1e-14, "{a:?} {b:?}");
     }
 }
 
