@@ -1,0 +1,37 @@
+//! The second opinion: MuJoCo 3.17.0 as a plant.
+//!
+//! ```text
+//! M(q) q̈ + c(q, q̇) + g(q) = τ − friction(q̇)          M with rotor inertia, as joint and tendon armature
+//! ```
+//! Everything on the left is computed by MuJoCo from a model generated for it ([`mjcf`]); friction and offset are the
+//! core's drive laws, applied as generalised forces, so that they are the same in every engine. Contacts and
+//! constraints are off.
+//!
+//! The library is found when the first plant is made, never when armid is built: it is looked for where
+//! `ARMID_MUJOCO_LIB` says and nowhere else, or in `third_party/mujoco` of the repository that armid was built in and
+//! of the folders above the program, in the user's cache, and by the system's loader. Only version 3.17.0 is taken,
+//! since where its fields stand depends on the version. `scripts/get-mujoco` fetches it.
+//!
+//! The only `unsafe` of armid is in `functions`, `library` and `model`. Bits are reproducible on one machine; between
+//! machines they depend on the C library's sine and cosine.
+//!
+//! Reference: E. Todorov, T. Erez, Y. Tassa, "MuJoCo: A physics engine for model-based control", IROS 2012.
+
+mod drive_forces;
+mod error;
+mod functions;
+mod library;
+mod mjcf;
+mod model;
+mod places;
+mod plant;
+mod shared_object;
+mod status;
+#[cfg(test)]
+mod tests;
+
+pub use error::MujocoError;
+pub use mjcf::mjcf;
+pub use model::{MujocoModel, MujocoStepper};
+pub use plant::{MujocoPlant, MujocoScheme};
+pub use status::MujocoStatus;

@@ -1,0 +1,42 @@
+//! What this machine offers.
+
+use std::path::PathBuf;
+
+use super::MujocoError;
+use super::library::Library;
+
+/// Whether MuJoCo can be used here, for `armid doctor`.
+///
+/// ```
+/// use armid_sim::MujocoStatus;
+/// match MujocoStatus::now() {
+///     MujocoStatus::Found { path, version } => assert!(version == "3.17.0" && path.to_string_lossy().contains("mujoco")),
+///     MujocoStatus::Missing { reason } => assert!(reason.to_string().contains("scripts/get-mujoco")),
+/// }
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub enum MujocoStatus {
+    /// It can.
+    Found {
+        /// The library's file; its bare name where the system's loader found it.
+        path: PathBuf,
+        /// Its version, as in `3.17.0`.
+        version: String,
+    },
+    /// It cannot.
+    Missing {
+        /// Why, and what to run.
+        reason: MujocoError,
+    },
+}
+
+impl MujocoStatus {
+    /// Looks for the library and loads it.
+    #[must_use]
+    pub fn now() -> Self {
+        match Library::get() {
+            Ok(library) => Self::Found { path: library.path().to_path_buf(), version: library.version() },
+            Err(reason) => Self::Missing { reason },
+        }
+    }
+}
