@@ -1,0 +1,42 @@
+//! Why a robot cannot be simulated by this engine.
+
+use armid::spatial::InertiaFault;
+
+/// Why a robot cannot be simulated by this engine.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum RapierError {
+    /// The parameters are of another robot.
+    #[error("the parameters are of {found} links, expected the robot's {expected}")]
+    Parameters {
+        /// Number of links they describe.
+        found: usize,
+        /// Number of joints of the robot.
+        expected: usize,
+    },
+    /// A link that no body can be: the engine would drop what is negative and go on.
+    #[error("link {link}: {fault}")]
+    Link {
+        /// Number of the link, from one.
+        link: usize,
+        /// What is wrong with it.
+        fault: InertiaFault,
+    },
+    /// A rotor with negative inertia.
+    #[error("joint \"{joint}\": rotor inertia is {rotor} kg·m², expected zero or more")]
+    Rotor {
+        /// Name of the joint.
+        joint: String,
+        /// What was found.
+        rotor: f64,
+    },
+    /// Coulomb friction that jumps at standstill.
+    #[error(
+        "joint \"{joint}\": Coulomb friction {coulomb} N·m with a Coulomb velocity of 0 rad/s, expected one above zero"
+    )]
+    Jump {
+        /// Name of the joint.
+        joint: String,
+        /// Its Coulomb friction, N·m.
+        coulomb: f64,
+    },
+}
