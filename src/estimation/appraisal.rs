@@ -28,6 +28,8 @@ const LARGE_CONDITION: f64 = 100.0;
 const LARGE_RESIDUAL: f64 = 2.0;
 /// Correlation of neighbouring residuals beyond that of the noise that is worth telling.
 const LARGE_CORRELATION: f64 = 0.3;
+/// Smallest variance of a parameter, as a part of that under white noise, that lag covariances may lead to.
+const LEAST_VARIANCE: f64 = 0.2;
 /// Fewer periods than this are worth telling.
 const FEW_PERIODS: usize = 4;
 
@@ -49,16 +51,14 @@ impl Appraisal<'_> {
         let beta = self.fit.solution();
         let residual = observation.residual(beta);
         let residual_rms = joint_rms(residual.as_slice(), &observation.used, observation.dof);
-        let spread = self.noise.apply(self.weighted);
-        let covariance = self.fit.sandwich(&transpose_product(self.weighted, &spread));
+        let (spread, covariance) = self.covariance(self.noise);
         let expected = ExpectedResidual::new(&self, &spread, &covariance);
         let misfit = self.misfit(&residual_rms, &expected);
         let (covariance, freedom, interval_basis) = if misfit.is_empty() {
             (covariance, self.noise.degrees_of_freedom(), self.basis)
         } else {
             let seen = residual_noise(observation, &residual);
-            let covariance = self.fit.sandwich(&transpose_product(self.weighted, &seen.apply(self.weighted)));
-            (covariance, seen.degrees_of_freedom(), IntervalBasis::Residual)
+            (self.covariance(&seen).1, seen.degrees_of_freedom(), IntervalBasis::Residual)
         };
         let t = student_quantile_975(freedom);
         let base: Vec<BaseEstimate> = observation
@@ -106,6 +106,28 @@ impl Appraisal<'_> {
             termination: self.termination,
             provenance: observation.provenance.clone(),
         })
+    }
+
+    /// C P W and cov β̂ for one noise.
+    fn covariance(&self, noise: &NoiseModel) -> (DMatrix<f64>, DMatrix<f64>) {
+        let of = |noise: &NoiseModel| {
+            let spread = noise.apply(self.weighted);
+            let covariance = self.fit.sandwich(&transpose_product(self.weighted, &spread));
+            (spread, covariance)
+        };
+        let (spread, covariance) = of(noise);
+        if noise.length() == 0 {
+            return (spread, covariance);
+        }
+        // Neighbours of opposite sign shorten error bars. By more than this is not believed of measured lags, whose
+        // sum can even be negative.
+        let white = NoiseModel::white(noise.covariance().clone(), false, noise.degrees_of_freedom());
+        let (_, least) = of(&white);
+        if (0..covariance.nrows()).all(|j| covariance[(j, j)] > LEAST_VARIANCE * least[(j, j)]) {
+            (spread, covariance)
+        } else {
+            of(&noise.tapered())
+        }
     }
 
     /// Joints whose residual is much larger than scatter explains.

@@ -31,6 +31,7 @@ const FEW_LAGS: usize = 16;
 #[derive(Clone, Debug, PartialEq)]
 pub struct NoiseModel {
     lags: Vec<DMatrix<f64>>,
+    weights: Vec<f64>,
     wraps: bool,
     degrees_of_freedom: f64,
 }
@@ -40,7 +41,7 @@ impl NoiseModel {
     /// the samples are one period.
     #[must_use]
     pub fn white(covariance: DMatrix<f64>, wraps: bool, degrees_of_freedom: f64) -> Self {
-        Self { lags: vec![covariance], wraps, degrees_of_freedom }
+        Self { lags: vec![covariance], weights: vec![1.0], wraps, degrees_of_freedom }
     }
 
     /// Chooses the number of lags by the rule above. `lag(l)` gives R(l), measured from `count` independent samples;
@@ -73,10 +74,17 @@ impl NoiseModel {
                 spread = spread.max(1.0 + 2.0 * power);
             }
         }
-        for (l, r) in lags.iter_mut().enumerate().skip(last + 1) {
-            *r *= (2 * last - l) as f64 / last as f64;
-        }
-        Self { lags, wraps, degrees_of_freedom: count / spread }
+        let weights =
+            (0..lags.len()).map(|l| if l <= last { 1.0 } else { (2 * last - l) as f64 / last as f64 }).collect();
+        Self { lags, weights, wraps, degrees_of_freedom: count / spread }
+    }
+
+    /// The same lags with Bartlett's weights `1 − l/(L+1)`: biased towards white noise, but a covariance for certain.
+    #[must_use]
+    pub fn tapered(&self) -> Self {
+        let end = self.lags.len() as f64;
+        let weights = (0..self.lags.len()).map(|l| 1.0 - l as f64 / end).collect();
+        Self { weights, ..self.clone() }
     }
 
     /// The same noise with all covariances multiplied by `factor`, as by averaging over `1/factor` periods.
@@ -137,7 +145,7 @@ impl NoiseModel {
         let count = rows / n;
         // Two transforms of some 40 operations a sample are worth as many lags.
         let spectrum = (self.length() > FEW_LAGS && self.length() < count)
-            .then(|| NoiseSpectrum::new(&self.lags, self.wraps, count));
+            .then(|| NoiseSpectrum::new(&self.weighted_lags(), self.wraps, count));
         let mut out = DMatrix::zeros(rows, w.ncols());
         // One series per joint, so that the inner loop runs over consecutive numbers.
         let (mut from, mut to) = (vec![vec![0.0; count]; n], vec![vec![0.0; count]; n]);
@@ -157,9 +165,13 @@ impl NoiseModel {
         out
     }
 
+    fn weighted_lags(&self) -> Vec<DMatrix<f64>> {
+        self.lags.iter().zip(&self.weights).map(|(r, &weight)| r * weight).collect()
+    }
+
     fn add_lags(&self, from: &[Vec<f64>], to: &mut [Vec<f64>]) {
         let count = from.first().map_or(0, Vec::len);
-        for (l, r) in self.lags.iter().enumerate().take(count) {
+        for (l, r) in self.weighted_lags().iter().enumerate().take(count) {
             for (i, to) in to.iter_mut().enumerate() {
                 for (j, from) in from.iter().enumerate() {
                     self.add_lag(to, from, r[(i, j)], l, true);
@@ -211,7 +223,7 @@ mod tests {
         ];
         let w = DMatrix::from_fn(n * count, 3, |i, j| libm::sin((3 * i + 5 * j) as f64));
         for wraps in [false, true] {
-            let noise = NoiseModel { lags: lags.to_vec(), wraps, degrees_of_freedom: 1.0 };
+            let noise = NoiseModel { lags: lags.to_vec(), weights: vec![1.0; 3], wraps, degrees_of_freedom: 1.0 };
             let mut whole = DMatrix::zeros(n * count, n * count);
             for k in 0..count {
                 for (l, r) in lags.iter().enumerate() {
@@ -231,6 +243,21 @@ mod tests {
     }
 
     #[test]
+    fn analytic_opposed_neighbours_can_cancel_and_tapered_ones_cannot() {
+        // The sum over a constant column is R(0) + 2 R(1) a sample: negative for a correlation below −1/2, which no
+        // noise has and measured lags may show.
+        let noise = NoiseModel {
+            lags: vec![1.0, -0.6].into_iter().map(|r| DMatrix::from_element(1, 1, r)).collect(),
+            weights: vec![1.0; 2],
+            wraps: true,
+            degrees_of_freedom: 9.0,
+        };
+        let ones = DMatrix::from_element(50, 1, 1.0);
+        assert!((noise.apply(&ones).sum() / 50.0 + 0.2).abs() < 1e-14);
+        assert!((noise.tapered().apply(&ones).sum() / 50.0 - 0.4).abs() < 1e-14);
+    }
+
+    #[test]
     fn identity_many_lags_by_transform_equal_the_sums() {
         for count in [61, 200] {
             let lags: Vec<DMatrix<f64>> = (0..40)
@@ -238,7 +265,7 @@ mod tests {
                 .collect();
             let w = DMatrix::from_fn(3 * count, 2, |i, j| libm::sin((3 * i + 5 * j) as f64));
             for wraps in [false, true] {
-                let noise = NoiseModel { lags: lags.clone(), wraps, degrees_of_freedom: 1.0 };
+                let noise = NoiseModel { lags: lags.clone(), weights: vec![1.0; 40], wraps, degrees_of_freedom: 1.0 };
                 let by_transform = noise.apply(&w);
                 let mut expected = vec![vec![0.0; count]; 3];
                 for column in 0..2 {
@@ -263,7 +290,8 @@ mod tests {
         let moving =
             NoiseModel::adaptive(|l| scalar([4.0, 2.0, 1.0].get(l).copied().unwrap_or(0.04)), 100, true, 1000.0);
         assert_eq!(moving.length(), 3);
-        assert_eq!(moving.lags[3], scalar(0.02));
+        assert_eq!(moving.weights, [1.0, 1.0, 1.0, 0.5]);
+        assert_eq!(moving.tapered().weights, [1.0, 0.75, 0.5, 0.25]);
         assert!((moving.correlation(0, 2) - 0.25).abs() < 1e-15 && moving.correlation(0, 9) == 0.0);
         // Bartlett: 1 + 2 (0.5² + 0.25² + 0.01²).
         assert!((moving.degrees_of_freedom() - 1000.0 / 1.6252).abs() < 1e-9);

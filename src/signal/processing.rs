@@ -1,4 +1,18 @@
 //! The settings of signal processing.
+//!
+//! What they do was measured on the A460 in closed loop along Table I: encoder counts, noisy currents, 10 periods,
+//! 40 runs, weighted least squares on all 58 columns. Error of predicted torque in N·m, and how often 95 % intervals
+//! hold the truth when they are taken from the scatter over periods alone:
+//!
+//! ```text
+//! positions           reversals kept        left out          left out, torque filtered alike
+//! Fourier, default    2.8e-3    80 %        2.7e-3   94 %
+//! differences 50 Hz   3.2e-3    80 %        2.7e-3   94 %
+//! differences 10 Hz   2.4e-2     9 %        1.1e-2   34 %     2.8e-2   24 %
+//! ```
+//! Positions need a band far beyond the commanded 0.5 Hz, for the loop answers each reversal of friction with a kick.
+//! Filtering torque as well makes it worse, since the Coulomb columns are not filtered. 125 to 500 equations a period
+//! do alike; at 1000 the noise of the acceleration shows, and coverage falls to 84 %.
 
 use super::{Bandwidth, SignalError};
 
