@@ -4,6 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
+use super::drive_term::DriveTerm;
 use super::torque_term::{
     CoulombFriction, MotorCoulomb, MotorViscous, Offset, RotorInertia, Side, TorqueTerm, ViscousFriction,
 };
@@ -65,6 +66,22 @@ impl DriveTrain {
     #[must_use]
     pub fn parameters(&self) -> &[ParameterId] {
         &self.parameters
+    }
+
+    /// Each law of each joint or motor by itself, in the order of the parameters.
+    #[must_use]
+    pub fn terms(&self) -> Vec<DriveTerm> {
+        let mut terms: Vec<(usize, DriveTerm)> = Vec::new();
+        for bank in &self.banks {
+            for &(index, column) in &bank.members {
+                let entries = (0..self.dof).map(|joint| (joint, self.direction(bank, index, joint)));
+                let direction = entries.filter(|&(_, d)| d != 0.0).collect();
+                let parameter = self.parameters[column];
+                terms.push((column, DriveTerm { parameter, law: Arc::clone(&bank.law), direction }));
+            }
+        }
+        terms.sort_by_key(|(column, _)| *column);
+        terms.into_iter().map(|(_, term)| term).collect()
     }
 
     /// The terms' part in the mass matrix: `Σ φ d dᵀ ∂g/∂a`, n × n, constant.

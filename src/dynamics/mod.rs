@@ -16,6 +16,7 @@
 
 mod articulated;
 mod composite;
+mod drive_term;
 mod drive_train;
 mod energy;
 mod joint_frames;
@@ -27,6 +28,7 @@ mod states;
 mod symmetric;
 mod torque_term;
 
+pub use drive_term::DriveTerm;
 pub use drive_train::DriveTrain;
 pub use energy::Energy;
 pub(crate) use link_pose::LinkPose;

@@ -1,6 +1,6 @@
 //! Several runs of one arm that advance together, one per lane of the processor.
 
-use armid::experiment::{Plant, PlantError};
+use armid::experiment::PlantError;
 use pulp::{Arch, Simd, WithSimd};
 
 use super::chain::Chain;
@@ -191,6 +191,7 @@ impl<const N: usize> WithSimd for Step<'_, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use armid::experiment::Plant;
     use armid::conformance::chains::{self, ChainRecipe};
     use armid::model::StandardParameters;
     use armid::seed::Seed;

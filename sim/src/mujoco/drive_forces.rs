@@ -35,17 +35,17 @@ impl DriveForces {
         let terms: Vec<(DriveTerm, f64)> = train
             .terms()
             .iter()
-            .filter(|term| term.law.slopes(0.0, 0.0).1 == 0.0)
+            .filter(|term| term.slopes(0.0, 0.0).1 == 0.0)
             .map(|term| (term.clone(), parameters.get(term.parameter)))
             .filter(|&(_, value)| value != 0.0)
             .collect();
         let brakes = terms
             .iter()
             .enumerate()
-            .filter(|(_, (term, _))| term.law.slopes(0.0, 0.0).0 != 0.0)
+            .filter(|(_, (term, _))| term.slopes(0.0, 0.0).0 != 0.0)
             .map(|(index, (term, _))| {
                 let motor = term.parameter.index;
-                let (direction, carried) = match (term.law.side(), robot.coupling()) {
+                let (direction, carried) = match (term.side(), robot.coupling()) {
                     (Side::Motor, Some(c)) => {
                         (c.row(motor).iter().copied().enumerate().filter(|&(_, d)| d != 0.0).collect(), true)
                     }
@@ -100,6 +100,6 @@ impl DriveForces {
             swing += d.abs() * change[joint];
         }
         let closest = (v.abs() - swing).max(0.0);
-        value.abs() * term.law.slopes(closest, 0.0).0
+        value.abs() * term.slopes(closest, 0.0).0
     }
 }

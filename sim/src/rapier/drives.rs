@@ -44,7 +44,7 @@ impl Drives {
             .filter(|term| term.parameter.kind != ParameterKind::Ia && parameters.get(term.parameter) != 0.0)
             .map(|term| {
                 let index = term.parameter.index;
-                let direction = match (term.law.side(), robot.coupling()) {
+                let direction = match (term.side(), robot.coupling()) {
                     (Side::Motor, Some(c)) => c.row(index).iter().copied().enumerate().filter(|e| e.1 != 0.0).collect(),
                     _ => vec![(index, 1.0)],
                 };
@@ -61,7 +61,7 @@ impl Drives {
         for Rub { term, value, direction } in &self.rubs {
             term.add_torque(*value, qd, &self.still, torque);
             let speed: f64 = direction.iter().map(|&(joint, d)| d * qd[joint]).sum();
-            let slope = value * term.law.slopes(speed, 0.0).0;
+            let slope = value * term.slopes(speed, 0.0).0;
             let sum: f64 = direction.iter().map(|&(_, d)| d.abs()).sum();
             for &(joint, d) in direction {
                 // A negative coefficient is not made implicit: that would take stability away.
