@@ -4,6 +4,7 @@ use std::path::Path;
 
 use armid::experiment::{Arm, Ending, Replay, Sink, Tracking};
 use armid::seed::Seed;
+use armid_sim::Engine;
 use miette::Result;
 
 use crate::fault::Fault;
@@ -14,21 +15,37 @@ use crate::simulated_arm::Simulation;
 /// Every arm, listed once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum ArmKind {
-    /// The simulated arm with equations of motion of its own.
-    Analytic,
+    /// The arm simulated by an engine.
+    Simulated(Engine),
     /// A stored recording.
     Replay,
 }
 
 impl ArmKind {
-    pub(crate) const ALL: [Self; 2] = [Self::Analytic, Self::Replay];
-
     /// Those that simulate.
-    pub(crate) const SIMULATED: [Self; 1] = [Self::Analytic];
+    pub(crate) const SIMULATED: [Self; Engine::ALL.len()] = {
+        let mut arms = [Self::Replay; Engine::ALL.len()];
+        let mut i = 0;
+        while i < arms.len() {
+            arms[i] = Self::Simulated(Engine::ALL[i]);
+            i += 1;
+        }
+        arms
+    };
+
+    pub(crate) const ALL: [Self; Self::SIMULATED.len() + 1] = {
+        let mut arms = [Self::Replay; Self::SIMULATED.len() + 1];
+        let mut i = 0;
+        while i < Self::SIMULATED.len() {
+            arms[i] = Self::SIMULATED[i];
+            i += 1;
+        }
+        arms
+    };
 
     pub(crate) const fn name(self) -> &'static str {
         match self {
-            Self::Analytic => "analytic",
+            Self::Simulated(engine) => engine.name(),
             Self::Replay => "replay",
         }
     }
@@ -53,7 +70,7 @@ pub(crate) fn perform(
 ) -> Result<Performed> {
     let fault = |error: &dyn std::fmt::Display| Fault::new(format!("arm {}: {error}", kind.name()));
     match kind {
-        ArmKind::Analytic => {
+        ArmKind::Simulated(_) => {
             let simulation = Simulation::of(experiment.robot.clone(), kind)?;
             let mut servo = simulation
                 .servo(&experiment.sensing)

@@ -9,7 +9,6 @@ use armid::experiment::{
 use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
 use armid::study::{Truth, exact_states};
-use armid_sim::AnalyticPlant;
 use miette::Result;
 
 use crate::arms::ArmKind;
@@ -71,9 +70,9 @@ impl Simulation {
     /// The plant itself.
     fn plant(&self) -> Result<Box<dyn Plant>, String> {
         match self.arm {
-            ArmKind::Analytic => AnalyticPlant::new(self.robot(), &self.truth.parameters)
-                .map(|plant| Box::new(plant) as Box<dyn Plant>)
-                .map_err(|fault| fault.to_string()),
+            ArmKind::Simulated(engine) => {
+                engine.plant(self.robot(), &self.truth.parameters).map_err(|fault| fault.to_string())
+            }
             ArmKind::Replay => Err("arm replay is a recording, expected a simulated arm".to_owned()),
         }
     }

@@ -35,9 +35,12 @@ impl Sink for Nowhere {
     }
 }
 
+/// A name, and one step of what is timed.
+type Candidate<'a> = (&'static str, Box<dyn FnMut(bool) + 'a>);
+
 /// Nanoseconds per step, `put_back` not counted; the rounds of all candidates alternate, so that a busy moment of the
 /// machine meets them all.
-fn race(candidates: &mut [(&str, Box<dyn FnMut(bool) + '_>)]) -> Vec<f64> {
+fn race(candidates: &mut [Candidate<'_>]) -> Vec<f64> {
     let mut best = vec![f64::INFINITY; candidates.len()];
     for _ in 0..ROUNDS {
         for ((_, step), best) in candidates.iter_mut().zip(&mut best) {
@@ -102,7 +105,7 @@ fn main() {
     resting.reset(&Q, &QD);
     let mut acceleration = [0.0; 6];
 
-    let mut candidates: Vec<(&str, Box<dyn FnMut(bool)>)> = vec![
+    let mut candidates: Vec<Candidate<'_>> = vec![
         ("MuJoCo's Euler step, no friction", Box::new(own_step(model(), MujocoStepper::Euler))),
         ("MuJoCo's RK4 step, no friction", Box::new(own_step(model(), MujocoStepper::RungeKutta))),
         ("MuJoCo plant, stages, no friction", Box::new(stepper(mujoco(&smooth)))),

@@ -3,6 +3,7 @@
 //! `cargo bench -p armid-sim` prints microseconds per step of 1 ms and seconds per experiment of 115 s of motion.
 #![allow(clippy::print_stdout, reason = "a benchmark prints")]
 
+use std::num::NonZeroU32;
 use std::time::Instant;
 
 use armid::excitation::{FourierTrajectory, table_one};
@@ -11,7 +12,7 @@ use armid::model::bundled;
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::seed::Seed;
 use armid::study::truth_text;
-use armid_sim::{AnalyticPlant, record_runs};
+use armid_sim::{AnalyticPlant, RapierPlant, record_runs};
 
 struct Nowhere;
 
@@ -68,6 +69,27 @@ fn main() {
         best = best.min(begin.elapsed().as_secs_f64() * 1e6 / 100.0);
     }
     println!("step of 1 ms, alone: {best:.2} µs");
+
+    // One step of 1 ms of each engine, in motion and with friction.
+    let mut engines: Vec<(String, Box<dyn Plant>)> = vec![("analytic".to_owned(), Box::new(plant.clone()))];
+    for substeps in [1, 4] {
+        let substeps = NonZeroU32::new(substeps).expect("not zero");
+        let engine = RapierPlant::new(&robot, &truth).expect("a consistent arm").with_substeps(substeps);
+        engines.push((format!("rapier, {substeps} substeps"), Box::new(engine)));
+    }
+    for (name, mut engine) in engines {
+        let count = 20_000;
+        let mut seconds = 0.0;
+        for _ in 0..count / 100 {
+            engine.reset(&[0.3, 0.4, -0.2, 0.5, 0.6, 0.7], &[1.0, -0.8, 0.7, -1.2, 1.1, 0.9]);
+            let begin = Instant::now();
+            for _ in 0..100 {
+                engine.step(&[1.0, 20.0, 5.0, 0.1, 0.2, 0.1], 1e-3).expect("a motion that is a number");
+            }
+            seconds += begin.elapsed().as_secs_f64();
+        }
+        println!("{name}: {:.0} ns per step of 1 ms", seconds * 1e9 / f64::from(count));
+    }
 
     // The servo alone: its cycle on a plant that stands still.
     let still = ExperimentPlan::new(table_one::corrected());

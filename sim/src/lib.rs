@@ -1,10 +1,13 @@
-//! Plants: engines that turn joint torques into motion, behind `armid::experiment::Plant`.
+//! Plants: engines that turn joint torques into motion, behind `armid::experiment::Plant`, and how far they agree.
 #![deny(unsafe_code)]
 
+pub mod agreement;
 mod analytic;
+mod engine;
 mod mujoco;
 mod rapier;
 
 pub use analytic::{AnalyticError, AnalyticPlant, AnalyticTeam, MOST_JOINTS, perform_runs, record_runs};
+pub use engine::{Engine, EngineFault};
 pub use mujoco::{MujocoError, MujocoModel, MujocoPlant, MujocoScheme, MujocoStatus, MujocoStepper, mjcf};
 pub use rapier::{DEFAULT_SUBSTEPS, RapierError, RapierPlant};

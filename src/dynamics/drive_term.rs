@@ -1,53 +1,59 @@
-//! One drive term in its place, for engines that apply the same laws as the recursions do.
+//! One drive term in its place: what an engine needs that has equations of motion of its own.
 
 use std::sync::Arc;
 
-use super::torque_term::{Side, TorqueTerm};
+use super::torque_term::TorqueTerm;
 use crate::model::ParameterId;
 
-/// A law of one joint or motor: `τ += value · d g(dᵀq̇, dᵀq̈)`, with d a unit vector or a row of the coupling matrix.
+/// One law of one joint or motor, with the direction in joint space in which it acts.
+///
+/// ```text
+/// τ += φ d g(dᵀq̇, dᵀq̈)
+/// ```
 ///
 /// ```
-/// use armid::conformance::chains;
-/// use armid::dynamics::DriveTrain;
-/// use armid::model::Columns;
+/// use armid::{conformance::chains, dynamics::DriveTrain, model::Columns};
 /// let terms = DriveTrain::new(&chains::planar_2r(), Columns::RigidRotorFriction).terms();
-/// let viscous = terms.iter().find(|term| term.parameter.to_string() == "Fv2").unwrap();
-/// let mut tau = [0.0, 0.0];
-/// viscous.add_torque(3.0, &[1.0, 2.0], &[0.0, 0.0], &mut tau);
-/// assert_eq!(tau, [0.0, 6.0]);
+/// // The elbow's viscous friction, 2 N·m·s/rad at 3 rad/s.
+/// let mut tau = [0.0; 2];
+/// terms[5].add_torque(2.0, &[0.0, 3.0], &mut tau);
+/// assert_eq!((terms[5].parameter().to_string().as_str(), tau), ("Fv2", [0.0, 6.0]));
 /// ```
 #[derive(Clone, Debug)]
 pub struct DriveTerm {
-    /// The parameter that multiplies it.
-    pub parameter: ParameterId,
+    pub(super) parameter: ParameterId,
     pub(super) law: Arc<dyn TorqueTerm>,
     pub(super) direction: Vec<(usize, f64)>,
 }
 
 impl DriveTerm {
-    /// Whether it acts on a joint or on a motor.
+    /// The parameter `φ` that multiplies the law.
     #[must_use]
-    pub fn side(&self) -> Side {
-        self.law.side()
+    pub const fn parameter(&self) -> ParameterId {
+        self.parameter
     }
 
-    /// The non-zero entries `(joint, d)` of its direction.
+    /// The entries `(joint, d)` of its direction that are not zero: one, unless motors are coupled.
     #[must_use]
     pub fn direction(&self) -> &[(usize, f64)] {
         &self.direction
     }
 
-    /// `∂g/∂v` and `∂g/∂a` at its own velocity `v` and acceleration `a`.
+    /// The velocity of its own coordinate, `dᵀ q̇`.
     #[must_use]
-    pub fn slopes(&self, v: f64, a: f64) -> (f64, f64) {
-        self.law.slopes(self.parameter.index, v, a)
+    pub fn speed(&self, qd: &[f64]) -> f64 {
+        self.direction.iter().fold(0.0, |sum, &(joint, d)| sum + d * qd[joint])
     }
 
-    /// Adds the torque of `value` units of its parameter; `qd`, `qdd`, `tau` of length n.
-    pub fn add_torque(&self, value: f64, qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
-        let along = |x: &[f64]| self.direction.iter().map(|&(joint, d)| d * x[joint]).sum::<f64>();
-        let g = value * self.law.torque(self.parameter.index, along(qd), along(qdd));
+    /// The law's slopes `(∂g/∂v, ∂g/∂a)` at the velocity `speed` of its own coordinate.
+    #[must_use]
+    pub fn slopes(&self, speed: f64) -> (f64, f64) {
+        self.law.slopes(self.parameter.index, speed, 0.0)
+    }
+
+    /// Adds the torque of `value` units of the parameter at the joint velocities `qd`, without acceleration; n each.
+    pub fn add_torque(&self, value: f64, qd: &[f64], tau: &mut [f64]) {
+        let g = value * self.law.torque(self.parameter.index, self.speed(qd), 0.0);
         for &(joint, d) in &self.direction {
             tau[joint] += d * g;
         }

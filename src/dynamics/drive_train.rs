@@ -4,7 +4,7 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::drive_term::DriveTerm;
+use super::DriveTerm;
 use super::torque_term::{
     CoulombFriction, MotorCoulomb, MotorViscous, Offset, RotorInertia, Side, TorqueTerm, ViscousFriction,
 };
@@ -68,20 +68,21 @@ impl DriveTrain {
         &self.parameters
     }
 
-    /// Each law of each joint or motor by itself, in the order of the parameters.
+    /// The terms one by one, in the order of their parameters: for engines with equations of motion of their own.
     #[must_use]
     pub fn terms(&self) -> Vec<DriveTerm> {
-        let mut terms: Vec<(usize, DriveTerm)> = Vec::new();
+        let mut terms = vec![None; self.parameters.len()];
         for bank in &self.banks {
             for &(index, column) in &bank.members {
-                let entries = (0..self.dof).map(|joint| (joint, self.direction(bank, index, joint)));
-                let direction = entries.filter(|&(_, d)| d != 0.0).collect();
-                let parameter = self.parameters[column];
-                terms.push((column, DriveTerm { parameter, law: Arc::clone(&bank.law), direction }));
+                let direction = (0..self.dof).map(|joint| (joint, self.direction(bank, index, joint)));
+                terms[column] = Some(DriveTerm {
+                    parameter: self.parameters[column],
+                    law: Arc::clone(&bank.law),
+                    direction: direction.filter(|&(_, d)| d != 0.0).collect(),
+                });
             }
         }
-        terms.sort_by_key(|(column, _)| *column);
-        terms.into_iter().map(|(_, term)| term).collect()
+        terms.into_iter().flatten().collect()
     }
 
     /// The terms' part in the mass matrix: `Σ φ d dᵀ ∂g/∂a`, n × n, constant.

@@ -2,7 +2,7 @@
 
 use miette::Result;
 
-use super::{completions, design, doctor, dynamics, identify, reduce, report, robot, run, study, validate};
+use super::{agree, completions, design, doctor, dynamics, identify, reduce, report, robot, run, study, validate};
 use crate::answer::Ending;
 use crate::console::Console;
 
@@ -10,6 +10,7 @@ use crate::console::Console;
 #[derive(Debug, clap::Subcommand)]
 pub(crate) enum Command {
     Robot(robot::Arguments),
+    Agree(agree::Arguments),
     Reduce(reduce::Arguments),
     Dynamics(dynamics::Arguments),
     Design(design::Arguments),
@@ -25,6 +26,7 @@ pub(crate) enum Command {
 /// Does it.
 pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
     match command {
+        Command::Agree(arguments) => agree::run(&arguments, console),
         Command::Robot(arguments) => robot::run(&arguments, console),
         Command::Reduce(arguments) => reduce::run(&arguments, console),
         Command::Dynamics(arguments) => dynamics::run(&arguments, console),

@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod agree;
 mod command;
 mod completions;
 mod design;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::experiment::{ExperimentPlan, Sensing};
+use armid_sim::Engine;
 use miette::Result;
 use serde::Deserialize;
 use toml::Spanned;
@@ -115,7 +116,7 @@ fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
     })?;
 
     let arm = match &file.arm {
-        None => ArmKind::Analytic,
+        None => ArmKind::Simulated(Engine::Analytic),
         Some(name) => ArmKind::parse(name.get_ref()).ok_or_else(|| {
             let names = ArmKind::ALL.map(ArmKind::name);
             Fault::new(format!("arm is \"{}\", expected one of {}", name.get_ref(), names.join(", ")))

@@ -191,8 +191,8 @@ impl<const N: usize> WithSimd for Step<'_, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use armid::experiment::Plant;
     use armid::conformance::chains::{self, ChainRecipe};
+    use armid::experiment::Plant;
     use armid::model::StandardParameters;
     use armid::seed::Seed;
 

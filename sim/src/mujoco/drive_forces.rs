@@ -6,8 +6,8 @@
 //! The laws `g` and directions `d` are the core's. Smooth Coulomb friction makes velocities near zero decay at rates up
 //! to `λ`, some thousands per second; an explicit step must not be longer than a part of `1/λ`.
 
-use armid::dynamics::{DriveTerm, DriveTrain, Side};
-use armid::model::{Columns, Robot, StandardParameters};
+use armid::dynamics::{DriveTerm, DriveTrain};
+use armid::model::{Columns, ParameterKind, Robot, StandardParameters};
 
 /// One law as the bound on `λ` sees it.
 #[derive(Clone, Debug)]
@@ -25,8 +25,7 @@ struct Brake {
 pub(super) struct DriveForces {
     terms: Vec<(DriveTerm, f64)>,
     brakes: Vec<Brake>,
-    /// n zeros: the accelerations at which the laws are taken.
-    zeros: Vec<f64>,
+    dof: usize,
 }
 
 impl DriveForces {
@@ -35,35 +34,32 @@ impl DriveForces {
         let terms: Vec<(DriveTerm, f64)> = train
             .terms()
             .iter()
-            .filter(|term| term.slopes(0.0, 0.0).1 == 0.0)
-            .map(|term| (term.clone(), parameters.get(term.parameter)))
+            .filter(|term| term.slopes(0.0).1 == 0.0)
+            .map(|term| (term.clone(), parameters.get(term.parameter())))
             .filter(|&(_, value)| value != 0.0)
             .collect();
         let brakes = terms
             .iter()
             .enumerate()
-            .filter(|(_, (term, _))| term.slopes(0.0, 0.0).0 != 0.0)
+            .filter(|(_, (term, _))| term.slopes(0.0).0 != 0.0)
             .map(|(index, (term, _))| {
-                let motor = term.parameter.index;
-                let (direction, carried) = match (term.side(), robot.coupling()) {
-                    (Side::Motor, Some(c)) => {
-                        (c.row(motor).iter().copied().enumerate().filter(|&(_, d)| d != 0.0).collect(), true)
-                    }
-                    // M ≥ Ia d dᵀ for the rotor's own direction, and then dᵀ M⁻¹ d ≤ 1 / Ia.
-                    (_, coupling) => (vec![(motor, 1.0)], coupling.is_none()),
-                };
+                let motor = term.parameter().index;
+                let direction = term.direction().to_vec();
+                // M ≥ Ia d dᵀ for the rotor's own direction, and then dᵀ M⁻¹ d ≤ 1 / Ia.
+                let of_motor = matches!(term.parameter().kind, ParameterKind::Fvm | ParameterKind::Fcm);
+                let carried = of_motor || robot.coupling().is_none();
                 let mobility = if carried { 1.0 / parameters.drives[motor].rotor } else { f64::INFINITY };
                 Brake { term: index, direction, mobility }
             })
             .collect();
-        Self { terms, brakes, zeros: vec![0.0; robot.dof()] }
+        Self { terms, brakes, dof: robot.dof() }
     }
 
     /// `applied = tau − friction − offset` at the velocities `qd`; n each.
     pub(super) fn apply(&self, tau: &[f64], qd: &[f64], applied: &mut [f64]) {
         applied.fill(0.0);
         for (term, value) in &self.terms {
-            term.add_torque(*value, qd, &self.zeros, applied);
+            term.add_torque(*value, qd, applied);
         }
         for (applied, tau) in applied.iter_mut().zip(tau) {
             *applied = tau - *applied;
@@ -77,7 +73,7 @@ impl DriveForces {
 
     /// The same with the inverse of the mass matrix, row-major n × n.
     pub(super) fn decay(&self, qd: &[f64], change: &[f64], inverse: &[f64]) -> f64 {
-        let n = self.zeros.len();
+        let n = self.dof;
         let mut rate = 0.0;
         for brake in &self.brakes {
             let mut mobility = 0.0;
@@ -100,6 +96,6 @@ impl DriveForces {
             swing += d.abs() * change[joint];
         }
         let closest = (v.abs() - swing).max(0.0);
-        value.abs() * term.slopes(closest, 0.0).0
+        value.abs() * term.slopes(closest).0
     }
 }

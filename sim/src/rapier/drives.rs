@@ -9,24 +9,15 @@
 //! law is the core's, whatever `D` is. A joint's own terms have `D` equal to their slope; a coupled motor's slopes fill
 //! a matrix, of which the sums of absolute values over rows are an upper bound, so that the implicit step stays stable.
 
-use armid::dynamics::{DriveTerm, DriveTrain, Side};
+use armid::dynamics::{DriveTerm, DriveTrain};
 use armid::model::{Columns, ParameterKind, Robot, StandardParameters};
 
 use super::RapierError;
 
-/// One term with the non-zero entries of its direction.
-#[derive(Clone, Debug)]
-struct Rub {
-    term: DriveTerm,
-    value: f64,
-    direction: Vec<(usize, f64)>,
-}
-
 /// Friction and offset of all joints and motors.
 #[derive(Clone, Debug)]
 pub(super) struct Drives {
-    rubs: Vec<Rub>,
-    still: Vec<f64>,
+    terms: Vec<(DriveTerm, f64)>,
 }
 
 impl Drives {
@@ -37,33 +28,24 @@ impl Drives {
                 return Err(RapierError::Jump { joint: joint.name.clone(), coulomb });
             }
         }
-        let train = DriveTrain::new(robot, Columns::RigidRotorFriction);
-        let rubs = train
-            .terms()
-            .iter()
-            .filter(|term| term.parameter.kind != ParameterKind::Ia && parameters.get(term.parameter) != 0.0)
-            .map(|term| {
-                let index = term.parameter.index;
-                let direction = match (term.side(), robot.coupling()) {
-                    (Side::Motor, Some(c)) => c.row(index).iter().copied().enumerate().filter(|e| e.1 != 0.0).collect(),
-                    _ => vec![(index, 1.0)],
-                };
-                Rub { term: term.clone(), value: parameters.get(term.parameter), direction }
-            })
-            .collect();
-        Ok(Self { rubs, still: vec![0.0; robot.dof()] })
+        let terms = DriveTrain::new(robot, Columns::RigidRotorFriction).terms().into_iter();
+        let terms = terms.filter(|term| term.parameter().kind != ParameterKind::Ia);
+        let terms = terms.map(|term| {
+            let value = parameters.get(term.parameter());
+            (term, value)
+        });
+        Ok(Self { terms: terms.filter(|&(_, value)| value != 0.0).collect() })
     }
 
     /// Torque that friction and offset take at the velocities `qd`, and the damping that makes it implicit; n each.
     pub(super) fn evaluate(&self, qd: &[f64], torque: &mut [f64], damping: &mut [f64]) {
         torque.fill(0.0);
         damping.fill(0.0);
-        for Rub { term, value, direction } in &self.rubs {
-            term.add_torque(*value, qd, &self.still, torque);
-            let speed: f64 = direction.iter().map(|&(joint, d)| d * qd[joint]).sum();
-            let slope = value * term.slopes(speed, 0.0).0;
-            let sum: f64 = direction.iter().map(|&(_, d)| d.abs()).sum();
-            for &(joint, d) in direction {
+        for (term, value) in &self.terms {
+            term.add_torque(*value, qd, torque);
+            let slope = value * term.slopes(term.speed(qd)).0;
+            let sum: f64 = term.direction().iter().map(|&(_, d)| d.abs()).sum();
+            for &(joint, d) in term.direction() {
                 // A negative coefficient is not made implicit: that would take stability away.
                 damping[joint] += (slope * d.abs() * sum).max(0.0);
             }

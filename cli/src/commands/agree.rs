@@ -1,0 +1,219 @@
+//! `armid agree`
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use armid::excitation::FourierTrajectory;
+use armid::experiment::ExperimentPlan;
+use armid::seed::Seed;
+use armid_reports::{Axis, Figure, Group, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
+use armid_sim::Engine;
+use armid_sim::agreement::{Agreement, Breach, Case, agree, safe_motion};
+use miette::Result;
+use serde_json::{Value, json};
+
+use crate::answer::{Answer, Ending};
+use crate::atomic_file;
+use crate::console::{Console, pretty};
+use crate::fault::Fault;
+use crate::files::trajectory;
+use crate::robot_source::{LoadedRobot, RobotArguments};
+use crate::table::{Align, Table, number};
+
+const AFTER_HELP: &str = "\
+Free motion has no torque and no friction and lasts a quarter of a second; the reference is the
+articulated-body algorithm with steps so fine that its own error is rounding. In the closed loop each
+engine performs one period of the experiment under the robot's servo, friction included, sensors
+without fault; torque is held over a servo step, so only differences are given there. Without
+--trajectory the A460 moves along the paper's Table I, another robot along a motion within its limits.
+
+Exit code 1 means that a tolerance is not kept; each is stated beside what was found.
+
+Examples:
+  armid agree crs-a460
+  armid agree puma-560 --json -o reports/puma-agreement
+  armid agree arm.urdf --trajectory T.toml";
+
+/// Measure how far the simulated arms agree, with their order of convergence
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// The motion of the closed loop: a trajectory file, or table-one
+    #[arg(long, value_name = "T.toml")]
+    trajectory: Option<String>,
+    /// Seed of the random states
+    #[arg(long, value_name = "K", default_value_t = 1)]
+    seed: u64,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let loaded = arguments.robot.load()?;
+    let truth = loaded.truth()?;
+    let nominal = loaded.nominal.clone().unwrap_or_else(|| truth.clone());
+    let seed = Seed::new(arguments.seed);
+    let motion = motion(arguments, &loaded, &nominal, seed)?;
+    let plan = ExperimentPlan::new(motion).with_periods(1);
+    plan.check(loaded.robot.dof()).map_err(|fault| Fault::new(fault.to_string()))?;
+    let case = Case { robot: &loaded.robot, nominal: &nominal, truth: &truth, plan: &plan, seed };
+    let agreement = agree(&case, &Engine::ALL);
+    if let [absent, ..] = &agreement.absent[..]
+        && agreement.engines.is_empty()
+    {
+        return Err(Fault::new(format!("{}: {}", absent.engine.name(), absent.reason)).into());
+    }
+    let breaches = agreement.breaches();
+    let folder = console
+        .output()
+        .map_or_else(|| Path::new("reports").join(format!("{}-agreement", loaded.robot.name())), Path::to_path_buf);
+    let json = answer(&agreement, &breaches)?;
+    let figure = figure(&agreement);
+    let svg = figure.svg().map_err(|fault| Fault::new(format!("the figure cannot be drawn: {fault}")))?;
+    let drawn = folder.join(format!("{}.svg", figure.name()));
+    atomic_file::write_text(&folder.join("agreement.json"), &pretty(&json))?;
+    atomic_file::write_text(&drawn, &svg)?;
+    console.show(&Answer { text: text(&agreement, &breaches, &loaded, &drawn), json })?;
+    Ok(if breaches.is_empty() && agreement.absent.is_empty() { Ending::Done } else { Ending::Negative })
+}
+
+fn motion(
+    arguments: &Arguments,
+    loaded: &LoadedRobot,
+    nominal: &armid::model::StandardParameters,
+    seed: Seed,
+) -> Result<FourierTrajectory> {
+    let name = match &arguments.trajectory {
+        Some(name) => Some(name.as_str()),
+        None => (loaded.robot.name() == "crs-a460").then_some("table-one"),
+    };
+    match name {
+        Some(name) => trajectory::load(name, None, &loaded.robot),
+        None => safe_motion(&loaded.robot, nominal, seed).map_err(|fault| Fault::new(fault.to_string()).into()),
+    }
+}
+
+fn answer(agreement: &Agreement, breaches: &[Breach]) -> Result<Value> {
+    let fault = |error: serde_json::Error| Fault::new(format!("the certificate cannot be written: {error}"));
+    let mut json = serde_json::to_value(agreement).map_err(fault)?;
+    json["agrees"] = json!(breaches.is_empty());
+    json["breaches"] = serde_json::to_value(breaches).map_err(fault)?;
+    Ok(json)
+}
+
+fn text(agreement: &Agreement, breaches: &[Breach], loaded: &LoadedRobot, drawn: &Path) -> String {
+    let mut text = format!(
+        "{}: free motion over {} s, in which joints move {} rad (m) at most; steps of {} s unless another is named\n\n",
+        agreement.robot,
+        number(agreement.horizon_s),
+        number(agreement.travel),
+        number(agreement.step_s),
+    );
+    let mut engines = Table::new(&[
+        ("engine", Align::Left),
+        ("order", Align::Right),
+        ("error, rad (m)", Align::Right),
+        ("of the way", Align::Right),
+        ("energy", Align::Right),
+        ("torque residual", Align::Right),
+    ]);
+    for own in &agreement.engines {
+        let error = own.free * agreement.travel;
+        let order = own.order.map_or_else(|| "–".to_owned(), |order| format!("{order:.3}"));
+        let cells = [error, own.free, own.energy, own.equations].map(|value| format!("{value:.1e}"));
+        let [error, free, energy, equations] = cells;
+        engines.row([own.engine.name().to_owned(), order, error, free, energy, equations]);
+    }
+    text.push_str(&engines.render(2));
+    if !agreement.pairs.is_empty() {
+        let mut pairs = Table::new(&[
+            ("engines", Align::Left),
+            ("free motion", Align::Right),
+            ("closed loop", Align::Right),
+            ("at joint", Align::Left),
+        ]);
+        for pair in &agreement.pairs {
+            let most = pair.largest();
+            let joint = pair.closed_loop.iter().position(|&d| d == most);
+            let place = joint.map_or_else(String::new, |joint| {
+                let effort = pair.closed_loop_effort[joint];
+                let unit = loaded.robot.joints()[joint].kind.effort_unit();
+                format!("\"{}\", where efforts differ by {} {unit} at most", agreement.joints[joint], number(effort))
+            });
+            let (first, second) = pair.engines;
+            pairs.row([
+                format!("{} – {}", first.name(), second.name()),
+                format!("{:.1e}", pair.free),
+                format!("{most:.1e}"),
+                place,
+            ]);
+        }
+        let _ = write!(text, "\n  largest distance of a joint, rad (m)\n{}", pairs.render(2));
+    }
+    for absent in &agreement.absent {
+        let _ = write!(text, "\n  {} is absent: {}\n", absent.engine.name(), absent.reason);
+    }
+    if breaches.is_empty() {
+        text.push_str("\n  every tolerance is kept\n");
+    }
+    for Breach { engine, quantity, found, allowed: (low, high) } in breaches {
+        let found = found.map_or_else(|| "not measurable".to_owned(), number);
+        let _ = writeln!(
+            text,
+            "\n  {}: {quantity} is {found}, expected {} to {}",
+            engine.name(),
+            number(*low),
+            number(*high)
+        );
+    }
+    let _ = writeln!(text, "  {}", PathBuf::from(drawn).display());
+    text
+}
+
+/// Error against step on logarithmic axes, with the slopes 1 and 4 that the methods promise.
+fn figure(agreement: &Agreement) -> ScatterFigure {
+    let names = agreement.engines.iter().map(|own| own.engine.name());
+    let groups: Vec<ScatterGroup> = Group::assign(names)
+        .into_iter()
+        .zip(&agreement.engines)
+        .map(|(group, own)| ScatterGroup {
+            label: own.order.map_or(group.label.clone(), |order| format!("{}, order {order:.2}", group.label)),
+            style: group.style,
+            // An error of zero cannot stand on a logarithmic axis.
+            points: own
+                .errors
+                .iter()
+                .filter(|point| point.error > 0.0)
+                .map(|point| ScatterPoint::new(point.step_s, point.error))
+                .collect(),
+        })
+        .collect();
+    let lines = agreement.engines.iter().filter_map(|own| {
+        let (order, first) = (own.order?.round(), own.errors.first()?);
+        let floor = agreement.reference_error.max(f64::EPSILON);
+        let last = own.errors.iter().rev().find(|point| point.error > 10.0 * floor)?;
+        let slope = (last.step_s / first.step_s).powf(order);
+        let from = (first.step_s, last.error / slope);
+        Some(Reference::Segment { from, to: (last.step_s, last.error), label: format!("slope {order}") })
+    });
+    ScatterFigure {
+        heading: Heading::new("convergence", "The engines converge to one motion, each with its own order")
+            .subtitle(format!(
+                "{}: free motion over {} s from random states, no friction",
+                agreement.robot,
+                number(agreement.horizon_s)
+            ))
+            .caption(
+                "Points: largest distance of a joint from a reference by articulated bodies and fine steps. Lines: \
+                 the slope that belongs to the order of each method, through its finest error above rounding.",
+            ),
+        columns: 1,
+        panels: vec![ScatterPanel {
+            title: String::new(),
+            x: Axis::log("step", "s"),
+            y: Axis::log("largest error", "rad (m)"),
+            references: lines.collect(),
+            groups,
+        }],
+    }
+}

@@ -1,0 +1,105 @@
+//! The engines, listed once.
+
+use armid::experiment::Plant;
+use armid::model::{Robot, StandardParameters};
+
+use crate::{AnalyticPlant, RapierPlant};
+
+/// An engine that turns joint torques into motion.
+///
+/// ```
+/// use armid_sim::Engine;
+/// assert_eq!(Engine::parse("rapier"), Some(Engine::Rapier));
+/// assert!(Engine::ALL.iter().all(|engine| Engine::parse(engine.name()) == Some(*engine)));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Engine {
+    /// Equations of motion of this project, Runge–Kutta of order 4.
+    Analytic,
+    /// Multibody joints of the physics engine rapier, a method of order 1.
+    Rapier,
+}
+
+/// Why an engine cannot simulate a robot.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[error("{}: {reason}", engine.name())]
+pub struct EngineFault {
+    /// Which engine.
+    pub engine: Engine,
+    /// What it says.
+    pub reason: String,
+}
+
+impl Engine {
+    /// Every engine.
+    pub const ALL: [Self; 2] = [Self::Analytic, Self::Rapier];
+
+    /// Its name on the command line and in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Analytic => "analytic",
+            Self::Rapier => "rapier",
+        }
+    }
+
+    /// The engine of this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|engine| engine.name() == name)
+    }
+
+    /// A plant of this robot with these, true, parameters, at rest at zero.
+    ///
+    /// # Errors
+    /// [`EngineFault`] where the engine cannot simulate it.
+    pub fn plant(self, robot: &Robot, parameters: &StandardParameters) -> Result<Box<dyn Plant>, EngineFault> {
+        match self {
+            Self::Analytic => self.boxed(AnalyticPlant::new(robot, parameters)),
+            Self::Rapier => self.boxed(RapierPlant::new(robot, parameters)),
+        }
+    }
+
+    fn boxed<P: Plant + 'static>(
+        self,
+        plant: Result<P, impl std::fmt::Display>,
+    ) -> Result<Box<dyn Plant>, EngineFault> {
+        plant.map(|plant| Box::new(plant) as Box<dyn Plant>).map_err(|fault| self.fault(&fault))
+    }
+
+    fn fault(self, reason: &impl std::fmt::Display) -> EngineFault {
+        EngineFault { engine: self, reason: reason.to_string() }
+    }
+
+    /// Efforts with which the core's Newton–Euler reproduces the engine's motion, less those that made it: zero where
+    /// both have the same equations; n, N·m (N).
+    ///
+    /// `tau` acts at the state `(q, qd)`; the engine's accelerations go into the core's inverse dynamics.
+    pub(crate) fn torque_residual(
+        self,
+        robot: &Robot,
+        parameters: &StandardParameters,
+        (q, qd, tau): (&[f64], &[f64], &[f64]),
+    ) -> Result<Vec<f64>, EngineFault> {
+        let mut qdd = vec![0.0; q.len()];
+        match self {
+            Self::Analytic => {
+                let mut plant = AnalyticPlant::new(robot, parameters).map_err(|fault| self.fault(&fault))?;
+                plant.reset(q, qd);
+                plant.acceleration(tau, &mut qdd);
+            }
+            Self::Rapier => {
+                let mut plant = RapierPlant::new(robot, parameters).map_err(|fault| self.fault(&fault))?;
+                plant.reset(q, qd);
+                plant.acceleration(tau, &mut qdd);
+            }
+        }
+        let mut residual = vec![0.0; q.len()];
+        armid::dynamics::Dynamics::new(robot, parameters).inverse(q, qd, &qdd, &mut residual);
+        for (own, tau) in residual.iter_mut().zip(tau) {
+            *own -= tau;
+        }
+        Ok(residual)
+    }
+}
