@@ -1,0 +1,149 @@
+//! `armid study` from plan to report: equal bytes for any number of threads, in parts, and after an interruption.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use std::collections::BTreeMap;
+use std::path::Path;
+use std::process::Output;
+
+/// A study of seconds: a planar arm, two families, two designs each, three runs.
+const PLAN: &str = r#"
+name = "tiny"
+question = "Does the chain hold together?"
+robot = "planar-2r"
+seed = 3
+runs = 3
+
+[experiment]
+period_s = 2.0
+harmonics = 3
+rate_hz = 1000.0
+periods = 3
+discarded_periods = 1
+
+[identification]
+columns = "rigid+rotor+friction"
+derivatives = "fourier"
+samples_per_period = 200
+estimators = ["ols", "wls"]
+
+[validation]
+trajectories = 2
+samples = 50
+
+[reference]
+mass_kg = 0.1
+first_moment_kg_m = 0.02
+inertia_kg_m2 = 0.01
+viscous_nm_s_rad = 0.1
+torque_nm = 0.1
+
+[[design]]
+name = "condition"
+making = "optimised"
+criterion = "condition"
+starts = 2
+evaluations = 20
+
+[[design]]
+name = "random"
+making = "random"
+criterion = "condition"
+starts = 2
+evaluations = 5
+"#;
+
+fn armid(folder: &Path, arguments: &[&str]) -> Output {
+    assert_cmd::Command::new(assert_cmd::cargo::cargo_bin!("armid"))
+        .current_dir(folder)
+        .args(arguments)
+        .output()
+        .unwrap()
+}
+
+fn succeeds(folder: &Path, arguments: &[&str]) {
+    let output = armid(folder, arguments);
+    assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
+}
+
+/// Every file below a folder but those that hold wall times and dates.
+fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let mut found = BTreeMap::new();
+    let mut open = vec![folder.to_path_buf()];
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(&next).unwrap() {
+            let path = entry.unwrap().path();
+            if path.is_dir() {
+                open.push(path);
+            } else {
+                let name = path.strip_prefix(folder).unwrap().display().to_string();
+                if !["timing.parquet", "provenance.json"].contains(&name.as_str()) {
+                    found.insert(name, std::fs::read(&path).unwrap());
+                }
+            }
+        }
+    }
+    found
+}
+
+fn with_plan() -> tempfile::TempDir {
+    let folder = tempfile::tempdir().unwrap();
+    std::fs::write(folder.path().join("study.toml"), PLAN).unwrap();
+    folder
+}
+
+#[test]
+fn identity_threads_parts_and_resume_give_the_same_bytes() {
+    let folder = with_plan();
+    let at = folder.path();
+    succeeds(at, &["study", "study.toml", "--jobs", "1", "-o", "one"]);
+    succeeds(at, &["study", "study.toml", "--jobs", "2", "-o", "two"]);
+    let one = files(&at.join("one"));
+    assert!(
+        ["runs.parquet", "parameters.parquet", "summary.json", "study.toml", "report/report.html"]
+            .iter()
+            .all(|f| one.contains_key(*f))
+    );
+    assert!(one == files(&at.join("two")), "one and two threads differ");
+
+    succeeds(at, &["study", "study.toml", "--shard", "1/2", "-o", "part1"]);
+    succeeds(at, &["study", "study.toml", "--shard", "2/2", "-o", "part2"]);
+    let half = armid(at, &["study", "merge", "part1", "-o", "half"]);
+    assert_eq!(half.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&half.stderr).contains("6 runs are in none of the folders"));
+    succeeds(at, &["study", "merge", "part1", "part2", "-o", "merged"]);
+    assert!(one == files(&at.join("merged")), "the merged parts differ from the whole");
+
+    // A journal cut in the middle of a line, as a kill leaves it.
+    let journal = std::fs::read_to_string(at.join("part1/journal.jsonl")).unwrap();
+    std::fs::create_dir(at.join("killed")).unwrap();
+    std::fs::write(at.join("killed/journal.jsonl"), &journal[..journal.len() - 40]).unwrap();
+    succeeds(at, &["study", "study.toml", "--resume", "-o", "killed"]);
+    assert!(one == files(&at.join("killed")), "the resumed study differs from the whole");
+
+    // The report can be drawn again from what is stored.
+    succeeds(at, &["report", "one", "-o", "again"]);
+    let page = std::fs::read(at.join("again/report.html")).unwrap();
+    assert!(page == one["report/report.html"]);
+}
+
+#[test]
+fn faults_of_a_plan_name_line_and_column() {
+    let folder = with_plan();
+    let broken = PLAN.replace("\"ols\", \"wls\"", "\"ols\", \"wsl\"");
+    std::fs::write(folder.path().join("broken.toml"), broken).unwrap();
+    let output = armid(folder.path(), &["study", "broken.toml"]);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert_eq!(output.status.code(), Some(2), "{text}");
+    assert!(text.contains("broken.toml:19:23") && text.contains("wsl") && text.contains("wls"), "{text}");
+
+    let output = armid(folder.path(), &["study", "01-criterion"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("01-criteria"));
+
+    // Stored work of another plan is not gone on with.
+    succeeds(folder.path(), &["study", "study.toml", "--shard", "1/4", "-o", "out"]);
+    let output = armid(folder.path(), &["study", "study.toml", "--runs", "2", "--resume", "-o", "out"]);
+    assert_eq!(output.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&output.stderr).contains("another plan"));
+}
