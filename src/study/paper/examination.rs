@@ -14,7 +14,7 @@ use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::Samples;
 use crate::study::statistics::{Interval, mean, quantile, rank_correlation, root_mean_square, t_interval};
-use crate::study::{Findings, Making, Metric, Stage, StudyDesign, StudyError, Truth, feasible_ranges};
+use crate::study::{FamilyScore, Findings, Making, Metric, Stage, StudyDesign, StudyError, Truth, feasible_ranges};
 
 /// Makes an arm with these sensors for one run.
 pub type Performer<'a> = &'a (dyn Fn(&Sensing, Seed, u64) -> Result<Box<dyn Arm>, String> + Sync);
@@ -295,7 +295,10 @@ fn criterion_claim(stage: &Stage, findings: &Findings) -> Claim {
                 && [&c.first, &c.second].contains(&&d)
         })
     });
-    let runs = findings.families.first().map_or(0, |f| f.runs);
+    let runs = |name: &str| {
+        let family = |f: &&FamilyScore| f.family == name && f.estimator == EstimatorKind::Wls.name();
+        findings.families.iter().find(family).map_or(0, |f| f.runs)
+    };
     let verdict = match comparison.and_then(|c| c.better.as_deref()) {
         Some("condition") => Verdict::Holds,
         Some(_) => Verdict::DoesNotHold,
@@ -310,8 +313,12 @@ fn criterion_claim(stage: &Stage, findings: &Findings) -> Claim {
             .to_owned(),
         quantities: comparison
             .map(|c| {
-                Quantity::new(format!("prediction RMSE, {} over {}", c.first, c.second), c.difference, runs)
-                    .with_interval(c.interval)
+                Quantity::new(
+                    format!("prediction RMSE, {} over {}", c.first, c.second),
+                    c.difference,
+                    runs(&c.first) + runs(&c.second),
+                )
+                .with_interval(c.interval)
             })
             .into_iter()
             .collect(),
