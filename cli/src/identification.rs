@@ -34,7 +34,7 @@ pub(crate) struct LogArguments {
     #[arg(long, value_name = "HZ", help_heading = "Processing")]
     pub(crate) cutoff_hz: Option<f64>,
     /// Samples of the averaged period that are kept
-    #[arg(long, value_name = "N", default_value_t = 1000, help_heading = "Processing")]
+    #[arg(long, value_name = "N", default_value_t = 250, help_heading = "Processing")]
     pub(crate) samples: usize,
 }
 

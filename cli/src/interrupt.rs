@@ -22,9 +22,3 @@ pub(crate) fn watch() -> Result<()> {
 pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
-
-/// The flag itself, for work that looks at it on its own.
-#[allow(dead_code, reason = "for work that takes a flag")]
-pub(crate) fn flag() -> &'static AtomicBool {
-    &ASKED
-}

@@ -1,6 +1,7 @@
 //! Criterion value against achieved error, and the spread of the error by criterion.
 
-use armid::study::{StudyDesign, StudyStory};
+use armid::study::statistics::Spread;
+use armid::study::{FamilyScore, StudyDesign, StudyStory};
 
 use super::page::shown_estimator;
 use crate::{
@@ -59,37 +60,24 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
         columns: 3,
         panels,
     };
-    let mut rows: Vec<BoxRow> = Vec::new();
-    for name in &result.plan.identification.estimators {
-        rows.push(BoxRow {
-            label: name.clone(),
-            cells: groups
-                .iter()
-                .map(|group| {
-                    let family =
-                        result.findings.families.iter().find(|f| f.estimator == *name && f.family == group.label)?;
-                    let s = family.prediction_spread?;
-                    Some(Distribution::of(Quantiles {
-                        low: s.low,
-                        q1: s.lower_quartile,
-                        median: s.median,
-                        q3: s.upper_quartile,
-                        high: s.high,
-                    }))
-                })
-                .collect(),
-        });
-    }
-    let boxes = BoxFigure {
-        heading: Heading::new("error-by-criterion", "Torque prediction error by criterion")
+    let prediction = boxes(
+        story,
+        &groups,
+        Heading::new("error-by-criterion", "Torque prediction error by criterion")
             .subtitle("all designs and runs of each family")
             .caption("RMSE on validation trajectories, all joints. Box: quartiles and median; whiskers: 5 % and 95 % quantiles over runs."),
-        value: Axis::log("prediction RMSE", "N·m"),
-        whiskers: "5 % to 95 %".to_owned(),
-        groups,
-        rows,
-        levels: Vec::new(),
-    };
+        Axis::log("prediction RMSE", "N·m"),
+        |family| family.prediction_spread,
+    );
+    let parameters = boxes(
+        story,
+        &groups,
+        Heading::new("parameter-error-by-criterion", "Parameter error by criterion")
+            .subtitle("all designs and runs of each family, in the declared reference units")
+            .caption("RMS over the base parameters of the error in reference units. Box: quartiles and median; whiskers: 5 % and 95 % quantiles over runs."),
+        Axis::log("parameter RMSE", "reference units"),
+        |family| family.reference_spread,
+    );
     let mut table = Table::new(
         "Does a design's own value foretell its error? Spearman's rank correlation over designs; the criteria are oriented so that smaller is better, so a useful one has a value near 1.",
         vec![
@@ -107,5 +95,36 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
             f.rank_correlation.map_or(Cell::Missing, |r| Cell::fixed(r, 2)),
         ]);
     }
-    Ok(Section::new("Criteria and errors").figure(&boxes)?.figure(&scatter)?.table(table))
+    Ok(Section::new("Criteria and errors").figure(&prediction)?.figure(&parameters)?.figure(&scatter)?.table(table))
+}
+
+/// One box per family and estimator.
+fn boxes(
+    story: &StudyStory,
+    groups: &[Group],
+    heading: Heading,
+    value: Axis,
+    spread: fn(&FamilyScore) -> Option<Spread>,
+) -> BoxFigure {
+    let result = &story.result;
+    let cell = |estimator: &str, group: &Group| {
+        let family = result.findings.families.iter().find(|f| f.estimator == estimator && f.family == group.label)?;
+        let s = spread(family)?;
+        let (q1, q3) = (s.lower_quartile, s.upper_quartile);
+        Some(Distribution::of(Quantiles { low: s.low, q1, median: s.median, q3, high: s.high }))
+    };
+    BoxFigure {
+        heading,
+        value,
+        whiskers: "5 % to 95 %".to_owned(),
+        groups: groups.to_vec(),
+        rows: result
+            .plan
+            .identification
+            .estimators
+            .iter()
+            .map(|name| BoxRow { label: name.clone(), cells: groups.iter().map(|group| cell(name, group)).collect() })
+            .collect(),
+        levels: Vec::new(),
+    }
 }
