@@ -12,7 +12,21 @@
 //! There is no feed-forward, as in the plainest vendor controllers: a motion of angular frequency `w ≪ ω` under a
 //! torque `τ` is followed with an error of about `(τ − J q̈) / Kp`, less what the integral takes.
 
-use crate::model::ServoTuning;
+use crate::model::{Robot, ServoTuning};
+
+/// The pose at which gains are placed: every joint a quarter of its range above the middle of it, 45° where it has no
+/// limits. An arm with its elbow half bent, neither folded nor stretched; n, rad (m).
+#[must_use]
+pub fn gain_pose(robot: &Robot) -> Vec<f64> {
+    robot
+        .joints()
+        .iter()
+        .map(|joint| {
+            let (low, high) = joint.limits.position;
+            if (high - low).is_finite() { low + 0.75 * (high - low) } else { std::f64::consts::FRAC_PI_4 }
+        })
+        .collect()
+}
 
 /// The controllers of all motors, in motor coordinates after the gear.
 #[derive(Clone, Debug)]
@@ -103,6 +117,11 @@ mod tests {
 
     fn pid(limit: f64) -> JointPid {
         JointPid::new(&ServoTuning::default(), &[2.0], &[15.0], &[limit])
+    }
+
+    #[test]
+    fn analytic_gain_pose_is_three_quarters_up_the_range() {
+        assert!((gain_pose(&crate::experiment::hinges::single())[0] - 1.5).abs() < 1e-15);
     }
 
     #[test]

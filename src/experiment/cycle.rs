@@ -219,3 +219,59 @@ impl Cycle {
         Some(Divergence::Speed { joint: self.joints[i].clone(), found: qd[i].abs(), limit: self.runaway[i] / 10.0 })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::hinges::{self, FlyWheels};
+    use crate::experiment::{Arm, ExperimentPlan, Plant, PlantError, Recording, Servo};
+
+    fn servo<P: Plant>(plant: P) -> Servo<P> {
+        Servo::new(&hinges::single(), &hinges::parameters(1), plant).unwrap()
+    }
+
+    #[test]
+    fn a_sink_can_stop_and_a_runaway_ends_with_its_reason() {
+        struct Until(f64);
+        impl Sink for Until {
+            fn begin(&mut self, _: &Recording) {}
+            fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
+                if sample.t < self.0 { Flow::Continue } else { Flow::Stop }
+            }
+        }
+        let plan = ExperimentPlan { settle_s: 0.2, ramp_s: 0.5, ..ExperimentPlan::new(hinges::trajectory(1)) };
+        let ending = servo(FlyWheels::new(1)).perform(&plan, &mut Until(0.5)).unwrap();
+        assert_eq!(ending, Ending::Stopped { t: 0.5, phase: Phase::RampIn });
+
+        /// A plant that sets off by itself.
+        struct Runaway(FlyWheels, f64);
+        impl Plant for Runaway {
+            fn dof(&self) -> usize {
+                1
+            }
+            fn state(&self) -> (&[f64], &[f64]) {
+                self.0.state()
+            }
+            fn reset(&mut self, q: &[f64], qd: &[f64]) {
+                self.0.reset(q, qd);
+            }
+            fn step(&mut self, _: &[f64], dt: f64) -> Result<(), PlantError> {
+                self.0.step(&[self.1], dt)
+            }
+        }
+        for torque in [1e4, f64::NAN] {
+            let plant = Runaway(FlyWheels::new(1), torque);
+            let ending = servo(plant).perform(&plan, &mut Until(9e9)).unwrap();
+            match ending {
+                Ending::Diverged { reason: Divergence::Speed { found, limit, .. }, t, .. } => {
+                    // 1e4 N·m on 2 kg·m² passes 30 rad/s after 6 ms.
+                    assert!(torque.is_finite() && found > 10.0 * limit && (0.005..0.008).contains(&t));
+                }
+                Ending::Diverged { reason: Divergence::Plant(PlantError::NotFinite { joint: 1, .. }), .. } => {
+                    assert!(torque.is_nan());
+                }
+                other => panic!("{other:?}"),
+            }
+        }
+    }
+}
