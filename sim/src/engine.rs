@@ -1,9 +1,10 @@
 //! The engines, listed once.
 
+use armid::dynamics::Dynamics;
 use armid::experiment::Plant;
 use armid::model::{Robot, StandardParameters};
 
-use crate::{AnalyticPlant, RapierPlant};
+use crate::{AnalyticPlant, MujocoModel, MujocoPlant, RapierPlant};
 
 /// An engine that turns joint torques into motion.
 ///
@@ -19,6 +20,8 @@ pub enum Engine {
     Analytic,
     /// Multibody joints of the physics engine rapier, a method of order 1.
     Rapier,
+    /// MuJoCo's forward dynamics, Runge–Kutta of order 4; its library is loaded when it is first asked for.
+    Mujoco,
 }
 
 /// Why an engine cannot simulate a robot.
@@ -33,7 +36,7 @@ pub struct EngineFault {
 
 impl Engine {
     /// Every engine.
-    pub const ALL: [Self; 2] = [Self::Analytic, Self::Rapier];
+    pub const ALL: [Self; 3] = [Self::Analytic, Self::Rapier, Self::Mujoco];
 
     /// Its name on the command line and in files.
     #[must_use]
@@ -41,6 +44,7 @@ impl Engine {
         match self {
             Self::Analytic => "analytic",
             Self::Rapier => "rapier",
+            Self::Mujoco => "mujoco",
         }
     }
 
@@ -58,6 +62,7 @@ impl Engine {
         match self {
             Self::Analytic => self.boxed(AnalyticPlant::new(robot, parameters)),
             Self::Rapier => self.boxed(RapierPlant::new(robot, parameters)),
+            Self::Mujoco => self.boxed(MujocoPlant::new(robot, parameters)),
         }
     }
 
@@ -72,34 +77,41 @@ impl Engine {
         EngineFault { engine: self, reason: reason.to_string() }
     }
 
-    /// Efforts with which the core's Newton–Euler reproduces the engine's motion, less those that made it: zero where
-    /// both have the same equations; n, N·m (N).
+    /// Efforts by which the engine's equations of motion differ from the core's Newton–Euler; n, N·m (N).
     ///
-    /// `tau` acts at the state `(q, qd)`; the engine's accelerations go into the core's inverse dynamics.
+    /// `tau` is what Newton–Euler asks for at `(q, qd, qdd)`. An engine with inverse dynamics of its own, MuJoCo's
+    /// `mj_inverse`, is asked for the same; of another the accelerations under `tau` go back into Newton–Euler.
+    /// `parameters` without friction.
     pub(crate) fn torque_residual(
         self,
         robot: &Robot,
         parameters: &StandardParameters,
-        (q, qd, tau): (&[f64], &[f64], &[f64]),
+        (q, qd, qdd): (&[f64], &[f64], &[f64]),
+        tau: &[f64],
     ) -> Result<Vec<f64>, EngineFault> {
-        let mut qdd = vec![0.0; q.len()];
+        let (mut found, mut efforts) = (vec![0.0; q.len()], vec![0.0; q.len()]);
         match self {
             Self::Analytic => {
                 let mut plant = AnalyticPlant::new(robot, parameters).map_err(|fault| self.fault(&fault))?;
                 plant.reset(q, qd);
-                plant.acceleration(tau, &mut qdd);
+                plant.acceleration(tau, &mut found);
             }
             Self::Rapier => {
                 let mut plant = RapierPlant::new(robot, parameters).map_err(|fault| self.fault(&fault))?;
                 plant.reset(q, qd);
-                plant.acceleration(tau, &mut qdd);
+                plant.acceleration(tau, &mut found);
+            }
+            Self::Mujoco => {
+                let mut model = MujocoModel::new(robot, parameters).map_err(|fault| self.fault(&fault))?;
+                model.inverse(q, qd, qdd, &mut efforts);
             }
         }
-        let mut residual = vec![0.0; q.len()];
-        armid::dynamics::Dynamics::new(robot, parameters).inverse(q, qd, &qdd, &mut residual);
-        for (own, tau) in residual.iter_mut().zip(tau) {
-            *own -= tau;
+        if self != Self::Mujoco {
+            Dynamics::new(robot, parameters).inverse(q, qd, &found, &mut efforts);
         }
-        Ok(residual)
+        for (effort, tau) in efforts.iter_mut().zip(tau) {
+            *effort -= tau;
+        }
+        Ok(efforts)
     }
 }

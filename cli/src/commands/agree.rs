@@ -6,9 +6,11 @@ use std::path::{Path, PathBuf};
 use armid::excitation::FourierTrajectory;
 use armid::experiment::ExperimentPlan;
 use armid::seed::Seed;
-use armid_reports::{Axis, Figure, Group, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
+use armid_reports::{
+    Axis, Figure, Group, GroupStyle, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint,
+};
 use armid_sim::Engine;
-use armid_sim::agreement::{Agreement, Breach, Case, agree, safe_motion};
+use armid_sim::agreement::{Absent, Agreement, Breach, Case, agree, safe_motion};
 use miette::Result;
 use serde_json::{Value, json};
 
@@ -58,10 +60,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     plan.check(loaded.robot.dof()).map_err(|fault| Fault::new(fault.to_string()))?;
     let case = Case { robot: &loaded.robot, nominal: &nominal, truth: &truth, plan: &plan, seed };
     let agreement = agree(&case, &Engine::ALL);
-    if let [absent, ..] = &agreement.absent[..]
-        && agreement.engines.is_empty()
-    {
-        return Err(Fault::new(format!("{}: {}", absent.engine.name(), absent.reason)).into());
+    if let (true, Some(first)) = (agreement.engines.is_empty(), agreement.absent.first().or(agreement.failed.first())) {
+        return Err(Fault::new(format!("{}: {}", first.engine.name(), first.reason)).into());
     }
     let breaches = agreement.breaches();
     let folder = console
@@ -74,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     atomic_file::write_text(&folder.join("agreement.json"), &pretty(&json))?;
     atomic_file::write_text(&drawn, &svg)?;
     console.show(&Answer { text: text(&agreement, &breaches, &loaded, &drawn), json })?;
-    Ok(if breaches.is_empty() && agreement.absent.is_empty() { Ending::Done } else { Ending::Negative })
+    Ok(if agreement.holds() { Ending::Done } else { Ending::Negative })
 }
 
 fn motion(
@@ -96,7 +96,7 @@ fn motion(
 fn answer(agreement: &Agreement, breaches: &[Breach]) -> Result<Value> {
     let fault = |error: serde_json::Error| Fault::new(format!("the certificate cannot be written: {error}"));
     let mut json = serde_json::to_value(agreement).map_err(fault)?;
-    json["agrees"] = json!(breaches.is_empty());
+    json["agrees"] = json!(agreement.holds());
     json["breaches"] = serde_json::to_value(breaches).map_err(fault)?;
     Ok(json)
 }
@@ -150,10 +150,12 @@ fn text(agreement: &Agreement, breaches: &[Breach], loaded: &LoadedRobot, drawn:
         }
         let _ = write!(text, "\n  largest distance of a joint, rad (m)\n{}", pairs.render(2));
     }
-    for absent in &agreement.absent {
-        let _ = write!(text, "\n  {} is absent: {}\n", absent.engine.name(), absent.reason);
+    for (what, engines) in [("is absent", &agreement.absent), ("broke off", &agreement.failed)] {
+        for Absent { engine, reason } in engines {
+            let _ = write!(text, "\n  {} {what}: {reason}\n", engine.name());
+        }
     }
-    if breaches.is_empty() {
+    if agreement.holds() {
         text.push_str("\n  every tolerance is kept\n");
     }
     for Breach { engine, quantity, found, allowed: (low, high) } in breaches {
@@ -178,7 +180,7 @@ fn figure(agreement: &Agreement) -> ScatterFigure {
         .zip(&agreement.engines)
         .map(|(group, own)| ScatterGroup {
             label: own.order.map_or(group.label.clone(), |order| format!("{}, order {order:.2}", group.label)),
-            style: group.style,
+            style: GroupStyle { ..group.style },
             // An error of zero cannot stand on a logarithmic axis.
             points: own
                 .errors

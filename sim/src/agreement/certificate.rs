@@ -43,8 +43,10 @@ pub struct Agreement {
     pub engines: Vec<EngineAgreement>,
     /// Every two of them.
     pub pairs: Vec<PairDifference>,
-    /// The engines that were not.
+    /// The engines that cannot simulate this robot here.
     pub absent: Vec<Absent>,
+    /// The engines whose motion did not go on to the end.
+    pub failed: Vec<Absent>,
 }
 
 /// What one engine does.
@@ -86,7 +88,7 @@ impl PairDifference {
     }
 }
 
-/// An engine that could not take part.
+/// An engine that is not compared.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Absent {
     /// Which engine.
@@ -110,7 +112,8 @@ pub struct Breach {
 
 /// Measures how far these engines agree.
 ///
-/// An engine that cannot simulate the robot is absent, with the reason; the others are compared.
+/// An engine that cannot simulate the robot is absent, one that breaks off has failed, each with the reason; the others
+/// are compared.
 #[must_use]
 pub fn agree(case: &Case<'_>, engines: &[Engine]) -> Agreement {
     let mut smooth = case.truth.clone();
@@ -118,12 +121,16 @@ pub fn agree(case: &Case<'_>, engines: &[Engine]) -> Agreement {
         *drive = DriveParameters { rotor: drive.rotor, ..DriveParameters::default() };
     }
     let motion = FreeMotion::new(case.robot, &smooth, case.seed);
-    let mut absent = Vec::new();
+    let (mut absent, mut failed) = (Vec::new(), Vec::new());
     let mut present = Vec::new();
     for &engine in engines {
+        if let Err(EngineFault { engine, reason }) = engine.plant(case.robot, case.truth) {
+            absent.push(Absent { engine, reason });
+            continue;
+        }
         match measure(case, &smooth, &motion, engine) {
             Ok(measured) => present.push(measured),
-            Err(EngineFault { engine, reason }) => absent.push(Absent { engine, reason }),
+            Err(EngineFault { engine, reason }) => failed.push(Absent { engine, reason }),
         }
     }
     let mut pairs = Vec::new();
@@ -148,6 +155,7 @@ pub fn agree(case: &Case<'_>, engines: &[Engine]) -> Agreement {
         engines: present.into_iter().map(|(engine, ..)| engine).collect(),
         pairs,
         absent,
+        failed,
     }
 }
 
@@ -186,6 +194,12 @@ fn by_joint(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<f64> {
 }
 
 impl Agreement {
+    /// Whether every engine that is there went on to the end and kept its tolerances.
+    #[must_use]
+    pub fn holds(&self) -> bool {
+        self.failed.is_empty() && self.breaches().is_empty()
+    }
+
     /// Every tolerance that is not kept; empty where the engines agree.
     #[must_use]
     pub fn breaches(&self) -> Vec<Breach> {

@@ -1,7 +1,8 @@
-//! The engine's accelerations, put back into the core's Newton–Euler.
+//! The engine's equations of motion against the core's Newton–Euler, as torques.
 
 use armid::dynamics::Dynamics;
 use armid::model::{Robot, StandardParameters};
+use armid::seed::Seed;
 use rand::RngExt;
 
 use super::free_motion::draw_state;
@@ -16,7 +17,7 @@ pub(super) fn residual(
     engine: Engine,
     robot: &Robot,
     parameters: &StandardParameters,
-    seed: armid::seed::Seed,
+    seed: Seed,
 ) -> Result<f64, EngineFault> {
     let mut dynamics = Dynamics::new(robot, parameters);
     let mut most: f64 = 0.0;
@@ -27,7 +28,7 @@ pub(super) fn residual(
         let mut tau = vec![0.0; q.len()];
         dynamics.inverse(&q, &qd, &qdd, &mut tau);
         let size = tau.iter().fold(f64::MIN_POSITIVE, |size, tau| size.max(tau.abs()));
-        for residual in engine.torque_residual(robot, parameters, (&q, &qd, &tau))? {
+        for residual in engine.torque_residual(robot, parameters, (&q, &qd, &qdd), &tau)? {
             // NaN must not be lost on the way.
             let ratio = residual.abs() / size;
             most = if ratio <= most { most } else { ratio };
