@@ -6,9 +6,7 @@ use std::path::{Path, PathBuf};
 use armid::excitation::FourierTrajectory;
 use armid::experiment::ExperimentPlan;
 use armid::seed::Seed;
-use armid_reports::{
-    Axis, Figure, Group, GroupStyle, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint,
-};
+use armid_reports::{Axis, Figure, Group, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
 use armid_sim::Engine;
 use armid_sim::agreement::{Absent, Agreement, Breach, Case, agree, safe_motion};
 use miette::Result;
@@ -180,7 +178,7 @@ fn figure(agreement: &Agreement) -> ScatterFigure {
         .zip(&agreement.engines)
         .map(|(group, own)| ScatterGroup {
             label: own.order.map_or(group.label.clone(), |order| format!("{}, order {order:.2}", group.label)),
-            style: GroupStyle { ..group.style },
+            style: group.style,
             // An error of zero cannot stand on a logarithmic axis.
             points: own
                 .errors
