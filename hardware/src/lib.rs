@@ -1,0 +1,4 @@
+//! The real arm: its ROS 2 interface, the guard that every command passes, and the computer of a simulated robot.
+//!
+//! Nothing else in armid can move metal, and nothing here moves it except through the guard.
+#![forbid(unsafe_code)]
