@@ -1,6 +1,6 @@
 //! What performs an experiment, simulated or real, and where its samples go.
 
-use super::{ExperimentPlan, Phase, PlanError, PlantError, Recording};
+use super::{ExperimentPlan, Phase, PlanError, PlantError, Recording, SafeAction, TripReport};
 
 /// An arm that performs experiments: a servo around a simulated plant, a real robot, or a stored recording.
 ///
@@ -29,6 +29,20 @@ pub trait Sink {
 
     /// Takes one sample and says whether to go on.
     fn sample(&mut self, sample: &RawSample<'_>) -> Flow;
+
+    /// Hears that no sample has come for `age_s` by the local monotonic clock, and says whether to go on. An arm in
+    /// real time calls it at least every 5 ms while it waits; a simulated one, which never waits, does not.
+    fn idle(&mut self, age_s: f64) -> Flow {
+        let _ = age_s;
+        Flow::Continue
+    }
+
+    /// Hears a set-point (rad, m; n values) before it is sent, and says whether to send it. An arm that streams asks
+    /// for each one; one that hands its motion over whole does not. `age_s` is the time since the set-point was due.
+    fn command(&mut self, set_point: &[f64], age_s: f64) -> Flow {
+        let _ = (set_point, age_s);
+        Flow::Continue
+    }
 }
 
 /// Whether an experiment goes on.
@@ -38,6 +52,16 @@ pub enum Flow {
     Continue,
     /// Come to rest and end.
     Stop,
+    /// Take this action at once, command nothing else, and end.
+    Trip(SafeAction),
+}
+
+impl Flow {
+    /// Whether the experiment ends here.
+    #[must_use]
+    pub const fn ends(self) -> bool {
+        !matches!(self, Self::Continue)
+    }
 }
 
 /// What the sensors say at one moment, and what was asked for. All slices have length n.
@@ -77,6 +101,15 @@ pub enum Ending {
         phase: Phase,
         /// What went wrong.
         reason: Divergence,
+    },
+    /// A guard, ours or the robot's own, tripped and took its safe action.
+    Tripped {
+        /// Time of the last sample, s.
+        t: f64,
+        /// Phase of the last sample.
+        phase: Phase,
+        /// Which, why, and what was done.
+        trip: Box<TripReport>,
     },
 }
 
@@ -128,6 +161,16 @@ pub enum ArmError {
         /// What the recording has.
         found: String,
         /// What the plan has.
+        expected: String,
+    },
+    /// A check before the first motion did not pass.
+    #[error("preflight, {check}: found {found}, expected {expected}")]
+    Refused {
+        /// Name of the check.
+        check: &'static str,
+        /// What was found.
+        found: String,
+        /// What was expected.
         expected: String,
     },
     /// The arm itself cannot begin: no link, not homed, not enabled.

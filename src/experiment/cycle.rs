@@ -4,7 +4,7 @@
 use std::sync::Arc;
 
 use super::sensing::Sensors;
-use super::{CommandTable, Divergence, Ending, Flow, JointPid, Layout, Phase, RawSample, Sink, Tracking, Transmission};
+use super::{CommandTable, Divergence, Ending, JointPid, Layout, Phase, RawSample, Sink, Tracking, Transmission};
 use crate::model::{EffortInterface, Robot};
 
 /// The true state behind one sample, for tests, scoring and bounds; no sensor sees it. All slices have length n.
@@ -178,7 +178,7 @@ impl Cycle {
             observer(&TrueState { index, t, phase, q, qd, tau: &self.tau });
             let command = self.table.row(self.step - 1);
             let sample = RawSample { index, t, phase, q: &self.q_sample, effort: &self.effort_sample, command };
-            if sink.sample(&sample) == Flow::Stop {
+            if sink.sample(&sample).ends() {
                 return self.end(Ending::Stopped { t, phase });
             }
         }
@@ -224,7 +224,7 @@ impl Cycle {
 mod tests {
     use super::*;
     use crate::experiment::hinges::{self, FlyWheels};
-    use crate::experiment::{Arm, ExperimentPlan, Plant, PlantError, Recording, Servo};
+    use crate::experiment::{Arm, ExperimentPlan, Flow, Plant, PlantError, Recording, Servo};
 
     fn servo<P: Plant>(plant: P) -> Servo<P> {
         Servo::new(&hinges::single(), &hinges::parameters(1), plant).unwrap()

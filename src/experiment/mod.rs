@@ -28,6 +28,7 @@ mod sensing;
 mod servo;
 mod tracking;
 mod transmission;
+mod trip;
 #[cfg(test)]
 pub(crate) mod hinges;
 
@@ -45,3 +46,4 @@ pub use sensing::Sensing;
 pub use servo::{Servo, ServoError};
 pub use tracking::Tracking;
 pub use transmission::Transmission;
+pub use trip::{SafeAction, TripReport};

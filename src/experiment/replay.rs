@@ -1,6 +1,6 @@
 //! A stored recording as an arm.
 
-use super::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Sink};
+use super::{Arm, ArmError, Ending, ExperimentPlan, Phase, RawSample, Recording, Sink};
 use crate::excitation::Trajectory;
 
 /// Performs an experiment by playing what another arm once recorded.
@@ -50,7 +50,7 @@ impl Arm for Replay {
             let t = recording.t[k];
             let sample =
                 RawSample { index: k, t, phase, q: recording.q(k), effort: recording.effort(k), command: &command };
-            if sink.sample(&sample) == Flow::Stop {
+            if sink.sample(&sample).ends() {
                 return Ok(Ending::Stopped { t, phase });
             }
         }

@@ -182,8 +182,10 @@ impl Stage {
     /// The reason, as the study's rows state it.
     pub fn samples(&self, trajectory: &FourierTrajectory, arm: &mut dyn Arm) -> Result<Samples, String> {
         let (recording, ending) = record(arm, &self.experiment(trajectory)).map_err(|fault| format!("arm: {fault}"))?;
-        if let Ending::Diverged { t, reason, .. } = ending {
-            return Err(format!("diverged at t = {t:.3} s: {reason}"));
+        match ending {
+            Ending::Diverged { t, reason, .. } => return Err(format!("diverged at t = {t:.3} s: {reason}")),
+            Ending::Tripped { t, trip, .. } => return Err(format!("tripped at t = {t:.3} s: {trip}")),
+            Ending::Completed | Ending::Stopped { .. } => {}
         }
         process(&recording, &self.robot, &self.processing).map_err(|fault| format!("signal: {fault}"))
     }

@@ -110,7 +110,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     Ok(match performed.ending {
         PlanEnding::Completed => Ending::Done,
         PlanEnding::Stopped { .. } => Ending::Interrupted,
-        PlanEnding::Diverged { .. } => Ending::Negative,
+        PlanEnding::Diverged { .. } | PlanEnding::Tripped { .. } => Ending::Negative,
     })
 }
 
@@ -148,7 +148,21 @@ impl Done<'_> {
             PlanEnding::Completed => ("completed", String::new()),
             PlanEnding::Stopped { t, phase } => ("stopped", at(*t, *phase)),
             PlanEnding::Diverged { t, phase, reason } => ("diverged", format!("{}: {reason}", at(*t, *phase))),
+            PlanEnding::Tripped { t, phase, trip } => ("tripped", format!("{}: {trip}", at(*t, *phase))),
         }
+    }
+
+    /// Which guard tripped, why, and what it did; null where none did.
+    fn trip(&self) -> Value {
+        let PlanEnding::Tripped { t, phase, trip } = &self.performed.ending else { return Value::Null };
+        json!({
+            "name": trip.trip,
+            "reason": trip.reason,
+            "action": trip.action.name(),
+            "bound_ms": trip.bound_ms,
+            "t_s": t,
+            "phase": phase.name(),
+        })
     }
 
     fn json(&self) -> Value {
@@ -162,6 +176,7 @@ impl Done<'_> {
             "run": self.experiment.run,
             "ending": ending,
             "detail": detail,
+            "trip": self.trip(),
             "samples": self.samples,
             "rate_hz": plan.rate_hz,
             "period_s": plan.trajectory.period_s,

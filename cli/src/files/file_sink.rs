@@ -46,6 +46,10 @@ impl Sink for CsvSink<'_> {
         }
         if interrupt::asked() { Flow::Stop } else { Flow::Continue }
     }
+
+    fn idle(&mut self, _: f64) -> Flow {
+        if interrupt::asked() { Flow::Stop } else { Flow::Continue }
+    }
 }
 
 impl FileSink for CsvSink<'_> {

@@ -81,6 +81,7 @@ impl<'a> McapSink<'a> {
             Ending::Completed => ("completed", String::new()),
             Ending::Stopped { t, phase } => ("stopped", format!("at t = {t} s ({})", phase.name())),
             Ending::Diverged { t, phase, reason } => ("diverged", format!("at t = {t} s ({}): {reason}", phase.name())),
+            Ending::Tripped { t, phase, trip } => ("tripped", format!("at t = {t} s ({}): {trip}", phase.name())),
         };
         let record = [("ending", word.to_owned()), ("detail", detail), ("samples", open.samples.to_string())];
         let metadata = record.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
@@ -187,6 +188,10 @@ impl Sink for McapSink<'_> {
             return Flow::Stop;
         }
         (self.on_sample)(open.samples);
+        if interrupt::asked() { Flow::Stop } else { Flow::Continue }
+    }
+
+    fn idle(&mut self, _: f64) -> Flow {
         if interrupt::asked() { Flow::Stop } else { Flow::Continue }
     }
 }
