@@ -180,6 +180,7 @@ impl Chain {
             coupling: None,
             shapes: Vec::new(),
             obstacles: Vec::new(),
+            may_touch: Vec::new(),
         })
         .expect("a chain that Robot accepts");
         let mut parameters = StandardParameters::zero(robot.dof());

@@ -25,6 +25,7 @@ fn pendulum() -> (Robot, StandardParameters) {
         coupling: None,
         shapes: Vec::new(),
         obstacles: Vec::new(),
+        may_touch: Vec::new(),
     })
     .unwrap();
     let mut parameters = StandardParameters::zero(1);

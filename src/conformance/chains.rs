@@ -62,6 +62,7 @@ impl ChainRecipe {
             coupling,
             shapes: Vec::new(),
             obstacles: Vec::new(),
+            may_touch: Vec::new(),
         })
         .expect("a drawn chain is valid by construction");
         let mut parameters = StandardParameters::zero(self.dof);
@@ -99,6 +100,7 @@ impl ChainRecipe {
                 velocity: rng.random_range(1.0..3.0),
                 acceleration: rng.random_range(5.0..20.0),
                 torque: f64::INFINITY,
+                ..Limits::NONE
             },
             drive: Drive { coulomb_velocity: rng.random_range(0.02..0.2), ..Drive::ideal() },
         }
@@ -175,7 +177,7 @@ pub fn planar_2r() -> Robot {
             before,
             after,
             dh: Some((DhConvention::Standard, row)),
-            limits: Limits { position: (-3.0, 3.0), velocity: 3.0, acceleration: 20.0, torque: 50.0 },
+            limits: Limits { position: (-3.0, 3.0), velocity: 3.0, acceleration: 20.0, torque: 50.0, ..Limits::NONE },
             drive: Drive { coulomb_velocity: 0.05, ..Drive::ideal() },
         }
     };
@@ -187,6 +189,7 @@ pub fn planar_2r() -> Robot {
         coupling: None,
         shapes: Vec::new(),
         obstacles: Vec::new(),
+        may_touch: Vec::new(),
     })
     .expect("two distinct joints with positive limits")
 }

@@ -230,6 +230,7 @@ fn analytic_polar_arm_with_a_prismatic_joint() {
         coupling: None,
         shapes: Vec::new(),
         obstacles: Vec::new(),
+        may_touch: Vec::new(),
     })
     .unwrap();
     let m = 1.7;

@@ -141,7 +141,7 @@ mod tests {
         let mut robot = chains::planar_2r();
         robot = crate::excitation::fixtures::with_limits(
             &robot,
-            Limits { position: (-1.0, 2.0), velocity: 2.0, acceleration: 4.0, torque: 10.0 },
+            Limits { position: (-1.0, 2.0), velocity: 2.0, acceleration: 4.0, torque: 10.0, ..Limits::NONE },
         );
         let joint = |a: f64, q0: f64| FourierJoint { name: String::new(), a: vec![a], b: vec![0.0], q0 };
         let period = std::f64::consts::TAU;
@@ -161,7 +161,7 @@ mod tests {
     fn identity_shrunk_trajectories_are_inside() {
         let mut rng = Seed::new(8).stream("shrink", 0);
         let (robot, _) = chains::random_robot(&mut rng, 3);
-        let limits = Limits { position: (-0.7, 1.9), velocity: 1.5, acceleration: 5.0, torque: 1.0 };
+        let limits = Limits { position: (-0.7, 1.9), velocity: 1.5, acceleration: 5.0, torque: 1.0, ..Limits::NONE };
         let robot = crate::excitation::fixtures::with_limits(&robot, limits);
         for _ in 0..50 {
             let mut draw = |size: f64| (0..4).map(|_| rng.random_range(-size..size)).collect::<Vec<f64>>();

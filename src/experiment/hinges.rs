@@ -15,6 +15,7 @@ fn drive() -> Drive {
         gear: 100.0,
         torque_constant: 0.15,
         current_limit: 5.0,
+        continuous_current: f64::INFINITY,
         counts_per_revolution: 400_000.0,
         encoder_sign: -1.0,
         current_noise: 0.02,
@@ -34,7 +35,7 @@ fn robot(dof: usize, coupling: Option<DMatrix<f64>>) -> Robot {
             before,
             after,
             dh: Some((DhConvention::Standard, row)),
-            limits: Limits { position: (-3.0, 3.0), velocity: 3.0, acceleration: 12.0, torque: 75.0 },
+            limits: Limits { position: (-3.0, 3.0), velocity: 3.0, acceleration: 12.0, torque: 75.0, ..Limits::NONE },
             drive: drive(),
         }
     });
@@ -46,6 +47,7 @@ fn robot(dof: usize, coupling: Option<DMatrix<f64>>) -> Robot {
         coupling,
         shapes: Vec::new(),
         obstacles: Vec::new(),
+        may_touch: Vec::new(),
     })
     .unwrap()
 }

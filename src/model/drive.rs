@@ -10,6 +10,8 @@ pub struct Drive {
     pub torque_constant: f64,
     /// Largest current, A.
     pub current_limit: f64,
+    /// Largest root mean square of the current over a period, A; infinite where nobody states it.
+    pub continuous_current: f64,
     /// Encoder counts per joint revolution (per m for a prismatic joint).
     pub counts_per_revolution: f64,
     /// Sign of the encoder against the joint: +1 or −1.
@@ -32,6 +34,7 @@ impl Drive {
             gear: 1.0,
             torque_constant: 1.0,
             current_limit: f64::INFINITY,
+            continuous_current: f64::INFINITY,
             counts_per_revolution: 0.0,
             encoder_sign: 1.0,
             current_noise: 0.0,

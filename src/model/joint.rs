@@ -84,8 +84,13 @@ pub struct Limits {
     pub velocity: f64,
     /// Largest acceleration, rad/s² or m/s².
     pub acceleration: f64,
+    /// Largest jerk, rad/s³ or m/s³.
+    pub jerk: f64,
     /// Largest effort at the joint, N·m or N.
     pub torque: f64,
+    /// Largest root mean square of the effort over a period, N·m or N: what the drive can give for ever. Infinite
+    /// where nobody states it: the peak then bounds the mean square as well.
+    pub continuous_torque: f64,
 }
 
 impl Limits {
@@ -94,7 +99,9 @@ impl Limits {
         position: (f64::NEG_INFINITY, f64::INFINITY),
         velocity: f64::INFINITY,
         acceleration: f64::INFINITY,
+        jerk: f64::INFINITY,
         torque: f64::INFINITY,
+        continuous_torque: f64::INFINITY,
     };
 }
 

@@ -17,6 +17,7 @@ mod joint;
 mod parameters;
 mod robot;
 mod servo;
+mod shape;
 pub mod format;
 
 pub use bundled::{BundledRobot, bundled};
@@ -24,5 +25,6 @@ pub use drive::Drive;
 pub use friction::smooth_sign;
 pub use joint::{DhConvention, DhRow, Joint, JointKind, Limits, exact_sincos};
 pub use parameters::{Columns, DriveParameters, ParameterId, ParameterKind, StandardParameters};
-pub use robot::{Capsule, Obstacle, Robot, RobotFault, RobotSpec, Shape};
+pub use robot::{Robot, RobotFault, RobotSpec};
 pub use servo::{EffortInterface, ServoTuning};
+pub use shape::{Capsule, Cuboid, Obstacle, Shape, Solid};

@@ -2,38 +2,9 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::{EffortInterface, Joint, JointKind, ServoTuning};
+use super::{EffortInterface, Joint, JointKind, Obstacle, ServoTuning, Shape};
+use crate::provenance::sha256;
 use crate::spatial::{Motion, Placement};
-
-/// A capsule: every point within `radius` of a segment, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Capsule {
-    /// One end of the segment, in the frame of its link.
-    pub from: Vector3<f64>,
-    /// The other end.
-    pub to: Vector3<f64>,
-    /// Radius, m.
-    pub radius: f64,
-}
-
-/// The shape of one link, for collisions and for what a link can weigh; `link` 0 is the base, link i the i-th.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Shape {
-    /// The link whose frame the capsule is given in; 0 is the base.
-    pub link: usize,
-    /// What it looks like.
-    pub capsule: Capsule,
-}
-
-/// Something that stands in the way, in the base frame.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Obstacle {
-    /// Everything below the height `z`, m.
-    Floor {
-        /// Height in the base frame, m.
-        z: f64,
-    },
-}
 
 /// What a [`Robot`] is made of; [`Robot::new`] checks it.
 #[derive(Clone, Debug)]
@@ -52,6 +23,8 @@ pub struct RobotSpec {
     pub shapes: Vec<Shape>,
     /// What stands around the robot.
     pub obstacles: Vec<Obstacle>,
+    /// Pairs of links (0 is the base, the lower first) whose shapes may touch, beside those that follow each other.
+    pub may_touch: Vec<(usize, usize)>,
 }
 
 /// Why a robot cannot be as specified.
@@ -112,8 +85,10 @@ pub struct Robot {
     coupling: Option<DMatrix<f64>>,
     shapes: Vec<Shape>,
     obstacles: Vec<Obstacle>,
+    may_touch: Vec<(usize, usize)>,
     effort: EffortInterface,
     servo: ServoTuning,
+    source_sha256: String,
 }
 
 impl Robot {
@@ -122,7 +97,7 @@ impl Robot {
     /// # Errors
     /// [`RobotFault`] with what was found and what is possible.
     pub fn new(spec: RobotSpec) -> Result<Self, RobotFault> {
-        let RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles } = spec;
+        let RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch } = spec;
         if joints.is_empty() {
             return Err(RobotFault::NoJoints { robot: name });
         }
@@ -148,7 +123,21 @@ impl Robot {
         }
         let axes = joints.iter().map(Joint::axis).collect();
         let (effort, servo) = (EffortInterface::default(), ServoTuning::default());
-        Ok(Self { name, gravity, base, joints, axes, coupling, shapes, obstacles, effort, servo })
+        let source_sha256 = String::new();
+        Ok(Self {
+            name,
+            gravity,
+            base,
+            joints,
+            axes,
+            coupling,
+            shapes,
+            obstacles,
+            may_touch,
+            effort,
+            servo,
+            source_sha256,
+        })
     }
 
     /// Its name.
@@ -209,6 +198,40 @@ impl Robot {
     #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles
+    }
+
+    /// Pairs of links (0 is the base, the lower first) whose shapes may touch.
+    #[must_use]
+    pub fn may_touch(&self) -> &[(usize, usize)] {
+        &self.may_touch
+    }
+
+    /// Name of a link: that of the joint which moves it, or "base" for link 0.
+    #[must_use]
+    pub fn link_name(&self, link: usize) -> &str {
+        if link == 0 { "base" } else { &self.joints[link - 1].name }
+    }
+
+    /// SHA-256 of the text that it was read from; empty for a robot that was made otherwise.
+    ///
+    /// It stays when limits are changed afterwards: it says which file is meant, and a certificate names it.
+    #[must_use]
+    pub fn source_sha256(&self) -> &str {
+        &self.source_sha256
+    }
+
+    /// The same robot as read from this text.
+    #[must_use]
+    pub fn read_from(mut self, text: &str) -> Self {
+        self.source_sha256 = sha256(text);
+        self
+    }
+
+    /// The same robot with another obstacle in its way.
+    #[must_use]
+    pub fn with_obstacle(mut self, obstacle: Obstacle) -> Self {
+        self.obstacles.push(obstacle);
+        self
     }
 
     /// What its controller reports as effort.
@@ -289,10 +312,13 @@ fn check_joint(joint: &Joint) -> Result<(), RobotFault> {
     for (quantity, value) in [
         ("velocity limit", joint.limits.velocity),
         ("acceleration limit", joint.limits.acceleration),
+        ("jerk limit", joint.limits.jerk),
         ("torque limit", joint.limits.torque),
+        ("continuous torque", joint.limits.continuous_torque),
         ("gear ratio", joint.drive.gear),
         ("torque constant", joint.drive.torque_constant),
         ("current limit", joint.drive.current_limit),
+        ("continuous current", joint.drive.continuous_current),
         ("converter range", joint.drive.adc_range),
     ] {
         if value.is_nan() || value <= 0.0 {

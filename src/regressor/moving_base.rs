@@ -150,6 +150,7 @@ mod tests {
                 coupling: None,
                 shapes: Vec::new(),
                 obstacles: Vec::new(),
+                may_touch: Vec::new(),
             })
             .unwrap();
             let short = JointTorqueRegressor::new(&carried, Columns::Rigid);

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 
 use armid::model::format::parse_robot;
-use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, bundled};
+use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, Solid, bundled};
 use armid::provenance::Provenance;
 use miette::Result;
 use serde_json::{Value, json};
@@ -218,18 +218,30 @@ fn drives(robot: &Robot) -> Table {
     table
 }
 
+fn solid_json(solid: &Solid) -> Value {
+    match solid {
+        Solid::Capsule(capsule) => json!({
+            "from_m": capsule.from.as_slice(),
+            "to_m": capsule.to.as_slice(),
+            "radius_m": capsule.radius,
+        }),
+        Solid::Cuboid(cuboid) => json!({
+            "centre_m": cuboid.placement.translation.as_slice(),
+            "axes": cuboid.placement.rotation.column_iter().map(|axis| axis.as_slice().to_vec()).collect::<Vec<_>>(),
+            "size_m": (2.0 * cuboid.half).as_slice(),
+        }),
+    }
+}
+
 fn as_json(loaded: &LoadedRobot, provenance: &Provenance) -> Value {
     let robot = &loaded.robot;
     let shapes: Vec<Value> = robot
         .shapes()
         .iter()
         .map(|shape| {
-            json!({
-                "link": shape.link,
-                "from_m": shape.capsule.from.as_slice(),
-                "to_m": shape.capsule.to.as_slice(),
-                "radius_m": shape.capsule.radius,
-            })
+            let mut value = solid_json(&shape.solid);
+            value["link"] = json!(shape.link);
+            value
         })
         .collect();
     let obstacles: Vec<Value> = robot
@@ -237,6 +249,15 @@ fn as_json(loaded: &LoadedRobot, provenance: &Provenance) -> Value {
         .iter()
         .map(|obstacle| match obstacle {
             Obstacle::Floor { z } => json!({ "kind": "floor", "z_m": z }),
+            Obstacle::Plane { name, normal, offset } => {
+                json!({ "kind": "plane", "name": name, "normal": normal.as_slice(), "offset_m": offset })
+            }
+            Obstacle::Body { name, solid } => {
+                let mut value = solid_json(solid);
+                value["kind"] = json!("body");
+                value["name"] = json!(name);
+                value
+            }
         })
         .collect();
     let parameters = |set: &Option<armid::model::StandardParameters>| {
@@ -281,12 +302,15 @@ fn joint_json(joint: &Joint) -> Value {
             "position": [finite(joint.limits.position.0), finite(joint.limits.position.1)],
             "velocity": finite(joint.limits.velocity),
             "acceleration": finite(joint.limits.acceleration),
+            "jerk": finite(joint.limits.jerk),
             "effort": finite(joint.limits.torque),
+            "continuous_effort": finite(joint.limits.continuous_torque),
         },
         "drive": {
             "gear": joint.drive.gear,
             "torque_constant_nm_a": joint.drive.torque_constant,
             "current_limit_a": finite(joint.drive.current_limit),
+            "continuous_current_a": finite(joint.drive.continuous_current),
             "counts_per_revolution": joint.drive.counts_per_revolution,
             "encoder_sign": joint.drive.encoder_sign,
             "current_noise_a": joint.drive.current_noise,

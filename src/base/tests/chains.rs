@@ -49,6 +49,7 @@ pub(super) fn parts(robot: &Robot) -> RobotSpec {
         coupling: robot.coupling().cloned(),
         shapes: Vec::new(),
         obstacles: Vec::new(),
+        may_touch: Vec::new(),
     }
 }
 

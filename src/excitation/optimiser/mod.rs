@@ -1,7 +1,14 @@
 //! The optimiser: sequential quadratic programming whose rows are limits at the true extrema of the trajectory.
 
-mod dual_active_set;
+mod active_set;
+mod factor;
+mod quadratic;
+#[cfg(test)]
+mod quadratic_tests;
+mod row;
 mod sequential;
+mod vectors;
 
-pub use dual_active_set::{FixedRows, QuadraticFault, QuadraticSolution, Row, RowSource, solve_quadratic};
+pub use quadratic::{QuadraticFault, QuadraticSolution, solve_quadratic};
+pub use row::{FixedRows, Row, RowSource};
 pub use sequential::{LinearLimits, Objective, Progress, Sequential, SequentialSettings, SmoothLimits, Unlimited};

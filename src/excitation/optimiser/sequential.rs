@@ -12,7 +12,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::dual_active_set::{QuadraticFault, QuadraticSolution, Row, RowSource, solve_quadratic};
+use super::quadratic::{QuadraticFault, QuadraticSolution, solve_quadratic};
+use super::row::{Row, RowSource};
 
 /// A function to be minimised.
 pub trait Objective {

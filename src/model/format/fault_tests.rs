@@ -284,3 +284,56 @@ fn identity_what_is_written_is_read_back_to_the_last_bit() {
     assert!(text.starts_with("# two lines\n# of header\n"));
     assert_eq!(parse_parameters(&text, &robot, false).unwrap().parameters, parameters);
 }
+
+/// What stands around the robot of two joints: a box on a link, a capsule, a wall, and a pair that may touch.
+const SURROUNDINGS: &str = r#"
+[[shape]]
+link = "base"
+centre_m = [0, 0, 0.1]
+size_m = [0.2, 0.4, 0.6]
+roll_pitch_yaw_deg = [0, 0, 90]
+
+[[obstacle]]
+name = "post"
+from_m = [1, 0, 0]
+to_m = [1, 0, 2]
+radius_m = 0.05
+
+[[obstacle]]
+name = "wall"
+normal = [0, -2, 0]
+offset_m = -0.6
+
+[[may_touch]]
+links = ["slide", "base"]
+"#;
+
+#[test]
+fn analytic_surroundings_are_read_and_their_faults_named() {
+    use crate::model::Solid;
+    let text = format!("{TWO_JOINTS}{SURROUNDINGS}");
+    let robot = parse_robot(&text).unwrap();
+    let Solid::Cuboid(cuboid) = robot.shapes().last().unwrap().solid else { panic!("a box") };
+    assert_eq!(cuboid.half.as_slice(), [0.1, 0.2, 0.3]);
+    assert_eq!(cuboid.placement.rotation.column(0).as_slice(), [0.0, 1.0, 0.0]);
+    let [_, Obstacle::Body { name, solid: Solid::Capsule(post) }, Obstacle::Plane { normal, offset, .. }] =
+        robot.obstacles()
+    else {
+        panic!("{:?}", robot.obstacles())
+    };
+    assert!(name == "post" && post.radius == 0.05);
+    assert_eq!((normal.as_slice(), *offset), ([0.0, -1.0, 0.0].as_slice(), -0.6));
+    assert_eq!(robot.may_touch(), [(0, 2)]);
+    assert_eq!(robot.source_sha256(), crate::provenance::sha256(&text));
+    for (from, to, says) in [
+        ("to_m = [1, 0, 2]\n", "", "the body of \"post\" is neither a capsule nor a box"),
+        ("normal = [0, -2, 0]", "normal = [0, 0, 0]", "normal has no direction"),
+        ("offset_m = -0.6", "offset_m = -0.6\nradius_m = 1", "obstacle \"wall\" is no single thing"),
+        ("size_m = [0.2, 0.4, 0.6]", "size_m = [0.2, 0, 0.6]", "size_m has a length that is not above zero"),
+        ("\"slide\", \"base\"", "\"slide\"", "links has 1 names, expected 2"),
+        ("[\"slide\", \"base\"]", "[\"slide\", \"hand\"]", "link \"hand\" is not there"),
+    ] {
+        let fault = parse_robot(&replaced(&text, from, to)).unwrap_err().to_string();
+        assert!(fault.contains(says), "{fault}");
+    }
+}

@@ -68,6 +68,7 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
     let name = root.attribute("model").map_or("unnamed", |name| name.value()).to_owned();
     Tree { check: root.check(), at: root.span(), name, gravity: settings.gravity, bodies, remarks: Vec::new() }
         .chain(ends)
+        .map(|model| model.read_from(text))
 }
 
 /// Reads nested bodies, parents before children.

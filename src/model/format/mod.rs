@@ -21,6 +21,7 @@ mod parameter_map;
 mod parameter_writer;
 mod reading;
 mod robot_file;
+mod shape_tables;
 mod tree;
 mod urdf;
 #[cfg(test)]

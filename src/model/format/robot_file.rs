@@ -8,9 +8,9 @@ use toml::Spanned;
 
 use super::FormatError;
 use super::reading::{Check, Number, Row, STANDARD_GRAVITY, read, roll_pitch_yaw};
+use super::shape_tables::{FloorTable, ObstacleTable, ShapeTable, TouchTable, read_obstacles, read_shape, read_touch};
 use crate::model::{
-    Capsule, DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, Obstacle, Robot, RobotSpec,
-    ServoTuning, Shape,
+    DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, Robot, RobotSpec, ServoTuning,
 };
 use crate::spatial::Placement;
 
@@ -29,6 +29,10 @@ struct RobotTable {
     #[serde(default)]
     shape: Vec<ShapeTable>,
     floor: Option<FloorTable>,
+    #[serde(default)]
+    obstacle: Vec<ObstacleTable>,
+    #[serde(default)]
+    may_touch: Vec<TouchTable>,
 }
 
 #[derive(Deserialize)]
@@ -76,8 +80,12 @@ struct LimitsTable {
     velocity_m_s: Option<Number>,
     acceleration_rad_s2: Option<Number>,
     acceleration_m_s2: Option<Number>,
+    jerk_rad_s3: Option<Number>,
+    jerk_m_s3: Option<Number>,
     torque_nm: Option<Number>,
     force_n: Option<Number>,
+    continuous_torque_nm: Option<Number>,
+    continuous_force_n: Option<Number>,
 }
 
 #[derive(Deserialize)]
@@ -87,6 +95,7 @@ struct DriveTable {
     gear_rad_m: Option<Number>,
     torque_constant_nm_a: Option<Number>,
     current_limit_a: Option<Number>,
+    continuous_current_a: Option<Number>,
     counts_per_revolution: Option<Number>,
     counts_per_m: Option<Number>,
     encoder_sign: Option<Number>,
@@ -101,21 +110,6 @@ struct DriveTable {
 #[serde(deny_unknown_fields)]
 struct CouplingTable {
     motor_from_joint: Spanned<Vec<Row>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct ShapeTable {
-    link: Spanned<String>,
-    from_m: Row,
-    to_m: Row,
-    radius_m: Number,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct FloorTable {
-    z_m: Number,
 }
 
 /// Reads a `robot.toml`.
@@ -147,10 +141,8 @@ pub fn parse_robot(text: &str) -> Result<Robot, FormatError> {
         joints.push(reader.joint(file.convention)?);
     }
     let shapes = file.shape.iter().map(|shape| read_shape(check, shape, &names)).collect::<Result<_, _>>()?;
-    let obstacles = match &file.floor {
-        Some(floor) => vec![Obstacle::Floor { z: check.finite("z_m", &floor.z_m)? }],
-        None => Vec::new(),
-    };
+    let obstacles = read_obstacles(check, file.floor.as_ref(), &file.obstacle)?;
+    let may_touch = file.may_touch.iter().map(|table| read_touch(check, table, &names)).collect::<Result<_, _>>()?;
     let spec = RobotSpec {
         name: file.name,
         gravity: match &file.gravity_m_s2 {
@@ -162,10 +154,11 @@ pub fn parse_robot(text: &str) -> Result<Robot, FormatError> {
         coupling: file.coupling.as_ref().map(|table| read_coupling(check, table, tables.len())).transpose()?,
         shapes,
         obstacles,
+        may_touch,
     };
     let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?.unwrap_or_default();
     match Robot::new(spec) {
-        Ok(robot) => Ok(robot.with_effort(file.effort).with_servo(servo)),
+        Ok(robot) => Ok(robot.with_effort(file.effort).with_servo(servo).read_from(text)),
         Err(fault) => check.fault(file.joint.span(), fault.to_string()),
     }
 }
@@ -213,21 +206,6 @@ fn read_coupling(check: Check<'_>, table: &CouplingTable, n: usize) -> Result<DM
         return check.fault(whole, "motor_from_joint is singular, expected a matrix with an inverse");
     }
     Ok(matrix)
-}
-
-fn read_shape(check: Check<'_>, table: &ShapeTable, joints: &[&str]) -> Result<Shape, FormatError> {
-    let name = table.link.get_ref();
-    let link = if name == "base" { Some(0) } else { joints.iter().position(|joint| joint == name).map(|i| i + 1) };
-    let Some(link) = link else {
-        let message = format!("link \"{name}\" is not there, expected \"base\" or one of {}", quoted(joints));
-        return check.fault(table.link.span(), message);
-    };
-    let capsule = Capsule {
-        from: check.vector("from_m", &table.from_m)?,
-        to: check.vector("to_m", &table.to_m)?,
-        radius: check.positive("radius_m", &table.radius_m)?,
-    };
-    Ok(Shape { link, capsule })
 }
 
 /// Names for a message: `"a", "b", "c"`.
@@ -308,8 +286,17 @@ impl JointReader<'_> {
         )? {
             limits.acceleration = self.check.positive(key, x)?;
         }
+        if let Some((key, x)) = self.fitting(("jerk_rad_s3", &table.jerk_rad_s3), ("jerk_m_s3", &table.jerk_m_s3))? {
+            limits.jerk = self.check.positive(key, x)?;
+        }
         if let Some((key, x)) = self.fitting(("torque_nm", &table.torque_nm), ("force_n", &table.force_n))? {
             limits.torque = self.check.positive(key, x)?;
+        }
+        if let Some((key, x)) = self.fitting(
+            ("continuous_torque_nm", &table.continuous_torque_nm),
+            ("continuous_force_n", &table.continuous_force_n),
+        )? {
+            limits.continuous_torque = self.check.positive(key, x)?;
         }
         Ok(limits)
     }
@@ -336,6 +323,9 @@ impl JointReader<'_> {
         };
         if let Some(x) = &table.current_limit_a {
             drive.current_limit = check.positive("current_limit_a", x)?;
+        }
+        if let Some(x) = &table.continuous_current_a {
+            drive.continuous_current = check.positive("continuous_current_a", x)?;
         }
         if let Some((key, x)) = self
             .fitting(("counts_per_revolution", &table.counts_per_revolution), ("counts_per_m", &table.counts_per_m))?

@@ -39,6 +39,14 @@ pub struct ImportedModel {
     pub remarks: Vec<String>,
 }
 
+impl ImportedModel {
+    /// The same model, whose robot says which text it was read from.
+    pub(super) fn read_from(mut self, text: &str) -> Self {
+        self.robot = self.robot.read_from(text);
+        self
+    }
+}
+
 /// How a body hangs on its parent.
 pub(super) enum Connection {
     Fixed,
@@ -197,6 +205,7 @@ impl Tree<'_> {
             coupling: None,
             shapes: Vec::new(),
             obstacles: Vec::new(),
+            may_touch: Vec::new(),
         };
         match Robot::new(spec) {
             Ok(robot) => {

@@ -77,7 +77,7 @@ pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         bodies: bodies(root, &links, &names, &carrier, &mut remarks)?,
         remarks,
     };
-    tree.chain(ends)
+    tree.chain(ends).map(|model| model.read_from(text))
 }
 
 /// The bodies from the root outwards.

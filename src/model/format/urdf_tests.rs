@@ -271,6 +271,7 @@ fn with_plain_sign(robot: &Robot, other: &Robot) -> Robot {
         coupling: None,
         shapes: Vec::new(),
         obstacles: Vec::new(),
+        may_touch: Vec::new(),
     })
     .unwrap()
 }

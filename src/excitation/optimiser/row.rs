@@ -1,0 +1,43 @@
+//! Linear rows `aᵀ d ≤ b`, and where they come from.
+
+use super::vectors::dot;
+
+/// One linear row `aᵀ d ≤ b`; `a` is zero outside `start .. start + normal.len()`.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Row {
+    /// First variable with a coefficient.
+    pub start: usize,
+    /// Coefficients a from there on.
+    pub normal: Vec<f64>,
+    /// Right-hand side b.
+    pub bound: f64,
+}
+
+impl Row {
+    /// `aᵀ d − b`: positive where the row is violated.
+    #[must_use]
+    pub fn excess(&self, d: &[f64]) -> f64 {
+        dot(&self.normal, &d[self.start..self.start + self.normal.len()]) - self.bound
+    }
+}
+
+/// Where rows come from.
+pub trait RowSource {
+    /// Appends rows that `step` violates by more than their tolerance; none means that the step is feasible.
+    fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>);
+}
+
+/// A fixed list of rows, each held to a tolerance.
+#[derive(Clone, Debug)]
+pub struct FixedRows {
+    /// The rows.
+    pub rows: Vec<Row>,
+    /// Largest excess that counts as none.
+    pub tolerance: f64,
+}
+
+impl RowSource for FixedRows {
+    fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>) {
+        rows.extend(self.rows.iter().filter(|row| row.excess(step) > self.tolerance).cloned());
+    }
+}
