@@ -73,7 +73,7 @@ fn identity_after_one_discarded_period_the_motion_repeats() {
         let (robot, _, servo) = arm(name);
         let mut plan = paper(2);
         if name != "crs-a460" {
-            plan.trajectory = gentle(&robot, 10.0);
+            plan.trajectory = gentle(&robot, 10.0).into();
         }
         let ideal = record(&mut servo.clone().with_sensing(Sensing::ideal()), &plan).unwrap().0;
         // The transient of the ramp has died out: what is left is rounding.

@@ -7,6 +7,7 @@
 //! - a plan that cannot be performed is refused before anything is announced.
 
 use super::BrokenLaw;
+use crate::excitation::{FourierJoint, FourierTrajectory};
 use crate::experiment::{Arm, Ending, ExperimentPlan, Flow, Layout, Phase, RawSample, Recording, Sink};
 
 /// What may be asked of an arm.
@@ -127,7 +128,7 @@ fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: u
 fn announcement(plan: &ExperimentPlan, heard: &Heard) -> Result<(), BrokenLaw> {
     let law = "a recording says what the plan says";
     let recording = &heard.recording;
-    let n = plan.trajectory.joints.len();
+    let n = plan.trajectory.dof();
     BrokenLaw::unless(law, recording.dof == n, recording.dof.to_string(), format!("{n} joints"))?;
     BrokenLaw::unless(law, recording.joints.len() == n, format!("{:?}", recording.joints), format!("{n} names"))?;
     BrokenLaw::unless_at_most(law, (recording.rate_hz - plan.rate_hz).abs(), 1e-9 * plan.rate_hz)?;
@@ -173,11 +174,13 @@ fn stopping<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), 
 
 fn refusal<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), BrokenLaw> {
     let law = "a plan that cannot be performed is refused before anything is announced";
-    let mut narrow = plan.clone();
-    narrow.trajectory.joints.pop();
+    let still = |j: usize| FourierJoint { name: format!("extra{j}"), a: vec![0.0], b: vec![0.0], q0: 0.0 };
+    let joints = (0..=plan.trajectory.dof()).map(still).collect();
+    let wide = FourierTrajectory { period_s: plan.trajectory.period_s(), joints };
+    let wide = ExperimentPlan { trajectory: wide.into(), ..plan.clone() };
     let never = ExperimentPlan { periods: 0, ..plan.clone() };
     let between = ExperimentPlan { rate_hz: plan.rate_hz * 0.999_77, ..plan.clone() };
-    for impossible in [narrow, never, between] {
+    for impossible in [wide, never, between] {
         let mut witness = witness(1);
         let answer = make().perform(&impossible, &mut witness);
         BrokenLaw::unless(law, answer.is_err(), format!("{answer:?}"), "an error")?;

@@ -10,7 +10,7 @@
 
 use std::f64::consts::{PI, TAU};
 
-use super::{ExcitationError, FourierJoint, FourierTrajectory};
+use super::{ExcitationError, FourierJoint, FourierTrajectory, PeriodicTrajectory};
 use crate::dynamics::States;
 use crate::model::{Limits, Robot};
 
@@ -107,7 +107,7 @@ impl FourierBasis {
 
     /// The trajectory of the variables `x`.
     #[must_use]
-    pub fn trajectory(&self, x: &[f64]) -> FourierTrajectory {
+    pub fn trajectory(&self, x: &[f64]) -> PeriodicTrajectory {
         let joints = x.chunks_exact(self.block()).zip(&self.scales).zip(&self.names).map(|((x, scale), name)| {
             let (pairs, q0) = x.split_at(2 * self.harmonics);
             FourierJoint {
@@ -117,16 +117,19 @@ impl FourierBasis {
                 q0: q0[0] * scale.1,
             }
         });
-        FourierTrajectory { period_s: self.period_s, joints: joints.collect() }
+        FourierTrajectory { period_s: self.period_s, joints: joints.collect() }.into()
     }
 
     /// The variables of a trajectory; harmonics that it lacks are zero.
     ///
     /// # Errors
     /// [`ExcitationError::Trajectory`] if its joints, its period or its harmonics are not of this family.
-    pub fn coefficients(&self, trajectory: &FourierTrajectory) -> Result<Vec<f64>, ExcitationError> {
+    pub fn coefficients(&self, trajectory: &PeriodicTrajectory) -> Result<Vec<f64>, ExcitationError> {
         let fault = |quantity: &str, found: String, expected: String| {
             Err(ExcitationError::Trajectory { quantity: quantity.into(), found, expected })
+        };
+        let PeriodicTrajectory::Fourier(trajectory) = trajectory else {
+            return fault("family", "another one".into(), "a Fourier series".into());
         };
         if trajectory.joints.len() != self.dof() {
             return fault("number of joints", trajectory.joints.len().to_string(), self.dof().to_string());

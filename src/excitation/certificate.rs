@@ -9,12 +9,12 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::basis::{Quantity, SampledBasis};
+use super::basis::Quantity;
 use super::criterion::CriterionKind;
 use super::information::Information;
 use super::limits::{WorstUse, worst_use};
 use super::torque::TorqueLimits;
-use super::{DesignProblem, ExcitationError, FourierTrajectory};
+use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
 use crate::regressor::JointTorqueRegressor;
 
 /// Largest use of each kind of limit, 1 at the limit.
@@ -86,29 +86,27 @@ impl Certificate {
     ///
     /// # Errors
     /// [`ExcitationError::Trajectory`] if the trajectory is not one of as many joints as the robot has.
-    pub fn of(problem: &DesignProblem, trajectory: &FourierTrajectory) -> Result<Self, ExcitationError> {
+    pub fn of(problem: &DesignProblem, trajectory: &PeriodicTrajectory) -> Result<Self, ExcitationError> {
         let n = problem.robot.dof();
-        if trajectory.joints.len() != n {
+        if trajectory.dof() != n {
             return Err(ExcitationError::Trajectory {
                 quantity: "number of joints".into(),
-                found: trajectory.joints.len().to_string(),
+                found: trajectory.dof().to_string(),
                 expected: n.to_string(),
             });
         }
         let samples = problem.certificate_samples;
-        let family = super::FourierBasis::new(&problem.robot, trajectory.period_s, trajectory.harmonics().max(1))?;
-        let x = family.coefficients(trajectory)?;
         let regressor = JointTorqueRegressor::new(&problem.robot, problem.columns);
-        let sampled = SampledBasis::new(family.clone(), samples);
         let kept = &problem.base.kept;
-        let m = Information::new(regressor, kept, sampled, &vec![1.0; n], None).gather(&x);
+        let m = Information::new(regressor, kept, samples, &vec![1.0; n], None).gather(&trajectory.sample(samples));
         let rigid = problem.rigid_positions();
         let m_rigid = m.select_rows(&rigid).select_columns(&rigid);
         let report = |kind: CriterionKind, m: &DMatrix<f64>| kind.report(kind.criterion().evaluate(m, None).exact);
         let [position, velocity, acceleration] =
             Quantity::ALL.map(|quantity| worst_use(&problem.robot, trajectory, quantity));
+        let family = problem.basis()?;
         let torque = problem.nominal.as_ref().map(|nominal| {
-            // A grid of the optimiser's size is enough to begin with: `worst` samples its own.
+            // The grid of its own does not matter: `worst` samples another.
             TorqueLimits::new(&problem.robot, nominal, &family, 1, 1.0).worst(trajectory, samples)
         });
         let eigen = SymmetricEigen::new(m.clone());
@@ -158,7 +156,7 @@ mod tests {
         // table on the 36 base columns, and at most 90 % of any limit (90.5 here).
         let mut problem = problem(Columns::Rigid);
         problem.certificate_samples = 1000;
-        let certificate = Certificate::of(&problem, &table_one::corrected()).unwrap();
+        let certificate = Certificate::of(&problem, &table_one::corrected().into()).unwrap();
         assert!((certificate.condition - 210.5).abs() < 0.6, "{}", certificate.condition);
         assert!((certificate.condition_scaled - 55.4).abs() < 0.6, "{}", certificate.condition_scaled);
         assert!((certificate.log_det_information - 15.85).abs() < 0.1, "{}", certificate.log_det_information);
@@ -172,7 +170,7 @@ mod tests {
     fn identity_information_figures_equal_those_of_the_stacked_regressor() {
         let mut problem = problem(Columns::RigidRotorFriction);
         problem.certificate_samples = 400;
-        let trajectory = table_one::corrected();
+        let trajectory = table_one::corrected().into();
         let certificate = Certificate::of(&problem, &trajectory).unwrap();
         let regressor = JointTorqueRegressor::new(&problem.robot, problem.columns);
         let w = problem.base.select_columns(&regressor.stack(&trajectory.sample(400)));
@@ -190,7 +188,7 @@ mod tests {
     #[test]
     fn identity_no_grid_of_samples_uses_more_than_the_certificate_says() {
         let problem = problem(Columns::Rigid);
-        let trajectory = table_one::corrected();
+        let trajectory = table_one::corrected().into();
         let used = Certificate::of(&problem, &trajectory).unwrap().worst_limit_use;
         let states = trajectory.sample(7919);
         let nominal = problem.nominal.as_ref().unwrap();

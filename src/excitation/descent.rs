@@ -110,7 +110,7 @@ impl Search<'_> {
     fn hop(&mut self, seed: Seed, index: u64) -> Result<(), ExcitationError> {
         let problem = self.problem;
         let fresh = paper_start(&problem.robot, problem.period_s, problem.harmonics, seed, index)?;
-        let fresh = self.feasibility.bring_inside(fresh);
+        let fresh = self.feasibility.bring_inside(fresh.into());
         let fresh = self.feasibility.basis().coefficients(&fresh)?;
         let (best, _) = self.best.as_ref().unwrap_or(&self.last);
         let x = best.iter().zip(&fresh).map(|(best, fresh)| best + HOP_SHARE * (fresh - best)).collect();

@@ -16,14 +16,14 @@ use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::information::InformationObjective;
 use super::start::paper_start;
 use super::termination::{HistoryPoint, Termination};
-use super::{DesignProblem, ExcitationError, FourierTrajectory};
+use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
 use crate::seed::Seed;
 
 /// A designed trajectory.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Design {
     /// The trajectory.
-    pub trajectory: FourierTrajectory,
+    pub trajectory: PeriodicTrajectory,
     /// What was optimised.
     pub criterion: CriterionKind,
     /// Its value as people read it, on the optimiser's samples.
@@ -39,7 +39,7 @@ pub struct Design {
     /// How the value developed.
     pub history: Vec<HistoryPoint>,
     /// Where it started.
-    pub start: FourierTrajectory,
+    pub start: PeriodicTrajectory,
 }
 
 /// Designs one trajectory from the paper's first guess number `start`.
@@ -48,18 +48,18 @@ pub struct Design {
 /// [`ExcitationError`] if the problem's settings are impossible.
 pub fn design(problem: &DesignProblem, seed: Seed, start: u64) -> Result<Design, ExcitationError> {
     let first = paper_start(&problem.robot, problem.period_s, problem.harmonics, seed, start)?;
-    continue_from(problem, &first, seed.child("hop", start))
+    continue_from(problem, &first.into(), seed.child("hop", start))
 }
 
 /// Designs one trajectory from a given first guess of the same period, brought inside the limits first.
 ///
 /// # Errors
 /// [`ExcitationError`] if the problem's settings are impossible or the guess is of another family.
-pub fn design_from(problem: &DesignProblem, start: &FourierTrajectory) -> Result<Design, ExcitationError> {
+pub fn design_from(problem: &DesignProblem, start: &PeriodicTrajectory) -> Result<Design, ExcitationError> {
     continue_from(problem, start, Seed::new(0))
 }
 
-fn continue_from(problem: &DesignProblem, start: &FourierTrajectory, hops: Seed) -> Result<Design, ExcitationError> {
+fn continue_from(problem: &DesignProblem, start: &PeriodicTrajectory, hops: Seed) -> Result<Design, ExcitationError> {
     let mut feasibility = Feasibility::new(problem)?;
     let start = feasibility.bring_inside(start.clone());
     let x = feasibility.basis().coefficients(&start)?;
@@ -98,11 +98,11 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
     let mut feasibility = Feasibility::new(problem)?;
     let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
     let draws = seed.child("random design", index);
-    let mut best: Option<(FourierTrajectory, f64)> = None;
+    let mut best: Option<(PeriodicTrajectory, f64)> = None;
     let mut history = Vec::new();
     for draw in 0..problem.max_evaluations {
         let start = paper_start(&problem.robot, problem.period_s, problem.harmonics, draws, draw as u64)?;
-        let trajectory = feasibility.bring_inside(start);
+        let trajectory = feasibility.bring_inside(start.into());
         let x = feasibility.basis().coefficients(&trajectory)?;
         let value = objective.exact_at(&x);
         let excess = feasibility.smooth().excess(&x);

@@ -6,7 +6,7 @@ use super::limits::{WorstUse, shrink_into_limits};
 use super::optimiser::{LinearLimits, SmoothLimits, Unlimited};
 use super::termination::Termination;
 use super::torque::TorqueLimits;
-use super::{DesignProblem, ExcitationError, FourierBasis, FourierTrajectory, Margins};
+use super::{DesignProblem, ExcitationError, FourierBasis, Margins, PeriodicTrajectory};
 use crate::model::Robot;
 
 /// Excess over the permitted torque, already a little below the allowed one, that counts as none.
@@ -73,13 +73,13 @@ impl Feasibility {
     ///
     /// Where that would leave hardly any motion, only the other limits are brought to hold: the optimiser finds its
     /// way back inside more easily than away from rest.
-    pub(crate) fn bring_inside(&mut self, mut trajectory: FourierTrajectory) -> FourierTrajectory {
+    pub(crate) fn bring_inside(&mut self, mut trajectory: PeriodicTrajectory) -> PeriodicTrajectory {
         shrink_into_limits(&self.robot, &mut trajectory, &self.margins);
         self.shrink_for_torque(trajectory, self.samples, START_FACTOR, 7)
     }
 
     /// The last exact correction: whatever the optimiser's tolerances left is shrunk away.
-    pub(crate) fn finish(&mut self, mut trajectory: FourierTrajectory) -> FourierTrajectory {
+    pub(crate) fn finish(&mut self, mut trajectory: PeriodicTrajectory) -> PeriodicTrajectory {
         shrink_into_limits(&self.robot, &mut trajectory, &self.margins);
         // Ten times the optimiser's own grid, and refined in time.
         self.shrink_for_torque(trajectory, 10 * self.samples, 0.0, 30)
@@ -90,14 +90,14 @@ impl Feasibility {
     /// A trajectory that would have to shrink below `least` stays as it is.
     fn shrink_for_torque(
         &mut self,
-        trajectory: FourierTrajectory,
+        trajectory: PeriodicTrajectory,
         samples: usize,
         least: f64,
         halvings: usize,
-    ) -> FourierTrajectory {
+    ) -> PeriodicTrajectory {
         let Some(torque) = &mut self.torque else { return trajectory };
         let mut holds =
-            |candidate: &FourierTrajectory| torque.worst(candidate, samples).ratio <= 1.0 + EXCESS_TOLERANCE;
+            |candidate: &PeriodicTrajectory| torque.worst(candidate, samples).ratio <= 1.0 + EXCESS_TOLERANCE;
         if holds(&trajectory) {
             return trajectory;
         }
@@ -134,12 +134,10 @@ impl Feasibility {
 }
 
 /// All amplitudes times a factor; the mean positions stay.
-fn scaled(trajectory: &FourierTrajectory, factor: f64) -> FourierTrajectory {
+fn scaled(trajectory: &PeriodicTrajectory, factor: f64) -> PeriodicTrajectory {
     let mut scaled = trajectory.clone();
-    for joint in &mut scaled.joints {
-        for amplitude in joint.a.iter_mut().chain(&mut joint.b) {
-            *amplitude *= factor;
-        }
+    for joint in 0..scaled.dof() {
+        scaled.adjust(joint, factor, 0.0);
     }
     scaled
 }

@@ -11,7 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use super::{ExcitationError, Trajectory, TrigonometricPolynomial};
+use super::{Curve, ExcitationError, PeriodicMotion, Trajectory, TrigonometricPolynomial};
 use crate::dynamics::States;
 
 /// The series of one joint.
@@ -97,32 +97,44 @@ impl FourierTrajectory {
     /// Position of joint `index` over the phase ωt, rad.
     #[must_use]
     pub fn position(&self, index: usize) -> TrigonometricPolynomial {
-        let FourierJoint { a, b, q0, .. } = &self.joints[index];
-        let frequency = self.frequencies();
-        TrigonometricPolynomial {
-            mean: *q0,
-            cosine: b.iter().zip(&frequency).map(|(b, w)| -b / w).collect(),
-            sine: a.iter().zip(&frequency).map(|(a, w)| a / w).collect(),
-        }
+        self.wave(index, 0)
     }
 
     /// Velocity of joint `index` over the phase ωt, rad/s.
     #[must_use]
     pub fn velocity(&self, index: usize) -> TrigonometricPolynomial {
-        let FourierJoint { a, b, .. } = &self.joints[index];
-        TrigonometricPolynomial { mean: 0.0, cosine: a.clone(), sine: b.clone() }
+        self.wave(index, 1)
     }
 
     /// Acceleration of joint `index` over the phase ωt, rad/s².
     #[must_use]
     pub fn acceleration(&self, index: usize) -> TrigonometricPolynomial {
-        let FourierJoint { a, b, .. } = &self.joints[index];
+        self.wave(index, 2)
+    }
+
+    /// The derivative of any order of joint `index`'s position over the phase ωt.
+    pub(super) fn wave(&self, index: usize, order: usize) -> TrigonometricPolynomial {
+        let FourierJoint { a, b, q0, .. } = &self.joints[index];
         let frequency = self.frequencies();
-        TrigonometricPolynomial {
-            mean: 0.0,
-            cosine: b.iter().zip(&frequency).map(|(b, w)| b * w).collect(),
-            sine: a.iter().zip(&frequency).map(|(a, w)| -a * w).collect(),
-        }
+        let turned = |values: &[f64], sign: f64| -> Vec<f64> {
+            values
+                .iter()
+                .zip(&frequency)
+                .map(|(value, w)| match order {
+                    0 => sign * value / w,
+                    1 => sign * value,
+                    _ => (2..=order).fold(sign * value, |product, _| product * w),
+                })
+                .collect()
+        };
+        // Each derivative turns a cosine into −sine and a sine into cosine.
+        let (cosine, sine) = match order % 4 {
+            0 => (turned(b, -1.0), turned(a, 1.0)),
+            1 => (turned(a, 1.0), turned(b, 1.0)),
+            2 => (turned(b, 1.0), turned(a, -1.0)),
+            _ => (turned(a, -1.0), turned(b, -1.0)),
+        };
+        TrigonometricPolynomial { mean: if order == 0 { *q0 } else { 0.0 }, cosine, sine }
     }
 
     /// `count` samples of one period, at `t_k = k T / count`.
@@ -161,6 +173,34 @@ impl Trajectory for FourierTrajectory {
                 (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
             }
         }
+    }
+}
+
+impl PeriodicMotion for FourierTrajectory {
+    fn names(&self) -> Vec<&str> {
+        self.joints.iter().map(|joint| joint.name.as_str()).collect()
+    }
+
+    fn curve(&self, joint: usize, order: usize) -> Curve {
+        Curve::Trigonometric(self.wave(joint, order))
+    }
+
+    fn adjust(&mut self, joint: usize, factor: f64, shift: f64) {
+        let series = &mut self.joints[joint];
+        if factor != 1.0 {
+            for amplitude in series.a.iter_mut().chain(&mut series.b) {
+                *amplitude *= factor;
+            }
+        }
+        series.q0 += shift;
+    }
+
+    fn to_toml(&self) -> String {
+        super::trajectory_file::series_to_toml(None, self)
+    }
+
+    fn highest_hz(&self) -> f64 {
+        self.harmonics() as f64 / self.period_s
     }
 }
 

@@ -34,44 +34,33 @@ pub struct Information {
     /// Kept columns of the regressor.
     kept: Vec<usize>,
     joints: Vec<JointRows>,
-    sampled: SampledBasis,
-    states: States,
-    sensitivity: States,
+    samples: usize,
     /// One sample of the regressor, n × p.
     sample: Vec<f64>,
     prior: Option<DMatrix<f64>>,
 }
 
 impl Information {
-    /// The information on the `kept` columns of `regressor`, of trajectories sampled by `sampled`, with rows divided
+    /// The information on the `kept` columns of `regressor`, of trajectories with `samples` samples, with rows divided
     /// by the noise `sigma` of each joint (n; all ones for an unweighted criterion), and `prior` added (b × b, per
     /// torque row).
     #[must_use]
     pub fn new(
         regressor: JointTorqueRegressor,
         kept: &[usize],
-        sampled: SampledBasis,
+        samples: usize,
         sigma: &[f64],
         prior: Option<DMatrix<f64>>,
     ) -> Self {
-        let (n, p, count) = (regressor.rows(), regressor.cols(), sampled.samples());
+        let (n, p) = (regressor.rows(), regressor.cols());
         let pattern = pattern(&regressor);
         let joints = (0..n)
             .map(|i| {
                 let columns: Vec<usize> = (0..kept.len()).filter(|&c| pattern[i * p + kept[c]]).collect();
-                JointRows { rows: vec![0.0; count * columns.len()], columns, weight: 1.0 / sigma[i] }
+                JointRows { rows: vec![0.0; samples * columns.len()], columns, weight: 1.0 / sigma[i] }
             })
             .collect();
-        Self {
-            regressor,
-            kept: kept.to_vec(),
-            joints,
-            sampled,
-            states: States::with_len(n, count),
-            sensitivity: States::with_len(n, count),
-            sample: vec![0.0; n * p],
-            prior,
-        }
+        Self { regressor, kept: kept.to_vec(), joints, samples, sample: vec![0.0; n * p], prior }
     }
 
     /// Number of base columns b.
@@ -80,18 +69,14 @@ impl Information {
         self.kept.len()
     }
 
-    /// The samples of the last point.
-    #[must_use]
-    pub const fn states(&self) -> &States {
-        &self.states
-    }
-
-    /// The information matrix of the variables `x`, b × b, per torque row.
-    pub fn gather(&mut self, x: &[f64]) -> DMatrix<f64> {
-        self.sampled.states(x, &mut self.states);
-        let (n, p, count, b) = (self.regressor.rows(), self.regressor.cols(), self.states.len(), self.kept.len());
+    /// The information matrix of sampled states, b × b, per torque row.
+    ///
+    /// # Panics
+    /// If there are not as many samples as the rows have room for.
+    pub fn gather(&mut self, states: &States) -> DMatrix<f64> {
+        assert_eq!(states.len(), self.samples, "samples of the motion");
+        let (n, p, count, b) = (self.regressor.rows(), self.regressor.cols(), self.samples, self.kept.len());
         for k in 0..count {
-            let states = &self.states;
             self.regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut self.sample);
             for (i, joint) in self.joints.iter_mut().enumerate() {
                 let width = joint.columns.len();
@@ -120,9 +105,10 @@ impl Information {
         m
     }
 
-    /// The gradient with respect to the variables of the last point, from `S = ∂f/∂M` (b × b, symmetric).
-    pub fn pull_back(&mut self, s: &DMatrix<f64>, gradient: &mut [f64]) {
-        let (n, p, count) = (self.regressor.rows(), self.regressor.cols(), self.states.len());
+    /// The gradient with respect to the last states, which must be handed in again, from `S = ∂f/∂M` (b × b,
+    /// symmetric).
+    pub fn pull_back(&self, states: &States, s: &DMatrix<f64>, sensitivity: &mut States) {
+        let (n, p, count) = (self.regressor.rows(), self.regressor.cols(), self.samples);
         let factor = 2.0 / (n * count) as f64;
         let inner: Vec<Vec<f64>> = self
             .joints
@@ -138,9 +124,9 @@ impl Information {
                 part
             })
             .collect();
-        self.sensitivity.q.fill(0.0);
-        self.sensitivity.qd.fill(0.0);
-        self.sensitivity.qdd.fill(0.0);
+        sensitivity.q.fill(0.0);
+        sensitivity.qd.fill(0.0);
+        sensitivity.qdd.fill(0.0);
         let mut g = vec![0.0; n * p];
         let mut row = vec![0.0; self.kept.len()];
         for k in 0..count {
@@ -159,18 +145,16 @@ impl Information {
                 }
             }
             let range = k * n..(k + 1) * n;
-            let states = &self.states;
             self.regressor.adjoint(
                 states.q(k),
                 states.qd(k),
                 states.qdd(k),
                 &g,
-                &mut self.sensitivity.q[range.clone()],
-                &mut self.sensitivity.qd[range.clone()],
-                &mut self.sensitivity.qdd[range],
+                &mut sensitivity.q[range.clone()],
+                &mut sensitivity.qd[range.clone()],
+                &mut sensitivity.qdd[range],
             );
         }
-        self.sampled.pull_back(&self.sensitivity, gradient);
     }
 }
 
@@ -221,6 +205,9 @@ fn gram(rows: &[f64], width: usize) -> Vec<f64> {
 /// A criterion of the information as a function of the variables.
 pub struct InformationObjective {
     information: Information,
+    sampled: SampledBasis,
+    states: States,
+    slopes: States,
     criterion: Box<dyn Criterion>,
     sensitivity: DMatrix<f64>,
     m: DMatrix<f64>,
@@ -228,12 +215,16 @@ pub struct InformationObjective {
 }
 
 impl InformationObjective {
-    /// This criterion on this information.
+    /// This criterion on this information of this family of trajectories.
     #[must_use]
-    pub fn new(information: Information, criterion: Box<dyn Criterion>) -> Self {
+    pub fn new(information: Information, sampled: SampledBasis, criterion: Box<dyn Criterion>) -> Self {
         let b = information.columns();
+        let (n, samples) = (sampled.basis().dof(), sampled.samples());
         Self {
             information,
+            sampled,
+            states: States::with_len(n, samples),
+            slopes: States::with_len(n, samples),
             criterion,
             sensitivity: DMatrix::zeros(b, b),
             m: DMatrix::zeros(b, b),
@@ -263,14 +254,15 @@ impl InformationObjective {
 
 impl Objective for InformationObjective {
     fn value(&mut self, x: &[f64]) -> f64 {
-        self.m = self.information.gather(x);
+        self.gather(x);
         let score = self.criterion.evaluate(&self.m, Some(&mut self.sensitivity));
         self.exact = score.exact;
         score.value
     }
 
     fn gradient(&mut self, gradient: &mut [f64]) {
-        self.information.pull_back(&self.sensitivity, gradient);
+        self.information.pull_back(&self.states, &self.sensitivity, &mut self.slopes);
+        self.sampled.pull_back(&self.slopes, gradient);
     }
 }
 
@@ -292,13 +284,19 @@ impl InformationObjective {
         let regressor = JointTorqueRegressor::new(&robot, problem.columns);
         let sampled = SampledBasis::new(problem.basis()?, problem.samples);
         let prior = problem.prior.clone().filter(|_| problem.criterion.is_weighted());
-        let information = Information::new(regressor, &problem.base.kept, sampled, &problem.row_noise(), prior);
-        Ok(Self::new(information, problem.criterion.smooth(sharpness)))
+        let information = Information::new(regressor, &problem.base.kept, problem.samples, &problem.row_noise(), prior);
+        Ok(Self::new(information, sampled, problem.criterion.smooth(sharpness)))
+    }
+
+    /// The information at `x`.
+    fn gather(&mut self, x: &[f64]) {
+        self.sampled.states(x, &mut self.states);
+        self.m = self.information.gather(&self.states);
     }
 
     /// The criterion at `x`, without any smoothing and without a gradient.
     pub(crate) fn exact_at(&mut self, x: &[f64]) -> f64 {
-        self.m = self.information.gather(x);
+        self.gather(x);
         self.exact = self.criterion.evaluate(&self.m, None).exact;
         self.exact
     }
@@ -327,7 +325,7 @@ mod tests {
                 problem.prior = Some(DMatrix::identity(b, b) * 0.01);
                 let mut objective = InformationObjective::of(&problem, 6.0).unwrap();
                 let start = paper_start(&problem.robot, 10.0, 5, Seed::new(1), 0).unwrap();
-                let x = problem.basis().unwrap().coefficients(&start).unwrap();
+                let x = problem.basis().unwrap().coefficients(&start.into()).unwrap();
                 let mut gradient = vec![0.0; x.len()];
                 objective.value(&x);
                 objective.gradient(&mut gradient);
@@ -355,11 +353,9 @@ mod tests {
         let problem = problem(Columns::RigidRotorFriction, CriterionKind::DOptimal);
         let sigma = problem.sigma.clone().unwrap();
         let start = paper_start(&problem.robot, 10.0, 5, Seed::new(1), 3).unwrap();
-        let basis = problem.basis().unwrap();
         let regressor = JointTorqueRegressor::new(&problem.robot, problem.columns);
-        let sampled = SampledBasis::new(basis.clone(), 40);
-        let mut information = Information::new(regressor.clone(), &problem.base.kept, sampled, &sigma, None);
-        let m = information.gather(&basis.coefficients(&start).unwrap());
+        let mut information = Information::new(regressor.clone(), &problem.base.kept, 40, &sigma, None);
+        let m = information.gather(&start.sample(40));
         let mut w = problem.base.select_columns(&regressor.stack(&start.sample(40)));
         for (r, mut row) in w.row_iter_mut().enumerate() {
             row /= sigma[r % 6];

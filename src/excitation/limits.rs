@@ -6,7 +6,7 @@
 //! A use of 1 touches the limit. Where only one end of a range is finite, the distance to it counts in rad above 1.
 
 use super::basis::Quantity;
-use super::{FourierTrajectory, Margins, TrigonometricPolynomial};
+use super::{Margins, PeriodicTrajectory};
 use crate::model::{Limits, Robot};
 
 /// The worst use of one kind of limit over all joints and all times.
@@ -55,22 +55,13 @@ pub(crate) fn ratio_in((low, high): (f64, f64), value: f64) -> (f64, f64) {
     }
 }
 
-/// The polynomial of one motion of one joint.
-pub(crate) fn polynomial(trajectory: &FourierTrajectory, joint: usize, quantity: Quantity) -> TrigonometricPolynomial {
-    match quantity {
-        Quantity::Position => trajectory.position(joint),
-        Quantity::Velocity => trajectory.velocity(joint),
-        Quantity::Acceleration => trajectory.acceleration(joint),
-    }
-}
-
 /// The worst use of one kind of limit, at the true extrema.
-pub(crate) fn worst_use(robot: &Robot, trajectory: &FourierTrajectory, quantity: Quantity) -> WorstUse {
+pub(crate) fn worst_use(robot: &Robot, trajectory: &PeriodicTrajectory, quantity: Quantity) -> WorstUse {
     let mut worst = WorstUse::NONE;
     for (j, joint) in robot.joints().iter().enumerate() {
-        let polynomial = polynomial(trajectory, j, quantity);
+        let curve = trajectory.curve(j, quantity);
         let range = interval(&joint.limits, quantity);
-        for extremum in [polynomial.minimum(), polynomial.maximum()] {
+        for extremum in [curve.minimum(), curve.maximum()] {
             let (ratio, limit) = ratio_in(range, extremum.value);
             let t = extremum.phase / trajectory.omega();
             worst = worst.worst_of(WorstUse { ratio, joint: j, t, value: extremum.value, limit });
@@ -94,13 +85,13 @@ pub(crate) fn permitted(limits: &Limits, quantity: Quantity, part: f64) -> (f64,
 /// shrink by one factor, then its mean moves into what its range leaves.
 ///
 /// A joint already inside is left as it is, to the last bit.
-pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut FourierTrajectory, margins: &Margins) {
+pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut PeriodicTrajectory, margins: &Margins) {
     for (j, joint) in robot.joints().iter().enumerate() {
         let mut factor = 1.0_f64;
         for quantity in Quantity::ALL {
-            let polynomial = polynomial(trajectory, j, quantity);
+            let curve = trajectory.curve(j, quantity);
             let (low, high) = permitted(&joint.limits, quantity, margins.of(quantity));
-            let (bottom, top) = (polynomial.minimum().value, polynomial.maximum().value);
+            let (bottom, top) = (curve.minimum().value, curve.maximum().value);
             let peak = match quantity {
                 Quantity::Position => (top - bottom) / (high - low),
                 _ => top.max(-bottom) / high,
@@ -110,20 +101,17 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut FourierTrajecto
             }
         }
         if factor < 1.0 {
-            let series = &mut trajectory.joints[j];
-            for amplitude in series.a.iter_mut().chain(&mut series.b) {
-                *amplitude *= factor;
-            }
+            trajectory.adjust(j, factor, 0.0);
         }
-        let position = trajectory.position(j);
+        let position = trajectory.curve(j, Quantity::Position);
         let (low, high) = permitted(&joint.limits, Quantity::Position, margins.position);
         let (under, over) = (low - position.minimum().value, position.maximum().value - high);
         if under > 0.0 && over > 0.0 {
-            trajectory.joints[j].q0 += 0.5 * (under - over);
+            trajectory.adjust(j, 1.0, 0.5 * (under - over));
         } else if under > 0.0 {
-            trajectory.joints[j].q0 += under;
+            trajectory.adjust(j, 1.0, under);
         } else if over > 0.0 {
-            trajectory.joints[j].q0 -= over;
+            trajectory.adjust(j, 1.0, -over);
         }
     }
 }
@@ -132,7 +120,7 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut FourierTrajecto
 mod tests {
     use super::*;
     use crate::conformance::chains;
-    use crate::excitation::FourierJoint;
+    use crate::excitation::{FourierJoint, FourierTrajectory};
     use crate::seed::Seed;
     use rand::RngExt;
 
@@ -145,15 +133,17 @@ mod tests {
         );
         let joint = |a: f64, q0: f64| FourierJoint { name: String::new(), a: vec![a], b: vec![0.0], q0 };
         let period = std::f64::consts::TAU;
-        let trajectory = FourierTrajectory { period_s: period, joints: vec![joint(1.0, 0.5), joint(0.5, 1.6)] };
+        let series = FourierTrajectory { period_s: period, joints: vec![joint(1.0, 0.5), joint(0.5, 1.6)] };
+        let trajectory = series.clone().into();
         // Amplitude 1 in all three for joint 1, 0.5 for joint 2, whose mean is 1.1 off the middle of a range of ±1.5.
         let position = worst_use(&robot, &trajectory, Quantity::Position);
         assert!((position.ratio - 1.6 / 1.5).abs() < 1e-12 && position.joint == 1 && position.limit == 2.0);
         assert!((worst_use(&robot, &trajectory, Quantity::Velocity).ratio - 0.5).abs() < 1e-12);
         assert!((worst_use(&robot, &trajectory, Quantity::Acceleration).ratio - 0.25).abs() < 1e-12);
-        let mut inside = trajectory.clone();
+        let mut inside = trajectory;
         shrink_into_limits(&robot, &mut inside, &Margins::default());
-        assert_eq!(inside.joints[0], trajectory.joints[0]);
+        let PeriodicTrajectory::Fourier(inside) = inside else { panic!("another family") };
+        assert_eq!(inside.joints[0], series.joints[0]);
         assert!((inside.joints[1].q0 - 1.5).abs() < 1e-12);
     }
 
@@ -168,7 +158,7 @@ mod tests {
             let joints = (0..3)
                 .map(|_| FourierJoint { name: String::new(), a: draw(2.0), b: draw(2.0), q0: draw(3.0)[0] })
                 .collect();
-            let mut trajectory = FourierTrajectory { period_s: 6.0, joints };
+            let mut trajectory = FourierTrajectory { period_s: 6.0, joints }.into();
             let margins = Margins { position: 0.9, velocity: 0.9, acceleration: 0.9, torque: 1.0 };
             shrink_into_limits(&robot, &mut trajectory, &margins);
             for quantity in Quantity::ALL {

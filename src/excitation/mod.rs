@@ -3,18 +3,24 @@
 //! The paper's sections II.C, II.D and III: finite Fourier series as trajectories, a criterion on the information
 //! `M = W_bᵀ Σ⁻¹ W_b` of the base columns, limits as constraints, and an optimiser of our own.
 
+mod b_spline;
 mod basis;
 mod certificate;
 pub mod criterion;
+mod curve;
 mod descent;
 mod design;
 mod error;
+mod extremum;
 mod feasibility;
 mod fourier;
+mod fourier_quintic;
 mod information;
 mod limit_rows;
 mod limits;
 pub mod optimiser;
+mod periodic;
+mod piecewise;
 mod problem;
 mod start;
 mod termination;
@@ -27,18 +33,24 @@ mod trigonometric;
 #[cfg(test)]
 pub(crate) mod fixtures;
 
+pub use b_spline::{BSplineJoint, BSplineTrajectory};
 pub use basis::{FourierBasis, Quantity, SampledBasis};
 pub use certificate::{Certificate, WorstCases, WorstLimitUse};
 pub use criterion::{Criterion, CriterionKind};
+pub use curve::Curve;
 pub use design::{Design, best_of, design, design_from, multistart, random_design};
 pub use error::ExcitationError;
+pub use extremum::{EXTREMUM_TOLERANCE, Extremum};
 pub use fourier::{FourierJoint, FourierTrajectory};
+pub use fourier_quintic::FourierQuinticTrajectory;
 pub use information::{Information, InformationObjective};
 pub use limit_rows::LimitRows;
 pub use limits::WorstUse;
+pub use periodic::{PeriodicMotion, PeriodicTrajectory};
+pub use piecewise::PiecewisePolynomial;
 pub use problem::{DEFAULT_EVALUATIONS, DesignProblem, Margins};
 pub use start::{PAPER_VELOCITIES, paper_start};
 pub use termination::{HistoryPoint, Termination};
 pub use torque::TorqueLimits;
 pub use trajectory::Trajectory;
-pub use trigonometric::{EXTREMUM_TOLERANCE, Extremum, TrigonometricPolynomial};
+pub use trigonometric::TrigonometricPolynomial;

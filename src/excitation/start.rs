@@ -14,8 +14,8 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 
 use super::basis::{FourierBasis, Quantity};
-use super::limits::{interval, polynomial};
-use super::{ExcitationError, FourierJoint, FourierTrajectory};
+use super::limits::interval;
+use super::{ExcitationError, FourierJoint, FourierTrajectory, PeriodicMotion};
 use crate::linalg::{solve_upper, triangular_factor};
 use crate::model::Robot;
 use crate::seed::Seed;
@@ -95,8 +95,8 @@ fn scale_to_limits(robot: &Robot, trajectory: &mut FourierTrajectory, joint: usi
     let mut largest = 0.0_f64;
     for quantity in Quantity::ALL {
         let (low, high) = interval(limits, quantity);
-        let polynomial = polynomial(trajectory, joint, quantity);
-        let (bottom, top) = (polynomial.minimum().value, polynomial.maximum().value);
+        let curve = trajectory.curve(joint, quantity as usize);
+        let (bottom, top) = (curve.minimum().value, curve.maximum().value);
         let ratio = match quantity {
             Quantity::Position => (top - bottom) / (high - low),
             _ => top.max(-bottom) / high,
@@ -145,7 +145,7 @@ mod tests {
         assert_eq!(first, paper_start(&robot, 10.0, 5, seed, 0).unwrap());
         assert_ne!(first, paper_start(&robot, 10.0, 5, seed, 1).unwrap());
         for index in 0..10 {
-            let start = paper_start(&robot, 10.0, 5, seed, index).unwrap();
+            let start = paper_start(&robot, 10.0, 5, seed, index).unwrap().into();
             let uses = Quantity::ALL.map(|quantity| worst_use(&robot, &start, quantity).ratio);
             assert!(uses.iter().all(|&ratio| ratio < START_USE + 1e-9), "{uses:?}");
             assert!(uses.iter().any(|&ratio| ratio > START_USE - 1e-9), "{uses:?}");

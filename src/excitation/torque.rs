@@ -10,7 +10,7 @@
 
 use std::f64::consts::TAU;
 
-use super::FourierTrajectory;
+use super::PeriodicTrajectory;
 use super::basis::{FourierBasis, SampledBasis};
 use super::limits::WorstUse;
 use super::optimiser::{Row, SmoothLimits};
@@ -79,7 +79,7 @@ impl TorqueLimits {
     }
 
     /// The largest use of the permitted torque by a trajectory of any family, on a grid of `samples`, refined in time.
-    pub fn worst(&mut self, trajectory: &FourierTrajectory, samples: usize) -> WorstUse {
+    pub fn worst(&mut self, trajectory: &PeriodicTrajectory, samples: usize) -> WorstUse {
         let states = trajectory.sample(samples);
         let tau = self.torques(&states);
         let peaks = self.peaks(trajectory, &tau, f64::NEG_INFINITY);
@@ -118,7 +118,7 @@ impl TorqueLimits {
     }
 
     /// Local peaks above `threshold` of a sampled torque, refined in time where they come near the rating.
-    fn peaks(&mut self, trajectory: &FourierTrajectory, tau: &[f64], threshold: f64) -> Vec<Peak> {
+    fn peaks(&mut self, trajectory: &PeriodicTrajectory, tau: &[f64], threshold: f64) -> Vec<Peak> {
         let n = self.permitted.len();
         let count = tau.len() / n;
         let mut peaks = Vec::new();
@@ -147,7 +147,7 @@ impl TorqueLimits {
     }
 
     /// Golden section around a peak on the grid.
-    fn refine(&mut self, trajectory: &FourierTrajectory, peak: Peak, step: f64) -> Peak {
+    fn refine(&mut self, trajectory: &PeriodicTrajectory, peak: Peak, step: f64) -> Peak {
         let n = self.permitted.len();
         let (mut q, mut qd, mut qdd, mut tau) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut ratio = |phase: f64| {
@@ -181,7 +181,7 @@ impl TorqueLimits {
     }
 
     /// The peaks of the point `x` above `threshold`.
-    fn peaks_at(&mut self, x: &[f64], threshold: f64) -> (FourierTrajectory, Vec<Peak>) {
+    fn peaks_at(&mut self, x: &[f64], threshold: f64) -> (PeriodicTrajectory, Vec<Peak>) {
         self.move_to(x);
         let trajectory = self.sampled.basis().trajectory(x);
         let tau = std::mem::take(&mut self.tau);
@@ -239,7 +239,7 @@ mod tests {
     fn identity_rows_are_the_slopes_of_the_peaks() {
         let robot = fixtures::crs_a460();
         let basis = FourierBasis::new(&robot, 10.0, 5).unwrap();
-        let start = paper_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap();
+        let start = paper_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
         let x = basis.coefficients(&start).unwrap();
         let mut limits = TorqueLimits::new(&robot, &fixtures::crs_a460_nominal(), &basis, 200, 0.5);
         let mut rows = Vec::new();

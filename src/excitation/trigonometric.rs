@@ -4,14 +4,13 @@
 //! p(θ) = mean + Σ_{l=1..H} c_l cos lθ + s_l sin lθ,      θ ∈ [0, 2π)
 //! ```
 //! Position, velocity and acceleration of a Fourier trajectory are such polynomials, so their limits can be held
-//! between samples. The search is branch and bound: on a cell of half width h about θ₀
+//! between samples, by the search of `extremum`, with
 //!
 //! ```text
-//! p(θ) ≤ max_{|δ| ≤ h} p(θ₀) + p'(θ₀) δ + ½ p''(θ₀) δ² + ⅙ M₃ h³,      M₃ = Σ l³ √(c_l² + s_l²) ≥ |p'''|
+//! M₃ = Σ l³ √(c_l² + s_l²) ≥ |p'''|
 //! ```
-//! and cells that cannot hold the maximum are dropped; what is left is halved until the bound meets the value.
 
-use std::f64::consts::{PI, TAU};
+use super::extremum::{EXTREMUM_TOLERANCE, Extremum, Smooth};
 
 /// A trigonometric polynomial in the phase θ; index l − 1 of the two vectors belongs to harmonic l.
 ///
@@ -31,20 +30,8 @@ pub struct TrigonometricPolynomial {
     pub sine: Vec<f64>,
 }
 
-/// Where an extremum lies and how large it is.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Extremum {
-    /// Phase in `[0, 2π)`, rad.
-    pub phase: f64,
-    /// Value there.
-    pub value: f64,
-}
-
-/// How far, relative to the sum of the amplitudes, the found extremum may lie from the true one.
-pub const EXTREMUM_TOLERANCE: f64 = 1e-10;
-
 /// Cells of the first level for each harmonic.
-const CELLS_PER_HARMONIC: usize = 8;
+pub(super) const CELLS_PER_HARMONIC: usize = 8;
 
 impl TrigonometricPolynomial {
     /// Number of harmonics H.
@@ -78,39 +65,14 @@ impl TrigonometricPolynomial {
         if total == 0.0 || !total.is_finite() {
             return Extremum { phase: 0.0, value: self.mean + total };
         }
-        let tolerance = EXTREMUM_TOLERANCE * total;
-        let third: f64 = amplitudes.iter().enumerate().map(|(l, a)| ((l + 1) as f64).powi(3) * a).sum();
-        let cells = CELLS_PER_HARMONIC * self.harmonics();
-        let mut half = PI / cells as f64;
-        let mut best = Extremum { phase: 0.0, value: f64::NEG_INFINITY };
-        let mut open: Vec<f64> = (0..cells).map(|k| (2 * k + 1) as f64 * half).collect();
-        let mut bounded = Vec::new();
-        // Each level shrinks the remainder eightfold: from 1 to far below the tolerance in 16 levels.
-        for _ in 0..40 {
-            let remainder = third * half * half * half / 6.0;
-            bounded.clear();
-            for &phase in &open {
-                let (value, slope, curvature) = self.jet(phase);
-                let bound = quadratic_maximum(value, slope, curvature, half) + remainder;
-                bounded.push((phase, bound));
-                if value > best.value {
-                    best = Extremum { phase, value };
-                }
-            }
-            best = self.polish(best, half);
-            open.clear();
-            half *= 0.5;
-            for &(phase, bound) in &bounded {
-                if bound > best.value + tolerance {
-                    open.push(phase - half);
-                    open.push(phase + half);
-                }
-            }
-            if open.is_empty() {
-                break;
-            }
+        let third = amplitudes.iter().enumerate().map(|(l, a)| ((l + 1) as f64).powi(3) * a).sum();
+        Smooth {
+            jet: |phase| self.jet(phase),
+            cells: CELLS_PER_HARMONIC * self.harmonics(),
+            third,
+            tolerance: EXTREMUM_TOLERANCE * total,
         }
-        best
+        .maximum()
     }
 
     /// The smallest value over the period, as [`Self::maximum`].
@@ -125,31 +87,12 @@ impl TrigonometricPolynomial {
         Extremum { phase, value: -value }
     }
 
-    /// Newton steps on p' = 0 from a point, kept only while they climb.
-    fn polish(&self, from: Extremum, reach: f64) -> Extremum {
-        let mut best = from;
-        for _ in 0..8 {
-            let (_, slope, curvature) = self.jet(best.phase);
-            if curvature >= 0.0 {
-                break;
-            }
-            let step = (-slope / curvature).clamp(-reach, reach);
-            let phase = (best.phase + step).rem_euclid(TAU);
-            let value = self.value(phase);
-            if value <= best.value {
-                break;
-            }
-            best = Extremum { phase, value };
-        }
-        best
-    }
-
-    fn amplitudes(&self) -> Vec<f64> {
+    pub(super) fn amplitudes(&self) -> Vec<f64> {
         self.cosine.iter().zip(&self.sine).map(|(c, s)| libm::hypot(*c, *s)).collect()
     }
 
     /// Value, first and second derivative at a phase.
-    fn jet(&self, phase: f64) -> (f64, f64, f64) {
+    pub(super) fn jet(&self, phase: f64) -> (f64, f64, f64) {
         let (s1, c1) = libm::sincos(phase);
         let (mut s, mut c) = (s1, c1);
         let (mut value, mut slope, mut curvature) = (self.mean, 0.0, 0.0);
@@ -165,17 +108,12 @@ impl TrigonometricPolynomial {
     }
 }
 
-/// Largest value of `value + slope δ + ½ curvature δ²` for |δ| ≤ h.
-fn quadratic_maximum(value: f64, slope: f64, curvature: f64, h: f64) -> f64 {
-    let edge = value + slope.abs() * h + 0.5 * curvature * h * h;
-    if curvature < 0.0 && slope.abs() < -curvature * h { value - 0.5 * slope * slope / curvature } else { edge }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::seed::Seed;
     use rand::RngExt;
+    use std::f64::consts::TAU;
 
     fn random(harmonics: usize, run: u64) -> TrigonometricPolynomial {
         let mut rng = Seed::new(11).stream("trigonometric polynomial", run);

@@ -19,7 +19,7 @@ impl CommandTable {
     #[must_use]
     pub fn new(plan: &ExperimentPlan, layout: &Layout, per_sample: usize) -> Self {
         let command = Command::new(plan, layout);
-        let dof = plan.trajectory.joints.len();
+        let dof = plan.trajectory.dof();
         let steps = |phase: Phase| layout.span(phase).len() * per_sample;
         let (settle, ramp) = (steps(Phase::Settle), steps(Phase::RampIn));
         let period = layout.period_samples * per_sample;

@@ -17,7 +17,7 @@
 use std::ops::Range;
 
 use super::{Phase, PhaseSpan};
-use crate::excitation::{FourierTrajectory, Trajectory};
+use crate::excitation::PeriodicTrajectory;
 use crate::model::Robot;
 
 /// An experiment: which motion, how often, how it begins and ends, and how fast it is sampled.
@@ -34,7 +34,7 @@ use crate::model::Robot;
 #[derive(Clone, Debug, PartialEq)]
 pub struct ExperimentPlan {
     /// The periodic motion.
-    pub trajectory: FourierTrajectory,
+    pub trajectory: PeriodicTrajectory,
     /// Samples per second that are recorded, Hz; the period must hold a whole number of them.
     pub rate_hz: f64,
     /// Time at rest before the motion, s.
@@ -130,8 +130,15 @@ impl Layout {
 impl ExperimentPlan {
     /// The usual experiment around a motion: 1 kHz, settle 1 s, ramps of 2 s, 1 period discarded, 10 recorded.
     #[must_use]
-    pub fn new(trajectory: FourierTrajectory) -> Self {
-        Self { trajectory, rate_hz: 1000.0, settle_s: 1.0, ramp_s: 2.0, discarded_periods: 1, periods: 10 }
+    pub fn new(trajectory: impl Into<PeriodicTrajectory>) -> Self {
+        Self {
+            trajectory: trajectory.into(),
+            rate_hz: 1000.0,
+            settle_s: 1.0,
+            ramp_s: 2.0,
+            discarded_periods: 1,
+            periods: 10,
+        }
     }
 
     /// The same plan with another number of recorded periods.
@@ -326,8 +333,9 @@ mod tests {
     fn limits_hold_or_the_first_break_is_named() {
         let robot = hinges::coupled();
         assert_eq!(plan().check_limits(&robot), Ok(()));
-        let mut fast = plan();
-        fast.trajectory.joints[1].a[0] = 4.0;
+        let mut series = hinges::trajectory(2);
+        series.joints[1].a[0] = 4.0;
+        let fast = ExperimentPlan { trajectory: series.into(), ..plan() };
         let message = fast.check_limits(&robot).unwrap_err().to_string();
         assert!(
             message.contains("hinge2") && message.contains("exceeds its limit 12.0000 rad/s² at t = 0.8"),

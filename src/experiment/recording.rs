@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, PhaseSpan, RawSample, Sink};
-use crate::excitation::FourierTrajectory;
+use crate::excitation::PeriodicTrajectory;
 use crate::model::EffortInterface;
 use crate::provenance::Provenance;
 
@@ -25,7 +25,7 @@ pub struct Recording {
     /// The phases in order, with their samples; as planned, and so past N where an experiment ended early.
     pub phases: Vec<PhaseSpan>,
     /// The commanded periodic motion.
-    pub trajectory: FourierTrajectory,
+    pub trajectory: PeriodicTrajectory,
     /// Samples in one period of the motion.
     pub period_samples: usize,
     /// Time of each sample since the beginning of the experiment, s; N.

@@ -87,7 +87,7 @@ mod tests {
     fn a_recording_of_another_experiment_is_refused() {
         let recording = record(&mut servo(), &plan()).unwrap().0;
         let mut other = plan();
-        other.trajectory.joints[0].q0 += 0.1;
+        other.trajectory.adjust(0, 1.0, 0.1);
         for (plan, word) in [
             (ExperimentPlan { rate_hz: 500.0, ..plan() }, "rate_hz is 1000, expected the plan's 500"),
             (other, "trajectory"),

@@ -1,7 +1,6 @@
 //! A recording to samples.
 
 use super::{PeriodicRecord, Processing, Samples, SignalError, process_periods};
-use crate::excitation::Trajectory;
 use crate::experiment::Recording;
 use crate::model::Robot;
 
@@ -34,7 +33,7 @@ pub fn process(recording: &Recording, robot: &Robot, processing: &Processing) ->
         q: &recording.q[rows.clone()],
         effort: &recording.effort[rows],
     };
-    let highest_hz = recording.trajectory.harmonics() as f64 / recording.trajectory.period_s();
+    let highest_hz = recording.trajectory.highest_hz();
     let mut samples = process_periods(&record, robot, recording.effort_unit, highest_hz, processing)?;
     samples.provenance = Some(recording.provenance.clone());
     Ok(samples)

@@ -3,7 +3,7 @@
 use super::plan::Making;
 use super::{Stage, StudyError};
 use crate::excitation::{
-    Certificate, CriterionKind, Design, DesignProblem, ExcitationError, FourierTrajectory, HistoryPoint, Termination,
+    Certificate, CriterionKind, Design, DesignProblem, ExcitationError, HistoryPoint, PeriodicTrajectory, Termination,
     design, random_design, table_one,
 };
 
@@ -15,7 +15,7 @@ pub struct StudyDesign {
     /// Number of its start within the family.
     pub start: usize,
     /// The trajectory.
-    pub trajectory: FourierTrajectory,
+    pub trajectory: PeriodicTrajectory,
     /// What was optimised or chosen by; `None` for a fixed trajectory.
     pub criterion: Option<CriterionKind>,
     /// What it is worth and how much of each limit it uses.
@@ -83,7 +83,7 @@ impl Stage {
                 Ok(StudyDesign::of(family, start, random_design(&problem, seed, index)?))
             }
             Making::TableOne => {
-                let trajectory = table_one::corrected();
+                let trajectory = table_one::corrected().into();
                 let certificate = Certificate::of(&self.problem(CriterionKind::Condition, 1)?, &trajectory)?;
                 Ok(StudyDesign {
                     family,

@@ -77,7 +77,7 @@ impl Stage {
         LimitExample {
             family: self.plan.designs[design.family].name.clone(),
             design: index,
-            time_s: times(design.trajectory.period_s, SAMPLES),
+            time_s: times(design.trajectory.period_s(), SAMPLES),
             position,
             velocity,
             acceleration,

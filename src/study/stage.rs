@@ -18,7 +18,7 @@ use super::{Referee, StudyDesign, Truth};
 use crate::base::{BaseError, BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{EstimationProblem, EstimatorKind, Observation};
-use crate::excitation::{ExcitationError, FourierTrajectory, paper_start};
+use crate::excitation::{ExcitationError, PeriodicTrajectory, paper_start};
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
@@ -127,7 +127,7 @@ impl Stage {
     ///
     /// # Errors
     /// [`ExcitationError`] where the settings are impossible for the robot.
-    pub fn validation_trajectory(&self, index: u64) -> Result<FourierTrajectory, ExcitationError> {
+    pub fn validation_trajectory(&self, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {
         validation_trajectory(&self.plan, &self.robot, index)
     }
 
@@ -140,7 +140,7 @@ impl Stage {
 
     /// The experiment that performs a trajectory.
     #[must_use]
-    pub fn experiment(&self, trajectory: &FourierTrajectory) -> ExperimentPlan {
+    pub fn experiment(&self, trajectory: &PeriodicTrajectory) -> ExperimentPlan {
         let settings = &self.plan.experiment;
         ExperimentPlan {
             rate_hz: settings.rate_hz,
@@ -180,7 +180,7 @@ impl Stage {
     ///
     /// # Errors
     /// The reason, as the study's rows state it.
-    pub fn samples(&self, trajectory: &FourierTrajectory, arm: &mut dyn Arm) -> Result<Samples, String> {
+    pub fn samples(&self, trajectory: &PeriodicTrajectory, arm: &mut dyn Arm) -> Result<Samples, String> {
         let (recording, ending) = record(arm, &self.experiment(trajectory)).map_err(|fault| format!("arm: {fault}"))?;
         match ending {
             Ending::Diverged { t, reason, .. } => return Err(format!("diverged at t = {t:.3} s: {reason}")),
@@ -238,9 +238,9 @@ impl Stage {
     }
 }
 
-fn validation_trajectory(plan: &StudyPlan, robot: &Robot, index: u64) -> Result<FourierTrajectory, ExcitationError> {
+fn validation_trajectory(plan: &StudyPlan, robot: &Robot, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {
     let settings = &plan.experiment;
-    paper_start(robot, settings.period_s, settings.harmonics, plan.seed.child("validation", 0), index)
+    paper_start(robot, settings.period_s, settings.harmonics, plan.seed.child("validation", 0), index).map(Into::into)
 }
 
 impl StudyPlan {

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use armid::excitation::FourierTrajectory;
+use armid::excitation::PeriodicTrajectory;
 use armid::experiment::ExperimentPlan;
 use armid::seed::Seed;
 use armid_reports::{Axis, Figure, Group, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
@@ -80,14 +80,16 @@ fn motion(
     loaded: &LoadedRobot,
     nominal: &armid::model::StandardParameters,
     seed: Seed,
-) -> Result<FourierTrajectory> {
+) -> Result<PeriodicTrajectory> {
     let name = match &arguments.trajectory {
         Some(name) => Some(name.as_str()),
         None => (loaded.robot.name() == "crs-a460").then_some("table-one"),
     };
     match name {
         Some(name) => trajectory::load(name, None, &loaded.robot),
-        None => safe_motion(&loaded.robot, nominal, seed).map_err(|fault| Fault::new(fault.to_string()).into()),
+        None => safe_motion(&loaded.robot, nominal, seed)
+            .map(PeriodicTrajectory::from)
+            .map_err(|fault| Fault::new(fault.to_string()).into()),
     }
 }
 

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use armid::excitation::{
-    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, FourierTrajectory, Termination,
+    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, PeriodicTrajectory, Termination,
     WorstUse, best_of, design, random_design,
 };
 use armid::model::{Columns, JointKind, Robot};
@@ -237,8 +237,8 @@ fn start_json(design: &Design) -> Value {
 }
 
 /// The trajectory under the keys of its file.
-fn trajectory_json(trajectory: &FourierTrajectory) -> Value {
-    json!({ "period_s": trajectory.period_s, "harmonics": trajectory.harmonics(), "joint": trajectory.joints })
+fn trajectory_json(trajectory: &PeriodicTrajectory) -> Value {
+    toml::from_str(&trajectory.to_toml()).expect("a trajectory file is TOML with finite numbers")
 }
 
 struct Done<'a> {

@@ -179,7 +179,7 @@ impl Done<'_> {
             "trip": self.trip(),
             "samples": self.samples,
             "rate_hz": plan.rate_hz,
-            "period_s": plan.trajectory.period_s,
+            "period_s": plan.trajectory.period_s(),
             "periods": plan.periods,
             "tracking": self.performed.tracking.as_ref().map(|tracking| json!({
                 "peak_error": tracking.peak_error,
@@ -204,7 +204,7 @@ impl Done<'_> {
             self.samples,
             plan.rate_hz,
             plan.periods,
-            plan.trajectory.period_s,
+            plan.trajectory.period_s(),
             self.written.display(),
         );
         if let Some(tracking) = &self.performed.tracking {

@@ -3,7 +3,7 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use armid::excitation::FourierTrajectory;
+use armid::excitation::PeriodicTrajectory;
 use armid::experiment::{PhaseSpan, Recording};
 use armid::model::EffortInterface;
 use armid::provenance::Provenance;
@@ -118,7 +118,7 @@ fn own(name: &str, metadata: &BTreeMap<String, String>, states: &[JointState]) -
         .map_err(|error| Fault::new(format!("{name}: metadata \"phases\": {error}")))?;
     let provenance: Provenance = serde_json::from_str(get("provenance")?)
         .map_err(|error| Fault::new(format!("{name}: metadata \"provenance\": {error}")))?;
-    let trajectory = FourierTrajectory::from_toml(get("trajectory")?)
+    let trajectory = PeriodicTrajectory::from_toml(get("trajectory")?)
         .map_err(|error| Fault::new(format!("{name}: metadata \"trajectory\": {error}")))?;
     let dof = joints.len();
     let robot = RecordedRobot {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use armid::excitation::{ExcitationError, FourierTrajectory, table_one};
+use armid::excitation::{ExcitationError, PeriodicTrajectory, table_one};
 use armid::model::Robot;
 use miette::Result;
 
@@ -14,7 +14,7 @@ use crate::suggestion;
 const NAMES: [&str; 2] = ["table-one", "table-one-printed"];
 
 /// Reads a trajectory for a robot. Relative paths begin at `beside`, the folder of the file that names it.
-pub(crate) fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<FourierTrajectory> {
+pub(crate) fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<PeriodicTrajectory> {
     let path = beside.map_or_else(|| name.into(), |folder| folder.join(name));
     if path.is_file() {
         return parse(&read_text(&path)?, robot);
@@ -35,19 +35,19 @@ pub(crate) fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<F
     for (moved, joint) in trajectory.joints.iter_mut().zip(robot.joints()) {
         moved.name.clone_from(&joint.name);
     }
-    Ok(trajectory)
+    Ok(trajectory.into())
 }
 
 /// Reads a trajectory from its text; its joints must be the robot's, in the robot's order.
-pub(crate) fn parse(text: &Text, robot: &Robot) -> Result<FourierTrajectory> {
-    let trajectory = FourierTrajectory::from_toml(&text.content).map_err(|fault| match fault {
+pub(crate) fn parse(text: &Text, robot: &Robot) -> Result<PeriodicTrajectory> {
+    let trajectory = PeriodicTrajectory::from_toml(&text.content).map_err(|fault| match fault {
         ExcitationError::File { line, column, message } => {
             let help = suggestion::from_list_in(&message);
             Fault::new(message).at_line(text, line, column).maybe_help(help)
         }
         other => Fault::new(format!("{}: {other}", text.name)),
     })?;
-    let found: Vec<&str> = trajectory.joints.iter().map(|joint| joint.name.as_str()).collect();
+    let found = trajectory.names();
     let expected: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
     if found == expected {
         return Ok(trajectory);
