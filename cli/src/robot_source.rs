@@ -2,11 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::model::format::{
-    ChainEnds, FormatError, parse_mjcf, parse_nominal, parse_parameters, parse_robot, parse_urdf,
-};
+use armid::model::format::{ChainEnds, FormatError, parse_mjcf, parse_nominal, parse_robot, parse_urdf};
 use armid::model::{Robot, StandardParameters, bundled};
-use armid::study::truth_text;
+use armid::study::{Truth, truth_text};
 use miette::Result;
 
 use crate::atomic_file::read_text;
@@ -64,9 +62,9 @@ enum TruthSource {
 
 impl LoadedRobot {
     /// What a simulated arm of this kind is made of. Nothing but a simulator may ask.
-    pub(crate) fn truth(&self) -> Result<StandardParameters> {
+    pub(crate) fn truth(&self) -> Result<Truth> {
         let text = match (&self.truth, &self.own) {
-            (TruthSource::Own, Some(own)) => return Ok(own.clone()),
+            (TruthSource::Own, Some(own)) => return Ok(Truth::of(own.clone())),
             (TruthSource::Bundled(name), _) => {
                 let text = truth_text(name).unwrap_or_default();
                 Text::new(format!("models/{name}/truth.toml"), text)
@@ -84,7 +82,7 @@ impl LoadedRobot {
                 return Err(Fault::new(message).into());
             }
         };
-        Ok(parse_parameters(&text.content, &self.robot, true).map_err(|fault| located(&text, &fault))?.parameters)
+        Ok(Truth::from_toml(&text.content, &self.robot).map_err(|fault| located(&text, &fault))?)
     }
 }
 

@@ -31,7 +31,7 @@ impl Simulation {
 
     /// Adds the truth to a robot, and a servo's guess: the nominal parameters, or the truth where there are none.
     pub(crate) fn of(loaded: LoadedRobot, arm: ArmKind) -> Result<Self> {
-        let truth = Truth { parameters: loaded.truth()? };
+        let truth = loaded.truth()?;
         let nominal = loaded.nominal.clone().unwrap_or_else(|| truth.parameters.clone());
         Ok(Self { loaded, nominal, truth, arm })
     }

@@ -3,6 +3,7 @@
 use super::units::ReferenceUnits;
 use crate::estimation::EstimatorKind;
 use crate::excitation::CriterionKind;
+use crate::experiment::Effects;
 use crate::model::Columns;
 use crate::model::format::FormatError;
 use crate::seed::Seed;
@@ -32,6 +33,13 @@ pub struct StudyPlan {
     /// The families of designs that are compared.
     #[serde(rename = "design")]
     pub designs: Vec<FamilyPlan>,
+    /// Effects of the real arm that every run has, beside those of its truth.
+    #[serde(default, skip_serializing_if = "Effects::is_none")]
+    pub effects: Effects,
+    /// Effects under which every run is done again, one set after the other, with the same random numbers; one
+    /// empty set where there are none. The first is what designs are compared under.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub conditions: Vec<Effects>,
     /// Whether the claims of the paper are examined too.
     #[serde(default)]
     pub paper_claims: bool,

@@ -1,5 +1,7 @@
 //! The true parameters of a simulated arm: read by the simulator and the scoring, out of reach for everything above.
 
+use crate::experiment::Effects;
+use crate::model::format::{FormatError, parse_parameters};
 use crate::model::{Columns, Robot, StandardParameters};
 use nalgebra::DVector;
 
@@ -8,12 +10,61 @@ use nalgebra::DVector;
 pub struct Truth {
     /// Inertia, rotor, friction and offset of every link and joint.
     pub parameters: StandardParameters,
+    /// What the arm does beside: no estimate has a parameter for it.
+    pub effects: Effects,
+}
+
+/// The part of a `truth.toml` that is not about parameters.
+#[derive(serde::Deserialize)]
+struct Beside {
+    #[serde(default)]
+    effects: Effects,
 }
 
 impl Truth {
+    /// An arm that does what its parameters say, and nothing beside.
+    #[must_use]
+    pub const fn of(parameters: StandardParameters) -> Self {
+        Self { parameters, effects: Effects::none() }
+    }
+
+    /// Reads a `truth.toml`: parameters as [`parse_parameters`] reads them, physically consistent, and `[effects]`.
+    ///
+    /// # Errors
+    /// [`FormatError`] with line and column, for either part.
+    pub fn from_toml(text: &str, robot: &Robot) -> Result<Self, FormatError> {
+        let parameters = parse_parameters(text, robot, true)?.parameters;
+        let beside: Beside = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
+        Ok(Self { parameters, effects: beside.effects })
+    }
+
     /// The vector φ of these columns, length p.
     #[must_use]
     pub fn vector(&self, robot: &Robot, columns: Columns) -> DVector<f64> {
         self.parameters.vector(robot, columns)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::EffectKind;
+    use crate::model::bundled;
+    use crate::model::format::parse_robot;
+    use crate::study::truth_text;
+
+    #[test]
+    fn effects_stand_beside_the_parameters_and_their_faults_have_a_place() {
+        let robot = parse_robot(bundled().iter().find(|entry| entry.name == "planar-2r").unwrap().robot).unwrap();
+        let plain = truth_text("planar-2r").unwrap();
+        let truth = Truth::from_toml(plain, &robot).unwrap();
+        assert!(truth.effects.is_none());
+        let text = format!("{plain}\n[effects]\nbacklash = 0.4\nstribeck = \"severe\"\n");
+        let real = Truth::from_toml(&text, &robot).unwrap();
+        assert_eq!(real.parameters, truth.parameters);
+        assert!(real.effects.has(EffectKind::Stribeck) && real.effects.has(EffectKind::Backlash));
+        let fault = Truth::from_toml(&text.replace("backlash", "backlsh"), &robot).unwrap_err();
+        assert_eq!((fault.line, fault.column), (plain.lines().count() + 3, 1), "{fault}");
+        assert!(fault.message.contains("unknown effect `backlsh`"), "{fault}");
     }
 }

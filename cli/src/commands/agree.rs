@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let loaded = arguments.robot.load()?;
-    let truth = loaded.truth()?;
+    let truth = loaded.truth()?.parameters;
     let nominal = loaded.nominal.clone().unwrap_or_else(|| truth.clone());
     let seed = Seed::new(arguments.seed);
     let motion = motion(arguments, &loaded, &nominal, seed)?;

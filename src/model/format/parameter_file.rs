@@ -63,6 +63,9 @@ pub struct NominalParameters {
 struct ParametersTable {
     link: Spanned<Vec<Spanned<LinkTable>>>,
     drive: Option<Spanned<Vec<Spanned<DriveTable>>>>,
+    /// What a simulated arm does beside its parameters: for whoever simulates, read there.
+    #[serde(rename = "effects")]
+    _effects: Option<serde::de::IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -130,7 +133,8 @@ struct DriveTable {
 /// Reads a set of parameters for a robot.
 ///
 /// Each link has `mass_kg` and exactly one of two forms: `com_m` with `inertia_about_com_kg_m2`, or `first_moment_kg_m`
-/// with `inertia_kg_m2` about the origin of the link's frame. A drive that is not given, or a key of it, is zero.
+/// with `inertia_kg_m2` about the origin of the link's frame. A drive that is not given, or a key of it, is zero. A table
+/// `[effects]` is no parameter and is passed over.
 ///
 /// # Errors
 /// [`FormatError`] with line and column: an unknown or missing key, both forms or none, a link or joint that the robot

@@ -1,0 +1,159 @@
+//! The list of effects: name, unit, two levels, and what each means.
+
+use super::Level;
+
+/// What one effect is.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffectEntry {
+    /// Name in files.
+    pub name: &'static str,
+    /// Unit of its magnitude, as text; empty for a share.
+    pub unit: &'static str,
+    /// Magnitude on an arm in good order.
+    pub realistic: f64,
+    /// Magnitude on a worn or carelessly built arm.
+    pub severe: f64,
+    /// Largest magnitude that the model of the effect is made for.
+    pub most: f64,
+    /// What the magnitude says, one line.
+    pub meaning: &'static str,
+}
+
+/// Makes the enum, and everything that enumerates it, from one list.
+macro_rules! effects {
+    ($($(#[$doc:meta])* $kind:ident: $name:literal, $unit:literal, $realistic:literal, $severe:literal, $most:literal, $meaning:literal;)*) => {
+        /// An effect of the real arm that the identification model leaves out, listed once.
+        ///
+        /// ```
+        /// use armid::experiment::EffectKind;
+        /// assert_eq!(EffectKind::parse("stribeck"), Some(EffectKind::Stribeck));
+        /// for kind in EffectKind::ALL {
+        ///     let entry = kind.entry();
+        ///     assert!(0.0 < entry.realistic && entry.realistic < entry.severe && entry.severe <= entry.most);
+        ///     assert_eq!(EffectKind::parse(kind.name()), Some(*kind));
+        /// }
+        /// ```
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum EffectKind {
+            $($(#[$doc])* $kind,)*
+        }
+
+        impl EffectKind {
+            /// Every effect, in the order from the friction of a joint to the clock of the samples.
+            pub const ALL: &'static [Self] = &[$(Self::$kind,)*];
+
+            /// Name, unit, levels, meaning.
+            #[must_use]
+            pub const fn entry(self) -> EffectEntry {
+                match self {
+                    $(Self::$kind => EffectEntry {
+                        name: $name,
+                        unit: $unit,
+                        realistic: $realistic,
+                        severe: $severe,
+                        most: $most,
+                        meaning: $meaning,
+                    },)*
+                }
+            }
+        }
+    };
+}
+
+effects! {
+    /// Friction that falls as a joint sets off.
+    Stribeck: "stribeck", "", 0.3, 0.8, 2.0,
+        "friction at standstill above Coulomb friction, as a share of it";
+    /// Coulomb friction that grows with the torque that goes through the gear.
+    LoadFriction: "load-friction", "", 0.05, 0.15, 0.5,
+        "Coulomb friction per transmitted torque";
+    /// Viscous friction that falls as the gear warms up.
+    Warming: "warming", "", 0.2, 0.6, 0.95,
+        "share of viscous friction that a warm gear has lost";
+    /// Harmonic drives that wind up under torque: motor and link have states of their own.
+    Elasticity: "elasticity", "mrad", 2.0, 6.0, 30.0,
+        "wind-up of each drive at its torque rating";
+    /// Wind-up that depends on where it came from, on the spring of elasticity (its realistic one where it is off).
+    Hysteresis: "hysteresis", "mrad", 0.3, 1.2, 10.0,
+        "width of the loop of wind-up at zero torque";
+    /// A gap between the flanks, on the spring of elasticity (its realistic one where it is off).
+    Backlash: "backlash", "mrad", 0.3, 1.5, 20.0,
+        "gap that a motor crosses before it moves its link the other way";
+    /// Motor torque that varies with the motor's angle, in proportion to the current.
+    TorqueRipple: "torque-ripple", "", 0.02, 0.08, 0.5,
+        "amplitude as a share of the torque, twice and six times a motor turn";
+    /// Torque that pulls a motor into rest positions, current or none.
+    Cogging: "cogging", "", 0.01, 0.05, 0.5,
+        "amplitude as a share of the rating, once and twelve times a motor turn";
+    /// Torque constants other than those of the robot file.
+    TorqueConstant: "torque-constant", "", 0.03, 0.1, 0.5,
+        "relative error of every torque constant, up or down by joint";
+    /// Current that follows its set point late, while the controller reports the set point.
+    CurrentLag: "current-lag", "ms", 0.5, 3.0, 20.0,
+        "time constant of the current loop";
+    /// Current that is set some servo steps late, while the controller reports the set point.
+    CurrentDelay: "current-delay", "steps", 1.0, 5.0, 20.0,
+        "servo steps between a set point and its current";
+    /// A tool at the flange that the model does not have.
+    Tool: "tool", "kg", 0.2, 1.0, 10.0,
+        "mass, centred 60 mm before and 20 mm beside the flange";
+    /// A base that does not stand level.
+    BaseTilt: "base-tilt", "deg", 0.5, 3.0, 30.0,
+        "angle between the base's axis and the plumb line";
+    /// Links of other lengths and angles than the robot file's.
+    Kinematics: "kinematics", "mm", 0.5, 3.0, 20.0,
+        "error of each length of the kinematic table, and of each angle in mrad";
+    /// Encoders with fewer lines than the robot file's.
+    EncoderStep: "encoder-step", "steps", 4.0, 32.0, 1000.0,
+        "encoder counts that are one";
+    /// Encoder discs off the axes of their motors.
+    MotorEccentricity: "motor-eccentricity", "mrad", 5.0, 20.0, 200.0,
+        "error of the motor's angle, once a motor turn";
+    /// Gears that turn unevenly once a turn of their joint.
+    JointEccentricity: "joint-eccentricity", "mrad", 0.2, 1.0, 20.0,
+        "error of the joint's angle, once a joint turn";
+    /// Samples taken off the clock that they are stamped with.
+    ClockJitter: "clock-jitter", "us", 20.0, 200.0, 500.0,
+        "standard deviation of the time of a sample";
+    /// Samples that get lost; the one before stands in their place.
+    DroppedSamples: "dropped-samples", "", 0.001, 0.02, 0.5,
+        "share of samples that repeat the one before";
+    /// Current converters whose zero is not zero.
+    AdcOffset: "adc-offset", "", 0.001, 0.01, 0.1,
+        "offset as a share of the converter's range";
+    /// Current converters with fewer bits than the robot file's.
+    AdcStep: "adc-step", "steps", 4.0, 16.0, 256.0,
+        "converter steps that are one";
+    /// Current noise that remembers, of equal variance.
+    ColouredNoise: "coloured-noise", "ms", 5.0, 100.0, 10000.0,
+        "time in which the correlation of the noise falls to 1/e";
+}
+
+impl EffectKind {
+    /// Its name in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        self.entry().name
+    }
+
+    /// The effect of this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|kind| kind.name() == name)
+    }
+
+    /// Its magnitude at a level, in the effect's unit.
+    #[must_use]
+    pub const fn magnitude(self, level: Level) -> f64 {
+        match level {
+            Level::Realistic => self.entry().realistic,
+            Level::Severe => self.entry().severe,
+        }
+    }
+
+    /// The level that a magnitude is, where it is one.
+    #[must_use]
+    pub fn level(self, magnitude: f64) -> Option<Level> {
+        Level::ALL.into_iter().find(|&level| self.magnitude(level).to_bits() == magnitude.to_bits())
+    }
+}
