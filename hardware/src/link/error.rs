@@ -1,0 +1,72 @@
+//! What can go wrong on the link.
+
+/// Why the link cannot be used, or cannot be used any longer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum LinkError {
+    /// A setting is impossible.
+    #[error("ros2.{key} is {found}, expected {expected}")]
+    Setting {
+        /// Its key.
+        key: &'static str,
+        /// What was found.
+        found: String,
+        /// What is possible.
+        expected: &'static str,
+    },
+    /// DDS or ROS 2 refuses.
+    #[error("{what}: {reason}")]
+    Middleware {
+        /// What was asked for.
+        what: String,
+        /// What it says.
+        reason: String,
+    },
+    /// Nothing was heard in time.
+    #[error("{what}: nothing within {waited_s} s in ROS domain {domain}")]
+    Silence {
+        /// What was waited for.
+        what: String,
+        /// How long, s.
+        waited_s: f64,
+        /// In which domain.
+        domain: u16,
+    },
+    /// The names in a joint state are not those of the robot.
+    #[error("joint state: {fault}: found {found:?}, expected {expected:?} in any order")]
+    Joints {
+        /// What is wrong.
+        fault: String,
+        /// The names in the message.
+        found: Vec<String>,
+        /// The names of the robot.
+        expected: Vec<String>,
+    },
+    /// A list of a joint state has not one value for each name.
+    #[error("joint state: {quantity} has {found} values, expected {expected}, one for each name")]
+    Length {
+        /// Which list.
+        quantity: &'static str,
+        /// Its length.
+        found: usize,
+        /// Number of names.
+        expected: usize,
+    },
+    /// The robot's computer does not take the motion.
+    #[error("the robot's computer refuses the motion: {reason}")]
+    Refused {
+        /// What it says, if anything.
+        reason: String,
+    },
+    /// The robot's computer gave the motion up.
+    #[error("the robot's computer ended the motion: {reason}")]
+    Aborted {
+        /// What it says.
+        reason: String,
+    },
+}
+
+impl LinkError {
+    pub(crate) fn middleware(what: impl Into<String>, reason: &dyn std::fmt::Debug) -> Self {
+        Self::Middleware { what: what.into(), reason: format!("{reason:?}") }
+    }
+}

@@ -1,0 +1,31 @@
+//! The link to a robot that speaks ROS 2: joint states in, a motion out, by DDS alone.
+//!
+//! ```text
+//!  robot's computer                                        armid
+//!  joint_states ──→ names mapped ─→ stamps watched ─→ resampled onto the plan's grid ─→ Sink
+//!  action, topic or set-points ←── Motion                 (StampFindings)
+//! ```
+//! The time of a sample is the stamp in its header, by the robot's clock; how long nothing was heard is measured by the
+//! local monotonic clock. The two are never compared: the motion begins at a stamp of the robot's clock that the link
+//! chooses and sends along.
+
+mod error;
+mod follow;
+mod joint_map;
+mod motion;
+mod node;
+mod resample;
+mod ros2_arm;
+mod sender;
+mod settings;
+mod stamps;
+mod states;
+
+pub use error::LinkError;
+pub use joint_map::{JointMap, JointRow};
+pub use motion::{Motion, PlanMotion, points};
+pub use node::{Endpoint, peers};
+pub use resample::{GridSample, Resampler};
+pub use ros2_arm::{Reading, Ros2Arm, look};
+pub use settings::{LinkSettings, Mode, Network, ServiceMappingName};
+pub use stamps::{StampFindings, StampWatch};

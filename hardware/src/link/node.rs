@@ -1,0 +1,116 @@
+//! A participant in a ROS domain with one node, whose discovery runs on a thread of its own.
+
+use std::net::{IpAddr, Ipv4Addr};
+use std::time::Duration;
+
+use ros2_client::qos::QosProfile;
+use ros2_client::{Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, Subscription};
+use rustdds::{DomainParticipantBuilder, RTPSEntity};
+
+use super::{LinkError, LinkSettings, Network};
+
+/// A node of a ROS domain.
+pub struct Endpoint {
+    node: Node,
+    domain: u16,
+}
+
+fn context(settings: &LinkSettings) -> Result<Context, LinkError> {
+    let builder = DomainParticipantBuilder::new(settings.domain);
+    let builder = match &settings.network {
+        Network::Loopback => builder.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]),
+        Network::Only(addresses) => builder.with_only_networks(addresses.iter().copied()),
+        Network::Any => builder,
+    };
+    let open = || Context::from_domain_participant(builder.build()?);
+    open().map_err(|error| LinkError::middleware(format!("ROS domain {}", settings.domain), &error))
+}
+
+impl Endpoint {
+    /// Joins the domain of `settings` as the node `name`.
+    ///
+    /// # Errors
+    /// [`LinkError`] where a setting is impossible or the network refuses.
+    pub fn join(settings: &LinkSettings, name: &str) -> Result<Self, LinkError> {
+        settings.check()?;
+        let fault = |error: &dyn std::fmt::Debug| LinkError::middleware(format!("node {name}"), error);
+        let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
+        let named = NodeName::new("/", name).map_err(|error| fault(&error))?;
+        let mut node = context(settings)?.new_node(named, options).map_err(|error| fault(&error))?;
+        let spinner = node.spinner().map_err(|error| fault(&error))?;
+        std::thread::Builder::new()
+            .name(format!("{name} discovery"))
+            // It ends when the node is dropped; what discovery has to say is asked of the node.
+            .spawn(move || smol::block_on(spinner.spin()).is_ok())
+            .map_err(|error| fault(&error))?;
+        Ok(Self { node, domain: settings.domain })
+    }
+
+    /// The node, for what has no short cut here.
+    pub(crate) fn node(&mut self) -> &mut Node {
+        &mut self.node
+    }
+
+    /// A name as ROS takes it.
+    pub(crate) fn name(full: &str) -> Result<Name, LinkError> {
+        Name::parse(full).map_err(|error| LinkError::middleware(format!("name \"{full}\""), &error))
+    }
+
+    /// Publishes on a topic.
+    pub(crate) fn publisher<M: Message>(
+        &mut self,
+        topic: &str,
+        (package, message): (&str, &str),
+        qos: &QosProfile,
+    ) -> Result<Publisher<M>, LinkError> {
+        let fault = |error: &dyn std::fmt::Debug| LinkError::middleware(format!("topic {topic}"), error);
+        let kind = MessageTypeName::new(package, message);
+        let topic = self.node.create_topic(&Self::name(topic)?, kind, qos).map_err(|error| fault(&error))?;
+        self.node.create_publisher(&topic, None).map_err(|error| fault(&error))
+    }
+
+    /// Listens to a topic.
+    pub(crate) fn subscription<M: Message + 'static>(
+        &mut self,
+        topic: &str,
+        (package, message): (&str, &str),
+        qos: &QosProfile,
+    ) -> Result<Subscription<M>, LinkError> {
+        let fault = |error: &dyn std::fmt::Debug| LinkError::middleware(format!("topic {topic}"), error);
+        let kind = MessageTypeName::new(package, message);
+        let topic = self.node.create_topic(&Self::name(topic)?, kind, qos).map_err(|error| fault(&error))?;
+        self.node.create_subscription(&topic, None).map_err(|error| fault(&error))
+    }
+
+    /// The domain.
+    #[must_use]
+    pub fn domain(&self) -> u16 {
+        self.domain
+    }
+}
+
+/// Topics that others publish or listen to in the domain of `settings`, heard within `listen`, in the order of names.
+///
+/// # Errors
+/// [`LinkError`] where the network refuses.
+pub fn peers(settings: &LinkSettings, listen: Duration) -> Result<Vec<String>, LinkError> {
+    let context = context(settings)?;
+    let participant = context.domain_participant();
+    std::thread::sleep(listen);
+    let own = participant.guid().prefix;
+    let written = participant.discovered_writers();
+    let read = participant.discovered_readers();
+    let written =
+        written.iter().map(|found| (found.writer_proxy.remote_writer_guid, &found.publication_topic_data.topic_name));
+    let read =
+        read.iter().map(|found| (found.reader_proxy.remote_reader_guid, found.subscription_topic_data.topic_name()));
+    let mut topics: Vec<String> = written
+        .chain(read)
+        .filter(|(guid, _)| guid.prefix != own)
+        // ROS 2 puts "rt" in front of a topic, "rq" and "rr" in front of the two halves of a service.
+        .filter_map(|(_, name)| name.strip_prefix("rt/").map(|rest| format!("/{rest}")))
+        .collect();
+    topics.sort_unstable();
+    topics.dedup();
+    Ok(topics)
+}

@@ -1,0 +1,82 @@
+//! Joint states as they arrive, on a thread of its own: a slow disk must not look like a slow robot.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, TryRecvError, channel};
+use std::time::{Duration, Instant};
+
+use futures::StreamExt;
+use ros2_client::{Message, Subscription};
+
+use super::LinkError;
+
+/// What a thread heard, and when by the local monotonic clock.
+pub(crate) struct Heard<M> {
+    pub(crate) at: Instant,
+    /// The message, or why its bytes are none.
+    pub(crate) message: Result<M, String>,
+}
+
+/// The messages of one topic, in the order of arrival.
+pub(crate) struct Inbox<M> {
+    heard: Receiver<Heard<M>>,
+    open: Arc<AtomicBool>,
+}
+
+impl<M: Message + Send + 'static> Inbox<M> {
+    /// Listens until it is dropped.
+    pub(crate) fn new(what: &str, subscription: Subscription<M>) -> Result<Self, LinkError> {
+        let (sender, heard) = channel();
+        let open = Arc::new(AtomicBool::new(true));
+        let listening = Arc::clone(&open);
+        std::thread::Builder::new()
+            .name(what.to_owned())
+            .spawn(move || listen(&subscription, &sender, &listening))
+            .map_err(|error| LinkError::middleware(format!("thread for {what}"), &error))?;
+        Ok(Self { heard, open })
+    }
+
+    /// The next message, if one comes within `patience`.
+    pub(crate) fn next(&self, patience: Duration) -> Option<Heard<M>> {
+        match self.heard.recv_timeout(patience) {
+            Ok(heard) => Some(heard),
+            Err(RecvTimeoutError::Timeout | RecvTimeoutError::Disconnected) => None,
+        }
+    }
+
+    /// The next message, if it is there already.
+    pub(crate) fn take(&self) -> Option<Heard<M>> {
+        match self.heard.try_recv() {
+            Ok(heard) => Some(heard),
+            Err(TryRecvError::Empty | TryRecvError::Disconnected) => None,
+        }
+    }
+}
+
+impl<M> Drop for Inbox<M> {
+    fn drop(&mut self) {
+        self.open.store(false, Ordering::Relaxed);
+    }
+}
+
+fn listen<M: Message + Send + 'static>(subscription: &Subscription<M>, sender: &Sender<Heard<M>>, open: &AtomicBool) {
+    let mut stream = std::pin::pin!(subscription.async_stream());
+    smol::block_on(async {
+        while open.load(Ordering::Relaxed) {
+            let look_up = async {
+                smol::Timer::after(Duration::from_millis(100)).await;
+                None
+            };
+            let next = async { Some(stream.next().await) };
+            let message = match smol::future::or(next, look_up).await {
+                None => continue,
+                Some(None) => break,
+                Some(Some(Ok((message, _)))) => Ok(message),
+                Some(Some(Err(error))) => Err(format!("{error:?}")),
+            };
+            if sender.send(Heard { at: Instant::now(), message }).is_err() {
+                break;
+            }
+        }
+    });
+}
