@@ -16,6 +16,7 @@ mod progress;
 mod robot_source;
 mod simulated_arm;
 mod study_answer;
+mod study_performance;
 mod study_source;
 mod suggestion;
 mod table;

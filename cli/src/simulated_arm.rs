@@ -1,7 +1,5 @@
 //! The simulated arms: which there are, and how one is put together from a robot, its truth and its servo.
 
-use std::path::Path;
-
 use armid::dynamics::{Dynamics, States};
 use armid::experiment::{
     Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, Plant, RawSample, Recording, Sensing, Servo, Sink,
@@ -12,7 +10,7 @@ use armid::study::{Truth, exact_states};
 use miette::Result;
 
 use crate::arms::ArmKind;
-use crate::robot_source::{ChainArguments, LoadedRobot, load};
+use crate::robot_source::LoadedRobot;
 
 /// A robot that can be simulated: what it is, what an experimenter would guess, and what is true.
 #[derive(Debug)]
@@ -24,11 +22,6 @@ pub(crate) struct Simulation {
 }
 
 impl Simulation {
-    /// Loads a robot with its nominal and true parameters; relative paths begin at `beside`.
-    pub(crate) fn load(name: &str, beside: Option<&Path>, arm: ArmKind) -> Result<Self> {
-        Self::of(load(name, &ChainArguments::default(), beside)?, arm)
-    }
-
     /// Adds the truth to a robot, and a servo's guess: the nominal parameters, or the truth where there are none.
     pub(crate) fn of(loaded: LoadedRobot, arm: ArmKind) -> Result<Self> {
         let truth = loaded.truth()?;

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use armid::study::{Metric, StudyResult};
+use armid::study::{ConditionResult, Findings, Metric, StudyResult};
 
 use crate::answer::Answer;
 use crate::table::{Align, Table, number};
@@ -13,22 +13,13 @@ pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: &
     let mut text = format!("{}\n\n{}", result.plan.question, families(result).render(0));
     let _ = writeln!(text, "\n{runs} runs, {failed} failed. Smaller is better; geometric means over runs.");
     let estimator = result.plan.identification.estimators.last().map_or("", String::as_str);
-    let headline = result.findings.comparisons.iter().filter(|c| {
-        c.estimator == estimator
-            && [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str()))
-    });
-    for c in headline {
-        let sign = if c.metric.is_logarithmic() { "−" } else { "/" };
-        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]", i.low, i.high));
-        let verdict = c.better.as_ref().map_or_else(|| "undecided".to_owned(), |better| format!("{better} is better"));
-        let _ = writeln!(
-            text,
-            "{}, {} {sign} {}: {:.3}{interval}, {verdict}",
-            c.metric.title(),
-            c.first,
-            c.second,
-            c.difference
-        );
+    for part in &result.conditions {
+        if result.conditions.len() > 1 {
+            let _ = writeln!(text, "\n{}: {}", part.condition.name, statuses(part));
+        } else if failed > 0 {
+            let _ = writeln!(text, "How they ended: {}.", statuses(part));
+        }
+        headline(&mut text, &part.findings, estimator);
     }
     if let Some(paper) = &result.paper {
         let _ = writeln!(text);
@@ -42,10 +33,38 @@ pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: &
         "runs": runs,
         "failed": failed,
         "report": report.display().to_string(),
-        "findings": &result.findings,
+        "findings": result.findings(),
+        "conditions": &result.conditions,
         "paper": &result.paper,
     });
     Answer { text, json }
+}
+
+/// How the runs under a condition ended.
+fn statuses(part: &ConditionResult) -> String {
+    let counts = part.statuses.iter().map(|count| format!("{} {}", count.runs, count.status));
+    counts.collect::<Vec<_>>().join(", ")
+}
+
+/// The two families of the question, by every metric.
+fn headline(text: &mut String, findings: &Findings, estimator: &str) {
+    let pair = findings.comparisons.iter().filter(|c| {
+        c.estimator == estimator
+            && [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str()))
+    });
+    for c in pair {
+        let sign = if c.metric.is_logarithmic() { "−" } else { "/" };
+        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]", i.low, i.high));
+        let verdict = c.better.as_ref().map_or_else(|| "undecided".to_owned(), |better| format!("{better} is better"));
+        let _ = writeln!(
+            text,
+            "{}, {} {sign} {}: {:.3}{interval}, {verdict}",
+            c.metric.title(),
+            c.first,
+            c.second,
+            c.difference
+        );
+    }
 }
 
 fn families(result: &StudyResult) -> Table {
@@ -60,7 +79,7 @@ fn families(result: &StudyResult) -> Table {
         ("reference", Align::Right),
         ("coverage %", Align::Right),
     ]);
-    for family in &result.findings.families {
+    for family in &result.findings().families {
         let mut row =
             vec![family.family.clone(), family.estimator.clone(), family.designs.to_string(), family.runs.to_string()];
         row.extend((0..Metric::ALL.len()).map(|m| family.values[m].map_or_else(|| "–".to_owned(), short)));

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::study::StudyPlan;
+use armid_sim::Engine;
 use miette::Result;
 
 use crate::atomic_file::read_text;
@@ -30,5 +31,7 @@ pub(crate) fn load(name: &str) -> Result<(StudyPlan, Option<PathBuf>)> {
         }
     };
     let plan = StudyPlan::from_toml(&text.content).map_err(|fault| located(&text, &fault))?;
+    plan.check_engines(&Engine::ALL.map(Engine::name))
+        .map_err(|fault| located(&text, &fault.in_text(&text.content)))?;
     Ok((plan, folder))
 }

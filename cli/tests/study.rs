@@ -13,6 +13,7 @@ question = "Does the chain hold together?"
 robot = "planar-2r"
 seed = 3
 runs = 3
+engines = ["analytic", "rapier", "mujoco"]
 
 [experiment]
 period_s = 2.0
@@ -110,7 +111,7 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
     succeeds(at, &["study", "study.toml", "--shard", "2/2", "-o", "part2"]);
     let half = armid(at, &["study", "merge", "part1", "-o", "half"]);
     assert_eq!(half.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&half.stderr).contains("6 runs are in none of the folders"));
+    assert!(String::from_utf8_lossy(&half.stderr).contains("18 runs are in none of the folders"));
     succeeds(at, &["study", "merge", "part1", "part2", "-o", "merged"]);
     assert!(one == files(&at.join("merged")), "the merged parts differ from the whole");
 
@@ -135,7 +136,18 @@ fn faults_of_a_plan_name_line_and_column() {
     let output = armid(folder.path(), &["study", "broken.toml"]);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.contains("broken.toml:19:23") && text.contains("wsl") && text.contains("wls"), "{text}");
+    assert!(text.contains("broken.toml:20:23") && text.contains("wsl") && text.contains("wls"), "{text}");
+
+    for (engines, found) in
+        [("[\"analytic\", \"bullet\"]", "bullet"), ("[\"rapier\", \"rapier\"]", "twice"), ("[]", "at least one name")]
+    {
+        let text = PLAN.replace("[\"analytic\", \"rapier\", \"mujoco\"]", engines);
+        std::fs::write(folder.path().join("broken.toml"), text).unwrap();
+        let output = armid(folder.path(), &["study", "broken.toml"]);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains("broken.toml:7") && text.contains("engines") && text.contains(found), "{text}");
+    }
 
     let output = armid(folder.path(), &["study", "01-criterion"]);
     assert_eq!(output.status.code(), Some(2));

@@ -1,13 +1,15 @@
 //! How good is a design, how good is an estimator: the truth, the scores, and what many runs together say.
 //!
 //! ```text
-//! StudyPlan → designs → (experiment → Samples → Observation → Estimate → Score) × runs → Findings
+//! StudyPlan → designs → (experiment → Samples → Observation → Estimate → Score) × conditions × runs → Findings
 //! ```
 //! This module comes last, so that nothing that identifies can name the [`Truth`].
 
 mod bound;
+mod condition;
 mod design;
 mod examples;
+mod failure;
 mod outcome;
 pub mod paper;
 mod plan;
@@ -22,15 +24,17 @@ mod units;
 mod validity;
 
 pub use bound::{cramer_rao_std, torque_covariance};
+pub use condition::{Condition, ConditionResult, StatusCount};
 pub use design::StudyDesign;
 pub use examples::{Examples, LimitExample, PredictionExample, exact_states};
+pub use failure::{Failure, FailureKind};
 pub use outcome::{Outcome, ScoredEstimate};
 pub use plan::{
     ExperimentSettings, FamilyPlan, IdentificationSettings, Making, PlanFault, StudyPlan, ValidationSettings,
 };
 pub use referee::{Referee, Score};
 pub use result::{JointLine, PaperResult, ParameterLine, StudyResult, StudyStory};
-pub use stage::{Stage, StudyError};
+pub use stage::{Slot, Stage, StudyError};
 pub use summary::{Comparison, DesignRow, Evidence, FamilyScore, Findings, Foretelling, Metric, ParameterScore};
 pub use truth::Truth;
 pub use truth_files::truth_text;

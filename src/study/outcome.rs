@@ -1,17 +1,21 @@
 //! What one run of a study leaves behind: small, whole, and enough for every figure.
 
+use super::Failure;
 use super::referee::Score;
+use super::stage::Slot;
 use crate::estimation::Estimate;
 
-/// One run of one design: what every estimator made of it, or why there is nothing.
+/// One run of one design under one condition: what every estimator made of it, or why there is nothing.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Outcome {
     /// Index of the design in the study.
     pub design: usize,
+    /// Index of the condition in the study.
+    pub condition: usize,
     /// Number of the run within the design.
     pub run: u64,
     /// `None` where the run ended as planned, else the reason: a counted row, never a gap.
-    pub failure: Option<String>,
+    pub failure: Option<Failure>,
     /// One entry per estimator, in the order of the plan; empty where the run failed.
     pub estimates: Vec<ScoredEstimate>,
 }
@@ -22,7 +26,7 @@ pub struct ScoredEstimate {
     /// Name of the estimator.
     pub estimator: String,
     /// Why it failed, where it did; the vectors are empty then.
-    pub failure: Option<String>,
+    pub failure: Option<Failure>,
     /// Base parameters β̂ (b).
     pub beta: Vec<f64>,
     /// Standard deviations that the estimator states (b).
@@ -33,6 +37,20 @@ pub struct ScoredEstimate {
     pub residual_rms: Vec<f64>,
     /// How far from the truth it is.
     pub score: Option<Score>,
+}
+
+impl Outcome {
+    /// Which run it is.
+    #[must_use]
+    pub const fn slot(&self) -> Slot {
+        Slot { design: self.design, condition: self.condition, run: self.run }
+    }
+
+    /// `ok`, or the kind of failure that ended the run.
+    #[must_use]
+    pub fn status(&self) -> &'static str {
+        self.failure.as_ref().map_or("ok", |failure| failure.kind.name())
+    }
 }
 
 impl ScoredEstimate {
@@ -52,10 +70,10 @@ impl ScoredEstimate {
 
     /// An estimator that gave nothing, and why.
     #[must_use]
-    pub fn failed(estimator: &str, reason: String) -> Self {
+    pub fn failed(estimator: &str, failure: Failure) -> Self {
         Self {
             estimator: estimator.to_owned(),
-            failure: Some(reason),
+            failure: Some(failure),
             beta: Vec::new(),
             std: Vec::new(),
             half_width: Vec::new(),

@@ -22,6 +22,9 @@ pub struct StudyPlan {
     pub seed: Seed,
     /// Runs of each design, unless its family says otherwise.
     pub runs: usize,
+    /// Names of the engines that simulate the arm: every run of every design is performed in each.
+    #[serde(default = "default_engines")]
+    pub engines: Vec<String>,
     /// The experiment that every design is performed as.
     pub experiment: ExperimentSettings,
     /// How a recording becomes an estimate.
@@ -119,11 +122,18 @@ pub struct FamilyPlan {
 }
 
 impl PlanFault {
+    /// The fault at its place in the plan's text.
+    #[must_use]
+    pub fn in_text(&self, text: &str) -> FormatError {
+        FormatError::at(text, self.place(text), self.to_string())
+    }
+
     /// Where in the text the fault's key stands: the first line with that key and the value that was found.
     fn place(&self, text: &str) -> std::ops::Range<usize> {
         let (key, found) = match self {
             Self::Name { key, found, .. } => (*key, found),
             Self::Number { key, found, .. } => (key.as_str(), found),
+            Self::Twice { key, found } => (*key, found),
         };
         let key = key.rsplit('.').next().unwrap_or(key);
         let mut begin = 0;
@@ -151,6 +161,14 @@ pub enum PlanFault {
         /// The names that there are.
         expected: String,
     },
+    /// An entry that is in its list already.
+    #[error("{key} has \"{found}\" twice, expected each once")]
+    Twice {
+        /// The key.
+        key: &'static str,
+        /// The entry.
+        found: String,
+    },
     /// A number out of range.
     #[error("{key} is {found}, expected {expected}")]
     Number {
@@ -171,7 +189,7 @@ impl StudyPlan {
     /// something that is not there.
     pub fn from_toml(text: &str) -> Result<Self, FormatError> {
         let plan: Self = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
-        plan.check().map_err(|fault| FormatError::at(text, fault.place(text), fault.to_string()))?;
+        plan.check().map_err(|fault| fault.in_text(text))?;
         Ok(plan)
     }
 
@@ -200,6 +218,14 @@ impl StudyPlan {
                 return Err(number(key, found, "at least 1"));
             }
         }
+        if self.engines.is_empty() {
+            return Err(number("engines", "[]", "at least one name"));
+        }
+        for (i, engine) in self.engines.iter().enumerate() {
+            if self.engines[..i].contains(engine) {
+                return Err(PlanFault::Twice { key: "engines", found: engine.clone() });
+            }
+        }
         let units = &self.reference;
         for (key, found) in [
             ("experiment.period_s", self.experiment.period_s),
@@ -225,6 +251,17 @@ impl StudyPlan {
             }
         }
         Ok(())
+    }
+
+    /// Checks the names of engines against those that there are, which the core does not know.
+    ///
+    /// # Errors
+    /// [`PlanFault::Name`].
+    pub fn check_engines(&self, engines: &[&'static str]) -> Result<(), PlanFault> {
+        match self.engines.iter().find(|found| !engines.contains(&found.as_str())) {
+            Some(found) => Err(name("engines", found, engines.iter().copied())),
+            None => Ok(()),
+        }
     }
 
     /// The columns that are estimated.
@@ -273,6 +310,11 @@ impl FamilyPlan {
         CriterionKind::parse(found)
             .ok_or_else(|| name("design.criterion", found, CriterionKind::ALL.iter().map(|c| c.name())))
     }
+}
+
+/// A study that names no engine.
+fn default_engines() -> Vec<String> {
+    vec!["analytic".to_owned()]
 }
 
 fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) -> PlanFault {

@@ -1,7 +1,7 @@
 //! What a study stores beside its rows: enough to print and draw every part of its report again.
 
 use super::paper::{Claim, TableLine};
-use super::{Examples, Findings, Stage, StudyDesign, StudyPlan};
+use super::{ConditionResult, Examples, Findings, Stage, StudyDesign, StudyPlan};
 use crate::provenance::Provenance;
 
 /// The stored summary of a study. Equal plan, equal bytes.
@@ -15,16 +15,22 @@ pub struct StudyResult {
     pub joints: Vec<JointLine>,
     /// The base parameters.
     pub parameters: Vec<ParameterLine>,
-    /// The arm that performed the experiments.
-    pub arm: String,
     /// Every design.
     pub designs: Vec<StudyDesign>,
     /// Cramér–Rao standard deviations of each design, in the order of the parameters.
     pub bounds: Vec<Vec<f64>>,
-    /// What all runs together say.
-    pub findings: Findings,
+    /// What the runs under each condition say, the first being the one that figures show.
+    pub conditions: Vec<ConditionResult>,
     /// The paper's claims examined, and its Table II, where the plan asks for them.
     pub paper: Option<PaperResult>,
+}
+
+impl StudyResult {
+    /// What the runs under the first condition say.
+    #[must_use]
+    pub fn findings(&self) -> &Findings {
+        &self.conditions[0].findings
+    }
 }
 
 /// The paper's claims and its Table II.
@@ -76,11 +82,10 @@ impl Stage {
     #[must_use]
     pub fn result(
         &self,
-        arm: &str,
         provenance: Provenance,
         designs: Vec<StudyDesign>,
         bounds: Vec<Vec<f64>>,
-        findings: Findings,
+        conditions: Vec<ConditionResult>,
         paper: Option<PaperResult>,
     ) -> StudyResult {
         let (truth, units) = (self.referee().truth(), self.referee().units());
@@ -108,16 +113,6 @@ impl Stage {
                 rating: joint.limits.torque.is_finite().then_some(joint.limits.torque),
             })
             .collect();
-        StudyResult {
-            plan: self.plan.clone(),
-            provenance,
-            joints,
-            parameters,
-            arm: arm.to_owned(),
-            designs,
-            bounds,
-            findings,
-            paper,
-        }
+        StudyResult { plan: self.plan.clone(), provenance, joints, parameters, designs, bounds, conditions, paper }
     }
 }

@@ -1,7 +1,7 @@
 //! Everything of a study that is fixed before its first run: the robot, its reduction, the referee, the settings.
 //!
 //! ```text
-//! Stage::new → Stage::design(family, start) → Stage::bound → Stage::trial(design, run) → Stage::findings
+//! Stage::new → Stage::design(family, start) → Stage::bound → Stage::trial(design, condition, run) → Stage::conditions
 //! ```
 //! Each step is a function of the plan and its seed alone, so that any of them can be done again, in any order, on any
 //! number of threads, and give the same bytes. Who performs the experiment is the caller's choice: an [`Arm`].
@@ -14,7 +14,7 @@ use super::bound::{cramer_rao_std, torque_covariance};
 use super::outcome::{Outcome, ScoredEstimate};
 use super::plan::{PlanFault, StudyPlan};
 use super::summary::{DesignRow, Evidence, Findings};
-use super::{Referee, StudyDesign, Truth};
+use super::{ConditionResult, Failure, Referee, StatusCount, StudyDesign, Truth};
 use crate::base::{BaseError, BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{EstimationProblem, EstimatorKind, Observation};
@@ -37,6 +37,17 @@ pub enum StudyError {
     /// A trajectory cannot be made.
     #[error(transparent)]
     Excitation(#[from] ExcitationError),
+}
+
+/// One run of a study: which design, under which condition, and its number.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub struct Slot {
+    /// Index of the design.
+    pub design: usize,
+    /// Index of the condition.
+    pub condition: usize,
+    /// Number of the run within the design.
+    pub run: u64,
 }
 
 /// A study that is ready to run.
@@ -150,7 +161,20 @@ impl Stage {
         }
     }
 
-    /// Seed and run number of the random streams of one run.
+    /// Every run of a study with these conditions, design by design.
+    #[must_use]
+    pub fn slots(&self) -> Vec<Slot> {
+        let conditions = self.plan.conditions().len();
+        let mut slots = Vec::new();
+        for (design, (family, _)) in self.designs().into_iter().enumerate() {
+            for condition in 0..conditions {
+                slots.extend((0..self.plan.runs_of(family) as u64).map(|run| Slot { design, condition, run }));
+            }
+        }
+        slots
+    }
+
+    /// Seed and run number of the random streams of one run: the same under every condition.
     #[must_use]
     pub fn stream(&self, design: usize, run: u64) -> (Seed, u64) {
         (self.plan.seed.child("run", design as u64), run)
@@ -169,25 +193,26 @@ impl Stage {
     /// One run: performs the experiment on `arm`, processes what it recorded, estimates and scores. Whatever goes wrong
     /// is a reason in the outcome.
     #[must_use]
-    pub fn trial(&self, index: usize, design: &StudyDesign, run: u64, arm: &mut dyn Arm) -> Outcome {
-        match self.samples(&design.trajectory, arm) {
-            Ok(samples) => Outcome { design: index, run, failure: None, estimates: self.estimates(&samples) },
-            Err(reason) => Outcome { design: index, run, failure: Some(reason), estimates: Vec::new() },
-        }
+    pub fn trial(&self, slot: Slot, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
+        let (failure, estimates) = match self.samples(&design.trajectory, arm) {
+            Ok(samples) => (None, self.estimates(&samples)),
+            Err(failure) => (Some(failure), Vec::new()),
+        };
+        Outcome { design: slot.design, condition: slot.condition, run: slot.run, failure, estimates }
     }
 
     /// Performs the experiment and processes the recording.
     ///
     /// # Errors
-    /// The reason, as the study's rows state it.
-    pub fn samples(&self, trajectory: &PeriodicTrajectory, arm: &mut dyn Arm) -> Result<Samples, String> {
-        let (recording, ending) = record(arm, &self.experiment(trajectory)).map_err(|fault| format!("arm: {fault}"))?;
+    /// [`Failure`], as the study's rows state it.
+    pub fn samples(&self, trajectory: &PeriodicTrajectory, arm: &mut dyn Arm) -> Result<Samples, Failure> {
+        let (recording, ending) = record(arm, &self.experiment(trajectory)).map_err(|fault| Failure::arm(&fault))?;
         match ending {
-            Ending::Diverged { t, reason, .. } => return Err(format!("diverged at t = {t:.3} s: {reason}")),
-            Ending::Tripped { t, trip, .. } => return Err(format!("tripped at t = {t:.3} s: {trip}")),
+            Ending::Diverged { t, reason, .. } => return Err(Failure::diverged(t, &reason)),
+            Ending::Tripped { t, trip, .. } => return Err(Failure::tripped(t, &trip)),
             Ending::Completed | Ending::Stopped { .. } => {}
         }
-        process(&recording, &self.robot, &self.processing).map_err(|fault| format!("signal: {fault}"))
+        process(&recording, &self.robot, &self.processing).map_err(|fault| Failure::signal(&fault))
     }
 
     /// Every estimator of the plan on the same samples, each with its score.
@@ -196,7 +221,8 @@ impl Stage {
         let observation = match Observation::new(&self.robot, &self.regressor, &self.base, samples) {
             Ok(observation) => observation,
             Err(fault) => {
-                return self.estimators.iter().map(|e| ScoredEstimate::failed(e.name(), fault.to_string())).collect();
+                let failure = Failure::estimator(&fault);
+                return self.estimators.iter().map(|e| ScoredEstimate::failed(e.name(), failure.clone())).collect();
             }
         };
         let problem = EstimationProblem::new(&observation).with_robot(&self.robot).with_samples(samples);
@@ -204,17 +230,38 @@ impl Stage {
             .iter()
             .map(|kind| match kind.estimator().estimate(&problem) {
                 Ok(estimate) => ScoredEstimate::new(&estimate, self.referee.score(&estimate.beta())),
-                Err(fault) => ScoredEstimate::failed(kind.name(), fault.to_string()),
+                Err(fault) => ScoredEstimate::failed(kind.name(), Failure::estimator(&fault)),
             })
             .collect()
     }
 
-    /// What all outcomes say; `bounds` holds the Cramér–Rao standard deviations of each design.
+    /// What the outcomes under each condition say; `bounds` holds the Cramér–Rao standard deviations of each design.
     #[must_use]
-    pub fn findings(&self, designs: &[StudyDesign], bounds: &[Vec<f64>], outcomes: &[Outcome]) -> Findings {
-        let mut sorted: BTreeMap<(usize, u64), &Outcome> = BTreeMap::new();
+    pub fn conditions(
+        &self,
+        designs: &[StudyDesign],
+        bounds: &[Vec<f64>],
+        outcomes: &[Outcome],
+    ) -> Vec<ConditionResult> {
+        let conditions = self.plan.conditions().into_iter().enumerate();
+        conditions
+            .map(|(index, condition)| {
+                let outcomes: Vec<Outcome> =
+                    outcomes.iter().filter(|outcome| outcome.condition == index).cloned().collect();
+                ConditionResult {
+                    condition,
+                    statuses: StatusCount::of(&outcomes),
+                    findings: self.findings(designs, bounds, &outcomes),
+                }
+            })
+            .collect()
+    }
+
+    /// What the outcomes under one condition say.
+    fn findings(&self, designs: &[StudyDesign], bounds: &[Vec<f64>], outcomes: &[Outcome]) -> Findings {
+        let mut sorted: BTreeMap<Slot, &Outcome> = BTreeMap::new();
         for outcome in outcomes {
-            sorted.insert((outcome.design, outcome.run), outcome);
+            sorted.insert(outcome.slot(), outcome);
         }
         let outcomes: Vec<Outcome> = sorted.into_values().cloned().collect();
         let families: Vec<String> = self.plan.designs.iter().map(|family| family.name.clone()).collect();

@@ -390,7 +390,7 @@ impl Evidence<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::Score;
+    use crate::study::{Failure, FailureKind, Score};
     use rand_distr::{Distribution, StandardNormal};
 
     /// Two families of 6 designs × 20 runs, b = 3, white errors of standard deviation 1 and 2, honest intervals.
@@ -418,6 +418,7 @@ mod tests {
                 let rmse = super::super::statistics::root_mean_square(&error);
                 outcomes.push(Outcome {
                     design,
+                    condition: 0,
                     run,
                     failure: None,
                     estimates: vec![ScoredEstimate {
@@ -437,7 +438,8 @@ mod tests {
                 });
             }
         }
-        outcomes.push(Outcome { design: 11, run: 20, failure: Some("diverged".to_owned()), estimates: Vec::new() });
+        let failure = Some(Failure { kind: FailureKind::DivergedSpeed, reason: "too fast".to_owned() });
+        outcomes.push(Outcome { design: 11, condition: 0, run: 20, failure, estimates: Vec::new() });
         let estimators = ["ols".to_owned()];
         Evidence {
             families: &families,

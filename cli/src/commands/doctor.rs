@@ -1,6 +1,7 @@
 //! `armid doctor`
 
 use armid::model::bundled;
+use armid_sim::{Engine, MujocoStatus};
 use miette::Result;
 use serde_json::json;
 
@@ -22,6 +23,8 @@ pub(crate) struct Arguments {}
 pub(crate) fn run(_: &Arguments, console: &Console) -> Result<Ending> {
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let simd = vector_units();
+    let mujoco = MujocoStatus::now();
+    let engines = engines(&mujoco);
     let arms = ArmKind::ALL.map(ArmKind::name);
     let robots: Vec<&str> = bundled().iter().map(|entry| entry.name).collect();
     let experiments = bundled_experiments::names("experiment.toml");
@@ -34,6 +37,8 @@ pub(crate) fn run(_: &Arguments, console: &Console) -> Result<Ending> {
         ("cores", cores.to_string()),
         ("vector units", none(simd.join(", "))),
         ("arms", arms.join(", ")),
+        ("engines", engines.join(", ")),
+        ("MuJoCo", in_words(&mujoco)),
         ("robots", robots.join(", ")),
         ("experiments", none(experiments.join(", "))),
         ("studies", none(studies.join(", "))),
@@ -46,12 +51,34 @@ pub(crate) fn run(_: &Arguments, console: &Console) -> Result<Ending> {
         "cores": cores,
         "simd": simd,
         "arms": arms,
+        "engines": engines,
+        "mujoco": as_json(&mujoco),
         "robots": robots,
         "experiments": experiments,
         "studies": studies,
     });
     console.answer(&Answer { text: table.render(0), json })?;
     Ok(Ending::Done)
+}
+
+/// The engines that can simulate here.
+fn engines(mujoco: &MujocoStatus) -> Vec<&'static str> {
+    let here = |engine: &Engine| *engine != Engine::Mujoco || matches!(mujoco, MujocoStatus::Found { .. });
+    Engine::ALL.into_iter().filter(here).map(Engine::name).collect()
+}
+
+fn in_words(status: &MujocoStatus) -> String {
+    match status {
+        MujocoStatus::Found { path, version } => format!("{version}, {}", path.display()),
+        MujocoStatus::Missing { reason } => reason.to_string(),
+    }
+}
+
+fn as_json(status: &MujocoStatus) -> serde_json::Value {
+    match status {
+        MujocoStatus::Found { path, version } => json!({ "version": version, "library": path.display().to_string() }),
+        MujocoStatus::Missing { reason } => json!({ "missing": reason.to_string() }),
+    }
 }
 
 /// Vector instructions that this processor has.

@@ -25,7 +25,6 @@ pub(crate) enum Piece {
 struct Header {
     armid: String,
     plan_sha256: String,
-    arm: String,
 }
 
 /// A journal that is open for more pieces.
@@ -39,18 +38,14 @@ impl Journal {
     pub(crate) const NAME: &'static str = "journal.jsonl";
 
     /// Begins a journal, or goes on with the one that is there where `resume` says so.
-    pub(crate) fn open(folder: &Path, plan_sha256: &str, arm: &str, resume: bool) -> Result<(Self, Vec<Piece>)> {
+    pub(crate) fn open(folder: &Path, plan_sha256: &str, resume: bool) -> Result<(Self, Vec<Piece>)> {
         let path = folder.join(Self::NAME);
         let fault = |error: std::io::Error| Fault::new(format!("{} cannot be written: {error}", path.display()));
         std::fs::create_dir_all(folder).map_err(fault)?;
-        let pieces = if resume && path.is_file() { Self::read(&path, plan_sha256, arm)? } else { Vec::new() };
+        let pieces = if resume && path.is_file() { Self::read(&path, plan_sha256)? } else { Vec::new() };
         // Whole lines only: what a kill cut short is written again.
         let mut file = OpenOptions::new().create(true).write(true).truncate(true).open(&path).map_err(fault)?;
-        let header = Header {
-            armid: env!("CARGO_PKG_VERSION").to_owned(),
-            plan_sha256: plan_sha256.to_owned(),
-            arm: arm.to_owned(),
-        };
+        let header = Header { armid: env!("CARGO_PKG_VERSION").to_owned(), plan_sha256: plan_sha256.to_owned() };
         let mut text = json_line(&header)?;
         for piece in &pieces {
             text.push_str(&json_line(piece)?);
@@ -60,20 +55,15 @@ impl Journal {
     }
 
     /// The whole pieces of a journal.
-    pub(crate) fn read(path: &Path, plan_sha256: &str, arm: &str) -> Result<Vec<Piece>> {
+    pub(crate) fn read(path: &Path, plan_sha256: &str) -> Result<Vec<Piece>> {
         let fault = |reason: String| Fault::new(format!("{}: {reason}", path.display()));
         let (header, lines) = Self::begin(path)?;
-        if header.plan_sha256 != plan_sha256 || header.arm != arm || header.armid != env!("CARGO_PKG_VERSION") {
-            let message = "belongs to another plan, number of runs, arm or version of armid; begin anew without --resume, \
+        if header.plan_sha256 != plan_sha256 || header.armid != env!("CARGO_PKG_VERSION") {
+            let message = "belongs to another plan, number of runs, arms or version of armid; begin anew without --resume, \
                            or choose another folder with -o";
             return Err(fault(message.to_owned()).into());
         }
         Ok(lines.map_while(|line| serde_json::from_str(&line.ok()?).ok()).collect())
-    }
-
-    /// Which arm performs the runs of a journal.
-    pub(crate) fn arm(path: &Path) -> Result<String> {
-        Ok(Self::begin(path)?.0.arm)
     }
 
     fn begin(path: &Path) -> Result<(Header, Lines<BufReader<File>>)> {

@@ -72,11 +72,13 @@ pub(crate) fn write_timing(
     let index = |value: usize| i64::try_from(value).unwrap_or(i64::MAX);
     let kind = std::iter::repeat_n("design".to_owned(), designs).chain(outcomes.iter().map(|_| "run".to_owned()));
     let design = (0..designs).map(index).chain(outcomes.iter().map(|o| index(o.design)));
+    let condition = std::iter::repeat_n(-1, designs).chain(outcomes.iter().map(|o| index(o.condition)));
     let run = std::iter::repeat_n(-1, designs).chain(outcomes.iter().map(|o| o.run.cast_signed()));
     let seconds = design_seconds.iter().chain(run_seconds).map(|&s| Some(s));
     let table = ParquetTable::default()
         .with("kind", Column::Text(kind.collect()))
         .with("design", Column::Integer(design.collect()))
+        .with("condition", Column::Integer(condition.collect()))
         .with("run", Column::Integer(run.collect()))
         .with("seconds", Column::Number(seconds.collect()));
     write_table(&folder.join("timing.parquet"), &table)?;
@@ -103,20 +105,22 @@ fn write_table(path: &Path, table: &ParquetTable) -> Result<()> {
 
 /// One row per run, design and estimator.
 fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
-    let (mut family, mut design, mut run, mut estimator, mut status) =
-        (Vec::new(), Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut family, mut design, mut run, mut estimator) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let (mut condition, mut status, mut reason) = (Vec::new(), Vec::new(), Vec::new());
     let (mut prediction, mut of_rating, mut reference) = (Vec::new(), Vec::new(), Vec::new());
     let mut residual: Vec<Vec<Option<f64>>> = vec![Vec::new(); result.joints.len()];
     for outcome in outcomes {
         for (e, name) in result.plan.identification.estimators.iter().enumerate() {
             let estimate = outcome.estimates.get(e);
             let score = estimate.and_then(|estimate| estimate.score.as_ref());
-            let reason = outcome.failure.as_ref().or_else(|| estimate.and_then(|estimate| estimate.failure.as_ref()));
+            let failure = outcome.failure.as_ref().or_else(|| estimate.and_then(|estimate| estimate.failure.as_ref()));
             family.push(result.plan.designs[result.designs[outcome.design].family].name.clone());
             design.push(i64::try_from(outcome.design).unwrap_or(i64::MAX));
             run.push(outcome.run.cast_signed());
             estimator.push(name.clone());
-            status.push(reason.map_or_else(|| "ok".to_owned(), Clone::clone));
+            condition.push(result.conditions[outcome.condition].condition.name.clone());
+            status.push(failure.map_or("ok", |failure| failure.kind.name()).to_owned());
+            reason.push(failure.map_or_else(String::new, |failure| failure.reason.clone()));
             prediction.push(score.map(|s| s.prediction_rmse_nm));
             of_rating.push(score.map(|s| s.prediction_rmse_of_rating));
             reference.push(score.map(|s| s.reference_rmse));
@@ -139,8 +143,10 @@ fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
         .with("family", Column::Text(family))
         .with("design", Column::Integer(design))
         .with("run", Column::Integer(run))
+        .with("condition", Column::Text(condition))
         .with("estimator", Column::Text(estimator))
         .with("status", Column::Text(status))
+        .with("reason", Column::Text(reason))
         .with("prediction_rmse_nm", Column::Number(prediction))
         .with("prediction_rmse_of_rating", Column::Number(of_rating))
         .with("reference_rmse", Column::Number(reference));
@@ -150,12 +156,14 @@ fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
 /// One row per run, design, estimator and parameter.
 fn parameter_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
     let (mut run, mut design, mut estimator, mut parameter) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+    let mut condition = Vec::new();
     let (mut truth, mut estimate, mut std, mut half_width) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for outcome in outcomes {
         for scored in outcome.estimates.iter().filter(|scored| scored.score.is_some()) {
             for (i, line) in result.parameters.iter().enumerate() {
                 run.push(outcome.run.cast_signed());
                 design.push(i64::try_from(outcome.design).unwrap_or(i64::MAX));
+                condition.push(result.conditions[outcome.condition].condition.name.clone());
                 estimator.push(scored.estimator.clone());
                 parameter.push(line.name.clone());
                 truth.push(Some(line.truth));
@@ -169,6 +177,7 @@ fn parameter_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
     ParquetTable::default()
         .with("run", Column::Integer(run))
         .with("design", Column::Integer(design))
+        .with("condition", Column::Text(condition))
         .with("estimator", Column::Text(estimator))
         .with("noise", Column::Text(vec!["robot".to_owned(); rows]))
         .with("truth", Column::Text(vec!["robot".to_owned(); rows]))

@@ -2,7 +2,6 @@
 
 use std::time::{Duration, Instant};
 
-use armid::excitation::Trajectory;
 use armid::experiment::{
     Arm, ArmError, Ending, ExperimentPlan, Flow, Layout, Phase, RawSample, Recording, SafeAction, Sink, TripReport,
 };

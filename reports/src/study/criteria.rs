@@ -23,7 +23,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
     let estimator = shown_estimator(story);
     let index = result.plan.identification.estimators.len().saturating_sub(1);
     let groups = Group::assign(result.plan.designs.iter().map(|family| family.name.clone()));
-    let spread = &result.findings.design_prediction[index];
+    let spread = &result.findings().design_prediction[index];
     let panels = VALUES
         .iter()
         .map(|(title, axis, value, log)| ScatterPanel {
@@ -87,7 +87,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
             Column::number("rank correlation", ""),
         ],
     );
-    for f in &result.findings.foretelling {
+    for f in &result.findings().foretelling {
         table = table.row(vec![
             Cell::text(&f.value),
             Cell::text(&f.estimator),
@@ -108,7 +108,7 @@ fn boxes(
 ) -> BoxFigure {
     let result = &story.result;
     let cell = |estimator: &str, group: &Group| {
-        let family = result.findings.families.iter().find(|f| f.estimator == estimator && f.family == group.label)?;
+        let family = result.findings().families.iter().find(|f| f.estimator == estimator && f.family == group.label)?;
         let s = spread(family)?;
         let (q1, q3) = (s.lower_quartile, s.upper_quartile);
         Some(Distribution::of(Quantiles { low: s.low, q1, median: s.median, q3, high: s.high }))

@@ -10,7 +10,7 @@ pub(super) fn summary(story: &StudyStory) -> Vec<String> {
     let result = &story.result;
     let estimator = shown_estimator(story);
     let mut paragraphs = vec![format!("**{}**", result.plan.question)];
-    let pair = story.result.findings.comparisons.iter().filter(|c| c.estimator == estimator);
+    let pair = story.result.findings().comparisons.iter().filter(|c| c.estimator == estimator);
     let headline: Vec<&Comparison> = pair
         .filter(|c| [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str())))
         .collect();
@@ -45,7 +45,7 @@ pub(super) fn sentence(c: &Comparison) -> String {
 
 /// The values of every family, and every pairwise difference.
 pub(super) fn section(story: &StudyStory) -> Section {
-    let findings = &story.result.findings;
+    let findings = story.result.findings();
     let columns = vec![
         Column::text("family"),
         Column::text("estimator"),

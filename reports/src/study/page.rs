@@ -12,12 +12,12 @@ use crate::{Document, DocumentError};
 pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
     let result = &story.result;
     let plan = &result.plan;
-    let runs: usize = result.findings.families.iter().filter(|f| is_first(result, f)).map(|f| f.runs).sum();
+    let runs: usize = result.findings().families.iter().filter(|f| is_first(result, f)).map(|f| f.runs).sum();
     let mut document = Document::new(&plan.question)
         .subtitle(format!(
-            "{} on the {} arm: {} designs, {} runs, seed {}",
+            "{} on {}: {} designs, {} runs, seed {}",
             plan.name,
-            result.arm,
+            arms(&result.plan.engines),
             result.designs.len(),
             runs,
             plan.seed.value()
@@ -64,6 +64,15 @@ pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
 /// The estimator that figures show: the last of the plan, which is the one that knows most.
 pub(super) fn shown_estimator(story: &StudyStory) -> &str {
     story.result.plan.identification.estimators.last().map_or("", String::as_str)
+}
+
+/// The simulated arms, in words.
+fn arms(engines: &[String]) -> String {
+    match engines {
+        [one] => format!("the {one} arm"),
+        [some @ .., last] => format!("the {} and {last} arms", some.join(", ")),
+        [] => "no arm".to_owned(),
+    }
 }
 
 fn is_first(result: &armid::study::StudyResult, score: &armid::study::FamilyScore) -> bool {

@@ -12,7 +12,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
     let result = &story.result;
     let estimator = shown_estimator(story);
     let families: Vec<&FamilyScore> =
-        result.findings.families.iter().filter(|f| f.estimator == estimator && f.runs > 1).collect();
+        result.findings().families.iter().filter(|f| f.estimator == estimator && f.runs > 1).collect();
     let section = Section::new("Parameters");
     if families.is_empty() {
         return Ok(section.text("No family has runs enough to tell."));

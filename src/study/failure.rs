@@ -1,0 +1,97 @@
+//! Why a run gave no estimate: a kind that can be counted, and the reason in words.
+
+use crate::experiment::{ArmError, Divergence, PlantError, TripReport};
+
+/// Why a run, or one estimator of it, gave nothing.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, thiserror::Error)]
+#[error("{reason}")]
+pub struct Failure {
+    /// Which kind.
+    pub kind: FailureKind,
+    /// What happened, with numbers.
+    pub reason: String,
+}
+
+/// The kinds of failure.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum FailureKind {
+    /// The arm could not begin.
+    Arm,
+    /// A coordinate or velocity was no longer a number.
+    DivergedNotFinite,
+    /// A joint was faster than ten times its limit.
+    DivergedSpeed,
+    /// The engine gave up.
+    DivergedEngine,
+    /// A guard ended the experiment.
+    Tripped,
+    /// The recording could not be processed.
+    Signal,
+    /// The estimator gave nothing.
+    Estimator,
+}
+
+impl FailureKind {
+    /// Every kind.
+    pub const ALL: [Self; 7] = [
+        Self::Arm,
+        Self::DivergedNotFinite,
+        Self::DivergedSpeed,
+        Self::DivergedEngine,
+        Self::Tripped,
+        Self::Signal,
+        Self::Estimator,
+    ];
+
+    /// Name in rows and summaries.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Arm => "arm",
+            Self::DivergedNotFinite => "diverged-not-finite",
+            Self::DivergedSpeed => "diverged-speed",
+            Self::DivergedEngine => "diverged-engine",
+            Self::Tripped => "tripped",
+            Self::Signal => "signal",
+            Self::Estimator => "estimator",
+        }
+    }
+}
+
+impl Failure {
+    /// An arm that could not begin.
+    #[must_use]
+    pub fn arm(fault: &ArmError) -> Self {
+        Self { kind: FailureKind::Arm, reason: format!("arm: {fault}") }
+    }
+
+    /// A motion that ran away at time `t`, s.
+    #[must_use]
+    pub fn diverged(t: f64, divergence: &Divergence) -> Self {
+        let kind = match divergence {
+            Divergence::Speed { .. } => FailureKind::DivergedSpeed,
+            Divergence::Plant(PlantError::NotFinite { .. }) => FailureKind::DivergedNotFinite,
+            Divergence::Plant(PlantError::Engine { .. }) => FailureKind::DivergedEngine,
+        };
+        Self { kind, reason: format!("diverged at t = {t:.3} s: {divergence}") }
+    }
+
+    /// A guard that ended the experiment at time `t`, s.
+    #[must_use]
+    pub fn tripped(t: f64, trip: &TripReport) -> Self {
+        Self { kind: FailureKind::Tripped, reason: format!("tripped at t = {t:.3} s: {trip}") }
+    }
+
+    /// A recording that could not be processed.
+    #[must_use]
+    pub fn signal(fault: &impl std::fmt::Display) -> Self {
+        Self { kind: FailureKind::Signal, reason: format!("signal: {fault}") }
+    }
+
+    /// An estimator that gave nothing.
+    #[must_use]
+    pub fn estimator(fault: &impl std::fmt::Display) -> Self {
+        Self { kind: FailureKind::Estimator, reason: fault.to_string() }
+    }
+}
