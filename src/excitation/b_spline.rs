@@ -27,7 +27,7 @@ const QUINTIC: [[f64; 6]; 6] = [
 ];
 
 /// Coefficient of `s^power` in the derivative of this order of P_j.
-fn coefficient(degree: usize, j: usize, order: usize, power: usize) -> f64 {
+pub(super) fn coefficient(degree: usize, j: usize, order: usize, power: usize) -> f64 {
     let (row, scale): (&[f64], f64) = if degree == 3 { (&CUBIC[j], 6.0) } else { (&QUINTIC[j], 120.0) };
     let falling: f64 = (power + 1..=power + order).map(|x| x as f64).product();
     row.get(power + order).map_or(0.0, |c| c * falling / scale)

@@ -1,17 +1,20 @@
-//! Between the optimiser's variables and the motion: a Fourier trajectory is linear in its coefficients.
+//! Between the optimiser's variables and the motion: every family is linear in its coefficients.
 //!
-//! Joint j owns the block `x_j = (a_1, b_1, …, a_H, b_H, q0)`, each divided by a scale of the joint's own size (its
-//! speed limit for a and b, half its range for q0), so that a step of one means something similar in every variable:
+//! Joint j owns the block `x_j` of its coefficients, each divided by a scale of the joint's own size, so that a step
+//! of one means something similar in every variable; a frozen joint owns none:
 //!
 //! ```text
 //! q_j(θ) = B_q(θ) S_j x_j      q̇_j(θ) = B_v(θ) S_j x_j      q̈_j(θ) = B_a(θ) S_j x_j          θ = ωt
-//! B_q = ( sin lθ/(ω l), −cos lθ/(ω l), …, 1 )    B_v = ( cos lθ, sin lθ, …, 0 )    B_a = ( −ω l sin lθ, ω l cos lθ, …, 0 )
 //! ```
+//! The rows B are the shape functions of the family and their derivatives with respect to time.
 
 use std::f64::consts::{PI, TAU};
+use std::ops::Range;
 
-use super::{ExcitationError, FourierJoint, FourierTrajectory, PeriodicTrajectory};
-use crate::dynamics::States;
+use nalgebra::{DMatrix, DVector};
+
+use super::shape::Shape;
+use super::{ExcitationError, Family, FourierTrajectory, PeriodicTrajectory};
 use crate::model::{Limits, Robot};
 
 /// Which of the three derivatives a row belongs to.
@@ -30,55 +33,102 @@ impl Quantity {
     pub const ALL: [Self; 3] = [Self::Position, Self::Velocity, Self::Acceleration];
 }
 
-/// Period, harmonics and scales of a family of Fourier trajectories of one robot.
+/// How one joint moves.
 #[derive(Clone, Debug)]
-pub struct FourierBasis {
-    period_s: f64,
-    harmonics: usize,
-    names: Vec<String>,
-    /// Scale of a and b, and of q0, for each joint.
-    scales: Vec<(f64, f64)>,
+struct JointMotion {
+    name: String,
+    /// Its variables; none where it is frozen.
+    variables: Range<usize>,
+    /// Index of its shape.
+    shape: usize,
+    /// Scale of each coefficient.
+    scales: Vec<f64>,
+    /// Where it stands still, rad.
+    frozen: Option<f64>,
 }
 
-impl FourierBasis {
-    /// The family of `robot`'s trajectories with this period (s) and number of harmonics.
+/// Period, harmonics, frozen joints and scales of a family of trajectories of one robot.
+#[derive(Clone, Debug)]
+pub struct MotionBasis {
+    family: Family,
+    period_s: f64,
+    /// The different shapes; joints of equally many harmonics share one.
+    shapes: Vec<Shape>,
+    joints: Vec<JointMotion>,
+}
+
+impl MotionBasis {
+    /// The family of `robot`'s trajectories with this period (s), with `harmonics` of each joint (n) and with some
+    /// joints standing still where `frozen` (n, rad) says.
     ///
     /// # Errors
-    /// [`ExcitationError::Problem`] if the period is not a finite number above zero or there is no harmonic.
-    pub fn new(robot: &Robot, period_s: f64, harmonics: usize) -> Result<Self, ExcitationError> {
+    /// [`ExcitationError::Problem`] if the period is not a finite number above zero, a joint that moves has fewer
+    /// harmonics than the family needs, no joint moves, or a frozen joint stands outside its limits.
+    pub fn new(
+        robot: &Robot,
+        family: Family,
+        period_s: f64,
+        harmonics: &[usize],
+        frozen: &[Option<f64>],
+    ) -> Result<Self, ExcitationError> {
+        let fault = |quantity: String, found: String, expected: String| {
+            Err(ExcitationError::Problem { quantity, found, expected })
+        };
         if !(period_s.is_finite() && period_s > 0.0) {
-            return Err(ExcitationError::Problem {
-                quantity: "period".into(),
-                found: format!("{period_s} s"),
-                expected: "a finite number above zero".into(),
-            });
+            return fault("period".into(), format!("{period_s} s"), "a finite number above zero".into());
         }
-        if harmonics == 0 {
-            return Err(ExcitationError::Problem {
-                quantity: "number of harmonics".into(),
-                found: "0".into(),
-                expected: "at least one".into(),
-            });
+        let n = robot.dof();
+        for (quantity, found) in [("numbers of harmonics", harmonics.len()), ("frozen positions", frozen.len())] {
+            if found != n {
+                return fault(format!("number of {quantity}"), found.to_string(), format!("{n}, one for each joint"));
+            }
         }
         let omega = TAU / period_s;
-        Ok(Self {
-            period_s,
-            harmonics,
-            names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
-            scales: robot.joints().iter().map(|joint| scales(&joint.limits, omega)).collect(),
-        })
+        let (mut shapes, mut joints, mut next) = (Vec::new(), Vec::new(), 0);
+        for ((joint, &harmonics), &frozen) in robot.joints().iter().zip(harmonics).zip(frozen) {
+            let least = family.least_harmonics();
+            if let Some(place) = frozen {
+                let (low, high) = joint.limits.position;
+                if !(place >= low && place <= high) {
+                    let quantity = format!("frozen position of joint \"{}\"", joint.name);
+                    return fault(quantity, place.to_string(), format!("within {low} to {high}"));
+                }
+            } else if harmonics < least {
+                let quantity = format!("number of harmonics of joint \"{}\"", joint.name);
+                let expected = if least == 1 { "at least one".into() } else { format!("at least {least} for splines") };
+                return fault(quantity, harmonics.to_string(), expected);
+            }
+            let shape = family.shape(period_s, harmonics.max(least));
+            let index = shapes.iter().position(|known| *known == shape).unwrap_or_else(|| {
+                shapes.push(shape);
+                shapes.len() - 1
+            });
+            let count = if frozen.is_some() { 0 } else { shape.len() };
+            joints.push(JointMotion {
+                name: joint.name.clone(),
+                variables: next..next + count,
+                shape: index,
+                scales: scales(&shape, &joint.limits, omega),
+                frozen,
+            });
+            next += count;
+        }
+        if next == 0 {
+            return fault("number of joints that move".into(), "0".into(), "at least one".into());
+        }
+        Ok(Self { family, period_s, shapes, joints })
+    }
+
+    /// The family.
+    #[must_use]
+    pub const fn family(&self) -> Family {
+        self.family
     }
 
     /// Number of joints n.
     #[must_use]
     pub fn dof(&self) -> usize {
-        self.scales.len()
-    }
-
-    /// Number of harmonics H.
-    #[must_use]
-    pub const fn harmonics(&self) -> usize {
-        self.harmonics
+        self.joints.len()
     }
 
     /// Period T, s.
@@ -93,268 +143,178 @@ impl FourierBasis {
         TAU / self.period_s
     }
 
-    /// Variables of one joint, 2H + 1.
-    #[must_use]
-    pub const fn block(&self) -> usize {
-        2 * self.harmonics + 1
-    }
-
-    /// Number of variables, n (2H + 1).
+    /// Number of variables.
     #[must_use]
     pub fn variables(&self) -> usize {
-        self.dof() * self.block()
+        self.joints.last().map_or(0, |joint| joint.variables.end)
+    }
+
+    /// The variables of joint `index`; none where it is frozen.
+    #[must_use]
+    pub fn range(&self, index: usize) -> Range<usize> {
+        self.joints[index].variables.clone()
+    }
+
+    pub(super) fn shapes(&self) -> &[Shape] {
+        &self.shapes
+    }
+
+    /// Index of the shape of joint `index`.
+    pub(super) fn shape_of(&self, index: usize) -> usize {
+        self.joints[index].shape
+    }
+
+    pub(super) fn scales(&self, index: usize) -> &[f64] {
+        &self.joints[index].scales
+    }
+
+    /// The coefficients of joint `index`, from all variables.
+    pub(super) fn unscaled(&self, index: usize, x: &[f64]) -> Vec<f64> {
+        let joint = &self.joints[index];
+        match joint.frozen {
+            Some(place) => self.shapes[joint.shape].constant().iter().map(|one| place * one).collect(),
+            None => x[joint.variables.clone()].iter().zip(&joint.scales).map(|(x, scale)| scale * x).collect(),
+        }
     }
 
     /// The trajectory of the variables `x`.
     #[must_use]
     pub fn trajectory(&self, x: &[f64]) -> PeriodicTrajectory {
-        let joints = x.chunks_exact(self.block()).zip(&self.scales).zip(&self.names).map(|((x, scale), name)| {
-            let (pairs, q0) = x.split_at(2 * self.harmonics);
-            FourierJoint {
-                name: name.clone(),
-                a: pairs.iter().step_by(2).map(|a| a * scale.0).collect(),
-                b: pairs.iter().skip(1).step_by(2).map(|b| b * scale.0).collect(),
-                q0: q0[0] * scale.1,
-            }
-        });
-        FourierTrajectory { period_s: self.period_s, joints: joints.collect() }.into()
+        let joints = self.joints.iter().enumerate().map(|(j, joint)| (joint.name.clone(), self.unscaled(j, x)));
+        self.family.trajectory(self.period_s, joints.collect())
     }
 
-    /// The variables of a trajectory; harmonics that it lacks are zero.
+    /// The variables of a trajectory; harmonics that it lacks are zero, and what frozen joints do in it does not count.
     ///
     /// # Errors
     /// [`ExcitationError::Trajectory`] if its joints, its period or its harmonics are not of this family.
     pub fn coefficients(&self, trajectory: &PeriodicTrajectory) -> Result<Vec<f64>, ExcitationError> {
-        let fault = |quantity: &str, found: String, expected: String| {
-            Err(ExcitationError::Trajectory { quantity: quantity.into(), found, expected })
+        let fault = |quantity: String, found: String, expected: String| {
+            Err(ExcitationError::Trajectory { quantity, found, expected })
         };
-        let PeriodicTrajectory::Fourier(trajectory) = trajectory else {
-            return fault("family", "another one".into(), "a Fourier series".into());
+        if trajectory.dof() != self.dof() {
+            return fault("number of joints".into(), trajectory.dof().to_string(), self.dof().to_string());
+        }
+        if (trajectory.period_s() - self.period_s).abs() > 1e-12 * self.period_s {
+            let found = format!("{} s", trajectory.period_s());
+            return fault("period".into(), found, format!("{} s", self.period_s));
+        }
+        let Some(blocks) = self.family.coefficients(trajectory) else {
+            return fault("family".into(), "another one".into(), self.family.name().into());
         };
-        if trajectory.joints.len() != self.dof() {
-            return fault("number of joints", trajectory.joints.len().to_string(), self.dof().to_string());
-        }
-        if (trajectory.period_s - self.period_s).abs() > 1e-12 * self.period_s {
-            return fault("period", format!("{} s", trajectory.period_s), format!("{} s", self.period_s));
-        }
-        if trajectory.harmonics() > self.harmonics {
-            let expected = format!("at most {}", self.harmonics);
-            return fault("number of harmonics", trajectory.harmonics().to_string(), expected);
-        }
         let mut x = vec![0.0; self.variables()];
-        for ((x, joint), scale) in x.chunks_exact_mut(self.block()).zip(&trajectory.joints).zip(&self.scales) {
-            for (l, (a, b)) in joint.a.iter().zip(&joint.b).enumerate() {
-                x[2 * l] = a / scale.0;
-                x[2 * l + 1] = b / scale.0;
+        for (joint, values) in self.joints.iter().zip(&blocks).filter(|(joint, _)| joint.frozen.is_none()) {
+            let shape = &self.shapes[joint.shape];
+            let block = &mut x[joint.variables.clone()];
+            let (count, found) = (block.len(), values.len());
+            let quantity = || format!("number of harmonics of joint \"{}\"", joint.name);
+            match shape {
+                Shape::Series { harmonics, .. } => {
+                    let pairs = &values[..found - 1];
+                    if pairs.iter().skip(2 * harmonics).any(|&amplitude| amplitude != 0.0) {
+                        return fault(quantity(), (found / 2).to_string(), format!("at most {harmonics}"));
+                    }
+                    for ((x, value), scale) in block[..count - 1].iter_mut().zip(pairs).zip(&joint.scales) {
+                        *x = value / scale;
+                    }
+                    block[count - 1] = values[found - 1] / joint.scales[count - 1];
+                }
+                Shape::Spline { knots, .. } => {
+                    if found != *knots {
+                        return fault(quantity(), format!("that of {found} knots"), format!("that of {knots}"));
+                    }
+                    for ((x, value), scale) in block.iter_mut().zip(values).zip(&joint.scales) {
+                        *x = value / scale;
+                    }
+                }
             }
-            x[2 * self.harmonics] = joint.q0 / scale.1;
         }
         Ok(x)
     }
 
-    /// Scale of the velocity amplitudes of joint `index`, and its mean position, from its block of variables.
-    pub(crate) fn scaled_mean(&self, index: usize, block: &[f64]) -> (f64, f64) {
-        let (scale, q0_scale) = self.scales[index];
-        (scale, q0_scale * block[2 * self.harmonics])
+    /// The variables of the trajectory that comes nearest to a Fourier series: the series' own coefficients where the
+    /// family has them, else least squares of its positions.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Trajectory`] if the joints, the period or the harmonics of the series are not this basis's.
+    pub fn nearest(&self, series: &FourierTrajectory) -> Result<Vec<f64>, ExcitationError> {
+        match self.family {
+            Family::Fourier => self.coefficients(&series.clone().into()),
+            Family::FourierQuintic => self.coefficients(&PeriodicTrajectory::FourierQuintic(series.clone().into())),
+            Family::CubicBSpline | Family::QuinticBSpline => {
+                let blocks = (0..self.dof()).map(|j| {
+                    let joint = &self.joints[j];
+                    (joint.name.clone(), fit(&self.shapes[joint.shape], &series.position(j)))
+                });
+                self.coefficients(&self.family.trajectory(self.period_s, blocks.collect()))
+            }
+        }
     }
 
-    /// The row of one quantity of joint `index` at phase `phase`, times `sign`: 2H + 1 coefficients.
+    /// The row of one quantity of joint `index` at phase `phase`, times `sign`: one entry for each of its variables.
     #[must_use]
     pub fn row(&self, index: usize, quantity: Quantity, phase: f64, sign: f64) -> Vec<f64> {
-        let mut weights = [0.0; 3];
-        weights[quantity as usize] = sign;
-        self.combined_row(index, phase, weights)
+        let mut row = self.derivative_row(index, quantity as usize, phase);
+        for entry in &mut row {
+            *entry *= sign;
+        }
+        row
+    }
+
+    /// The row of the derivative of this order (0 position … 3 jerk) of joint `index` at phase `phase`.
+    #[must_use]
+    pub fn derivative_row(&self, index: usize, order: usize, phase: f64) -> Vec<f64> {
+        let joint = &self.joints[index];
+        if joint.frozen.is_some() {
+            return Vec::new();
+        }
+        let mut row = vec![0.0; joint.scales.len()];
+        self.shapes[joint.shape].fill(phase, order, &mut row);
+        for (entry, scale) in row.iter_mut().zip(&joint.scales) {
+            *entry *= scale;
+        }
+        row
     }
 
     /// The weighted sum of the rows of position, velocity and acceleration of joint `index` at phase `phase`.
     #[must_use]
     pub fn combined_row(&self, index: usize, phase: f64, weights: [f64; 3]) -> Vec<f64> {
-        let (scale, q0_scale) = self.scales[index];
-        let [position, velocity, acceleration] = weights;
-        let mut row = vec![0.0; self.block()];
-        let (s1, c1) = libm::sincos(phase);
-        let (mut s, mut c) = (s1, c1);
-        for l in 0..self.harmonics {
-            let w = self.omega() * (l + 1) as f64;
-            let turned = position / w - acceleration * w;
-            row[2 * l] = scale * (s * turned + c * velocity);
-            row[2 * l + 1] = scale * (s * velocity - c * turned);
-            (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
+        let mut sum = vec![0.0; self.range(index).len()];
+        for (order, weight) in weights.into_iter().enumerate() {
+            for (sum, entry) in sum.iter_mut().zip(self.derivative_row(index, order, phase)) {
+                *sum += weight * entry;
+            }
         }
-        row[2 * self.harmonics] = position * q0_scale;
-        row
+        sum
     }
 }
 
-/// A size for a joint's velocity amplitudes and for its mean position.
-fn scales(limits: &Limits, omega: f64) -> (f64, f64) {
+/// A size for each coefficient of a joint.
+fn scales(shape: &Shape, limits: &Limits, omega: f64) -> Vec<f64> {
     let half = 0.5 * (limits.position.1 - limits.position.0);
     let range = if half.is_finite() { half } else { PI };
     let speed = limits.velocity.min(limits.acceleration / omega).min(range * omega);
-    (speed, range)
-}
-
-/// The rows of all motions at the samples `θ_k = 2π k / N`, ready for many evaluations.
-#[derive(Clone, Debug)]
-pub struct SampledBasis {
-    basis: FourierBasis,
-    samples: usize,
-    /// cos lθ and sin lθ, N × 2H row-major.
-    waves: Vec<f64>,
-}
-
-impl SampledBasis {
-    /// `samples` samples of a family.
-    #[must_use]
-    pub fn new(basis: FourierBasis, samples: usize) -> Self {
-        let harmonics = basis.harmonics();
-        let mut waves = Vec::with_capacity(2 * samples * harmonics);
-        for k in 0..samples {
-            for l in 1..=harmonics {
-                // k l modulo N keeps the argument within one turn.
-                let (s, c) = libm::sincos(TAU * ((k * l) % samples) as f64 / samples as f64);
-                waves.extend([c, s]);
-            }
+    match shape {
+        Shape::Series { .. } => {
+            let mut scales = vec![speed; shape.len()];
+            scales[shape.len() - 1] = range;
+            scales
         }
-        Self { basis, samples, waves }
-    }
-
-    /// The family.
-    #[must_use]
-    pub const fn basis(&self) -> &FourierBasis {
-        &self.basis
-    }
-
-    /// Number of samples N.
-    #[must_use]
-    pub const fn samples(&self) -> usize {
-        self.samples
-    }
-
-    /// Fills `states` (N samples of n joints) with the motion of the variables `x`.
-    pub fn states(&self, x: &[f64], states: &mut States) {
-        let (n, harmonics) = (self.basis.dof(), self.basis.harmonics());
-        let omega = self.basis.omega();
-        let mut scaled = vec![(0.0, 0.0); harmonics];
-        for (j, x) in x.chunks_exact(self.basis.block()).enumerate() {
-            let (scale, q0_scale) = self.basis.scales[j];
-            for (l, pair) in scaled.iter_mut().enumerate() {
-                *pair = (scale * x[2 * l], scale * x[2 * l + 1]);
-            }
-            let q0 = q0_scale * x[2 * harmonics];
-            for (k, waves) in self.waves.chunks_exact(2 * harmonics).enumerate() {
-                let (mut q, mut qd, mut qdd) = (q0, 0.0, 0.0);
-                for (l, (&(a, b), wave)) in scaled.iter().zip(waves.chunks_exact(2)).enumerate() {
-                    let w = omega * (l + 1) as f64;
-                    let (c, s) = (wave[0], wave[1]);
-                    let turned = a * s - b * c;
-                    q += turned / w;
-                    qd += a * c + b * s;
-                    qdd -= turned * w;
-                }
-                states.q[k * n + j] = q;
-                states.qd[k * n + j] = qd;
-                states.qdd[k * n + j] = qdd;
-            }
-        }
-    }
-
-    /// Derivatives of a scalar with respect to the samples (N × n row-major each) pulled back to the variables.
-    ///
-    /// ```text
-    /// ∂f/∂x_j = S_jᵀ Σ_k B_q(θ_k)ᵀ ∂f/∂q_kj + B_v(θ_k)ᵀ ∂f/∂q̇_kj + B_a(θ_k)ᵀ ∂f/∂q̈_kj
-    /// ```
-    pub fn pull_back(&self, sensitivity: &States, gradient: &mut [f64]) {
-        let (n, harmonics) = (self.basis.dof(), self.basis.harmonics());
-        let omega = self.basis.omega();
-        for (j, g) in gradient.chunks_exact_mut(self.basis.block()).enumerate() {
-            let (scale, q0_scale) = self.basis.scales[j];
-            g.fill(0.0);
-            for (k, waves) in self.waves.chunks_exact(2 * harmonics).enumerate() {
-                let at = k * n + j;
-                let (dq, dqd, dqdd) = (sensitivity.q[at], sensitivity.qd[at], sensitivity.qdd[at]);
-                for (l, wave) in waves.chunks_exact(2).enumerate() {
-                    let w = omega * (l + 1) as f64;
-                    let (c, s) = (wave[0], wave[1]);
-                    let turned = dq / w - dqdd * w;
-                    g[2 * l] += s * turned + c * dqd;
-                    g[2 * l + 1] += s * dqd - c * turned;
-                }
-                g[2 * harmonics] += dq;
-            }
-            for g in &mut g[..2 * harmonics] {
-                *g *= scale;
-            }
-            g[2 * harmonics] *= q0_scale;
-        }
+        Shape::Spline { .. } => vec![speed / omega; shape.len()],
     }
 }
 
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::conformance::chains;
-    use crate::excitation::Trajectory;
-    use crate::seed::Seed;
-    use rand::RngExt;
-
-    fn family() -> (FourierBasis, Vec<f64>) {
-        let mut rng = Seed::new(3).stream("basis", 0);
-        let (robot, _) = chains::random_robot(&mut rng, 4);
-        let basis = FourierBasis::new(&robot, 7.0, 3).unwrap();
-        let x = (0..basis.variables()).map(|_| rng.random_range(-1.0..1.0)).collect();
-        (basis, x)
+/// Coefficients whose positions come nearest to a curve on eight samples for each of them.
+fn fit(shape: &Shape, curve: &super::TrigonometricPolynomial) -> Vec<f64> {
+    let samples = 8 * shape.len();
+    let phase = |k: usize| TAU * k as f64 / samples as f64;
+    let mut system = DMatrix::zeros(samples, shape.len());
+    let mut row = vec![0.0; shape.len()];
+    for k in 0..samples {
+        shape.fill(phase(k), 0, &mut row);
+        system.row_mut(k).copy_from_slice(&row);
     }
-
-    #[test]
-    fn identity_sampled_states_equal_the_trajectory() {
-        let (basis, x) = family();
-        let trajectory = basis.trajectory(&x);
-        let sampled = SampledBasis::new(basis.clone(), 23);
-        let mut states = States::with_len(4, 23);
-        sampled.states(&x, &mut states);
-        let expected = trajectory.sample(23);
-        for (found, expected) in [(&states.q, &expected.q), (&states.qd, &expected.qd), (&states.qdd, &expected.qdd)] {
-            for (x, y) in found.iter().zip(expected) {
-                assert!((x - y).abs() < 1e-12);
-            }
-        }
-        let back = basis.coefficients(&trajectory).unwrap();
-        assert!(back.iter().zip(&x).all(|(x, y)| (x - y).abs() < 1e-15));
-    }
-
-    #[test]
-    fn identity_rows_equal_the_evaluation() {
-        let (basis, x) = family();
-        let trajectory = basis.trajectory(&x);
-        let (mut q, mut qd, mut qdd) = ([0.0; 4], [0.0; 4], [0.0; 4]);
-        trajectory.evaluate(1.3, &mut q, &mut qd, &mut qdd);
-        for j in 0..4 {
-            let x = &x[j * basis.block()..(j + 1) * basis.block()];
-            for (quantity, expected) in Quantity::ALL.into_iter().zip([q[j], qd[j], qdd[j]]) {
-                let row = basis.row(j, quantity, basis.omega() * 1.3, -1.0);
-                let found: f64 = row.iter().zip(x).map(|(a, x)| a * x).sum();
-                assert!((found + expected).abs() < 1e-12);
-            }
-        }
-    }
-
-    #[test]
-    fn identity_pull_back_is_the_transpose_of_the_states() {
-        // ⟨s, states(x)⟩ = ⟨pull_back(s), x⟩ for every s and x.
-        let (basis, x) = family();
-        let sampled = SampledBasis::new(basis, 23);
-        let mut states = States::with_len(4, 23);
-        sampled.states(&x, &mut states);
-        let mut rng = Seed::new(3).stream("sensitivity", 0);
-        let mut weights = States::with_len(4, 23);
-        for w in weights.q.iter_mut().chain(&mut weights.qd).chain(&mut weights.qdd) {
-            *w = rng.random_range(-1.0..1.0);
-        }
-        let dot = |x: &[f64], y: &[f64]| -> f64 { x.iter().zip(y).map(|(x, y)| x * y).sum() };
-        let left = dot(&weights.q, &states.q) + dot(&weights.qd, &states.qd) + dot(&weights.qdd, &states.qdd);
-        let mut gradient = vec![0.0; x.len()];
-        sampled.pull_back(&weights, &mut gradient);
-        assert!((left - dot(&gradient, &x)).abs() < 1e-11 * (1.0 + left.abs()));
-    }
+    let values = DVector::from_fn(samples, |k, _| curve.value(phase(k)));
+    let normal = system.tr_mul(&system).cholesky().expect("splines on equidistant knots are independent");
+    normal.solve(&system.tr_mul(&values)).iter().copied().collect()
 }

@@ -11,7 +11,6 @@ use super::criterion::CriterionKind;
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::information::InformationObjective;
 use super::optimiser::{Progress, Sequential, SequentialSettings};
-use super::start::paper_start;
 use super::termination::{HistoryPoint, Termination};
 use super::{DesignProblem, ExcitationError};
 use crate::seed::Seed;
@@ -109,8 +108,7 @@ impl Search<'_> {
     /// Another start, halfway between the best trajectory and a fresh first guess.
     fn hop(&mut self, seed: Seed, index: u64) -> Result<(), ExcitationError> {
         let problem = self.problem;
-        let fresh = paper_start(&problem.robot, problem.period_s, problem.harmonics, seed, index)?;
-        let fresh = self.feasibility.bring_inside(fresh.into());
+        let fresh = self.feasibility.bring_inside(problem.start(seed, index)?);
         let fresh = self.feasibility.basis().coefficients(&fresh)?;
         let (best, _) = self.best.as_ref().unwrap_or(&self.last);
         let x = best.iter().zip(&fresh).map(|(best, fresh)| best + HOP_SHARE * (fresh - best)).collect();
@@ -180,8 +178,5 @@ impl Search<'_> {
 
 /// The value that is minimised, from the one that people read.
 pub(crate) fn cost(kind: CriterionKind, value: f64) -> f64 {
-    match kind {
-        CriterionKind::DOptimal => -value,
-        CriterionKind::Condition | CriterionKind::ConditionScaled => value,
-    }
+    if kind.is_larger_better() { -value } else { value }
 }

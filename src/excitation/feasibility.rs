@@ -6,7 +6,7 @@ use super::limits::{WorstUse, shrink_into_limits};
 use super::optimiser::{LinearLimits, SmoothLimits, Unlimited};
 use super::termination::Termination;
 use super::torque::TorqueLimits;
-use super::{DesignProblem, ExcitationError, FourierBasis, Margins, PeriodicTrajectory};
+use super::{DesignProblem, ExcitationError, Margins, MotionBasis, PeriodicTrajectory};
 use crate::model::Robot;
 
 /// Excess over the permitted torque, already a little below the allowed one, that counts as none.
@@ -27,7 +27,7 @@ const START_FACTOR: f64 = 0.2;
 /// The limits of a design problem.
 pub(crate) struct Feasibility {
     robot: Robot,
-    basis: FourierBasis,
+    basis: MotionBasis,
     margins: Margins,
     linear: LimitRows,
     smooth: Box<dyn SmoothLimits>,
@@ -57,7 +57,7 @@ impl Feasibility {
         Ok(Self { robot, basis, margins, linear, smooth, torque, samples })
     }
 
-    pub(crate) fn basis(&self) -> &FourierBasis {
+    pub(crate) fn basis(&self) -> &MotionBasis {
         &self.basis
     }
 

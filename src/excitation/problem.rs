@@ -1,10 +1,15 @@
 //! What is asked of a design.
 
-use nalgebra::DMatrix;
+use std::f64::consts::PI;
 
-use super::basis::{FourierBasis, Quantity};
-use super::{CriterionKind, ExcitationError};
-use crate::base::{BaseReduction, Method, reduce};
+use nalgebra::DMatrix;
+use rand::RngExt;
+
+use super::basis::{MotionBasis, Quantity};
+use super::start::series_start;
+use super::{CriterionKind, ExcitationError, Family, PeriodicTrajectory};
+use crate::base::{BaseReduction, Method, reduce, reduce_on};
+use crate::dynamics::States;
 use crate::model::{Columns, ParameterKind, Robot, StandardParameters};
 use crate::seed::Seed;
 
@@ -49,7 +54,7 @@ impl Default for Margins {
 /// let robot = parse_robot(bundled()[0].robot).unwrap();
 /// let problem = DesignProblem::new(robot, Columns::Rigid, CriterionKind::Condition).unwrap();
 /// assert_eq!(problem.base.rank(), 36);
-/// assert_eq!((problem.period_s, problem.harmonics), (10.0, 5));
+/// assert_eq!((problem.period_s, problem.harmonics[0]), (10.0, 5));
 /// ```
 #[derive(Clone, Debug)]
 pub struct DesignProblem {
@@ -63,8 +68,12 @@ pub struct DesignProblem {
     pub criterion: CriterionKind,
     /// Period T, s.
     pub period_s: f64,
-    /// Number of harmonics H.
-    pub harmonics: usize,
+    /// In which family of trajectories it is sought.
+    pub family: Family,
+    /// Number of harmonics H of each joint, n; splines have 2H + 1 knots.
+    pub harmonics: Vec<usize>,
+    /// Where joints stand still, rad, n; `None` for those that move. Set by [`Self::freeze`].
+    pub frozen: Vec<Option<f64>>,
     /// Samples of one period in the criterion.
     pub samples: usize,
     /// Parameters that torque limits are computed with; without them torque is not limited.
@@ -84,6 +93,9 @@ pub struct DesignProblem {
     pub certificate_samples: usize,
 }
 
+/// The least number of random states on which a base of frozen joints is found.
+const RANDOM_STATES: usize = 40;
+
 /// Default budget of one design: criterion evaluations, of which a gradient is one more.
 pub const DEFAULT_EVALUATIONS: usize = 400;
 
@@ -94,13 +106,16 @@ impl DesignProblem {
     /// [`ExcitationError::Base`] if the base parameters cannot be found.
     pub fn new(robot: Robot, columns: Columns, criterion: CriterionKind) -> Result<Self, ExcitationError> {
         let base = reduce(&robot, columns, Method::Structural, Seed::new(0))?;
+        let n = robot.dof();
         Ok(Self {
             robot,
             columns,
             base,
             criterion,
             period_s: 10.0,
-            harmonics: 5,
+            family: Family::Fourier,
+            harmonics: vec![5; n],
+            frozen: vec![None; n],
             samples: 100,
             nominal: None,
             margins: Margins::default(),
@@ -110,6 +125,48 @@ impl DesignProblem {
             max_iterations: usize::MAX,
             certificate_samples: 5000,
         })
+    }
+
+    /// Lets joint `index` stand still at `place` (rad). What it no longer reveals is taken out of the base.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Base`] if the base parameters of the remaining motion cannot be found.
+    pub fn freeze(&mut self, index: usize, place: f64) -> Result<(), ExcitationError> {
+        self.frozen[index] = Some(place);
+        let states = self.random_states();
+        self.base = reduce_on(&self.robot, self.columns, Method::Qr, &states)?;
+        Ok(())
+    }
+
+    /// Random states of the joints that move, the others where they stand.
+    fn random_states(&self) -> States {
+        let n = self.robot.dof();
+        let count = RANDOM_STATES.max(3 * self.base.parameters.len() / n);
+        let mut rng = Seed::new(0).stream("frozen joints", 0);
+        let mut states = States::new(n);
+        for _ in 0..count {
+            let mut draw = |still: &dyn Fn(usize) -> Option<f64>| -> Vec<f64> {
+                (0..n).map(|j| (rng.random_range(-PI..PI), still(j))).map(|(x, still)| still.unwrap_or(x)).collect()
+            };
+            let resting = |j: usize| self.frozen[j].map(|_| 0.0);
+            let (q, qd, qdd) = (draw(&|j| self.frozen[j]), draw(&resting), draw(&resting));
+            // Rates at which the arm's own motion weighs as much as gravity.
+            let (qd, qdd) =
+                (qd.iter().map(|x| 2.0 * x).collect::<Vec<_>>(), qdd.iter().map(|x| 5.0 * x).collect::<Vec<_>>());
+            states.push(&q, &qd, &qdd);
+        }
+        states
+    }
+
+    /// The first guess number `index` of this problem: the paper's for a Fourier series, else the trajectory of the
+    /// family that comes nearest to it. Families share their starts.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Problem`] if the settings are impossible.
+    pub fn start(&self, seed: Seed, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {
+        let basis = self.basis()?;
+        let series = series_start(&self.robot, self.period_s, &self.harmonics, seed, index)?;
+        Ok(basis.trajectory(&basis.nearest(&series)?))
     }
 
     /// Position, among the kept columns, of those that belong to rigid bodies.
@@ -128,13 +185,14 @@ impl DesignProblem {
     }
 
     /// Checks the settings and makes the family of trajectories.
-    pub(crate) fn basis(&self) -> Result<FourierBasis, ExcitationError> {
+    pub(crate) fn basis(&self) -> Result<MotionBasis, ExcitationError> {
         let fault = |quantity: &str, found: String, expected: String| {
             Err(ExcitationError::Problem { quantity: quantity.into(), found, expected })
         };
         let n = self.robot.dof();
-        if self.samples < 4 * self.harmonics {
-            let expected = format!("at least {}, four for each period of the highest harmonic", 4 * self.harmonics);
+        let least = 4 * self.harmonics.iter().copied().max().unwrap_or(0);
+        if self.samples < least {
+            let expected = format!("at least {least}, four for each period of the highest harmonic");
             return fault("number of samples", self.samples.to_string(), expected);
         }
         for (quantity, part) in [
@@ -170,6 +228,6 @@ impl DesignProblem {
         if self.max_evaluations == 0 {
             return fault("number of evaluations", "0".into(), "at least one".into());
         }
-        FourierBasis::new(&self.robot, self.period_s, self.harmonics)
+        MotionBasis::new(&self.robot, self.family, self.period_s, &self.harmonics, &self.frozen)
     }
 }

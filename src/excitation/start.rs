@@ -13,7 +13,7 @@
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 
-use super::basis::{FourierBasis, Quantity};
+use super::basis::Quantity;
 use super::limits::interval;
 use super::{ExcitationError, FourierJoint, FourierTrajectory, PeriodicMotion};
 use crate::linalg::{solve_upper, triangular_factor};
@@ -38,18 +38,40 @@ pub fn paper_start(
     seed: Seed,
     index: u64,
 ) -> Result<FourierTrajectory, ExcitationError> {
-    let basis = FourierBasis::new(robot, period_s, harmonics)?;
+    series_start(robot, period_s, &vec![harmonics; robot.dof()], seed, index)
+}
+
+/// The paper's first guess with a number of harmonics for each joint; joints that lack the highest have zeros there.
+pub(super) fn series_start(
+    robot: &Robot,
+    period_s: f64,
+    harmonics: &[usize],
+    seed: Seed,
+    index: u64,
+) -> Result<FourierTrajectory, ExcitationError> {
+    let fault = |quantity: &str, found: String, expected: &str| {
+        Err(ExcitationError::Problem { quantity: quantity.into(), found, expected: expected.into() })
+    };
+    if !(period_s.is_finite() && period_s > 0.0) {
+        return fault("period", format!("{period_s} s"), "a finite number above zero");
+    }
+    let highest = harmonics.iter().copied().max().unwrap_or(0);
+    if highest == 0 {
+        return fault("number of harmonics", "0".into(), "at least one");
+    }
     let mut rng = seed.stream("paper start", index);
-    let count = PAPER_VELOCITIES.max(4 * harmonics);
+    let count = PAPER_VELOCITIES.max(4 * highest);
     let mut joints = Vec::with_capacity(robot.dof());
-    for joint in robot.joints() {
+    for (joint, &harmonics) in robot.joints().iter().zip(harmonics) {
         // The paper's random velocities; where a joint states no speed limit, its shape alone counts.
         let speed = if joint.limits.velocity.is_finite() { joint.limits.velocity } else { 1.0 };
         let velocities: Vec<f64> = (0..count).map(|_| rng.random_range(-speed..speed)).collect();
-        let (a, b) = fit_velocities(&velocities, harmonics);
+        let (mut a, mut b) = fit_velocities(&velocities, harmonics);
+        a.resize(highest, 0.0);
+        b.resize(highest, 0.0);
         joints.push(FourierJoint { name: joint.name.clone(), a, b, q0: 0.0 });
     }
-    let mut trajectory = FourierTrajectory { period_s: basis.period_s(), joints };
+    let mut trajectory = FourierTrajectory { period_s, joints };
     for (j, joint) in robot.joints().iter().enumerate() {
         scale_to_limits(robot, &mut trajectory, j);
         let position = trajectory.position(j);
@@ -72,6 +94,9 @@ pub fn paper_start(
 
 /// Least squares of the velocity basis on velocities at `t_m = m T / M`: `(a, b)`.
 fn fit_velocities(velocities: &[f64], harmonics: usize) -> (Vec<f64>, Vec<f64>) {
+    if harmonics == 0 {
+        return (Vec::new(), Vec::new());
+    }
     let count = velocities.len();
     let columns = 2 * harmonics;
     let system = DMatrix::from_fn(count, columns + 1, |m, c| {

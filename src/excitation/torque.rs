@@ -11,9 +11,10 @@
 use std::f64::consts::TAU;
 
 use super::PeriodicTrajectory;
-use super::basis::{FourierBasis, SampledBasis};
+use super::basis::MotionBasis;
 use super::limits::WorstUse;
 use super::optimiser::{Row, SmoothLimits};
+use super::sampled::SampledBasis;
 use super::trajectory::Trajectory;
 use crate::dynamics::{Dynamics, States};
 use crate::model::{Columns, Robot, StandardParameters};
@@ -60,7 +61,7 @@ impl TorqueLimits {
     pub fn new(
         robot: &Robot,
         nominal: &StandardParameters,
-        basis: &FourierBasis,
+        basis: &MotionBasis,
         samples: usize,
         use_at_most: f64,
     ) -> Self {
@@ -232,13 +233,13 @@ impl SmoothLimits for TorqueLimits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{fixtures, paper_start};
+    use crate::excitation::{Family, fixtures, paper_start};
     use crate::seed::Seed;
 
     #[test]
     fn identity_rows_are_the_slopes_of_the_peaks() {
         let robot = fixtures::crs_a460();
-        let basis = FourierBasis::new(&robot, 10.0, 5).unwrap();
+        let basis = MotionBasis::new(&robot, Family::Fourier, 10.0, &[5; 6], &[None; 6]).unwrap();
         let start = paper_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
         let x = basis.coefficients(&start).unwrap();
         let mut limits = TorqueLimits::new(&robot, &fixtures::crs_a460_nominal(), &basis, 200, 0.5);

@@ -110,7 +110,7 @@ impl Stage {
         let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();
         Ok(DesignProblem {
             period_s: self.plan.experiment.period_s,
-            harmonics: self.plan.experiment.harmonics,
+            harmonics: vec![self.plan.experiment.harmonics; self.robot.dof()],
             nominal: Some(self.nominal.clone()),
             sigma: Some(sigma),
             max_evaluations: evaluations,

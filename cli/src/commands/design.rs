@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use armid::excitation::{
-    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, PeriodicTrajectory, Termination,
-    WorstUse, best_of, design, random_design,
+    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, Family, PeriodicTrajectory,
+    Termination, WorstUse, best_of, design, random_design,
 };
 use armid::model::{Columns, JointKind, Robot};
 use armid::seed::Seed;
@@ -55,9 +55,15 @@ pub(crate) struct Arguments {
     /// Period, s
     #[arg(long, value_name = "S", default_value_t = 10.0)]
     period: f64,
-    /// Harmonics of each joint's Fourier series
-    #[arg(long, value_name = "N", default_value_t = 5)]
-    harmonics: usize,
+    /// In which family of trajectories
+    #[arg(long, default_value = "fourier", value_parser = one_of(&Family::ALL, Family::name))]
+    family: Family,
+    /// Harmonics of every joint, or a list with one number for each; splines have 2 N + 1 knots
+    #[arg(long, value_name = "N", default_value = "5", value_delimiter = ',')]
+    harmonics: Vec<usize>,
+    /// Joint that stands still, and where, rad; parameters that then stay hidden are left out
+    #[arg(long, value_name = "JOINT=RAD", value_delimiter = ',', value_parser = frozen_joint)]
+    freeze: Vec<(String, f64)>,
     /// Seed of the first guesses
     #[arg(long, value_name = "K", default_value_t = 1)]
     seed: u64,
@@ -108,6 +114,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     Ok(if interrupted { Ending::Interrupted } else { Ending::Done })
 }
 
+/// `wrist_roll=0.0` as a joint's name and its position.
+fn frozen_joint(text: &str) -> std::result::Result<(String, f64), String> {
+    let parts = text.split_once('=').and_then(|(name, place)| Some((name.to_owned(), place.parse::<f64>().ok()?)));
+    parts.filter(|(_, place)| place.is_finite()).ok_or_else(|| "expected JOINT=RAD, as wrist_roll=0.0".to_owned())
+}
+
 fn impossible(error: &ExcitationError) -> Fault {
     Fault::new(error.to_string())
 }
@@ -125,8 +137,20 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
     let columns = if arguments.no_friction { Columns::Rigid } else { arguments.columns };
     let mut problem = DesignProblem::new(robot, columns, arguments.criterion).map_err(|error| impossible(&error))?;
     problem.period_s = arguments.period;
-    problem.harmonics = arguments.harmonics;
-    problem.samples = problem.samples.max(4 * arguments.harmonics);
+    problem.family = arguments.family;
+    problem.harmonics = match arguments.harmonics.as_slice() {
+        [every] => vec![*every; problem.robot.dof()],
+        each => each.to_vec(),
+    };
+    problem.samples = problem.samples.max(4 * problem.harmonics.iter().copied().max().unwrap_or(0));
+    for (name, place) in &arguments.freeze {
+        let names: Vec<&str> = problem.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+        let Some(index) = names.iter().position(|known| known == name) else {
+            let message = format!("--freeze names the joint \"{name}\", expected one of {}", names.join(", "));
+            return Err(Fault::new(message).into());
+        };
+        problem.freeze(index, *place).map_err(|error| impossible(&error))?;
+    }
     problem.max_evaluations = arguments.evaluations;
     problem.max_iterations = arguments.iterations.unwrap_or(problem.max_iterations);
     if !arguments.ignore_torque {
@@ -257,6 +281,7 @@ impl Done<'_> {
             "robot": self.problem.robot.name(),
             "criterion": best.criterion.name(),
             "columns": self.problem.columns.name(),
+            "family": self.problem.family.name(),
             "seed": self.arguments.seed,
             "value": best.value,
             "condition": certificate.condition,

@@ -34,7 +34,7 @@ pub trait Criterion: Send + Sync {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::criterion::{Condition, ConditionScaled};
+    use crate::excitation::criterion::Condition;
     use crate::seed::Seed;
     use rand::RngExt;
 
@@ -48,10 +48,15 @@ mod tests {
     }
 
     fn all() -> Vec<Box<dyn Criterion>> {
-        let mut all: Vec<Box<dyn Criterion>> = CriterionKind::ALL.map(CriterionKind::criterion).into();
-        all.push(Box::new(Condition::smooth(6.0)));
-        all.push(Box::new(ConditionScaled::smooth(6.0)));
-        all
+        let exact = CriterionKind::ALL.map(CriterionKind::criterion);
+        let smooth = CriterionKind::ALL.map(|kind| kind.smooth(6.0));
+        exact.into_iter().chain(smooth).collect()
+    }
+
+    /// The derivative along a direction by fourth-order central differences.
+    fn difference(criterion: &dyn Criterion, m: &DMatrix<f64>, d: &DMatrix<f64>, h: f64) -> f64 {
+        let at = |h: f64| criterion.evaluate(&(m + d * h), None).value;
+        (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h)
     }
 
     #[test]
@@ -63,13 +68,46 @@ mod tests {
             let mut rng = Seed::new(22).stream("direction", run as u64);
             let d = DMatrix::from_fn(7, 7, |_, _| rng.random_range(-1.0..1.0));
             let d = &d + d.transpose();
-            let h = 1e-4;
-            let forward = criterion.evaluate(&(&m + &d * h), None).value;
-            let backward = criterion.evaluate(&(&m - &d * h), None).value;
-            let difference = (forward - backward) / (2.0 * h);
+            let difference = difference(&**criterion, &m, &d, 1e-3);
             let expected = s.component_mul(&d).sum();
-            assert!((difference - expected).abs() < 1e-8, "{:?}: {expected} {difference}", criterion.kind());
-            assert!((&s - s.transpose()).norm() < 1e-14);
+            let size = 1.0 + expected.abs();
+            assert!((difference - expected).abs() < 1e-9 * size, "{:?}: {expected} {difference}", criterion.kind());
+            assert!((&s - s.transpose()).norm() < 1e-13 * (1.0 + s.norm()));
+        }
+    }
+
+    #[test]
+    fn identity_smooth_forms_have_a_gradient_where_extreme_eigenvalues_cross() {
+        // Along Q diag(1 + t, 1 − t, 3, 9 + t, 9 − t) Qᵀ both extremes cross at t = 0.
+        let mut rng = Seed::new(24).stream("turned", 0);
+        let q = DMatrix::from_fn(5, 5, |_, _| rng.random_range(-1.0..1.0)).qr().q();
+        let turned = |values: [f64; 5]| {
+            let m = &q * DMatrix::from_diagonal(&nalgebra::DVector::from_row_slice(&values)) * q.transpose();
+            0.5 * (&m + m.transpose())
+        };
+        let along = turned([1.0, -1.0, 0.0, 1.0, -1.0]);
+        let at = |t: f64| turned([1.0 + t, 1.0 - t, 3.0, 9.0 + t, 9.0 - t]);
+        for kind in CriterionKind::ALL.into_iter().filter(|kind| !kind.is_smooth()) {
+            let gradient = |criterion: &dyn Criterion, t: f64| {
+                let mut s = DMatrix::zeros(5, 5);
+                criterion.evaluate(&at(t), Some(&mut s));
+                (s.component_mul(&along).sum(), s)
+            };
+            let smooth = kind.smooth(16.0);
+            for t in [0.0, 1e-9, 1e-5] {
+                let (slope, s) = gradient(&*smooth, t);
+                let expected = difference(&*smooth, &at(t), &along, 1e-4);
+                // Fourth-order differences of a curvature of 16² leave 1e-8.
+                assert!((slope - expected).abs() < 1e-7, "{kind:?} at {t}: {slope} {expected}");
+                // The gradient itself does not jump, whichever eigenvectors the solver picks at the crossing.
+                let (_, before) = gradient(&*smooth, -1e-9);
+                assert!((&s - before).norm() < 1e-6 + 1e3 * t, "{kind:?} at {t}");
+            }
+            // The exact forms have a kink there: their slopes on both sides differ by more than 0.1, except that of the
+            // normalised matrix, whose diagonal moves as well.
+            let exact = kind.criterion();
+            let kink = gradient(&*exact, 1e-6).0 - gradient(&*exact, -1e-6).0;
+            assert!(kink.abs() > 0.1 || kind == CriterionKind::ConditionScaled, "{kind:?}: {kink}");
         }
     }
 
@@ -83,6 +121,15 @@ mod tests {
         assert!((value(CriterionKind::ConditionScaled) / crate::linalg::condition_scaled(&w) - 1.0).abs() < 1e-12);
         let log_det: f64 = crate::linalg::singular_values(&w).iter().map(|s| 2.0 * libm::log(*s)).sum();
         assert!((value(CriterionKind::DOptimal) - log_det).abs() < 1e-11);
+        let singular = crate::linalg::singular_values(&w);
+        let (largest, smallest) = singular.iter().fold((0.0_f64, f64::INFINITY), |(a, b), &s| (a.max(s), b.min(s)));
+        let variances: f64 = singular.iter().map(|s| 1.0 / (s * s)).sum();
+        assert!((value(CriterionKind::AOptimal) / variances - 1.0).abs() < 1e-12);
+        assert!((value(CriterionKind::EOptimal) / (smallest * smallest) - 1.0).abs() < 1e-12);
+        let condition = largest / smallest;
+        let sum = condition + 1.0 / smallest;
+        assert!((value(CriterionKind::ConditionPlusSigma) / sum - 1.0).abs() < 1e-12);
+        assert!((value(CriterionKind::ConditionPlusD) - (condition - log_det)).abs() < 1e-10);
     }
 
     #[test]
@@ -95,6 +142,11 @@ mod tests {
             let smooth = score.value;
             assert!((score.exact - exact).abs() < 1e-15);
             assert!(smooth >= exact && smooth - exact <= libm::log(8.0) / p);
+            for kind in [CriterionKind::EOptimal, CriterionKind::ConditionPlusSigma] {
+                let score = kind.smooth(p).evaluate(&m, None);
+                assert!((score.exact - kind.criterion().evaluate(&m, None).value).abs() < 1e-14);
+                assert!(score.value >= score.exact && score.value - score.exact <= libm::log(8.0) / p, "{kind:?}");
+            }
         }
     }
 

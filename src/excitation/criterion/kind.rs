@@ -1,6 +1,6 @@
 //! The list of criteria.
 
-use super::{Condition, ConditionScaled, Criterion, DOptimal};
+use super::{AOptimal, Condition, ConditionPlusD, ConditionPlusSigma, ConditionScaled, Criterion, DOptimal, EOptimal};
 
 /// Every criterion that a design can minimise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -12,11 +12,27 @@ pub enum CriterionKind {
     ConditionScaled,
     /// −ln det of the information, weighted by the noise.
     DOptimal,
+    /// Trace of the inverse of the information, weighted by the noise.
+    AOptimal,
+    /// Smallest eigenvalue of the information, weighted by the noise.
+    EOptimal,
+    /// Condition number plus the inverse of the smallest singular value of W_b per row.
+    ConditionPlusSigma,
+    /// Condition number minus ln det of the information of W_b per row.
+    ConditionPlusD,
 }
 
 impl CriterionKind {
     /// Every criterion.
-    pub const ALL: [Self; 3] = [Self::Condition, Self::ConditionScaled, Self::DOptimal];
+    pub const ALL: [Self; 7] = [
+        Self::Condition,
+        Self::ConditionScaled,
+        Self::DOptimal,
+        Self::AOptimal,
+        Self::EOptimal,
+        Self::ConditionPlusSigma,
+        Self::ConditionPlusD,
+    ];
 
     /// Its name on the command line and in files.
     #[must_use]
@@ -25,6 +41,10 @@ impl CriterionKind {
             Self::Condition => "condition",
             Self::ConditionScaled => "condition-scaled",
             Self::DOptimal => "d-optimal",
+            Self::AOptimal => "a-optimal",
+            Self::EOptimal => "e-optimal",
+            Self::ConditionPlusSigma => "condition-plus-sigma",
+            Self::ConditionPlusD => "condition-plus-d",
         }
     }
 
@@ -41,6 +61,10 @@ impl CriterionKind {
             Self::Condition => Box::new(Condition::exact()),
             Self::ConditionScaled => Box::new(ConditionScaled::exact()),
             Self::DOptimal => Box::new(DOptimal),
+            Self::AOptimal => Box::new(AOptimal),
+            Self::EOptimal => Box::new(EOptimal::exact()),
+            Self::ConditionPlusSigma => Box::new(ConditionPlusSigma::exact()),
+            Self::ConditionPlusD => Box::new(ConditionPlusD::exact()),
         }
     }
 
@@ -52,28 +76,42 @@ impl CriterionKind {
             Self::Condition => Box::new(Condition::smooth(sharpness)),
             Self::ConditionScaled => Box::new(ConditionScaled::smooth(sharpness)),
             Self::DOptimal => Box::new(DOptimal),
+            Self::AOptimal => Box::new(AOptimal),
+            Self::EOptimal => Box::new(EOptimal::smooth(sharpness)),
+            Self::ConditionPlusSigma => Box::new(ConditionPlusSigma::smooth(sharpness)),
+            Self::ConditionPlusD => Box::new(ConditionPlusD::smooth(sharpness)),
         }
     }
 
     /// Whether it is smooth wherever M is positive definite.
     #[must_use]
     pub const fn is_smooth(self) -> bool {
-        matches!(self, Self::DOptimal)
+        matches!(self, Self::DOptimal | Self::AOptimal)
     }
 
-    /// Whether the noise of the joints weights the rows: the condition numbers are the paper's, of W_b itself.
+    /// Whether it is one of the information: the noise of the joints weights its rows, and prior information adds to
+    /// it. The condition numbers and their sums are those of W_b itself.
     #[must_use]
     pub const fn is_weighted(self) -> bool {
-        matches!(self, Self::DOptimal)
+        matches!(self, Self::DOptimal | Self::AOptimal | Self::EOptimal)
     }
 
-    /// The number that people read, from the value that is minimised: κ from ln κ, and ln det M from −ln det M.
+    /// The number that people read, from the value that is minimised: κ from ln κ, ln det M from −ln det M, tr M⁻¹ from
+    /// its logarithm, λ_min from −ln λ_min.
     #[must_use]
     pub fn report(self, value: f64) -> f64 {
         match self {
-            Self::Condition | Self::ConditionScaled => libm::exp(value),
+            Self::Condition | Self::ConditionScaled | Self::AOptimal | Self::ConditionPlusSigma => libm::exp(value),
             Self::DOptimal => -value,
+            Self::EOptimal => libm::exp(-value),
+            Self::ConditionPlusD => value,
         }
+    }
+
+    /// Whether the number that people read is better the larger it is.
+    #[must_use]
+    pub const fn is_larger_better(self) -> bool {
+        matches!(self, Self::DOptimal | Self::EOptimal)
     }
 }
 
@@ -86,7 +124,9 @@ mod tests {
         for kind in CriterionKind::ALL {
             assert_eq!(CriterionKind::parse(kind.name()), Some(kind));
             assert_eq!(kind.criterion().kind(), kind);
+            assert_eq!(kind.smooth(8.0).kind(), kind);
             assert_eq!(serde_json::to_string(&kind).unwrap(), format!("\"{}\"", kind.name()));
+            assert_eq!(kind.is_larger_better(), kind.report(1.0) > kind.report(2.0));
         }
         assert_eq!(CriterionKind::parse("best"), None);
     }

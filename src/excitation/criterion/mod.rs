@@ -10,15 +10,23 @@
 //! A criterion knows nothing of robots: it turns M into a value and ∂value/∂M; the chain to the trajectory's
 //! coefficients is the objective's. Each is one file here, and all are listed once, in [`CriterionKind`].
 
+mod a_optimal;
 mod condition;
+mod condition_plus_d;
+mod condition_plus_sigma;
 mod condition_scaled;
 mod d_optimal;
 mod definition;
+mod e_optimal;
 mod kind;
 mod spectrum;
 
+pub use a_optimal::AOptimal;
 pub use condition::Condition;
+pub use condition_plus_d::ConditionPlusD;
+pub use condition_plus_sigma::ConditionPlusSigma;
 pub use condition_scaled::ConditionScaled;
 pub use d_optimal::DOptimal;
 pub use definition::{Criterion, Score};
+pub use e_optimal::EOptimal;
 pub use kind::CriterionKind;

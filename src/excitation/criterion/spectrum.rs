@@ -17,21 +17,60 @@ pub(super) fn log_condition(m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f
 /// `1/(2p) (ln Σ λ^p + ln Σ λ^−p)` and its gradient.
 pub(super) fn log_condition_smooth(m: &DMatrix<f64>, p: f64, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
     spectral(m, sensitivity, |values, weights| {
-        let logs: Vec<f64> = values.iter().map(|&x| libm::log(x)).collect();
-        let (low, high) = extremes(values);
-        // Powers relative to the extremes, so that nothing overflows.
-        let up: Vec<f64> = logs.iter().map(|x| libm::exp(p * (x - logs[high]))).collect();
-        let down: Vec<f64> = logs.iter().map(|x| libm::exp(p * (logs[low] - x))).collect();
-        let (sum_up, sum_down) = (up.iter().sum::<f64>(), down.iter().sum::<f64>());
-        for i in 0..values.len() {
-            weights[i] = 0.5 * (up[i] / sum_up - down[i] / sum_down) / values[i];
+        let powers = Powers::of(values, p);
+        for (i, weight) in weights.iter_mut().enumerate() {
+            *weight = 0.5 * (powers.high_share(i) - powers.low_share(i)) / values[i];
         }
-        let exact = 0.5 * (logs[high] - logs[low]);
-        Score { value: exact + 0.5 * (libm::log(sum_up) + libm::log(sum_down)) / p, exact }
+        let (low, high) = extremes(values);
+        Score { value: powers.log_condition(), exact: 0.5 * (libm::log(values[high]) - libm::log(values[low])) }
     })
 }
 
-fn extremes(values: &[f64]) -> (usize, usize) {
+/// Powers λ^p and λ^−p of all eigenvalues, relative to those of the extremes, so that nothing overflows.
+pub(super) struct Powers {
+    p: f64,
+    /// ln λ_max and −ln λ_min.
+    log_high: f64,
+    log_low: f64,
+    up: Vec<f64>,
+    down: Vec<f64>,
+    sum_up: f64,
+    sum_down: f64,
+}
+
+impl Powers {
+    pub(super) fn of(values: &[f64], p: f64) -> Self {
+        let logs: Vec<f64> = values.iter().map(|&x| libm::log(x)).collect();
+        let (low, high) = extremes(values);
+        let up: Vec<f64> = logs.iter().map(|x| libm::exp(p * (x - logs[high]))).collect();
+        let down: Vec<f64> = logs.iter().map(|x| libm::exp(p * (logs[low] - x))).collect();
+        let (sum_up, sum_down) = (up.iter().sum::<f64>(), down.iter().sum::<f64>());
+        Self { p, log_high: logs[high], log_low: -logs[low], up, down, sum_up, sum_down }
+    }
+
+    /// `1/(2p) (ln Σ λ^p + ln Σ λ^−p)`, at least ln κ.
+    pub(super) fn log_condition(&self) -> f64 {
+        0.5 * (self.log_high + self.log_low) + 0.5 * (libm::log(self.sum_up) + libm::log(self.sum_down)) / self.p
+    }
+
+    /// `1/p ln Σ λ^−p`, at least −ln λ_min.
+    pub(super) fn inverse_smallest(&self) -> f64 {
+        self.log_low + libm::log(self.sum_down) / self.p
+    }
+
+    /// `λ_i^p / Σ λ^p`.
+    pub(super) fn high_share(&self, i: usize) -> f64 {
+        self.up[i] / self.sum_up
+    }
+
+    /// `λ_i^−p / Σ λ^−p`.
+    pub(super) fn low_share(&self, i: usize) -> f64 {
+        self.down[i] / self.sum_down
+    }
+}
+
+/// Indices of the smallest and of the largest.
+pub(super) fn extremes(values: &[f64]) -> (usize, usize) {
     let (mut low, mut high) = (0, 0);
     for (i, &x) in values.iter().enumerate() {
         if x < values[low] {
@@ -45,7 +84,7 @@ fn extremes(values: &[f64]) -> (usize, usize) {
 }
 
 /// A symmetric function of the eigenvalues: `of` returns its value and fills ∂value/∂λ_i; `S = V diag(∂) Vᵀ`.
-fn spectral(
+pub(super) fn spectral(
     m: &DMatrix<f64>,
     sensitivity: Option<&mut DMatrix<f64>>,
     of: impl Fn(&[f64], &mut [f64]) -> Score,

@@ -1,0 +1,63 @@
+//! The condition number and D-optimality together.
+
+use nalgebra::DMatrix;
+
+use super::spectrum::{Powers, extremes, spectral};
+use super::{Criterion, CriterionKind, Score};
+
+/// `κ(W_b) − ln det M` with equal weights, M per row; exact, or with the smooth bound of κ.
+///
+/// A sum that other tools minimise to have both; what the two terms weigh against each other is left to chance, since
+/// one is a ratio and the other a logarithm.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ConditionPlusD {
+    sharpness: Option<f64>,
+}
+
+impl ConditionPlusD {
+    /// The sum itself.
+    #[must_use]
+    pub const fn exact() -> Self {
+        Self { sharpness: None }
+    }
+
+    /// Its smooth upper bound with sharpness p.
+    #[must_use]
+    pub const fn smooth(sharpness: f64) -> Self {
+        Self { sharpness: Some(sharpness) }
+    }
+}
+
+impl Criterion for ConditionPlusD {
+    fn kind(&self) -> CriterionKind {
+        CriterionKind::ConditionPlusD
+    }
+
+    fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
+        spectral(m, sensitivity, |values, weights| {
+            let (low, high) = extremes(values);
+            let log_det: f64 = values.iter().map(|&x| libm::log(x)).sum();
+            let kappa = (values[high] / values[low]).sqrt();
+            let exact = kappa - log_det;
+            let value = match self.sharpness {
+                None => {
+                    weights[high] = 0.5 * kappa / values[high];
+                    weights[low] -= 0.5 * kappa / values[low];
+                    exact
+                }
+                Some(p) => {
+                    let powers = Powers::of(values, p);
+                    let kappa = libm::exp(powers.log_condition());
+                    for (i, weight) in weights.iter_mut().enumerate() {
+                        *weight = 0.5 * kappa * (powers.high_share(i) - powers.low_share(i)) / values[i];
+                    }
+                    kappa - log_det
+                }
+            };
+            for (weight, value) in weights.iter_mut().zip(values) {
+                *weight -= 1.0 / value;
+            }
+            Score { value, exact }
+        })
+    }
+}

@@ -1,0 +1,52 @@
+//! E-optimality: the variance of the worst known combination of parameters.
+
+use nalgebra::DMatrix;
+
+use super::spectrum::{Powers, extremes, spectral};
+use super::{Criterion, CriterionKind, Score};
+
+/// `−ln λ_min(M)`, or its smooth upper bound `1/p ln Σ λ_i^−p`, which exceeds it by at most `ln(b)/p`.
+///
+/// At good trajectories the smallest eigenvalues meet, and the exact form has a kink there, as the condition number; see
+/// [`Condition`](super::Condition). It depends on the parameters' units. Reference: F. Pukelsheim, *Optimal Design of
+/// Experiments*, 2006, ch. 6.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EOptimal {
+    sharpness: Option<f64>,
+}
+
+impl EOptimal {
+    /// The smallest eigenvalue itself.
+    #[must_use]
+    pub const fn exact() -> Self {
+        Self { sharpness: None }
+    }
+
+    /// Its smooth upper bound with sharpness p.
+    #[must_use]
+    pub const fn smooth(sharpness: f64) -> Self {
+        Self { sharpness: Some(sharpness) }
+    }
+}
+
+impl Criterion for EOptimal {
+    fn kind(&self) -> CriterionKind {
+        CriterionKind::EOptimal
+    }
+
+    fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
+        spectral(m, sensitivity, |values, weights| {
+            let (low, _) = extremes(values);
+            let exact = -libm::log(values[low]);
+            let Some(p) = self.sharpness else {
+                weights[low] = -1.0 / values[low];
+                return Score::exact(exact);
+            };
+            let powers = Powers::of(values, p);
+            for (i, weight) in weights.iter_mut().enumerate() {
+                *weight = -powers.low_share(i) / values[i];
+            }
+            Score { value: powers.inverse_smallest(), exact }
+        })
+    }
+}
