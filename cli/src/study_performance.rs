@@ -9,7 +9,7 @@ use armid::experiment::Sensing;
 use armid::provenance::{Provenance, sha256};
 use armid::seed::Seed;
 use armid::study::paper::examine;
-use armid::study::{Examples, Outcome, PaperResult, Slot, Stage, StudyDesign, StudyPlan, StudyStory};
+use armid::study::{Examples, Experiment, Outcome, PaperResult, Slot, Stage, StudyDesign, StudyPlan, StudyStory};
 use indicatif::ProgressBar;
 use miette::Result;
 use rayon::prelude::*;
@@ -24,6 +24,9 @@ use crate::files::study_store::{plan_text, write_report, write_study, write_timi
 use crate::robot_source::{self, ChainArguments};
 use crate::simulated_arm::Simulation;
 use crate::{interrupt, progress, study_answer};
+
+/// So many families of a study are shown against their limits.
+const SHOWN_FAMILIES: usize = 8;
 
 /// Part `k` of `n`, counted from one.
 #[derive(Clone, Copy, Debug)]
@@ -163,8 +166,7 @@ impl Performance<'_> {
                 let begin = Instant::now();
                 let (family, start) = slots[index];
                 let design = self.stage.design(family, start).map_err(in_words)?;
-                let plan = self.stage.experiment(&design.trajectory);
-                let bound = self.stage.bound(&self.first().exact_period(&plan).map_err(in_words)?);
+                let bound = self.bound(family, start, &design)?;
                 let made = (design, bound, begin.elapsed().as_secs_f64());
                 let (design, bound, seconds) = made.clone();
                 keep(journal, &bar, &Piece::Design { index, design: Box::new(design), bound, seconds })?;
@@ -176,6 +178,17 @@ impl Performance<'_> {
             designs[index] = Some(made);
         }
         Ok(())
+    }
+
+    /// The bound after all experiments of a design's chain.
+    fn bound(&self, family: usize, start: usize, design: &StudyDesign) -> Result<Vec<f64>> {
+        let mut exact = Vec::new();
+        for before in self.stage.families_of_chain(family) {
+            let earlier = (before != family).then(|| self.stage.design(before, start)).transpose().map_err(in_words)?;
+            let plan = self.stage.experiment(&earlier.as_ref().unwrap_or(design).trajectory);
+            exact.push(self.first().exact_period(&plan).map_err(in_words)?);
+        }
+        Ok(self.stage.bound_of_chain(&exact))
     }
 
     /// Whether all runs are there.
@@ -194,10 +207,17 @@ impl Performance<'_> {
             .filter(|_| !interrupt::asked())
             .map(|slot| {
                 let begin = Instant::now();
-                let (seed, stream) = self.stage.stream(slot.design, slot.run);
                 let simulation = &self.simulations[slot.condition];
-                let mut arm = simulation.arm(&Sensing::default(), seed, stream).map_err(in_words)?;
-                let outcome = self.stage.trial(slot, &designs[slot.design].0, &mut *arm);
+                let mut arms = Vec::new();
+                for index in self.stage.chain(slot.design) {
+                    let (seed, stream) = self.stage.stream(index, slot.run);
+                    arms.push((index, simulation.arm(&Sensing::default(), seed, stream).map_err(in_words)?));
+                }
+                let mut experiments: Vec<Experiment<'_>> = arms
+                    .iter_mut()
+                    .map(|(index, arm)| Experiment { design: &designs[*index].0, arm: &mut **arm })
+                    .collect();
+                let outcome = self.stage.trial_of_chain(slot, &mut experiments);
                 let seconds = begin.elapsed().as_secs_f64();
                 keep(journal, &bar, &Piece::Run { outcome: Box::new(outcome.clone()), seconds })?;
                 Ok((outcome, seconds))
@@ -249,7 +269,7 @@ impl Performance<'_> {
             let of_family = designs.iter().enumerate().filter(|(_, design)| design.family == family);
             of_family.min_by(|(_, a), (_, b)| a.own_value().total_cmp(&b.own_value()))
         };
-        let families = self.stage.plan().designs.len();
+        let families = self.stage.plan().designs.len().min(SHOWN_FAMILIES);
         let limits =
             (0..families).filter_map(best).map(|(index, design)| self.stage.limit_example(index, design)).collect();
         let shown = best(0).and_then(|(index, design)| {

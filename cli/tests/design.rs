@@ -23,7 +23,7 @@ fn design(criterion: &str, more: &[&str], out: &str) -> Value {
 #[test]
 fn the_keys_of_the_contract_are_there_for_every_criterion() {
     let folder = temporary();
-    for criterion in ["condition", "condition-scaled", "d-optimal"] {
+    for criterion in ["condition", "condition-scaled", "d-optimal", "a-optimal", "condition-plus-d"] {
         let out = path(folder.path(), "T.toml");
         let found = design(criterion, &[], &out);
         assert_eq!(found["criterion"], criterion);
@@ -158,4 +158,50 @@ fn the_text_reads_at_a_hundred_columns() {
     let text = stdout(&armid(arguments.iter().chain(&SMALL)).success());
     assert!(text.contains("condition number") && text.contains("random trajectories"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+}
+
+#[test]
+fn identity_every_family_is_designed_with_a_frozen_joint_and_performed() {
+    let folder = temporary();
+    for (family, key) in [("fourier-quintic", "fourier-quintic"), ("cubic-b-spline", "b-spline")] {
+        let out = path(folder.path(), "T.toml");
+        let more = ["--family", family, "--harmonics", "4,4,4,2,2,2", "--freeze", "wrist_roll=0.2"];
+        let found = design("d-optimal", &more, &out);
+        assert_eq!(found["trajectory"]["family"], key);
+        assert!(found["worst_limit_use"]["velocity"].as_f64().unwrap() <= 1.0 + 1e-9);
+        let file: toml::Table = std::fs::read_to_string(&out).unwrap().parse().unwrap();
+        let still = file["joint"].as_array().unwrap().iter().find(|joint| joint["name"].as_str() == Some("wrist_roll"));
+        match still.unwrap().get("c") {
+            Some(c) => assert!(c.as_array().unwrap().iter().all(|value| value.as_float() == Some(0.2))),
+            None => assert_eq!(still.unwrap()["q0"].as_float(), Some(0.2)),
+        }
+        let text = "robot = \"crs-a460\"\ntrajectory = \"T.toml\"\nperiods = 2\n";
+        let experiment = support::write(folder.path(), "x.toml", text);
+        armid(["run", &experiment, "-o", &path(folder.path(), "R.mcap")]).success();
+    }
+}
+
+#[test]
+fn identity_a_prior_adds_information_and_must_be_of_the_same_robot_and_columns() {
+    let folder = temporary();
+    let (recording, estimate) = (path(folder.path(), "R.mcap"), path(folder.path(), "E.json"));
+    armid(["run", &support::experiment(folder.path(), 2), "-o", &recording]).success();
+    armid(["identify", &recording, "--columns", "rigid", "-o", &estimate]).success();
+    let out = path(folder.path(), "T.toml");
+    let once = design("d-optimal", &["--prior", &estimate], &out)["value"].as_f64().unwrap();
+    let twice = design("d-optimal", &["--prior", &estimate, &estimate], &out)["value"].as_f64().unwrap();
+    // The information so far is a part of what is reported: ln det rises with it, by at most 36 ln 2.
+    assert!(twice > once && twice - once < 36.0 * 2.0_f64.ln(), "{once} {twice}");
+    let refused = |robot: &str, criterion: &str, columns: &str| {
+        let arguments = ["design", robot, "--criterion", criterion, "--columns", columns, "--prior", &estimate];
+        stderr(&armid(arguments).code(2))
+    };
+    let text = refused("puma-560", "d-optimal", "rigid");
+    assert!(text.contains("crs-a460") && text.contains("puma-560"), "{text}");
+    let text = refused("crs-a460", "d-optimal", "rigid+rotor");
+    assert!(text.contains("\"rigid\"") && text.contains("rigid+rotor"), "{text}");
+    assert!(refused("crs-a460", "condition", "rigid").contains("d-optimal, a-optimal or e-optimal"));
+    let changed = std::fs::read_to_string(&estimate).unwrap().replace("\"robot_sha256\": \"", "\"robot_sha256\": \"0");
+    std::fs::write(&estimate, changed).unwrap();
+    assert!(refused("crs-a460", "d-optimal", "rigid").contains("SHA-256"));
 }

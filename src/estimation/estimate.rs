@@ -1,6 +1,6 @@
 //! What an estimator hands back.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::{Finding, Termination};
 use crate::provenance::Provenance;
@@ -106,6 +106,18 @@ impl Estimate {
     #[must_use]
     pub fn names(&self) -> Vec<String> {
         self.base.iter().map(|p| p.name.clone()).collect()
+    }
+
+    /// What the estimate knows of β, `C⁻¹` (b × b), for the next experiment to build on; `None` where the covariance is
+    /// not positive definite.
+    #[must_use]
+    pub fn information(&self) -> Option<DMatrix<f64>> {
+        // Through standard deviations, so that unlike units do no harm.
+        let (covariance, std) = (self.covariance_matrix(), self.std());
+        let b = std.len();
+        let scaled = DMatrix::from_fn(b, b, |i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]) / (std[i] * std[j]));
+        let inverse = Cholesky::new(scaled)?.inverse();
+        Some(DMatrix::from_fn(b, b, |i, j| inverse[(i, j)] / (std[i] * std[j])))
     }
 
     /// Covariance of β̂, b × b.

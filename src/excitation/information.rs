@@ -12,7 +12,7 @@ use nalgebra::DMatrix;
 use super::criterion::Criterion;
 use super::optimiser::Objective;
 use super::sampled::SampledBasis;
-use super::{DesignProblem, ExcitationError};
+use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
 use crate::dynamics::States;
 use crate::regressor::JointTorqueRegressor;
 
@@ -272,16 +272,42 @@ impl Objective for InformationObjective {
 /// certificate always uses the drive's own law.
 const COULOMB_PART: f64 = 0.05;
 
+/// The regressor that the optimiser sees.
+fn smoothed_regressor(problem: &DesignProblem) -> Result<JointTorqueRegressor, ExcitationError> {
+    let robot = problem.robot.clone().with_joints(|joint| {
+        let speed = joint.limits.velocity;
+        if speed.is_finite() {
+            joint.drive.coulomb_velocity = joint.drive.coulomb_velocity.max(COULOMB_PART * speed);
+        }
+    })?;
+    Ok(JointTorqueRegressor::new(&robot, problem.columns))
+}
+
+impl DesignProblem {
+    /// The information of one torque row of a trajectory on the base columns (b × b), weighted by the problem's noise
+    /// and without its prior: what a later problem takes as prior, times how much longer this experiment was.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Trajectory`] if the trajectory is of another number of joints than the robot.
+    pub fn information(&self, trajectory: &PeriodicTrajectory) -> Result<DMatrix<f64>, ExcitationError> {
+        let n = self.robot.dof();
+        if trajectory.dof() != n {
+            return Err(ExcitationError::Trajectory {
+                quantity: "number of joints".into(),
+                found: trajectory.dof().to_string(),
+                expected: n.to_string(),
+            });
+        }
+        let noise = self.sigma.clone().unwrap_or_else(|| vec![1.0; n]);
+        let mut information = Information::new(smoothed_regressor(self)?, &self.base.kept, self.samples, &noise, None);
+        Ok(information.gather(&trajectory.sample(self.samples)))
+    }
+}
+
 impl InformationObjective {
     /// The objective of a problem, with its criterion smoothed to `sharpness` where it has kinks.
     pub(crate) fn of(problem: &DesignProblem, sharpness: f64) -> Result<Self, ExcitationError> {
-        let robot = problem.robot.clone().with_joints(|joint| {
-            let speed = joint.limits.velocity;
-            if speed.is_finite() {
-                joint.drive.coulomb_velocity = joint.drive.coulomb_velocity.max(COULOMB_PART * speed);
-            }
-        })?;
-        let regressor = JointTorqueRegressor::new(&robot, problem.columns);
+        let regressor = smoothed_regressor(problem)?;
         let sampled = SampledBasis::new(problem.basis()?, problem.samples);
         let prior = problem.prior.clone().filter(|_| problem.criterion.is_weighted());
         let information = Information::new(regressor, &problem.base.kept, problem.samples, &problem.row_noise(), prior);
@@ -347,8 +373,8 @@ mod tests {
                         moved[i] += h;
                         objective.value_alone(&moved)
                     };
-                    // Fourth-order differences leave 1e-10 of rounding and 1e-9 of truncation.
-                    let h = 2e-4;
+                    // Fourth-order differences leave 1e-9 of rounding and 1e-8 of truncation.
+                    let h = 1e-4;
                     let near = at(h, &mut objective) - at(-h, &mut objective);
                     let far = at(2.0 * h, &mut objective) - at(-2.0 * h, &mut objective);
                     let difference = (8.0 * near - far) / (12.0 * h);

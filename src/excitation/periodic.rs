@@ -239,13 +239,14 @@ mod tests {
             let mut moved = motion.clone();
             moved.adjust(2, 0.5, 0.3);
             moved.adjust(3, 1.0, 0.0);
-            let (now, before) = (moved.sample(64), motion.sample(64));
-            for k in 0..64 {
+            // Six samples between two of 11 knots: their mean is that of the curve.
+            let (now, before) = (moved.sample(66), motion.sample(66));
+            for k in 0..66 {
                 // The velocity has no mean of its own: it halves.
                 assert!((now.qd(k)[2] - 0.5 * before.qd(k)[2]).abs() < 1e-14);
                 assert_eq!(now.q(k)[3], before.q(k)[3]);
             }
-            let mean = |states: &States| (0..64).map(|k| states.q(k)[2]).sum::<f64>() / 64.0;
+            let mean = |states: &States| (0..66).map(|k| states.q(k)[2]).sum::<f64>() / 66.0;
             if !matches!(motion, PeriodicTrajectory::FourierQuintic(_)) {
                 assert!((mean(&now) - mean(&before) - 0.3).abs() < 1e-12);
             }

@@ -138,6 +138,20 @@ impl DesignProblem {
         Ok(())
     }
 
+    /// Takes what earlier experiments have shown as known: their `information` of the base parameters (b × b, Σ of the
+    /// inverse covariances), with the `noise` (n) and the number of equations of each joint that the next experiment
+    /// will have.
+    ///
+    /// ```text
+    /// M_prior = information / (n · equations)
+    /// ```
+    /// A row of the criterion and a row of the prior then weigh the same.
+    pub fn set_prior(&mut self, information: &DMatrix<f64>, noise: &[f64], equations: usize) {
+        let rows = (self.robot.dof() * equations) as f64;
+        self.prior = Some(information / rows);
+        self.sigma = Some(noise.to_vec());
+    }
+
     /// Random states of the joints that move, the others where they stand.
     fn random_states(&self) -> States {
         let n = self.robot.dof();
@@ -229,5 +243,75 @@ impl DesignProblem {
             return fault("number of evaluations", "0".into(), "at least one".into());
         }
         MotionBasis::new(&self.robot, self.family, self.period_s, &self.harmonics, &self.frozen)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::{design, fixtures};
+
+    fn problem(family: Family, evaluations: usize) -> DesignProblem {
+        let mut problem = DesignProblem::new(fixtures::crs_a460(), Columns::Rigid, CriterionKind::DOptimal).unwrap();
+        problem.family = family;
+        problem.harmonics = vec![5, 5, 5, 3, 3, 3];
+        problem.samples = 60;
+        problem.max_evaluations = evaluations;
+        problem
+    }
+
+    #[test]
+    fn identity_designs_of_every_family_keep_the_limits_and_improve_on_their_start() {
+        for family in Family::ALL {
+            let problem = problem(family, 60);
+            let made = design(&problem, Seed::new(7), 0).unwrap();
+            assert!(made.termination.is_feasible(), "{family:?}: {:?}", made.termination);
+            assert!(made.certificate.worst_limit_use.largest() <= 1.0, "{family:?}");
+            assert!(made.value > made.history[0].value + 5.0, "{family:?}: {} {}", made.value, made.history[0].value);
+            // On a grid of its own, a prime number of samples.
+            let states = made.trajectory.sample(4001);
+            for (j, joint) in problem.robot.joints().iter().enumerate() {
+                for k in 0..states.len() {
+                    assert!(states.q(k)[j].abs() <= joint.limits.position.1, "{family:?}");
+                    assert!(states.qd(k)[j].abs() <= joint.limits.velocity, "{family:?}");
+                    assert!(states.qdd(k)[j].abs() <= joint.limits.acceleration, "{family:?}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn identity_a_frozen_joint_stands_still_and_the_rest_is_excited() {
+        let mut problem = problem(Family::Fourier, 40);
+        let all = problem.base.rank();
+        problem.freeze(3, 0.2).unwrap();
+        problem.freeze(5, -0.1).unwrap();
+        assert!(problem.base.rank() < all, "{} of {all}", problem.base.rank());
+        let made = design(&problem, Seed::new(7), 0).unwrap();
+        assert!(made.value.is_finite() && made.termination.is_feasible());
+        let states = made.trajectory.sample(50);
+        assert!((0..50).all(|k| states.q(k)[3] == 0.2 && states.q(k)[5] == -0.1 && states.qd(k)[3] == 0.0));
+        problem.frozen[3] = Some(9.0);
+        assert!(design(&problem, Seed::new(7), 0).unwrap_err().to_string().contains("frozen position of joint"));
+    }
+
+    #[test]
+    fn identity_prior_information_adds_to_that_of_the_trajectory() {
+        let mut problem = problem(Family::Fourier, 20);
+        let start = problem.start(Seed::new(7), 0).unwrap();
+        let noise = [0.3, 0.5, 0.2, 0.1, 0.1, 0.05];
+        problem.sigma = Some(noise.to_vec());
+        let m = problem.information(&start).unwrap();
+        // 500 equations of each joint: what such an experiment tells in all.
+        problem.set_prior(&(&m * (6.0 * 500.0)), &noise, 500);
+        let prior = problem.prior.clone().unwrap();
+        assert!((&prior - &m).norm() < 1e-12 * m.norm());
+        let mut objective = crate::excitation::InformationObjective::of(&problem, 4.0).unwrap();
+        let x = problem.basis().unwrap().coefficients(&start).unwrap();
+        let twice = -objective.exact_at(&x);
+        problem.prior = None;
+        let once = -crate::excitation::InformationObjective::of(&problem, 4.0).unwrap().exact_at(&x);
+        // Twice the information: ln det grows by b ln 2.
+        assert!((twice - once - m.nrows() as f64 * libm::log(2.0)).abs() < 1e-9, "{once} {twice}");
     }
 }

@@ -1,7 +1,7 @@
 //! The designs of a study: one trajectory per family and start, with its certificate and how it was found.
 
-use super::plan::Making;
-use super::{Stage, StudyError};
+use super::plan::{HarmonicsPlan, Making};
+use super::{PlanFault, Stage, StudyError};
 use crate::excitation::{
     Certificate, CriterionKind, Design, DesignProblem, ExcitationError, HistoryPoint, PeriodicTrajectory, Termination,
     design, random_design, table_one,
@@ -34,10 +34,15 @@ impl StudyDesign {
     /// The values that might foretell the error of a design, all of the columns that are estimated; smaller is better.
     #[must_use]
     pub fn values(&self) -> Vec<(&'static str, f64)> {
+        let smallest = self.certificate.spectrum.first().copied().unwrap_or(0.0);
         vec![
             ("condition", self.certificate.condition_all),
             ("condition-scaled", self.certificate.condition_scaled_all),
             ("d-optimal", -self.certificate.log_det_information_all),
+            ("a-optimal", self.certificate.deviations.iter().map(|deviation| deviation * deviation).sum()),
+            ("e-optimal", -smallest),
+            ("condition-plus-sigma", self.certificate.condition_all + 1.0 / smallest.sqrt()),
+            ("condition-plus-d", self.certificate.condition_all - self.certificate.log_det_information_all),
         ]
     }
 
@@ -73,14 +78,17 @@ impl Stage {
         let seed = self.plan.seed.child("design", 0);
         let index = start as u64;
         match plan.making {
-            Making::Optimised => Ok(StudyDesign::of(
-                family,
-                start,
-                design(&self.problem(plan.criterion()?, plan.evaluations)?, seed, index)?,
-            )),
+            Making::Optimised => {
+                Ok(StudyDesign::of(family, start, design(&self.problem_of(family, start)?, seed, index)?))
+            }
             Making::Random => {
-                let problem = self.problem(plan.criterion()?, plan.evaluations)?;
+                let problem = self.problem_of(family, start)?;
                 Ok(StudyDesign::of(family, start, random_design(&problem, seed, index)?))
+            }
+            Making::Repeated => {
+                let before = self.predecessor(family).expect("the plan has been checked");
+                let made = self.design(before, start)?;
+                Ok(StudyDesign { family, evaluations: 0, iterations: 0, history: Vec::new(), ..made })
             }
             Making::TableOne => {
                 let trajectory = table_one::corrected().into();
@@ -98,6 +106,30 @@ impl Stage {
                 })
             }
         }
+    }
+
+    /// The design problem of a family's design number `start`.
+    fn problem_of(&self, family: usize, start: usize) -> Result<DesignProblem, StudyError> {
+        let plan = &self.plan.designs[family];
+        let mut problem = self.problem(plan.criterion()?, plan.evaluations)?;
+        problem.family = plan.family()?;
+        match &plan.harmonics {
+            Some(HarmonicsPlan::Every(harmonics)) => problem.harmonics.fill(*harmonics),
+            Some(HarmonicsPlan::Each(harmonics)) => problem.harmonics.clone_from(harmonics),
+            None => {}
+        }
+        problem.samples = problem.samples.max(4 * problem.harmonics.iter().copied().max().unwrap_or(0));
+        for (found, place) in &plan.freeze {
+            let names: Vec<&str> = self.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+            let index = names.iter().position(|known| known == found).ok_or_else(|| PlanFault::Name {
+                key: "design.freeze",
+                found: found.clone(),
+                expected: names.join(", "),
+            })?;
+            problem.freeze(index, *place)?;
+        }
+        problem.prior = self.collected(family, start)?;
+        Ok(problem)
     }
 
     /// The design problem of a criterion: the columns that are estimated, all limits of the robot, the noise of its

@@ -6,10 +6,12 @@
 //! This module comes last, so that nothing that identifies can name the [`Truth`].
 
 mod bound;
+mod chain;
 mod condition;
 mod design;
 mod examples;
 mod failure;
+mod grid;
 mod outcome;
 pub mod paper;
 mod plan;
@@ -24,13 +26,16 @@ mod units;
 mod validity;
 
 pub use bound::{cramer_rao_std, torque_covariance};
+pub use chain::Experiment;
 pub use condition::{Condition, ConditionResult, StatusCount};
 pub use design::StudyDesign;
 pub use examples::{Examples, LimitExample, PredictionExample, exact_states};
 pub use failure::{Failure, FailureKind};
+pub use grid::GridPlan;
 pub use outcome::{Outcome, ScoredEstimate};
 pub use plan::{
-    ExperimentSettings, FamilyPlan, IdentificationSettings, Making, PlanFault, StudyPlan, ValidationSettings,
+    ExperimentSettings, FamilyPlan, HarmonicsPlan, IdentificationSettings, Making, PlanFault, StudyPlan,
+    ValidationSettings,
 };
 pub use referee::{Referee, Score};
 pub use result::{JointLine, PaperResult, ParameterLine, StudyResult, StudyStory};

@@ -1,8 +1,11 @@
 //! What a study does: robot, experiment, families of designs, estimators, metrics. The text of `study.toml`.
 
+use std::collections::BTreeMap;
+
+use super::grid::GridPlan;
 use super::units::ReferenceUnits;
 use crate::estimation::EstimatorKind;
-use crate::excitation::CriterionKind;
+use crate::excitation::{CriterionKind, Family};
 use crate::experiment::Effects;
 use crate::model::Columns;
 use crate::model::format::FormatError;
@@ -34,7 +37,7 @@ pub struct StudyPlan {
     /// Units in which errors of unlike parameters are added.
     pub reference: ReferenceUnits,
     /// The families of designs that are compared.
-    #[serde(rename = "design")]
+    #[serde(rename = "design", default)]
     pub designs: Vec<FamilyPlan>,
     /// Effects of the real arm that every run has, beside those of its truth.
     #[serde(default, skip_serializing_if = "Effects::is_none")]
@@ -43,6 +46,12 @@ pub struct StudyPlan {
     /// empty set where there are none. The first is what designs are compared under.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub conditions: Vec<Effects>,
+    /// More families, every combination of what each table lists; part of `designs` once the text is read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub grid: Vec<GridPlan>,
+    /// Families that every other is compared with; all pairs where there are none.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub compare_with: Vec<String>,
     /// Whether the claims of the paper are examined too.
     #[serde(default)]
     pub paper_claims: bool,
@@ -98,6 +107,18 @@ pub enum Making {
     Random,
     /// The paper's Table I, corrected.
     TableOne,
+    /// The designs of the family that it continues, once more.
+    Repeated,
+}
+
+/// Harmonics of every joint, or of each.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(untagged)]
+pub enum HarmonicsPlan {
+    /// The same of every joint.
+    Every(usize),
+    /// One number for each joint.
+    Each(Vec<usize>),
 }
 
 /// Designs of one making and criterion; a criterion is judged by its family, never by one design.
@@ -111,6 +132,18 @@ pub struct FamilyPlan {
     /// What is optimised, or by what the best draw is chosen; absent for a fixed trajectory.
     #[serde(default)]
     pub criterion: Option<String>,
+    /// In which family of trajectories; Fourier series where absent.
+    #[serde(default)]
+    pub family: Option<String>,
+    /// Harmonics, where they differ from the experiment's.
+    #[serde(default)]
+    pub harmonics: Option<HarmonicsPlan>,
+    /// Joints that stand still, by name, and where, rad.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub freeze: BTreeMap<String, f64>,
+    /// An earlier family whose experiment goes before: its information counts, and its estimates too.
+    #[serde(default)]
+    pub after: Option<String>,
     /// Number of designs, each from a start of its own.
     pub starts: usize,
     /// Evaluations of the criterion that each design may use; a gradient counts as one more.
@@ -188,7 +221,10 @@ impl StudyPlan {
     /// [`FormatError`] with line and column where the text is not TOML, has a key too many or too few, or asks for
     /// something that is not there.
     pub fn from_toml(text: &str) -> Result<Self, FormatError> {
-        let plan: Self = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
+        let mut plan: Self = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
+        for grid in std::mem::take(&mut plan.grid) {
+            plan.designs.extend(grid.designs());
+        }
         plan.check().map_err(|fault| fault.in_text(text))?;
         Ok(plan)
     }
@@ -207,7 +243,7 @@ impl StudyPlan {
             ("identification.samples_per_period", self.identification.samples_per_period),
             ("validation.trajectories", self.validation.trajectories),
             ("validation.samples", self.validation.samples),
-            ("number of [[design]] tables", self.designs.len()),
+            ("number of [[design]] and [[grid]] tables", self.designs.len()),
         ];
         let family_counts = self
             .designs
@@ -241,13 +277,46 @@ impl StudyPlan {
             }
         }
         for family in &self.designs {
-            if family.making != Making::TableOne {
-                family.criterion()?;
-                if family.evaluations == 0 {
-                    return Err(number("design.evaluations", family.evaluations, "at least 1"));
+            family.family()?;
+            match family.making {
+                Making::Optimised | Making::Random => {
+                    family.criterion()?;
+                    if family.evaluations == 0 {
+                        return Err(number("design.evaluations", family.evaluations, "at least 1"));
+                    }
                 }
-            } else if family.starts != 1 {
-                return Err(number("design.starts", family.starts, "1, since a fixed trajectory has one design"));
+                Making::TableOne if family.starts != 1 => {
+                    return Err(number("design.starts", family.starts, "1, since a fixed trajectory has one design"));
+                }
+                Making::TableOne | Making::Repeated => {}
+            }
+        }
+        self.check_chains()?;
+        for found in &self.compare_with {
+            if !self.designs.iter().any(|family| family.name == *found) {
+                return Err(name_of("compare_with", found, self.designs.iter().map(|family| family.name.as_str())));
+            }
+        }
+        Ok(())
+    }
+
+    /// Every `after` names an earlier family of as many starts.
+    fn check_chains(&self) -> Result<(), PlanFault> {
+        for (index, family) in self.designs.iter().enumerate() {
+            let earlier = &self.designs[..index];
+            match &family.after {
+                Some(found) => match earlier.iter().find(|other| other.name == *found) {
+                    Some(before) if before.starts < family.starts => {
+                        let expected = "at most as many as the family that it continues";
+                        return Err(number("design.starts", family.starts, expected));
+                    }
+                    Some(_) => {}
+                    None => return Err(name_of("after", found, earlier.iter().map(|other| other.name.as_str()))),
+                },
+                None if family.making == Making::Repeated => {
+                    return Err(name_of("after", "", earlier.iter().map(|other| other.name.as_str())));
+                }
+                None => {}
             }
         }
         Ok(())
@@ -310,6 +379,15 @@ impl FamilyPlan {
         CriterionKind::parse(found)
             .ok_or_else(|| name("design.criterion", found, CriterionKind::ALL.iter().map(|c| c.name())))
     }
+
+    /// The family of trajectories.
+    ///
+    /// # Errors
+    /// [`PlanFault::Name`] where it is unknown.
+    pub fn family(&self) -> Result<Family, PlanFault> {
+        let found = self.family.as_deref().unwrap_or(Family::Fourier.name());
+        Family::parse(found).ok_or_else(|| name("design.family", found, Family::ALL.map(Family::name)))
+    }
 }
 
 /// A study that names no engine.
@@ -319,6 +397,11 @@ fn default_engines() -> Vec<String> {
 
 fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) -> PlanFault {
     PlanFault::Number { key: key.into(), found: found.to_string(), expected }
+}
+
+fn name_of<'a>(key: &'static str, found: &str, names: impl Iterator<Item = &'a str>) -> PlanFault {
+    let expected = format!("the families: {}", names.collect::<Vec<_>>().join(", "));
+    PlanFault::Name { key, found: found.to_owned(), expected }
 }
 
 pub(super) fn name(key: &'static str, found: &str, names: impl IntoIterator<Item = &'static str>) -> PlanFault {

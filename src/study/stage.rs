@@ -17,7 +17,7 @@ use super::summary::{DesignRow, Evidence, Findings};
 use super::{ConditionResult, Failure, Referee, StatusCount, StudyDesign, Truth};
 use crate::base::{BaseError, BaseReduction, Method, reduce};
 use crate::dynamics::States;
-use crate::estimation::{EstimationProblem, EstimatorKind, Observation};
+use crate::estimation::{Estimate, EstimationProblem, EstimatorKind, Observation};
 use crate::excitation::{ExcitationError, PeriodicTrajectory, paper_start};
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
@@ -184,10 +184,19 @@ impl Stage {
     /// loop; infinite where the motion does not excite all of them.
     #[must_use]
     pub fn bound(&self, exact: &States) -> Vec<f64> {
-        let settings = &self.plan.experiment;
-        let weight = settings.period_s * settings.rate_hz / exact.len() as f64;
-        cramer_rao_std(&self.regressor, &self.base, exact, &self.noise, weight, settings.periods)
+        self.bound_with_weight(exact, self.raw_samples() / exact.len() as f64)
+    }
+
+    /// The same where each state stands for `weight` raw samples of one period.
+    pub(super) fn bound_with_weight(&self, exact: &States, weight: f64) -> Vec<f64> {
+        let periods = self.plan.experiment.periods;
+        cramer_rao_std(&self.regressor, &self.base, exact, &self.noise, weight, periods)
             .unwrap_or_else(|| vec![f64::INFINITY; self.base.rank()])
+    }
+
+    /// Raw samples in one period.
+    pub(super) fn raw_samples(&self) -> f64 {
+        self.plan.experiment.period_s * self.plan.experiment.rate_hz
     }
 
     /// One run: performs the experiment on `arm`, processes what it recorded, estimates and scores. Whatever goes wrong
@@ -218,21 +227,26 @@ impl Stage {
     /// Every estimator of the plan on the same samples, each with its score.
     #[must_use]
     pub fn estimates(&self, samples: &Samples) -> Vec<ScoredEstimate> {
-        let observation = match Observation::new(&self.robot, &self.regressor, &self.base, samples) {
-            Ok(observation) => observation,
-            Err(fault) => {
-                let failure = Failure::estimator(&fault);
-                return self.estimators.iter().map(|e| ScoredEstimate::failed(e.name(), failure.clone())).collect();
-            }
-        };
-        let problem = EstimationProblem::new(&observation).with_robot(&self.robot).with_samples(samples);
-        self.estimators
-            .iter()
-            .map(|kind| match kind.estimator().estimate(&problem) {
+        self.unscored(samples)
+            .into_iter()
+            .zip(&self.estimators)
+            .map(|(made, kind)| match made {
                 Ok(estimate) => ScoredEstimate::new(&estimate, self.referee.score(&estimate.beta())),
-                Err(fault) => ScoredEstimate::failed(kind.name(), Failure::estimator(&fault)),
+                Err(failure) => ScoredEstimate::failed(kind.name(), failure),
             })
             .collect()
+    }
+
+    /// Every estimator of the plan on the same samples, or the reason why it gave nothing.
+    pub(super) fn unscored(&self, samples: &Samples) -> Vec<Result<Estimate, Failure>> {
+        let observation = match Observation::new(&self.robot, &self.regressor, &self.base, samples) {
+            Ok(observation) => observation,
+            Err(fault) => return self.estimators.iter().map(|_| Err(Failure::estimator(&fault))).collect(),
+        };
+        let problem = EstimationProblem::new(&observation).with_robot(&self.robot).with_samples(samples);
+        let estimate =
+            |kind: &EstimatorKind| kind.estimator().estimate(&problem).map_err(|fault| Failure::estimator(&fault));
+        self.estimators.iter().map(estimate).collect()
     }
 
     /// What the outcomes under each condition say; `bounds` holds the Cramér–Rao standard deviations of each design.
@@ -279,6 +293,7 @@ impl Stage {
             truth: self.referee.truth(),
             units: self.referee.units(),
             outcomes: &outcomes,
+            compare_with: &self.plan.compare_with,
             seed: self.plan.seed.child("bootstrap", 0),
         }
         .findings()

@@ -13,7 +13,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::outcome::{Outcome, ScoredEstimate};
 use super::statistics::{
-    Interval, Spread, bootstrap_interval, mean, rank_correlation, t_interval, variance, wilson_interval,
+    Interval, Spread, bootstrap_interval, mean, quantile, rank_correlation, t_interval, variance, wilson_interval,
 };
 use crate::seed::Seed;
 
@@ -21,6 +21,8 @@ use crate::seed::Seed;
 const RESAMPLES: usize = 1000;
 /// Draws where the statistic is a determinant, which costs a thousand times more.
 const VOLUME_RESAMPLES: usize = 200;
+/// Runs for each parameter from which on a volume has an interval.
+const VOLUME_RUNS: usize = 4;
 /// Confidence of every interval.
 const LEVEL: f64 = 0.95;
 
@@ -86,6 +88,13 @@ pub struct FamilyScore {
     /// One value per metric, in the order of [`Metric::ALL`]; `None` where it is not defined (a volume needs more runs
     /// than parameters).
     pub values: Vec<Option<f64>>,
+    /// Their 95 % intervals by bootstrap over designs and runs; `None` too where a volume has fewer than four runs for
+    /// each parameter, since draws with repetition would make it singular.
+    pub intervals: Vec<Option<Interval>>,
+    /// Median over parameters of the standard deviation over its Cramér–Rao bound.
+    pub std_over_bound: Option<f64>,
+    /// Median over parameters of the Cramér–Rao standard deviation in reference units.
+    pub bound_in_units: Option<f64>,
     /// Spread over runs of the torque prediction RMSE, N·m.
     pub prediction_spread: Option<Spread>,
     /// Spread over runs of the parameter RMSE in reference units.
@@ -177,6 +186,8 @@ pub struct Evidence<'a> {
     pub units: &'a DVector<f64>,
     /// All outcomes, sorted by design and run.
     pub outcomes: &'a [Outcome],
+    /// Families that every other is compared with; all pairs where there are none.
+    pub compare_with: &'a [String],
     /// Seed of the bootstraps.
     pub seed: Seed,
 }
@@ -214,6 +225,10 @@ impl Evidence<'_> {
             }
             for first in 0..runs.len() {
                 for second in first + 1..runs.len() {
+                    let named = |family: usize| self.compare_with.contains(&self.families[family]);
+                    if !(self.compare_with.is_empty() || named(first) || named(second)) {
+                        continue;
+                    }
                     for metric in Metric::ALL {
                         findings.comparisons.extend(self.compare(metric, estimator, [first, second], &runs));
                     }
@@ -252,6 +267,8 @@ impl Evidence<'_> {
         let designs = self.designs.iter().filter(|design| design.family == family);
         let planned = self.outcomes.iter().filter(|outcome| self.designs[outcome.design].family == family).count();
         let parameters = self.parameter_scores(family, runs);
+        let over_bound: Vec<f64> = parameters.iter().map(|p| p.std / p.bound_std).filter(|r| r.is_finite()).collect();
+        let in_units: Vec<f64> = parameters.iter().zip(self.units.iter()).map(|(p, unit)| p.bound_std / unit).collect();
         FamilyScore {
             family: self.families[family].clone(),
             estimator: estimator.to_owned(),
@@ -259,6 +276,9 @@ impl Evidence<'_> {
             runs: all.len(),
             failures: planned - all.len(),
             values: Metric::ALL.map(|metric| self.value(metric, &all)).to_vec(),
+            intervals: Metric::ALL.map(|metric| self.value_interval(metric, family, estimator, runs)).to_vec(),
+            std_over_bound: quantile(&over_bound, 0.5),
+            bound_in_units: quantile(&in_units, 0.5).filter(|value| value.is_finite()),
             prediction_spread: Spread::of(&of(Metric::Prediction)),
             reference_spread: Spread::of(&of(Metric::Reference)),
             coverage: mean(&parameters.iter().map(|p| p.coverage).collect::<Vec<_>>()),
@@ -304,6 +324,25 @@ impl Evidence<'_> {
         }
         let logs: Vec<f64> = runs.iter().filter_map(|e| metric.of(e)).map(libm::log).collect();
         Some(libm::exp(mean(&logs)))
+    }
+
+    fn value_interval(
+        &self,
+        metric: Metric,
+        family: usize,
+        estimator: &str,
+        runs: &FamilyRuns<'_>,
+    ) -> Option<Interval> {
+        let sizes: Vec<usize> = runs.iter().map(Vec::len).collect();
+        if metric.is_logarithmic() && sizes.iter().sum::<usize>() < VOLUME_RUNS * self.truth.len() {
+            return None;
+        }
+        let resamples = if metric.is_logarithmic() { VOLUME_RESAMPLES } else { RESAMPLES };
+        let seed = self.seed.child(&format!("value {estimator} {metric:?}"), family as u64);
+        bootstrap_interval(&[&sizes], resamples, LEVEL, seed, |drawn| {
+            let picked: Vec<&ScoredEstimate> = drawn[0].iter().map(|&(design, run)| runs[design][run]).collect();
+            self.value(metric, &picked)
+        })
     }
 
     fn log_volume<'e>(&self, runs: impl Iterator<Item = &'e ScoredEstimate>) -> Option<f64> {
@@ -448,6 +487,7 @@ mod tests {
             truth: &truth,
             units: &units,
             outcomes: &outcomes,
+            compare_with: &[],
             seed: Seed::new(1),
         }
         .findings()

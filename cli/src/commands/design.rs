@@ -19,6 +19,7 @@ use crate::atomic_file;
 use crate::choices::one_of;
 use crate::console::Console;
 use crate::fault::Fault;
+use crate::files::prior::set_prior;
 use crate::robot_source::{LoadedRobot, RobotArguments};
 use crate::table::{Align, Table, number};
 use crate::{interrupt, progress};
@@ -35,6 +36,8 @@ of the chosen columns are beside them under …_all.
 Examples:
   armid design crs-a460 --criterion d-optimal -o T.toml
   armid design crs-a460 --criterion condition --columns rigid --starts 8 --seed 3 --json -o T.toml
+  armid design crs-a460 --criterion d-optimal --prior E.json -o T2.toml
+  armid design crs-a460 --criterion a-optimal --family cubic-b-spline --freeze wrist_roll=0 -o T.toml
   armid design arm.urdf --criterion condition-scaled --period 20 --harmonics 7 -o T.toml";
 
 /// Design a trajectory that excites the parameters best within the limits
@@ -82,6 +85,9 @@ pub(crate) struct Arguments {
     /// Weight the rows of d-optimal by the noise of each joint's effort, from the robot's drives
     #[arg(long)]
     weighted: bool,
+    /// Estimates of earlier experiments: the design adds to what they know, with the noise that they found
+    #[arg(long, value_name = "E.json", num_args = 1.., conflicts_with = "weighted")]
+    prior: Vec<PathBuf>,
     /// Do not hold the torque ratings
     #[arg(long)]
     ignore_torque: bool,
@@ -158,6 +164,16 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
     }
     if arguments.weighted {
         problem.sigma = Some(effort_noise(&problem.robot)?);
+    }
+    if !arguments.prior.is_empty() {
+        if !arguments.criterion.is_weighted() {
+            let message = format!(
+                "--prior with --criterion {}, expected one of the information: d-optimal, a-optimal or e-optimal",
+                arguments.criterion.name()
+            );
+            return Err(Fault::new(message).into());
+        }
+        set_prior(&mut problem, loaded, &arguments.prior)?;
     }
     Ok(problem)
 }

@@ -7,6 +7,7 @@ pub(crate) mod journal;
 pub(crate) mod log;
 pub(crate) mod number_table;
 pub(crate) mod parquet_table;
+pub(crate) mod prior;
 pub(crate) mod recording_csv;
 pub(crate) mod recording_mcap;
 pub(crate) mod recording_reader;

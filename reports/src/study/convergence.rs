@@ -19,10 +19,13 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
             (!curves.is_empty()).then(|| ConvergencePanel {
                 title: criterion.name().to_owned(),
                 evaluations: Axis::linear("evaluations", ""),
-                value: if criterion == CriterionKind::DOptimal {
-                    Axis::linear("ln det of the information", "")
-                } else {
-                    Axis::log("condition number", "")
+                value: match criterion {
+                    CriterionKind::Condition | CriterionKind::ConditionScaled => Axis::log("condition number", ""),
+                    CriterionKind::DOptimal => Axis::linear("ln det of the information", ""),
+                    CriterionKind::AOptimal => Axis::log("sum of variances per row", ""),
+                    CriterionKind::EOptimal => Axis::log("smallest eigenvalue per row", ""),
+                    CriterionKind::ConditionPlusSigma => Axis::log("condition number + 1/σ_min", ""),
+                    CriterionKind::ConditionPlusD => Axis::linear("condition number − ln det", ""),
                 },
                 curves,
             })

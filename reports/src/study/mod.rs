@@ -2,11 +2,13 @@
 
 mod convergence;
 mod criteria;
+mod grid;
 mod limits;
 mod overview;
 mod page;
 mod paper;
 mod parameters;
 mod prediction;
+mod rounds;
 
 pub use page::study_document;

@@ -2,7 +2,7 @@
 
 use armid::study::StudyStory;
 
-use super::{convergence, criteria, limits, overview, paper, parameters, prediction};
+use super::{convergence, criteria, grid, limits, overview, paper, parameters, prediction, rounds};
 use crate::{Document, DocumentError};
 
 /// The page of a study with every figure and table.
@@ -22,19 +22,23 @@ pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
             runs,
             plan.seed.value()
         ))
-        .section(overview::section(story))
-        .section(criteria::section(story)?);
+        .section(overview::section(story));
+    if let Some(rounds) = rounds::section(story)? {
+        document = document.section(rounds);
+    }
+    document = document.section(if grid::is_grid(story) { grid::section(story)? } else { criteria::section(story)? });
     for paragraph in overview::summary(story) {
         document = document.summary(paragraph);
     }
     if let Some(paper) = &result.paper {
         document = document.section(paper::claims(paper)).section(paper::table(paper));
     }
-    document = document
-        .section(limits::section(story)?)
-        .section(convergence::section(story)?)
-        .section(prediction::section(story)?)
-        .section(parameters::section(story)?);
+    document = document.section(limits::section(story)?);
+    // Hundreds of lines and boxes show nothing: a grid has its tables.
+    if !grid::is_grid(story) {
+        document = document.section(convergence::section(story)?).section(parameters::section(story)?);
+    }
+    document = document.section(prediction::section(story)?);
     Ok(document
         .provenance("armid", &result.provenance.version)
         .provenance(

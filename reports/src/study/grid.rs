@@ -1,0 +1,132 @@
+//! Every criterion with every family of trajectories and number of harmonics, at a glance.
+
+use armid::study::{FamilyPlan, FamilyScore, HarmonicsPlan, Metric, StudyStory};
+
+use super::page::shown_estimator;
+use crate::{Axis, Cell, ColourMap, Column, DocumentError, Figure, Heading, HeatFigure, Section, Table};
+
+/// A study with more families of designs than boxes can show is drawn as a grid.
+const FAMILIES: usize = 16;
+
+/// Whether a study is drawn as a grid.
+pub(super) fn is_grid(story: &StudyStory) -> bool {
+    let designs = &story.result.plan.designs;
+    designs.len() > FAMILIES && designs.iter().all(|family| column(family).is_some())
+}
+
+/// The column of a family of designs: its trajectories and harmonics.
+fn column(plan: &FamilyPlan) -> Option<String> {
+    let harmonics = match plan.harmonics.as_ref()? {
+        HarmonicsPlan::Every(harmonics) => harmonics.to_string(),
+        HarmonicsPlan::Each(each) => each.iter().map(usize::to_string).collect::<Vec<_>>().join(","),
+    };
+    Some(format!("{} {harmonics}", plan.family.as_deref().unwrap_or("fourier")))
+}
+
+pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
+    let plan = &story.result.plan;
+    let estimator = shown_estimator(story);
+    let score = |family: &FamilyPlan| {
+        let scores = story.result.findings().families.iter();
+        scores.filter(|score| score.estimator == estimator).find(|score| score.family == family.name)
+    };
+    let (mut rows, mut columns) = (Vec::new(), Vec::new());
+    for family in &plan.designs {
+        let (Some(row), Some(column)) = (family.criterion.clone(), column(family)) else { continue };
+        if !rows.contains(&row) {
+            rows.push(row);
+        }
+        if !columns.contains(&column) {
+            columns.push(column);
+        }
+    }
+    let values = |metric: usize| -> Vec<Option<f64>> {
+        let mut values = Vec::new();
+        for row in &rows {
+            for name in &columns {
+                let family = plan
+                    .designs
+                    .iter()
+                    .find(|family| family.criterion.as_ref() == Some(row) && column(family).as_ref() == Some(name));
+                values.push(family.and_then(score).and_then(|score| score.values[metric]));
+            }
+        }
+        values
+    };
+    let evaluations = plan.designs.first().map_or(0, |family| family.evaluations);
+    let starts = plan.designs.first().map_or(0, |family| family.starts);
+    let figure = |name: &str, title: &str, metric: usize, value: Axis, digits: usize| HeatFigure {
+        heading: Heading::new(name, title)
+            .subtitle(format!(
+                "{starts} starts of {evaluations} evaluations each, a gradient counting as one more; {estimator}"
+            ))
+            .caption(
+                "Columns: family of trajectories and number of harmonics (splines: 2 H + 1 knots). Paler is better.",
+            ),
+        rows: rows.clone(),
+        columns: columns.clone(),
+        values: values(metric),
+        value,
+        colours: ColourMap::Sequential,
+        digits,
+    };
+    let figures: Vec<Box<dyn Figure>> = vec![
+        Box::new(figure(
+            "prediction-by-design",
+            "Torque prediction error by criterion and trajectories",
+            0,
+            Axis::log("prediction RMSE", "N·m"),
+            3,
+        )),
+        Box::new(figure(
+            "parameters-by-design",
+            "Parameter error by criterion and trajectories",
+            3,
+            Axis::log("parameter RMSE", "reference units"),
+            2,
+        )),
+        Box::new(figure(
+            "volume-by-design",
+            "Volume of the parameter error by criterion and trajectories",
+            2,
+            Axis::linear("log volume", ""),
+            0,
+        )),
+    ];
+    let mut section = Section::new("Criteria and trajectories");
+    for figure in &figures {
+        section = section.figure(&**figure)?;
+    }
+    let table = plan.designs.iter().filter_map(score).fold(
+        Table::new(
+            "Every combination: geometric means over runs, with 95 % intervals by bootstrap over designs and runs; smaller is better.",
+            vec![
+                Column::text("criterion, trajectories, harmonics"),
+                Column::number("designs", ""),
+                Column::number("runs", ""),
+                Column::number("prediction", "N·m"),
+                Column::number("low", ""),
+                Column::number("high", ""),
+                Column::number("parameters", "ref. units"),
+                Column::number("low", ""),
+                Column::number("high", ""),
+                Column::number("log volume", ""),
+            ],
+        ),
+        |table, score| table.row(row(score)),
+    );
+    Ok(section.table(table))
+}
+
+fn row(score: &FamilyScore) -> Vec<Cell> {
+    let mut cells = vec![Cell::text(&score.family), Cell::count(score.designs), Cell::count(score.runs)];
+    for metric in [Metric::Prediction, Metric::Reference] {
+        let index = Metric::ALL.iter().position(|other| *other == metric).unwrap_or(0);
+        cells.push(score.values[index].map_or(Cell::Missing, |value| Cell::number(value, 3)));
+        let interval = score.intervals[index];
+        cells.push(interval.map_or(Cell::Missing, |interval| Cell::number(interval.low, 3)));
+        cells.push(interval.map_or(Cell::Missing, |interval| Cell::number(interval.high, 3)));
+    }
+    cells.push(score.values[2].map_or(Cell::Missing, |value| Cell::fixed(value, 1)));
+    cells
+}

@@ -1,0 +1,126 @@
+//! Experiments one after the other: what each round buys.
+
+use armid::study::{FamilyScore, StudyStory};
+
+use super::page::shown_estimator;
+use crate::{
+    Axis, Cell, Column, DocumentError, GroupStyle, Heading, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint,
+    Section, Table,
+};
+
+/// Panels: title, axis, value and interval of a family.
+type Panel = (&'static str, Axis, fn(&FamilyScore) -> Option<ScatterValue>);
+
+/// A value with the interval that it has, if any.
+type ScatterValue = (f64, Option<(f64, f64)>);
+
+/// The families from the first experiment to this one.
+fn chain(story: &StudyStory, family: usize) -> Vec<usize> {
+    let designs = &story.result.plan.designs;
+    let mut chain = vec![family];
+    while let Some(before) = designs[chain[chain.len() - 1]].after.as_ref() {
+        let Some(index) = designs.iter().position(|other| other.name == *before) else { break };
+        chain.push(index);
+    }
+    chain.reverse();
+    chain
+}
+
+/// The chains that nothing continues in the same way: one line of the figure each.
+fn chains(story: &StudyStory) -> Vec<Vec<usize>> {
+    let designs = &story.result.plan.designs;
+    let continued = |name: &str| designs.iter().any(|other| other.after.as_deref() == Some(name));
+    let last = (0..designs.len()).filter(|&family| !continued(&designs[family].name));
+    last.map(|family| chain(story, family)).filter(|chain| chain.len() > 1).collect()
+}
+
+/// The section, where the study has experiments one after the other.
+pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentError> {
+    let chains = chains(story);
+    if chains.is_empty() {
+        return Ok(None);
+    }
+    let estimator = shown_estimator(story);
+    let designs = &story.result.plan.designs;
+    let score = |family: usize| {
+        let scores = story.result.findings().families.iter();
+        scores.filter(|score| score.estimator == estimator).find(|score| score.family == designs[family].name)
+    };
+    let panels: [Panel; 4] = [
+        ("Torque prediction", Axis::log("prediction RMSE", "N·m"), |score| value(score, 0)),
+        ("Parameters", Axis::log("parameter RMSE", "reference units"), |score| value(score, 3)),
+        ("Volume", Axis::linear("log volume of the error", ""), |score| value(score, 2)),
+        ("Bound", Axis::log("median bound", "reference units"), |score| score.bound_in_units.map(|b| (b, None))),
+    ];
+    let figure = ScatterFigure {
+        heading: Heading::new("rounds", "What each round buys")
+            .subtitle(format!("error after one experiment, two, …, all of the same length; {estimator}"))
+            .caption("Bars: 95 % intervals by bootstrap over designs and runs. The bound is the median over parameters of the Cramér–Rao standard deviation."),
+        columns: 2,
+        panels: panels
+            .into_iter()
+            .map(|(title, axis, value)| ScatterPanel {
+                title: title.to_owned(),
+                x: Axis::linear("experiments", ""),
+                y: axis,
+                groups: chains
+                    .iter()
+                    .enumerate()
+                    .map(|(index, chain)| ScatterGroup {
+                        label: designs[chain[chain.len() - 1]].name.clone(),
+                        style: GroupStyle::nth(index),
+                        points: chain
+                            .iter()
+                            .enumerate()
+                            .filter_map(|(round, &family)| {
+                                let (value, interval) = value(score(family)?)?;
+                                let point = ScatterPoint::new((round + 1) as f64, value);
+                                Some(interval.map_or(point, |(low, high)| point.interval(low, high)))
+                            })
+                            .collect(),
+                    })
+                    .collect(),
+                references: Vec::new(),
+            })
+            .collect(),
+    };
+    let mut table = Table::new(
+        "Each round of each chain, with 95 % intervals; the last columns: median over parameters of the bound, and of the standard deviation over its bound.",
+        vec![
+            Column::text("chain"),
+            Column::number("experiments", ""),
+            Column::text("last design"),
+            Column::number("prediction", "N·m"),
+            Column::number("low", ""),
+            Column::number("high", ""),
+            Column::number("parameters", "ref. units"),
+            Column::number("log volume", ""),
+            Column::number("bound", "ref. units"),
+            Column::number("std / bound", ""),
+        ],
+    );
+    for chain in &chains {
+        for (round, &family) in chain.iter().enumerate() {
+            let Some(score) = score(family) else { continue };
+            let interval = score.intervals[0];
+            table = table.row(vec![
+                Cell::text(&designs[chain[chain.len() - 1]].name),
+                Cell::count(round + 1),
+                Cell::text(&score.family),
+                score.values[0].map_or(Cell::Missing, |value| Cell::number(value, 3)),
+                interval.map_or(Cell::Missing, |interval| Cell::number(interval.low, 3)),
+                interval.map_or(Cell::Missing, |interval| Cell::number(interval.high, 3)),
+                score.values[3].map_or(Cell::Missing, |value| Cell::number(value, 3)),
+                score.values[2].map_or(Cell::Missing, |value| Cell::fixed(value, 1)),
+                score.bound_in_units.map_or(Cell::Missing, |value| Cell::number(value, 3)),
+                score.std_over_bound.map_or(Cell::Missing, |value| Cell::fixed(value, 2)),
+            ]);
+        }
+    }
+    Ok(Some(Section::new("Rounds").figure(&figure)?.table(table)))
+}
+
+fn value(score: &FamilyScore, metric: usize) -> Option<ScatterValue> {
+    let interval = score.intervals[metric].map(|interval| (interval.low, interval.high));
+    score.values[metric].map(|value| (value, interval))
+}

@@ -1,0 +1,208 @@
+//! Experiments one after the other: what a later one adds to what the earlier ones have shown.
+//!
+//! ```text
+//! M = Σ_k C_k⁻¹        β̂ = M⁻¹ Σ_k C_k⁻¹ β̂_k        cov β̂ = M⁻¹          C_k covariance of the estimate of experiment k
+//! ```
+//! A family of designs that names another in `after` continues it: its designs have the information of that family's
+//! designs as their prior, and its runs put the estimates of all experiments of the chain together. For Gaussian noise
+//! and a linear model the sum loses nothing against one fit of all data.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::outcome::{Outcome, ScoredEstimate};
+use super::{Failure, Slot, Stage, StudyDesign, StudyError};
+use crate::dynamics::States;
+use crate::estimation::Estimate;
+use crate::experiment::Arm;
+
+/// Why no estimate came of a chain.
+const NOT_DEFINITE: &str = "the covariance of an estimate is not positive definite";
+
+/// One experiment of a chain.
+pub struct Experiment<'a> {
+    /// The design.
+    pub design: &'a StudyDesign,
+    /// Who performs it.
+    pub arm: &'a mut dyn Arm,
+}
+
+impl Stage {
+    /// The family that `family` continues.
+    pub(super) fn predecessor(&self, family: usize) -> Option<usize> {
+        let name = self.plan.designs[family].after.as_ref()?;
+        self.plan.designs[..family].iter().position(|other| other.name == *name)
+    }
+
+    /// Families from the first experiment of a chain to `family` itself.
+    #[must_use]
+    pub fn families_of_chain(&self, family: usize) -> Vec<usize> {
+        let mut chain = vec![family];
+        while let Some(before) = self.predecessor(chain[chain.len() - 1]) {
+            chain.push(before);
+        }
+        chain.reverse();
+        chain
+    }
+
+    /// Indices of the designs from the first experiment of a chain to design `index` itself: those of one start.
+    #[must_use]
+    pub fn chain(&self, index: usize) -> Vec<usize> {
+        let designs = self.designs();
+        let (family, start) = designs[index];
+        let of = |family: usize| designs.iter().position(|&design| design == (family, start));
+        self.families_of_chain(family).into_iter().filter_map(of).collect()
+    }
+
+    /// The information of the designs that a family's design number `start` continues, per torque row of one more
+    /// experiment of the same length; `None` where it continues none.
+    pub(super) fn collected(&self, family: usize, start: usize) -> Result<Option<DMatrix<f64>>, StudyError> {
+        let mut sum: Option<DMatrix<f64>> = None;
+        let chain = self.families_of_chain(family);
+        for &before in &chain[..chain.len() - 1] {
+            let design = self.design(before, start)?;
+            let problem = self.problem(crate::excitation::CriterionKind::DOptimal, 1)?;
+            let m = problem.information(&design.trajectory)?;
+            sum = Some(sum.map_or_else(|| m.clone(), |sum| sum + &m));
+        }
+        Ok(sum)
+    }
+
+    /// Cramér–Rao standard deviations after all experiments of a chain, from the exact motion of one period of each.
+    #[must_use]
+    pub fn bound_of_chain(&self, exact: &[States]) -> Vec<f64> {
+        let Some(first) = exact.first() else { return vec![f64::INFINITY; self.base.rank()] };
+        let mut all = States::new(first.dof);
+        for states in exact {
+            for k in 0..states.len() {
+                all.push(states.q(k), states.qd(k), states.qdd(k));
+            }
+        }
+        self.bound_with_weight(&all, self.raw_samples() / first.len() as f64)
+    }
+
+    /// One run of a chain: every experiment performed, every estimate made, all put together; the outcome is that of the
+    /// last design.
+    #[must_use]
+    pub fn trial_of_chain(&self, slot: Slot, experiments: &mut [Experiment<'_>]) -> Outcome {
+        if let [only] = experiments {
+            return self.trial(slot, only.design, only.arm);
+        }
+        let outcome = |failure, estimates| Outcome {
+            design: slot.design,
+            condition: slot.condition,
+            run: slot.run,
+            failure,
+            estimates,
+        };
+        let mut made = Vec::new();
+        for Experiment { design, arm } in experiments {
+            match self.samples(&design.trajectory, &mut **arm) {
+                Ok(samples) => made.push(self.unscored(&samples)),
+                Err(failure) => return outcome(Some(failure), Vec::new()),
+            }
+        }
+        let estimates = self.plan.identification.estimators.iter().enumerate().map(|(e, name)| {
+            let each: Result<Vec<&Estimate>, Failure> =
+                made.iter().map(|estimates| estimates[e].as_ref().map_err(Clone::clone)).collect();
+            match each.and_then(|each| together(&each).map_err(|fault| Failure::estimator(&fault))) {
+                Ok(mut scored) => {
+                    scored.score = Some(self.referee().score(&DVector::from_column_slice(&scored.beta)));
+                    scored
+                }
+                Err(failure) => ScoredEstimate::failed(name, failure),
+            }
+        });
+        outcome(None, estimates.collect())
+    }
+}
+
+/// The estimates of several experiments as one, not yet scored.
+fn together(estimates: &[&Estimate]) -> Result<ScoredEstimate, &'static str> {
+    let last = estimates.last().ok_or("no estimate")?;
+    let b = last.base.len();
+    // In units of the last standard deviations, where every covariance has entries of ordinary size.
+    let unit = last.std();
+    let mut information = DMatrix::zeros(b, b);
+    let mut weighted = DVector::zeros(b);
+    for estimate in estimates {
+        let known = estimate.information().ok_or(NOT_DEFINITE)?;
+        let scaled = DMatrix::from_fn(b, b, |i, j| known[(i, j)] * unit[i] * unit[j]);
+        weighted += &scaled * estimate.beta().component_div(&unit);
+        information += scaled;
+    }
+    let factor = Cholesky::new(information).ok_or(NOT_DEFINITE)?;
+    let beta = factor.solve(&weighted).component_mul(&unit);
+    let std: Vec<f64> = factor.inverse().diagonal().iter().zip(unit.iter()).map(|(v, unit)| v.sqrt() * unit).collect();
+    // The quantile of the last experiment's interval serves for all.
+    let quantile = last.half_width().component_div(&unit);
+    Ok(ScoredEstimate {
+        estimator: last.estimator.clone(),
+        failure: None,
+        beta: beta.as_slice().to_vec(),
+        half_width: std.iter().zip(quantile.iter()).map(|(std, quantile)| std * quantile).collect(),
+        std,
+        residual_rms: last.residual_rms.clone(),
+        score: None,
+    })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimation::{BaseEstimate, IntervalBasis, Termination};
+    use crate::seed::Seed;
+    use rand::RngExt;
+
+    fn estimate(beta: &DVector<f64>, covariance: &DMatrix<f64>) -> Estimate {
+        let base = (0..beta.len()).map(|i| {
+            let (value, std) = (beta[i], covariance[(i, i)].sqrt());
+            let ci95 = [value - 2.0 * std, value + 2.0 * std];
+            BaseEstimate { name: format!("p{i}"), value, std, ci95, unit: String::new() }
+        });
+        Estimate {
+            estimator: "wls".to_owned(),
+            robot: String::new(),
+            columns: String::new(),
+            base: base.collect(),
+            covariance: covariance.row_iter().map(|row| row.iter().copied().collect()).collect(),
+            standard: None,
+            consistent: None,
+            residual_rms: vec![1.0],
+            noise_std: vec![1.0],
+            units: vec![String::new()],
+            condition: 1.0,
+            condition_scaled: 1.0,
+            interval_basis: IntervalBasis::Scatter,
+            degrees_of_freedom: 100.0,
+            samples: 30,
+            periods: 2,
+            findings: Vec::new(),
+            termination: Termination::Direct,
+            provenance: None,
+        }
+    }
+
+    #[test]
+    fn identity_estimates_together_are_the_fit_of_all_data() {
+        let mut rng = Seed::new(41).stream("two experiments", 0);
+        let mut draw =
+            |rows: usize| DMatrix::from_fn(rows, 4, |_, j| rng.random_range(-1.0..1.0) * 10.0_f64.powi(j as i32));
+        let (w1, w2) = (draw(20), draw(30));
+        let (y1, y2) = (draw(20).column(0).into_owned(), draw(30).column(0).into_owned());
+        let fit = |w: &DMatrix<f64>, y: &DVector<f64>| {
+            let covariance = w.tr_mul(w).try_inverse().unwrap();
+            (&covariance * w.tr_mul(y), covariance)
+        };
+        let ((b1, c1), (b2, c2)) = (fit(&w1, &y1), fit(&w2, &y2));
+        let found = together(&[&estimate(&b1, &c1), &estimate(&b2, &c2)]).unwrap();
+        let stacked = DMatrix::from_fn(50, 4, |i, j| if i < 20 { w1[(i, j)] } else { w2[(i - 20, j)] });
+        let y = DVector::from_fn(50, |i, _| if i < 20 { y1[i] } else { y2[i - 20] });
+        let (beta, covariance) = fit(&stacked, &y);
+        for i in 0..4 {
+            let std = covariance[(i, i)].sqrt();
+            assert!((found.beta[i] - beta[i]).abs() < 1e-10 * std.max(beta[i].abs()));
+            assert!((found.std[i] / std - 1.0).abs() < 1e-10);
+            assert!((found.half_width[i] / std - 2.0).abs() < 1e-9);
+        }
+    }
+}
