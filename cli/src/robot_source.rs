@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::model::format::{ChainEnds, FormatError, parse_mjcf, parse_nominal, parse_robot, parse_urdf};
+use armid::model::format::{
+    ChainEnds, FormatError, RelativeUncertainty, parse_mjcf, parse_nominal, parse_robot, parse_urdf,
+};
 use armid::model::{Robot, StandardParameters, bundled};
 use armid::study::{Truth, truth_text};
 use miette::Result;
@@ -40,6 +42,8 @@ pub(crate) struct LoadedRobot {
     pub(crate) text: Text,
     /// What an experimenter would guess: `nominal.toml`.
     pub(crate) nominal: Option<StandardParameters>,
+    /// How good that guess is.
+    pub(crate) uncertainty: Option<RelativeUncertainty>,
     /// Its text.
     pub(crate) nominal_text: Option<Text>,
     /// The inertias that the file itself holds: a URDF or MJCF.
@@ -99,11 +103,12 @@ pub(crate) fn load(name: &str, chain: &ChainArguments, beside: Option<&Path>) ->
         let text = Text::new(format!("models/{name}/robot.toml"), entry.robot);
         let robot = parse_robot(entry.robot).map_err(|fault| located(&text, &fault))?;
         let nominal_text = Text::new(format!("models/{name}/nominal.toml"), entry.nominal);
-        let nominal = parse_nominal(entry.nominal, &robot).map_err(|fault| located(&nominal_text, &fault))?.parameters;
+        let nominal = parse_nominal(entry.nominal, &robot).map_err(|fault| located(&nominal_text, &fault))?;
         return Ok(LoadedRobot {
             robot,
             text,
-            nominal: Some(nominal),
+            nominal: Some(nominal.parameters),
+            uncertainty: Some(nominal.relative_uncertainty),
             nominal_text: Some(nominal_text),
             own: None,
             remarks: Vec::new(),
@@ -137,13 +142,14 @@ fn load_toml(path: &Path) -> Result<LoadedRobot> {
     let beside = folder.join("nominal.toml");
     let nominal_text = if beside.is_file() { Some(read_text(&beside)?) } else { None };
     let nominal = match &nominal_text {
-        Some(text) => Some(parse_nominal(&text.content, &robot).map_err(|fault| located(text, &fault))?.parameters),
+        Some(text) => Some(parse_nominal(&text.content, &robot).map_err(|fault| located(text, &fault))?),
         None => None,
     };
     Ok(LoadedRobot {
         robot,
         text,
-        nominal,
+        uncertainty: nominal.as_ref().map(|nominal| nominal.relative_uncertainty),
+        nominal: nominal.map(|nominal| nominal.parameters),
         own: None,
         remarks: Vec::new(),
         truth: TruthSource::Folder(folder),
@@ -165,6 +171,7 @@ fn tree(text: Text, chain: &ChainArguments) -> Result<LoadedRobot> {
         robot: model.robot,
         text,
         nominal: None,
+        uncertainty: None,
         nominal_text: None,
         own,
         remarks,
@@ -197,10 +204,19 @@ pub(crate) fn of_recording(name: &str, recorded: &RecordedRobot) -> Result<Loade
     let robot = parse_robot(&text.content).map_err(|fault| located(&text, &fault))?;
     let nominal_text = recorded.nominal.as_deref().map(|nominal| Text::new(format!("{name} (nominal file)"), nominal));
     let nominal = match &nominal_text {
-        Some(text) => Some(parse_nominal(&text.content, &robot).map_err(|fault| located(text, &fault))?.parameters),
+        Some(text) => Some(parse_nominal(&text.content, &robot).map_err(|fault| located(text, &fault))?),
         None => None,
     };
-    Ok(LoadedRobot { robot, text, nominal, nominal_text, own: None, remarks: Vec::new(), truth: TruthSource::Own })
+    Ok(LoadedRobot {
+        robot,
+        text,
+        uncertainty: nominal.as_ref().map(|nominal| nominal.relative_uncertainty),
+        nominal: nominal.map(|nominal| nominal.parameters),
+        nominal_text,
+        own: None,
+        remarks: Vec::new(),
+        truth: TruthSource::Own,
+    })
 }
 
 /// A fault of one of the library's text formats, shown in the text.

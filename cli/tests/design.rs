@@ -116,7 +116,7 @@ fn identity_nothing_is_exceeded_on_another_grid() {
 }
 
 #[test]
-fn no_trajectory_within_the_limits_is_a_negative_verdict_and_no_file() {
+fn no_trajectory_within_the_limits_is_a_negative_verdict_with_the_nearest_written() {
     let folder = temporary();
     let out = path(folder.path(), "T.toml");
     // Gravity alone asks for more than a thousandth of the shoulder's rating.
@@ -128,7 +128,13 @@ fn no_trajectory_within_the_limits_is_a_negative_verdict_and_no_file() {
     let arguments = ["design", &weak, "--criterion", "d-optimal", "-o", &out];
     let text = stdout(&armid(arguments.iter().chain(&SMALL)).code(1));
     assert!(text.contains("no trajectory within the limits was found") && text.contains("torque"), "{text}");
-    assert!(!Path::new(&out).exists());
+    assert!(text.contains("\"shoulder\""), "{text}");
+    let written = std::fs::read_to_string(&out).unwrap();
+    assert!(written.contains("[certificate]"));
+    // And it moves nothing.
+    let experiment = support::write(folder.path(), "x.toml", "robot = \"robot.toml\"\ntrajectory = \"T.toml\"\n");
+    let fault = stderr(&armid(["run", &experiment, "-o", &path(folder.path(), "R.mcap")]).code(2));
+    assert!(fault.contains("torque") && fault.contains("exceeds its limit"), "{fault}");
 }
 
 #[test]
@@ -154,7 +160,7 @@ fn impossible_settings_are_named() {
 fn the_text_reads_at_a_hundred_columns() {
     let folder = temporary();
     let out = path(folder.path(), "T.toml");
-    let arguments = ["design", "crs-a460", "--criterion", "d-optimal", "-o", &out, "-v", "--weighted", "--baseline"];
+    let arguments = ["design", "crs-a460", "--criterion", "d-optimal", "-o", &out, "-v", "--weighted"];
     let text = stdout(&armid(arguments.iter().chain(&SMALL)).success());
     assert!(text.contains("condition number") && text.contains("random trajectories"), "{text}");
     assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");

@@ -10,12 +10,17 @@
 use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::basis::Quantity;
+use super::clearance::{Scene, WorstClearance, smallest_clearance};
 use super::criterion::CriterionKind;
+use super::effort::{Channel, InsideShare, WorstEfforts};
 use super::information::Information;
-use super::limits::{WorstUse, worst_use};
-use super::torque::TorqueLimits;
+use super::limits::{WorstUse, worst_jerk, worst_use};
 use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
+use crate::provenance::sha256;
 use crate::regressor::JointTorqueRegressor;
+
+/// Samples of one period on which the search for the smallest clearance begins.
+const CLEARANCE_SAMPLES: usize = 1000;
 
 /// Largest use of each kind of limit, 1 at the limit.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -26,9 +31,21 @@ pub struct WorstLimitUse {
     pub velocity: f64,
     /// Of the acceleration limit.
     pub acceleration: f64,
-    /// Of the torque rating, by the nominal parameters; `None` without them.
+    /// Of the jerk limit; `None` where no joint has one.
+    pub jerk: Option<f64>,
+    /// Of the torque rating over period and ramps, by the nominal parameters and what their uncertainty adds; `None`
+    /// without them.
     pub torque: Option<f64>,
-    /// Smallest distance between the robot's shapes and between them and obstacles, m; `None` where not computed.
+    /// Of the torque rating by the nominal parameters alone.
+    pub torque_nominal: Option<f64>,
+    /// Of the continuous torque by the root mean square over a period; of the rating where none is stated.
+    pub torque_rms: Option<f64>,
+    /// Of the current limit, as `torque`; `None` where no drive has one.
+    pub current: Option<f64>,
+    /// Of the continuous current, as `torque_rms`.
+    pub current_rms: Option<f64>,
+    /// Smallest distance between the robot's shapes and between them and obstacles, m: never undercut at any instant.
+    /// `None` where no two of them can meet.
     pub clearance_m: Option<f64>,
 }
 
@@ -36,12 +53,14 @@ impl WorstLimitUse {
     /// The largest ratio of all.
     #[must_use]
     pub fn largest(&self) -> f64 {
-        self.position.max(self.velocity).max(self.acceleration).max(self.torque.unwrap_or(0.0))
+        let all = [self.jerk, self.torque, self.torque_rms, self.current, self.current_rms];
+        let kinematic = self.position.max(self.velocity).max(self.acceleration);
+        all.into_iter().flatten().fold(kinematic, f64::max)
     }
 }
 
-/// Where each kind of limit is used most.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+/// Where each kind of limit is used most. Times below zero are on the ramp in, those beyond the period on the ramp out.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct WorstCases {
     /// Position, rad.
     pub position: WorstUse,
@@ -49,15 +68,50 @@ pub struct WorstCases {
     pub velocity: WorstUse,
     /// Acceleration, rad/s².
     pub acceleration: WorstUse,
-    /// Torque by the nominal parameters, N·m.
+    /// Jerk, rad/s³.
+    pub jerk: Option<WorstUse>,
+    /// Torque by the nominal parameters and what their uncertainty adds, N·m.
     pub torque: Option<WorstUse>,
+    /// Root mean square of the torque, N·m.
+    pub torque_rms: Option<WorstUse>,
+    /// Current, A.
+    pub current: Option<WorstUse>,
+    /// Root mean square of the current, A.
+    pub current_rms: Option<WorstUse>,
+    /// What comes nearest to what.
+    pub clearance: Option<WorstClearance>,
 }
+
+/// A base parameter that a trajectory shows badly.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct WeakParameter {
+    /// Its name.
+    pub name: String,
+    /// Its deviation, as in [`Certificate::deviations`].
+    pub deviation: f64,
+    /// That over the nominal value of the base parameter; `None` without nominal parameters.
+    pub relative_deviation: Option<f64>,
+    /// Its share in the direction that is shown worst: the square of its entry in the eigenvector of the smallest
+    /// eigenvalue of the information.
+    pub share_of_weakest_direction: f64,
+}
+
+/// How many of the base parameters with the largest share in the weakest direction a certificate names.
+const WEAKEST: usize = 5;
 
 /// What a trajectory is worth, and that it is safe.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Certificate {
+    /// Name of the robot.
+    pub robot: String,
+    /// SHA-256 of the robot file that it was made for; empty for a robot that no file describes.
+    pub robot_sha256: String,
+    /// SHA-256 of the trajectory as its file states it.
+    pub trajectory_sha256: String,
     /// Samples of one period on which it was computed.
     pub samples: usize,
+    /// Length of the ramps that the efforts were computed with, s.
+    pub ramp_s: Option<f64>,
     /// Condition number of the rigid base columns.
     pub condition: f64,
     /// The same with columns scaled to unit length.
@@ -75,6 +129,12 @@ pub struct Certificate {
     /// Standard deviation of each chosen base parameter for one torque row's noise of 1 N·m per row of one period:
     /// √((M⁻¹)_ii), in the parameter's unit; infinite where the information is singular.
     pub deviations: Vec<f64>,
+    /// The base parameters with the largest share in the direction that is shown worst, largest first.
+    pub weakest: Vec<WeakParameter>,
+    /// Standard deviations of the nominal parameters' uncertainty that the efforts include; 0 without.
+    pub uncertainty_multiple: f64,
+    /// How often no effort limit is passed at any instant when parameters are drawn from their uncertainty.
+    pub efforts_inside: Option<InsideShare>,
     /// Largest use of each kind of limit.
     pub worst_limit_use: WorstLimitUse,
     /// Where that is.
@@ -104,11 +164,25 @@ impl Certificate {
         let report = |kind: CriterionKind, m: &DMatrix<f64>| kind.report(kind.criterion().evaluate(m, None).exact);
         let [position, velocity, acceleration] =
             Quantity::ALL.map(|quantity| worst_use(&problem.robot, trajectory, quantity));
-        let family = problem.basis()?;
-        let torque = problem.nominal.as_ref().map(|nominal| {
-            // The grid of its own does not matter: `worst` samples another.
-            TorqueLimits::new(&problem.robot, nominal, &family, 1, 1.0).worst(trajectory, samples)
+        let course = problem.course(trajectory.period_s());
+        let channels = Channel::all(&problem.robot);
+        let mut model = problem.efforts();
+        let efforts = model.as_mut().map_or_else(WorstEfforts::default, |model| {
+            WorstEfforts::of(model, &channels, trajectory, course, samples)
         });
+        let efforts_inside = match (&mut model, &problem.spread) {
+            (Some(model), Some(_)) => Some(model.inside(trajectory, course, &Channel::binding(&channels))),
+            _ => None,
+        };
+        let jerk = worst_jerk(&problem.robot, trajectory);
+        let accelerations: Vec<f64> = (0..n)
+            .map(|j| {
+                let curve = trajectory.curve(j, Quantity::Acceleration);
+                curve.maximum().value.max(-curve.minimum().value)
+            })
+            .collect();
+        let clearance =
+            smallest_clearance(&mut Scene::new(&problem.robot), trajectory, &accelerations, CLEARANCE_SAMPLES);
         let eigen = SymmetricEigen::new(m.clone());
         let mut spectrum: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
         spectrum.sort_by(f64::total_cmp);
@@ -116,7 +190,16 @@ impl Certificate {
             || vec![f64::INFINITY; kept.len()],
             |factor| factor.inverse().diagonal().iter().map(|variance| variance.sqrt()).collect(),
         );
+        let weakest = weakest(problem, &eigen, &deviations);
+        let (torque, current) = (efforts.torque, efforts.current);
         Ok(Self {
+            robot: problem.robot.name().to_owned(),
+            robot_sha256: problem.robot.source_sha256().to_owned(),
+            trajectory_sha256: sha256(&trajectory.to_toml()),
+            ramp_s: problem.ramp_s,
+            weakest,
+            uncertainty_multiple: problem.spread.as_ref().map_or(0.0, |spread| spread.multiple),
+            efforts_inside,
             samples,
             condition: report(CriterionKind::Condition, &m_rigid),
             condition_scaled: report(CriterionKind::ConditionScaled, &m_rigid),
@@ -130,12 +213,50 @@ impl Certificate {
                 position: position.ratio,
                 velocity: velocity.ratio,
                 acceleration: acceleration.ratio,
-                torque: torque.map(|worst| worst.ratio),
-                clearance_m: None,
+                jerk: jerk.map(|worst| worst.ratio),
+                torque: torque.map(|used| used.peak.ratio),
+                torque_nominal: torque.map(|used| used.nominal),
+                torque_rms: torque.map(|used| used.mean_square.ratio),
+                current: current.map(|used| used.peak.ratio),
+                current_rms: current.map(|used| used.mean_square.ratio),
+                clearance_m: clearance.as_ref().map(|nearest| nearest.distance_m),
             },
-            worst: WorstCases { position, velocity, acceleration, torque },
+            worst: WorstCases {
+                position,
+                velocity,
+                acceleration,
+                jerk,
+                torque: torque.map(|used| used.peak),
+                torque_rms: torque.map(|used| used.mean_square),
+                current: current.map(|used| used.peak),
+                current_rms: current.map(|used| used.mean_square),
+                clearance,
+            },
         })
     }
+}
+
+/// The base parameters that make up the direction which is shown worst.
+fn weakest(
+    problem: &DesignProblem,
+    eigen: &SymmetricEigen<f64, nalgebra::Dyn>,
+    deviations: &[f64],
+) -> Vec<WeakParameter> {
+    let direction = eigen.eigenvectors.column(eigen.eigenvalues.imin());
+    let nominal = problem.nominal.as_ref().map(|set| problem.base.beta(&set.vector(&problem.robot, problem.columns)));
+    let mut order: Vec<usize> = (0..direction.len()).collect();
+    order.sort_by(|&x, &y| direction[y].abs().total_cmp(&direction[x].abs()).then(x.cmp(&y)));
+    let names = problem.base.names();
+    let describe = |i: usize| WeakParameter {
+        name: names[i].clone(),
+        deviation: deviations[i],
+        relative_deviation: nominal
+            .as_ref()
+            .map(|beta| deviations[i] / beta[i].abs())
+            .filter(|share| share.is_finite()),
+        share_of_weakest_direction: direction[i] * direction[i],
+    };
+    order.into_iter().take(WEAKEST).map(describe).collect()
 }
 
 #[cfg(test)]

@@ -90,6 +90,17 @@ pub fn best_of(designs: &[Design]) -> Option<&Design> {
         .min_by(|x, y| cost(x.criterion, x.value).total_cmp(&cost(y.criterion, y.value)))
 }
 
+/// Where no design holds all limits, the one that exceeds them least, relative; the first of equals.
+#[must_use]
+pub fn nearest_of(designs: &[Design]) -> Option<&Design> {
+    let excess = |design: &Design| match &design.termination {
+        Termination::Infeasible { worst, .. } => worst.ratio,
+        Termination::Singular => f64::INFINITY,
+        _ => 0.0,
+    };
+    designs.iter().min_by(|x, y| excess(x).total_cmp(&excess(y)))
+}
+
 /// The baseline: the best of as many random draws as the budget has evaluations, each the paper's first guess brought
 /// inside all limits.
 ///

@@ -16,6 +16,12 @@ pub enum ExcitationError {
         /// What was found and what was expected.
         message: String,
     },
+    /// A trajectory file has a table `[certificate]` that is none.
+    #[error("certificate: {message}")]
+    Certificate {
+        /// What was found and what was expected.
+        message: String,
+    },
     /// A trajectory cannot be as specified.
     #[error("trajectory: {quantity} is {found}, expected {expected}")]
     Trajectory {

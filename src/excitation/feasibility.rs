@@ -1,11 +1,12 @@
 //! All limits of a problem in one place: as rows for the optimiser, and exactly at the end.
 
 use super::certificate::Certificate;
+use super::clearance::{ClearanceLimits, Scene};
+use super::effort::{Channel, EffortLimits};
 use super::limit_rows::LimitRows;
 use super::limits::{WorstUse, shrink_into_limits};
-use super::optimiser::{LinearLimits, SmoothLimits, Unlimited};
+use super::optimiser::{LinearLimits, SmoothLimits, Together};
 use super::termination::Termination;
-use super::torque::TorqueLimits;
 use super::{DesignProblem, ExcitationError, Margins, MotionBasis, PeriodicTrajectory};
 use crate::model::Robot;
 
@@ -30,8 +31,8 @@ pub(crate) struct Feasibility {
     basis: MotionBasis,
     margins: Margins,
     linear: LimitRows,
-    smooth: Box<dyn SmoothLimits>,
-    torque: Option<TorqueLimits>,
+    smooth: Together,
+    effort: Option<EffortLimits>,
     samples: usize,
 }
 
@@ -47,14 +48,22 @@ impl Feasibility {
             torque: (1.0 - 2.0 * EXCESS_TOLERANCE) * problem.margins.torque,
         };
         let samples = TORQUE_SAMPLES * problem.samples;
-        let torque =
-            problem.nominal.as_ref().map(|nominal| TorqueLimits::new(&robot, nominal, &basis, samples, margins.torque));
-        let smooth: Box<dyn SmoothLimits> = match &torque {
-            Some(torque) => Box::new(torque.clone()),
-            None => Box::new(Unlimited),
-        };
+        let effort = problem.efforts().map(|model| {
+            let course = problem.course(basis.period_s());
+            EffortLimits::new(model, &Channel::all(&robot), &basis, course, samples, margins.torque)
+        });
+        let mut smooth = Together::default();
+        if let Some(effort) = &effort {
+            smooth.limits.push(Box::new(effort.clone()));
+        }
+        if let Some(clearance) = problem.clearance_m {
+            let scene = Scene::new(&robot);
+            if !scene.pairs().is_empty() {
+                smooth.limits.push(Box::new(ClearanceLimits::new(scene, &basis, samples, clearance)));
+            }
+        }
         let linear = LimitRows::new(&robot, &basis, &margins, ROW_TOLERANCE);
-        Ok(Self { robot, basis, margins, linear, smooth, torque, samples })
+        Ok(Self { robot, basis, margins, linear, smooth, effort, samples })
     }
 
     pub(crate) fn basis(&self) -> &MotionBasis {
@@ -62,11 +71,11 @@ impl Feasibility {
     }
 
     pub(crate) fn smooth(&mut self) -> &mut dyn SmoothLimits {
-        &mut *self.smooth
+        &mut self.smooth
     }
 
     pub(crate) fn limits(&mut self) -> (&mut dyn LinearLimits, &mut dyn SmoothLimits) {
-        (&mut self.linear, &mut *self.smooth)
+        (&mut self.linear, &mut self.smooth)
     }
 
     /// Brings a first guess inside all limits: joint by joint, then all amplitudes by one factor until torque holds.
@@ -95,9 +104,9 @@ impl Feasibility {
         least: f64,
         halvings: usize,
     ) -> PeriodicTrajectory {
-        let Some(torque) = &mut self.torque else { return trajectory };
+        let Some(effort) = &mut self.effort else { return trajectory };
         let mut holds =
-            |candidate: &PeriodicTrajectory| torque.worst(candidate, samples).ratio <= 1.0 + EXCESS_TOLERANCE;
+            |candidate: &PeriodicTrajectory| effort.largest_use(candidate, samples) <= 1.0 + EXCESS_TOLERANCE;
         if holds(&trajectory) {
             return trajectory;
         }
@@ -119,16 +128,35 @@ impl Feasibility {
     /// What is still exceeded, if anything.
     pub(crate) fn verdict(&self, problem: &DesignProblem, certificate: &Certificate) -> Option<Termination> {
         let worst = &certificate.worst;
-        let cases: [(&str, Option<WorstUse>, f64); 4] = [
-            ("position", Some(worst.position), problem.margins.position),
-            ("velocity", Some(worst.velocity), problem.margins.velocity),
-            ("acceleration", Some(worst.acceleration), problem.margins.acceleration),
-            ("torque", worst.torque, problem.margins.torque),
+        let margins = &problem.margins;
+        let cases: [(&str, Option<WorstUse>, f64); 7] = [
+            ("position", Some(worst.position), margins.position),
+            ("velocity", Some(worst.velocity), margins.velocity),
+            ("acceleration", Some(worst.acceleration), margins.acceleration),
+            ("torque", worst.torque, margins.torque),
+            ("torque-rms", worst.torque_rms, margins.torque),
+            ("current", worst.current, margins.torque),
+            ("current-rms", worst.current_rms, margins.torque),
         ];
-        cases.into_iter().find_map(|(limit, worst, part)| {
+        let exceeded = cases.into_iter().find_map(|(limit, worst, part)| {
             let worst = worst.filter(|worst| worst.ratio > part)?;
             let joint = self.robot.joints()[worst.joint].name.clone();
             Some(Termination::Infeasible { limit: limit.into(), joint, worst })
+        });
+        exceeded.or_else(|| {
+            let (nearest, required) = (worst.clearance.as_ref()?, problem.clearance_m?);
+            let short = required - nearest.distance_m;
+            (short > 0.0).then(|| Termination::Infeasible {
+                limit: "clearance".into(),
+                joint: nearest.pair.join(" to "),
+                worst: WorstUse {
+                    ratio: 1.0 + short,
+                    joint: self.robot.joint_index(&nearest.pair[1]).unwrap_or(0),
+                    t: nearest.t,
+                    value: nearest.distance_m,
+                    limit: required,
+                },
+            })
         })
     }
 }

@@ -70,6 +70,21 @@ pub(crate) fn worst_use(robot: &Robot, trajectory: &PeriodicTrajectory, quantity
     worst
 }
 
+/// The worst use of the jerk limits, at the true extrema; `None` where no joint has one.
+pub(crate) fn worst_jerk(robot: &Robot, trajectory: &PeriodicTrajectory) -> Option<WorstUse> {
+    let mut worst: Option<WorstUse> = None;
+    for (j, joint) in robot.joints().iter().enumerate().filter(|(_, joint)| joint.limits.jerk.is_finite()) {
+        let (curve, limit) = (trajectory.jerk(j), joint.limits.jerk);
+        for extremum in [curve.minimum(), curve.maximum()] {
+            let (ratio, t) = (extremum.value.abs() / limit, extremum.phase / trajectory.omega());
+            let limit = limit.copysign(extremum.value);
+            let here = WorstUse { ratio, joint: j, t, value: extremum.value, limit };
+            worst = Some(worst.map_or(here, |known| known.worst_of(here)));
+        }
+    }
+    worst
+}
+
 /// Interval that the given part of a limit leaves, about its middle.
 pub(crate) fn permitted(limits: &Limits, quantity: Quantity, part: f64) -> (f64, f64) {
     let (low, high) = interval(limits, quantity);
@@ -96,6 +111,13 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut PeriodicTraject
                 Quantity::Position => (top - bottom) / (high - low),
                 _ => top.max(-bottom) / high,
             };
+            if peak > 1.0 {
+                factor = factor.min(1.0 / peak);
+            }
+        }
+        if joint.limits.jerk.is_finite() {
+            let curve = trajectory.jerk(j);
+            let peak = curve.maximum().value.max(-curve.minimum().value) / (margins.acceleration * joint.limits.jerk);
             if peak > 1.0 {
                 factor = factor.min(1.0 / peak);
             }

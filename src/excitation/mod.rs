@@ -3,13 +3,18 @@
 //! The paper's sections II.C, II.D and III: finite Fourier series as trajectories, a criterion on the information
 //! `M = W_bᵀ Σ⁻¹ W_b` of the base columns, limits as constraints, and an optimiser of our own.
 
+mod admission;
 mod b_spline;
 mod basis;
 mod certificate;
+mod certified_file;
+pub mod clearance;
+pub mod course;
 pub mod criterion;
 mod curve;
 mod descent;
 mod design;
+pub mod effort;
 mod error;
 mod extremum;
 mod family;
@@ -27,7 +32,6 @@ mod sampled;
 mod shape;
 mod start;
 mod termination;
-mod torque;
 pub mod table_one;
 mod trajectory;
 mod trajectory_file;
@@ -36,12 +40,13 @@ mod trigonometric;
 #[cfg(test)]
 pub(crate) mod fixtures;
 
+pub use admission::{AdmissionFault, check};
 pub use b_spline::{BSplineJoint, BSplineTrajectory};
 pub use basis::{MotionBasis, Quantity};
-pub use certificate::{Certificate, WorstCases, WorstLimitUse};
+pub use certificate::{Certificate, WeakParameter, WorstCases, WorstLimitUse};
 pub use criterion::{Criterion, CriterionKind};
 pub use curve::Curve;
-pub use design::{Design, best_of, design, design_from, multistart, random_design};
+pub use design::{Design, best_of, design, design_from, multistart, nearest_of, random_design};
 pub use error::ExcitationError;
 pub use extremum::{EXTREMUM_TOLERANCE, Extremum};
 pub use family::Family;
@@ -56,6 +61,5 @@ pub use problem::{DEFAULT_EVALUATIONS, DesignProblem, Margins};
 pub use sampled::SampledBasis;
 pub use start::{PAPER_VELOCITIES, paper_start};
 pub use termination::{HistoryPoint, Termination};
-pub use torque::TorqueLimits;
 pub use trajectory::Trajectory;
 pub use trigonometric::TrigonometricPolynomial;

@@ -117,6 +117,12 @@ impl PeriodicTrajectory {
         self.motion().curve(joint, quantity as usize)
     }
 
+    /// The jerk of one joint over the phase ωt, rad/s³.
+    #[must_use]
+    pub fn jerk(&self, joint: usize) -> Curve {
+        self.motion().curve(joint, 3)
+    }
+
     /// Scales the motion of a joint about its mean position by `factor`, and moves the mean by `shift` (rad).
     pub fn adjust(&mut self, joint: usize, factor: f64, shift: f64) {
         self.motion_mut().adjust(joint, factor, shift);

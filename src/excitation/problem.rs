@@ -6,6 +6,8 @@ use nalgebra::DMatrix;
 use rand::RngExt;
 
 use super::basis::{MotionBasis, Quantity};
+use super::course::Course;
+use super::effort::{EffortModel, ParameterSpread};
 use super::start::series_start;
 use super::{CriterionKind, ExcitationError, Family, PeriodicTrajectory};
 use crate::base::{BaseReduction, Method, reduce, reduce_on};
@@ -78,6 +80,12 @@ pub struct DesignProblem {
     pub samples: usize,
     /// Parameters that torque limits are computed with; without them torque is not limited.
     pub nominal: Option<StandardParameters>,
+    /// How far the true parameters may be from the nominal ones, and what the effort limits must leave for that.
+    pub spread: Option<ParameterSpread>,
+    /// Length of the ramps around the motion, s, in which the limits hold as well; without it only the period counts.
+    pub ramp_s: Option<f64>,
+    /// Distance to keep between the robot's bodies and from what stands around it, m; not held without it.
+    pub clearance_m: Option<f64>,
     /// Which part of each limit may be used.
     pub margins: Margins,
     /// Noise of each joint's torque, N·m (n), for the criteria that weight rows; all 1 without it.
@@ -118,6 +126,9 @@ impl DesignProblem {
             frozen: vec![None; n],
             samples: 100,
             nominal: None,
+            spread: None,
+            ramp_s: None,
+            clearance_m: None,
             margins: Margins::default(),
             sigma: None,
             prior: None,
@@ -190,6 +201,18 @@ impl DesignProblem {
         self.base.kept.iter().enumerate().filter(rigid).map(|(position, _)| position).collect()
     }
 
+    /// The stretches of the experiment in which limits hold, around a motion of this period (s).
+    #[must_use]
+    pub fn course(&self, period_s: f64) -> Course {
+        Course { period_s, ramp_s: self.ramp_s }
+    }
+
+    /// The efforts by the nominal parameters; `None` without them.
+    #[must_use]
+    pub fn efforts(&self) -> Option<EffortModel> {
+        self.nominal.as_ref().map(|nominal| EffortModel::new(&self.robot, nominal, self.spread.as_ref()))
+    }
+
     /// Noise of each joint for the rows of the criterion: all 1 where it does not weight them.
     pub(crate) fn row_noise(&self) -> Vec<f64> {
         match &self.sigma {
@@ -238,6 +261,22 @@ impl DesignProblem {
             && nominal.links.len() != n
         {
             return fault("number of nominal links", nominal.links.len().to_string(), n.to_string());
+        }
+        if let Some(spread) = &self.spread {
+            let (found, p) = (spread.deviations.len(), Columns::RigidRotorFriction.parameters(&self.robot).len());
+            if found != p {
+                return fault("number of uncertain parameters", found.to_string(), p.to_string());
+            }
+        }
+        if let Some(ramp) = self.ramp_s
+            && !(ramp.is_finite() && ramp > 0.0)
+        {
+            return fault("length of the ramps", format!("{ramp} s"), "a finite number above zero".into());
+        }
+        if let Some(clearance) = self.clearance_m
+            && !clearance.is_finite()
+        {
+            return fault("clearance", format!("{clearance} m"), "a finite number".into());
         }
         if self.max_evaluations == 0 {
             return fault("number of evaluations", "0".into(), "at least one".into());

@@ -46,6 +46,8 @@ struct FileIn {
     period_s: Spanned<f64>,
     harmonics: Spanned<usize>,
     joint: Spanned<Vec<JointIn>>,
+    #[serde(rename = "certificate")]
+    _certificate: Option<serde::de::IgnoredAny>,
 }
 
 #[derive(Deserialize)]
@@ -65,6 +67,8 @@ struct SplinesIn {
     period_s: Spanned<f64>,
     degree: Spanned<usize>,
     joint: Spanned<Vec<SplineIn>>,
+    #[serde(rename = "certificate")]
+    _certificate: Option<serde::de::IgnoredAny>,
 }
 
 #[derive(Deserialize)]

@@ -94,6 +94,12 @@ pub enum Obstacle {
 }
 
 impl Obstacle {
+    /// Everything below the height `z` (m, base frame), under a name of its own.
+    #[must_use]
+    pub fn above(name: &str, z: f64) -> Self {
+        Self::Plane { name: name.to_owned(), normal: Vector3::z(), offset: z }
+    }
+
     /// What messages call it.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use armid::excitation::check;
 use armid::experiment::{Ending as PlanEnding, Phase, Sink, Tracking};
 use armid::model::{JointKind, Robot};
 use miette::Result;
@@ -81,6 +82,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let help = "nothing has moved; another trajectory, a longer period or longer ramps stay inside";
         Fault::new(format!("{}: {error}", experiment.text.name)).help(help)
     })?;
+    admit(&experiment)?;
 
     let path = console
         .output()
@@ -112,6 +114,23 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         PlanEnding::Stopped { .. } => Ending::Interrupted,
         PlanEnding::Diverged { .. } | PlanEnding::Tripped { .. } => Ending::Negative,
     })
+}
+
+/// The last look at the certificate, before anything moves.
+fn admit(experiment: &Experiment) -> Result<()> {
+    let Some(certificate) = &experiment.certificate else { return Ok(()) };
+    let (name, help) = (&experiment.text.name, "nothing has moved; `armid design` writes a certificate that fits");
+    check(&experiment.robot.robot, &experiment.plan.trajectory, certificate)
+        .map_err(|fault| Fault::new(format!("{name}: {fault}")).help(help))?;
+    match certificate.ramp_s {
+        Some(certified) if experiment.plan.ramp_s < certified - 1e-9 => {
+            let found = experiment.plan.ramp_s;
+            let message =
+                format!("{name}: ramp_s is {found}, expected {certified} or more, as the certificate holds for");
+            Err(Fault::new(message).help(help).into())
+        }
+        _ => Ok(()),
+    }
 }
 
 /// What goes into the recording beside what the arm says of it.
@@ -181,6 +200,11 @@ impl Done<'_> {
             "rate_hz": plan.rate_hz,
             "period_s": plan.trajectory.period_s(),
             "periods": plan.periods,
+            "certificate": self.experiment.certificate.as_ref().map(|certificate| json!({
+                "trajectory_sha256": certificate.trajectory_sha256,
+                "robot_sha256": certificate.robot_sha256,
+                "worst_limit_use": certificate.worst_limit_use,
+            })),
             "tracking": self.performed.tracking.as_ref().map(|tracking| json!({
                 "peak_error": tracking.peak_error,
                 "rms_error": tracking.rms_error,

@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use armid::excitation::Certificate;
 use armid::experiment::{ExperimentPlan, Sensing};
 use armid_sim::Engine;
 use miette::Result;
@@ -58,6 +59,8 @@ pub(crate) struct Experiment {
     pub(crate) robot: LoadedRobot,
     pub(crate) chain: ChainArguments,
     pub(crate) plan: ExperimentPlan,
+    /// What the trajectory's file certifies.
+    pub(crate) certificate: Option<Certificate>,
     pub(crate) sensing: Sensing,
     pub(crate) seed: u64,
     pub(crate) run: u64,
@@ -90,6 +93,7 @@ fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
     })?;
     let chain = ChainArguments { base_link: file.base_link, tip_link: file.tip_link };
     let robot = robot_source::load(file.robot.get_ref(), &chain, folder)?;
+    let certificate = trajectory::certificate(file.trajectory.get_ref(), folder)?;
     let trajectory = trajectory::load(file.trajectory.get_ref(), folder, &robot.robot)?;
 
     let mut plan = ExperimentPlan::new(trajectory);
@@ -131,7 +135,7 @@ fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
         (None, None) => robot.robot.name().to_owned(),
     };
     let (seed, run) = (file.seed.unwrap_or(0), file.run.unwrap_or(0));
-    Ok(Experiment { name, question: file.question, text, robot, chain, plan, sensing, seed, run, arm })
+    Ok(Experiment { name, question: file.question, text, robot, chain, plan, certificate, sensing, seed, run, arm })
 }
 
 fn sensing(table: Option<SensingTable>, text: &Text, dof: usize) -> Result<Sensing> {

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use armid::excitation::{ExcitationError, PeriodicTrajectory, table_one};
+use armid::excitation::{Certificate, ExcitationError, PeriodicTrajectory, table_one};
 use armid::model::Robot;
 use miette::Result;
 
@@ -36,6 +36,16 @@ pub(crate) fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<P
         moved.name.clone_from(&joint.name);
     }
     Ok(trajectory.into())
+}
+
+/// The certificate in a trajectory file; `None` where it has none, or the trajectory is compiled in.
+pub(crate) fn certificate(name: &str, beside: Option<&Path>) -> Result<Option<Certificate>> {
+    let path = beside.map_or_else(|| name.into(), |folder| folder.join(name));
+    if !path.is_file() {
+        return Ok(None);
+    }
+    let text = read_text(&path)?;
+    Certificate::in_toml(&text.content).map_err(|fault| Fault::new(format!("{}: {fault}", text.name)).into())
 }
 
 /// Reads a trajectory from its text; its joints must be the robot's, in the robot's order.

@@ -11,4 +11,4 @@ mod vectors;
 
 pub use quadratic::{QuadraticFault, QuadraticSolution, solve_quadratic};
 pub use row::{FixedRows, Row, RowSource};
-pub use sequential::{LinearLimits, Objective, Progress, Sequential, SequentialSettings, SmoothLimits, Unlimited};
+pub use sequential::{LinearLimits, Objective, Progress, Sequential, SequentialSettings, SmoothLimits, Together};

@@ -39,16 +39,23 @@ pub trait SmoothLimits {
     fn linearise(&mut self, x: &[f64], rows: &mut Vec<Row>);
 }
 
-/// No smooth limits at all.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Unlimited;
+/// Several kinds of smooth limits at once.
+#[derive(Default)]
+pub struct Together {
+    /// Each kind.
+    pub limits: Vec<Box<dyn SmoothLimits>>,
+}
 
-impl SmoothLimits for Unlimited {
-    fn excess(&mut self, _: &[f64]) -> f64 {
-        0.0
+impl SmoothLimits for Together {
+    fn excess(&mut self, x: &[f64]) -> f64 {
+        self.limits.iter_mut().map(|limits| limits.excess(x)).sum()
     }
 
-    fn linearise(&mut self, _: &[f64], _: &mut Vec<Row>) {}
+    fn linearise(&mut self, x: &[f64], rows: &mut Vec<Row>) {
+        for limits in &mut self.limits {
+            limits.linearise(x, rows);
+        }
+    }
 }
 
 /// What a step of the optimiser led to.

@@ -1,0 +1,100 @@
+//! A trajectory file with its certificate: the table `[certificate]` behind the motion.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Certificate, ExcitationError, PeriodicTrajectory};
+
+#[derive(Serialize)]
+struct Out<'a> {
+    certificate: &'a Certificate,
+}
+
+#[derive(Deserialize)]
+struct In {
+    certificate: Option<toml::Value>,
+}
+
+impl PeriodicTrajectory {
+    /// The trajectory file with its certificate. [`Self::from_toml`] reads the motion, [`Certificate::in_toml`] the
+    /// certificate.
+    #[must_use]
+    pub fn to_certified_toml(&self, certificate: &Certificate) -> String {
+        let table = toml::to_string(&Out { certificate }).expect("names, numbers and lists of them have a TOML form");
+        format!(
+            "{}\n# What the motion is worth and that it is safe; `armid run` looks at it again.\n{table}",
+            self.to_toml()
+        )
+    }
+}
+
+impl Certificate {
+    /// The certificate of a trajectory file; `None` where it has none.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Certificate`] if the table is there and is not a certificate.
+    pub fn in_toml(text: &str) -> Result<Option<Self>, ExcitationError> {
+        let fault = |message: String| ExcitationError::Certificate { message };
+        let file: In = toml::from_str(text).map_err(|error| fault(error.message().trim_end().to_owned()))?;
+        file.certificate
+            .map(|table| {
+                table.try_into().map_err(|error: toml::de::Error| fault(error.message().trim_end().to_owned()))
+            })
+            .transpose()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::{AdmissionFault, CriterionKind, DesignProblem, check, fixtures, table_one};
+    use crate::model::{Columns, Obstacle};
+
+    fn certified() -> (DesignProblem, PeriodicTrajectory, Certificate) {
+        let mut problem = DesignProblem::new(fixtures::crs_a460(), Columns::Rigid, CriterionKind::Condition).unwrap();
+        problem.nominal = Some(fixtures::crs_a460_nominal());
+        problem.certificate_samples = 500;
+        problem.ramp_s = Some(2.0);
+        let mut series = table_one::corrected();
+        for (moved, joint) in series.joints.iter_mut().zip(problem.robot.joints()) {
+            moved.name.clone_from(&joint.name);
+        }
+        let motion: PeriodicTrajectory = series.into();
+        let certificate = Certificate::of(&problem, &motion).unwrap();
+        (problem, motion, certificate)
+    }
+
+    #[test]
+    fn identity_a_certified_file_reads_back() {
+        let (_, motion, certificate) = certified();
+        let text = motion.to_certified_toml(&certificate);
+        assert_eq!(PeriodicTrajectory::from_toml(&text).unwrap(), motion);
+        assert_eq!(Certificate::in_toml(&text).unwrap().unwrap(), certificate);
+        assert_eq!(Certificate::in_toml(&motion.to_toml()).unwrap(), None);
+        let broken = text.replace("trajectory_sha256", "trajectory_sha");
+        assert!(Certificate::in_toml(&broken).unwrap_err().to_string().contains("trajectory_sha256"));
+    }
+
+    #[test]
+    fn admission_refuses_what_does_not_fit() {
+        let (problem, motion, certificate) = certified();
+        let robot = &problem.robot;
+        assert_eq!(check(robot, &motion, &certificate), Ok(()));
+        let mut other = motion.clone();
+        other.adjust(2, 0.9, 0.0);
+        assert!(matches!(check(robot, &other, &certificate), Err(AdmissionFault::OtherTrajectory { .. })));
+        let elsewhere = robot.clone().read_from("another file");
+        assert!(matches!(check(&elsewhere, &motion, &certificate), Err(AdmissionFault::OtherRobot { .. })));
+        let slow = robot.clone().with_joints(|joint| joint.limits.velocity = 1.0).unwrap();
+        let fault = check(&slow, &motion, &certificate).unwrap_err();
+        assert!(matches!(fault, AdmissionFault::Limit { quantity: "velocity", .. }), "{fault}");
+        assert!(fault.to_string().contains("exceeds its limit") && fault.to_string().contains("rad/s"), "{fault}");
+        let smooth = robot.clone().with_joints(|joint| joint.limits.jerk = 1.0).unwrap();
+        assert!(matches!(check(&smooth, &motion, &certificate), Err(AdmissionFault::Limit { quantity: "jerk", .. })));
+        let low = robot.clone().with_obstacle(Obstacle::above("table", 0.8));
+        let fault = check(&low, &motion, &certificate).unwrap_err();
+        assert!(matches!(fault, AdmissionFault::Contact(_)) && fault.to_string().contains("\"table\""), "{fault}");
+        let mut strained = certificate.clone();
+        strained.worst.torque.as_mut().unwrap().ratio = 1.2;
+        assert!(matches!(check(robot, &motion, &strained), Err(AdmissionFault::Limit { quantity: "torque", .. })));
+    }
+}

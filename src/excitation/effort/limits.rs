@@ -1,0 +1,217 @@
+//! Effort limits as rows for the optimiser, at the true peaks in time.
+//!
+//! ```text
+//! ∂c/∂x = Σ_j B_q(θ)ᵀ ∂c/∂q_j + B_v(θ)ᵀ ∂c/∂q̇_j + B_a(θ)ᵀ ∂c/∂q̈_j      (the regressor's adjoint, ramps by σ̇ and σ̈)
+//! ```
+//! At a peak the time derivative vanishes, and the partial derivatives are the total ones. At a reversal Coulomb
+//! friction turns within milliseconds; there, too, only the peak beside it counts.
+
+use super::channel::Channel;
+use super::model::EffortModel;
+use super::worst::{Peak, Survey, WorstEfforts, refine};
+use crate::excitation::Trajectory;
+use crate::excitation::basis::MotionBasis;
+use crate::excitation::course::{Course, Stretch};
+use crate::excitation::optimiser::{Row, SmoothLimits};
+
+/// Local peaks below this part of the permitted effort get no row.
+const NEAR: f64 = 0.6;
+
+/// Local peaks above this part count as excess and are refined in time.
+const WATCHED: f64 = 0.95;
+
+/// The effort limits of a design problem.
+#[derive(Clone, Debug)]
+pub struct EffortLimits {
+    model: EffortModel,
+    /// With the permitted part of each limit.
+    channels: Vec<Channel>,
+    basis: MotionBasis,
+    course: Course,
+    samples: usize,
+    /// The point of the last evaluation, its peaks and root mean squares over what is permitted.
+    at: Vec<f64>,
+    peaks: Vec<Peak>,
+    mean_squares: Vec<f64>,
+    loads: Vec<(f64, f64)>,
+}
+
+impl EffortLimits {
+    /// The part `use_at_most` of the limits of `channels`, watched on a grid of `samples` per period.
+    #[must_use]
+    pub fn new(
+        model: EffortModel,
+        channels: &[Channel],
+        basis: &MotionBasis,
+        course: Course,
+        samples: usize,
+        use_at_most: f64,
+    ) -> Self {
+        let mut channels = Channel::binding(channels);
+        for channel in &mut channels {
+            channel.peak *= use_at_most;
+            channel.continuous *= use_at_most;
+        }
+        Self {
+            model,
+            channels,
+            basis: basis.clone(),
+            course,
+            samples,
+            at: Vec::new(),
+            peaks: Vec::new(),
+            mean_squares: Vec::new(),
+            loads: Vec::new(),
+        }
+    }
+
+    /// The largest use of what is permitted by a motion of any family, peaks and root mean squares, on a grid of
+    /// `samples`, refined in time.
+    pub fn largest_use(&mut self, motion: &dyn Trajectory, samples: usize) -> f64 {
+        let found = WorstEfforts::of(&mut self.model, &self.channels, motion, self.course, samples);
+        let uses = [found.torque, found.current].into_iter().flatten();
+        uses.map(|used| used.peak.ratio.max(used.mean_square.ratio)).fold(0.0, f64::max)
+    }
+
+    fn look_at(&mut self, x: &[f64]) {
+        if self.at == x {
+            return;
+        }
+        let trajectory = self.basis.trajectory(x);
+        let survey = Survey::of(&mut self.model, &self.channels, &trajectory, self.course, self.samples);
+        self.peaks.clear();
+        self.mean_squares.clear();
+        for c in 0..self.channels.len() {
+            if self.channels[c].peak.is_finite() {
+                for peak in survey.peaks(c, NEAR) {
+                    let peak = if peak.ratio > WATCHED {
+                        refine(&mut self.model, &self.channels, &trajectory, self.course, peak, &survey)
+                    } else {
+                        peak
+                    };
+                    self.peaks.push(peak);
+                }
+            }
+            self.mean_squares.push(survey.root_mean_square(c) / self.channels[c].continuous);
+        }
+        let width = self.channels.len();
+        self.loads = (0..self.samples * width).map(|i| survey.period_load(i / width, i % width)).collect();
+        self.at = x.to_vec();
+    }
+
+    /// Row of the root mean square of one channel.
+    fn mean_square_row(&mut self, c: usize, x: &[f64]) -> Row {
+        let trajectory = self.basis.trajectory(x);
+        let n = self.model.dof();
+        let (width, count) = (self.channels.len(), self.samples);
+        let limit = self.channels[c].continuous;
+        let rms = self.mean_squares[c] * limit;
+        let mut normal = vec![0.0; x.len()];
+        for k in 0..count {
+            let instant = self.course.instant(Stretch::Period, k as f64 / count as f64);
+            self.model.move_to(&trajectory, self.basis.omega(), &instant);
+            let (value, spread) = self.loads[k * width + c];
+            let scale = (value.abs() + spread) / (count as f64 * rms * limit);
+            let mut slopes = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+            self.model.slopes(&self.channels[c], value.signum(), scale, &mut slopes);
+            self.add_row(&slopes, &instant, &mut normal);
+        }
+        Row { start: 0, normal, bound: 1.0 - self.mean_squares[c] }
+    }
+
+    fn add_row(&self, slopes: &[Vec<f64>; 3], instant: &crate::excitation::course::Instant, normal: &mut [f64]) {
+        let [dq, dqd, dqdd] = slopes;
+        let mut rows = Vec::with_capacity(normal.len());
+        for j in 0..self.model.dof() {
+            let weights = instant.weights([dq[j], dqd[j], dqdd[j]]);
+            rows.extend(self.basis.combined_row(j, instant.phase, weights));
+        }
+        for (sum, row) in normal.iter_mut().zip(rows) {
+            *sum += row;
+        }
+    }
+}
+
+impl SmoothLimits for EffortLimits {
+    fn excess(&mut self, x: &[f64]) -> f64 {
+        self.look_at(x);
+        let mut worst = vec![0.0_f64; self.channels.len()];
+        for peak in &self.peaks {
+            worst[peak.channel] = worst[peak.channel].max(peak.ratio - 1.0);
+        }
+        let over: f64 = self.mean_squares.iter().map(|ratio| (ratio - 1.0).max(0.0)).sum();
+        worst.iter().sum::<f64>() + over
+    }
+
+    fn linearise(&mut self, x: &[f64], rows: &mut Vec<Row>) {
+        self.look_at(x);
+        let trajectory = self.basis.trajectory(x);
+        let n = self.model.dof();
+        for peak in self.peaks.clone() {
+            let instant = self.course.instant(peak.stretch, peak.part);
+            self.model.move_to(&trajectory, self.basis.omega(), &instant);
+            let channel = &self.channels[peak.channel];
+            let mut slopes = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+            self.model.slopes(channel, peak.sign, 1.0 / channel.peak, &mut slopes);
+            let mut normal = vec![0.0; x.len()];
+            self.add_row(&slopes, &instant, &mut normal);
+            rows.push(Row { start: 0, normal, bound: 1.0 - peak.ratio });
+        }
+        for c in 0..self.channels.len() {
+            if self.mean_squares[c] > NEAR {
+                let row = self.mean_square_row(c, x);
+                rows.push(row);
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
+    use crate::excitation::{Family, fixtures, paper_start};
+    use crate::model::bundled;
+    use crate::model::format::parse_nominal;
+    use crate::seed::Seed;
+
+    #[test]
+    fn identity_rows_are_the_slopes_of_peaks_and_mean_squares() {
+        let robot = fixtures::crs_a460().with_joints(|joint| joint.limits.continuous_torque = 20.0).unwrap();
+        let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap();
+        let spread = ParameterSpread::of(&robot, &nominal.parameters, &nominal.relative_uncertainty, CONFIDENCE_95);
+        let model = EffortModel::new(&robot, &nominal.parameters, Some(&spread));
+        let basis = MotionBasis::new(&robot, Family::Fourier, 10.0, &[5; 6], &[None; 6]).unwrap();
+        let start = paper_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
+        let x = basis.coefficients(&start).unwrap();
+        let course = Course { period_s: 10.0, ramp_s: Some(1.0) };
+        let mut limits = EffortLimits::new(model, &Channel::all(&robot), &basis, course, 200, 0.9);
+        let mut rows = Vec::new();
+        limits.linearise(&x, &mut rows);
+        let peaks = limits.peaks.clone();
+        assert!(peaks.len() > 10 && rows.len() > peaks.len(), "{} {}", peaks.len(), rows.len());
+        assert!(peaks.iter().any(|peak| peak.stretch != Stretch::Period));
+        let squares: Vec<usize> = (0..limits.channels.len()).filter(|&c| limits.mean_squares[c] > NEAR).collect();
+        for (r, row) in rows.iter().enumerate() {
+            for i in (0..x.len()).step_by(9) {
+                let mut at = |h: f64| {
+                    let mut moved = x.clone();
+                    moved[i] += h;
+                    if let Some(peak) = peaks.get(r) {
+                        let trajectory = basis.trajectory(&moved);
+                        limits.model.move_to(&trajectory, basis.omega(), &course.instant(peak.stretch, peak.part));
+                        let load = limits.model.load(&limits.channels[peak.channel]);
+                        (peak.sign * load.value + load.spread) / limits.channels[peak.channel].peak
+                    } else {
+                        limits.look_at(&moved);
+                        limits.mean_squares[squares[r - peaks.len()]]
+                    }
+                };
+                let h = 1e-5;
+                let difference = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
+                // Coulomb friction turns within 0.01 rad/s: its third derivative is large, its share small.
+                assert!((difference - row.normal[i]).abs() < 2e-6, "row {r}: {difference} {}", row.normal[i]);
+            }
+        }
+    }
+}

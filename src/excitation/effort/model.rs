@@ -1,0 +1,187 @@
+//! Torque and its uncertainty at one instant, and the slopes of both.
+
+use rand::RngExt;
+use rand_distr::StandardNormal;
+
+use super::channel::Channel;
+use super::spread::ParameterSpread;
+use crate::excitation::Trajectory;
+use crate::excitation::course::{Course, Instant};
+use crate::model::{Columns, Robot, StandardParameters};
+use crate::regressor::JointTorqueRegressor;
+use crate::seed::Seed;
+
+/// Efforts of a robot by parameters that are known with an uncertainty.
+#[derive(Clone, Debug)]
+pub struct EffortModel {
+    regressor: JointTorqueRegressor,
+    phi: Vec<f64>,
+    /// Variance of each parameter, zero where it is taken as known.
+    variance: Vec<f64>,
+    multiple: f64,
+    /// Regressor at the last instant, n × p.
+    y: Vec<f64>,
+    /// Row `w · Y` of the last channel, p.
+    row: Vec<f64>,
+    g: Vec<f64>,
+    state: [Vec<f64>; 3],
+}
+
+/// Sets of parameters that are drawn.
+const INSIDE_DRAWS: usize = 400;
+
+/// Instants of a period at which they are looked at.
+const INSIDE_SAMPLES: usize = 200;
+
+/// How many of the parameter sets drawn pass no effort limit at any instant looked at.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct InsideShare {
+    /// The share of all draws.
+    pub share: f64,
+    /// Sets of parameters drawn.
+    pub draws: usize,
+    /// 95 % interval of the share (Wilson).
+    pub ci95: [f64; 2],
+}
+
+impl InsideShare {
+    fn new(share: f64, draws: usize) -> Self {
+        const Z: f64 = 1.959_963_984_540_054;
+        let n = draws as f64;
+        let denominator = 1.0 + Z * Z / n;
+        let centre = (share + 0.5 * Z * Z / n) / denominator;
+        let half = Z / denominator * (share * (1.0 - share) / n + 0.25 * Z * Z / (n * n)).sqrt();
+        Self { share, draws, ci95: [(centre - half).max(0.0), (centre + half).min(1.0)] }
+    }
+}
+
+/// An effort at one instant.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Load {
+    /// By the nominal parameters, `w · Y φ̄`.
+    pub(super) value: f64,
+    /// k standard deviations of it.
+    pub(super) spread: f64,
+}
+
+impl EffortModel {
+    /// The efforts of `robot` by the `nominal` parameters, and their uncertainty where one is given.
+    ///
+    /// # Panics
+    /// If the parameters or their deviations are not those of the robot.
+    #[must_use]
+    pub fn new(robot: &Robot, nominal: &StandardParameters, spread: Option<&ParameterSpread>) -> Self {
+        let n = robot.dof();
+        let columns = Columns::RigidRotorFriction;
+        let regressor = JointTorqueRegressor::new(robot, columns);
+        let phi: Vec<f64> = nominal.vector(robot, columns).iter().copied().collect();
+        let p = phi.len();
+        let variance = spread.map_or_else(|| vec![0.0; p], |s| s.deviations.iter().map(|x| x * x).collect());
+        assert_eq!(variance.len(), p, "one deviation per parameter");
+        let multiple = spread.map_or(0.0, |spread| spread.multiple);
+        let state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
+        Self { regressor, phi, variance, multiple, y: vec![0.0; n * p], row: vec![0.0; p], g: vec![0.0; n * p], state }
+    }
+
+    /// Number of joints n.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.regressor.rows()
+    }
+
+    /// Evaluates the regressor at an instant of an experiment around a motion.
+    pub(super) fn move_to(&mut self, motion: &dyn Trajectory, omega: f64, instant: &Instant) {
+        let [q, qd, qdd] = &mut self.state;
+        motion.evaluate(instant.phase / omega, q, qd, qdd);
+        for (qd, qdd) in qd.iter_mut().zip(qdd) {
+            *qdd = *qdd * instant.rate * instant.rate + *qd * instant.growth;
+            *qd *= instant.rate;
+        }
+        let [q, qd, qdd] = &self.state;
+        self.regressor.evaluate(q, qd, qdd, &mut self.y);
+    }
+
+    /// The effort of a channel where the model was last moved to.
+    pub(super) fn load(&mut self, channel: &Channel) -> Load {
+        let p = self.phi.len();
+        self.row.fill(0.0);
+        for (i, &weight) in channel.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+            for (row, y) in self.row.iter_mut().zip(&self.y[i * p..(i + 1) * p]) {
+                *row += weight * y;
+            }
+        }
+        let value = self.row.iter().zip(&self.phi).map(|(y, phi)| y * phi).sum();
+        let spread = if self.multiple > 0.0 {
+            let variance: f64 = self.row.iter().zip(&self.variance).map(|(y, v)| y * y * v).sum();
+            self.multiple * variance.sqrt()
+        } else {
+            0.0
+        };
+        Load { value, spread }
+    }
+
+    /// Adds `scale · ∂(sign · value + spread)/∂(q, q̇, q̈)` of the last channel to the slopes, n each.
+    pub(super) fn slopes(&mut self, channel: &Channel, sign: f64, scale: f64, slopes: &mut [Vec<f64>; 3]) {
+        let Load { spread, .. } = self.load(channel);
+        let p = self.phi.len();
+        let factor = if spread > 0.0 { self.multiple * self.multiple / spread } else { 0.0 };
+        self.g.fill(0.0);
+        for (i, &weight) in channel.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+            let row = self.row.iter().zip(&self.phi).zip(&self.variance);
+            for (g, ((y, phi), variance)) in self.g[i * p..(i + 1) * p].iter_mut().zip(row) {
+                *g = scale * weight * (sign * phi + factor * variance * y);
+            }
+        }
+        let [q, qd, qdd] = &self.state;
+        let [dq, dqd, dqdd] = slopes;
+        self.regressor.adjoint(q, qd, qdd, &self.g, dq, dqd, dqdd);
+    }
+
+    /// [`Self::share_inside`] with its usual sizes and its interval.
+    pub(crate) fn inside(&mut self, motion: &dyn Trajectory, course: Course, channels: &[Channel]) -> InsideShare {
+        let share = self.share_inside(motion, course, channels, INSIDE_SAMPLES, INSIDE_DRAWS, Seed::new(0));
+        InsideShare::new(share, INSIDE_DRAWS)
+    }
+
+    /// Of `draws` sets of parameters from the stated uncertainty, how many pass no peak limit of `channels` at any of
+    /// `samples` instants of period and ramps: the share that all limits hold *together* and *at all times*.
+    ///
+    /// Friction and rotor inertia that would come out negative count as zero.
+    pub fn share_inside(
+        &mut self,
+        motion: &dyn Trajectory,
+        course: Course,
+        channels: &[Channel],
+        samples: usize,
+        draws: usize,
+        seed: Seed,
+    ) -> f64 {
+        let p = self.phi.len();
+        let mut rng = seed.stream("parameters within their uncertainty", 0);
+        let sets: Vec<Vec<f64>> = (0..draws)
+            .map(|_| {
+                let draw = |(phi, variance): (&f64, &f64)| {
+                    let normal: f64 = rng.sample(StandardNormal);
+                    phi + normal * variance.sqrt()
+                };
+                self.phi.iter().zip(&self.variance).map(draw).collect()
+            })
+            .collect();
+        let mut inside = vec![true; draws];
+        let omega = std::f64::consts::TAU / course.period_s;
+        for &stretch in course.stretches() {
+            let count = course.samples(stretch, samples);
+            for k in 0..count {
+                self.move_to(motion, omega, &course.instant(stretch, k as f64 / count as f64));
+                for channel in channels.iter().filter(|channel| channel.peak.is_finite()) {
+                    self.load(channel);
+                    for (set, inside) in sets.iter().zip(&mut inside).filter(|(_, inside)| **inside) {
+                        let value: f64 = (0..p).map(|c| self.row[c] * set[c]).sum();
+                        *inside = value.abs() <= channel.peak;
+                    }
+                }
+            }
+        }
+        inside.iter().filter(|inside| **inside).count() as f64 / draws as f64
+    }
+}

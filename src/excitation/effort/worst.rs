@@ -1,0 +1,228 @@
+//! The largest use of each effort limit over an experiment, refined in time.
+
+use super::channel::{Channel, EffortKind};
+use super::model::EffortModel;
+use crate::excitation::Trajectory;
+use crate::excitation::course::{Course, Stretch};
+use crate::excitation::limits::WorstUse;
+
+/// Part of the largest value on the grid above which a peak is refined in time.
+const REFINE: f64 = 0.97;
+
+/// A peak of one channel on one stretch of an experiment.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Peak {
+    pub(super) channel: usize,
+    pub(super) sign: f64,
+    pub(super) stretch: Stretch,
+    /// Part of the stretch, from 0 to 1.
+    pub(super) part: f64,
+    /// `sign · value + spread` over the channel's peak limit.
+    pub(super) ratio: f64,
+}
+
+/// The largest use of one kind of effort.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct EffortUse {
+    /// Of the peak limit, uncertainty included.
+    pub peak: WorstUse,
+    /// Of the peak limit by the nominal parameters alone.
+    pub nominal: f64,
+    /// Of the continuous limit by the root mean square over a period; where none is stated, of the peak limit.
+    pub mean_square: WorstUse,
+}
+
+/// The largest uses of torque and current limits; `None` where there is no such limit.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct WorstEfforts {
+    /// Joint torques.
+    pub torque: Option<EffortUse>,
+    /// Motor currents.
+    pub current: Option<EffortUse>,
+}
+
+impl WorstEfforts {
+    /// Over period and ramps of an experiment around a motion, on a grid of `samples` per period, refined in time.
+    pub fn of(
+        model: &mut EffortModel,
+        channels: &[Channel],
+        motion: &dyn Trajectory,
+        course: Course,
+        samples: usize,
+    ) -> Self {
+        let survey = Survey::of(model, channels, motion, course, samples);
+        let mut found = Self::default();
+        for (c, channel) in channels.iter().enumerate() {
+            let mut peak = WorstUse::NONE;
+            if channel.peak.is_finite() {
+                for best in survey.peaks(c, f64::NEG_INFINITY) {
+                    let best = refine(model, channels, motion, course, best, &survey);
+                    peak = peak.worst_of(WorstUse {
+                        ratio: best.ratio,
+                        joint: channel.joint,
+                        t: course.time_s(best.stretch, best.part),
+                        value: best.sign * best.ratio * channel.peak,
+                        limit: best.sign * channel.peak,
+                    });
+                }
+            }
+            let rms = survey.root_mean_square(c);
+            let limit = channel.continuous.min(channel.peak);
+            let mean_square = WorstUse { ratio: rms / limit, joint: channel.joint, t: 0.0, value: rms, limit };
+            let own = EffortUse { peak, nominal: survey.nominal_ratio(c), mean_square };
+            let place = match channel.kind {
+                EffortKind::Torque => &mut found.torque,
+                EffortKind::Current => &mut found.current,
+            };
+            *place = Some(place.map_or(own, |known| EffortUse {
+                peak: known.peak.worst_of(own.peak),
+                nominal: known.nominal.max(own.nominal),
+                mean_square: known.mean_square.worst_of(own.mean_square),
+            }));
+        }
+        found
+    }
+}
+
+/// Efforts on the grid of one stretch.
+struct Sampled {
+    stretch: Stretch,
+    count: usize,
+    /// Nominal value and spread of every sample and channel.
+    loads: Vec<(f64, f64)>,
+}
+
+/// Efforts on a grid of all stretches.
+pub(super) struct Survey {
+    /// Peak limit of each channel.
+    limits: Vec<f64>,
+    stretches: Vec<Sampled>,
+}
+
+impl Survey {
+    pub(super) fn of(
+        model: &mut EffortModel,
+        channels: &[Channel],
+        motion: &dyn Trajectory,
+        course: Course,
+        samples: usize,
+    ) -> Self {
+        let omega = std::f64::consts::TAU / course.period_s;
+        let stretches = course.stretches().iter().map(|&stretch| {
+            let count = course.samples(stretch, samples);
+            let mut loads = Vec::with_capacity(count * channels.len());
+            for k in 0..count {
+                model.move_to(motion, omega, &course.instant(stretch, k as f64 / count as f64));
+                for channel in channels {
+                    let load = model.load(channel);
+                    loads.push((load.value, load.spread));
+                }
+            }
+            Sampled { stretch, count, loads }
+        });
+        let stretches = stretches.collect();
+        Self { limits: channels.iter().map(|channel| channel.peak).collect(), stretches }
+    }
+
+    /// Local peaks of a channel above `threshold`, and the largest sample of every stretch.
+    pub(super) fn peaks(&self, channel: usize, threshold: f64) -> Vec<Peak> {
+        let (width, limit) = (self.limits.len(), self.limits[channel]);
+        let mut peaks = Vec::new();
+        for Sampled { stretch, count, loads } in &self.stretches {
+            for sign in [1.0, -1.0] {
+                let ratio = |k: usize| {
+                    let (value, spread) = loads[k * width + channel];
+                    (sign * value + spread) / limit
+                };
+                let top = (0..*count).fold(0, |top, k| if ratio(k) > ratio(top) { k } else { top });
+                for k in 0..*count {
+                    let here = ratio(k);
+                    // The period closes on itself; a ramp does not.
+                    let (before, after) = match stretch {
+                        Stretch::Period => (ratio((k + count - 1) % count), ratio((k + 1) % count)),
+                        _ if k == 0 || k + 1 == *count => (here, f64::INFINITY),
+                        _ => (ratio(k - 1), ratio(k + 1)),
+                    };
+                    if (k == top || (here >= before && here > after)) && here > threshold {
+                        let part = k as f64 / *count as f64;
+                        peaks.push(Peak { channel, sign, stretch: *stretch, part, ratio: here });
+                    }
+                }
+            }
+        }
+        peaks
+    }
+
+    /// Step of the grid on a stretch, as a part of it.
+    pub(super) fn step(&self, stretch: Stretch) -> f64 {
+        self.stretches.iter().find(|known| known.stretch == stretch).map_or(1.0, |known| 1.0 / known.count as f64)
+    }
+
+    /// Root mean square over the period of what an effort may be.
+    pub(super) fn root_mean_square(&self, channel: usize) -> f64 {
+        let width = self.limits.len();
+        let Sampled { count, loads, .. } = &self.stretches[0];
+        let square = |k: usize| {
+            let (value, spread) = loads[k * width + channel];
+            (value.abs() + spread) * (value.abs() + spread)
+        };
+        ((0..*count).map(square).sum::<f64>() / *count as f64).sqrt()
+    }
+
+    /// Largest use of the peak limit by the nominal parameters, on the grid.
+    fn nominal_ratio(&self, channel: usize) -> f64 {
+        let width = self.limits.len();
+        let values = self.stretches.iter().flat_map(|known| known.loads.iter().skip(channel).step_by(width));
+        values.map(|(value, _)| value.abs()).fold(0.0, f64::max) / self.limits[channel]
+    }
+
+    /// Nominal value and spread of a channel at sample k of the period.
+    pub(super) fn period_load(&self, k: usize, channel: usize) -> (f64, f64) {
+        self.stretches[0].loads[k * self.limits.len() + channel]
+    }
+}
+
+/// Golden section around a peak of the grid.
+pub(super) fn refine(
+    model: &mut EffortModel,
+    channels: &[Channel],
+    motion: &dyn Trajectory,
+    course: Course,
+    peak: Peak,
+    survey: &Survey,
+) -> Peak {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    if peak.ratio < REFINE {
+        return peak;
+    }
+    let omega = std::f64::consts::TAU / course.period_s;
+    let channel = &channels[peak.channel];
+    let mut ratio = |part: f64| {
+        model.move_to(motion, omega, &course.instant(peak.stretch, part));
+        let load = model.load(channel);
+        (peak.sign * load.value + load.spread) / channel.peak
+    };
+    let step = survey.step(peak.stretch);
+    let (mut low, mut high) = (peak.part - step, peak.part + step);
+    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+    let mut values = inner.map(&mut ratio);
+    let mut best = peak;
+    // 14 sections leave a thousandth of the step.
+    for _ in 0..14 {
+        let upper = values[1] > values[0];
+        let (part, value) = (inner[usize::from(upper)], values[usize::from(upper)]);
+        if value > best.ratio {
+            best = Peak { part, ratio: value, ..best };
+        }
+        if upper {
+            low = inner[0];
+            inner = [inner[1], low + GOLDEN * (high - low)];
+            values = [values[1], ratio(inner[1])];
+        } else {
+            high = inner[1];
+            inner = [high - GOLDEN * (high - low), inner[0]];
+            values = [ratio(inner[0]), values[0]];
+        }
+    }
+    best
+}
