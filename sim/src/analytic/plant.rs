@@ -1,11 +1,13 @@
 //! The simulator that is always there.
 
+use std::marker::PhantomData;
+
 use armid::experiment::{Plant, PlantError};
 use armid::model::{Robot, StandardParameters};
 
 use super::chain::Chain;
 use super::integrator::{self, State};
-use super::team::{Members, Side};
+use super::team::{Advance, InTurn, Members, OnLanes, Side};
 
 /// A serial arm of rigid links with rotors and friction, integrated by Runge–Kutta of order 4 (see the module).
 ///
@@ -83,14 +85,14 @@ impl AnalyticPlant {
             }
         }
         let arm: Box<dyn Arm> = match dof {
-            1 => Box::new(Jointed::<1>::new(robot, parameters)),
-            2 => Box::new(Jointed::<2>::new(robot, parameters)),
-            3 => Box::new(Jointed::<3>::new(robot, parameters)),
-            4 => Box::new(Jointed::<4>::new(robot, parameters)),
-            5 => Box::new(Jointed::<5>::new(robot, parameters)),
-            6 => Box::new(Jointed::<6>::new(robot, parameters)),
-            7 => Box::new(Jointed::<7>::new(robot, parameters)),
-            8 => Box::new(Jointed::<8>::new(robot, parameters)),
+            1 => Box::new(Jointed::<1, InTurn>::new(robot, parameters)),
+            2 => Box::new(Jointed::<2, InTurn>::new(robot, parameters)),
+            3 => Box::new(Jointed::<3, InTurn>::new(robot, parameters)),
+            4 => Box::new(Jointed::<4, InTurn>::new(robot, parameters)),
+            5 => Box::new(Jointed::<5, InTurn>::new(robot, parameters)),
+            6 => Box::new(Jointed::<6, OnLanes>::new(robot, parameters)),
+            7 => Box::new(Jointed::<7, OnLanes>::new(robot, parameters)),
+            8 => Box::new(Jointed::<8, InTurn>::new(robot, parameters)),
             _ => return Err(AnalyticError::Dof { dof }),
         };
         Ok(Self { arm })
@@ -145,15 +147,17 @@ trait Arm: std::fmt::Debug + Send + Sync {
     fn members(&self, runs: usize) -> Box<dyn Members>;
 }
 
-#[derive(Clone, Debug)]
-struct Jointed<const N: usize> {
+#[derive(Debug)]
+struct Jointed<const N: usize, A> {
     chain: Chain<N>,
     state: State<N, f64>,
+    advance: PhantomData<fn() -> A>,
 }
 
-impl<const N: usize> Jointed<N> {
+impl<const N: usize, A> Jointed<N, A> {
     fn new(robot: &Robot, parameters: &StandardParameters) -> Self {
-        Self { chain: Chain::new(robot, parameters), state: State { q: [0.0; N], v: [0.0; N] } }
+        let state = State { q: [0.0; N], v: [0.0; N] };
+        Self { chain: Chain::new(robot, parameters), state, advance: PhantomData }
     }
 }
 
@@ -163,7 +167,7 @@ fn fixed<const N: usize>(tau: &[f64]) -> [f64; N] {
     out
 }
 
-impl<const N: usize> Arm for Jointed<N> {
+impl<const N: usize, A: Advance> Arm for Jointed<N, A> {
     fn state(&self) -> (&[f64], &[f64]) {
         (&self.state.q, &self.state.v)
     }
@@ -181,10 +185,10 @@ impl<const N: usize> Arm for Jointed<N> {
     }
 
     fn boxed(&self) -> Box<dyn Arm> {
-        Box::new(self.clone())
+        Box::new(Self { chain: self.chain.clone(), state: self.state, advance: PhantomData })
     }
 
     fn members(&self, runs: usize) -> Box<dyn Members> {
-        Box::new(Side::new(&self.chain, &self.state, runs))
+        Box::new(Side::<N, A>::new(&self.chain, &self.state, runs))
     }
 }

@@ -1,5 +1,7 @@
 //! Several runs of one arm that advance together, one per lane of the processor.
 
+use std::marker::PhantomData;
+
 use armid::experiment::PlantError;
 use pulp::{Arch, Simd, WithSimd};
 
@@ -99,20 +101,54 @@ pub(super) trait Members: std::fmt::Debug + Send {
 }
 
 #[derive(Debug)]
-pub(super) struct Side<const N: usize> {
+pub(super) struct Side<const N: usize, A> {
     chain: Chain<N>,
     q: Vec<[f64; N]>,
     v: Vec<[f64; N]>,
     tau: Vec<[f64; N]>,
+    advance: PhantomData<fn() -> A>,
 }
 
-impl<const N: usize> Side<N> {
-    pub(super) fn new(chain: &Chain<N>, state: &State<N, f64>, runs: usize) -> Self {
-        Self { chain: chain.clone(), q: vec![state.q; runs], v: vec![state.v; runs], tau: vec![[0.0; N]; runs] }
+/// How the runs of a team advance.
+pub(super) trait Advance: std::fmt::Debug + 'static {
+    /// One step of all runs.
+    fn step<const N: usize>(side: &mut Side<N, Self>, dt: f64, arch: Arch)
+    where
+        Self: Sized;
+}
+
+/// Side by side on the lanes of the processor: compiled once for each width, so only for the usual numbers of joints.
+#[derive(Debug)]
+pub(super) struct OnLanes;
+
+impl Advance for OnLanes {
+    fn step<const N: usize>(side: &mut Side<N, Self>, dt: f64, arch: Arch) {
+        arch.dispatch(Step { side, dt });
     }
 }
 
-impl<const N: usize> Members for Side<N> {
+/// One after the other.
+#[derive(Debug)]
+pub(super) struct InTurn;
+
+impl Advance for InTurn {
+    fn step<const N: usize>(side: &mut Side<N, Self>, dt: f64, _: Arch) {
+        for ((q, v), tau) in side.q.iter_mut().zip(&mut side.v).zip(&side.tau) {
+            let mut state = State { q: *q, v: *v };
+            integrator::step(&side.chain, &mut state, tau, dt);
+            (*q, *v) = (state.q, state.v);
+        }
+    }
+}
+
+impl<const N: usize, A> Side<N, A> {
+    pub(super) fn new(chain: &Chain<N>, state: &State<N, f64>, runs: usize) -> Self {
+        let (q, v, tau) = (vec![state.q; runs], vec![state.v; runs], vec![[0.0; N]; runs]);
+        Self { chain: chain.clone(), q, v, tau, advance: PhantomData }
+    }
+}
+
+impl<const N: usize, A: Advance> Members for Side<N, A> {
     fn runs(&self) -> usize {
         self.q.len()
     }
@@ -131,13 +167,13 @@ impl<const N: usize> Members for Side<N> {
     }
 
     fn step(&mut self, dt: f64, arch: Arch) {
-        arch.dispatch(Step { side: self, dt });
+        A::step(self, dt, arch);
     }
 }
 
 /// One step of all runs on lanes of a width that is found out when the program runs.
 struct Step<'a, const N: usize> {
-    side: &'a mut Side<N>,
+    side: &'a mut Side<N, OnLanes>,
     dt: f64,
 }
 
@@ -205,7 +241,7 @@ mod tests {
 
     #[test]
     fn identity_a_run_has_the_same_bits_alone_and_beside_others_on_any_width() {
-        for run in 0..6 {
+        for run in 0..7 {
             let mut rng = Seed::new(9).stream("chains", run);
             let dof = 1 + run as usize;
             let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: true, ..ChainRecipe::new(dof) };
