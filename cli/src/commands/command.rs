@@ -2,7 +2,9 @@
 
 use miette::Result;
 
-use super::{agree, completions, design, doctor, dynamics, identify, reduce, report, robot, run, study, validate};
+use super::{
+    agree, completions, controller, design, doctor, dynamics, identify, reduce, report, robot, run, study, validate,
+};
 use crate::answer::Ending;
 use crate::console::Console;
 
@@ -19,6 +21,7 @@ pub(crate) enum Command {
     Validate(validate::Arguments),
     Study(study::Arguments),
     Report(report::Arguments),
+    Controller(controller::Arguments),
     Doctor(doctor::Arguments),
     Completions(completions::Arguments),
 }
@@ -36,6 +39,7 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Validate(arguments) => validate::run(&arguments, console),
         Command::Study(arguments) => study::run(&arguments, console),
         Command::Report(arguments) => report::run(&arguments, console),
+        Command::Controller(arguments) => controller::run(&arguments, console),
         Command::Doctor(arguments) => doctor::run(&arguments, console),
         Command::Completions(arguments) => completions::run(&arguments, console),
     }

@@ -3,6 +3,7 @@
 mod agree;
 mod command;
 mod completions;
+mod controller;
 mod design;
 mod doctor;
 mod dynamics;
