@@ -24,5 +24,6 @@ pub mod excitation;
 pub mod experiment;
 pub mod signal;
 pub mod estimation;
+pub mod calibration;
 pub mod study;
 pub mod conformance;

@@ -61,7 +61,7 @@ impl Simulation {
     }
 
     /// The plant itself.
-    pub(crate) fn plant(&self) -> Result<Box<dyn Plant>, String> {
+    fn plant(&self) -> Result<Box<dyn Plant>, String> {
         match self.arm {
             ArmKind::Simulated(engine) => {
                 engine.plant(self.robot(), &self.truth.parameters).map_err(|fault| fault.to_string())
@@ -73,7 +73,8 @@ impl Simulation {
     /// The plant with the controller and the sensors of the real arm around it.
     pub(crate) fn servo(&self, sensing: &Sensing) -> Result<Servo<Box<dyn Plant>>, String> {
         let servo = Servo::new(self.robot(), &self.nominal, self.plant()?).map_err(|fault| fault.to_string())?;
-        Ok(servo.with_sensing(sensing.clone()).with_robot_text(self.loaded.text.content.as_ref()))
+        let servo = servo.with_sensing(sensing.clone()).with_robot_text(self.loaded.text.content.as_ref());
+        Ok(if self.truth.motors.is_empty() { servo } else { servo.with_motors(self.truth.motors.clone()) })
     }
 }
 

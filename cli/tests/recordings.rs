@@ -61,6 +61,39 @@ fn identity_a_replayed_recording_holds_the_same_samples() {
 }
 
 #[test]
+fn identity_a_replayed_recording_gives_the_same_estimate_to_the_last_bit() {
+    let folder = temporary();
+    let experiment = experiment(folder.path(), 2);
+    let (first, second) = (path(folder.path(), "R.mcap"), path(folder.path(), "again.mcap"));
+    armid(["run", &experiment, "-o", &first]).success();
+    armid(["run", &experiment, "--arm", "replay", "--recording", &first, "-o", &second]).success();
+    let estimate = |recording: &str| stdout(&armid(["identify", recording, "--json"]).success());
+    assert_eq!(estimate(&first), estimate(&second));
+}
+
+#[test]
+fn motor_voltages_come_back_as_they_were() {
+    let folder = temporary();
+    let robot = path(folder.path(), "robot.toml");
+    let text = include_str!("../../models/planar-2r/robot.toml");
+    // A motor's circuit in both drives.
+    let text = text.replace("coulomb_velocity", "resistance_ohm = 1.5\nsupply_v = 70\ncoulomb_velocity");
+    std::fs::write(&robot, text).unwrap();
+    for name in ["nominal.toml", "truth.toml"] {
+        let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/planar-2r");
+        std::fs::copy(models.join(name), folder.path().join(name)).unwrap();
+    }
+    let experiment = short(folder.path(), "robot.toml", 2, "[sensing]\nvoltage = true\n");
+    let [direct, first, again] = ["direct.csv", "R.mcap", "again.csv"].map(|name| path(folder.path(), name));
+    armid(["run", &experiment, "-o", &direct]).success();
+    armid(["run", &experiment, "-o", &first]).success();
+    armid(["run", &experiment, "--arm", "replay", "--recording", &first, "-o", &again]).success();
+    let text = std::fs::read_to_string(&direct).unwrap();
+    assert!(text.starts_with("t,q1,q2,tau1,tau2,voltage1,voltage2\n"), "{}", &text[..60]);
+    assert_eq!(text, std::fs::read_to_string(&again).unwrap());
+}
+
+#[test]
 fn a_recording_that_was_cut_off_is_named_and_its_chunks_are_used_on_request() {
     let folder = temporary();
     let experiment = experiment(folder.path(), 2);
@@ -128,6 +161,17 @@ fn the_default_place_is_reports_under_the_current_folder() {
     assert!(again.starts_with("first: completed"), "{again}");
 }
 
+/// An experiment of small periods: two joints, one second, 200 Hz.
+fn short(folder: &Path, robot: &str, periods: usize, more: &str) -> String {
+    let joint = |name: &str| format!("[[joint]]\nname = \"{name}\"\na = [0.3]\nb = [0.1]\nq0 = 0.2\n");
+    let trajectory = format!("period_s = 1.0\nharmonics = 1\n{}{}", joint("shoulder"), joint("elbow"));
+    write(folder, "T.toml", &trajectory);
+    let text = format!(
+        "robot = \"{robot}\"\ntrajectory = \"T.toml\"\nrate_hz = 200\nramp_s = 1.0\nperiods = {periods}\n{more}"
+    );
+    write(folder, "short.toml", &text)
+}
+
 /// Starts an experiment of a day, and waits until a part of it is in the file.
 fn endless(folder: &Path, part: &str) -> Child {
     let child = Command::new(support::program())
@@ -177,4 +221,72 @@ fn a_killed_experiment_leaves_its_chunks() {
     assert!(estimate["periods"].as_u64().unwrap() >= 1);
     let text = stdout(&armid(["identify", &part]).success());
     assert!(text.contains("the recording is cut off"), "{text}");
+}
+
+#[cfg(unix)]
+#[test]
+fn identity_a_killed_experiment_goes_on_at_the_next_period() {
+    let folder = temporary();
+    let experiment = short(folder.path(), "planar-2r", 1_000_000, "");
+    let (whole, part) = (path(folder.path(), "R.mcap"), path(folder.path(), "R.mcap.part"));
+    let mut child = Command::new(support::program())
+        .args(["run", &experiment, "-o", &whole])
+        .stdout(Stdio::null())
+        .stderr(Stdio::null())
+        .spawn()
+        .expect("a program");
+    // 40 kB a second: some 20 periods.
+    while !std::fs::metadata(&part).is_ok_and(|part| part.len() > 1_000_000) {
+        std::thread::sleep(Duration::from_millis(2));
+    }
+    child.kill().unwrap();
+    child.wait().unwrap();
+    let cut = json(&armid(["identify", &part, "--json"]).success());
+    let kept = cut["periods"].as_u64().unwrap();
+    assert!(kept >= 1);
+
+    // Another seed is another experiment, and changes nothing.
+    let before = std::fs::metadata(&part).unwrap().len();
+    let resume = |more: &[&str]| {
+        let periods = (kept + 2).to_string();
+        let mut arguments = vec!["run", &experiment, "--resume", "--periods", &periods, "-o", &whole, "--json"];
+        arguments.extend(more);
+        armid(&arguments)
+    };
+    let fault = stderr(&resume(&["--seed", "9"]).code(2));
+    assert!(fault.contains("seed is \"0\", expected \"9\""), "{fault}");
+    assert_eq!(std::fs::metadata(&part).unwrap().len(), before);
+
+    assert_eq!(json(&resume(&[]).success())["ending"], "completed");
+    assert!(!Path::new(&part).exists());
+    let joined = json(&armid(["identify", &whole, "--json"]).success());
+    assert_eq!(joined["periods"].as_u64(), Some(kept + 2));
+    let text = String::from_utf8_lossy(&std::fs::read(&whole).unwrap()).into_owned();
+    let sessions = format!(
+        "[{{\"first_period\":1,\"last_period\":{kept},\"run\":0}},{{\"first_period\":{},\"last_period\":{}",
+        kept + 1,
+        kept + 2
+    );
+    assert!(text.contains(&sessions), "{sessions}");
+    assert_eq!(json(&resume(&[]).success())["already"], true);
+
+    // The kept periods are those of an experiment that nobody killed, and the new ones have noise of their own.
+    let rows = |arguments: &[&str]| -> Vec<String> {
+        let csv = path(folder.path(), "rows.csv");
+        armid(arguments.iter().copied().chain(["-o", csv.as_str()])).success();
+        std::fs::read_to_string(csv).unwrap().lines().skip(1).map(str::to_owned).collect()
+    };
+    let periods = (kept + 2).to_string();
+    let alone = rows(&["run", &experiment, "--periods", &periods]);
+    let resumed = rows(&["run", &experiment, "--periods", &periods, "--arm", "replay", "--recording", &whole]);
+    assert_eq!(alone.len(), resumed.len());
+    // 1 s at rest, 1 s of ramp, 1 discarded period, then the periods that count.
+    let seam = 200 * (3 + kept as usize);
+    assert_eq!(alone[..seam], resumed[..seam]);
+    assert_ne!(alone[seam..seam + 200], resumed[seam..seam + 200]);
+    let values = |row: &String| row.split(',').skip(1).map(|x| x.parse().unwrap()).collect::<Vec<f64>>();
+    for (x, y) in alone[seam..].iter().zip(&resumed[seam..]) {
+        // Another run has another encoder grid and other noise, and the same motion.
+        assert!((values(x)[0] - values(y)[0]).abs() < 1e-3, "{x} against {y}");
+    }
 }

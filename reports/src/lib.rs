@@ -17,8 +17,10 @@ mod style;
 mod drawing;
 pub mod figures;
 pub mod document;
+mod comparison;
 mod study;
 
+pub use comparison::{ComparisonStory, Prediction, comparison_document};
 pub use document::{Block, Cell, Column, Document, Plate, Section, Table};
 pub use drawing::axis::{Axis, Scale};
 pub use drawing::rows::{Band, Level};

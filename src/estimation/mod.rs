@@ -11,6 +11,7 @@
 //! period was repeated, from the residual. No estimator sees the truth: the types that hold it come after this module.
 
 mod appraisal;
+mod comparison;
 mod completion;
 mod error;
 mod estimate;
@@ -28,6 +29,7 @@ mod weighted;
 #[cfg(test)]
 mod tests;
 
+pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
 pub use error::EstimationError;
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};

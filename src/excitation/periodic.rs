@@ -1,6 +1,9 @@
 //! The list of periodic motions that an experiment can perform.
 
-use super::{BSplineTrajectory, Curve, FourierQuinticTrajectory, FourierTrajectory, Quantity, Trajectory};
+use super::{
+    BSplineTrajectory, ConstantSpeedTrajectory, Curve, FourierQuinticTrajectory, FourierTrajectory, Quantity,
+    Trajectory,
+};
 use crate::dynamics::States;
 
 /// Part of the largest acceleration amplitude below which a harmonic counts as none.
@@ -67,6 +70,8 @@ pub enum PeriodicTrajectory {
     FourierQuintic(FourierQuinticTrajectory),
     /// Periodic splines on equidistant knots.
     BSpline(BSplineTrajectory),
+    /// Stretches at constant speed, for calibrations.
+    ConstantSpeed(ConstantSpeedTrajectory),
 }
 
 impl PeriodicTrajectory {
@@ -76,6 +81,7 @@ impl PeriodicTrajectory {
             Self::Fourier(motion) => motion,
             Self::FourierQuintic(motion) => motion,
             Self::BSpline(motion) => motion,
+            Self::ConstantSpeed(motion) => motion,
         }
     }
 
@@ -84,6 +90,7 @@ impl PeriodicTrajectory {
             Self::Fourier(motion) => motion,
             Self::FourierQuintic(motion) => motion,
             Self::BSpline(motion) => motion,
+            Self::ConstantSpeed(motion) => motion,
         }
     }
 
@@ -173,6 +180,12 @@ impl From<FourierQuinticTrajectory> for PeriodicTrajectory {
     }
 }
 
+impl From<ConstantSpeedTrajectory> for PeriodicTrajectory {
+    fn from(motion: ConstantSpeedTrajectory) -> Self {
+        Self::ConstantSpeed(motion)
+    }
+}
+
 impl From<BSplineTrajectory> for PeriodicTrajectory {
     fn from(motion: BSplineTrajectory) -> Self {
         Self::BSpline(motion)
@@ -182,7 +195,7 @@ impl From<BSplineTrajectory> for PeriodicTrajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{BSplineJoint, table_one};
+    use crate::excitation::{BSplineJoint, ConstantSpeedJoint, table_one};
 
     /// One motion of each kind on the robot of Table I.
     fn motions() -> Vec<PeriodicTrajectory> {
@@ -194,7 +207,19 @@ mod tests {
             };
             BSplineTrajectory::new(10.0, degree, (0..6).map(joint).collect()).unwrap()
         };
-        vec![series.clone().into(), FourierQuinticTrajectory::from(series).into(), spline(3).into(), spline(5).into()]
+        let speeds = |j: usize| ConstantSpeedJoint {
+            name: format!("joint{j}"),
+            q0: 0.1 * j as f64,
+            speed: vec![0.1 * j as f64, -0.1 * j as f64],
+        };
+        let stretches = ConstantSpeedTrajectory::new(0.8, vec![0.57, 0.57], (0..6).map(speeds).collect()).unwrap();
+        vec![
+            series.clone().into(),
+            FourierQuinticTrajectory::from(series).into(),
+            spline(3).into(),
+            spline(5).into(),
+            stretches.into(),
+        ]
     }
 
     #[test]
@@ -253,7 +278,7 @@ mod tests {
                 assert_eq!(now.q(k)[3], before.q(k)[3]);
             }
             let mean = |states: &States| (0..66).map(|k| states.q(k)[2]).sum::<f64>() / 66.0;
-            if !matches!(motion, PeriodicTrajectory::FourierQuintic(_)) {
+            if !matches!(motion, PeriodicTrajectory::FourierQuintic(_) | PeriodicTrajectory::ConstantSpeed(_)) {
                 assert!((mean(&now) - mean(&before) - 0.3).abs() < 1e-12);
             }
         }

@@ -143,6 +143,7 @@ mod tests {
                 PeriodicTrajectory::Fourier(motion) => motion,
                 PeriodicTrajectory::FourierQuintic(motion) => motion,
                 PeriodicTrajectory::BSpline(motion) => motion,
+                PeriodicTrajectory::ConstantSpeed(motion) => motion,
             };
             let mut row = vec![0.0; shape.len()];
             for order in 0..=4 {

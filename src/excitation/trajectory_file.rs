@@ -18,6 +18,15 @@
 //! [[joint]]
 //! name = "joint1"
 //! c = [0.1, …]        # rad, one for each knot
+//!
+//! family = "constant-speed"
+//! change_s = 0.5      # from one speed to the next
+//! stretch_s = [1.0, 1.0]
+//!
+//! [[joint]]
+//! name = "joint1"
+//! q0 = 0.0            # rad, where the first stretch begins
+//! speed = [0.5, -0.5] # rad/s, one for each stretch
 //! ```
 
 use std::ops::Range;
@@ -26,8 +35,8 @@ use serde::{Deserialize, Serialize};
 use toml::Spanned;
 
 use super::{
-    BSplineJoint, BSplineTrajectory, ExcitationError, FourierJoint, FourierQuinticTrajectory, FourierTrajectory,
-    PeriodicTrajectory,
+    BSplineJoint, BSplineTrajectory, ConstantSpeedJoint, ConstantSpeedTrajectory, ExcitationError, FourierJoint,
+    FourierQuinticTrajectory, FourierTrajectory, PeriodicTrajectory,
 };
 
 /// What tells the families apart.
@@ -37,7 +46,7 @@ struct Header {
 }
 
 /// The names of the families that have a key of their own.
-const FAMILIES: &str = "\"fourier\", \"fourier-quintic\", \"b-spline\"";
+const FAMILIES: &str = "\"fourier\", \"fourier-quintic\", \"b-spline\", \"constant-speed\"";
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -108,6 +117,7 @@ impl PeriodicTrajectory {
             "fourier" => FourierTrajectory::from_toml(text).map(Self::from),
             "fourier-quintic" => Ok(Self::from(FourierQuinticTrajectory::from(series(text, read(text)?)?))),
             "b-spline" => BSplineTrajectory::from_toml(text).map(Self::from),
+            "constant-speed" => ConstantSpeedTrajectory::from_toml(text).map(Self::from),
             found => {
                 let span = header.family.as_ref().map_or(0..0, Spanned::span);
                 Err(at(text, span, &format!("family is \"{found}\", expected one of {FAMILIES}")))
@@ -174,6 +184,58 @@ impl BSplineTrajectory {
         }
         Self::new(period_s, degree, joints)
     }
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StretchesIn {
+    #[serde(rename = "family")]
+    _family: String,
+    change_s: f64,
+    stretch_s: Vec<f64>,
+    joint: Spanned<Vec<StretchIn>>,
+    #[serde(rename = "certificate")]
+    _certificate: Option<serde::de::IgnoredAny>,
+}
+
+#[derive(Deserialize)]
+#[serde(deny_unknown_fields)]
+struct StretchIn {
+    name: Spanned<String>,
+    q0: f64,
+    speed: Vec<f64>,
+}
+
+#[derive(Serialize)]
+struct StretchesOut<'a> {
+    family: &'static str,
+    change_s: f64,
+    stretch_s: &'a [f64],
+    joint: &'a [ConstantSpeedJoint],
+}
+
+impl ConstantSpeedTrajectory {
+    /// Reads a trajectory file.
+    ///
+    /// # Errors
+    /// [`ExcitationError::File`] with line and column if the text is not TOML, has a key that the format does not
+    /// have or lacks one, or if a number is impossible.
+    pub fn from_toml(text: &str) -> Result<Self, ExcitationError> {
+        let file: StretchesIn = read(text)?;
+        let whole = file.joint.span();
+        let mut joints: Vec<ConstantSpeedJoint> = Vec::new();
+        for joint in file.joint.into_inner() {
+            let name = check_name(text, &joint.name, joints.iter().map(|other| &other.name))?;
+            joints.push(ConstantSpeedJoint { name, q0: joint.q0, speed: joint.speed });
+        }
+        Self::new(file.change_s, file.stretch_s, joints).map_err(|fault| at(text, whole, &fault.to_string()))
+    }
+}
+
+/// The file of stretches.
+pub(super) fn stretches_to_toml(stretches: &ConstantSpeedTrajectory) -> String {
+    let ConstantSpeedTrajectory { change_s, stretch_s, joints } = stretches;
+    write(&StretchesOut { family: "constant-speed", change_s: *change_s, stretch_s, joint: joints })
 }
 
 impl FourierTrajectory {

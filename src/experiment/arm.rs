@@ -77,6 +77,8 @@ pub struct RawSample<'a> {
     pub q: &'a [f64],
     /// What the robot reports as effort: motor currents, A, or joint torques, N·m (N).
     pub effort: &'a [f64],
+    /// Voltages at the motors' terminals, V; empty where the interface gives none.
+    pub voltage: &'a [f64],
     /// Commanded joint coordinates, rad (m).
     pub command: &'a [f64],
 }

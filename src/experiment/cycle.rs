@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{CommandTable, Divergence, Ending, JointPid, Layout, Phase, RawSample, Sink, Tracking, Transmission};
 use crate::model::{EffortInterface, Robot};
@@ -45,6 +46,7 @@ pub struct Cycle {
     /// Ten times the speed limits.
     runaway: Vec<f64>,
     transmission: Transmission,
+    motors: Motors,
     controller: JointPid,
     sensors: Sensors,
     tracking: Tracking,
@@ -61,6 +63,8 @@ pub struct Cycle {
     sensed: Vec<f64>,
     q_sample: Vec<f64>,
     effort_sample: Vec<f64>,
+    qd_motor: Vec<f64>,
+    voltage_sample: Vec<f64>,
 }
 
 /// Everything a cycle is made of.
@@ -71,13 +75,15 @@ pub(super) struct CycleSpec<'a> {
     pub(super) rate_hz: f64,
     pub(super) per_sample: usize,
     pub(super) transmission: Transmission,
+    pub(super) motors: Motors,
     pub(super) controller: JointPid,
     pub(super) sensors: Sensors,
 }
 
 impl Cycle {
     pub(super) fn new(spec: CycleSpec<'_>) -> Self {
-        let CycleSpec { robot, layout, table, rate_hz, per_sample, transmission, mut controller, sensors } = spec;
+        let CycleSpec { robot, layout, table, rate_hz, per_sample, transmission, motors, mut controller, sensors } =
+            spec;
         controller.reset();
         let n = robot.dof();
         let zero = || vec![0.0; n];
@@ -90,6 +96,7 @@ impl Cycle {
             joints: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             runaway: robot.joints().iter().map(|joint| 10.0 * joint.limits.velocity).collect(),
             transmission,
+            motors,
             controller,
             sensors,
             tracking: Tracking::new(n),
@@ -106,6 +113,8 @@ impl Cycle {
             sensed: zero(),
             q_sample: zero(),
             effort_sample: zero(),
+            qd_motor: zero(),
+            voltage_sample: zero(),
         }
     }
 
@@ -156,12 +165,14 @@ impl Cycle {
         self.transmission.motor_motion(command, &mut self.command_motor);
         self.sensors.positions(&self.q_motor, &mut self.measured);
         self.before.copy_from_slice(&self.current);
-        let saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
+        let mut saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
+        self.transmission.motor_motion(qd, &mut self.qd_motor);
+        saturated |= self.motors.saturate(&self.qd_motor, &mut self.current);
         if self.step == 0 {
             self.before.copy_from_slice(&self.current);
         }
         for i in 0..self.tau.len() {
-            self.torque_motor[i] = self.transmission.per_ampere()[i] * self.current[i];
+            self.torque_motor[i] = self.motors.per_ampere()[i] * self.current[i];
         }
         self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
         self.tracking.saturated_steps += usize::from(saturated);
@@ -175,9 +186,17 @@ impl Cycle {
             self.transmission.joint_motion(&self.measured, &mut self.q_sample);
             self.sensors.currents(&self.before, &self.current, &mut self.sensed);
             self.report();
+            let voltage: &[f64] = if self.sensors.has_voltage() {
+                self.motors.voltages(&self.before, &self.current, &self.qd_motor, &mut self.voltage_sample);
+                self.sensors.voltages(&mut self.voltage_sample);
+                &self.voltage_sample
+            } else {
+                &[]
+            };
             observer(&TrueState { index, t, phase, q, qd, tau: &self.tau });
             let command = self.table.row(self.step - 1);
-            let sample = RawSample { index, t, phase, q: &self.q_sample, effort: &self.effort_sample, command };
+            let sample =
+                RawSample { index, t, phase, q: &self.q_sample, effort: &self.effort_sample, voltage, command };
             if sink.sample(&sample).ends() {
                 return self.end(Ending::Stopped { t, phase });
             }

@@ -22,6 +22,8 @@ fn drive() -> Drive {
         adc_range: 10.0,
         adc_bits: 12,
         coulomb_velocity: 0.01,
+        circuit: None,
+        voltage_noise: 0.0,
     }
 }
 

@@ -34,6 +34,8 @@ pub struct Recording {
     pub q: Vec<f64>,
     /// What the robot reports as effort, in `effort_unit`; N × n.
     pub effort: Vec<f64>,
+    /// Voltages at the motors' terminals, V; N × n, or empty where the interface gives none.
+    pub voltage: Vec<f64>,
     /// What produced it.
     pub provenance: Provenance,
 }
@@ -61,6 +63,37 @@ impl Recording {
     #[must_use]
     pub fn effort(&self, k: usize) -> &[f64] {
         &self.effort[k * self.dof..(k + 1) * self.dof]
+    }
+
+    /// Motor voltages of sample `k`, n, or none.
+    #[must_use]
+    pub fn voltage(&self, k: usize) -> &[f64] {
+        self.voltage.get(k * self.dof..(k + 1) * self.dof).unwrap_or_default()
+    }
+
+    /// The same recording without its samples.
+    #[must_use]
+    pub fn without_samples(&self) -> Self {
+        let mut header = self.clone();
+        header.truncate(0);
+        header
+    }
+
+    /// The same recording with its first `samples` samples.
+    pub fn truncate(&mut self, samples: usize) {
+        let n = self.dof;
+        self.t.truncate(samples);
+        self.q.truncate(samples * n);
+        self.effort.truncate(samples * n);
+        self.voltage.truncate(samples * n);
+    }
+
+    /// Adds a sample.
+    pub fn push(&mut self, sample: &RawSample<'_>) {
+        self.t.push(sample.t);
+        self.q.extend_from_slice(sample.q);
+        self.effort.extend_from_slice(sample.effort);
+        self.voltage.extend_from_slice(sample.voltage);
     }
 
     /// The samples of a phase that were really taken.
@@ -122,9 +155,7 @@ impl Sink for Recorder {
 
     fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
         if let Some(recording) = &mut self.recording {
-            recording.t.push(sample.t);
-            recording.q.extend_from_slice(sample.q);
-            recording.effort.extend_from_slice(sample.effort);
+            recording.push(sample);
         }
         Flow::Continue
     }

@@ -1,7 +1,6 @@
 //! A stored recording as an arm.
 
-use super::{Arm, ArmError, Ending, ExperimentPlan, Phase, RawSample, Recording, Sink};
-use crate::excitation::Trajectory;
+use super::{Arm, ArmError, Command, Ending, ExperimentPlan, Layout, Phase, RawSample, Recording, Sink};
 
 /// Performs an experiment by playing what another arm once recorded.
 #[derive(Clone, Debug)]
@@ -39,17 +38,24 @@ impl Arm for Replay {
         self.check(plan)?;
         let recording = &self.0;
         let n = recording.dof;
-        sink.begin(&Recording { t: Vec::new(), q: Vec::new(), effort: Vec::new(), ..recording.clone() });
+        sink.begin(&recording.without_samples());
         let mut command = vec![0.0; n];
         let (mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n]);
-        let origin = recording.samples(Phase::Record).start;
+        let layout = Layout { spans: recording.phases.clone(), period_samples: recording.period_samples };
+        let commanded = Command::new(plan, &layout);
         for k in 0..recording.len() {
             let phase = recording.phase(k).unwrap_or(Phase::RampOut);
-            let since = (k as f64 - origin as f64) / recording.rate_hz;
-            recording.trajectory.evaluate(since, &mut command, &mut qd, &mut qdd);
+            commanded.evaluate(k as f64 / recording.rate_hz, &mut command, &mut qd, &mut qdd);
             let t = recording.t[k];
-            let sample =
-                RawSample { index: k, t, phase, q: recording.q(k), effort: recording.effort(k), command: &command };
+            let sample = RawSample {
+                index: k,
+                t,
+                phase,
+                q: recording.q(k),
+                effort: recording.effort(k),
+                voltage: recording.voltage(k),
+                command: &command,
+            };
             if sink.sample(&sample).ends() {
                 return Ok(Ending::Stopped { t, phase });
             }

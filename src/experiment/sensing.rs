@@ -31,12 +31,14 @@ pub struct Sensing {
     pub current_noise: bool,
     /// Current converters have the range and the bits of the robot's drives.
     pub converters: bool,
+    /// The controller reports the voltage at the motors' terminals, where the robot file has every motor's circuit.
+    pub voltage: bool,
 }
 
 impl Default for Sensing {
     /// What the robot file says; no position noise.
     fn default() -> Self {
-        Self { encoders: true, position_noise: Vec::new(), current_noise: true, converters: true }
+        Self { encoders: true, position_noise: Vec::new(), current_noise: true, converters: true, voltage: false }
     }
 }
 
@@ -44,13 +46,13 @@ impl Sensing {
     /// Sensors that read exactly what is there.
     #[must_use]
     pub const fn ideal() -> Self {
-        Self { encoders: false, position_noise: Vec::new(), current_noise: false, converters: false }
+        Self { encoders: false, position_noise: Vec::new(), current_noise: false, converters: false, voltage: false }
     }
 
     /// Encoders that count, currents without fault.
     #[must_use]
     pub const fn noise_free() -> Self {
-        Self { encoders: true, position_noise: Vec::new(), current_noise: false, converters: false }
+        Self { encoders: true, position_noise: Vec::new(), current_noise: false, converters: false, voltage: false }
     }
 }
 
@@ -59,6 +61,9 @@ impl Sensing {
 pub(super) struct Sensors {
     encoders: Vec<Encoder>,
     meters: Vec<Ammeter>,
+    /// Noise of each voltage, V; empty where none is reported.
+    volts: Vec<f64>,
+    voltage_stream: Stream,
     position_stream: Stream,
     current_stream: Stream,
 }
@@ -101,9 +106,17 @@ impl Sensors {
                 codes: if joint.drive.adc_bits > 0 { f64::from(1_u32 << (joint.drive.adc_bits - 1)) } else { 0.0 },
             }
         });
+        let drives = || robot.joints().iter().map(|joint| &joint.drive);
+        let volts = if sensing.voltage && drives().all(|drive| drive.circuit.is_some()) {
+            drives().map(|drive| if sensing.current_noise { drive.voltage_noise } else { 0.0 }).collect()
+        } else {
+            Vec::new()
+        };
         Self {
             encoders: encoders.collect(),
             meters: meters.collect(),
+            volts,
+            voltage_stream: seed.stream("voltage noise", run),
             position_stream: seed.stream("position noise", run),
             current_stream: seed.stream("current noise", run),
         }
@@ -133,6 +146,22 @@ impl Sensors {
             } else {
                 nearest(current * meter.per_lsb).clamp(-meter.codes, meter.codes - 1.0) * meter.lsb
             };
+        }
+    }
+}
+
+impl Sensors {
+    /// Whether voltages are reported.
+    pub(super) fn has_voltage(&self) -> bool {
+        !self.volts.is_empty()
+    }
+
+    /// Terminal voltages as the controller reports them, V, n.
+    pub(super) fn voltages(&mut self, measured: &mut [f64]) {
+        for (value, &noise) in measured.iter_mut().zip(&self.volts) {
+            if noise > 0.0 {
+                *value += noise * normal(&mut self.voltage_stream);
+            }
         }
     }
 }

@@ -2,14 +2,16 @@
 
 use std::sync::Arc;
 
+use super::controller::gain_pose;
 use super::cycle::CycleSpec;
-use super::joint_loop::motor_inertia;
+use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{
     Arm, ArmError, CommandTable, Cycle, Ending, ExperimentPlan, JointPid, Next, Plant, Recording, Sensing, Sink,
     Tracking, Transmission, TrueState,
 };
-use crate::model::{Robot, StandardParameters};
+use crate::dynamics::Dynamics;
+use crate::model::{Drive, Robot, StandardParameters};
 use crate::provenance::Provenance;
 use crate::seed::Seed;
 
@@ -17,7 +19,7 @@ use crate::seed::Seed;
 ///
 /// Each servo step reads the encoders, lets the controller decide motor currents, and holds the torques of these
 /// currents on the plant until the next step. Gains come from the nominal parameters at
-/// [`super::gain_pose`]; the controller never sees the plant's own.
+/// [`gain_pose`]; the controller never sees the plant's own.
 ///
 /// A run is a pure function of robot, plant, plan, sensing, seed and run number.
 ///
@@ -64,6 +66,7 @@ pub struct Servo<P> {
     seed: Seed,
     run: u64,
     inertia: Vec<f64>,
+    motors: Vec<Drive>,
     tracking: Option<Tracking>,
 }
 
@@ -96,11 +99,19 @@ impl<P: Plant> Servo<P> {
     /// # Errors
     /// [`ServoError`] where plant or parameters do not fit the robot, or give a motor no inertia.
     pub fn new(robot: &Robot, nominal: &StandardParameters, plant: P) -> Result<Self, ServoError> {
-        let (found, expected) = (plant.dof(), robot.dof());
-        if found != expected {
-            return Err(ServoError::Dof { quantity: "plant", found, expected });
+        let expected = robot.dof();
+        for (quantity, found) in [("plant", plant.dof()), ("nominal parameter set", nominal.links.len())] {
+            if found != expected {
+                return Err(ServoError::Dof { quantity, found, expected });
+            }
         }
-        let inertia = motor_inertia(robot, nominal)?;
+        let mass_matrix = Dynamics::new(robot, nominal).mass_matrix(&gain_pose(robot));
+        let inertia = Transmission::new(robot).motor_inertia(&mass_matrix);
+        for (joint, &inertia) in robot.joints().iter().zip(&inertia) {
+            if !(inertia.is_finite() && inertia > 0.0) {
+                return Err(ServoError::Inertia { joint: joint.name.clone(), inertia });
+            }
+        }
         Ok(Self {
             robot: robot.clone(),
             robot_text: String::new(),
@@ -109,6 +120,7 @@ impl<P: Plant> Servo<P> {
             seed: Seed::new(0),
             run: 0,
             inertia,
+            motors: robot.joints().iter().map(|joint| joint.drive.clone()).collect(),
             tracking: None,
         })
     }
@@ -124,6 +136,18 @@ impl<P: Plant> Servo<P> {
     #[must_use]
     pub fn with_sensing(mut self, sensing: Sensing) -> Self {
         self.sensing = sensing;
+        self
+    }
+
+    /// The same servo around motors that are not what the robot file says: `motors` holds the torque constants and
+    /// circuits that the arm really has, n; the controller goes on with those of the robot file.
+    ///
+    /// # Panics
+    /// If there is not one motor for each joint.
+    #[must_use]
+    pub fn with_motors(mut self, motors: Vec<Drive>) -> Self {
+        assert_eq!(motors.len(), self.robot.dof(), "one motor for each joint");
+        self.motors = motors;
         self
     }
 
@@ -171,6 +195,7 @@ impl<P: Plant> Servo<P> {
             t: Vec::new(),
             q: Vec::new(),
             effort: Vec::new(),
+            voltage: Vec::new(),
             provenance: Provenance::new(self.robot.name(), &self.robot_text, Some(seed)),
         })
     }
@@ -200,6 +225,7 @@ impl<P: Plant> Servo<P> {
                 rate_hz: plan.rate_hz,
                 per_sample,
                 transmission: transmission.clone(),
+                motors: Motors::new(&self.motors, tuning.rate_hz),
                 controller: controller.clone(),
                 sensors: Sensors::new(&self.robot, &self.sensing, seed, run),
             })

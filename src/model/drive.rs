@@ -1,5 +1,7 @@
 //! The motor, gear, encoder and current sensor of one joint.
 
+use super::MotorCircuit;
+
 /// One drive. Everything here is either on a data sheet or measured by an experiment of its own; where it is neither,
 /// the robot's README marks it as assumed.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -24,6 +26,10 @@ pub struct Drive {
     pub adc_bits: u32,
     /// Velocity scale of the smooth sign in Coulomb friction, rad/s; see [`super::smooth_sign`].
     pub coulomb_velocity: f64,
+    /// The motor's circuit, where the robot file has it.
+    pub circuit: Option<MotorCircuit>,
+    /// White noise of the voltage that the controller reports, standard deviation of one sample, V.
+    pub voltage_noise: f64,
 }
 
 impl Drive {
@@ -41,6 +47,8 @@ impl Drive {
             adc_range: f64::INFINITY,
             adc_bits: 0,
             coulomb_velocity: 0.0,
+            circuit: None,
+            voltage_noise: 0.0,
         }
     }
 

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::{EffortInterface, Joint, JointKind, Obstacle, ServoTuning, Shape};
+use super::{Drive, EffortInterface, Joint, JointKind, Obstacle, ServoTuning, Shape};
 use crate::provenance::sha256;
 use crate::spatial::{Motion, Placement};
 
@@ -244,6 +244,19 @@ impl Robot {
     #[must_use]
     pub fn servo(&self) -> &ServoTuning {
         &self.servo
+    }
+
+    /// The same robot with other drives, one for each joint.
+    ///
+    /// # Panics
+    /// If there is not one drive for each joint.
+    #[must_use]
+    pub fn with_drives(mut self, drives: Vec<Drive>) -> Self {
+        assert_eq!(drives.len(), self.dof(), "one drive for each joint");
+        for (joint, drive) in self.joints.iter_mut().zip(drives) {
+            joint.drive = drive;
+        }
+        self
     }
 
     /// The same robot with another effort interface.

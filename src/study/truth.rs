@@ -2,7 +2,7 @@
 
 use crate::experiment::Effects;
 use crate::model::format::{FormatError, parse_parameters};
-use crate::model::{Columns, Robot, StandardParameters};
+use crate::model::{Columns, Drive, Robot, StandardParameters};
 use nalgebra::DVector;
 
 /// What a simulation is made of and an estimate is scored against.
@@ -12,6 +12,8 @@ pub struct Truth {
     pub parameters: StandardParameters,
     /// What the arm does beside: no estimate has a parameter for it.
     pub effects: Effects,
+    /// What the motors really are, n; empty where they are what the robot file says.
+    pub motors: Vec<Drive>,
 }
 
 /// The part of a `truth.toml` that is not about parameters.
@@ -25,7 +27,7 @@ impl Truth {
     /// An arm that does what its parameters say, and nothing beside.
     #[must_use]
     pub const fn of(parameters: StandardParameters) -> Self {
-        Self { parameters, effects: Effects::none() }
+        Self { parameters, effects: Effects::none(), motors: Vec::new() }
     }
 
     /// Reads a `truth.toml`: parameters as [`parse_parameters`] reads them, physically consistent, and `[effects]`.
@@ -33,9 +35,9 @@ impl Truth {
     /// # Errors
     /// [`FormatError`] with line and column, for either part.
     pub fn from_toml(text: &str, robot: &Robot) -> Result<Self, FormatError> {
-        let parameters = parse_parameters(text, robot, true)?.parameters;
+        let file = parse_parameters(text, robot, true)?;
         let beside: Beside = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
-        Ok(Self { parameters, effects: beside.effects })
+        Ok(Self { parameters: file.parameters, effects: beside.effects, motors: file.motors })
     }
 
     /// The vector φ of these columns, length p.

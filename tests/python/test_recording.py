@@ -12,9 +12,11 @@ from mcap.reader import make_reader
 from mcap.writer import CompressionType
 from mcap_ros2.decoder import DecoderFactory
 from mcap_ros2.writer import Writer
+from rosbags.rosbag2 import Reader
+from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 ARMID = Path(os.environ["ARMID"]).resolve()
-EXPERIMENT = 'robot = "crs-a460"\ntrajectory = "table-one"\nperiods = 2\nseed = 3\n'
+EXPERIMENT = 'robot = "crs-a460"\ntrajectory = "table-one"\nperiods = 2\nseed = 3\n\n[sensing]\nvoltage = true\n'
 
 
 def armid(*arguments):
@@ -55,6 +57,21 @@ class Recording(unittest.TestCase):
             self.assertEqual(nanoseconds, round(t * 1e9))
             self.assertEqual((message.log_time, message.sequence), (nanoseconds, k))
 
+    def test_rosbags_reads_the_same_states_and_voltages(self):
+        store = get_typestore(Stores.EMPTY)
+        states, voltages = [], []
+        with Reader(self.mcap) as bag:
+            for connection in bag.connections:
+                store.register(get_types_from_msg(connection.msgdef.data, connection.msgtype))
+            for connection, _, raw in bag.messages():
+                message = store.deserialize_cdr(raw, connection.msgtype)
+                if connection.topic == "/joint_states":
+                    states.append(list(message.position) + list(message.effort))
+                elif connection.topic == "/motor_voltage":
+                    voltages.append(list(message.data))
+        self.assertEqual(states, [row[1:13] for row in self.rows])
+        self.assertEqual(voltages, [row[13:19] for row in self.rows])
+
     def test_the_command_is_on_a_second_channel(self):
         with self.mcap.open("rb") as file:
             reader = make_reader(file, decoder_factories=[DecoderFactory()])
@@ -87,9 +104,18 @@ class Recording(unittest.TestCase):
             definition = next(iter(make_reader(file).get_summary().schemas.values())).data.decode()
         names = ["waist", "shoulder", "elbow", "wrist_roll", "wrist_pitch", "tool_roll"]
         orders = [[3, 0, 5, 1, 4, 2], [0, 1, 2, 3, 4, 5]]
-        other = self.folder / "other.mcap"
+        log = ["--robot", "crs-a460", "--period", "10", "--skip", "13", "--json"]
+        through_csv = json.loads(armid("identify", str(self.csv), *log))
+        for compression in CompressionType:
+            with self.subTest(compression=compression):
+                other = self.write_other(definition, names, orders, compression)
+                through_mcap = json.loads(armid("identify", str(other), *log))
+                self.assertEqual(through_mcap["base"], through_csv["base"])
+
+    def write_other(self, definition, names, orders, compression):
+        other = self.folder / f"other-{compression.name}.mcap"
         with other.open("wb") as file:
-            writer = Writer(file, compression=CompressionType.NONE)
+            writer = Writer(file, compression=compression)
             schema = writer.register_msgdef("sensor_msgs/msg/JointState", definition)
             for k, row in enumerate(self.rows):
                 stamp = 1_700_000_000_000_000_000 + k * 1_000_000
@@ -112,10 +138,7 @@ class Recording(unittest.TestCase):
                     sequence=k,
                 )
             writer.finish()
-        log = ["--robot", "crs-a460", "--period", "10", "--skip", "13", "--json"]
-        through_mcap = json.loads(armid("identify", str(other), *log))
-        through_csv = json.loads(armid("identify", str(self.csv), *log))
-        self.assertEqual(through_mcap["base"], through_csv["base"])
+        return other
 
 
 if __name__ == "__main__":

@@ -3,7 +3,7 @@
 use miette::Result;
 
 use super::{
-    agree, completions, controller, design, doctor, dynamics, identify, reduce, report, robot, run, study, validate,
+    agree, calibrate, completions, design, doctor, dynamics, identify, reduce, report, robot, run, study, validate,
 };
 use crate::answer::Ending;
 use crate::console::Console;
@@ -17,11 +17,11 @@ pub(crate) enum Command {
     Dynamics(dynamics::Arguments),
     Design(design::Arguments),
     Run(run::Arguments),
+    Calibrate(calibrate::Arguments),
     Identify(identify::Arguments),
     Validate(validate::Arguments),
     Study(study::Arguments),
     Report(report::Arguments),
-    Controller(controller::Arguments),
     Doctor(doctor::Arguments),
     Completions(completions::Arguments),
 }
@@ -34,12 +34,12 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Reduce(arguments) => reduce::run(&arguments, console),
         Command::Dynamics(arguments) => dynamics::run(&arguments, console),
         Command::Design(arguments) => design::run(&arguments, console),
+        Command::Calibrate(arguments) => calibrate::run(&arguments, console),
         Command::Run(arguments) => run::run(&arguments, console),
         Command::Identify(arguments) => identify::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
         Command::Study(arguments) => study::run(&arguments, console),
         Command::Report(arguments) => report::run(&arguments, console),
-        Command::Controller(arguments) => controller::run(&arguments, console),
         Command::Doctor(arguments) => doctor::run(&arguments, console),
         Command::Completions(arguments) => completions::run(&arguments, console),
     }

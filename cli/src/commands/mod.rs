@@ -1,9 +1,9 @@
 //! The commands, one file each.
 
 mod agree;
+mod calibrate;
 mod command;
 mod completions;
-mod controller;
 mod design;
 mod doctor;
 mod dynamics;

@@ -1,11 +1,12 @@
 //! `armid report`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use miette::Result;
 use serde_json::json;
 
 use crate::answer::{Answer, Ending};
+use crate::comparison;
 use crate::console::Console;
 use crate::fault::Fault;
 use crate::files::study_store::{read_study, write_report};
@@ -15,18 +16,27 @@ Everything that a report shows is stored by `armid study`; this draws it again a
 
 Examples:
   armid report reports/01-criteria
-  armid report reports/01-criteria -o /tmp/page";
+  armid report reports/01-criteria -o /tmp/page
+  armid report --compare simulated measured -o page";
 
 /// Draw the figures and the page of a stored study again
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
     /// Folders that `armid study` wrote
-    #[arg(required = true, value_name = "DIR")]
+    #[arg(required_unless_present = "compare", value_name = "DIR")]
     folders: Vec<PathBuf>,
+    /// Set two estimates side by side: JSON files of `armid identify`, or folders with estimate.json and validation.json
+    #[arg(long, num_args = 2, value_names = ["A", "B"], conflicts_with = "folders")]
+    compare: Option<Vec<PathBuf>>,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    if let Some([first, second]) = arguments.compare.as_deref() {
+        let folder = console.output().map_or_else(|| PathBuf::from("reports/comparison"), Path::to_path_buf);
+        console.show(&comparison::report(first, second, &folder)?)?;
+        return Ok(Ending::Done);
+    }
     let mut pages = Vec::new();
     for folder in &arguments.folders {
         if !folder.is_dir() {

@@ -18,8 +18,9 @@ use crate::console::Console;
 use crate::fault::Fault;
 use crate::files::experiment_toml::{self, Experiment};
 use crate::files::file_sink::{CsvSink, FileSink};
-use crate::files::recording_mcap::McapSink;
+use crate::files::recording_mcap::{McapSink, part_of};
 use crate::progress;
+use crate::resumption::{self, Found};
 use crate::table::{Align, Table, number};
 
 const AFTER_HELP: &str = "\
@@ -39,6 +40,7 @@ EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
   encoders = true               # whole counts
   current_noise = true
   converters = true             # range and bits
+  voltage = false               # the controller reports motor voltages, where the robot file has the circuits
 
 R.mcap opens in any tool that reads ROS 2 joint states; -o R.csv writes t,q1..,current1.. (or
 tau1..). It is written to R.mcap.part and takes its name when the experiment is complete.
@@ -46,6 +48,7 @@ tau1..). It is written to R.mcap.part and takes its name when the experiment is 
 Examples:
   armid run experiment.toml -o R.mcap
   armid run experiment.toml --seed 7 -o validation.mcap
+  armid run experiment.toml --resume -o R.mcap   # after a crash, at the next period
   armid run experiment.toml --arm replay --recording R.mcap -o again.mcap";
 
 /// Perform an experiment and write a recording
@@ -66,6 +69,9 @@ pub(crate) struct Arguments {
     /// Periods that count, in place of the file's
     #[arg(long)]
     periods: Option<usize>,
+    /// Continue what was cut short: keep the whole periods of R.mcap.part and perform those that are missing
+    #[arg(long)]
+    resume: bool,
     /// What `--arm replay` plays
     #[arg(long, value_name = "R.mcap")]
     recording: Option<PathBuf>,
@@ -95,14 +101,38 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             bar.set_position(samples as u64);
         }
     };
-    let mut sink: Box<dyn FileSink + '_> = if path.extension().is_some_and(|extension| extension == "csv") {
-        Box::new(CsvSink::new(&path, on_sample))
-    } else {
-        Box::new(McapSink::new(&path, notes(&experiment), on_sample))
+    let csv = path.extension().is_some_and(|extension| extension == "csv");
+    let resumption = match (arguments.resume, csv) {
+        (false, _) => None,
+        (true, true) => return Err(Fault::new("--resume continues an R.mcap, and -o names a CSV").into()),
+        (true, false) => match resumption::find(&path, &experiment)? {
+            Found::Nothing => {
+                console.note(format!("{} is not there: nothing to continue, beginning", part_of(&path).display()));
+                None
+            }
+            Found::Whole => {
+                bar.finish_and_clear();
+                console.show(&resumption::already_whole(&path))?;
+                return Ok(Ending::Done);
+            }
+            Found::Part(part) => Some(part),
+        },
+    };
+    let mut notes = notes(&experiment);
+    let mut sink: Box<dyn FileSink + '_> = match &resumption {
+        _ if csv => Box::new(CsvSink::new(&path, on_sample)),
+        None => Box::new(McapSink::new(&path, notes, on_sample)),
+        Some(part) => {
+            notes.insert("sessions".to_owned(), part.sessions(experiment.plan.periods));
+            Box::new(McapSink::new(&path, notes, on_sample).resuming(part.continuation.samples()))
+        }
     };
     let performed = {
         let sink: &mut dyn Sink = &mut *sink;
-        arms::perform(experiment.arm, &experiment, arguments.recording.as_deref(), sink)?
+        match &resumption {
+            None => arms::perform(experiment.arm, &experiment, arguments.recording.as_deref(), sink)?,
+            Some(part) => part.perform(&experiment, arguments.recording.as_deref(), sink)?,
+        }
     };
     let written = sink.finish(&performed.ending)?;
     bar.finish_and_clear();
@@ -134,7 +164,7 @@ fn admit(experiment: &Experiment) -> Result<()> {
 }
 
 /// What goes into the recording beside what the arm says of it.
-fn notes(experiment: &Experiment) -> BTreeMap<String, String> {
+pub(super) fn notes(experiment: &Experiment) -> BTreeMap<String, String> {
     let mut notes = BTreeMap::new();
     let mut note = |key: &str, value: Option<String>| {
         if let Some(value) = value {

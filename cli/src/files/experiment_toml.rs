@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use armid::excitation::Certificate;
 use armid::experiment::{ExperimentPlan, Sensing};
-use armid_hardware::link::LinkSettings;
 use armid_sim::Engine;
 use miette::Result;
 use serde::Deserialize;
@@ -38,7 +37,6 @@ struct File {
     run: Option<u64>,
     arm: Option<Spanned<String>>,
     sensing: Option<SensingTable>,
-    ros2: Option<Spanned<LinkSettings>>,
 }
 
 #[derive(Deserialize)]
@@ -47,11 +45,12 @@ struct SensingTable {
     encoders: Option<bool>,
     current_noise: Option<bool>,
     converters: Option<bool>,
+    voltage: Option<bool>,
     position_noise: Option<Spanned<Vec<f64>>>,
 }
 
 /// An experiment, ready to be performed.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Experiment {
     /// Its name: the folder under `reports/`.
     pub(crate) name: String,
@@ -67,8 +66,6 @@ pub(crate) struct Experiment {
     pub(crate) seed: u64,
     pub(crate) run: u64,
     pub(crate) arm: ArmKind,
-    /// How the robot of `arm = "ros2"` is reached.
-    pub(crate) ros2: LinkSettings,
 }
 
 /// Finds and reads an experiment: a bundled name, a folder, or the TOML itself.
@@ -89,7 +86,7 @@ pub(crate) fn load(name: &str) -> Result<Experiment> {
 }
 
 /// Reads an experiment from its text; files that it names lie beside it.
-fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
+pub(crate) fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
     let file: File = toml::from_str(&text.content).map_err(|error| {
         let message = error.message().trim_end().to_owned();
         let help = suggestion::from_list_in(&message);
@@ -133,35 +130,13 @@ fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
         })?,
     };
     let sensing = sensing(file.sensing, &text, robot.robot.dof())?;
-    let ros2 = match file.ros2 {
-        None => LinkSettings::default(),
-        Some(table) => {
-            let span = table.span();
-            let settings = table.into_inner();
-            settings.check().map_err(|error| Fault::new(error.to_string()).at(&text, span, "here"))?;
-            settings
-        }
-    };
     let name = match (file.name, folder.and_then(Path::file_name)) {
         (Some(name), _) => name.into_inner(),
         (None, Some(folder)) => folder.to_string_lossy().into_owned(),
         (None, None) => robot.robot.name().to_owned(),
     };
     let (seed, run) = (file.seed.unwrap_or(0), file.run.unwrap_or(0));
-    Ok(Experiment {
-        name,
-        question: file.question,
-        text,
-        robot,
-        chain,
-        plan,
-        certificate,
-        sensing,
-        seed,
-        run,
-        arm,
-        ros2,
-    })
+    Ok(Experiment { name, question: file.question, text, robot, chain, plan, certificate, sensing, seed, run, arm })
 }
 
 fn sensing(table: Option<SensingTable>, text: &Text, dof: usize) -> Result<Sensing> {
@@ -170,6 +145,7 @@ fn sensing(table: Option<SensingTable>, text: &Text, dof: usize) -> Result<Sensi
     sensing.encoders = table.encoders.unwrap_or(sensing.encoders);
     sensing.current_noise = table.current_noise.unwrap_or(sensing.current_noise);
     sensing.converters = table.converters.unwrap_or(sensing.converters);
+    sensing.voltage = table.voltage.unwrap_or(sensing.voltage);
     if let Some(noise) = table.position_noise {
         let values = noise.get_ref();
         if values.len() != dof || values.iter().any(|&value| !(value.is_finite() && value >= 0.0)) {

@@ -39,9 +39,7 @@ impl Sink for CsvSink<'_> {
 
     fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
         if let Some(recording) = &mut self.recording {
-            recording.t.push(sample.t);
-            recording.q.extend_from_slice(sample.q);
-            recording.effort.extend_from_slice(sample.effort);
+            recording.push(sample);
             (self.on_sample)(recording.len());
         }
         if interrupt::asked() { Flow::Stop } else { Flow::Continue }

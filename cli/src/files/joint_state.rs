@@ -68,15 +68,7 @@ impl JointState {
 
     /// The message in some bytes.
     pub(crate) fn decode(bytes: &[u8]) -> Result<Self, CdrFault> {
-        let Some((head, body)) = bytes.split_at_checked(4) else {
-            return Err(CdrFault::Short { what: "the encapsulation", at: 0, needed: 4, left: bytes.len() });
-        };
-        let little = match u16::from_be_bytes([head[0], head[1]]) {
-            0 => false,
-            1 => true,
-            found => return Err(CdrFault::Encapsulation { found }),
-        };
-        let mut input = Decoder { body, at: 0, little };
+        let mut input = Decoder::new(bytes)?;
         let sec = u64::from(input.u32("seconds")?);
         let nanosec = u64::from(input.u32("nanoseconds")?);
         let frame_id = input.text("frame_id")?;
@@ -92,8 +84,8 @@ impl JointState {
     }
 }
 
-struct Encoder {
-    bytes: Vec<u8>,
+pub(super) struct Encoder {
+    pub(super) bytes: Vec<u8>,
 }
 
 impl Encoder {
@@ -104,7 +96,7 @@ impl Encoder {
         }
     }
 
-    fn u32(&mut self, value: u32) {
+    pub(super) fn u32(&mut self, value: u32) {
         self.align(4);
         self.bytes.extend_from_slice(&value.to_le_bytes());
     }
@@ -115,7 +107,7 @@ impl Encoder {
         self.bytes.push(0);
     }
 
-    fn list(&mut self, values: &[f64]) {
+    pub(super) fn list(&mut self, values: &[f64]) {
         self.u32(values.len() as u32);
         for value in values {
             self.align(8);
@@ -124,13 +116,26 @@ impl Encoder {
     }
 }
 
-struct Decoder<'a> {
+pub(super) struct Decoder<'a> {
     body: &'a [u8],
     at: usize,
     little: bool,
 }
 
 impl<'a> Decoder<'a> {
+    /// A decoder of what follows the encapsulation.
+    pub(super) fn new(bytes: &'a [u8]) -> Result<Self, CdrFault> {
+        let Some((head, body)) = bytes.split_at_checked(4) else {
+            return Err(CdrFault::Short { what: "the encapsulation", at: 0, needed: 4, left: bytes.len() });
+        };
+        let little = match u16::from_be_bytes([head[0], head[1]]) {
+            0 => false,
+            1 => true,
+            found => return Err(CdrFault::Encapsulation { found }),
+        };
+        Ok(Self { body, at: 0, little })
+    }
+
     fn take(&mut self, what: &'static str, size: usize, count: usize) -> Result<&'a [u8], CdrFault> {
         let start = if count == 0 { self.at } else { self.at.next_multiple_of(size) };
         let needed = size.saturating_mul(count);
@@ -142,20 +147,20 @@ impl<'a> Decoder<'a> {
         Ok(&self.body[start..self.at])
     }
 
-    fn u32(&mut self, what: &'static str) -> Result<u32, CdrFault> {
+    pub(super) fn u32(&mut self, what: &'static str) -> Result<u32, CdrFault> {
         let bytes = self.take(what, 4, 1)?;
         let bytes = [bytes[0], bytes[1], bytes[2], bytes[3]];
         Ok(if self.little { u32::from_le_bytes(bytes) } else { u32::from_be_bytes(bytes) })
     }
 
-    fn text(&mut self, what: &'static str) -> Result<String, CdrFault> {
+    pub(super) fn text(&mut self, what: &'static str) -> Result<String, CdrFault> {
         let length = self.u32(what)? as usize;
         let bytes = self.take(what, 1, length)?;
         let text = bytes.strip_suffix(&[0]).unwrap_or(bytes);
         String::from_utf8(text.to_vec()).map_err(|_| CdrFault::Text { what })
     }
 
-    fn list(&mut self, what: &'static str) -> Result<Vec<f64>, CdrFault> {
+    pub(super) fn list(&mut self, what: &'static str) -> Result<Vec<f64>, CdrFault> {
         let count = self.u32(what)? as usize;
         let bytes = self.take(what, 8, count)?;
         let number = |bytes: &[u8]| {

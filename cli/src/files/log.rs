@@ -1,5 +1,6 @@
 //! What identification reads: a log of positions and efforts, from whatever recorded it.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use armid::experiment::Recording;
@@ -31,6 +32,8 @@ pub(crate) struct Log {
     pub(crate) robot: Option<RecordedRobot>,
     /// The experiment, where armid performed it.
     pub(crate) recording: Option<Recording>,
+    /// What else an armid recording says of itself, as texts.
+    pub(crate) notes: BTreeMap<String, String>,
     /// Whether the file is whole.
     pub(crate) complete: bool,
 }

@@ -2,6 +2,7 @@
 
 pub(crate) mod experiment_toml;
 pub(crate) mod file_sink;
+pub(crate) mod float_array;
 pub(crate) mod joint_state;
 pub(crate) mod journal;
 pub(crate) mod log;

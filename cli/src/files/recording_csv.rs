@@ -1,5 +1,7 @@
-//! Recordings as CSV: `t,q1..qn,tau1..taun` in s, rad (m), N·m (N), or `t,q1..qn,current1..currentn` with A.
+//! Recordings as CSV: `t,q1..qn,tau1..taun` in s, rad (m), N·m (N), or `t,q1..qn,current1..currentn` with A; then,
+//! where motor voltages were recorded, `voltage1..voltagen` in V.
 
+use std::collections::BTreeMap;
 use std::fmt::Write;
 
 use armid::experiment::Recording;
@@ -19,7 +21,11 @@ pub(crate) fn read(text: Text) -> Result<Log> {
     let unit = if table.find("tau1").is_some() { EffortInterface::Torque } else { EffortInterface::Current };
     let prefix = prefix(unit);
     let effort = table.numbered(prefix, dof).map_err(|fault| fault.help(EXPECTED))?;
-    let known: Vec<usize> = q.iter().chain(&effort).copied().chain([time]).collect();
+    let voltage = match table.find("voltage1") {
+        Some(_) => table.numbered("voltage", dof).map_err(|fault| fault.help(EXPECTED))?,
+        None => Vec::new(),
+    };
+    let known: Vec<usize> = q.iter().chain(&effort).chain(&voltage).copied().chain([time]).collect();
     let expected = format!("t,q1..q{dof},{prefix}1..{prefix}{dof}");
     table.only(&expected, |name| table.find(name).is_some_and(|column| known.contains(&column)))?;
     let rate_hz = rate(&table, time)?;
@@ -34,6 +40,7 @@ pub(crate) fn read(text: Text) -> Result<Log> {
         effort: rows.flat_map(|row| table.pick(row, &effort)).collect(),
         robot: None,
         recording: None,
+        notes: BTreeMap::new(),
         complete: true,
     })
 }
@@ -71,7 +78,8 @@ fn rate(table: &NumberTable, time: usize) -> Result<f64> {
 pub(crate) fn write(recording: &Recording) -> String {
     let prefix = prefix(recording.effort_unit);
     let mut text = "t".to_owned();
-    for name in ["q", prefix] {
+    let voltage = (!recording.voltage.is_empty()).then_some("voltage");
+    for name in ["q", prefix].into_iter().chain(voltage) {
         for k in 1..=recording.dof {
             let _ = write!(text, ",{name}{k}");
         }
@@ -79,7 +87,7 @@ pub(crate) fn write(recording: &Recording) -> String {
     text.push('\n');
     for k in 0..recording.len() {
         let _ = write!(text, "{}", recording.t[k]);
-        for value in recording.q(k).iter().chain(recording.effort(k)) {
+        for value in recording.q(k).iter().chain(recording.effort(k)).chain(recording.voltage(k)) {
             let _ = write!(text, ",{value}");
         }
         text.push('\n');

@@ -3,8 +3,10 @@
 //! | where | what |
 //! |---|---|
 //! | `/joint_states` | `sensor_msgs/msg/JointState` in CDR: position rad (m), effort A or N·m (N), every sample |
+//! | `/motor_voltage` | `std_msgs/msg/Float64MultiArray` in CDR: V, in the order of the joints, every sample; only where recorded |
 //! | `/joint_commands` | the commanded position, at most 100 times a second |
 //! | metadata `armid` | robot and its file, joints, rate, unit of effort, trajectory, phases, provenance, experiment |
+//! | in it, `sessions` | where the experiment was cut short and continued: the periods of each session |
 //! | metadata `armid/ending` | how the experiment ended; absent where the file was cut off |
 //!
 //! Times count from the beginning of the experiment, so equal experiments give equal bytes.
@@ -19,12 +21,15 @@ use mcap::records::{MessageHeader, Metadata};
 use miette::Result;
 
 use super::file_sink::FileSink;
+use super::float_array;
 use super::joint_state::{DEFINITION, JointState, NAME};
 use crate::fault::Fault;
 use crate::interrupt;
 
 /// Topic of the measured states.
 pub(crate) const STATES: &str = "/joint_states";
+/// Topic of the motors' terminal voltages.
+pub(crate) const VOLTAGE: &str = "/motor_voltage";
 /// Topic of the commands.
 const COMMANDS: &str = "/joint_commands";
 /// Name of the metadata record.
@@ -40,6 +45,8 @@ const CHUNK_S: f64 = 1.0;
 pub(crate) struct McapSink<'a> {
     path: PathBuf,
     part: PathBuf,
+    /// What the file is called until the samples that it must not lose are in it, and how many those are.
+    draft: Option<(PathBuf, usize)>,
     notes: BTreeMap<String, String>,
     open: Option<Open>,
     fault: Option<Fault>,
@@ -49,6 +56,8 @@ pub(crate) struct McapSink<'a> {
 struct Open {
     writer: mcap::Writer<BufWriter<File>>,
     states: u16,
+    /// Made with the first sample that has voltages.
+    voltage: Option<u16>,
     commands: u16,
     joints: Vec<String>,
     command_every: usize,
@@ -63,6 +72,7 @@ impl<'a> McapSink<'a> {
         Self {
             path: path.to_path_buf(),
             part: part_of(path),
+            draft: None,
             notes,
             open: None,
             fault: None,
@@ -70,9 +80,31 @@ impl<'a> McapSink<'a> {
         }
     }
 
+    /// The same sink for an experiment that goes on: what was recorded before stays `R.mcap.part` until its first
+    /// `kept` samples are in the new file, which then takes that name.
+    pub(crate) fn resuming(mut self, kept: usize) -> Self {
+        let mut draft = self.part.as_os_str().to_owned();
+        draft.push(".new");
+        self.draft = Some((draft.into(), kept));
+        self
+    }
+
+    /// Gives the draft its name, once what it must not lose is in it.
+    fn settle_draft(&mut self, at_the_end: bool) -> Result<(), Fault> {
+        let samples = self.open.as_ref().map_or(0, |open| open.samples);
+        let Some((draft, _)) = self.draft.take_if(|(_, kept)| at_the_end || samples >= *kept) else { return Ok(()) };
+        if let Some(open) = &mut self.open {
+            open.writer.flush().map_err(|error| cannot_write(&draft, &error))?;
+        }
+        fs::rename(&draft, &self.part).map_err(|error| cannot_write(&self.part, &error))
+    }
+
     fn complete(&mut self, ending: &Ending) -> Result<PathBuf> {
         if let Some(fault) = self.fault.take() {
             return Err(fault.into());
+        }
+        if self.draft.is_some() && self.open.is_some() {
+            self.settle_draft(true)?;
         }
         let Some(mut open) = self.open.take() else {
             return Err(Fault::new("the arm never began a recording").into());
@@ -102,7 +134,8 @@ impl<'a> McapSink<'a> {
         if let Some(folder) = self.part.parent() {
             fs::create_dir_all(folder).map_err(|error| cannot_write(folder, &error))?;
         }
-        let file = File::create(&self.part).map_err(|error| cannot_write(&self.part, &error))?;
+        let name = self.draft.as_ref().map_or(&self.part, |(draft, _)| draft);
+        let file = File::create(name).map_err(|error| cannot_write(name, &error))?;
         let options = mcap::WriteOptions::new()
             .profile("ros2")
             .library(concat!("armid ", env!("CARGO_PKG_VERSION")))
@@ -117,6 +150,7 @@ impl<'a> McapSink<'a> {
             Ok(Open {
                 writer,
                 states,
+                voltage: None,
                 commands,
                 joints: recording.joints.clone(),
                 command_every: (recording.rate_hz / COMMAND_RATE_HZ).ceil().max(1.0) as usize,
@@ -188,6 +222,12 @@ impl Sink for McapSink<'_> {
             return Flow::Stop;
         }
         (self.on_sample)(open.samples);
+        if self.draft.is_some()
+            && let Err(fault) = self.settle_draft(false)
+        {
+            self.fault = Some(fault);
+            return Flow::Stop;
+        }
         if interrupt::asked() { Flow::Stop } else { Flow::Continue }
     }
 
@@ -207,10 +247,14 @@ impl Open {
             velocity: Vec::new(),
             effort: sample.effort.to_vec(),
         };
-        self.message(self.states, sample.index, &state)?;
+        self.message(self.states, sample.index, stamp_ns, &state.encode())?;
+        if !sample.voltage.is_empty() {
+            let channel = self.voltage_channel()?;
+            self.message(channel, sample.index, stamp_ns, &float_array::encode(sample.voltage))?;
+        }
         if sample.index.is_multiple_of(self.command_every) {
             let command = JointState { position: sample.command.to_vec(), effort: Vec::new(), ..state };
-            self.message(self.commands, sample.index / self.command_every, &command)?;
+            self.message(self.commands, sample.index / self.command_every, stamp_ns, &command.encode())?;
         }
         self.samples += 1;
         if self.samples.is_multiple_of(self.chunk_samples) {
@@ -219,13 +263,18 @@ impl Open {
         Ok(())
     }
 
-    fn message(&mut self, channel_id: u16, index: usize, state: &JointState) -> mcap::McapResult<()> {
-        let header = MessageHeader {
-            channel_id,
-            sequence: index as u32,
-            log_time: state.stamp_ns,
-            publish_time: state.stamp_ns,
-        };
-        self.writer.write_to_known_channel(&header, &state.encode())
+    fn voltage_channel(&mut self) -> mcap::McapResult<u16> {
+        if let Some(channel) = self.voltage {
+            return Ok(channel);
+        }
+        let schema = self.writer.add_schema(float_array::NAME, "ros2msg", float_array::DEFINITION.as_bytes())?;
+        let channel = self.writer.add_channel(schema, VOLTAGE, "cdr", &BTreeMap::new())?;
+        self.voltage = Some(channel);
+        Ok(channel)
+    }
+
+    fn message(&mut self, channel_id: u16, index: usize, time_ns: u64, bytes: &[u8]) -> mcap::McapResult<()> {
+        let header = MessageHeader { channel_id, sequence: index as u32, log_time: time_ns, publish_time: time_ns };
+        self.writer.write_to_known_channel(&header, bytes)
     }
 }

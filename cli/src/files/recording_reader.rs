@@ -12,9 +12,10 @@ use mcap::read::{ChunkFlattener, Options};
 use mcap::records::Record;
 use miette::Result;
 
+use super::float_array;
 use super::joint_state::{JointState, NAME};
 use super::log::{Log, RecordedRobot};
-use super::recording_mcap::{METADATA, STATES};
+use super::recording_mcap::{METADATA, STATES, VOLTAGE};
 use crate::fault::Fault;
 use crate::robot_source::ChainArguments;
 
@@ -23,6 +24,8 @@ use crate::robot_source::ChainArguments;
 struct Contents {
     metadata: Option<BTreeMap<String, String>>,
     states: Vec<JointState>,
+    /// Time, ns, and motor voltages.
+    voltages: Vec<(u64, Vec<f64>)>,
     whole: bool,
 }
 
@@ -45,7 +48,7 @@ pub(crate) fn read(path: &Path, bytes: &[u8]) -> Result<Log> {
     }
     let whole = contents.whole;
     let mut log = match &contents.metadata {
-        Some(metadata) => own(&name, metadata, &contents.states)?,
+        Some(metadata) => own(&name, metadata, &contents)?,
         None => foreign(&name, &contents.states)?,
     };
     log.complete = whole;
@@ -57,18 +60,22 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents> {
         let shown = Fault::new(format!("{name} cannot be read as MCAP: {error}"));
         match error {
             McapError::UnsupportedCompression(_) => {
-                shown.help("expected chunks without compression: mcap compress --compression none").into()
+                shown.help("expected chunks without compression, or compressed by lz4 or zstd").into()
             }
             _ => shown.into(),
         }
     };
     let mut contents = Contents::default();
-    let mut channel = None;
-    let mut schema = None;
+    let (mut channel, mut voltage) = (None, None);
+    let (mut schema, mut arrays) = (None, None);
     let records = ChunkFlattener::new_with_options(bytes, Options::IgnoreEndMagic | Options::ValidateChunkCrcs);
     for record in records.map_err(|error| fault(&error))? {
         match record {
             Ok(Record::Schema { header, .. }) if header.name == NAME => schema = Some(header.id),
+            Ok(Record::Schema { header, .. }) if header.name == float_array::NAME => arrays = Some(header.id),
+            Ok(Record::Channel(found)) if found.topic == VOLTAGE && Some(found.schema_id) == arrays => {
+                voltage = Some(found.id);
+            }
             Ok(Record::Channel(found)) if found.topic == STATES => {
                 if Some(found.schema_id) != schema || found.message_encoding != "cdr" {
                     let message = format!("{name}: {STATES} is no {NAME} in CDR, as a recording of ROS 2 is");
@@ -82,6 +89,12 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents> {
                 })?;
                 contents.states.push(state);
             }
+            Ok(Record::Message { header, data }) if Some(header.channel_id) == voltage => {
+                let values = float_array::decode(&data).map_err(|error| {
+                    Fault::new(format!("{name}: message {} on {VOLTAGE}: {error}", contents.voltages.len() + 1))
+                })?;
+                contents.voltages.push((header.log_time, values));
+            }
             Ok(Record::Metadata(found)) if found.name == METADATA => contents.metadata = Some(found.metadata),
             Ok(Record::Footer(_)) => contents.whole = true,
             Ok(_) => {}
@@ -93,7 +106,8 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents> {
 }
 
 /// A recording that armid wrote.
-fn own(name: &str, metadata: &BTreeMap<String, String>, states: &[JointState]) -> Result<Log> {
+fn own(name: &str, metadata: &BTreeMap<String, String>, contents: &Contents) -> Result<Log> {
+    let states = contents.states.as_slice();
     let get = |key: &str| -> Result<&String> {
         metadata.get(key).ok_or_else(|| Fault::new(format!("{name}: metadata \"{key}\" is missing")).into())
     };
@@ -130,6 +144,7 @@ fn own(name: &str, metadata: &BTreeMap<String, String>, states: &[JointState]) -
         },
     };
     let (q, effort) = columns(name, &joints, states)?;
+    let voltage = voltages(name, dof, contents)?;
     let recording = Recording {
         robot: get("robot")?.clone(),
         robot_text: robot.text.clone(),
@@ -143,6 +158,7 @@ fn own(name: &str, metadata: &BTreeMap<String, String>, states: &[JointState]) -
         t: states.iter().map(|state| state.stamp_ns as f64 / 1e9).collect(),
         q: q.clone(),
         effort: effort.clone(),
+        voltage,
         provenance,
     };
     Ok(Log {
@@ -155,8 +171,31 @@ fn own(name: &str, metadata: &BTreeMap<String, String>, states: &[JointState]) -
         effort,
         robot: Some(robot),
         recording: Some(recording),
+        notes: metadata.clone(),
         complete: true,
     })
+}
+
+/// The voltages of every sample, or none. Each stands right behind its joint state, so that a cut may have taken the
+/// last one: the sample counts all the same, and its voltages are those of the sample before.
+fn voltages(name: &str, dof: usize, contents: &Contents) -> Result<Vec<f64>> {
+    if contents.voltages.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut all = Vec::with_capacity(contents.states.len() * dof);
+    let mut rest = contents.voltages.iter().peekable();
+    for (k, state) in contents.states.iter().enumerate() {
+        match rest.next_if(|(time, _)| *time == state.stamp_ns) {
+            Some((_, values)) if values.len() == dof => all.extend_from_slice(values),
+            None if k > 0 && k + 1 == contents.states.len() => all.extend_from_within(all.len() - dof..),
+            found => {
+                let found = found.map_or(0, |(_, values)| values.len());
+                let message = format!("{name}: sample {k} has {found} motor voltages, expected {dof}");
+                return Err(Fault::new(message).into());
+            }
+        }
+    }
+    Ok(all)
 }
 
 /// Joint states that something else recorded: the rate comes from their stamps.
@@ -185,6 +224,7 @@ fn foreign(name: &str, states: &[JointState]) -> Result<Log> {
         effort,
         robot: None,
         recording: None,
+        notes: BTreeMap::new(),
         complete: true,
     })
 }

@@ -10,8 +10,7 @@ use armid::provenance::Provenance;
 use ros2_client::Publisher;
 
 use super::follow::{Followed, Listener};
-use super::node::Other;
-use super::sender::Sender;
+use super::sender::{Sender, wait};
 use super::states::Inbox;
 use super::{Endpoint, GridSample, JointMap, JointRow, LinkError, LinkSettings, PlanMotion, StampFindings};
 use crate::message::{FollowFeedback, JointState, Text};
@@ -65,7 +64,7 @@ impl Ros2Arm {
         let mut endpoint = Endpoint::join(settings, "armid")?;
         let topic = settings.full(&settings.joint_states);
         let subscription = endpoint.subscription(&topic, ("sensor_msgs", "JointState"), &settings.state_qos())?;
-        endpoint.wait(&topic, &[(Other::Writer, format!("rt{topic}"))])?;
+        wait(settings.domain, &topic, settings.patience(), subscription.wait_for_publisher(endpoint.node()))?;
         let inbox = Inbox::new("joint states", subscription)?;
         let text = ("std_msgs", "String");
         let states = if settings.robot_state.is_empty() {
@@ -80,7 +79,7 @@ impl Ros2Arm {
             Some(endpoint.publisher(&settings.full(&settings.robot_request), text, &settings.command_qos())?)
         };
         let sender = Sender::open(&mut endpoint, settings)?;
-        sender.wait(&endpoint, settings)?;
+        sender.wait(&mut endpoint, settings)?;
         let mut arm = Self {
             endpoint,
             settings: settings.clone(),
@@ -222,6 +221,7 @@ impl Ros2Arm {
             t: Vec::new(),
             q: Vec::new(),
             effort: Vec::new(),
+            voltage: Vec::new(),
             provenance: Provenance::new(self.robot.name(), &self.robot_text, None),
         }
     }
@@ -247,7 +247,7 @@ impl Listener for Relay<'_> {
     fn sample(&mut self, sample: &GridSample, command: &[f64]) -> Flow {
         let (index, t, phase) = (sample.index, sample.index as f64 / self.rate_hz, self.layout.phase(sample.index));
         self.last = (t, phase);
-        self.sink.sample(&RawSample { index, t, phase, q: &sample.q, effort: &sample.effort, command })
+        self.sink.sample(&RawSample { index, t, phase, q: &sample.q, effort: &sample.effort, voltage: &[], command })
     }
 
     fn idle(&mut self, age_s: f64) -> Flow {

@@ -7,7 +7,7 @@ use toml::Spanned;
 use super::FormatError;
 use super::reading::{Check, Number, Row, read};
 use super::robot_file::quoted;
-use crate::model::{DriveParameters, JointKind, Robot, StandardParameters};
+use crate::model::{Drive, DriveParameters, JointKind, Robot, StandardParameters};
 use crate::spatial::Inertia;
 
 /// Where a group of numbers comes from.
@@ -24,6 +24,9 @@ pub struct Note {
 pub struct ParameterFile {
     /// The values.
     pub parameters: StandardParameters,
+    /// What the motors really are: the robot's drives, with what this file says of their circuits; n. The back-EMF
+    /// constant is the torque constant.
+    pub motors: Vec<Drive>,
     /// Where they come from.
     pub notes: Vec<Note>,
 }
@@ -128,6 +131,10 @@ struct DriveTable {
     offset_n: Option<Number>,
     motor_viscous_n_s_m: Option<Number>,
     motor_coulomb_n: Option<Number>,
+    torque_constant_nm_a: Option<Number>,
+    resistance_ohm: Option<Number>,
+    inductance_h: Option<Number>,
+    brush_drop_v: Option<Number>,
 }
 
 /// Reads a set of parameters for a robot.
@@ -165,7 +172,7 @@ pub fn parse_nominal(text: &str, robot: &Robot) -> Result<NominalParameters, For
         offset_nm: check.not_negative("offset_nm", &table.offset_nm)?,
     };
     let reader = ParameterReader { check, robot, require_consistent: true };
-    let ParameterFile { parameters, notes } = reader.parameters(&file.link, file.drive.as_ref())?;
+    let ParameterFile { parameters, notes, .. } = reader.parameters(&file.link, file.drive.as_ref())?;
     Ok(NominalParameters { parameters, relative_uncertainty, notes })
 }
 
@@ -183,6 +190,7 @@ impl ParameterReader<'_> {
         drives: Option<&Spanned<Vec<Spanned<DriveTable>>>>,
     ) -> Result<ParameterFile, FormatError> {
         let mut parameters = StandardParameters::zero(self.robot.dof());
+        let mut motors: Vec<Drive> = self.robot.joints().iter().map(|joint| joint.drive.clone()).collect();
         let mut notes = Vec::new();
         let mut seen = vec![false; self.robot.dof()];
         for table in links.get_ref() {
@@ -203,12 +211,13 @@ impl ParameterReader<'_> {
         for table in drives.map(|drives| drives.get_ref().as_slice()).unwrap_or_default() {
             let index = self.index("joint", &table.get_ref().joint, &mut seen)?;
             parameters.drives[index] = self.drive(index, table.get_ref())?;
+            self.motor(table.get_ref(), &mut motors[index])?;
             if let Some(source) = &table.get_ref().source {
                 let subject = format!("drive {}", table.get_ref().joint.get_ref());
                 notes.push(Note { subject, source: source.clone() });
             }
         }
-        Ok(ParameterFile { parameters, notes })
+        Ok(ParameterFile { parameters, motors, notes })
     }
 
     fn index(&self, what: &str, name: &Spanned<String>, seen: &mut [bool]) -> Result<usize, FormatError> {
@@ -267,6 +276,39 @@ impl ParameterReader<'_> {
         .map(|(key, number)| self.check.finite(key, number));
         let (xy, xz, yz) = (xy?, xz?, yz?);
         Ok(Matrix3::from_columns(&[Vector3::new(xx?, xy, xz), Vector3::new(xy, yy?, yz), Vector3::new(xz, yz, zz?)]))
+    }
+
+    /// Puts what the file says of a motor in place of what the robot file says.
+    fn motor(&self, table: &DriveTable, drive: &mut Drive) -> Result<(), FormatError> {
+        if let Some(x) = &table.torque_constant_nm_a {
+            drive.torque_constant = self.check.positive("torque_constant_nm_a", x)?;
+        }
+        let keys = [
+            ("resistance_ohm", &table.resistance_ohm),
+            ("inductance_h", &table.inductance_h),
+            ("brush_drop_v", &table.brush_drop_v),
+        ];
+        let Some(circuit) = &mut drive.circuit else {
+            return match keys.iter().find_map(|(key, x)| x.as_ref().map(|x| (key, x))) {
+                Some((key, x)) => self.check.fault(
+                    x.span(),
+                    format!("{key} is given for a motor whose circuit the robot file does not have, expected neither"),
+                ),
+                None => Ok(()),
+            };
+        };
+        circuit.back_emf = drive.torque_constant;
+        let slots = [&mut circuit.resistance, &mut circuit.inductance, &mut circuit.brush_drop];
+        for ((key, x), slot) in keys.into_iter().zip(slots) {
+            if let Some(x) = x {
+                *slot = if key == "resistance_ohm" {
+                    self.check.positive(key, x)?
+                } else {
+                    self.check.not_negative(key, x)?
+                };
+            }
+        }
+        Ok(())
     }
 
     fn drive(&self, index: usize, table: &DriveTable) -> Result<DriveParameters, FormatError> {

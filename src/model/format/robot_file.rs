@@ -10,7 +10,7 @@ use super::FormatError;
 use super::reading::{Check, Number, Row, STANDARD_GRAVITY, read, roll_pitch_yaw};
 use super::shape_tables::{FloorTable, ObstacleTable, ShapeTable, TouchTable, read_obstacles, read_shape, read_touch};
 use crate::model::{
-    DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, Robot, RobotSpec, ServoTuning,
+    DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, MotorCircuit, Robot, RobotSpec, ServoTuning,
 };
 use crate::spatial::Placement;
 
@@ -104,6 +104,12 @@ struct DriveTable {
     adc_bits: Option<Spanned<u32>>,
     coulomb_velocity_rad_s: Option<Number>,
     coulomb_velocity_m_s: Option<Number>,
+    resistance_ohm: Option<Number>,
+    inductance_h: Option<Number>,
+    back_emf_v_s_rad: Option<Number>,
+    brush_drop_v: Option<Number>,
+    supply_v: Option<Number>,
+    voltage_noise_v: Option<Number>,
 }
 
 #[derive(Deserialize)]
@@ -360,6 +366,38 @@ impl JointReader<'_> {
         )? {
             drive.coulomb_velocity = check.not_negative(key, x)?;
         }
+        drive.circuit = self.circuit(table, drive.torque_constant)?;
+        if let Some(x) = &table.voltage_noise_v {
+            drive.voltage_noise = check.not_negative("voltage_noise_v", x)?;
+        }
         Ok(drive)
+    }
+
+    /// The motor's circuit, where its resistance is given.
+    fn circuit(&self, table: &DriveTable, torque_constant: f64) -> Result<Option<MotorCircuit>, FormatError> {
+        let check = self.check;
+        let others = [
+            ("inductance_h", &table.inductance_h),
+            ("back_emf_v_s_rad", &table.back_emf_v_s_rad),
+            ("brush_drop_v", &table.brush_drop_v),
+            ("supply_v", &table.supply_v),
+            ("voltage_noise_v", &table.voltage_noise_v),
+        ];
+        let Some(resistance) = &table.resistance_ohm else {
+            return match others.iter().find_map(|(key, x)| x.as_ref().map(|x| (key, x))) {
+                Some((key, x)) => {
+                    check.fault(x.span(), format!("{key} is given without resistance_ohm, expected both or neither"))
+                }
+                None => Ok(None),
+            };
+        };
+        let value = |key, x: &Option<Number>, default| x.as_ref().map_or(Ok(default), |x| check.not_negative(key, x));
+        Ok(Some(MotorCircuit {
+            resistance: check.positive("resistance_ohm", resistance)?,
+            inductance: value("inductance_h", &table.inductance_h, 0.0)?,
+            back_emf: value("back_emf_v_s_rad", &table.back_emf_v_s_rad, torque_constant)?,
+            brush_drop: value("brush_drop_v", &table.brush_drop_v, 0.0)?,
+            supply: table.supply_v.as_ref().map_or(Ok(f64::INFINITY), |x| check.positive("supply_v", x))?,
+        }))
     }
 }

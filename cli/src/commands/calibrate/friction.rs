@@ -1,0 +1,118 @@
+//! `armid calibrate friction`
+
+use armid::calibration::{Friction, friction};
+use armid_reports::{Axis, GroupStyle, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
+use miette::Result;
+use serde_json::json;
+
+use super::bench::{Bench, BenchArguments};
+use crate::answer::{Answer, Ending};
+use crate::console::Console;
+use crate::fault::Fault;
+use crate::table::{Align, Table};
+
+const AFTER_HELP: &str = "\
+At one speed there and back over the same positions gravity cancels in half the difference of the
+torques, which leaves friction: Fc + Fv v. Where the slowest speed lies above the line through the
+faster half, friction falls as the joint sets off (Stribeck). A recording of `torque-constant` serves.";
+
+/// Measure a joint's friction at constant speeds
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    bench: BenchArguments,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let mut bench = arguments.bench.prepare("friction", false, console)?;
+    let Some(recording) = &bench.recording else {
+        console.show(&Answer { text: bench.list(), json: json!({ "written": bench.written }) })?;
+        return Ok(Ending::Done);
+    };
+    let found = friction(recording, &bench.loaded.robot, bench.joint).map_err(|error| Fault::new(error.to_string()))?;
+    let kind = bench.loaded.robot.joints()[bench.joint].kind;
+    let json = json!({
+        "robot": bench.loaded.robot.name(),
+        "joint": bench.joint_name(),
+        "viscous": found.viscous,
+        "coulomb": found.coulomb,
+        "stribeck": found.stribeck,
+        "residual_rms": found.residual_rms,
+        "points": found.points,
+        "effort_unit": kind.effort_unit(),
+        "speed_unit": format!("{}/s", kind.unit()),
+    });
+    let figure = figure(&found, &bench);
+    bench.write(&json, &figure)?;
+    console.show(&Answer { text: format!("{}\n{}", text(&found, &bench), bench.list()), json })?;
+    Ok(Ending::Done)
+}
+
+/// Does friction fall as the joint sets off?
+fn falls(found: &Friction) -> bool {
+    found.stribeck.is_some_and(|excess| excess.ci95[0] > 0.0)
+}
+
+fn text(found: &Friction, bench: &Bench) -> String {
+    let kind = bench.loaded.robot.joints()[bench.joint].kind;
+    let effort = kind.effort_unit();
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("value", Align::Right),
+        ("std", Align::Right),
+        ("95 % interval", Align::Right),
+        ("", Align::Right),
+        ("unit", Align::Left),
+    ]);
+    let rows = [
+        ("viscous Fv", Some(found.viscous), format!("{effort}·s/{}", kind.unit())),
+        ("Coulomb Fc", Some(found.coulomb), effort.to_owned()),
+        ("above the line at the slowest speed", found.stribeck, effort.to_owned()),
+    ];
+    for (name, value, unit) in rows {
+        if let Some(value) = value {
+            let [v, s, low, high] = [value.value, value.std, value.ci95[0], value.ci95[1]].map(|x| format!("{x:.4}"));
+            table.row([name.to_owned(), v, s, low, high, unit]);
+        }
+    }
+    let word = if falls(found) {
+        "\nfriction falls as the joint sets off: leave slow samples out, or estimate a Stribeck term\n"
+    } else {
+        ""
+    };
+    format!(
+        "{} \"{}\": friction at {} speeds there and back\n\n{}{word}",
+        bench.loaded.robot.name(),
+        bench.joint_name(),
+        found.points.len(),
+        table.render(2)
+    )
+}
+
+fn figure(found: &Friction, bench: &Bench) -> ScatterFigure {
+    let kind = bench.loaded.robot.joints()[bench.joint].kind;
+    let fastest = found.points.last().map_or(0.0, |point| point.speed);
+    let at = |speed: f64| (speed, found.coulomb.value + found.viscous.value * speed);
+    let points = found
+        .points
+        .iter()
+        .map(|p| ScatterPoint::new(p.speed, p.friction.value).interval(p.friction.ci95[0], p.friction.ci95[1]));
+    ScatterFigure {
+        heading: Heading::new("friction", "Friction grows with speed along a straight line")
+            .subtitle(format!("{}, joint \"{}\"", bench.loaded.robot.name(), bench.joint_name()))
+            .caption("Points: half the difference of the efforts there and back over the same positions, with 95 % intervals. Line: Fc + Fv v."),
+        columns: 1,
+        panels: vec![ScatterPanel {
+            title: String::new(),
+            x: Axis::linear("speed of the joint", format!("{}/s", kind.unit())).including(&[0.0]),
+            y: Axis::linear("friction", kind.effort_unit()),
+            groups: vec![ScatterGroup { label: "speeds".into(), style: GroupStyle::nth(0), points: points.collect() }],
+            references: vec![Reference::Segment {
+                from: at(0.0),
+                to: at(fastest),
+                label: format!("{:.3} + {:.3} v", found.coulomb.value, found.viscous.value),
+            }],
+        }],
+    }
+}

@@ -1,0 +1,185 @@
+//! `armid calibrate payload`
+
+use std::path::{Path, PathBuf};
+
+use armid::calibration::{KnownLoad, known_load, payload};
+use armid::experiment::{ExperimentPlan, Sensing, record};
+use armid::seed::Seed;
+use armid::signal::{Derivatives, Processing, Samples, process};
+use armid::spatial::Inertia;
+use armid_reports::{Axis, Figure, Group, Heading, Interval, IntervalFigure, IntervalRow, Level};
+use miette::Result;
+use serde_json::json;
+
+use crate::answer::{Answer, Ending};
+use crate::arms::ArmKind;
+use crate::atomic_file;
+use crate::choices::one_of;
+use crate::console::{Console, pretty};
+use crate::fault::Fault;
+use crate::files::{log, trajectory};
+use crate::robot_source::{LoadedRobot, RobotArguments};
+use crate::simulated_arm::Simulation;
+use crate::table::{Align, Table};
+
+const AFTER_HELP: &str = "\
+Two recordings of one motion, without and with a payload whose mass and centre are known: what the
+payload adds is known in N·m, what the motors add is measured in A. Their ratio is the torque
+constant. It needs no motor voltage. A joint with a vertical axis feels the payload's inertia only,
+so that its interval is wide. Motors that drive several joints need the back-EMF.
+
+  armid run without.toml -o A.mcap
+  # attach the payload
+  armid run with.toml -o B.mcap
+  armid calibrate payload crs-a460 --mass-kg 1 --centre-m 0,0,0.05 --unloaded A.mcap --loaded B.mcap
+
+Without recordings both are simulated along --trajectory.";
+
+/// Measure torque constants by what a known payload adds
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// Mass of the payload
+    #[arg(long, value_name = "KG")]
+    mass_kg: f64,
+    /// Its centre of mass in the frame of the last link (at the flange, z outwards)
+    #[arg(long, num_args = 3, value_delimiter = ',', value_name = "X,Y,Z", allow_hyphen_values = true)]
+    centre_m: Vec<f64>,
+    /// Its moments of inertia about its centre, along those axes
+    #[arg(long, num_args = 3, value_delimiter = ',', value_name = "XX,YY,ZZ", default_value = "0,0,0")]
+    inertia_kg_m2: Vec<f64>,
+    /// The recording without the payload
+    #[arg(long, value_name = "A.mcap", requires = "loaded")]
+    unloaded: Option<PathBuf>,
+    /// The recording with it
+    #[arg(long, value_name = "B.mcap", requires = "unloaded")]
+    loaded: Option<PathBuf>,
+    /// The motion to simulate
+    #[arg(long, default_value = "table-one", value_name = "T.toml")]
+    trajectory: String,
+    /// Periods to simulate
+    #[arg(long, default_value_t = 10)]
+    periods: usize,
+    /// Seed of every random number
+    #[arg(long, default_value_t = 0)]
+    seed: u64,
+    /// What performs it
+    #[arg(long, default_value = "analytic", value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name))]
+    arm: ArmKind,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let loaded = arguments.robot.load()?;
+    let load = arguments.load()?;
+    let [without, with] = match (&arguments.unloaded, &arguments.loaded) {
+        (Some(unloaded), Some(with)) => [recorded(unloaded, &loaded)?, recorded(with, &loaded)?],
+        _ => [arguments.simulated(&loaded, None)?, arguments.simulated(&loaded, Some(&load))?],
+    };
+    let found = known_load(&loaded.robot, &without, &with, &load).map_err(|error| Fault::new(error.to_string()))?;
+    let stem = console.output().map_or_else(
+        || Path::new("reports").join(format!("{}-payload", loaded.robot.name())).join("torque-constants"),
+        |path| path.with_extension(""),
+    );
+    let json = json!({ "robot": loaded.robot.name(), "mass_kg": arguments.mass_kg, "centre_m": arguments.centre_m, "joints": found });
+    let svg = figure(&found, &loaded).svg().map_err(|fault| Fault::new(format!("the figure: {fault}")))?;
+    let mut text = text(&found, &loaded);
+    for (ending, content) in [("json", pretty(&json)), ("svg", svg)] {
+        let path = stem.with_extension(ending);
+        atomic_file::write_text(&path, &content)?;
+        text.push_str(&format!("  {}\n", path.display()));
+    }
+    console.show(&Answer { text, json })?;
+    Ok(Ending::Done)
+}
+
+impl Arguments {
+    /// The payload about the origin of the last link's frame.
+    fn load(&self) -> Result<Inertia> {
+        let [x, y, z] = [self.centre_m[0], self.centre_m[1], self.centre_m[2]];
+        let numbers = || self.centre_m.iter().chain(&self.inertia_kg_m2);
+        if !(self.mass_kg.is_finite() && self.mass_kg > 0.0) || numbers().any(|x| !x.is_finite()) {
+            return Err(Fault::new("the payload needs a mass above zero and finite numbers").into());
+        }
+        let inertia = [self.inertia_kg_m2[0], self.inertia_kg_m2[1], self.inertia_kg_m2[2]];
+        Ok(payload(self.mass_kg, [x, y, z], inertia))
+    }
+
+    /// Samples of a simulated experiment, with the payload on the last link where there is one.
+    fn simulated(&self, loaded: &LoadedRobot, load: Option<&Inertia>) -> Result<Samples> {
+        let mut simulation = Simulation::of(loaded.clone(), self.arm)?;
+        if let (Some(load), Some(last)) = (load, simulation.truth.parameters.links.last_mut()) {
+            last.mass += load.mass;
+            last.first_moment += load.first_moment;
+            last.rotational += load.rotational;
+        }
+        let motion = trajectory::load(&self.trajectory, None, &loaded.robot)?;
+        let plan = ExperimentPlan::new(motion).with_periods(self.periods);
+        let run = u64::from(load.is_some());
+        let fault = |error: &dyn std::fmt::Display| Fault::new(format!("arm {}: {error}", self.arm.name()));
+        let mut servo =
+            simulation.servo(&Sensing::default()).map_err(|error| fault(&error))?.with_seed(Seed::new(self.seed), run);
+        let (recording, ending) = record(&mut servo, &plan).map_err(|error| fault(&error))?;
+        if !ending.is_complete() {
+            return Err(Fault::new(format!("the simulated motion ended early: {ending:?}")).into());
+        }
+        process(&recording, &loaded.robot, &processing()).map_err(|error| fault(&error).into())
+    }
+}
+
+fn recorded(path: &Path, loaded: &LoadedRobot) -> Result<Samples> {
+    let log = log::read(path)?;
+    let Some(recording) = &log.recording else {
+        let message = format!("{} was not recorded by armid, expected a recording with its plan", log.name);
+        return Err(Fault::new(message).into());
+    };
+    process(recording, &loaded.robot, &processing())
+        .map_err(|error| Fault::new(format!("{}: {error}", log.name)).into())
+}
+
+fn processing() -> Processing {
+    Processing { derivatives: Derivatives::Fourier, samples_per_period: 250, ..Processing::default() }
+}
+
+fn text(found: &[KnownLoad], loaded: &LoadedRobot) -> String {
+    let mut table = Table::new(&[
+        ("joint", Align::Left),
+        ("torque constant", Align::Right),
+        ("95 % interval", Align::Right),
+        ("", Align::Right),
+        ("assumed", Align::Right),
+        ("load RMS", Align::Right),
+    ]);
+    for joint in found {
+        let constant = joint.torque_constant;
+        table.row([
+            joint.joint.clone(),
+            format!("{:.6} N·m/A", constant.value),
+            format!("{:.6}", constant.ci95[0]),
+            format!("{:.6}", constant.ci95[1]),
+            format!("{:.6}", joint.assumed),
+            format!("{:.3} N·m", joint.load_rms),
+        ]);
+    }
+    format!("{}: torque constants by what a known payload adds\n\n{}\n", loaded.robot.name(), table.render(2))
+}
+
+fn figure(found: &[KnownLoad], loaded: &LoadedRobot) -> IntervalFigure {
+    let rows = found.iter().map(|joint| {
+        let share = joint.torque_constant.scaled(100.0 / joint.assumed);
+        let high = share.ci95[1];
+        let cell = high.is_finite().then(|| Interval::new(share.value, share.ci95[0], high));
+        IntervalRow { label: joint.joint.clone(), cells: vec![cell] }
+    });
+    IntervalFigure {
+        heading: Heading::new("torque-constants", "Torque constants against those of the robot file")
+            .subtitle(loaded.robot.name())
+            .caption("Points: torque constants by what a known payload adds, with 95 % intervals."),
+        value: Axis::linear("torque constant, share of the robot file's", "%"),
+        groups: Group::assign(["known payload"]),
+        rows: rows.collect(),
+        levels: vec![Level::new(100.0, "robot file")],
+        band: None,
+    }
+}

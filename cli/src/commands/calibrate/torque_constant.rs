@@ -1,0 +1,146 @@
+//! `armid calibrate torque-constant`
+
+use armid::calibration::{BackEmf, CalibrationError, Resistance, back_emf};
+use armid_reports::{Axis, GroupStyle, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
+use miette::Result;
+use serde_json::json;
+
+use super::bench::{Bench, BenchArguments};
+use crate::answer::{Answer, Ending};
+use crate::console::Console;
+use crate::fault::Fault;
+use crate::table::{Align, Table};
+
+const AFTER_HELP: &str = "\
+The back-EMF of a motor is its voltage less what resistance, inductance and brushes take; against
+the speed of the shaft it is a straight line whose slope is Ke = Kt (Corke 1996). The resistance is
+estimated with it: it shows where the current varies apart from the speed, under gravity and in
+reversals. --resistance-ohm takes it as known.
+
+Where the interface gives no motor voltage, a payload of known mass and centre shows the torque
+constants instead: `armid calibrate payload`.";
+
+/// Measure a torque constant by the motor's back-EMF
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(super) struct Arguments {
+    #[command(flatten)]
+    bench: BenchArguments,
+    /// Resistance of armature and leads, Ω, where it is known; estimated otherwise
+    #[arg(long, value_name = "OHM")]
+    resistance_ohm: Option<f64>,
+}
+
+pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let mut bench = arguments.bench.prepare("torque-constant", true, console)?;
+    let Some(recording) = &bench.recording else {
+        console.show(&Answer { text: bench.list(), json: json!({ "written": bench.written }) })?;
+        return Ok(Ending::Done);
+    };
+    let resistance = match arguments.resistance_ohm {
+        None => Resistance::Estimated,
+        Some(ohm) if ohm.is_finite() && ohm > 0.0 => Resistance::Known(ohm),
+        Some(ohm) => return Err(Fault::new(format!("--resistance-ohm is {ohm}, expected a number above zero")).into()),
+    };
+    let found = back_emf(recording, &bench.loaded.robot, bench.joint, resistance).map_err(|error| {
+        let shown = Fault::new(error.to_string());
+        match error {
+            CalibrationError::NoVoltage => shown.help(
+                "the known-payload route: `armid calibrate payload ROBOT --mass-kg M --centre-m X,Y,Z \
+                 --unloaded A.mcap --loaded B.mcap`",
+            ),
+            _ => shown,
+        }
+    })?;
+    let assumed = bench.loaded.robot.joints()[bench.joint].drive.torque_constant;
+    let entry = entry(bench.joint_name(), &found);
+    let json = json!({
+        "robot": bench.loaded.robot.name(),
+        "joint": bench.joint_name(),
+        "torque_constant_nm_a": found.torque_constant,
+        "assumed_nm_a": assumed,
+        "resistance_ohm": found.resistance,
+        "inductance_h": found.inductance,
+        "brush_drop_v": found.brush_drop,
+        "residual_rms_v": found.residual_rms,
+        "condition": found.condition_scaled,
+        "windows": found.points.len(),
+        "periods": found.periods,
+        "entry": entry,
+    });
+    let figure = figure(&found, &bench);
+    bench.write(&json, &figure)?;
+    let text = format!("{}\nentry for robot.toml\n{entry}\n{}", text(&found, &bench, assumed), bench.list());
+    console.show(&Answer { text, json })?;
+    Ok(Ending::Done)
+}
+
+/// What to paste under the joint's `[joint.drive]`.
+fn entry(joint: &str, found: &BackEmf) -> String {
+    let half = 0.5 * (found.torque_constant.ci95[1] - found.torque_constant.ci95[0]);
+    let mut text = format!(
+        "torque_constant_nm_a = {:.6}   # {joint}: by back-EMF, ± {half:.6} (95 %)\n",
+        found.torque_constant.value
+    );
+    if let Some(resistance) = &found.resistance {
+        text.push_str(&format!("resistance_ohm = {:.4}\n", resistance.value));
+    }
+    text.push_str(&format!("brush_drop_v = {:.3}\n", found.brush_drop.value.max(0.0)));
+    text
+}
+
+fn text(found: &BackEmf, bench: &Bench, assumed: f64) -> String {
+    let mut table = Table::new(&[
+        ("", Align::Left),
+        ("value", Align::Right),
+        ("std", Align::Right),
+        ("95 % interval", Align::Right),
+        ("", Align::Right),
+        ("unit", Align::Left),
+    ]);
+    let rows = [
+        ("torque constant", Some(found.torque_constant), 6, "N·m/A"),
+        ("resistance", found.resistance, 4, "Ω"),
+        ("inductance", Some(found.inductance.scaled(1e3)), 3, "mH"),
+        ("brush drop", Some(found.brush_drop), 4, "V"),
+    ];
+    for (name, value, decimals, unit) in rows {
+        if let Some(value) = value {
+            let [v, s, low, high] =
+                [value.value, value.std, value.ci95[0], value.ci95[1]].map(|x| format!("{x:.decimals$}"));
+            table.row([name.to_owned(), v, s, low, high, unit.to_owned()]);
+        }
+    }
+    format!(
+        "{} \"{}\": back-EMF in {} windows of 50 ms, mean of {} periods; the robot file says {assumed} N·m/A\n\n{}",
+        bench.loaded.robot.name(),
+        bench.joint_name(),
+        found.points.len(),
+        found.periods,
+        table.render(2)
+    )
+}
+
+fn figure(found: &BackEmf, bench: &Bench) -> ScatterFigure {
+    let fastest = found.points.iter().fold(0.0_f64, |most, point| most.max(point.speed.abs()));
+    let constant = found.torque_constant;
+    let end = |side: f64| (side * fastest, side * fastest * constant.value);
+    let points = found.points.iter().map(|point| ScatterPoint::new(point.speed, point.voltage));
+    ScatterFigure {
+        heading: Heading::new("back-emf", "The back-EMF is a straight line through zero whose slope is the torque constant")
+            .subtitle(format!("{}, joint \"{}\"", bench.loaded.robot.name(), bench.joint_name()))
+            .caption("Points: windows of 50 ms; terminal voltage less the shares of resistance, inductance and brushes. Line: the estimate."),
+        columns: 1,
+        panels: vec![ScatterPanel {
+            title: String::new(),
+            x: Axis::linear("speed of the motor", "rad/s"),
+            y: Axis::linear("back-EMF", "V"),
+            groups: vec![ScatterGroup { label: "windows".into(), style: GroupStyle::nth(0), points: points.collect() }],
+            references: vec![Reference::Segment {
+                from: end(-1.0),
+                to: end(1.0),
+                label: format!("Kt = {:.5} ± {:.5} N·m/A", constant.value, constant.ci95[1] - constant.value),
+            }],
+        }],
+    }
+}

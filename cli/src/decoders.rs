@@ -1,0 +1,73 @@
+//! Every decoder that bytes from outside reach, one function per kind of file: what the fuzz targets call.
+//!
+//! A decoder may refuse anything and must never panic, hang or ask for more memory than its input explains. Where it
+//! accepts, writing what it read and reading that again must give the same.
+
+use std::path::Path;
+
+use armid::excitation::PeriodicTrajectory;
+use armid::model::Robot;
+use armid::model::bundled;
+use armid::model::format::{parse_nominal, parse_parameter_map, parse_parameters, parse_robot};
+use armid::study::StudyPlan;
+
+use crate::fault::Text;
+use crate::files::joint_state::JointState;
+use crate::files::{experiment_toml, float_array, recording_csv, recording_reader, states_csv};
+use crate::robot_source;
+
+/// CDR: the ROS 2 message of joint states.
+///
+/// # Panics
+/// Where a message that was read is not the same after writing and reading: a fault that fuzzing looks for.
+pub fn cdr(bytes: &[u8]) {
+    let _ = float_array::decode(bytes);
+    if let Ok(state) = JointState::decode(bytes) {
+        let written = state.encode();
+        let again = JointState::decode(&written).map(|state| state.encode());
+        assert_eq!(again.as_deref(), Ok(written.as_slice()), "a message changes when it is written and read");
+    }
+}
+
+/// MCAP: a recording, cut off or not, and the robot that it holds.
+pub fn mcap(bytes: &[u8]) {
+    if let Ok(log) = recording_reader::read(Path::new("fuzz.mcap.part"), bytes)
+        && let Some(robot) = &log.robot
+    {
+        let _ = robot_source::of_recording(&log.name, robot);
+    }
+}
+
+/// TOML: robots, parameters, trajectories, studies, experiments.
+///
+/// # Panics
+/// Where a trajectory that was read is not the same after writing and reading: a fault that fuzzing looks for.
+pub fn toml(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let robot = robot();
+    let _ = parse_robot(text);
+    let _ = parse_parameters(text, &robot, true);
+    let _ = parse_nominal(text, &robot);
+    let _ = parse_parameter_map(text, &robot);
+    let _ = StudyPlan::from_toml(text);
+    let _ = experiment_toml::parse(Text::new("fuzz.toml", text), None);
+    if let Ok(trajectory) = PeriodicTrajectory::from_toml(text) {
+        let again = PeriodicTrajectory::from_toml(&trajectory.to_toml());
+        assert_eq!(again.ok(), Some(trajectory), "a trajectory changes when it is written and read");
+    }
+}
+
+/// CSV: recordings and states.
+pub fn csv(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let _ = recording_csv::read(Text::new("fuzz.csv", text));
+    for third in [states_csv::Third::Acceleration, states_csv::Third::Effort] {
+        let _ = states_csv::read(Text::new("fuzz.csv", text), 2, third);
+    }
+}
+
+/// The smallest bundled robot, for files that are about one.
+fn robot() -> Robot {
+    let smallest = bundled().iter().min_by_key(|entry| entry.robot.len()).expect("robots are compiled in");
+    parse_robot(smallest.robot).expect("a bundled robot can be read")
+}

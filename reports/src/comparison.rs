@@ -1,0 +1,144 @@
+//! The page that sets two estimates side by side.
+
+use armid::estimation::Comparison;
+
+use crate::document::{Cell, Column, Table};
+use crate::{
+    Axis, Band, Bar, BarFigure, BarRow, Document, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow,
+    Level, Section,
+};
+
+/// How well an estimate predicted a recording that it had not seen, n each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Prediction {
+    /// RMS difference of each joint, in the comparison's units.
+    pub rms: Vec<f64>,
+    /// The same as a share of the measured effort's RMS.
+    pub relative_rms: Vec<f64>,
+}
+
+/// What a comparison is shown with.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ComparisonStory {
+    /// The two estimates side by side.
+    pub comparison: Comparison,
+    /// What they are called.
+    pub labels: [String; 2],
+    /// Names of the joints, n.
+    pub joints: Vec<String>,
+    /// Prediction of a validation recording, where there is one.
+    pub predictions: [Option<Prediction>; 2],
+}
+
+/// The page of a comparison.
+///
+/// # Errors
+/// [`DocumentError`] where a figure cannot be drawn.
+pub fn comparison_document(story: &ComparisonStory) -> Result<Document, DocumentError> {
+    let Comparison { parameters, beyond, rms_difference_std, .. } = &story.comparison;
+    let [first, second] = &story.labels;
+    let document = Document::new(format!("{}: {first} and {second}", story.comparison.robot))
+        .subtitle(format!("{} base parameters, estimators {}", parameters.len(), story.comparison.estimators.join(" and ")))
+        .summary(format!(
+            "**{:.0} %** of the parameters differ by more than 1.96 standard deviations, where noise alone gives 5 %; \
+             the differences have an RMS of **{rms_difference_std:.2}** standard deviations, where noise alone gives 1.",
+            100.0 * beyond
+        ))
+        .section(differences(story)?)
+        .section(residuals(story)?)
+        .section(predictions(story)?)
+        .section(values(story));
+    Ok(document.provenance("armid", env!("CARGO_PKG_VERSION")))
+}
+
+fn differences(story: &ComparisonStory) -> Result<Section, DocumentError> {
+    let rows = story.comparison.parameters.iter().map(|parameter| {
+        let z = parameter.difference_std;
+        IntervalRow { label: parameter.name.clone(), cells: vec![Some(Interval::new(z, z - 1.96, z + 1.96))] }
+    });
+    let figure = IntervalFigure {
+        heading: Heading::new("differences", "Each parameter's difference, in standard deviations")
+            .subtitle(format!("{} less {}", story.labels[1], story.labels[0]))
+            .caption("Points: difference over the root of the summed variances. Bars: ± 1.96, which cover zero in 95 % of parameters where noise alone makes the difference."),
+        value: Axis::linear("difference", "std"),
+        groups: Group::assign(["difference"]),
+        rows: rows.collect(),
+        levels: vec![Level::new(0.0, "equal")],
+        band: Some(Band::new(-1.96, 1.96, "95 % of what noise gives")),
+    };
+    Section::new("Differences").figure(&figure)
+}
+
+fn residuals(story: &ComparisonStory) -> Result<Section, DocumentError> {
+    let rows = story.joints.iter().enumerate().map(|(j, joint)| BarRow {
+        label: joint.clone(),
+        bars: story.comparison.residual_rms.iter().map(|rms| Some(Bar { value: rms[j], interval: None })).collect(),
+    });
+    let unit = story.comparison.units.first().map_or("", String::as_str);
+    let figure = BarFigure {
+        heading: Heading::new("residuals", "What each fit leaves unexplained")
+            .caption("Bars: RMS residual of each joint's equations."),
+        value: Axis::linear("residual RMS", unit),
+        groups: Group::assign(story.labels.clone()),
+        rows: rows.collect(),
+        levels: Vec::new(),
+        digits: Some(4),
+    };
+    Section::new("Residuals").figure(&figure)
+}
+
+fn predictions(story: &ComparisonStory) -> Result<Section, DocumentError> {
+    let section = Section::new("Prediction of a recording that no fit has seen");
+    if story.predictions.iter().all(Option::is_none) {
+        return Ok(section.text("No `validation.json` stands beside the estimates."));
+    }
+    let rows = story.joints.iter().enumerate().map(|(j, joint)| {
+        let bar = |prediction: &Option<Prediction>| {
+            prediction.as_ref().map(|p| Bar { value: 100.0 * p.relative_rms[j], interval: None })
+        };
+        BarRow { label: joint.clone(), bars: story.predictions.iter().map(bar).collect() }
+    });
+    let figure = BarFigure {
+        heading: Heading::new("prediction", "Error of the predicted effort")
+            .caption("Bars: RMS of measured less predicted effort over the RMS of the measured."),
+        value: Axis::linear("share of the measured RMS", "%"),
+        groups: Group::assign(story.labels.clone()),
+        rows: rows.collect(),
+        levels: Vec::new(),
+        digits: Some(2),
+    };
+    section.figure(&figure)
+}
+
+fn values(story: &ComparisonStory) -> Section {
+    let columns = vec![
+        Column::text("parameter"),
+        Column::text("unit"),
+        Column::number(story.labels[0].clone(), ""),
+        Column::number("std", ""),
+        Column::number(story.labels[1].clone(), ""),
+        Column::number("std", ""),
+        Column::number("difference", "std"),
+    ];
+    let table = story.comparison.parameters.iter().fold(Table::new("Both estimates", columns), |table, p| {
+        table.row(vec![
+            Cell::text(p.name.clone()),
+            Cell::text(p.unit.clone()),
+            Cell::number(p.value[0], 5),
+            Cell::number(p.std[0], 2),
+            Cell::number(p.value[1], 5),
+            Cell::number(p.std[1], 2),
+            Cell::fixed(p.difference_std, 2),
+        ])
+    });
+    let section = Section::new("Values").table(table);
+    let alone: Vec<String> = story
+        .comparison
+        .alone
+        .iter()
+        .zip(&story.labels)
+        .filter(|(names, _)| !names.is_empty())
+        .map(|(names, label)| format!("Only {label} has {}.", names.join(", ")))
+        .collect();
+    if alone.is_empty() { section } else { section.list(alone) }
+}

@@ -1,0 +1,32 @@
+//! What can keep a calibration from an answer.
+
+use crate::linalg::LeastSquaresError;
+
+/// Why there is no result.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum CalibrationError {
+    /// The interface gives no motor voltage.
+    #[error(
+        "the recording holds no motor voltages, expected one for each joint and sample; where the interface gives \
+         none, a known payload shows the torque constant instead"
+    )]
+    NoVoltage,
+    /// The recording does not have what the calibration needs.
+    #[error("{quantity}: {found}, expected {expected}")]
+    Unfit {
+        /// What does not fit.
+        quantity: &'static str,
+        /// What was found.
+        found: String,
+        /// What was expected.
+        expected: &'static str,
+    },
+    /// The equations do not have an answer.
+    #[error("the motion does not tell {parameter} from the others: {fault}")]
+    NotExcited {
+        /// What cannot be told.
+        parameter: &'static str,
+        /// Why.
+        fault: LeastSquaresError,
+    },
+}

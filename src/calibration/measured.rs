@@ -1,0 +1,36 @@
+//! A number with its uncertainty.
+
+use crate::estimation::student_quantile_975;
+
+/// A measured number.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Measured {
+    /// The value.
+    pub value: f64,
+    /// Its standard deviation.
+    pub std: f64,
+    /// Ends of the 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+impl Measured {
+    /// A value whose standard deviation was estimated with some degrees of freedom.
+    #[must_use]
+    pub fn new(value: f64, std: f64, freedom: f64) -> Self {
+        let half = student_quantile_975(freedom) * std;
+        Self { value, std, ci95: [value - half, value + half] }
+    }
+
+    /// The same number in another unit, `factor` times as large.
+    #[must_use]
+    pub fn scaled(self, factor: f64) -> Self {
+        let [low, high] = self.ci95.map(|end| factor * end);
+        Self { value: factor * self.value, std: factor.abs() * self.std, ci95: [low.min(high), low.max(high)] }
+    }
+
+    /// Whether the interval covers a value.
+    #[must_use]
+    pub fn covers(&self, value: f64) -> bool {
+        self.ci95[0] <= value && value <= self.ci95[1]
+    }
+}

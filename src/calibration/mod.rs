@@ -1,0 +1,22 @@
+//! What is measured joint by joint before an arm is identified: torque constants, and friction at constant speed.
+//!
+//! ```text
+//! v = R i + L di/dt + Ke ω + V_b sgn(i)        Kt = Ke            from motor voltages: `back_emf`
+//! N Kt i = Y(q, q̇, q̈) φ + Y_load φ_load        φ_load known        without voltages: `known_load`
+//! (τ(+v) − τ(−v)) / 2 = Fc + Fv v                                  at the same positions: `friction`
+//! ```
+//! Each takes recordings of any arm and gives numbers with 95 % intervals.
+
+mod back_emf;
+mod error;
+mod friction;
+mod known_load;
+mod measured;
+#[cfg(test)]
+mod tests;
+
+pub use back_emf::{BackEmf, BackEmfPoint, Resistance, back_emf};
+pub use error::CalibrationError;
+pub use friction::{Friction, FrictionPoint, friction};
+pub use known_load::{KnownLoad, known_load, payload};
+pub use measured::Measured;
