@@ -15,6 +15,7 @@ use super::criterion::CriterionKind;
 use super::effort::{Channel, InsideShare, WorstEfforts};
 use super::information::Information;
 use super::limits::{WorstUse, worst_jerk, worst_use};
+use super::path_rows::worst_on_ramps;
 use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
 use crate::provenance::sha256;
 use crate::regressor::JointTorqueRegressor;
@@ -174,7 +175,12 @@ impl Certificate {
             (Some(model), Some(_)) => Some(model.inside(trajectory, course, &Channel::binding(&channels))),
             _ => None,
         };
-        let jerk = worst_jerk(&problem.robot, trajectory);
+        let [ramp_acceleration, ramp_jerk] = worst_on_ramps(&problem.robot, trajectory, course, samples);
+        let acceleration = ramp_acceleration.map_or(acceleration, |ramp| acceleration.worst_of(ramp));
+        let jerk = match (worst_jerk(&problem.robot, trajectory), ramp_jerk) {
+            (Some(period), Some(ramp)) => Some(period.worst_of(ramp)),
+            (period, ramp) => period.or(ramp),
+        };
         let accelerations: Vec<f64> = (0..n)
             .map(|j| {
                 let curve = trajectory.curve(j, Quantity::Acceleration);

@@ -105,6 +105,18 @@ impl Course {
         }
     }
 
+    /// The rate of σ̈ at that instant, 1/s²: what jerk has beside velocity and acceleration.
+    #[must_use]
+    pub fn burst(&self, stretch: Stretch, part: f64) -> f64 {
+        let span = self.length_s(stretch);
+        let u = match stretch {
+            Stretch::Period => return 0.0,
+            Stretch::RampIn => part,
+            Stretch::RampOut => 1.0 - part,
+        };
+        60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (span * span)
+    }
+
     /// The time of that instant, s, where 0 is the beginning of the first period: negative on the ramp in, beyond the
     /// period on the ramp out.
     #[must_use]

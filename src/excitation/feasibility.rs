@@ -2,10 +2,12 @@
 
 use super::certificate::Certificate;
 use super::clearance::{ClearanceLimits, Scene};
+use super::course::Course;
 use super::effort::{Channel, EffortLimits};
 use super::limit_rows::LimitRows;
 use super::limits::{WorstUse, shrink_into_limits};
-use super::optimiser::{LinearLimits, SmoothLimits, Together};
+use super::optimiser::{LinearLimits, Row, RowSource, SmoothLimits, Together};
+use super::path_rows::{PathRows, use_on_ramps};
 use super::termination::Termination;
 use super::{DesignProblem, ExcitationError, Margins, MotionBasis, PeriodicTrajectory};
 use crate::model::Robot;
@@ -25,12 +27,36 @@ const TORQUE_SAMPLES: usize = 2;
 /// A first guess is not shrunk below this part of itself.
 const START_FACTOR: f64 = 0.2;
 
+/// Samples of a period, and of the ramps as densely, at which the search for their peaks begins.
+const RAMP_SAMPLES: usize = 500;
+
+/// All linear limits.
+struct AllRows {
+    period: LimitRows,
+    paths: PathRows,
+}
+
+impl RowSource for AllRows {
+    fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>) {
+        self.period.violated(step, rows);
+        self.paths.violated(step, rows);
+    }
+}
+
+impl LinearLimits for AllRows {
+    fn recenter(&mut self, x: &[f64]) {
+        self.period.recenter(x);
+        self.paths.recenter(x);
+    }
+}
+
 /// The limits of a design problem.
 pub(crate) struct Feasibility {
     robot: Robot,
     basis: MotionBasis,
     margins: Margins,
-    linear: LimitRows,
+    linear: AllRows,
+    course: Course,
     smooth: Together,
     effort: Option<EffortLimits>,
     samples: usize,
@@ -62,8 +88,12 @@ impl Feasibility {
                 smooth.limits.push(Box::new(ClearanceLimits::new(scene, &basis, samples, clearance)));
             }
         }
-        let linear = LimitRows::new(&robot, &basis, &margins, ROW_TOLERANCE);
-        Ok(Self { robot, basis, margins, linear, smooth, effort, samples })
+        let course = problem.course(basis.period_s());
+        let linear = AllRows {
+            period: LimitRows::new(&robot, &basis, &margins, ROW_TOLERANCE),
+            paths: PathRows::new(&robot, &basis, course, &margins, ROW_TOLERANCE),
+        };
+        Ok(Self { robot, basis, margins, course, linear, smooth, effort, samples })
     }
 
     pub(crate) fn basis(&self) -> &MotionBasis {
@@ -83,15 +113,28 @@ impl Feasibility {
     /// Where that would leave hardly any motion, only the other limits are brought to hold: the optimiser finds its
     /// way back inside more easily than away from rest.
     pub(crate) fn bring_inside(&mut self, mut trajectory: PeriodicTrajectory) -> PeriodicTrajectory {
-        shrink_into_limits(&self.robot, &mut trajectory, &self.margins);
+        self.shrink_for_motion(&mut trajectory);
         self.shrink_for_torque(trajectory, self.samples, START_FACTOR, 7)
     }
 
     /// The last exact correction: whatever the optimiser's tolerances left is shrunk away.
     pub(crate) fn finish(&mut self, mut trajectory: PeriodicTrajectory) -> PeriodicTrajectory {
-        shrink_into_limits(&self.robot, &mut trajectory, &self.margins);
+        self.shrink_for_motion(&mut trajectory);
         // Ten times the optimiser's own grid, and refined in time.
         self.shrink_for_torque(trajectory, 10 * self.samples, 0.0, 30)
+    }
+
+    /// Brings every joint inside its limits of position, velocity, acceleration and jerk, ramps included.
+    fn shrink_for_motion(&self, trajectory: &mut PeriodicTrajectory) {
+        shrink_into_limits(&self.robot, trajectory, &self.margins);
+        for (j, joint) in self.robot.joints().iter().enumerate() {
+            let uses = use_on_ramps(&joint.limits, trajectory, j, self.course, RAMP_SAMPLES);
+            let most =
+                uses.into_iter().flatten().map(|used| used.ratio / self.margins.acceleration).fold(0.0, f64::max);
+            if most > 1.0 {
+                trajectory.adjust(j, 1.0 / most, 0.0);
+            }
+        }
     }
 
     /// Shrinks all amplitudes by the largest factor that brings torque inside, found by bisection.
@@ -129,10 +172,11 @@ impl Feasibility {
     pub(crate) fn verdict(&self, problem: &DesignProblem, certificate: &Certificate) -> Option<Termination> {
         let worst = &certificate.worst;
         let margins = &problem.margins;
-        let cases: [(&str, Option<WorstUse>, f64); 7] = [
+        let cases: [(&str, Option<WorstUse>, f64); 8] = [
             ("position", Some(worst.position), margins.position),
             ("velocity", Some(worst.velocity), margins.velocity),
             ("acceleration", Some(worst.acceleration), margins.acceleration),
+            ("jerk", worst.jerk, margins.acceleration),
             ("torque", worst.torque, margins.torque),
             ("torque-rms", worst.torque_rms, margins.torque),
             ("current", worst.current, margins.torque),

@@ -74,7 +74,7 @@ pub(crate) fn worst_use(robot: &Robot, trajectory: &PeriodicTrajectory, quantity
 pub(crate) fn worst_jerk(robot: &Robot, trajectory: &PeriodicTrajectory) -> Option<WorstUse> {
     let mut worst: Option<WorstUse> = None;
     for (j, joint) in robot.joints().iter().enumerate().filter(|(_, joint)| joint.limits.jerk.is_finite()) {
-        let (curve, limit) = (trajectory.jerk(j), joint.limits.jerk);
+        let (curve, limit) = (trajectory.derivative(j, 3), joint.limits.jerk);
         for extremum in [curve.minimum(), curve.maximum()] {
             let (ratio, t) = (extremum.value.abs() / limit, extremum.phase / trajectory.omega());
             let limit = limit.copysign(extremum.value);
@@ -116,7 +116,7 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut PeriodicTraject
             }
         }
         if joint.limits.jerk.is_finite() {
-            let curve = trajectory.jerk(j);
+            let curve = trajectory.derivative(j, 3);
             let peak = curve.maximum().value.max(-curve.minimum().value) / (margins.acceleration * joint.limits.jerk);
             if peak > 1.0 {
                 factor = factor.min(1.0 / peak);

@@ -26,6 +26,7 @@ mod information;
 mod limit_rows;
 mod limits;
 pub mod optimiser;
+mod path_rows;
 mod periodic;
 mod piecewise;
 mod problem;

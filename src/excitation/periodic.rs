@@ -124,10 +124,10 @@ impl PeriodicTrajectory {
         self.motion().curve(joint, quantity as usize)
     }
 
-    /// The jerk of one joint over the phase ωt, rad/s³.
+    /// The derivative of this order (0 position … 3 jerk) of one joint over the phase ωt, in rad and s.
     #[must_use]
-    pub fn jerk(&self, joint: usize) -> Curve {
-        self.motion().curve(joint, 3)
+    pub fn derivative(&self, joint: usize, order: usize) -> Curve {
+        self.motion().curve(joint, order)
     }
 
     /// Scales the motion of a joint about its mean position by `factor`, and moves the mean by `shift` (rad).

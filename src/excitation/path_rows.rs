@@ -1,0 +1,283 @@
+//! Limits of jerk, and of acceleration and jerk on the ramps, as linear rows at their true peaks.
+//!
+//! ```text
+//! q̈ = r″ σ̇² + r′ σ̈        q⃛ = r‴ σ̇³ + 3 r″ σ̇ σ̈ + r′ σ⃛        |q̈| ≤ u q̈_max,   |q⃛| ≤ u q⃛_max
+//! ```
+//! The path r is linear in the variables, and σ is the course's own, so these rows are constant as well. On the period
+//! σ̇ = 1, and acceleration is left to [`LimitRows`](super::LimitRows).
+
+use super::basis::MotionBasis;
+use super::course::{Course, Stretch};
+use super::limits::WorstUse;
+use super::optimiser::{LinearLimits, Row, RowSource};
+use super::{Margins, PeriodicTrajectory};
+use crate::model::{Limits, Robot};
+
+/// Grid points of a period for each variable of the joint with the most, and of the ramps as densely.
+const GRID_PER_VARIABLE: usize = 8;
+
+/// Part of the permitted value above which a peak of the grid is refined.
+const NEAR: f64 = 0.9;
+
+/// Golden sections around a peak: they leave a ten-thousandth of the grid's step, and of the value 1e-9.
+const SECTIONS: usize = 20;
+
+/// What is limited on a stretch.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Watched {
+    Acceleration,
+    Jerk,
+}
+
+/// One limited quantity of one joint on one stretch.
+#[derive(Clone, Debug)]
+struct Path {
+    joint: usize,
+    watched: Watched,
+    stretch: Stretch,
+    limit: f64,
+    /// Rows on the grid, both ends of the stretch among them, one after the other.
+    grid: Vec<f64>,
+    count: usize,
+}
+
+/// The limits of acceleration and jerk that the period's own rows do not hold.
+#[derive(Clone, Debug)]
+pub(crate) struct PathRows {
+    basis: MotionBasis,
+    course: Course,
+    paths: Vec<Path>,
+    center: Vec<f64>,
+    tolerance: f64,
+}
+
+/// Weights of velocity, acceleration and jerk of the motion in what is watched.
+fn weights(course: &Course, watched: Watched, stretch: Stretch, part: f64) -> (f64, [f64; 3]) {
+    let instant = course.instant(stretch, part);
+    let (rate, growth) = (instant.rate, instant.growth);
+    let weights = match watched {
+        Watched::Acceleration => [growth, rate * rate, 0.0],
+        Watched::Jerk => [course.burst(stretch, part), 3.0 * rate * growth, rate * rate * rate],
+    };
+    (instant.phase, weights)
+}
+
+impl PathRows {
+    /// The limits of `robot`, of which the part of `margins` may be used.
+    pub(crate) fn new(robot: &Robot, basis: &MotionBasis, course: Course, margins: &Margins, tolerance: f64) -> Self {
+        let most = (0..basis.dof()).map(|joint| basis.range(joint).len()).max().unwrap_or(0);
+        let mut rows =
+            Self { basis: basis.clone(), course, paths: Vec::new(), center: vec![0.0; basis.variables()], tolerance };
+        for (joint, j) in robot.joints().iter().enumerate().filter(|(joint, _)| !basis.range(*joint).is_empty()) {
+            for &stretch in course.stretches() {
+                for (watched, limit) in [(Watched::Acceleration, j.limits.acceleration), (Watched::Jerk, j.limits.jerk)]
+                {
+                    let held_elsewhere = stretch == Stretch::Period && watched == Watched::Acceleration;
+                    if held_elsewhere || !limit.is_finite() {
+                        continue;
+                    }
+                    let count = course.samples(stretch, GRID_PER_VARIABLE * most) + 1;
+                    let mut path =
+                        Path { joint, watched, stretch, limit: margins.acceleration * limit, grid: Vec::new(), count };
+                    for k in 0..count {
+                        path.grid.extend(rows.row(&path, k as f64 / (count - 1) as f64));
+                    }
+                    rows.paths.push(path);
+                }
+            }
+        }
+        rows
+    }
+
+    /// The row of what a path limits, after a part of its stretch.
+    fn row(&self, path: &Path, part: f64) -> Vec<f64> {
+        let (phase, weights) = weights(&self.course, path.watched, path.stretch, part);
+        let mut sum = vec![0.0; self.basis.range(path.joint).len()];
+        for (order, weight) in weights.into_iter().enumerate().filter(|(_, weight)| *weight != 0.0) {
+            for (sum, entry) in sum.iter_mut().zip(self.basis.derivative_row(path.joint, order + 1, phase)) {
+                *sum += weight * entry;
+            }
+        }
+        sum
+    }
+}
+
+impl LinearLimits for PathRows {
+    fn recenter(&mut self, x: &[f64]) {
+        self.center.copy_from_slice(x);
+    }
+}
+
+fn dot(row: &[f64], x: &[f64]) -> f64 {
+    row.iter().zip(x).map(|(a, x)| a * x).sum()
+}
+
+impl RowSource for PathRows {
+    fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>) {
+        let moved: Vec<f64> = self.center.iter().zip(step).map(|(c, d)| c + d).collect();
+        for path in &self.paths {
+            let range = self.basis.range(path.joint);
+            let x = &moved[range.clone()];
+            let values: Vec<f64> = path.grid.chunks_exact(range.len()).map(|row| dot(row, x)).collect();
+            for sign in [1.0, -1.0] {
+                for part in peaks(&values, sign, NEAR * path.limit) {
+                    let value = |part: f64| sign * dot(&self.row(path, part), x);
+                    let (part, found) = refine(value, part, 1.0 / (path.count - 1) as f64);
+                    if found - path.limit > self.tolerance * path.limit {
+                        let normal: Vec<f64> = self.row(path, part).iter().map(|entry| sign * entry).collect();
+                        let now = dot(&normal, &self.center[range.clone()]);
+                        rows.push(Row { start: range.start, normal, bound: path.limit - now });
+                    }
+                }
+            }
+        }
+    }
+}
+
+/// Parts of a stretch at which `sign · values`, on an even grid with both ends, has a local peak above `threshold`.
+fn peaks(values: &[f64], sign: f64, threshold: f64) -> impl Iterator<Item = f64> + '_ {
+    let last = values.len() - 1;
+    (0..=last).filter_map(move |k| {
+        let at = |k: usize| sign * values[k];
+        let rises = k == 0 || at(k) >= at(k - 1);
+        let falls = k == last || at(k) > at(k + 1);
+        (rises && falls && at(k) > threshold).then_some(k as f64 / last as f64)
+    })
+}
+
+/// Golden section around a peak of a grid with this step, inside the stretch: where it is and how large.
+fn refine(mut value: impl FnMut(f64) -> f64, part: f64, step: f64) -> (f64, f64) {
+    const GOLDEN: f64 = 0.618_033_988_749_894_8;
+    let (mut low, mut high) = ((part - step).max(0.0), (part + step).min(1.0));
+    let mut best = (part, value(part));
+    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
+    let mut values = inner.map(&mut value);
+    for _ in 0..SECTIONS {
+        let upper = values[1] > values[0];
+        let found = (inner[usize::from(upper)], values[usize::from(upper)]);
+        if found.1 > best.1 {
+            best = found;
+        }
+        if upper {
+            low = inner[0];
+            inner = [inner[1], low + GOLDEN * (high - low)];
+            values = [values[1], value(inner[1])];
+        } else {
+            high = inner[1];
+            inner = [high - GOLDEN * (high - low), inner[0]];
+            values = [value(inner[0]), values[0]];
+        }
+    }
+    best
+}
+
+/// The worst uses of one joint's acceleration and jerk limits on the ramps around a trajectory of any family; `None`
+/// where there are no ramps or no such limit.
+pub(crate) fn use_on_ramps(
+    limits: &Limits,
+    trajectory: &PeriodicTrajectory,
+    joint: usize,
+    course: Course,
+    samples: usize,
+) -> [Option<WorstUse>; 2] {
+    let mut worst: [Option<WorstUse>; 2] = [None, None];
+    let curves = [1, 2, 3].map(|order| trajectory.derivative(joint, order));
+    let limited = [(Watched::Acceleration, limits.acceleration), (Watched::Jerk, limits.jerk)];
+    for (worst, (watched, limit)) in worst.iter_mut().zip(limited).filter(|(_, (_, limit))| limit.is_finite()) {
+        for &stretch in course.stretches().iter().filter(|stretch| **stretch != Stretch::Period) {
+            let value = |part: f64| {
+                let (phase, weights) = weights(&course, watched, stretch, part);
+                curves.iter().zip(weights).map(|(curve, weight)| weight * curve.value(phase)).sum::<f64>()
+            };
+            let count = course.samples(stretch, samples);
+            let values: Vec<f64> = (0..=count).map(|k| value(k as f64 / count as f64)).collect();
+            for sign in [1.0, -1.0] {
+                for part in peaks(&values, sign, 0.0) {
+                    let (part, found) = refine(|part| sign * value(part), part, 1.0 / count as f64);
+                    let t = course.time_s(stretch, part);
+                    let here = WorstUse { ratio: found / limit, joint, t, value: sign * found, limit: sign * limit };
+                    *worst = Some(worst.map_or(here, |known| known.worst_of(here)));
+                }
+            }
+        }
+    }
+    worst
+}
+
+/// The worst uses of all joints, as [`use_on_ramps`].
+pub(crate) fn worst_on_ramps(
+    robot: &Robot,
+    trajectory: &PeriodicTrajectory,
+    course: Course,
+    samples: usize,
+) -> [Option<WorstUse>; 2] {
+    let mut worst: [Option<WorstUse>; 2] = [None, None];
+    for (joint, j) in robot.joints().iter().enumerate() {
+        let own = use_on_ramps(&j.limits, trajectory, joint, course, samples);
+        for (worst, own) in worst.iter_mut().zip(own) {
+            *worst = match (*worst, own) {
+                (Some(known), Some(own)) => Some(known.worst_of(own)),
+                (known, own) => known.or(own),
+            };
+        }
+    }
+    worst
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::{Family, Trajectory, fixtures, paper_start};
+    use crate::seed::Seed;
+
+    #[test]
+    fn identity_ramp_accelerations_and_jerks_are_differences_of_positions() {
+        let robot = fixtures::crs_a460();
+        let motion: PeriodicTrajectory = paper_start(&robot, 10.0, 5, Seed::new(3), 0).unwrap().into();
+        let course = Course { period_s: 10.0, ramp_s: Some(1.5) };
+        let position = |stretch: Stretch, t: f64, joint: usize| {
+            let (mut q, mut qd, mut qdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
+            let phase = course.instant(stretch, t / 1.5).phase;
+            motion.evaluate(phase / motion.omega(), &mut q, &mut qd, &mut qdd);
+            q[joint]
+        };
+        for (stretch, t, joint) in [(Stretch::RampIn, 0.4, 0), (Stretch::RampIn, 1.2, 3), (Stretch::RampOut, 0.5, 1)] {
+            let h = 2e-3;
+            let q: Vec<f64> = (-2..=2).map(|k| position(stretch, t + f64::from(k) * h, joint)).collect();
+            let second = (16.0 * (q[1] + q[3]) - (q[0] + q[4]) - 30.0 * q[2]) / (12.0 * h * h);
+            let third = (q[4] - 2.0 * q[3] + 2.0 * q[1] - q[0]) / (2.0 * h * h * h);
+            for (watched, expected) in [(Watched::Acceleration, second), (Watched::Jerk, third)] {
+                let (phase, weights) = weights(&course, watched, stretch, t / 1.5);
+                let found: f64 = (0..3).map(|i| weights[i] * motion.derivative(joint, i + 1).value(phase)).sum();
+                // h² times a fifth derivative of some hundreds, and rounding over h³.
+                assert!((found - expected).abs() < 1e-3 * (1.0 + found.abs()), "{watched:?} {found} {expected}");
+            }
+        }
+    }
+
+    #[test]
+    fn identity_rows_hold_what_the_ramps_and_the_jerk_ask() {
+        let robot = fixtures::crs_a460().with_joints(|joint| joint.limits.jerk = 20.0).unwrap();
+        let basis = MotionBasis::new(&robot, Family::Fourier, 10.0, &[5; 6], &[None; 6]).unwrap();
+        let motion: PeriodicTrajectory = paper_start(&robot, 10.0, 5, Seed::new(3), 0).unwrap().into();
+        let course = Course { period_s: 10.0, ramp_s: Some(0.4) };
+        let mut source = PathRows::new(&robot, &basis, course, &Margins::default(), 1e-7);
+        let x = basis.coefficients(&motion).unwrap();
+        source.recenter(&x);
+        let mut rows = Vec::new();
+        source.violated(&vec![0.0; x.len()], &mut rows);
+        let [acceleration, jerk] = worst_on_ramps(&robot, &motion, course, 500);
+        let on_period = crate::excitation::limits::worst_jerk(&robot, &motion).unwrap();
+        // The largest excess of the rows of all joints is that of the trajectory itself.
+        let most = |limit: f64| {
+            let excess = rows.iter().filter(|row| {
+                let now = dot(&row.normal, &x[row.start..]);
+                ((now + row.bound) - limit).abs() < 1e-9
+            });
+            excess.map(|row| -row.bound / limit + 1.0).fold(0.0, f64::max)
+        };
+        assert!((most(20.0) - jerk.unwrap().ratio.max(on_period.ratio)).abs() < 1e-6, "{} {jerk:?}", most(20.0));
+        assert!((most(12.566) - acceleration.unwrap().ratio).abs() < 1e-6, "{} {acceleration:?}", most(12.566));
+        assert!(acceleration.unwrap().ratio > 1.2);
+    }
+}
