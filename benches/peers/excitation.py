@@ -139,7 +139,7 @@ def run_armid(binary, seed, iterations, folder):
     command = [binary, "design", "crs-a460", "--criterion", "condition", "--columns", "rigid", "--period", str(PERIOD),
                "--harmonics", str(HARMONICS), "--max-acceleration", str(ACCELERATION), "--ignore-torque",
                "--ignore-clearance", "--no-ramps", "--starts", "1", "--seed", str(seed), "--iterations", str(iterations),
-               "--evaluations", "100000", "--no-baseline", "--json", "-o", str(Path(folder) / "T.toml")]
+               "--evaluations", "4000", "--no-baseline", "--json", "-o", str(Path(folder) / "T.toml")]
     environment = dict(os.environ, RAYON_NUM_THREADS="1")
     before = resource.getrusage(resource.RUSAGE_CHILDREN)
     answer = json.loads(subprocess.run(command, check=True, capture_output=True, text=True, env=environment).stdout)
@@ -184,8 +184,11 @@ def main():
             start = variables(problem, first["trajectory"])
             peer = run_peer(problem, start, arguments.iterations)
             # Evaluations cost the same each, so time is shared out by their number.
-            reached = next((p["evaluations"] for p in ours["history"] if p["value"] <= peer["value"]), None)
-            to_same = None if reached is None else seconds * reached / ours["history"][-1]["evaluations"]
+            further, more = ours, seconds
+            if ours["value"] > peer["value"]:
+                further, more = run_armid(arguments.armid, seed, 4000, folder)
+            reached = next((p["evaluations"] for p in further["history"] if p["value"] <= peer["value"]), None)
+            to_same = None if reached is None else more * reached / further["evaluations"]
             row = {"seed": seed, "start_condition": problem.condition(start),
                    "armid": {"seconds": seconds} | {key: ours[key] for key in ("value", "condition", "iterations", "evaluations", "worst_limit_use")},
                    "peer": peer, "ratio_iterations": peer["seconds"] / seconds,
@@ -193,7 +196,7 @@ def main():
                    "ratio_same_value": None if to_same is None else peer["seconds"] / to_same}
             rows.append(row)
             used = max(ours["worst_limit_use"][key] for key in ("position", "velocity", "acceleration"))
-            print(f"{seed:>4} {'armid':>6} {ours['value']:8.2f} {ours['seconds']:9.4f} {ours['iterations']:>10} {ours['evaluations']:>11} {used - 1:9.1e}")
+            print(f"{seed:>4} {'armid':>6} {ours['value']:8.2f} {seconds:9.4f} {ours['iterations']:>10} {ours['evaluations']:>11} {used - 1:9.1e}")
             print(f"{'':>4} {'SLSQP':>6} {peer['value']:8.2f} {peer['seconds']:9.4f} {peer['iterations']:>10} {peer['evaluations']:>11} {peer['excess']:9.1e}")
             same = "-" if to_same is None else f"{row['ratio_same_value']:.0f}"
             print(f"{'':>4} time of the peer over armid's: {row['ratio_iterations']:.0f} for {arguments.iterations} iterations, {same} to the peer's value")
