@@ -111,14 +111,24 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
     let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
     let draws = seed.child("random design", index);
     let mut best: Option<(PeriodicTrajectory, f64)> = None;
+    let mut best_is_inside = false;
     let mut history = Vec::new();
     for draw in 0..problem.max_evaluations {
         let trajectory = feasibility.bring_inside(problem.start(draws, draw as u64)?);
         let x = feasibility.basis().coefficients(&trajectory)?;
         let value = objective.exact_at(&x);
         let excess = feasibility.smooth().excess(&x);
-        let better = best.as_ref().is_none_or(|&(_, least)| value < least);
-        if better && (excess <= EXCESS_TOLERANCE || best.is_none()) {
+        let is_inside = excess <= EXCESS_TOLERANCE;
+        // Any draw inside the limits beats any outside; the record of the latter is dropped.
+        let better = match &best {
+            None => true,
+            Some((_, least)) => (is_inside && !best_is_inside) || (is_inside == best_is_inside && value < *least),
+        };
+        if better {
+            if is_inside && !best_is_inside {
+                history.clear();
+            }
+            best_is_inside = is_inside;
             let evaluations = draw + 1;
             let reported = problem.criterion.report(value);
             history.push(HistoryPoint { evaluations, value: reported, current: reported, excess });

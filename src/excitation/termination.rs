@@ -67,7 +67,7 @@ pub struct HistoryPoint {
     pub value: f64,
     /// The criterion of the current iterate.
     pub current: f64,
-    /// Excess of the current iterate over the permitted torque, summed over joints, relative; the other limits always
-    /// hold.
+    /// Excess of the current iterate over the permitted torques and currents, relative, and over the clearances, in
+    /// tenths of a metre, summed; the other limits always hold.
     pub excess: f64,
 }
