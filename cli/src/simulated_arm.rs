@@ -61,7 +61,7 @@ impl Simulation {
     }
 
     /// The plant itself.
-    fn plant(&self) -> Result<Box<dyn Plant>, String> {
+    pub(crate) fn plant(&self) -> Result<Box<dyn Plant>, String> {
         match self.arm {
             ArmKind::Simulated(engine) => {
                 engine.plant(self.robot(), &self.truth.parameters).map_err(|fault| fault.to_string())

@@ -3,5 +3,6 @@
 //! Nothing else in armid can move metal, and nothing here moves it except through the guard.
 #![forbid(unsafe_code)]
 
+pub mod computer;
 pub mod link;
 pub mod message;

@@ -2,15 +2,14 @@
 
 use std::sync::Arc;
 
-use super::controller::gain_pose;
 use super::cycle::CycleSpec;
+use super::joint_loop::motor_inertia;
 use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{
     Arm, ArmError, CommandTable, Cycle, Ending, ExperimentPlan, JointPid, Next, Plant, Recording, Sensing, Sink,
     Tracking, Transmission, TrueState,
 };
-use crate::dynamics::Dynamics;
 use crate::model::{Drive, Robot, StandardParameters};
 use crate::provenance::Provenance;
 use crate::seed::Seed;
@@ -19,7 +18,7 @@ use crate::seed::Seed;
 ///
 /// Each servo step reads the encoders, lets the controller decide motor currents, and holds the torques of these
 /// currents on the plant until the next step. Gains come from the nominal parameters at
-/// [`gain_pose`]; the controller never sees the plant's own.
+/// [`super::gain_pose`]; the controller never sees the plant's own.
 ///
 /// A run is a pure function of robot, plant, plan, sensing, seed and run number.
 ///
@@ -99,19 +98,11 @@ impl<P: Plant> Servo<P> {
     /// # Errors
     /// [`ServoError`] where plant or parameters do not fit the robot, or give a motor no inertia.
     pub fn new(robot: &Robot, nominal: &StandardParameters, plant: P) -> Result<Self, ServoError> {
-        let expected = robot.dof();
-        for (quantity, found) in [("plant", plant.dof()), ("nominal parameter set", nominal.links.len())] {
-            if found != expected {
-                return Err(ServoError::Dof { quantity, found, expected });
-            }
+        let (found, expected) = (plant.dof(), robot.dof());
+        if found != expected {
+            return Err(ServoError::Dof { quantity: "plant", found, expected });
         }
-        let mass_matrix = Dynamics::new(robot, nominal).mass_matrix(&gain_pose(robot));
-        let inertia = Transmission::new(robot).motor_inertia(&mass_matrix);
-        for (joint, &inertia) in robot.joints().iter().zip(&inertia) {
-            if !(inertia.is_finite() && inertia > 0.0) {
-                return Err(ServoError::Inertia { joint: joint.name.clone(), inertia });
-            }
-        }
+        let inertia = motor_inertia(robot, nominal)?;
         Ok(Self {
             robot: robot.clone(),
             robot_text: String::new(),

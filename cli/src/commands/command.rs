@@ -3,7 +3,8 @@
 use miette::Result;
 
 use super::{
-    agree, calibrate, completions, design, doctor, dynamics, identify, reduce, report, robot, run, study, validate,
+    agree, calibrate, completions, controller, design, doctor, dynamics, identify, reduce, report, robot, run, study,
+    validate,
 };
 use crate::answer::Ending;
 use crate::console::Console;
@@ -22,6 +23,7 @@ pub(crate) enum Command {
     Validate(validate::Arguments),
     Study(study::Arguments),
     Report(report::Arguments),
+    Controller(controller::Arguments),
     Doctor(doctor::Arguments),
     Completions(completions::Arguments),
 }
@@ -40,6 +42,7 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Validate(arguments) => validate::run(&arguments, console),
         Command::Study(arguments) => study::run(&arguments, console),
         Command::Report(arguments) => report::run(&arguments, console),
+        Command::Controller(arguments) => controller::run(&arguments, console),
         Command::Doctor(arguments) => doctor::run(&arguments, console),
         Command::Completions(arguments) => completions::run(&arguments, console),
     }

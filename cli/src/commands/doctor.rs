@@ -1,6 +1,9 @@
 //! `armid doctor`
 
+use std::time::Duration;
+
 use armid::model::bundled;
+use armid_hardware::link::{LinkSettings, peers};
 use armid_sim::{Engine, MujocoStatus};
 use miette::Result;
 use serde_json::json;
@@ -18,9 +21,25 @@ Example:
 /// Say what this machine offers
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
-pub(crate) struct Arguments {}
+pub(crate) struct Arguments {
+    /// ROS domain in which to listen for peers
+    #[arg(long, value_name = "ID", default_value_t = 0, value_parser = clap::value_parser!(u16).range(0..=232))]
+    domain: u16,
+}
 
-pub(crate) fn run(_: &Arguments, console: &Console) -> Result<Ending> {
+/// How long to listen for ROS 2 peers: they announce themselves anew within a second of hearing of us.
+const LISTEN: Duration = Duration::from_millis(1200);
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let link = LinkSettings { domain: arguments.domain, ..LinkSettings::default() };
+    let (topics, heard) = match peers(&link, LISTEN) {
+        Ok(topics) if topics.is_empty() => (topics, format!("none in domain {} on this machine", link.domain)),
+        Ok(topics) => {
+            let list = topics.join(", ");
+            (topics, format!("in domain {}: {list}", link.domain))
+        }
+        Err(error) => (Vec::new(), error.to_string()),
+    };
     let cores = std::thread::available_parallelism().map_or(1, std::num::NonZero::get);
     let simd = vector_units();
     let mujoco = MujocoStatus::now();
@@ -42,6 +61,7 @@ pub(crate) fn run(_: &Arguments, console: &Console) -> Result<Ending> {
         ("robots", robots.join(", ")),
         ("experiments", none(experiments.join(", "))),
         ("studies", none(studies.join(", "))),
+        ("ROS 2 peers", heard.clone()),
     ] {
         table.row([name.to_owned(), value]);
     }
@@ -56,6 +76,7 @@ pub(crate) fn run(_: &Arguments, console: &Console) -> Result<Ending> {
         "robots": robots,
         "experiments": experiments,
         "studies": studies,
+        "ros2": json!({ "domain": link.domain, "topics": topics, "in_words": heard }),
     });
     console.answer(&Answer { text: table.render(0), json })?;
     Ok(Ending::Done)

@@ -4,6 +4,7 @@ mod agree;
 mod calibrate;
 mod command;
 mod completions;
+mod controller;
 mod design;
 mod doctor;
 mod dynamics;

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::excitation::Certificate;
 use armid::experiment::{ExperimentPlan, Sensing};
+use armid_hardware::link::LinkSettings;
 use armid_sim::Engine;
 use miette::Result;
 use serde::Deserialize;
@@ -37,6 +38,7 @@ struct File {
     run: Option<u64>,
     arm: Option<Spanned<String>>,
     sensing: Option<SensingTable>,
+    ros2: Option<Spanned<LinkSettings>>,
 }
 
 #[derive(Deserialize)]
@@ -66,6 +68,8 @@ pub(crate) struct Experiment {
     pub(crate) seed: u64,
     pub(crate) run: u64,
     pub(crate) arm: ArmKind,
+    /// How the robot of `arm = "ros2"` is reached.
+    pub(crate) ros2: LinkSettings,
 }
 
 /// Finds and reads an experiment: a bundled name, a folder, or the TOML itself.
@@ -130,13 +134,35 @@ pub(crate) fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
         })?,
     };
     let sensing = sensing(file.sensing, &text, robot.robot.dof())?;
+    let ros2 = match file.ros2 {
+        None => LinkSettings::default(),
+        Some(table) => {
+            let span = table.span();
+            let settings = table.into_inner();
+            settings.check().map_err(|error| Fault::new(error.to_string()).at(&text, span, "here"))?;
+            settings
+        }
+    };
     let name = match (file.name, folder.and_then(Path::file_name)) {
         (Some(name), _) => name.into_inner(),
         (None, Some(folder)) => folder.to_string_lossy().into_owned(),
         (None, None) => robot.robot.name().to_owned(),
     };
     let (seed, run) = (file.seed.unwrap_or(0), file.run.unwrap_or(0));
-    Ok(Experiment { name, question: file.question, text, robot, chain, plan, certificate, sensing, seed, run, arm })
+    Ok(Experiment {
+        name,
+        question: file.question,
+        text,
+        robot,
+        chain,
+        plan,
+        certificate,
+        sensing,
+        seed,
+        run,
+        arm,
+        ros2,
+    })
 }
 
 fn sensing(table: Option<SensingTable>, text: &Text, dof: usize) -> Result<Sensing> {

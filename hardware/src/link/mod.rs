@@ -12,6 +12,8 @@
 mod error;
 mod follow;
 mod joint_map;
+#[cfg(test)]
+mod loopback_tests;
 mod motion;
 mod node;
 mod resample;

@@ -1,18 +1,26 @@
 //! A participant in a ROS domain with one node, whose discovery runs on a thread of its own.
 
 use std::net::{IpAddr, Ipv4Addr};
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use ros2_client::qos::QosProfile;
 use ros2_client::{Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, Subscription};
-use rustdds::{DomainParticipantBuilder, RTPSEntity};
+use rustdds::{DomainParticipant, DomainParticipantBuilder, RTPSEntity};
 
 use super::{LinkError, LinkSettings, Network};
 
 /// A node of a ROS domain.
 pub struct Endpoint {
     node: Node,
-    domain: u16,
+    participant: DomainParticipant,
+    settings: LinkSettings,
+}
+
+/// Who is waited for on a DDS topic.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Other {
+    Writer,
+    Reader,
 }
 
 fn context(settings: &LinkSettings) -> Result<Context, LinkError> {
@@ -36,14 +44,16 @@ impl Endpoint {
         let fault = |error: &dyn std::fmt::Debug| LinkError::middleware(format!("node {name}"), error);
         let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
         let named = NodeName::new("/", name).map_err(|error| fault(&error))?;
-        let mut node = context(settings)?.new_node(named, options).map_err(|error| fault(&error))?;
+        let context = context(settings)?;
+        let participant = context.domain_participant();
+        let mut node = context.new_node(named, options).map_err(|error| fault(&error))?;
         let spinner = node.spinner().map_err(|error| fault(&error))?;
         std::thread::Builder::new()
             .name(format!("{name} discovery"))
             // It ends when the node is dropped; what discovery has to say is asked of the node.
             .spawn(move || smol::block_on(spinner.spin()).is_ok())
             .map_err(|error| fault(&error))?;
-        Ok(Self { node, domain: settings.domain })
+        Ok(Self { node, participant, settings: settings.clone() })
     }
 
     /// The node, for what has no short cut here.
@@ -85,7 +95,27 @@ impl Endpoint {
     /// The domain.
     #[must_use]
     pub fn domain(&self) -> u16 {
-        self.domain
+        self.settings.domain
+    }
+
+    /// Waits until somebody else writes or reads every one of these DDS topics. `what` they are is told otherwise.
+    pub(crate) fn wait(&self, what: &str, topics: &[(Other, String)]) -> Result<(), LinkError> {
+        let began = Instant::now();
+        loop {
+            let (writers, readers) = (self.participant.discovered_writers(), self.participant.discovered_readers());
+            let there = |(other, topic): &(Other, String)| match other {
+                Other::Writer => writers.iter().any(|found| found.publication_topic_data.topic_name == *topic),
+                Other::Reader => readers.iter().any(|found| found.subscription_topic_data.topic_name() == topic),
+            };
+            if topics.iter().all(there) {
+                return Ok(());
+            }
+            if began.elapsed() > self.settings.patience() {
+                let (what, waited_s, domain) = (what.to_owned(), self.settings.patience_s, self.settings.domain);
+                return Err(LinkError::Silence { what, waited_s, domain });
+            }
+            std::thread::sleep(Duration::from_millis(10));
+        }
     }
 }
 

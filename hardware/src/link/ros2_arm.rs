@@ -10,7 +10,8 @@ use armid::provenance::Provenance;
 use ros2_client::Publisher;
 
 use super::follow::{Followed, Listener};
-use super::sender::{Sender, wait};
+use super::node::Other;
+use super::sender::Sender;
 use super::states::Inbox;
 use super::{Endpoint, GridSample, JointMap, JointRow, LinkError, LinkSettings, PlanMotion, StampFindings};
 use crate::message::{FollowFeedback, JointState, Text};
@@ -64,7 +65,7 @@ impl Ros2Arm {
         let mut endpoint = Endpoint::join(settings, "armid")?;
         let topic = settings.full(&settings.joint_states);
         let subscription = endpoint.subscription(&topic, ("sensor_msgs", "JointState"), &settings.state_qos())?;
-        wait(settings.domain, &topic, settings.patience(), subscription.wait_for_publisher(endpoint.node()))?;
+        endpoint.wait(&topic, &[(Other::Writer, format!("rt{topic}"))])?;
         let inbox = Inbox::new("joint states", subscription)?;
         let text = ("std_msgs", "String");
         let states = if settings.robot_state.is_empty() {
@@ -79,7 +80,7 @@ impl Ros2Arm {
             Some(endpoint.publisher(&settings.full(&settings.robot_request), text, &settings.command_qos())?)
         };
         let sender = Sender::open(&mut endpoint, settings)?;
-        sender.wait(&mut endpoint, settings)?;
+        sender.wait(&endpoint, settings)?;
         let mut arm = Self {
             endpoint,
             settings: settings.clone(),

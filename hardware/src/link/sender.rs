@@ -1,11 +1,10 @@
 //! The way a motion goes out.
 
-use std::time::Duration;
-
 use ros2_client::action::{ActionClient, ActionClientQosPolicies, GoalId, GoalStatusEnum};
 use ros2_client::request_id::RmwRequestId;
 use ros2_client::{ActionTypeName, Publisher};
 
+use super::node::Other;
 use super::{Endpoint, LinkError, LinkSettings, Mode};
 use crate::message::{Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointTrajectory};
 
@@ -78,27 +77,21 @@ impl Sender {
     }
 
     /// Waits until somebody listens.
-    pub(crate) fn wait(&self, endpoint: &mut Endpoint, settings: &LinkSettings) -> Result<(), LinkError> {
-        let patience = settings.patience();
+    pub(crate) fn wait(&self, endpoint: &Endpoint, settings: &LinkSettings) -> Result<(), LinkError> {
+        let listener = |name: &str| {
+            let full = settings.full(name);
+            endpoint.wait(&format!("a listener to {full}"), &[(Other::Reader, format!("rt{full}"))])
+        };
         match &self.way {
-            Way::Action(client, _) => {
-                let what = format!("the action {}", settings.full(&settings.action));
-                let node = &*endpoint.node();
-                let wanted = async {
-                    client.goal_client().wait_for_service(node).await;
-                    client.cancel_client().wait_for_service(node).await;
-                    client.result_client().wait_for_service(node).await;
-                };
-                wait(settings.domain, &what, patience, wanted)
+            Way::Action(..) => {
+                // ROS 2 lays an action onto three services; each request has a topic that begins with "rq".
+                let full = settings.full(&settings.action);
+                let request = |part: &str| (Other::Reader, format!("rq{full}/_action/{part}Request"));
+                let topics = ["send_goal", "cancel_goal", "get_result"].map(request);
+                endpoint.wait(&format!("the action {full}"), &topics)
             }
-            Way::Topic(publisher) => {
-                let what = format!("a listener to {}", settings.full(&settings.trajectory));
-                wait(settings.domain, &what, patience, publisher.wait_for_subscription(endpoint.node()))
-            }
-            Way::Stream(publisher) => {
-                let what = format!("a listener to {}", settings.full(&settings.commands));
-                wait(settings.domain, &what, patience, publisher.wait_for_subscription(endpoint.node()))
-            }
+            Way::Topic(_) => listener(&settings.trajectory),
+            Way::Stream(_) => listener(&settings.commands),
         }
     }
 
@@ -182,22 +175,4 @@ impl Sender {
             _ => Err(LinkError::Aborted { reason: format!("code {}: {}", result.error_code, result.error_string) }),
         }
     }
-}
-
-/// Waits for something on the network, for `patience` at most.
-pub(crate) fn wait(
-    domain: u16,
-    what: &str,
-    patience: Duration,
-    wanted: impl Future<Output = ()>,
-) -> Result<(), LinkError> {
-    let timeout = async {
-        smol::Timer::after(patience).await;
-        Err(LinkError::Silence { what: what.to_owned(), waited_s: patience.as_secs_f64(), domain })
-    };
-    let wanted = async {
-        wanted.await;
-        Ok(())
-    };
-    smol::block_on(smol::future::or(wanted, timeout))
 }

@@ -1,0 +1,176 @@
+//! `armid controller`
+
+use std::io::Write;
+use std::path::PathBuf;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use armid::experiment::{Plant, Sensing};
+use armid::seed::Seed;
+use armid_hardware::computer::{Computer, Fault as ComputerFault, Progress, ServeOptions, Watchdog, serve};
+use armid_hardware::link::LinkSettings;
+use miette::Result;
+use serde_json::json;
+
+use crate::answer::{Answer, Ending};
+use crate::arms::ArmKind;
+use crate::choices::one_of;
+use crate::console::Console;
+use crate::fault::Fault;
+use crate::files::experiment_toml;
+use crate::interrupt;
+use crate::robot_source::RobotArguments;
+use crate::simulated_arm::Simulation;
+use crate::table::number;
+
+const AFTER_HELP: &str = "\
+It takes motions by the action follow_joint_trajectory or on the topic joint_trajectory, and
+set-points on the topic commands; it reports joint_states, and its own state in words on
+robot_state. Where nobody streams any more while the arm moves, it comes to rest after 20 ms and
+the motors are off after 100 ms. Names and domain: [ros2] of an experiment.
+
+--fault NAME@SECONDS makes something go wrong, so many seconds after the start, or after the first
+motion began (NAME@motion+SECONDS):
+  freeze       the computer hangs; the brakes close
+  drop         98 of 100 joint states are lost
+  jitter       joint states are up to 200 ms late and overtake each other
+  jump         the first joint's encoder jumps by 0.3 rad
+  overcurrent  the first joint reports half as much again as its drive allows
+  estop        somebody presses the emergency stop
+  die          the process dies at once
+  order        the first two joints' values change places, their names do not
+  nan          the first joint's position is not a number
+
+Examples:
+  armid controller crs-a460 --arm analytic
+  armid controller crs-a460 --arm mujoco --domain 7 --fault estop@motion+3.5 --log done.csv";
+
+/// Be the computer of a simulated robot that speaks ROS 2 in real time
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(crate) struct Arguments {
+    #[command(flatten)]
+    robot: RobotArguments,
+    /// What simulates the arm
+    #[arg(long, default_value = "analytic", value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name))]
+    arm: ArmKind,
+    /// Take [ros2] from this experiment
+    #[arg(long, value_name = "EXPERIMENT")]
+    experiment: Option<String>,
+    /// ROS domain, in place of the experiment's
+    #[arg(long, value_name = "ID")]
+    domain: Option<u16>,
+    /// Joint states per second; a whole part of the servo's rate
+    #[arg(long, value_name = "HZ", default_value_t = 500.0)]
+    rate: f64,
+    /// Where the arm stands at first, rad (m), in place of zero
+    #[arg(long, value_name = "Q1,…", value_delimiter = ',', allow_hyphen_values = true)]
+    pose: Option<Vec<f64>>,
+    /// What goes wrong, and when
+    #[arg(long, value_name = "NAME@SECONDS", value_parser = ComputerFault::parse)]
+    fault: Option<ComputerFault>,
+    /// Write every servo step here: time, command, current, position, events
+    #[arg(long, value_name = "L.csv")]
+    log: Option<PathBuf>,
+    /// Stop after so many seconds
+    #[arg(long, value_name = "S")]
+    duration: Option<f64>,
+    /// Seed of the sensors' noise
+    #[arg(long, value_name = "K", default_value_t = 0)]
+    seed: u64,
+    /// Age of the newest set-point at which a moving arm is brought to rest
+    #[arg(long, value_name = "MS", default_value_t = 20.0)]
+    hold_ms: f64,
+    /// Age of the newest set-point at which the motors of a moving arm are switched off
+    #[arg(long, value_name = "MS", default_value_t = 100.0)]
+    disable_ms: f64,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let loaded = arguments.robot.load()?;
+    let fault = |error: &dyn std::fmt::Display| Fault::new(error.to_string());
+    let mut link = match &arguments.experiment {
+        Some(name) => experiment_toml::load(name)?.ros2,
+        None => LinkSettings::default(),
+    };
+    link.domain = arguments.domain.unwrap_or(link.domain);
+    link.check().map_err(|error| fault(&error))?;
+    let simulation = Simulation::of(loaded, arguments.arm)?;
+    let mut plant = simulation.plant().map_err(|error| fault(&error))?;
+    stand(arguments, &simulation, &mut plant)?;
+    let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
+    let clock = (arguments.rate, i64::try_from(now).unwrap_or(0));
+    let seed = (Seed::new(arguments.seed), 0);
+    let watchdog = Watchdog { hold_s: 1e-3 * arguments.hold_ms, disable_s: 1e-3 * arguments.disable_ms };
+    let mut computer = Computer::new(simulation.robot(), &simulation.nominal, plant, &Sensing::default(), seed, clock)
+        .map_err(|error| fault(&error))?
+        .with_fault(arguments.fault)
+        .with_watchdog(watchdog);
+    console.note(format!(
+        "{} simulated by {} in ROS domain {}, {} joint states per second; Ctrl-C ends it",
+        simulation.robot().name(),
+        arguments.arm.name(),
+        link.domain,
+        number(arguments.rate),
+    ));
+    let options = ServeOptions { link, log: arguments.log.clone(), duration_s: arguments.duration };
+    let mut go_on = |progress: &Progress| {
+        if console.talks() {
+            let _ = write!(std::io::stderr(), "\r{:<100}", line(progress));
+        }
+        !interrupt::asked()
+    };
+    let done = serve(&mut computer, &options, &mut go_on).map_err(|error| fault(&error))?;
+    if console.talks() {
+        let _ = writeln!(std::io::stderr());
+    }
+    let deadlines = done.deadlines;
+    let json = json!({
+        "robot": simulation.robot().name(),
+        "arm": arguments.arm.name(),
+        "domain": options.link.domain,
+        "seconds": done.t,
+        "state": done.state,
+        "orders": done.orders,
+        "steps": deadlines.steps,
+        "missed_deadlines": deadlines.missed,
+        "latest_ms": 1e3 * deadlines.latest_s,
+        "behind_ms": 1e3 * deadlines.behind_s,
+        "log": options.log,
+    });
+    console.answer(&Answer { text: format!("{}\n", line(&done)), json })?;
+    Ok(Ending::Done)
+}
+
+/// Puts the arm where it is to stand.
+fn stand(arguments: &Arguments, simulation: &Simulation, plant: &mut Box<dyn Plant>) -> Result<()> {
+    let robot = simulation.robot();
+    let n = robot.dof();
+    let pose = arguments.pose.clone().unwrap_or_else(|| vec![0.0; n]);
+    if pose.len() != n {
+        return Err(Fault::new(format!("--pose has {} numbers, expected {n}, one for each joint", pose.len())).into());
+    }
+    for (joint, q) in robot.joints().iter().zip(&pose) {
+        let (low, high) = joint.limits.position;
+        if !(*q >= low && *q <= high) {
+            let unit = joint.kind.unit();
+            let message =
+                format!("joint \"{}\" stands at {q} {unit}, expected {low:.4} to {high:.4} {unit}", joint.name);
+            return Err(Fault::new(message).help("--pose puts it elsewhere").into());
+        }
+    }
+    plant.reset(&pose, &vec![0.0; n]);
+    Ok(())
+}
+
+fn line(progress: &Progress) -> String {
+    let deadlines = progress.deadlines;
+    format!(
+        "{:.1} s  {}  {} orders  {} of {} deadlines missed, latest by {:.1} ms",
+        progress.t,
+        progress.state,
+        progress.orders,
+        deadlines.missed,
+        deadlines.steps,
+        1e3 * deadlines.latest_s
+    )
+}

@@ -1,0 +1,338 @@
+//! What the joints are commanded at every servo step: a hold, a motion that was handed over, or streamed set-points,
+//! and what becomes of them when nobody cares any more.
+
+use armid::model::Robot;
+
+use super::Spline;
+
+/// What a joint may be commanded.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointLimits {
+    /// Its name.
+    pub name: String,
+    /// Positions, rad (m).
+    pub position: (f64, f64),
+    /// Speed, rad/s (m/s).
+    pub velocity: f64,
+    /// Acceleration, rad/s² (m/s²).
+    pub acceleration: f64,
+}
+
+impl JointLimits {
+    /// The limits of a robot's joints.
+    #[must_use]
+    pub fn of_robot(robot: &Robot) -> Vec<Self> {
+        let of = |joint: &armid::model::Joint| Self {
+            name: joint.name.clone(),
+            position: joint.limits.position,
+            velocity: joint.limits.velocity,
+            acceleration: joint.limits.acceleration,
+        };
+        robot.joints().iter().map(of).collect()
+    }
+}
+
+/// How old the newest set-point may be while the arm moves.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Watchdog {
+    /// Then the arm is brought to rest, s.
+    pub hold_s: f64,
+    /// Then the motors are switched off, s.
+    pub disable_s: f64,
+}
+
+impl Default for Watchdog {
+    fn default() -> Self {
+        Self { hold_s: 0.020, disable_s: 0.100 }
+    }
+}
+
+/// How a motion that was handed over ended.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Outcome {
+    /// At its end.
+    Succeeded,
+    /// Cancelled, and the arm is at rest.
+    Cancelled,
+    /// The motors were switched off.
+    Aborted,
+}
+
+#[derive(Clone, Debug)]
+enum Doing {
+    Hold,
+    Follow(Box<Follow>),
+    Stream(Stream),
+    Off(String),
+}
+
+#[derive(Clone, Debug)]
+struct Follow {
+    spline: Spline,
+    start_s: f64,
+    /// Where the arm was commanded to be, less where the motion begins: fades out over [`FADE_S`].
+    offset: Vec<f64>,
+    /// When it was cancelled, and how long coming to rest takes, s.
+    brake: Option<(f64, f64)>,
+}
+
+#[derive(Clone, Debug)]
+struct Stream {
+    goal: Vec<f64>,
+    arrived_s: f64,
+    /// When the goal is due: set-points are joined by straight lines.
+    due_s: f64,
+    moving: bool,
+}
+
+/// Largest distance of a motion's first point from what is commanded now, rad (m).
+const START_TOLERANCE: f64 = 0.05;
+/// Time over which such a distance fades out, s.
+const FADE_S: f64 = 0.5;
+/// Longest time between two set-points that are still joined by a line, s.
+const LONGEST_LINE_S: f64 = 0.010;
+/// A joint that is commanded slower than this rests, rad/s (m/s).
+const REST: f64 = 1e-4;
+
+/// Decides the command of every servo step.
+#[derive(Clone, Debug)]
+pub struct Commander {
+    limits: Vec<JointLimits>,
+    watchdog: Watchdog,
+    dt: f64,
+    q: Vec<f64>,
+    qd: Vec<f64>,
+    doing: Doing,
+    outcome: Option<Outcome>,
+    began_s: Option<f64>,
+}
+
+impl Commander {
+    /// A commander that holds `q`, deciding every `dt` s.
+    #[must_use]
+    pub fn new(limits: Vec<JointLimits>, watchdog: Watchdog, dt: f64, q: &[f64]) -> Self {
+        let qd = vec![0.0; q.len()];
+        Self { limits, watchdog, dt, q: q.to_vec(), qd, doing: Doing::Hold, outcome: None, began_s: None }
+    }
+
+    /// The limits.
+    #[must_use]
+    pub fn limits(&self) -> &[JointLimits] {
+        &self.limits
+    }
+
+    /// What is commanded, rad (m); n. Means nothing while the motors are off.
+    #[must_use]
+    pub fn command(&self) -> &[f64] {
+        &self.q
+    }
+
+    /// Why the motors are off, where they are.
+    #[must_use]
+    pub fn off(&self) -> Option<&str> {
+        match &self.doing {
+            Doing::Off(reason) => Some(reason),
+            _ => None,
+        }
+    }
+
+    /// What is being done, in a word: `hold`, `follow`, `stream` or `off`.
+    #[must_use]
+    pub fn doing(&self) -> &'static str {
+        match &self.doing {
+            Doing::Hold => "hold",
+            Doing::Follow(_) => "follow",
+            Doing::Stream(_) => "stream",
+            Doing::Off(_) => "off",
+        }
+    }
+
+    /// When the first motion began, s of the robot's clock.
+    #[must_use]
+    pub fn began_s(&self) -> Option<f64> {
+        self.began_s
+    }
+
+    /// How a motion that was handed over has ended, told once.
+    pub fn outcome(&mut self) -> Option<Outcome> {
+        self.outcome.take()
+    }
+
+    /// Takes a motion that begins at `start_s` of the robot's clock, now `t`.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    pub fn follow(&mut self, spline: Spline, start_s: f64, t: f64) -> Result<(), String> {
+        match &self.doing {
+            Doing::Off(reason) => return Err(format!("the motors are off: {reason}")),
+            Doing::Follow(_) => return Err("another motion is under way".to_owned()),
+            Doing::Hold | Doing::Stream(_) => {}
+        }
+        if self.qd.iter().any(|qd| qd.abs() > REST) {
+            return Err("the arm is not at rest".to_owned());
+        }
+        if start_s < t - self.dt {
+            return Err(format!("it begins {:.3} s ago, expected now or later", t - start_s));
+        }
+        let (first_s, first) = spline.first();
+        let offset: Vec<f64> = self.q.iter().zip(first).map(|(q, first)| q - first).collect();
+        if let Some(j) = offset.iter().position(|offset| offset.abs() > START_TOLERANCE) {
+            let (name, found, expected) = (&self.limits[j].name, first[j], self.q[j]);
+            // A first point that is not at the beginning leaves time to go there; none of ours does.
+            let when = if first_s > 0.0 { format!(" at {first_s} s") } else { String::new() };
+            return Err(format!(
+                "joint \"{name}\": it begins at {found:.4}{when}, expected {expected:.4} within {START_TOLERANCE}, where the arm stands"
+            ));
+        }
+        self.doing = Doing::Follow(Box::new(Follow { spline, start_s, offset, brake: None }));
+        self.outcome = None;
+        Ok(())
+    }
+
+    /// Cancels what is being done: the arm comes to rest on the path it is on. Returns whether there was anything.
+    pub fn cancel(&mut self, t: f64) -> bool {
+        let span = stopping_time(&self.limits, &self.qd);
+        match &mut self.doing {
+            Doing::Follow(follow) => {
+                follow.brake.get_or_insert((t.max(follow.start_s), span));
+                true
+            }
+            Doing::Stream(stream) => {
+                // As if no set-point had come for too long.
+                stream.arrived_s = stream.arrived_s.min(t - self.watchdog.hold_s - self.dt);
+                stream.moving = false;
+                true
+            }
+            Doing::Hold | Doing::Off(_) => false,
+        }
+    }
+
+    /// Takes a streamed set-point. Returns whether it is followed: it must be finite and within the position limits,
+    /// the motors on, and no motion under way.
+    pub fn set_point(&mut self, goal: &[f64], t: f64) -> bool {
+        let fits = goal.len() == self.q.len()
+            && goal.iter().zip(&self.limits).all(|(q, joint)| *q >= joint.position.0 && *q <= joint.position.1);
+        if !fits || matches!(self.doing, Doing::Off(_) | Doing::Follow(_)) {
+            return false;
+        }
+        let before = match &self.doing {
+            Doing::Stream(stream) => Some(stream),
+            _ => None,
+        };
+        if before.is_none() && goal.iter().zip(&self.q).any(|(goal, q)| (goal - q).abs() > START_TOLERANCE) {
+            return false;
+        }
+        let since = before.map_or(self.dt, |stream| t - stream.arrived_s).clamp(self.dt, LONGEST_LINE_S);
+        let last = before.map_or(&self.q, |stream| &stream.goal);
+        let moving = goal.iter().zip(last).any(|(goal, last)| (goal - last).abs() > REST * since);
+        if moving {
+            self.began_s.get_or_insert(t);
+        }
+        self.doing = Doing::Stream(Stream { goal: goal.to_vec(), arrived_s: t, due_s: t + since, moving });
+        true
+    }
+
+    /// Switches the motors off, for good.
+    pub fn switch_off(&mut self, reason: impl Into<String>) {
+        if matches!(self.doing, Doing::Follow(_)) {
+            self.outcome = Some(Outcome::Aborted);
+        }
+        if !matches!(self.doing, Doing::Off(_)) {
+            self.doing = Doing::Off(reason.into());
+            self.qd.fill(0.0);
+        }
+    }
+
+    /// Decides the command for time `t` of the robot's clock, s.
+    pub fn step(&mut self, t: f64) {
+        let before = self.q.clone();
+        match &mut self.doing {
+            Doing::Off(_) => return,
+            Doing::Hold => slow_down(&self.limits, self.dt, &mut self.q, &self.qd),
+            Doing::Follow(follow) => {
+                if t >= follow.start_s {
+                    self.began_s.get_or_insert(t);
+                }
+                if let Some(outcome) = follow.step(t, &mut self.q) {
+                    self.outcome = Some(outcome);
+                    self.doing = Doing::Hold;
+                }
+            }
+            Doing::Stream(stream) => {
+                let age = t - stream.arrived_s;
+                if age > self.watchdog.disable_s && stream.moving {
+                    let reason = format!("disabled: no set-point for {:.0} ms", 1e3 * self.watchdog.disable_s);
+                    self.doing = Doing::Off(reason);
+                    self.qd.fill(0.0);
+                    return;
+                }
+                if age > self.watchdog.hold_s {
+                    slow_down(&self.limits, self.dt, &mut self.q, &self.qd);
+                    if !stream.moving && self.qd.iter().all(|qd| qd.abs() < REST) {
+                        self.doing = Doing::Hold;
+                    }
+                } else {
+                    stream.step(t, self.dt, &mut self.q);
+                }
+            }
+        }
+        for j in 0..self.q.len() {
+            let joint = &self.limits[j];
+            let most = joint.velocity * self.dt;
+            let way = (self.q[j] - before[j]).clamp(-most, most);
+            self.q[j] = (before[j] + way).clamp(joint.position.0, joint.position.1);
+            self.qd[j] = (self.q[j] - before[j]) / self.dt;
+        }
+    }
+}
+
+impl Follow {
+    fn step(&mut self, t: f64, q: &mut [f64]) -> Option<Outcome> {
+        let now = t - self.start_s;
+        let on_path = match self.brake {
+            Some((from, span)) if t > from => {
+                let u = (t - from).min(span);
+                from - self.start_s + u - 0.5 * u * u / span
+            }
+            _ => now,
+        };
+        let mut qd = vec![0.0; q.len()];
+        self.spline.at(on_path.clamp(0.0, self.spline.duration_s()), q, &mut qd);
+        let u = (on_path / FADE_S).clamp(0.0, 1.0);
+        let fade = 1.0 - u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        for (q, offset) in q.iter_mut().zip(&self.offset) {
+            *q += fade * offset;
+        }
+        match self.brake {
+            Some((from, span)) if t >= from + span => Some(Outcome::Cancelled),
+            None if now >= self.spline.duration_s() => Some(Outcome::Succeeded),
+            _ => None,
+        }
+    }
+}
+
+impl Stream {
+    fn step(&self, t: f64, dt: f64, q: &mut [f64]) {
+        let left = self.due_s - t;
+        let share = if left > dt { dt / left } else { 1.0 };
+        for (q, goal) in q.iter_mut().zip(&self.goal) {
+            *q += share * (goal - *q);
+        }
+    }
+}
+
+/// Moves on with a speed that falls at the acceleration limit.
+fn slow_down(limits: &[JointLimits], dt: f64, q: &mut [f64], qd: &[f64]) {
+    for (j, joint) in limits.iter().enumerate() {
+        let speed = (qd[j].abs() - joint.acceleration * dt).max(0.0);
+        q[j] += speed.copysign(qd[j]) * dt;
+    }
+}
+
+/// Time in which every joint stops at half its acceleration limit, at least 50 ms.
+fn stopping_time(limits: &[JointLimits], qd: &[f64]) -> f64 {
+    limits.iter().zip(qd).map(|(joint, qd)| 2.0 * qd.abs() / joint.acceleration).fold(0.05, f64::max)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,103 @@
+//! What can be made to go wrong, and when.
+
+/// Every fault.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum FaultKind {
+    /// The computer hangs: nothing is sent, heard or commanded any more. The drives miss their servo and brake.
+    Freeze,
+    /// 98 of 100 joint states are lost on the way.
+    Drop,
+    /// Joint states are late by 0 to 200 ms, and overtake each other.
+    Jitter,
+    /// The encoder of the first joint jumps by 0.3 rad (m).
+    Jump,
+    /// The first joint draws half as much again as its drive allows.
+    Overcurrent,
+    /// Somebody presses the emergency stop.
+    Estop,
+    /// The process dies at once.
+    Die,
+    /// The values of the first two joints change places, their names do not.
+    Order,
+    /// The first joint's position is not a number.
+    Nan,
+}
+
+impl FaultKind {
+    /// All.
+    pub const ALL: [Self; 9] = [
+        Self::Freeze,
+        Self::Drop,
+        Self::Jitter,
+        Self::Jump,
+        Self::Overcurrent,
+        Self::Estop,
+        Self::Die,
+        Self::Order,
+        Self::Nan,
+    ];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Freeze => "freeze",
+            Self::Drop => "drop",
+            Self::Jitter => "jitter",
+            Self::Jump => "jump",
+            Self::Overcurrent => "overcurrent",
+            Self::Estop => "estop",
+            Self::Die => "die",
+            Self::Order => "order",
+            Self::Nan => "nan",
+        }
+    }
+}
+
+/// A fault at a time.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Fault {
+    /// Which.
+    pub kind: FaultKind,
+    /// When, s.
+    pub at_s: f64,
+    /// Whether time counts from the beginning of the first motion; otherwise from the start of the computer.
+    pub of_motion: bool,
+}
+
+impl Fault {
+    /// Reads `NAME@SECONDS` or `NAME@motion+SECONDS`.
+    ///
+    /// # Errors
+    /// What was found and what was expected.
+    pub fn parse(text: &str) -> Result<Self, String> {
+        let names = || FaultKind::ALL.map(FaultKind::name).join(", ");
+        let (name, time) = text.split_once('@').ok_or(format!("\"{text}\", expected NAME@SECONDS"))?;
+        let kind = FaultKind::ALL.into_iter().find(|kind| kind.name() == name);
+        let kind = kind.ok_or_else(|| format!("fault \"{name}\", expected one of {}", names()))?;
+        let (of_motion, time) = time.strip_prefix("motion+").map_or((false, time), |rest| (true, rest));
+        match time.parse::<f64>() {
+            Ok(at_s) if at_s.is_finite() && at_s >= 0.0 => Ok(Self { kind, at_s, of_motion }),
+            _ => Err(format!("\"{time}\", expected seconds, as in {name}@3.5 or {name}@motion+3.5")),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_fault_is_read_by_its_name() {
+        for kind in FaultKind::ALL {
+            let fault = Fault::parse(&format!("{}@2.5", kind.name())).unwrap();
+            assert_eq!(fault, Fault { kind, at_s: 2.5, of_motion: false });
+        }
+        assert!(Fault::parse("die@motion+0.25").unwrap().of_motion);
+        for (text, word) in
+            [("die", "NAME@SECONDS"), ("rust@1", "one of freeze"), ("die@-1", "seconds"), ("die@soon", "seconds")]
+        {
+            assert!(Fault::parse(text).unwrap_err().contains(word), "{text}");
+        }
+    }
+}

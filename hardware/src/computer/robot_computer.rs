@@ -1,0 +1,407 @@
+//! The robot's computer between two moments of the wall clock: one servo step after another.
+
+use armid::experiment::{JointLoop, Plant, PlantError, Sensing, ServoError};
+use armid::model::{EffortInterface, Robot, StandardParameters};
+use armid::seed::Seed;
+
+use super::commander::Outcome;
+use super::{Commander, Fault, FaultKind, JointLimits, Spline, Watchdog};
+use crate::message::{Header, JointState, Time};
+
+/// Largest distance of a joint from its command before the motors are switched off, rad (m).
+const FOLLOWING_LIMIT: f64 = 0.2;
+/// How far the encoder jumps in [`FaultKind::Jump`], rad (m).
+const JUMP: f64 = 0.3;
+/// Part of the joint states that [`FaultKind::Drop`] loses.
+const LOST: f64 = 0.98;
+/// Longest delay of [`FaultKind::Jitter`], s.
+const LATEST_S: f64 = 0.2;
+
+/// Why there is no such computer.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum ComputerError {
+    /// The servo cannot be built.
+    #[error(transparent)]
+    Servo(#[from] ServoError),
+    /// A setting is impossible.
+    #[error("{quantity} is {found}, expected {expected}")]
+    Setting {
+        /// Which.
+        quantity: &'static str,
+        /// What was found.
+        found: String,
+        /// What is possible.
+        expected: String,
+    },
+}
+
+/// What a step leaves to be sent.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Output {
+    /// A joint state.
+    State(JointState),
+    /// How a motion that was handed over has ended.
+    Ended(Outcome, String),
+    /// The process is to die at once.
+    Die,
+}
+
+/// What a step did, for the log. All slices have length n.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Report<'a> {
+    /// Time since the computer started, s.
+    pub t: f64,
+    /// `hold`, `follow`, `stream`, `off` or `frozen`.
+    pub doing: &'static str,
+    /// What is commanded, rad (m); empty while the motors are off.
+    pub command: &'a [f64],
+    /// Commanded currents, A.
+    pub current: &'a [f64],
+    /// True joint coordinates, rad (m).
+    pub q: &'a [f64],
+    /// What happened, if anything.
+    pub event: &'a str,
+}
+
+/// A robot's computer around a plant.
+pub struct Computer<P> {
+    robot: Robot,
+    plant: P,
+    joints: JointLoop,
+    commander: Commander,
+    fault: Option<Fault>,
+    /// Nanoseconds of the robot's clock at which the computer started.
+    epoch_ns: i64,
+    dt_ns: i64,
+    /// Servo steps for each joint state.
+    per_state: usize,
+    steps: u64,
+    struck: bool,
+    frozen: bool,
+    /// Joint states that are late: when they are due, s.
+    late: Vec<(f64, JointState)>,
+    chance: u64,
+    last_q: Vec<f64>,
+    current: Vec<f64>,
+    event: String,
+}
+
+impl<P: Plant> Computer<P> {
+    /// A computer around `plant`, which stands where it stands, whose clock begins at `epoch_ns`. It reports its joints
+    /// `state_hz` times a second.
+    ///
+    /// # Errors
+    /// [`ComputerError`] where parts do not fit or a rate is no part of the servo's.
+    pub fn new(
+        robot: &Robot,
+        nominal: &StandardParameters,
+        plant: P,
+        sensing: &Sensing,
+        (seed, run): (Seed, u64),
+        (state_hz, epoch_ns): (f64, i64),
+    ) -> Result<Self, ComputerError> {
+        let joints = JointLoop::new(robot, nominal, sensing, seed, run)?;
+        let found = plant.dof();
+        if found != robot.dof() {
+            return Err(ServoError::Dof { quantity: "plant", found, expected: robot.dof() }.into());
+        }
+        let servo_hz = robot.servo().rate_hz;
+        let per_state = servo_hz / state_hz;
+        if !(per_state >= 1.0 - 1e-9 && (per_state - per_state.round()).abs() < 1e-9 * per_state) {
+            let expected = format!("a whole part of the servo's {servo_hz} Hz");
+            return Err(ComputerError::Setting { quantity: "rate_hz", found: state_hz.to_string(), expected });
+        }
+        let q = plant.state().0.to_vec();
+        let commander = Commander::new(JointLimits::of_robot(robot), Watchdog::default(), joints.dt(), &q);
+        Ok(Self {
+            robot: robot.clone(),
+            dt_ns: (joints.dt() * 1e9).round() as i64,
+            per_state: per_state.round() as usize,
+            plant,
+            joints,
+            commander,
+            fault: None,
+            epoch_ns,
+            steps: 0,
+            struck: false,
+            frozen: false,
+            late: Vec::new(),
+            chance: 0x9e37_79b9_7f4a_7c15 ^ run,
+            current: vec![0.0; q.len()],
+            last_q: q,
+            event: String::new(),
+        })
+    }
+
+    /// The same computer with a fault to come.
+    #[must_use]
+    pub fn with_fault(mut self, fault: Option<Fault>) -> Self {
+        self.fault = fault;
+        self
+    }
+
+    /// The same computer with another watchdog for streamed set-points.
+    #[must_use]
+    pub fn with_watchdog(mut self, watchdog: Watchdog) -> Self {
+        let (limits, q) = (self.commander.limits().to_vec(), self.commander.command().to_vec());
+        self.commander = Commander::new(limits, watchdog, self.joints.dt(), &q);
+        self
+    }
+
+    /// The robot.
+    #[must_use]
+    pub fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// What its joints may be commanded.
+    #[must_use]
+    pub fn limits(&self) -> &[JointLimits] {
+        self.commander.limits()
+    }
+
+    /// Whether it hangs.
+    #[must_use]
+    pub fn is_frozen(&self) -> bool {
+        self.frozen
+    }
+
+    /// Length of a servo step, s.
+    #[must_use]
+    pub fn dt(&self) -> f64 {
+        self.joints.dt()
+    }
+
+    /// Time since it started by its own clock, s.
+    #[must_use]
+    pub fn t(&self) -> f64 {
+        self.steps as f64 * self.joints.dt()
+    }
+
+    fn stamp_ns(&self) -> i64 {
+        self.epoch_ns + self.steps as i64 * self.dt_ns
+    }
+
+    /// Its state in words, as it goes out on the topic `robot_state`.
+    #[must_use]
+    pub fn state(&self) -> String {
+        match self.commander.off() {
+            Some(reason) => reason.to_owned(),
+            None => format!("enabled homed {}", self.commander.doing()),
+        }
+    }
+
+    /// Takes a motion that was handed over.
+    ///
+    /// # Errors
+    /// Why it is refused.
+    pub fn follow(&mut self, spline: Spline) -> Result<(), String> {
+        if self.frozen {
+            return Err("frozen".to_owned());
+        }
+        let t = self.t();
+        let start_s = if spline.start_ns == 0 { t } else { (spline.start_ns - self.epoch_ns) as f64 * 1e-9 };
+        let taken = self.commander.follow(spline, start_s, t);
+        self.note(&match &taken {
+            Ok(()) => format!("motion taken, begins at {start_s:.3} s"),
+            Err(reason) => format!("motion refused: {reason}"),
+        });
+        taken
+    }
+
+    /// Cancels the motion under way, if there is one.
+    pub fn cancel(&mut self) -> bool {
+        let cancelled = !self.frozen && self.commander.cancel(self.t());
+        if cancelled {
+            self.note("cancelled");
+        }
+        cancelled
+    }
+
+    /// Takes a streamed set-point, in the order of the robot file. Returns whether it is followed.
+    pub fn set_point(&mut self, goal: &[f64]) -> bool {
+        let taken = !self.frozen && self.commander.set_point(goal, self.t());
+        if !taken {
+            self.note("set-point not taken");
+        }
+        taken
+    }
+
+    /// Switches the motors off and the brakes on, for good.
+    pub fn disable(&mut self, reason: &str) {
+        if self.commander.off().is_none() {
+            self.note(reason);
+            self.commander.switch_off(reason);
+        }
+    }
+
+    /// Puts a remark into the log of the next step.
+    pub fn remark(&mut self, event: &str) {
+        if !self.frozen {
+            self.note(event);
+        }
+    }
+
+    fn note(&mut self, event: &str) {
+        if !self.event.is_empty() {
+            self.event.push_str("; ");
+        }
+        self.event.push_str(event);
+    }
+
+    /// A number in [0, 1): the middle bits of Vigna's splitmix64.
+    fn chance(&mut self) -> f64 {
+        self.chance = self.chance.wrapping_add(0x9e37_79b9_7f4a_7c15);
+        let mut z = self.chance;
+        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
+        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
+        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
+    }
+
+    /// Whether this fault has struck.
+    fn is(&self, kind: FaultKind) -> bool {
+        self.struck && self.fault.is_some_and(|fault| fault.kind == kind)
+    }
+
+    fn strike(&mut self, output: &mut Vec<Output>) {
+        let Some(fault) = self.fault.filter(|_| !self.struck) else { return };
+        let since =
+            if fault.of_motion { self.commander.began_s().map(|began| self.t() - began) } else { Some(self.t()) };
+        if since.is_none_or(|since| since < fault.at_s) {
+            return;
+        }
+        self.struck = true;
+        self.note(&format!("fault {}", fault.kind.name()));
+        match fault.kind {
+            FaultKind::Freeze => {
+                self.frozen = true;
+                self.commander.switch_off("frozen");
+                // The drives miss their servo: no current, brakes on.
+                self.current.fill(0.0);
+            }
+            FaultKind::Estop => self.disable("estop"),
+            FaultKind::Die => output.push(Output::Die),
+            _ => {}
+        }
+    }
+
+    /// One servo step: sensors, faults, command, motors, plant. What is to be sent goes into `output`, what was done to
+    /// `log`.
+    ///
+    /// # Errors
+    /// [`PlantError`] where the plant gives up.
+    pub fn step(&mut self, output: &mut Vec<Output>, log: &mut dyn FnMut(&Report<'_>)) -> Result<(), PlantError> {
+        let t = self.t();
+        self.strike(output);
+        if self.frozen {
+            if !self.event.is_empty() {
+                self.report(log);
+            }
+            self.steps += 1;
+            return Ok(());
+        }
+        self.commander.step(t);
+        let q = self.plant.state().0.to_vec();
+        let mut seen = q.clone();
+        if self.is(FaultKind::Jump) {
+            seen[0] += JUMP;
+        }
+        if self.commander.off().is_none() {
+            self.joints.step(self.commander.command(), &seen);
+            self.watch_following(&seen);
+        }
+        if self.commander.off().is_some() {
+            self.joints.rest(&seen);
+        }
+        self.current.copy_from_slice(self.joints.current());
+        if self.steps.is_multiple_of(self.per_state as u64) {
+            let state = self.joint_state();
+            self.send(state, t, output);
+        }
+        self.release(t, output);
+        if let Some(outcome) = self.commander.outcome() {
+            output.push(Output::Ended(outcome, self.commander.off().unwrap_or_default().to_owned()));
+        }
+        self.report(log);
+        if self.commander.off().is_some() {
+            // The brakes hold the arm where it is.
+            self.plant.reset(&q, &vec![0.0; q.len()]);
+        } else {
+            self.plant.step(self.joints.tau(), self.joints.dt())?;
+        }
+        self.steps += 1;
+        Ok(())
+    }
+
+    fn watch_following(&mut self, seen: &[f64]) {
+        let command = self.commander.command();
+        let far = (0..seen.len()).find(|&j| (command[j] - seen[j]).abs() > FOLLOWING_LIMIT);
+        if let Some(j) = far {
+            let (name, found) = (&self.robot.joints()[j].name, (command[j] - seen[j]).abs());
+            let reason = format!("fault: joint {name} is {found:.3} from its command, more than {FOLLOWING_LIMIT}");
+            self.disable(&reason);
+        }
+    }
+
+    fn report(&mut self, log: &mut dyn FnMut(&Report<'_>)) {
+        let doing = if self.frozen { "frozen" } else { self.commander.doing() };
+        let on = self.commander.off().is_none();
+        let command = if on { self.commander.command() } else { &[] };
+        let (t, current, q) = (self.t(), &self.current, self.plant.state().0);
+        log(&Report { t, doing, command, current, q, event: &self.event });
+        self.event.clear();
+    }
+
+    /// The joint state of this step, with what the fault makes of it.
+    fn joint_state(&mut self) -> JointState {
+        let stamp = Time::from_ns(self.stamp_ns());
+        let span = self.dt() * self.per_state as f64;
+        let (q, effort) = self.joints.sense();
+        let (mut position, mut effort) = (q.to_vec(), effort.to_vec());
+        let velocity = position.iter().zip(&self.last_q).map(|(q, last)| (q - last) / span).collect();
+        self.last_q.copy_from_slice(&position);
+        if self.is(FaultKind::Overcurrent) {
+            let joint = &self.robot.joints()[0];
+            effort[0] = 1.5
+                * match self.robot.effort() {
+                    EffortInterface::Current => joint.drive.current_limit,
+                    EffortInterface::Torque => joint.drive.current_limit * joint.drive.torque_per_ampere(),
+                };
+        }
+        if self.is(FaultKind::Nan) {
+            position[0] = f64::NAN;
+        }
+        if self.is(FaultKind::Order) && position.len() > 1 {
+            position.swap(0, 1);
+            effort.swap(0, 1);
+        }
+        let name = self.robot.joints().iter().map(|joint| joint.name.clone()).collect();
+        JointState { header: Header { stamp, frame_id: String::new() }, name, position, velocity, effort }
+    }
+
+    fn send(&mut self, state: JointState, t: f64, output: &mut Vec<Output>) {
+        if self.is(FaultKind::Drop) && self.chance() < LOST {
+            return;
+        }
+        if self.is(FaultKind::Jitter) {
+            let due = t + LATEST_S * self.chance();
+            self.late.push((due, state));
+        } else {
+            output.push(Output::State(state));
+        }
+    }
+
+    fn release(&mut self, t: f64, output: &mut Vec<Output>) {
+        let mut k = 0;
+        while k < self.late.len() {
+            if self.late[k].0 <= t {
+                output.push(Output::State(self.late.swap_remove(k).1));
+            } else {
+                k += 1;
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,179 @@
+use armid::experiment::{Plant, PlantError};
+
+use super::*;
+use crate::link::{JointMap, LinkSettings};
+use crate::message::{JointTrajectory, TrajectoryPoint};
+
+/// One flywheel of 1 kg·m² for each joint.
+struct FlyWheels(Vec<f64>, Vec<f64>);
+
+impl Plant for FlyWheels {
+    fn dof(&self) -> usize {
+        self.0.len()
+    }
+    fn state(&self) -> (&[f64], &[f64]) {
+        (&self.0, &self.1)
+    }
+    fn reset(&mut self, q: &[f64], qd: &[f64]) {
+        self.0.copy_from_slice(q);
+        self.1.copy_from_slice(qd);
+    }
+    fn step(&mut self, tau: &[f64], dt: f64) -> Result<(), PlantError> {
+        for i in 0..self.0.len() {
+            self.1[i] += dt * tau[i];
+            self.0[i] += dt * self.1[i];
+        }
+        Ok(())
+    }
+}
+
+fn computer(fault: Option<&str>) -> Computer<FlyWheels> {
+    let robot = armid::conformance::chains::planar_2r();
+    let mut nominal = StandardParameters::zero(2);
+    nominal.drives.iter_mut().for_each(|drive| drive.rotor = 1.0);
+    let plant = FlyWheels(vec![0.2, -0.1], vec![0.0; 2]);
+    let fault = fault.map(|text| Fault::parse(text).unwrap());
+    let seed = (Seed::new(1), 0);
+    Computer::new(&robot, &nominal, plant, &Sensing::ideal(), seed, (500.0, 7_000_000_000)).unwrap().with_fault(fault)
+}
+
+/// Half a radian on the first joint in 1 s, and back, again and again.
+fn motion(computer: &Computer<FlyWheels>) -> Spline {
+    let names: Vec<String> = computer.limits().iter().map(|joint| joint.name.clone()).collect();
+    let point = |k: i32| TrajectoryPoint {
+        positions: vec![if k % 2 == 0 { 0.2 } else { 0.7 }, -0.1],
+        velocities: vec![0.0; 2],
+        accelerations: vec![0.0; 2],
+        effort: Vec::new(),
+        time_from_start: Time { sec: k, nanosec: 0 },
+    };
+    let trajectory =
+        JointTrajectory { joint_names: names.clone(), points: (0..=4).map(point).collect(), ..Default::default() };
+    Spline::new(&trajectory, &JointMap::new(&names, &LinkSettings::default()).unwrap(), computer.limits()).unwrap()
+}
+
+struct Line {
+    t: f64,
+    doing: &'static str,
+    command: Vec<f64>,
+    current: Vec<f64>,
+    q: Vec<f64>,
+    event: String,
+}
+
+/// Steps until `to` s.
+fn run(computer: &mut Computer<FlyWheels>, to: f64) -> (Vec<Output>, Vec<Line>) {
+    let (mut output, mut lines) = (Vec::new(), Vec::new());
+    while computer.t() < to - 1e-9 {
+        computer
+            .step(&mut output, &mut |report| {
+                lines.push(Line {
+                    t: report.t,
+                    doing: report.doing,
+                    command: report.command.to_vec(),
+                    current: report.current.to_vec(),
+                    q: report.q.to_vec(),
+                    event: report.event.to_owned(),
+                });
+            })
+            .unwrap();
+    }
+    (output, lines)
+}
+
+fn states(output: &[Output]) -> Vec<&JointState> {
+    output.iter().filter_map(|out| if let Output::State(state) = out { Some(state) } else { None }).collect()
+}
+
+#[test]
+fn a_motion_is_performed_reported_and_ended() {
+    let mut computer = computer(None);
+    computer.follow(motion(&computer)).unwrap();
+    assert_eq!(computer.state(), "enabled homed follow");
+    let (output, lines) = run(&mut computer, 4.1);
+    let states = states(&output);
+    // 4.1 s at 500 Hz, stamps evenly spaced from the clock's beginning.
+    assert_eq!(states.len(), 2050);
+    for (k, state) in states.iter().enumerate() {
+        assert_eq!(state.header.stamp.ns(), 7_000_000_000 + 2_000_000 * k as i64);
+    }
+    assert!(output.contains(&Output::Ended(Outcome::Succeeded, String::new())));
+    let far = lines.iter().map(|line| (line.command[0] - line.q[0]).abs()).fold(0.0, f64::max);
+    // Peak acceleration 5.8 × 0.5 rad/s² at 8 Hz: q̈/ω² = 1.1 mrad, and a little for the damping.
+    assert!(far < 5e-3, "{far}");
+    assert!((states[500].position[0] - 0.7).abs() < 5e-3);
+}
+
+#[test]
+fn after_a_fault_nothing_is_commanded_outside_the_limits() {
+    for kind in FaultKind::ALL {
+        let mut computer = computer(Some(&format!("{}@motion+0.6", kind.name())));
+        run(&mut computer, 0.3);
+        computer.follow(motion(&computer)).unwrap();
+        let (output, lines) = run(&mut computer, 2.5);
+        let struck = lines.iter().position(|line| line.event.starts_with("fault")).expect("a fault");
+        assert!((lines[struck].t - 0.9).abs() < 2e-3, "{kind:?} at {}", lines[struck].t);
+        let off = matches!(kind, FaultKind::Freeze | FaultKind::Jump | FaultKind::Estop);
+        for line in &lines[struck..] {
+            for (j, joint) in computer.limits().iter().enumerate() {
+                assert!(line.current[j].abs() <= computer.robot().joints()[j].drive.current_limit);
+                if off {
+                    assert!(line.command.is_empty() && line.current[j] == 0.0, "{kind:?}: {}", line.doing);
+                    assert_eq!(line.q, lines[struck].q, "{kind:?}: the brakes hold");
+                } else {
+                    assert!(line.command[j] >= joint.position.0 && line.command[j] <= joint.position.1);
+                }
+            }
+        }
+        let after: Vec<&JointState> =
+            states(&output).into_iter().filter(|state| state.header.stamp.ns() >= 7_950_000_000).collect();
+        match kind {
+            FaultKind::Freeze => assert!(after.is_empty()),
+            FaultKind::Drop => assert!(after.len() < 60 && !after.is_empty(), "{}", after.len()),
+            FaultKind::Jitter => {
+                assert!(after.windows(2).any(|pair| pair[0].header.stamp.ns() > pair[1].header.stamp.ns()));
+            }
+            FaultKind::Jump => assert!(computer.state().starts_with("fault")),
+            FaultKind::Overcurrent => {
+                assert!(after[0].effort[0] >= 1.5 * computer.robot().joints()[0].drive.current_limit);
+            }
+            FaultKind::Estop => assert_eq!(computer.state(), "estop"),
+            FaultKind::Die => assert!(output.contains(&Output::Die)),
+            FaultKind::Order => assert!(after[0].position[0] < 0.0 && after[0].position[1] > 0.2),
+            FaultKind::Nan => assert!(after[0].position[0].is_nan() && after[0].position[1].is_finite()),
+        }
+        if off && kind != FaultKind::Freeze {
+            assert!(output.iter().any(|out| matches!(out, Output::Ended(Outcome::Aborted, _))), "{kind:?}");
+            assert!(computer.follow(motion(&computer)).is_err());
+        }
+    }
+}
+
+#[test]
+fn what_does_not_fit_is_refused() {
+    let robot = armid::conformance::chains::planar_2r();
+    let wrong = StandardParameters::zero(3);
+    let plant = FlyWheels(vec![0.0; 2], vec![0.0; 2]);
+    let made = Computer::new(&robot, &wrong, plant, &Sensing::ideal(), (Seed::new(1), 0), (500.0, 0));
+    assert!(matches!(made, Err(ComputerError::Servo(_))));
+    let mut nominal = StandardParameters::zero(2);
+    nominal.drives.iter_mut().for_each(|drive| drive.rotor = 1.0);
+    for rate in [300.0, 2000.0, 0.0, f64::NAN] {
+        let plant = FlyWheels(vec![0.0; 2], vec![0.0; 2]);
+        let made = Computer::new(&robot, &nominal, plant, &Sensing::ideal(), (Seed::new(1), 0), (rate, 0));
+        assert!(matches!(made, Err(ComputerError::Setting { quantity: "rate_hz", .. })), "{rate}");
+    }
+}
+
+#[test]
+fn requests_stop_the_arm() {
+    let mut computer = computer(None);
+    computer.follow(motion(&computer)).unwrap();
+    run(&mut computer, 0.5);
+    assert!(computer.cancel());
+    let (output, _) = run(&mut computer, 1.5);
+    assert!(output.contains(&Output::Ended(Outcome::Cancelled, String::new())));
+    computer.disable("disabled: as requested");
+    assert_eq!(computer.state(), "disabled: as requested");
+    assert!(!computer.set_point(&[0.2, -0.1]));
+}

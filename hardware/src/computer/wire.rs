@@ -1,0 +1,282 @@
+//! The ROS 2 side of the robot's computer, on a thread of its own: what arrives becomes orders, what happens goes out.
+
+use std::collections::BTreeMap;
+use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
+use std::time::Duration;
+
+use ros2_client::action::{
+    ActionServer, ActionServerQosPolicies, GetResultResponse, GoalId, GoalInfo, GoalStatusEnum, SendGoalResponse,
+};
+use ros2_client::action_msgs::{CancelGoalResponse, CancelGoalResponseEnum, GoalStatus, GoalStatusArray};
+use ros2_client::builtin_interfaces;
+use ros2_client::qos::Durability;
+use ros2_client::request_id::RmwRequestId;
+use ros2_client::{ActionTypeName, Publisher, Subscription};
+
+use super::commander::Outcome;
+use super::{JointLimits, Spline, Unfit};
+use crate::link::{Endpoint, JointMap, LinkError, LinkSettings};
+use crate::message::{Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointState, JointTrajectory, Text};
+
+/// What somebody on the network wants.
+pub(crate) enum Order {
+    /// A motion as a goal of the action, by its number; checked already.
+    Goal(u64, Result<Spline, Unfit>),
+    /// A motion on the topic.
+    Motion(Result<Spline, Unfit>),
+    /// Come to rest.
+    Cancel,
+    /// One set-point, in the order of the robot file.
+    SetPoint(Vec<f64>),
+    /// Motors off.
+    Disable,
+}
+
+/// What the network should hear.
+pub(crate) enum News {
+    State(JointState),
+    Words(String),
+    /// Whether a goal was taken, by its number.
+    Taken(u64, Result<(), String>),
+    /// How the goal under way has ended.
+    Ended(Outcome, String),
+    Feedback(Box<FollowFeedback>),
+}
+
+/// How long the thread sleeps when there is nothing to say, at most.
+const NAP: Duration = Duration::from_millis(1);
+
+type Server = ActionServer<FollowGoal, FollowResult, FollowFeedback>;
+
+/// The other end of the thread.
+pub(crate) struct Wire {
+    pub(crate) orders: Receiver<Order>,
+    pub(crate) news: Sender<News>,
+}
+
+impl Wire {
+    /// Opens every topic and the action of `settings` for joints called `joints`.
+    pub(crate) fn open(settings: &LinkSettings, limits: Vec<JointLimits>) -> Result<Self, LinkError> {
+        let names: Vec<String> = limits.iter().map(|joint| joint.name.clone()).collect();
+        let map = JointMap::new(&names, settings)?;
+        let mut endpoint = Endpoint::join(settings, "robot_computer")?;
+        let (state, qos) = (settings.state_qos(), settings.command_qos());
+        let text = ("std_msgs", "String");
+        let optional = |name: &str| (!name.is_empty()).then(|| settings.full(name));
+        let action = Endpoint::name(&settings.full(&settings.action))?;
+        let policies = ActionServerQosPolicies {
+            goal_service: qos.clone(),
+            result_service: qos.clone(),
+            cancel_service: qos.clone(),
+            feedback_publisher: qos.clone(),
+            status_publisher: qos.clone().durability(Durability::TransientLocal),
+        };
+        let kind = ActionTypeName::new("control_msgs", "FollowJointTrajectory");
+        let server = endpoint
+            .node()
+            .create_action_server(settings.service_mapping.into(), &action, &kind, policies)
+            .map_err(|error| LinkError::middleware(format!("action {}", settings.action), &error))?;
+        let joint_states =
+            endpoint.publisher(&settings.full(&settings.joint_states), ("sensor_msgs", "JointState"), &state)?;
+        let trajectories = endpoint.subscription(
+            &settings.full(&settings.trajectory),
+            ("trajectory_msgs", "JointTrajectory"),
+            &qos,
+        )?;
+        let commands =
+            endpoint.subscription(&settings.full(&settings.commands), ("std_msgs", "Float64MultiArray"), &qos)?;
+        let words = optional(&settings.robot_state).map(|name| endpoint.publisher(&name, text, &qos)).transpose()?;
+        let requests =
+            optional(&settings.robot_request).map(|name| endpoint.subscription(&name, text, &qos)).transpose()?;
+        let (orders_in, orders) = channel();
+        let (news, news_out) = channel();
+        let mut thread = Thread {
+            _endpoint: endpoint,
+            map,
+            limits,
+            server,
+            joint_states,
+            trajectories,
+            commands,
+            words,
+            requests,
+            orders: orders_in,
+            goals: BTreeMap::new(),
+            results: Vec::new(),
+            under_way: None,
+            count: 0,
+        };
+        std::thread::Builder::new()
+            .name("wire".to_owned())
+            .spawn(move || thread.run(&news_out))
+            .map_err(|error| LinkError::middleware("wire", &error))?;
+        Ok(Self { orders, news })
+    }
+}
+
+struct Goal {
+    id: GoalId,
+    request: RmwRequestId,
+    status: GoalStatusEnum,
+    end: Option<(GoalStatusEnum, FollowResult)>,
+}
+
+struct Thread {
+    /// Keeps the node on the network.
+    _endpoint: Endpoint,
+    map: JointMap,
+    limits: Vec<JointLimits>,
+    server: Server,
+    joint_states: Publisher<JointState>,
+    trajectories: Subscription<JointTrajectory>,
+    commands: Subscription<Float64MultiArray>,
+    words: Option<Publisher<Text>>,
+    requests: Option<Subscription<Text>>,
+    orders: Sender<Order>,
+    goals: BTreeMap<u64, Goal>,
+    /// Who has asked for which result.
+    results: Vec<(RmwRequestId, GoalId)>,
+    under_way: Option<u64>,
+    count: u64,
+}
+
+impl Thread {
+    /// Runs until the computer is gone. What cannot be sent is lost, as on any network: who misses it will trip.
+    fn run(&mut self, news: &Receiver<News>) {
+        loop {
+            match news.recv_timeout(NAP) {
+                Ok(first) => {
+                    self.tell(first);
+                    while let Ok(more) = news.try_recv() {
+                        self.tell(more);
+                    }
+                }
+                Err(RecvTimeoutError::Timeout) => {}
+                Err(RecvTimeoutError::Disconnected) => return,
+            }
+            if self.listen().is_err() {
+                return;
+            }
+            self.answer();
+        }
+    }
+
+    fn tell(&mut self, news: News) {
+        match news {
+            News::State(state) => {
+                let _ = self.joint_states.publish(state);
+            }
+            News::Words(data) => {
+                if let Some(words) = &self.words {
+                    let _ = words.publish(Text { data });
+                }
+            }
+            News::Taken(number, taken) => self.taken(number, taken),
+            News::Ended(outcome, reason) => self.ended(outcome, reason),
+            News::Feedback(feedback) => {
+                if let Some(goal) = self.under_way.and_then(|number| self.goals.get(&number)) {
+                    let _ = self.server.send_feedback(goal.id, *feedback);
+                }
+            }
+        }
+    }
+
+    fn taken(&mut self, number: u64, taken: Result<(), String>) {
+        let Some(goal) = self.goals.get_mut(&number) else { return };
+        let stamp = builtin_interfaces::Time::now();
+        let _ = self.server.send_goal_response(goal.request, SendGoalResponse { accepted: taken.is_ok(), stamp });
+        if taken.is_ok() {
+            goal.status = GoalStatusEnum::Executing;
+            self.under_way = Some(number);
+            self.publish_statuses();
+        } else {
+            self.goals.remove(&number);
+        }
+    }
+
+    fn ended(&mut self, outcome: Outcome, reason: String) {
+        let Some(goal) = self.under_way.take().and_then(|number| self.goals.get_mut(&number)) else { return };
+        let (status, error_code) = match outcome {
+            Outcome::Succeeded => (GoalStatusEnum::Succeeded, FollowResult::SUCCESSFUL),
+            Outcome::Cancelled => (GoalStatusEnum::Canceled, FollowResult::SUCCESSFUL),
+            Outcome::Aborted => (GoalStatusEnum::Aborted, FollowResult::PATH_TOLERANCE_VIOLATED),
+        };
+        goal.status = status;
+        goal.end = Some((status, FollowResult { error_code, error_string: reason }));
+        self.publish_statuses();
+    }
+
+    fn publish_statuses(&self) {
+        let stamp = builtin_interfaces::Time::now();
+        let status = |goal: &Goal| GoalStatus { goal_info: GoalInfo { goal_id: goal.id, stamp }, status: goal.status };
+        let _ =
+            self.server.send_goal_statuses(GoalStatusArray { status_list: self.goals.values().map(status).collect() });
+    }
+
+    /// Turns what has arrived into orders. Bytes that are no message are passed over.
+    fn listen(&mut self) -> Result<(), std::sync::mpsc::SendError<Order>> {
+        while let Ok(Some((request, goal))) = self.server.receive_goal() {
+            self.count += 1;
+            let motion = Spline::new(&goal.goal.trajectory, &self.map, &self.limits);
+            let status = GoalStatusEnum::Accepted;
+            self.goals.insert(self.count, Goal { id: goal.goal_id, request, status, end: None });
+            self.orders.send(Order::Goal(self.count, motion))?;
+        }
+        // Only one goal is ever under way, so a cancel of whatever goal means that one.
+        while let Ok(Some((request, _))) = self.server.receive_cancel_request() {
+            let stamp = builtin_interfaces::Time::now();
+            let goal = self.under_way.and_then(|number| self.goals.get(&number));
+            let goals_canceling: Vec<GoalInfo> =
+                goal.map(|goal| GoalInfo { goal_id: goal.id, stamp }).into_iter().collect();
+            let return_code = if goals_canceling.is_empty() {
+                CancelGoalResponseEnum::GoalTerminated
+            } else {
+                CancelGoalResponseEnum::None
+            };
+            self.orders.send(Order::Cancel)?;
+            let _ = self.server.send_cancel_response(request, CancelGoalResponse { return_code, goals_canceling });
+        }
+        while let Ok(Some((request, wanted))) = self.server.receive_result_request() {
+            self.results.push((request, wanted.goal_id));
+        }
+        while let Ok(Some((trajectory, _))) = self.trajectories.take() {
+            self.orders.send(if trajectory.points.is_empty() {
+                Order::Cancel
+            } else {
+                Order::Motion(Spline::new(&trajectory, &self.map, &self.limits))
+            })?;
+        }
+        while let Ok(Some((command, _))) = self.commands.take() {
+            self.orders.send(Order::SetPoint(command.data))?;
+        }
+        while let Some(Ok(Some((text, _)))) = self.requests.as_ref().map(Subscription::take) {
+            if text.data == "disable" {
+                self.orders.send(Order::Disable)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Answers those who asked for a result that is there now; a goal nobody knows is answered too.
+    fn answer(&mut self) {
+        let (server, goals) = (&self.server, &mut self.goals);
+        let mut told = None;
+        self.results.retain(|(request, id)| {
+            let found = goals.iter().find(|(_, goal)| goal.id == *id);
+            let (status, result) = match found {
+                Some((_, Goal { end: None, .. })) => return true,
+                Some((number, Goal { end: Some(end), .. })) => {
+                    told = Some(*number);
+                    end.clone()
+                }
+                None => (GoalStatusEnum::Unknown, FollowResult { error_code: -1, error_string: "unknown goal".into() }),
+            };
+            let _ = server.send_result(*request, GetResultResponse { status, result });
+            false
+        });
+        if let Some(told) = told {
+            // Goals that ended before it have been asked for, or never will be.
+            goals.retain(|number, _| *number >= told);
+        }
+    }
+}

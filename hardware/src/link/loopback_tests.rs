@@ -1,0 +1,211 @@
+//! The link and the robot's computer across a real wire, on this machine alone.
+
+use std::sync::Arc;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::thread::JoinHandle;
+
+use armid::conformance::chains::planar_2r;
+use armid::excitation::{FourierJoint, FourierTrajectory};
+use armid::experiment::{
+    Arm, Ending, ExperimentPlan, Flow, Plant, PlantError, RawSample, Recorder, Recording, Sensing, Servo, Sink, record,
+};
+use armid::model::{Robot, StandardParameters};
+use armid::seed::Seed;
+
+use super::{LinkSettings, Mode, Ros2Arm, look};
+use crate::computer::{Computer, Fault, ServeOptions, Watchdog, serve};
+
+/// One flywheel of 1 kg·m² for each joint.
+#[derive(Clone)]
+struct FlyWheels([f64; 2], [f64; 2]);
+
+impl Plant for FlyWheels {
+    fn dof(&self) -> usize {
+        2
+    }
+    fn state(&self) -> (&[f64], &[f64]) {
+        (&self.0, &self.1)
+    }
+    fn reset(&mut self, q: &[f64], qd: &[f64]) {
+        self.0.copy_from_slice(q);
+        self.1.copy_from_slice(qd);
+    }
+    fn step(&mut self, tau: &[f64], dt: f64) -> Result<(), PlantError> {
+        for i in 0..2 {
+            self.1[i] += dt * tau[i];
+            self.0[i] += dt * self.1[i];
+        }
+        Ok(())
+    }
+}
+
+fn nominal() -> StandardParameters {
+    let mut nominal = StandardParameters::zero(2);
+    nominal.drives.iter_mut().for_each(|drive| drive.rotor = 1.0);
+    nominal
+}
+
+fn plan(robot: &Robot) -> ExperimentPlan {
+    let joints = robot.joints().iter().enumerate().map(|(j, joint)| FourierJoint {
+        name: joint.name.clone(),
+        a: vec![0.4, 0.2 - 0.3 * j as f64],
+        b: vec![0.1, -0.2],
+        q0: 0.3,
+    });
+    let trajectory = FourierTrajectory { period_s: 1.0, joints: joints.collect() };
+    let plan = ExperimentPlan::new(trajectory);
+    ExperimentPlan { rate_hz: 500.0, settle_s: 0.2, ramp_s: 0.5, discarded_periods: 0, periods: 2, ..plan }
+}
+
+/// A robot's computer at work in this process, until it is dropped.
+struct Robotics {
+    stop: Arc<AtomicBool>,
+    thread: Option<JoinHandle<()>>,
+}
+
+impl Robotics {
+    fn start(settings: &LinkSettings, fault: Option<&str>) -> Self {
+        let robot = planar_2r();
+        let mut start = [0.0; 2];
+        let plan = plan(&robot);
+        let layout = plan.layout().unwrap();
+        armid::experiment::Command::new(&plan, &layout).start(&mut start);
+        let seed = (Seed::new(1), 0);
+        // A machine that builds and tests at the same time is no robot's computer: the watchdog is patient here.
+        let watchdog = Watchdog { hold_s: 1.0, disable_s: 2.0 };
+        let mut computer = Computer::new(
+            &robot,
+            &nominal(),
+            FlyWheels(start, [0.0; 2]),
+            &Sensing::ideal(),
+            seed,
+            (500.0, 1_000_000_000_000),
+        )
+        .unwrap()
+        .with_fault(fault.map(|text| Fault::parse(text).unwrap()))
+        .with_watchdog(watchdog);
+        let stop = Arc::new(AtomicBool::new(false));
+        let asked = Arc::clone(&stop);
+        let options = ServeOptions { link: settings.clone(), ..Default::default() };
+        let thread = std::thread::spawn(move || {
+            serve(&mut computer, &options, &mut |_| !asked.load(Ordering::Relaxed)).unwrap();
+        });
+        Self { stop, thread: Some(thread) }
+    }
+}
+
+impl Drop for Robotics {
+    fn drop(&mut self) {
+        self.stop.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.thread.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+/// Settings with a domain of this process's own, so that tests that run beside each other do not meet.
+fn settings(mode: Mode) -> LinkSettings {
+    let domain = 100 + (std::process::id() % 120) as u16;
+    LinkSettings { domain, mode, patience_s: 20.0, ..LinkSettings::default() }
+}
+
+fn performs_as_in_process(mode: Mode) {
+    let robot = planar_2r();
+    let plan = plan(&robot);
+    let settings = settings(mode);
+    let _computer = Robotics::start(&settings, None);
+    let mut arm = Ros2Arm::connect(&settings, &robot, "text").unwrap();
+    let reading = arm.reading().unwrap();
+    assert!((reading.rate_hz - 500.0).abs() < 1e-6, "{reading:?}");
+    assert!(reading.row.qd.iter().all(|qd| qd.abs() < 1e-9));
+    let (recording, ending) = record(&mut arm, &plan).unwrap();
+    assert_eq!(ending, Ending::Completed);
+    assert_eq!(recording.len(), plan.layout().unwrap().samples());
+    assert_eq!((recording.robot_text.as_str(), recording.periods()), ("text", 2));
+    let found = arm.findings();
+    assert!(found.lost == 0 && found.missing.is_empty() && found.clock_jumps == 0, "{found:?}");
+    // The same experiment without a wire: the robot's computer interpolates between points or set-points, and begins
+    // with another past; the servo follows both within a few milliradians of each other.
+    let mut servo = Servo::new(&robot, &nominal(), FlyWheels([0.0; 2], [0.0; 2])).unwrap();
+    servo = servo.with_sensing(Sensing::ideal());
+    let (expected, _) = record(&mut servo, &plan).unwrap();
+    let far = recording.q.iter().zip(&expected.q).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+    // Set-points come a message late, on a machine that may be busy: 1 rad/s for some milliseconds.
+    let bound = if mode == Mode::Stream { 0.05 } else { 1e-5 };
+    assert!(far < bound, "{mode:?}: {far}");
+}
+
+#[test]
+fn identity_a_motion_by_action_is_performed_as_without_a_wire() {
+    performs_as_in_process(Mode::Trajectory);
+}
+
+#[test]
+fn identity_a_motion_by_topic_is_performed_as_without_a_wire() {
+    performs_as_in_process(Mode::Topic);
+}
+
+#[test]
+fn identity_streamed_set_points_are_performed_as_without_a_wire() {
+    performs_as_in_process(Mode::Stream);
+}
+
+/// Keeps samples until one is later than `until`, then answers with `flow`.
+struct Until {
+    recorder: Recorder,
+    until: f64,
+    flow: Flow,
+}
+
+impl Sink for Until {
+    fn begin(&mut self, recording: &Recording) {
+        self.recorder.begin(recording);
+    }
+    fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
+        self.recorder.sample(sample);
+        if sample.t < self.until { Flow::Continue } else { self.flow }
+    }
+}
+
+#[test]
+fn a_stop_brings_the_arm_to_rest_where_it_stays() {
+    for mode in [Mode::Trajectory, Mode::Stream] {
+        let settings = settings(mode);
+        let _computer = Robotics::start(&settings, None);
+        let robot = planar_2r();
+        let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+        let mut sink = Until { recorder: Recorder::default(), until: 1.0, flow: Flow::Stop };
+        let ending = arm.perform(&plan(&robot), &mut sink).unwrap();
+        assert!(matches!(ending, Ending::Stopped { t, .. } if (t - 1.0).abs() < 1e-9), "{ending:?}");
+        assert_eq!(sink.recorder.into_recording().unwrap().len(), 501);
+        std::thread::sleep(std::time::Duration::from_millis(300));
+        let first = arm.reading().unwrap().row.q;
+        std::thread::sleep(std::time::Duration::from_millis(100));
+        let second = arm.reading().unwrap().row.q;
+        // The servo settles: it moves by less than a milliradian in a tenth of a second.
+        assert!(first.iter().zip(&second).all(|(a, b)| (a - b).abs() < 1e-3), "{mode:?}: {first:?} {second:?}");
+        let moved = first[0] - 0.3;
+        assert!(moved.abs() < 1.0);
+    }
+}
+
+#[test]
+fn an_emergency_stop_ends_the_experiment_with_its_reason_and_every_sample_before() {
+    let settings = settings(Mode::Trajectory);
+    let _computer = Robotics::start(&settings, Some("estop@motion+0.5"));
+    let robot = planar_2r();
+    let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+    let (recording, ending) = record(&mut arm, &plan(&robot)).unwrap();
+    let Ending::Tripped { trip, .. } = ending else { panic!("{ending:?}") };
+    assert!(trip.trip == "link" && trip.reason.contains("estop"), "{trip}");
+    assert!(recording.len() > 100 && recording.len() < plan(&robot).layout().unwrap().samples());
+    let refused = record(&mut arm, &plan(&robot)).unwrap_err().to_string();
+    assert!(refused.contains("estop"), "{refused}");
+}
+
+#[test]
+fn nobody_there_is_told_with_the_domain() {
+    let settings = LinkSettings { patience_s: 0.3, ..settings(Mode::Trajectory) };
+    let message = look(&settings, &planar_2r()).unwrap_err().to_string();
+    assert!(message.contains("/joint_states") && message.contains(&settings.domain.to_string()), "{message}");
+}

@@ -1,0 +1,205 @@
+"""A robot's computer written by others: Cyclone DDS for the wire, Pinocchio for the torques.
+
+It takes one trajectory on the topic `joint_trajectory`, follows it exactly and reports joint states at 500 Hz, positions
+in whole encoder counts and motor currents with the noise of the robot file. Its joints are reported in another order
+than the robot file has them. No line of armid is in it.
+"""
+
+import math
+import sys
+import threading
+import time
+import tomllib
+from dataclasses import dataclass
+from pathlib import Path
+
+import numpy as np
+from cyclonedds.core import Policy, Qos
+from cyclonedds.domain import Domain, DomainParticipant
+from cyclonedds.idl import IdlStruct
+from cyclonedds.idl.annotations import final
+from cyclonedds.idl.types import float64, int32, sequence, uint32
+from cyclonedds.pub import DataWriter
+from cyclonedds.sub import DataReader
+from cyclonedds.topic import Topic
+from cyclonedds.util import duration
+
+ROOT = Path(__file__).resolve().parent.parent.parent
+sys.path.insert(0, str(ROOT / "tests" / "pinocchio"))
+import generate  # noqa: E402  the arms in Pinocchio, as the stored references were made
+
+RATE_HZ = 500
+LOOPBACK = """<CycloneDDS><Domain Id="any"><General><Interfaces>
+<NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces></General></Domain></CycloneDDS>"""
+
+
+@dataclass
+@final
+class Time_(IdlStruct, typename="builtin_interfaces.msg.dds_.Time_"):
+    sec: int32
+    nanosec: uint32
+
+
+@dataclass
+@final
+class Duration_(IdlStruct, typename="builtin_interfaces.msg.dds_.Duration_"):
+    sec: int32
+    nanosec: uint32
+
+
+@dataclass
+@final
+class Header_(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
+    stamp: Time_
+    frame_id: str
+
+
+@dataclass
+@final
+class JointState_(IdlStruct, typename="sensor_msgs.msg.dds_.JointState_"):
+    header: Header_
+    name: sequence[str]
+    position: sequence[float64]
+    velocity: sequence[float64]
+    effort: sequence[float64]
+
+
+@dataclass
+@final
+class JointTrajectoryPoint_(IdlStruct, typename="trajectory_msgs.msg.dds_.JointTrajectoryPoint_"):
+    positions: sequence[float64]
+    velocities: sequence[float64]
+    accelerations: sequence[float64]
+    effort: sequence[float64]
+    time_from_start: Duration_
+
+
+@dataclass
+@final
+class JointTrajectory_(IdlStruct, typename="trajectory_msgs.msg.dds_.JointTrajectory_"):
+    header: Header_
+    joint_names: sequence[str]
+    points: sequence[JointTrajectoryPoint_]
+
+
+QOS = Qos(
+    Policy.Reliability.Reliable(duration(milliseconds=100)),
+    Policy.Durability.Volatile,
+    Policy.History.KeepLast(1000),
+    Policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=False),
+)
+
+
+class Motion:
+    """Polynomials of degree five through the points of a trajectory, on a grid of its own."""
+
+    def __init__(self, message, names):
+        order = [message.joint_names.index(name) for name in names]
+        take = lambda field: np.array([getattr(point, field) for point in message.points])[:, order]  # noqa: E731
+        self.start_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
+        self.t = np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points])
+        self.q, self.v, self.a = take("positions"), take("velocities"), take("accelerations")
+
+    def at(self, t):
+        """Position, velocity and acceleration: the polynomial that meets all three at both ends, by its equations."""
+        if t <= self.t[0] or t >= self.t[-1]:
+            end = 0 if t <= self.t[0] else -1
+            zero = np.zeros(self.q.shape[1])
+            return self.q[end], zero, zero
+        k = int(np.searchsorted(self.t, t, side="right")) - 1
+        h = self.t[k + 1] - self.t[k]
+        ends = np.vstack([self.q[k], self.v[k], self.a[k], self.q[k + 1], self.v[k + 1], self.a[k + 1]])
+        c = np.linalg.solve(equations(h), ends)
+        s = t - self.t[k]
+        return tuple(row @ c for row in (powers(s, 0), powers(s, 1), powers(s, 2)))
+
+
+def powers(s, derivative):
+    """The derivatives of 1, s, …, s⁵."""
+    row = np.zeros(6)
+    for n in range(derivative, 6):
+        row[n] = math.perm(n, derivative) * s ** (n - derivative)
+    return row
+
+
+def equations(h):
+    return np.vstack([powers(s, d) for s in (0.0, h) for d in (0, 1, 2)])
+
+
+class Peer:
+    """The robot's computer, until it is told to stop."""
+
+    def __init__(self, domain, pose, seed=1):
+        robot = tomllib.loads((ROOT / "models/crs-a460/robot.toml").read_text(encoding="utf-8"))
+        truth = tomllib.loads((ROOT / "models/crs-a460/truth.toml").read_text(encoding="utf-8"))
+        self.arm = generate.Arm(generate.bundled("crs-a460", "truth.toml"))
+        self.names = [joint["name"] for joint in robot["joint"]]
+        drives = [joint["drive"] for joint in robot["joint"]]
+        column = lambda rows, key: np.array([row[key] for row in rows], dtype=float)  # noqa: E731
+        self.per_ampere = column(drives, "gear") * column(drives, "torque_constant_nm_a")
+        self.step = 2 * np.pi / column(drives, "counts_per_revolution")
+        self.noise = column(drives, "current_noise_a")
+        self.scale = column(drives, "coulomb_velocity_rad_s")
+        friction = [column(truth["drive"], key) for key in ("viscous_nm_s_rad", "coulomb_nm", "offset_nm")]
+        self.viscous, self.coulomb, self.offset = friction
+        self.random = np.random.default_rng(seed)
+        self.pose = np.array(pose, dtype=float)
+        self.motion = None
+        self.received = []
+        self.sent = 0
+        self.open = True
+        self.domain = Domain(domain, LOOPBACK)
+        self.participant = DomainParticipant(domain)
+        topic = lambda name, kind: Topic(self.participant, name, kind, qos=QOS)  # noqa: E731
+        self.states = DataWriter(self.participant, topic("rt/joint_states", JointState_), qos=QOS)
+        name = "rt/joint_trajectory_controller/joint_trajectory"
+        self.trajectories = DataReader(self.participant, topic(name, JointTrajectory_), qos=QOS)
+        self.thread = threading.Thread(target=self.run)
+        self.thread.start()
+
+    def close(self):
+        self.open = False
+        self.thread.join()
+
+    def now(self, stamp_ns):
+        if self.motion is None:
+            zero = np.zeros(6)
+            return self.pose, zero, zero
+        return self.motion.at(1e-9 * (stamp_ns - self.motion.start_ns))
+
+    def run(self):
+        # A clock of its own, far from that of this machine.
+        epoch_ns, began, k = 200_000_000 * 10**9, time.monotonic(), 0
+        mirror = slice(None, None, -1)
+        while self.open:
+            stamp_ns = epoch_ns + k * (10**9 // RATE_HZ)
+            if k % 5 == 0:
+                self.listen(stamp_ns)
+            q, v, a = self.now(stamp_ns)
+            tau = self.arm.torque(q, v, a) + self.viscous * v + self.coulomb * np.tanh(v / self.scale) + self.offset
+            current = tau / self.per_ampere + self.noise * self.random.standard_normal(6)
+            seen = np.round(q / self.step) * self.step
+            state = JointState_(
+                Header_(Time_(stamp_ns // 10**9, stamp_ns % 10**9), "base"),
+                self.names[mirror],
+                seen[mirror].tolist(),
+                v[mirror].tolist(),
+                current[mirror].tolist(),
+            )
+            self.states.write(state)
+            self.sent += 1
+            k += 1
+            ahead = began + k / RATE_HZ - time.monotonic()
+            if ahead > 0:
+                time.sleep(ahead)
+
+    def listen(self, stamp_ns):
+        for message in self.trajectories.take(4):
+            if not isinstance(message, JointTrajectory_):
+                continue
+            self.received.append(len(message.points))
+            if message.points:
+                self.motion = Motion(message, self.names)
+            elif self.motion is not None:
+                # Cancelled: it stands where it is.
+                self.pose, self.motion = self.now(stamp_ns)[0], None
