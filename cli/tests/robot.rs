@@ -22,7 +22,9 @@ fn every_command_explains_itself() {
         .filter_map(|line| line.strip_prefix("  ")?.split(' ').next())
         .filter(|c| !c.is_empty())
         .collect();
-    for command in ["robot", "reduce", "dynamics", "design", "run", "identify", "validate", "doctor", "completions"] {
+    for command in
+        ["robot", "reduce", "dynamics", "design", "run", "identify", "validate", "controller", "doctor", "completions"]
+    {
         assert!(commands.contains(&command), "{command} not in {commands:?}");
     }
     for command in commands.into_iter().filter(|&command| command != "help") {
