@@ -51,7 +51,8 @@ class Controller(unittest.TestCase):
         return Topic(self.participant, name, kind, qos=QOS)
 
     def start(self, *arguments):
-        command = [ARMID, "controller", "crs-a460", "--domain", str(self.number), "--log", self.log, "--json", *arguments]
+        command = [ARMID, "controller", "crs-a460", "--domain", str(self.number), "--rate", str(RATE_HZ)]
+        command += ["--log", self.log, "--json", *arguments]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         self.addCleanup(self.process.kill)
         self.until(lambda: len(self.heard) > 50, 30, "joint states")

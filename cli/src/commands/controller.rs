@@ -59,9 +59,9 @@ pub(crate) struct Arguments {
     /// ROS domain, in place of the experiment's
     #[arg(long, value_name = "ID")]
     domain: Option<u16>,
-    /// Joint states per second; a whole part of the servo's rate
-    #[arg(long, value_name = "HZ", default_value_t = 500.0)]
-    rate: f64,
+    /// Joint states per second; a whole part of the servo's rate, which it is by default
+    #[arg(long, value_name = "HZ")]
+    rate: Option<f64>,
     /// Where the arm stands at first, rad (m), in place of zero
     #[arg(long, value_name = "Q1,…", value_delimiter = ',', allow_hyphen_values = true)]
     pose: Option<Vec<f64>>,
@@ -98,7 +98,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let mut plant = simulation.plant().map_err(|error| fault(&error))?;
     stand(arguments, &simulation, &mut plant)?;
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
-    let clock = (arguments.rate, i64::try_from(now).unwrap_or(0));
+    let rate = arguments.rate.unwrap_or(simulation.robot().servo().rate_hz);
+    let clock = (rate, i64::try_from(now).unwrap_or(0));
     let seed = (Seed::new(arguments.seed), 0);
     let watchdog = Watchdog { hold_s: 1e-3 * arguments.hold_ms, disable_s: 1e-3 * arguments.disable_ms };
     let mut computer = Computer::new(simulation.robot(), &simulation.nominal, plant, &Sensing::default(), seed, clock)
@@ -110,7 +111,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         simulation.robot().name(),
         arguments.arm.name(),
         link.domain,
-        number(arguments.rate),
+        number(rate),
     ));
     let options = ServeOptions { link, log: arguments.log.clone(), duration_s: arguments.duration };
     let mut go_on = |progress: &Progress| {

@@ -197,7 +197,7 @@ fn an_emergency_stop_ends_the_experiment_with_its_reason_and_every_sample_before
     let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
     let (recording, ending) = record(&mut arm, &plan(&robot)).unwrap();
     let Ending::Tripped { trip, .. } = ending else { panic!("{ending:?}") };
-    assert!(trip.trip == "link" && trip.reason.contains("estop"), "{trip}");
+    assert!(trip.reason.contains("estop"), "{trip}");
     assert!(recording.len() > 100 && recording.len() < plan(&robot).layout().unwrap().samples());
     let refused = record(&mut arm, &plan(&robot)).unwrap_err().to_string();
     assert!(refused.contains("estop"), "{refused}");
