@@ -4,10 +4,11 @@
 //! A [`super::Servo`] performs a plan; a robot's computer follows whatever it is told. Both close the same loop.
 
 use super::controller::gain_pose;
+use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{JointPid, Sensing, ServoError, Transmission};
 use crate::dynamics::Dynamics;
-use crate::model::{EffortInterface, Robot, StandardParameters};
+use crate::model::{Drive, EffortInterface, Robot, StandardParameters};
 use crate::seed::Seed;
 
 /// Encoders, controllers and motors of all joints, one servo step at a time.
@@ -21,7 +22,7 @@ use crate::seed::Seed;
 /// let mut nominal = StandardParameters::zero(2);
 /// nominal.drives.iter_mut().for_each(|drive| drive.rotor = 2.0);
 /// let mut joints = JointLoop::new(&robot, &nominal, &Sensing::ideal(), Seed::new(1), 0)?;
-/// joints.step(&[0.1, 0.0], &[0.0, 0.0]);
+/// joints.step(&[0.1, 0.0], &[0.0, 0.0], &[0.0, 0.0]);
 /// assert!(joints.tau()[0] > 0.0 && joints.tau()[1] == 0.0);
 /// # Ok::<(), armid::experiment::ServoError>(())
 /// ```
@@ -29,10 +30,12 @@ use crate::seed::Seed;
 pub struct JointLoop {
     effort: EffortInterface,
     transmission: Transmission,
+    motors: Motors,
     controller: JointPid,
     sensors: Sensors,
     fresh: bool,
     q_motor: Vec<f64>,
+    qd_motor: Vec<f64>,
     command_motor: Vec<f64>,
     measured: Vec<f64>,
     before: Vec<f64>,
@@ -42,6 +45,10 @@ pub struct JointLoop {
     sensed: Vec<f64>,
     q: Vec<f64>,
     reported: Vec<f64>,
+}
+
+fn drives(robot: &Robot) -> Vec<Drive> {
+    robot.joints().iter().map(|joint| joint.drive.clone()).collect()
 }
 
 /// Inertia that each motor sees at the gain pose, kg·m²; what the controller's gains are placed on.
@@ -82,11 +89,13 @@ impl JointLoop {
         let zero = || vec![0.0; robot.dof()];
         Ok(Self {
             effort: robot.effort(),
+            motors: Motors::new(&drives(robot), robot.servo().rate_hz),
             sensors: Sensors::new(robot, sensing, seed, run),
             transmission,
             controller,
             fresh: true,
             q_motor: zero(),
+            qd_motor: zero(),
             command_motor: zero(),
             measured: zero(),
             before: zero(),
@@ -97,6 +106,13 @@ impl JointLoop {
             q: zero(),
             reported: zero(),
         })
+    }
+
+    /// The same loop around motors that are not what the robot file says, as [`super::Servo::with_motors`].
+    #[must_use]
+    pub fn with_motors(mut self, motors: &[Drive]) -> Self {
+        self.motors = Motors::new(motors, 1.0 / self.controller.dt());
+        self
     }
 
     /// Length of a servo step, s.
@@ -111,19 +127,22 @@ impl JointLoop {
         self.fresh = true;
     }
 
-    /// One servo step: reads the encoders of an arm that stands at `q` and decides [`JointLoop::tau`] for `command`,
-    /// both in joint coordinates, n. Returns whether a current is at its limit.
-    pub fn step(&mut self, command: &[f64], q: &[f64]) -> bool {
+    /// One servo step: reads the encoders of an arm at `q` that moves with `qd` and decides [`JointLoop::tau`] for
+    /// `command`, all in joint coordinates, n. Returns whether a current is at its limit; the speed matters only where
+    /// the supply is that limit.
+    pub fn step(&mut self, command: &[f64], q: &[f64], qd: &[f64]) -> bool {
+        self.transmission.motor_motion(qd, &mut self.qd_motor);
         self.transmission.motor_motion(q, &mut self.q_motor);
         self.transmission.motor_motion(command, &mut self.command_motor);
         self.sensors.positions(&self.q_motor, &mut self.measured);
         self.before.copy_from_slice(&self.current);
-        let saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
+        let mut saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
+        saturated |= self.motors.saturate(&self.qd_motor, &mut self.current);
         if std::mem::take(&mut self.fresh) {
             self.before.copy_from_slice(&self.current);
         }
         for i in 0..self.tau.len() {
-            self.torque_motor[i] = self.transmission.per_ampere()[i] * self.current[i];
+            self.torque_motor[i] = self.motors.per_ampere()[i] * self.current[i];
         }
         self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
         saturated
@@ -193,7 +212,8 @@ mod tests {
             let mut plant = FlyWheels::new(2);
             plant.reset(table.row(0), &[0.0; 2]);
             for k in 0..layout.samples() {
-                joints.step(table.row(k), plant.state().0);
+                let (q, qd) = plant.state();
+                joints.step(table.row(k), q, qd);
                 let (q, effort) = joints.sense();
                 assert_eq!((q, effort), (expected.q(k), expected.effort(k)), "sample {k}");
                 let tau = joints.tau().to_vec();
@@ -206,12 +226,12 @@ mod tests {
     fn motors_that_rest_draw_nothing_and_start_again_without_a_kick() {
         let robot = hinges::single();
         let mut joints = JointLoop::new(&robot, &hinges::parameters(1), &Sensing::ideal(), Seed::new(1), 0).unwrap();
-        joints.step(&[1.0], &[0.0]);
+        joints.step(&[1.0], &[0.0], &[0.0]);
         assert!(joints.current()[0] > 0.0);
         joints.rest(&[0.3]);
         assert_eq!(joints.sense().0, [0.3]);
         assert_eq!((joints.current(), joints.tau()), (&[0.0][..], &[0.0][..]));
-        joints.step(&[0.3], &[0.3]);
+        joints.step(&[0.3], &[0.3], &[0.0]);
         assert_eq!(joints.current(), [0.0]);
     }
 }

@@ -106,6 +106,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         .map_err(|error| fault(&error))?
         .with_fault(arguments.fault)
         .with_watchdog(watchdog);
+    if !simulation.truth.motors.is_empty() {
+        computer = computer.with_motors(&simulation.truth.motors);
+    }
     console.note(format!(
         "{} simulated by {} in ROS domain {}, {} joint states per second; Ctrl-C ends it",
         simulation.robot().name(),

@@ -1,7 +1,7 @@
 //! The robot's computer between two moments of the wall clock: one servo step after another.
 
 use armid::experiment::{JointLoop, Plant, PlantError, Sensing, ServoError};
-use armid::model::{EffortInterface, Robot, StandardParameters};
+use armid::model::{Drive, EffortInterface, Robot, StandardParameters};
 use armid::seed::Seed;
 
 use super::commander::Outcome;
@@ -137,6 +137,13 @@ impl<P: Plant> Computer<P> {
     #[must_use]
     pub fn with_fault(mut self, fault: Option<Fault>) -> Self {
         self.fault = fault;
+        self
+    }
+
+    /// The same computer with motors that are not what the robot file says; see [`JointLoop::with_motors`].
+    #[must_use]
+    pub fn with_motors(mut self, motors: &[Drive]) -> Self {
+        self.joints = self.joints.with_motors(motors);
         self
     }
 
@@ -307,7 +314,7 @@ impl<P: Plant> Computer<P> {
             seen[0] += JUMP;
         }
         if self.commander.off().is_none() {
-            self.joints.step(self.commander.command(), &seen);
+            self.joints.step(self.commander.command(), &seen, self.plant.state().1);
             self.watch_following(&seen);
         }
         if self.commander.off().is_some() {
