@@ -9,7 +9,6 @@
 //!
 //! Reference: C. de Boor, *A Practical Guide to Splines*, rev. ed., 2001, ch. IX.
 
-use super::piecewise::horner;
 use super::{Curve, ExcitationError, PeriodicMotion, PiecewisePolynomial, Trajectory};
 
 /// `6 P_j(s)` of the cubic, ascending powers.
@@ -94,6 +93,20 @@ impl BSplineTrajectory {
         Ok(Self { period_s, degree, joints })
     }
 
+    /// Every segment P_j and its first two derivatives with respect to time at `s`, for joints of this many knots.
+    fn segments(&self, knots: usize, s: f64) -> [[f64; 6]; 3] {
+        let mut values = [[0.0; 6]; 3];
+        let mut rate = 1.0;
+        for (order, values) in values.iter_mut().enumerate() {
+            for (j, value) in values.iter_mut().enumerate().take(self.degree + 1) {
+                let powers = (0..=self.degree - order).rev();
+                *value = rate * powers.fold(0.0, |sum, power| sum * s + coefficient(self.degree, j, order, power));
+            }
+            rate *= knots as f64 / self.period_s;
+        }
+        values
+    }
+
     /// Derivative of this order on knot interval `i` of a joint, ascending powers of s, in rad and s.
     fn piece(&self, joint: usize, i: usize, order: usize) -> Vec<f64> {
         let c = &self.joints[joint].c;
@@ -122,13 +135,23 @@ impl Trajectory for BSplineTrajectory {
     fn evaluate(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
         let turns = t / self.period_s;
         let u = turns - turns.floor();
+        // Joints of equally many knots share the values of the segments.
+        let (mut known, mut interval, mut values) = (0, 0, [[0.0; 6]; 3]);
         for (joint, spline) in self.joints.iter().enumerate() {
-            let x = u * spline.c.len() as f64;
-            let interval = (x.floor() as usize).min(spline.c.len() - 1);
-            let s = x - interval as f64;
-            q[joint] = horner(&self.piece(joint, interval, 0), s);
-            qd[joint] = horner(&self.piece(joint, interval, 1), s);
-            qdd[joint] = horner(&self.piece(joint, interval, 2), s);
+            let knots = spline.c.len();
+            if knots != known {
+                let x = u * knots as f64;
+                interval = (x.floor() as usize).min(knots - 1);
+                values = self.segments(knots, x - interval as f64);
+                known = knots;
+            }
+            let mut motion = [0.0; 3];
+            for (sum, values) in motion.iter_mut().zip(&values) {
+                for (j, value) in values.iter().enumerate().take(self.degree + 1) {
+                    *sum += value * spline.c[(interval + knots - j) % knots];
+                }
+            }
+            (q[joint], qd[joint], qdd[joint]) = (motion[0], motion[1], motion[2]);
         }
     }
 }
@@ -162,6 +185,7 @@ impl PeriodicMotion for BSplineTrajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::excitation::piecewise::horner;
 
     #[test]
     fn published_segments_follow_the_recursion_of_de_boor() {

@@ -47,13 +47,17 @@ impl FourierQuinticTrajectory {
         Ok(Self { series: FourierTrajectory::new(period_s, joints)? })
     }
 
-    /// The polynomial of a joint in ascending powers of u, rad.
-    fn polynomial(&self, joint: usize) -> Vec<f64> {
+    /// `s T` and `c T²` of a joint, rad: what A and B are multiplied with.
+    fn ends(&self, joint: usize) -> (f64, f64) {
         let FourierJoint { a, b, .. } = &self.series.joints[joint];
         let (period, omega) = (self.series.period_s, self.series.omega());
-        let slope = -period * a.iter().sum::<f64>();
         let bend: f64 = b.iter().enumerate().map(|(l, b)| b * omega * (l + 1) as f64).sum();
-        let curvature = -period * period * bend;
+        (-period * a.iter().sum::<f64>(), -period * period * bend)
+    }
+
+    /// The polynomial of a joint in ascending powers of u, rad.
+    fn polynomial(&self, joint: usize) -> Vec<f64> {
+        let (slope, curvature) = self.ends(joint);
         SLOPE.iter().zip(&CURVATURE).map(|(a, b)| slope * a + curvature * b).collect()
     }
 }
@@ -78,12 +82,17 @@ impl Trajectory for FourierQuinticTrajectory {
         let period = self.series.period_s;
         let turns = t / period;
         let u = turns - turns.floor();
+        let jet = |polynomial: &[f64]| {
+            let first = derivative(polynomial);
+            let second = derivative(&first);
+            [horner(polynomial, u), horner(&first, u) / period, horner(&second, u) / (period * period)]
+        };
+        let (a, b) = (jet(&SLOPE), jet(&CURVATURE));
         for joint in 0..self.dof() {
-            let position = self.polynomial(joint);
-            let velocity = derivative(&position);
-            q[joint] += horner(&position, u);
-            qd[joint] += horner(&velocity, u) / period;
-            qdd[joint] += horner(&derivative(&velocity), u) / (period * period);
+            let (slope, curvature) = self.ends(joint);
+            q[joint] += slope * a[0] + curvature * b[0];
+            qd[joint] += slope * a[1] + curvature * b[1];
+            qdd[joint] += slope * a[2] + curvature * b[2];
         }
     }
 }
