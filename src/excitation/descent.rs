@@ -9,7 +9,7 @@
 
 use super::criterion::CriterionKind;
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
-use super::information::InformationObjective;
+use super::objective::InformationObjective;
 use super::optimiser::{Progress, Sequential, SequentialSettings};
 use super::termination::{HistoryPoint, Termination};
 use super::{DesignProblem, ExcitationError};

@@ -13,7 +13,7 @@ use super::certificate::Certificate;
 use super::criterion::CriterionKind;
 use super::descent::{Found, SHARPNESS, cost, optimise};
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
-use super::information::InformationObjective;
+use super::objective::InformationObjective;
 use super::termination::{HistoryPoint, Termination};
 use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
 use crate::seed::Seed;

@@ -1,18 +1,14 @@
-//! From a trajectory's variables to a criterion of its information, and back along exact derivatives.
+//! From sampled states to their information, and back along exact derivatives.
 //!
 //! ```text
-//! x → (q, q̇, q̈)_k → W_b → M = (1/rows) W_bᵀ Σ⁻¹ W_b + M_prior → f(M)
-//! S = ∂f/∂M      G = ∂f/∂W_b = (2/rows) Σ⁻¹ W_b S      ∂f/∂(q, q̇, q̈)_k by the regressor's adjoint      ∂f/∂x = Bᵀ …
+//! (q, q̇, q̈)_k → W_b → M = (1/rows) W_bᵀ Σ⁻¹ W_b + M_prior
+//! S = ∂f/∂M      G = ∂f/∂W_b = (2/rows) Σ⁻¹ W_b S      ∂f/∂(q, q̇, q̈)_k by the regressor's adjoint
 //! ```
 //! Row i of a sample has entries only for the links that joint i carries and for its own drive, so M is gathered and
 //! G made joint by joint on those columns alone.
 
 use nalgebra::DMatrix;
 
-use super::criterion::Criterion;
-use super::optimiser::Objective;
-use super::sampled::SampledBasis;
-use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
 use crate::dynamics::States;
 use crate::regressor::JointTorqueRegressor;
 
@@ -202,143 +198,10 @@ fn gram(rows: &[f64], width: usize) -> Vec<f64> {
     gram
 }
 
-/// A criterion of the information as a function of the variables.
-pub struct InformationObjective {
-    information: Information,
-    sampled: SampledBasis,
-    states: States,
-    slopes: States,
-    criterion: Box<dyn Criterion>,
-    sensitivity: DMatrix<f64>,
-    m: DMatrix<f64>,
-    exact: f64,
-}
-
-impl InformationObjective {
-    /// This criterion on this information of this family of trajectories.
-    #[must_use]
-    pub fn new(information: Information, sampled: SampledBasis, criterion: Box<dyn Criterion>) -> Self {
-        let b = information.columns();
-        let (n, samples) = (sampled.basis().dof(), sampled.samples());
-        Self {
-            information,
-            sampled,
-            states: States::with_len(n, samples),
-            slopes: States::with_len(n, samples),
-            criterion,
-            sensitivity: DMatrix::zeros(b, b),
-            m: DMatrix::zeros(b, b),
-            exact: f64::INFINITY,
-        }
-    }
-
-    /// Another criterion on the same information.
-    pub fn change(&mut self, criterion: Box<dyn Criterion>) {
-        self.criterion = criterion;
-    }
-
-    /// The information matrix of the last point.
-    #[must_use]
-    pub const fn matrix(&self) -> &DMatrix<f64> {
-        &self.m
-    }
-}
-
-impl InformationObjective {
-    /// The criterion at the last point, without any smoothing.
-    #[must_use]
-    pub const fn exact(&self) -> f64 {
-        self.exact
-    }
-}
-
-impl Objective for InformationObjective {
-    fn value(&mut self, x: &[f64]) -> f64 {
-        self.gather(x);
-        let score = self.criterion.evaluate(&self.m, Some(&mut self.sensitivity));
-        self.exact = score.exact;
-        score.value
-    }
-
-    fn gradient(&mut self, gradient: &mut [f64]) {
-        self.information.pull_back(&self.states, &self.sensitivity, &mut self.slopes);
-        self.sampled.pull_back(&self.slopes, gradient);
-    }
-}
-
-/// Coulomb columns of the optimiser turn over this part of the speed limit, if the drive's own law is sharper.
-///
-/// A sample that crosses a reversal flips a sharp sign, and the criterion would jump with every sample. The
-/// certificate always uses the drive's own law.
-const COULOMB_PART: f64 = 0.05;
-
-/// The regressor that the optimiser sees.
-fn smoothed_regressor(problem: &DesignProblem) -> Result<JointTorqueRegressor, ExcitationError> {
-    let robot = problem.robot.clone().with_joints(|joint| {
-        let speed = joint.limits.velocity;
-        if speed.is_finite() {
-            joint.drive.coulomb_velocity = joint.drive.coulomb_velocity.max(COULOMB_PART * speed);
-        }
-    })?;
-    Ok(JointTorqueRegressor::new(&robot, problem.columns))
-}
-
-impl DesignProblem {
-    /// The information of one torque row of a trajectory on the base columns (b × b), weighted by the problem's noise
-    /// and without its prior: what a later problem takes as prior, times how much longer this experiment was.
-    ///
-    /// # Errors
-    /// [`ExcitationError::Trajectory`] if the trajectory is of another number of joints than the robot.
-    pub fn information(&self, trajectory: &PeriodicTrajectory) -> Result<DMatrix<f64>, ExcitationError> {
-        let n = self.robot.dof();
-        if trajectory.dof() != n {
-            return Err(ExcitationError::Trajectory {
-                quantity: "number of joints".into(),
-                found: trajectory.dof().to_string(),
-                expected: n.to_string(),
-            });
-        }
-        let noise = self.sigma.clone().unwrap_or_else(|| vec![1.0; n]);
-        let mut information = Information::new(smoothed_regressor(self)?, &self.base.kept, self.samples, &noise, None);
-        Ok(information.gather(&trajectory.sample(self.samples)))
-    }
-}
-
-impl InformationObjective {
-    /// The objective of a problem, with its criterion smoothed to `sharpness` where it has kinks.
-    pub(crate) fn of(problem: &DesignProblem, sharpness: f64) -> Result<Self, ExcitationError> {
-        let regressor = smoothed_regressor(problem)?;
-        let sampled = SampledBasis::new(problem.basis()?, problem.samples);
-        let prior = problem.prior.clone().filter(|_| problem.criterion.is_weighted());
-        let information = Information::new(regressor, &problem.base.kept, problem.samples, &problem.row_noise(), prior);
-        Ok(Self::new(information, sampled, problem.criterion.smooth(sharpness)))
-    }
-
-    /// The information at `x`.
-    fn gather(&mut self, x: &[f64]) {
-        self.sampled.states(x, &mut self.states);
-        self.m = self.information.gather(&self.states);
-    }
-
-    /// The value at `x`, without what a gradient needs.
-    #[cfg(test)]
-    fn value_alone(&mut self, x: &[f64]) -> f64 {
-        self.gather(x);
-        self.criterion.evaluate(&self.m, None).value
-    }
-
-    /// The criterion at `x`, without any smoothing and without a gradient.
-    pub(crate) fn exact_at(&mut self, x: &[f64]) -> f64 {
-        self.gather(x);
-        self.exact = self.criterion.evaluate(&self.m, None).exact;
-        self.exact
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{CriterionKind, Family, fixtures, paper_start};
+    use crate::excitation::{CriterionKind, DesignProblem, fixtures, paper_start};
     use crate::model::Columns;
     use crate::seed::Seed;
 
@@ -347,42 +210,6 @@ mod tests {
         problem.samples = 40;
         problem.sigma = Some(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]);
         problem
-    }
-
-    #[test]
-    fn identity_gradient_matches_central_differences() {
-        for family in Family::ALL {
-            for kind in CriterionKind::ALL {
-                // All columns with one family, the rigid ones with the others.
-                let columns = if family == Family::Fourier { Columns::RigidRotorFriction } else { Columns::Rigid };
-                let mut problem = problem(columns, kind);
-                problem.family = family;
-                problem.harmonics = vec![5, 5, 5, 3, 3, 4];
-                let b = problem.base.rank();
-                problem.prior = Some(DMatrix::identity(b, b) * 0.01);
-                let mut objective = InformationObjective::of(&problem, 6.0).unwrap();
-                let start = problem.start(Seed::new(1), 0).unwrap();
-                let x = problem.basis().unwrap().coefficients(&start).unwrap();
-                let mut gradient = vec![0.0; x.len()];
-                objective.value(&x);
-                objective.gradient(&mut gradient);
-                let size = gradient.iter().fold(0.0_f64, |a, g| a.max(g.abs()));
-                for i in (0..x.len()).step_by(11) {
-                    let at = |h: f64, objective: &mut InformationObjective| {
-                        let mut moved = x.clone();
-                        moved[i] += h;
-                        objective.value_alone(&moved)
-                    };
-                    // Fourth-order differences leave 1e-9 of rounding and 1e-8 of truncation.
-                    let h = 1e-4;
-                    let near = at(h, &mut objective) - at(-h, &mut objective);
-                    let far = at(2.0 * h, &mut objective) - at(-2.0 * h, &mut objective);
-                    let difference = (8.0 * near - far) / (12.0 * h);
-                    let error = (difference - gradient[i]).abs() / size;
-                    assert!(error < 1e-7, "{kind:?} {family:?} {columns:?} variable {i}: {error}");
-                }
-            }
-        }
     }
 
     #[test]

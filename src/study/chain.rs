@@ -10,7 +10,8 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::outcome::{Outcome, ScoredEstimate};
-use super::{Failure, Slot, Stage, StudyDesign, StudyError};
+use super::plan::{Making, PlanFault, name_of, number};
+use super::{Failure, Slot, Stage, StudyDesign, StudyError, StudyPlan};
 use crate::dynamics::States;
 use crate::estimation::Estimate;
 use crate::experiment::Arm;
@@ -113,6 +114,30 @@ impl Stage {
             }
         });
         outcome(None, estimates.collect())
+    }
+}
+
+impl StudyPlan {
+    /// Every `after` names an earlier family of as many starts.
+    pub(super) fn check_chains(&self) -> Result<(), PlanFault> {
+        for (index, family) in self.designs.iter().enumerate() {
+            let earlier = &self.designs[..index];
+            match &family.after {
+                Some(found) => match earlier.iter().find(|other| other.name == *found) {
+                    Some(before) if before.starts < family.starts => {
+                        let expected = "at most as many as the family that it continues";
+                        return Err(number("design.starts", family.starts, expected));
+                    }
+                    Some(_) => {}
+                    None => return Err(name_of("after", found, earlier.iter().map(|other| other.name.as_str()))),
+                },
+                None if family.making == Making::Repeated => {
+                    return Err(name_of("after", "", earlier.iter().map(|other| other.name.as_str())));
+                }
+                None => {}
+            }
+        }
+        Ok(())
     }
 }
 

@@ -300,28 +300,6 @@ impl StudyPlan {
         Ok(())
     }
 
-    /// Every `after` names an earlier family of as many starts.
-    fn check_chains(&self) -> Result<(), PlanFault> {
-        for (index, family) in self.designs.iter().enumerate() {
-            let earlier = &self.designs[..index];
-            match &family.after {
-                Some(found) => match earlier.iter().find(|other| other.name == *found) {
-                    Some(before) if before.starts < family.starts => {
-                        let expected = "at most as many as the family that it continues";
-                        return Err(number("design.starts", family.starts, expected));
-                    }
-                    Some(_) => {}
-                    None => return Err(name_of("after", found, earlier.iter().map(|other| other.name.as_str()))),
-                },
-                None if family.making == Making::Repeated => {
-                    return Err(name_of("after", "", earlier.iter().map(|other| other.name.as_str())));
-                }
-                None => {}
-            }
-        }
-        Ok(())
-    }
-
     /// Checks the names of engines against those that there are, which the core does not know.
     ///
     /// # Errors
@@ -395,11 +373,11 @@ fn default_engines() -> Vec<String> {
     vec!["analytic".to_owned()]
 }
 
-fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) -> PlanFault {
+pub(super) fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) -> PlanFault {
     PlanFault::Number { key: key.into(), found: found.to_string(), expected }
 }
 
-fn name_of<'a>(key: &'static str, found: &str, names: impl Iterator<Item = &'a str>) -> PlanFault {
+pub(super) fn name_of<'a>(key: &'static str, found: &str, names: impl Iterator<Item = &'a str>) -> PlanFault {
     let expected = format!("the families: {}", names.collect::<Vec<_>>().join(", "));
     PlanFault::Name { key, found: found.to_owned(), expected }
 }
