@@ -165,8 +165,9 @@ impl Performance<'_> {
             .map(|index| {
                 let begin = Instant::now();
                 let (family, start) = slots[index];
-                let design = self.stage.design(family, start).map_err(in_words)?;
-                let bound = self.bound(family, start, &design)?;
+                let mut chain = self.stage.designs_of_chain(family, start).map_err(in_words)?;
+                let bound = self.bound(&chain)?;
+                let design = chain.pop().ok_or_else(|| Fault::new("a chain without designs"))?;
                 let made = (design, bound, begin.elapsed().as_secs_f64());
                 let (design, bound, seconds) = made.clone();
                 keep(journal, &bar, &Piece::Design { index, design: Box::new(design), bound, seconds })?;
@@ -180,12 +181,11 @@ impl Performance<'_> {
         Ok(())
     }
 
-    /// The bound after all experiments of a design's chain.
-    fn bound(&self, family: usize, start: usize, design: &StudyDesign) -> Result<Vec<f64>> {
+    /// The bound after the experiments of all designs of a chain.
+    fn bound(&self, chain: &[StudyDesign]) -> Result<Vec<f64>> {
         let mut exact = Vec::new();
-        for before in self.stage.families_of_chain(family) {
-            let earlier = (before != family).then(|| self.stage.design(before, start)).transpose().map_err(in_words)?;
-            let plan = self.stage.experiment(&earlier.as_ref().unwrap_or(design).trajectory);
+        for design in chain {
+            let plan = self.stage.experiment(&design.trajectory);
             exact.push(self.first().exact_period(&plan).map_err(in_words)?);
         }
         Ok(self.stage.bound_of_chain(&exact))

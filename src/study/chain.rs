@@ -14,6 +14,7 @@ use super::plan::{Making, PlanFault, name_of, number};
 use super::{Failure, Slot, Stage, StudyDesign, StudyError, StudyPlan};
 use crate::dynamics::States;
 use crate::estimation::Estimate;
+use crate::excitation::CriterionKind;
 use crate::experiment::Arm;
 
 /// Why no estimate came of a chain.
@@ -29,14 +30,14 @@ pub struct Experiment<'a> {
 
 impl Stage {
     /// The family that `family` continues.
-    pub(super) fn predecessor(&self, family: usize) -> Option<usize> {
+    fn predecessor(&self, family: usize) -> Option<usize> {
         let name = self.plan.designs[family].after.as_ref()?;
         self.plan.designs[..family].iter().position(|other| other.name == *name)
     }
 
     /// Families from the first experiment of a chain to `family` itself.
     #[must_use]
-    pub fn families_of_chain(&self, family: usize) -> Vec<usize> {
+    pub(super) fn families_of_chain(&self, family: usize) -> Vec<usize> {
         let mut chain = vec![family];
         while let Some(before) = self.predecessor(chain[chain.len() - 1]) {
             chain.push(before);
@@ -54,16 +55,16 @@ impl Stage {
         self.families_of_chain(family).into_iter().filter_map(of).collect()
     }
 
-    /// The information of the designs that a family's design number `start` continues, per torque row of one more
-    /// experiment of the same length; `None` where it continues none.
-    pub(super) fn collected(&self, family: usize, start: usize) -> Result<Option<DMatrix<f64>>, StudyError> {
+    /// The information of experiments with these designs, per torque row of one more of the same length; `None` of none.
+    pub(super) fn collected(&self, designs: &[StudyDesign]) -> Result<Option<DMatrix<f64>>, StudyError> {
+        let problem = self.problem(CriterionKind::DOptimal, 1)?;
         let mut sum: Option<DMatrix<f64>> = None;
-        let chain = self.families_of_chain(family);
-        for &before in &chain[..chain.len() - 1] {
-            let design = self.design(before, start)?;
-            let problem = self.problem(crate::excitation::CriterionKind::DOptimal, 1)?;
+        for design in designs {
             let m = problem.information(&design.trajectory)?;
-            sum = Some(sum.map_or_else(|| m.clone(), |sum| sum + &m));
+            sum = Some(match sum {
+                Some(sum) => sum + m,
+                None => m,
+            });
         }
         Ok(sum)
     }

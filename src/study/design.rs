@@ -74,20 +74,37 @@ impl Stage {
     /// # Errors
     /// [`StudyError`] where the settings are impossible for the robot.
     pub fn design(&self, family: usize, start: usize) -> Result<StudyDesign, StudyError> {
+        Ok(self.designs_of_chain(family, start)?.pop().expect("a chain holds the family itself"))
+    }
+
+    /// The designs of number `start` of all families of a chain, from the first experiment to `family` itself.
+    ///
+    /// # Errors
+    /// As [`Stage::design`].
+    pub fn designs_of_chain(&self, family: usize, start: usize) -> Result<Vec<StudyDesign>, StudyError> {
+        let mut made: Vec<StudyDesign> = Vec::new();
+        for next in self.families_of_chain(family) {
+            let design = self.design_after(next, start, &made)?;
+            made.push(design);
+        }
+        Ok(made)
+    }
+
+    /// One design of one family, after those of the families that it continues.
+    fn design_after(&self, family: usize, start: usize, before: &[StudyDesign]) -> Result<StudyDesign, StudyError> {
         let plan = &self.plan.designs[family];
         let seed = self.plan.seed.child("design", 0);
         let index = start as u64;
         match plan.making {
             Making::Optimised => {
-                Ok(StudyDesign::of(family, start, design(&self.problem_of(family, start)?, seed, index)?))
+                Ok(StudyDesign::of(family, start, design(&self.problem_of(family, before)?, seed, index)?))
             }
             Making::Random => {
-                let problem = self.problem_of(family, start)?;
+                let problem = self.problem_of(family, before)?;
                 Ok(StudyDesign::of(family, start, random_design(&problem, seed, index)?))
             }
             Making::Repeated => {
-                let before = self.predecessor(family).expect("the plan has been checked");
-                let made = self.design(before, start)?;
+                let made = before.last().expect("the plan has been checked").clone();
                 Ok(StudyDesign { family, evaluations: 0, iterations: 0, history: Vec::new(), ..made })
             }
             Making::TableOne => {
@@ -108,8 +125,8 @@ impl Stage {
         }
     }
 
-    /// The design problem of a family's design number `start`.
-    fn problem_of(&self, family: usize, start: usize) -> Result<DesignProblem, StudyError> {
+    /// The design problem of a family whose experiment follows those of the designs `before`.
+    fn problem_of(&self, family: usize, before: &[StudyDesign]) -> Result<DesignProblem, StudyError> {
         let plan = &self.plan.designs[family];
         let mut problem = self.problem(plan.criterion()?, plan.evaluations)?;
         problem.family = plan.family()?;
@@ -128,7 +145,7 @@ impl Stage {
             })?;
             problem.freeze(index, *place)?;
         }
-        problem.prior = self.collected(family, start)?;
+        problem.prior = self.collected(before)?;
         Ok(problem)
     }
 
