@@ -171,7 +171,7 @@ mod tests {
                 problem.family = family;
                 problem.harmonics = vec![5, 5, 5, 3, 3, 4];
                 let b = problem.base.rank();
-                problem.prior = Some(DMatrix::identity(b, b) * 0.01);
+                problem.prior = Some(DMatrix::identity(b, b) * 0.1);
                 let mut objective = InformationObjective::of(&problem, 6.0).unwrap();
                 let start = problem.start(Seed::new(1), 0).unwrap();
                 let x = problem.basis().unwrap().coefficients(&start).unwrap();

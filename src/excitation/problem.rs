@@ -321,11 +321,15 @@ mod tests {
 
     #[test]
     fn identity_a_frozen_joint_stands_still_and_the_rest_is_excited() {
-        let mut problem = problem(Family::Fourier, 40);
+        let robot = fixtures::crs_a460();
+        let mut problem = DesignProblem::new(robot, Columns::RigidRotorFriction, CriterionKind::DOptimal).unwrap();
+        (problem.samples, problem.max_evaluations) = (60, 40);
         let all = problem.base.rank();
         problem.freeze(3, 0.2).unwrap();
         problem.freeze(5, -0.1).unwrap();
-        assert!(problem.base.rank() < all, "{} of {all}", problem.base.rank());
+        // The bodies still show in the torque of the joints at rest; their viscous and Coulomb friction does not.
+        assert!(problem.base.rank() <= all - 4, "{} of {all}", problem.base.rank());
+        assert!(problem.base.names().iter().all(|name| !["Fv4", "Fc4", "Fv6", "Fc6"].contains(&name.as_str())));
         let made = design(&problem, Seed::new(7), 0).unwrap();
         assert!(made.value.is_finite() && made.termination.is_feasible());
         let states = made.trajectory.sample(50);
