@@ -71,7 +71,7 @@ pub(crate) fn perform(
     let fault = |error: &dyn std::fmt::Display| Fault::new(format!("arm {}: {error}", kind.name()));
     match kind {
         ArmKind::Simulated(_) => {
-            let simulation = Simulation::of(experiment.robot.clone(), kind)?;
+            let simulation = Simulation::of(experiment.robot.clone(), kind)?.with_effects(experiment.effects.clone());
             let mut servo = simulation
                 .servo(&experiment.sensing)
                 .map_err(|error| fault(&error))?

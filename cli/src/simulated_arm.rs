@@ -2,7 +2,8 @@
 
 use armid::dynamics::{Dynamics, States};
 use armid::experiment::{
-    Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, Plant, RawSample, Recording, Sensing, Servo, Sink,
+    ActualArm, Arm, ArmError, Effects, Ending, ExperimentPlan, Flow, Phase, Plant, RawSample, Recording, Sensing,
+    Servo, Sink,
 };
 use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
@@ -19,6 +20,8 @@ pub(crate) struct Simulation {
     pub(crate) nominal: StandardParameters,
     pub(crate) truth: Truth,
     pub(crate) arm: ArmKind,
+    /// Effects beside those of the truth.
+    effects: Effects,
 }
 
 impl Simulation {
@@ -26,7 +29,12 @@ impl Simulation {
     pub(crate) fn of(loaded: LoadedRobot, arm: ArmKind) -> Result<Self> {
         let truth = loaded.truth()?;
         let nominal = loaded.nominal.clone().unwrap_or_else(|| truth.parameters.clone());
-        Ok(Self { loaded, nominal, truth, arm })
+        Ok(Self { loaded, nominal, truth, arm, effects: Effects::none() })
+    }
+
+    /// The same arm with these effects beside those of its truth; they count where both have one.
+    pub(crate) fn with_effects(self, effects: Effects) -> Self {
+        Self { effects, ..self }
     }
 
     pub(crate) fn robot(&self) -> &Robot {
@@ -38,9 +46,10 @@ impl Simulation {
         Ok(Box::new(self.servo(sensing)?.with_seed(seed, run)))
     }
 
-    /// Exact states of one recorded period of the closed loop with noise-free sensors, about 500 of them.
+    /// Exact states of one recorded period of the closed loop with noise-free sensors, about 500 of them; of the arm
+    /// without effects, which the true parameters describe.
     pub(crate) fn exact_period(&self, plan: &ExperimentPlan) -> Result<States, String> {
-        let mut servo = self.servo(&Sensing::ideal())?;
+        let mut servo = self.servo_of(&Effects::none(), &Sensing::ideal())?;
         let plan = plan.clone().with_periods(1);
         let period = plan.layout().map_err(|fault| fault.to_string())?.period_samples;
         let stride = (1..=period / 500).rev().find(|stride| period % stride == 0).unwrap_or(1);
@@ -60,11 +69,16 @@ impl Simulation {
         Ok(exact_states(&mut Dynamics::new(self.robot(), &self.truth.parameters), &q, &qd, &tau))
     }
 
-    /// The plant itself.
+    /// The plant without effects, for callers that bring their own servo.
     pub(crate) fn plant(&self) -> Result<Box<dyn Plant>, String> {
+        self.plant_of(&ActualArm::new(&Effects::none(), self.robot(), &self.truth.parameters))
+    }
+
+    /// The plant of an arm.
+    fn plant_of(&self, actual: &ActualArm) -> Result<Box<dyn Plant>, String> {
         match self.arm {
             ArmKind::Simulated(engine) => {
-                engine.plant(self.robot(), &self.truth.parameters).map_err(|fault| fault.to_string())
+                engine.plant(actual.robot(), actual.parameters()).map_err(|fault| fault.to_string())
             }
             ArmKind::Replay => Err("arm replay is a recording, expected a simulated arm".to_owned()),
         }
@@ -72,8 +86,15 @@ impl Simulation {
 
     /// The plant with the controller and the sensors of the real arm around it.
     pub(crate) fn servo(&self, sensing: &Sensing) -> Result<Servo<Box<dyn Plant>>, String> {
-        let servo = Servo::new(self.robot(), &self.nominal, self.plant()?).map_err(|fault| fault.to_string())?;
-        let servo = servo.with_sensing(sensing.clone()).with_robot_text(self.loaded.text.content.as_ref());
+        self.servo_of(&self.truth.effects.and(&self.effects), sensing)
+    }
+
+    fn servo_of(&self, effects: &Effects, sensing: &Sensing) -> Result<Servo<Box<dyn Plant>>, String> {
+        let actual = ActualArm::new(effects, self.robot(), &self.truth.parameters);
+        let plant = self.plant_of(&actual)?;
+        let servo = Servo::new(self.robot(), &self.nominal, plant).map_err(|fault| fault.to_string())?;
+        let servo = servo.with_sensing(sensing.clone()).with_effects(actual);
+        let servo = servo.with_robot_text(self.loaded.text.content.as_ref());
         Ok(if self.truth.motors.is_empty() { servo } else { servo.with_motors(self.truth.motors.clone()) })
     }
 }

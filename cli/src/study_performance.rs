@@ -51,7 +51,8 @@ impl Prepared {
             .map(|condition| {
                 let arm = ArmKind::parse(&condition.engine)
                     .ok_or_else(|| Fault::new(format!("there is no engine \"{}\"", condition.engine)))?;
-                let simulation = Simulation::of(loaded.clone(), arm)?;
+                let simulation =
+                    Simulation::of(loaded.clone(), arm)?.with_effects(plan.effects.and(&condition.effects));
                 simulation.servo(&Sensing::ideal()).map_err(|error| Fault::new(format!("arm {error}")))?;
                 Ok(simulation)
             })
@@ -240,6 +241,7 @@ impl Performance<'_> {
             designs.into_iter().map(|(design, bound, _)| (design, bound)).unzip();
         let (outcomes, run_seconds): (Vec<Outcome>, Vec<f64>) = outcomes.into_iter().unzip();
         let conditions = self.stage.conditions(&designs, &bounds, &outcomes);
+        let atlas = self.stage.atlas(&designs, &conditions, &outcomes);
         let paper = if self.stage.plan().paper_claims {
             let arm = |sensing: &Sensing, seed: Seed, run: u64| self.first().arm(sensing, seed, run);
             let (claims, table) =
@@ -251,7 +253,7 @@ impl Performance<'_> {
         let examples = self.examples(&designs, &outcomes)?;
         let seed = self.stage.plan().seed;
         let provenance = Provenance::new(self.stage.robot().name(), &self.first().loaded.text.content, Some(seed));
-        let result = self.stage.result(provenance, designs, bounds, conditions, paper);
+        let result = self.stage.result(provenance, designs, bounds, (conditions, atlas), paper);
         let story = StudyStory { result, examples };
         write_study(self.output, &story, &outcomes)?;
         write_timing(self.output, &design_seconds, &outcomes, &run_seconds)?;

@@ -14,6 +14,7 @@ robot = "planar-2r"
 seed = 3
 runs = 3
 engines = ["analytic", "rapier", "mujoco"]
+conditions = [{}, { backlash = "severe", clock-jitter = 100 }]
 
 [experiment]
 period_s = 2.0
@@ -111,7 +112,7 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
     succeeds(at, &["study", "study.toml", "--shard", "2/2", "-o", "part2"]);
     let half = armid(at, &["study", "merge", "part1", "-o", "half"]);
     assert_eq!(half.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&half.stderr).contains("18 runs are in none of the folders"));
+    assert!(String::from_utf8_lossy(&half.stderr).contains("36 runs are in none of the folders"));
     succeeds(at, &["study", "merge", "part1", "part2", "-o", "merged"]);
     assert!(one == files(&at.join("merged")), "the merged parts differ from the whole");
 
@@ -136,7 +137,7 @@ fn faults_of_a_plan_name_line_and_column() {
     let output = armid(folder.path(), &["study", "broken.toml"]);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.contains("broken.toml:20:23") && text.contains("wsl") && text.contains("wls"), "{text}");
+    assert!(text.contains("broken.toml:21:23") && text.contains("wsl") && text.contains("wls"), "{text}");
 
     for (engines, found) in
         [("[\"analytic\", \"bullet\"]", "bullet"), ("[\"rapier\", \"rapier\"]", "twice"), ("[]", "at least one name")]
@@ -147,6 +148,19 @@ fn faults_of_a_plan_name_line_and_column() {
         let text = String::from_utf8_lossy(&output.stderr).into_owned();
         assert_eq!(output.status.code(), Some(2), "{text}");
         assert!(text.contains("broken.toml:7") && text.contains("engines") && text.contains(found), "{text}");
+    }
+
+    for (effects, found) in [
+        ("{ backlsh = \"severe\" }", "unknown effect `backlsh`"),
+        ("{ backlash = \"mild\" }", "backlash is \"mild\""),
+        ("{}", "conditions has \"none\" twice"),
+    ] {
+        let text = PLAN.replace("{ backlash = \"severe\", clock-jitter = 100 }", effects);
+        std::fs::write(folder.path().join("broken.toml"), text).unwrap();
+        let output = armid(folder.path(), &["study", "broken.toml"]);
+        let text = String::from_utf8_lossy(&output.stderr).into_owned();
+        assert_eq!(output.status.code(), Some(2), "{text}");
+        assert!(text.contains(found) && (found.contains("twice") || text.contains("broken.toml:8")), "{text}");
     }
 
     let output = armid(folder.path(), &["study", "01-criterion"]);

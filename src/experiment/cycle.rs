@@ -3,6 +3,7 @@
 
 use std::sync::Arc;
 
+use super::effects::{ActualDrives, SampleClock};
 use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{CommandTable, Divergence, Ending, JointPid, Layout, Phase, RawSample, Sink, Tracking, Transmission};
@@ -21,7 +22,8 @@ pub struct TrueState<'a> {
     pub q: &'a [f64],
     /// Joint velocities, rad/s (m/s).
     pub qd: &'a [f64],
-    /// Effort of the motors on the joints, held from this moment to the next servo step, N·m (N).
+    /// Effort of the motors on the joints, held from this moment to the next servo step, N·m (N); as the servo means it,
+    /// where effects of the drives make another of it.
     pub tau: &'a [f64],
 }
 
@@ -49,11 +51,14 @@ pub struct Cycle {
     motors: Motors,
     controller: JointPid,
     sensors: Sensors,
+    drives: Option<Box<ActualDrives>>,
+    clock: Option<SampleClock>,
     tracking: Tracking,
     step: usize,
     sample: usize,
     phase: usize,
     q_motor: Vec<f64>,
+    qd_motor: Vec<f64>,
     command_motor: Vec<f64>,
     measured: Vec<f64>,
     current: Vec<f64>,
@@ -63,7 +68,6 @@ pub struct Cycle {
     sensed: Vec<f64>,
     q_sample: Vec<f64>,
     effort_sample: Vec<f64>,
-    qd_motor: Vec<f64>,
     voltage_sample: Vec<f64>,
 }
 
@@ -78,12 +82,25 @@ pub(super) struct CycleSpec<'a> {
     pub(super) motors: Motors,
     pub(super) controller: JointPid,
     pub(super) sensors: Sensors,
+    pub(super) drives: Option<ActualDrives>,
+    pub(super) clock: Option<SampleClock>,
 }
 
 impl Cycle {
     pub(super) fn new(spec: CycleSpec<'_>) -> Self {
-        let CycleSpec { robot, layout, table, rate_hz, per_sample, transmission, motors, mut controller, sensors } =
-            spec;
+        let CycleSpec {
+            robot,
+            layout,
+            table,
+            rate_hz,
+            per_sample,
+            transmission,
+            motors,
+            mut controller,
+            sensors,
+            drives,
+            clock,
+        } = spec;
         controller.reset();
         let n = robot.dof();
         let zero = || vec![0.0; n];
@@ -99,11 +116,14 @@ impl Cycle {
             motors,
             controller,
             sensors,
+            drives: drives.map(Box::new),
+            clock,
             tracking: Tracking::new(n),
             step: 0,
             sample: 0,
             phase: 0,
             q_motor: zero(),
+            qd_motor: zero(),
             command_motor: zero(),
             measured: zero(),
             current: zero(),
@@ -113,7 +133,6 @@ impl Cycle {
             sensed: zero(),
             q_sample: zero(),
             effort_sample: zero(),
-            qd_motor: zero(),
             voltage_sample: zero(),
         }
     }
@@ -130,10 +149,24 @@ impl Cycle {
         self.table.row(0)
     }
 
-    /// What the motors exert on the joints until the next step, N·m (N); n.
+    /// Steps of the plant in a servo step, of equal length: one, unless effects of the drives need more.
+    #[must_use]
+    pub fn parts(&self) -> usize {
+        self.drives.as_ref().map_or(1, |drives| drives.parts())
+    }
+
+    /// What the motors exert on the joints until the next step of the plant, N·m (N); n.
     #[must_use]
     pub fn tau(&self) -> &[f64] {
         &self.tau
+    }
+
+    /// Decides [`Cycle::tau`] for the next of [`Cycle::parts`] steps of the plant, which is at `q`, `qd`. Without effects
+    /// of the drives it stays what the servo step decided.
+    pub fn push(&mut self, q: &[f64], qd: &[f64]) {
+        if let Some(drives) = &mut self.drives {
+            drives.push(q, qd, &mut self.tau);
+        }
     }
 
     /// How well the command was followed so far; mean errors only after the end.
@@ -143,7 +176,7 @@ impl Cycle {
     }
 
     /// One servo step at the plant's state `q`, `qd`: reads the sensors, decides [`Cycle::tau`], hands a sample to the
-    /// sink where one is due.
+    /// sink where one is due. [`Cycle::parts`] steps of the plant follow, each after [`Cycle::push`].
     pub fn advance(
         &mut self,
         q: &[f64],
@@ -163,10 +196,16 @@ impl Cycle {
         let command = self.table.row(self.step);
         self.transmission.motor_motion(q, &mut self.q_motor);
         self.transmission.motor_motion(command, &mut self.command_motor);
+        if let Some(drives) = &self.drives {
+            drives.positions(&mut self.q_motor);
+        }
         self.sensors.positions(&self.q_motor, &mut self.measured);
         self.before.copy_from_slice(&self.current);
         let mut saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
         self.transmission.motor_motion(qd, &mut self.qd_motor);
+        if let Some(drives) = &self.drives {
+            drives.speeds(&mut self.qd_motor);
+        }
         saturated |= self.motors.saturate(&self.qd_motor, &mut self.current);
         if self.step == 0 {
             self.before.copy_from_slice(&self.current);
@@ -175,6 +214,9 @@ impl Cycle {
             self.torque_motor[i] = self.motors.per_ampere()[i] * self.current[i];
         }
         self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
+        if let Some(drives) = &mut self.drives {
+            drives.set(&self.current);
+        }
         self.tracking.saturated_steps += usize::from(saturated);
         if phase == Phase::Record {
             self.tracking.add(command, q, &self.tau, &self.current);
@@ -183,12 +225,12 @@ impl Cycle {
         if due {
             let (index, t) = (self.sample, self.sample as f64 / self.rate_hz);
             self.sample += 1;
-            self.transmission.joint_motion(&self.measured, &mut self.q_sample);
-            self.sensors.currents(&self.before, &self.current, &mut self.sensed);
-            self.report();
+            let lost = self.read(qd);
             let voltage: &[f64] = if self.sensors.has_voltage() {
-                self.motors.voltages(&self.before, &self.current, &self.qd_motor, &mut self.voltage_sample);
-                self.sensors.voltages(&mut self.voltage_sample);
+                if !lost {
+                    self.motors.voltages(&self.before, &self.current, &self.qd_motor, &mut self.voltage_sample);
+                    self.sensors.voltages(&mut self.voltage_sample);
+                }
                 &self.voltage_sample
             } else {
                 &[]
@@ -215,6 +257,32 @@ impl Cycle {
     fn end(&mut self, ending: Ending) -> Next {
         self.tracking.finish();
         Next::End(ending)
+    }
+
+    /// Takes a sample, at the time that it is stamped with unless the clock says otherwise; returns whether it is lost,
+    /// so that the one before stands in its place.
+    fn read(&mut self, qd: &[f64]) -> bool {
+        let (mut late, mut lost) = (0.0, false);
+        if let Some(clock) = &mut self.clock {
+            (late, lost) = (clock.lateness(), clock.loses());
+            self.sensors.late = late / self.controller.dt();
+        }
+        if late != 0.0 {
+            self.transmission.motor_motion(qd, &mut self.qd_motor);
+            if let Some(drives) = &self.drives {
+                drives.speeds(&mut self.qd_motor);
+            }
+            for (q, qd) in self.q_motor.iter_mut().zip(&self.qd_motor) {
+                *q += late * qd;
+            }
+            self.sensors.positions(&self.q_motor, &mut self.measured);
+        }
+        self.sensors.currents(&self.before, &self.current, &mut self.sensed);
+        if !lost {
+            self.transmission.joint_motion(&self.measured, &mut self.q_sample);
+            self.report();
+        }
+        lost
     }
 
     /// Currents as the robot reports them.

@@ -42,7 +42,7 @@ pub use command_table::CommandTable;
 pub use continuation::{Continuation, ContinuationError, Joined};
 pub use controller::{JointPid, gain_pose};
 pub use cycle::{Cycle, Next, TrueState};
-pub use effects::{EffectEntry, EffectKind, Effects, Level};
+pub use effects::{ActualArm, EffectEntry, EffectKind, Effects, Level};
 pub use joint_loop::JointLoop;
 pub use phase::{Phase, PhaseSpan};
 pub use plan::{ExperimentPlan, Layout, PlanError};

@@ -8,6 +8,9 @@ use crate::model::EffortInterface;
 use crate::provenance::Provenance;
 
 /// The raw samples of one experiment. N samples, n joints; tables are row-major, sample after sample.
+///
+/// There are no gaps: where an arm loses a sample, the values of the one before stand at its place, under the stamp that
+/// it should have had.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Recording {
     /// Name of the robot.

@@ -11,6 +11,7 @@
 
 use rand_distr::{Distribution, StandardNormal};
 
+use super::effects::{ActualSensors, Eccentricity, Memory};
 use crate::model::Robot;
 use crate::seed::{Seed, Stream};
 
@@ -66,6 +67,8 @@ pub(super) struct Sensors {
     voltage_stream: Stream,
     position_stream: Stream,
     current_stream: Stream,
+    /// How late the sample is taken, in servo steps, −½ to ½.
+    pub(super) late: f64,
 }
 
 #[derive(Clone, Debug)]
@@ -75,6 +78,7 @@ struct Encoder {
     step: f64,
     grid: f64,
     noise: f64,
+    eccentricity: Option<Eccentricity>,
 }
 
 #[derive(Clone, Debug)]
@@ -84,6 +88,8 @@ struct Ammeter {
     lsb: f64,
     per_lsb: f64,
     codes: f64,
+    offset: f64,
+    memory: Option<Memory>,
 }
 
 impl Sensors {
@@ -95,7 +101,7 @@ impl Sensors {
             let step = joint.drive.encoder_step(joint.kind == crate::model::JointKind::Revolute);
             let counts = if sensing.encoders && step > 0.0 { joint.drive.encoder_sign / step } else { 0.0 };
             let noise = sensing.position_noise.get(i).copied().unwrap_or(0.0);
-            Encoder { counts, step: step * joint.drive.encoder_sign, grid, noise }
+            Encoder { counts, step: step * joint.drive.encoder_sign, grid, noise, eccentricity: None }
         });
         let meters = robot.joints().iter().map(|joint| {
             let lsb = if sensing.converters { joint.drive.adc_step() } else { 0.0 };
@@ -104,6 +110,8 @@ impl Sensors {
                 lsb,
                 per_lsb: if lsb > 0.0 { 1.0 / lsb } else { 0.0 },
                 codes: if joint.drive.adc_bits > 0 { f64::from(1_u32 << (joint.drive.adc_bits - 1)) } else { 0.0 },
+                offset: 0.0,
+                memory: None,
             }
         });
         let drives = || robot.joints().iter().map(|joint| &joint.drive);
@@ -119,13 +127,34 @@ impl Sensors {
             voltage_stream: seed.stream("voltage noise", run),
             position_stream: seed.stream("position noise", run),
             current_stream: seed.stream("current noise", run),
+            late: 0.0,
         }
+    }
+
+    /// The same sensors with what is wrong with those of an arm.
+    pub(super) fn with_effects(mut self, actual: &ActualSensors) -> Self {
+        for (i, encoder) in self.encoders.iter_mut().enumerate() {
+            encoder.counts /= actual.encoder_step;
+            encoder.step *= actual.encoder_step;
+            encoder.eccentricity = Some(actual.eccentricity[i]);
+        }
+        for (i, meter) in self.meters.iter_mut().enumerate() {
+            meter.lsb *= actual.converter_step;
+            meter.per_lsb /= actual.converter_step;
+            meter.codes = (meter.codes / actual.converter_step).floor();
+            meter.offset = actual.offset[i];
+            meter.memory = Some(actual.memory);
+        }
+        self
     }
 
     /// Motor coordinates as the encoders give them, rad (m), n.
     pub(super) fn positions(&mut self, q_motor: &[f64], measured: &mut [f64]) {
         for (i, encoder) in self.encoders.iter().enumerate() {
             let mut q = q_motor[i];
+            if let Some(eccentricity) = &encoder.eccentricity {
+                q += eccentricity.error(q);
+            }
             if encoder.noise > 0.0 {
                 q += encoder.noise * normal(&mut self.position_stream);
             }
@@ -136,10 +165,17 @@ impl Sensors {
 
     /// Motor currents as the sensors give them, A, n; `before` and `after` are held on either side of the sample.
     pub(super) fn currents(&mut self, before: &[f64], after: &[f64], measured: &mut [f64]) {
-        for (i, meter) in self.meters.iter().enumerate() {
+        for (i, meter) in self.meters.iter_mut().enumerate() {
             let mut current = 0.5 * (before[i] + after[i]);
+            if self.late != 0.0 {
+                current += self.late * (after[i] - before[i]);
+            }
             if meter.noise > 0.0 {
-                current += meter.noise * normal(&mut self.current_stream);
+                let white = normal(&mut self.current_stream);
+                current += meter.noise * meter.memory.as_mut().map_or(white, |memory| memory.next(white));
+            }
+            if meter.offset != 0.0 {
+                current += meter.offset;
             }
             measured[i] = if meter.lsb == 0.0 {
                 current

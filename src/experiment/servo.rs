@@ -7,8 +7,8 @@ use super::joint_loop::motor_inertia;
 use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{
-    Arm, ArmError, CommandTable, Cycle, Ending, ExperimentPlan, JointPid, Next, Plant, Recording, Sensing, Sink,
-    Tracking, Transmission, TrueState,
+    ActualArm, Arm, ArmError, CommandTable, Cycle, Ending, ExperimentPlan, JointPid, Next, Plant, Recording, Sensing,
+    Sink, Tracking, Transmission, TrueState,
 };
 use crate::model::{Drive, Robot, StandardParameters};
 use crate::provenance::Provenance;
@@ -66,6 +66,7 @@ pub struct Servo<P> {
     run: u64,
     inertia: Vec<f64>,
     motors: Vec<Drive>,
+    actual: Option<ActualArm>,
     tracking: Option<Tracking>,
 }
 
@@ -112,6 +113,7 @@ impl<P: Plant> Servo<P> {
             run: 0,
             inertia,
             motors: robot.joints().iter().map(|joint| joint.drive.clone()).collect(),
+            actual: None,
             tracking: None,
         })
     }
@@ -139,6 +141,18 @@ impl<P: Plant> Servo<P> {
     pub fn with_motors(mut self, motors: Vec<Drive>) -> Self {
         assert_eq!(motors.len(), self.robot.dof(), "one motor for each joint");
         self.motors = motors;
+        self
+    }
+
+    /// The same servo on an arm with effects. The plant must be one of [`ActualArm::robot`] and
+    /// [`ActualArm::parameters`]; controller and transmission stay those of the robot file.
+    ///
+    /// # Panics
+    /// If the arm has another number of joints.
+    #[must_use]
+    pub fn with_effects(mut self, actual: ActualArm) -> Self {
+        assert_eq!(actual.robot().dof(), self.robot.dof(), "an arm of as many joints as the robot");
+        self.actual = (!actual.effects().is_none()).then_some(actual);
         self
     }
 
@@ -208,6 +222,9 @@ impl<P: Plant> Servo<P> {
         let controller = JointPid::new(tuning, &self.inertia, transmission.per_ampere(), &limit);
         let table = Arc::new(CommandTable::new(plan, &layout, per_sample));
         let layout = Arc::new(layout);
+        let actual = self.actual.as_ref();
+        let sensors = actual.map(|actual| actual.sensors(plan.rate_hz));
+        let motors = Motors::new(&self.motors, tuning.rate_hz);
         let cycle = |&(seed, run): &(Seed, u64)| {
             Cycle::new(CycleSpec {
                 robot: &self.robot,
@@ -216,9 +233,14 @@ impl<P: Plant> Servo<P> {
                 rate_hz: plan.rate_hz,
                 per_sample,
                 transmission: transmission.clone(),
-                motors: Motors::new(&self.motors, tuning.rate_hz),
+                drives: actual.and_then(|actual| actual.drives(&transmission, motors.per_ampere(), table.row(0))),
+                motors: motors.clone(),
                 controller: controller.clone(),
-                sensors: Sensors::new(&self.robot, &self.sensing, seed, run),
+                sensors: match &sensors {
+                    None => Sensors::new(&self.robot, &self.sensing, seed, run),
+                    Some(actual) => Sensors::new(&self.robot, &self.sensing, seed, run).with_effects(actual),
+                },
+                clock: actual.and_then(|actual| actual.clock(seed, run)),
             })
         };
         Ok(runs.iter().map(cycle).collect())
@@ -247,14 +269,19 @@ impl<P: Plant> Servo<P> {
         let mut cycle = self.cycle(plan)?;
         sink.begin(&self.recording(plan, self.seed)?);
         self.plant.reset(cycle.start(), &vec![0.0; self.robot.dof()]);
-        let dt = cycle.dt();
-        let ending = loop {
+        let parts = cycle.parts();
+        let dt = cycle.dt() / parts as f64;
+        let ending = 'experiment: loop {
             let (q, qd) = self.plant.state();
             if let Next::End(ending) = cycle.advance(q, qd, sink, observer) {
                 break ending;
             }
-            if let Err(fault) = self.plant.step(cycle.tau(), dt) {
-                break cycle.fail(fault);
+            for _ in 0..parts {
+                let (q, qd) = self.plant.state();
+                cycle.push(q, qd);
+                if let Err(fault) = self.plant.step(cycle.tau(), dt) {
+                    break 'experiment cycle.fail(fault);
+                }
             }
         };
         self.tracking = Some(cycle.tracking().clone());

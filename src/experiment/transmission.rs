@@ -78,6 +78,14 @@ impl Transmission {
         }
     }
 
+    /// Motor torques from joint torques: `C⁻ᵀ τ`, N·m (N). Both of length n.
+    pub fn motor_torque(&self, joints: &[f64], motors: &mut [f64]) {
+        match &self.coupling {
+            None => motors.copy_from_slice(joints),
+            Some(coupling) => multiply_transposed(&coupling.inverse, joints, motors),
+        }
+    }
+
     /// Inertia that each motor sees while the other motors stand still: the diagonal of `C⁻ᵀ M C⁻¹`, kg·m².
     #[must_use]
     pub fn motor_inertia(&self, mass_matrix: &DMatrix<f64>) -> Vec<f64> {
@@ -104,6 +112,9 @@ mod tests {
         transmission.motor_motion(&qd, &mut qd_motor);
         transmission.joint_torque(&tau_motor, &mut tau);
         transmission.joint_motion(&qd_motor, &mut back);
+        let mut torque_back = [0.0; 2];
+        transmission.motor_torque(&tau, &mut torque_back);
+        assert!((torque_back[0] - tau_motor[0]).abs() + (torque_back[1] - tau_motor[1]).abs() < 1e-14);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(x, y)| x * y).sum::<f64>();
         assert!((dot(&qd_motor, &tau_motor) - dot(&qd, &tau)).abs() < 1e-14);
         assert!((back[0] - qd[0]).abs() + (back[1] - qd[1]).abs() < 1e-15);

@@ -6,14 +6,18 @@
 use super::outcome::Outcome;
 use super::plan::StudyPlan;
 use super::summary::Findings;
+use crate::experiment::Effects;
 
 /// One way of performing the experiments: what differs is the simulated arm, never design, sensors' noise or estimator.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Condition {
     /// Name in rows, tables and figures.
     pub name: String,
     /// Name of the engine that simulates the arm.
     pub engine: String,
+    /// Effects of the real arm beside those of the plan and the truth.
+    #[serde(default, skip_serializing_if = "Effects::is_none")]
+    pub effects: Effects,
 }
 
 /// What the runs under one condition say.
@@ -52,6 +56,18 @@ impl StudyPlan {
     /// Every condition of the plan, in the order in which conditions are numbered.
     #[must_use]
     pub fn conditions(&self) -> Vec<Condition> {
-        self.engines.iter().map(|engine| Condition { name: engine.clone(), engine: engine.clone() }).collect()
+        let none = [Effects::none()];
+        let sets = if self.effect_sets.is_empty() { &none[..] } else { &self.effect_sets };
+        let name = |engine: &String, effects: &Effects| match (self.engines.len(), self.effect_sets.len()) {
+            (_, 0) => engine.clone(),
+            (1, _) => effects.to_string(),
+            _ => format!("{engine}, {effects}"),
+        };
+        let condition = |engine: &String, effects: &Effects| Condition {
+            name: name(engine, effects),
+            engine: engine.clone(),
+            effects: effects.clone(),
+        };
+        self.engines.iter().flat_map(|engine| sets.iter().map(move |effects| condition(engine, effects))).collect()
     }
 }

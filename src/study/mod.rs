@@ -5,6 +5,7 @@
 //! ```
 //! This module comes last, so that nothing that identifies can name the [`Truth`].
 
+mod atlas;
 mod bound;
 mod chain;
 mod condition;
@@ -25,6 +26,7 @@ pub mod statistics;
 mod units;
 mod validity;
 
+pub use atlas::{Atlas, AtlasBias, AtlasEntry};
 pub use bound::{cramer_rao_std, torque_covariance};
 pub use chain::Experiment;
 pub use condition::{Condition, ConditionResult, StatusCount};

@@ -44,8 +44,8 @@ pub struct StudyPlan {
     pub effects: Effects,
     /// Effects under which every run is done again, one set after the other, with the same random numbers; one
     /// empty set where there are none. The first is what designs are compared under.
-    #[serde(default, skip_serializing_if = "Vec::is_empty")]
-    pub conditions: Vec<Effects>,
+    #[serde(default, rename = "conditions", skip_serializing_if = "Vec::is_empty")]
+    pub effect_sets: Vec<Effects>,
     /// More families, every combination of what each table lists; part of `designs` once the text is read.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub grid: Vec<GridPlan>,
@@ -260,6 +260,11 @@ impl StudyPlan {
         for (i, engine) in self.engines.iter().enumerate() {
             if self.engines[..i].contains(engine) {
                 return Err(PlanFault::Twice { key: "engines", found: engine.clone() });
+            }
+        }
+        for (i, effects) in self.effect_sets.iter().enumerate() {
+            if self.effect_sets[..i].contains(effects) {
+                return Err(PlanFault::Twice { key: "conditions", found: effects.to_string() });
             }
         }
         let units = &self.reference;

@@ -1,7 +1,7 @@
 //! What a study stores beside its rows: enough to print and draw every part of its report again.
 
 use super::paper::{Claim, TableLine};
-use super::{ConditionResult, Examples, Findings, Stage, StudyDesign, StudyPlan};
+use super::{Atlas, ConditionResult, Examples, Findings, Stage, StudyDesign, StudyPlan};
 use crate::provenance::Provenance;
 
 /// The stored summary of a study. Equal plan, equal bytes.
@@ -21,6 +21,9 @@ pub struct StudyResult {
     pub bounds: Vec<Vec<f64>>,
     /// What the runs under each condition say, the first being the one that figures show.
     pub conditions: Vec<ConditionResult>,
+    /// What each effect does, where there are conditions with and without.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub atlas: Option<Atlas>,
     /// The paper's claims examined, and its Table II, where the plan asks for them.
     pub paper: Option<PaperResult>,
 }
@@ -85,7 +88,7 @@ impl Stage {
         provenance: Provenance,
         designs: Vec<StudyDesign>,
         bounds: Vec<Vec<f64>>,
-        conditions: Vec<ConditionResult>,
+        (conditions, atlas): (Vec<ConditionResult>, Option<Atlas>),
         paper: Option<PaperResult>,
     ) -> StudyResult {
         let (truth, units) = (self.referee().truth(), self.referee().units());
@@ -113,6 +116,16 @@ impl Stage {
                 rating: joint.limits.torque.is_finite().then_some(joint.limits.torque),
             })
             .collect();
-        StudyResult { plan: self.plan.clone(), provenance, joints, parameters, designs, bounds, conditions, paper }
+        StudyResult {
+            plan: self.plan.clone(),
+            provenance,
+            joints,
+            parameters,
+            designs,
+            bounds,
+            conditions,
+            atlas,
+            paper,
+        }
     }
 }

@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::excitation::Certificate;
-use armid::experiment::{ExperimentPlan, Sensing};
+use armid::experiment::{Effects, ExperimentPlan, Sensing};
 use armid_hardware::link::LinkSettings;
 use armid_sim::Engine;
 use miette::Result;
@@ -39,6 +39,9 @@ struct File {
     arm: Option<Spanned<String>>,
     sensing: Option<SensingTable>,
     ros2: Option<Spanned<LinkSettings>>,
+    /// Effects of the real arm beside those of its truth.
+    #[serde(default)]
+    effects: Effects,
 }
 
 #[derive(Deserialize)]
@@ -65,6 +68,7 @@ pub(crate) struct Experiment {
     /// What the trajectory's file certifies.
     pub(crate) certificate: Option<Certificate>,
     pub(crate) sensing: Sensing,
+    pub(crate) effects: Effects,
     pub(crate) seed: u64,
     pub(crate) run: u64,
     pub(crate) arm: ArmKind,
@@ -143,6 +147,7 @@ pub(crate) fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
             settings
         }
     };
+    let effects = file.effects;
     let name = match (file.name, folder.and_then(Path::file_name)) {
         (Some(name), _) => name.into_inner(),
         (None, Some(folder)) => folder.to_string_lossy().into_owned(),
@@ -158,6 +163,7 @@ pub(crate) fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
         plan,
         certificate,
         sensing,
+        effects,
         seed,
         run,
         arm,

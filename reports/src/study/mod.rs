@@ -1,5 +1,6 @@
 //! The report of a study: from its stored result to a page, one file per section.
 
+mod atlas;
 mod convergence;
 mod criteria;
 mod grid;

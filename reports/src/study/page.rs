@@ -2,7 +2,7 @@
 
 use armid::study::StudyStory;
 
-use super::{convergence, criteria, grid, limits, overview, paper, parameters, prediction, rounds};
+use super::{atlas, convergence, criteria, grid, limits, overview, paper, parameters, prediction, rounds};
 use crate::{Document, DocumentError};
 
 /// The page of a study with every figure and table.
@@ -27,6 +27,9 @@ pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
         document = document.section(rounds);
     }
     document = document.section(if grid::is_grid(story) { grid::section(story)? } else { criteria::section(story)? });
+    if let Some(found) = &result.atlas {
+        document = document.section(atlas::section(story, found)?);
+    }
     for paragraph in overview::summary(story) {
         document = document.summary(paragraph);
     }

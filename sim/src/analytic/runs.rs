@@ -23,7 +23,7 @@ pub fn perform_runs<S: Sink>(
 ) -> Result<Vec<Ending>, ArmError> {
     assert_eq!(runs.len(), sinks.len(), "one sink for each run");
     let mut cycles = servo.cycles(plan, runs)?;
-    let Some(dt) = cycles.first().map(armid::experiment::Cycle::dt) else { return Ok(Vec::new()) };
+    let Some((dt, parts)) = cycles.first().map(|cycle| (cycle.dt(), cycle.parts())) else { return Ok(Vec::new()) };
     let mut team = servo.plant().team(runs.len());
     for (k, (cycle, sink)) in cycles.iter().zip(sinks.iter_mut()).enumerate() {
         team.reset(k, cycle.start(), &vec![0.0; cycle.start().len()]);
@@ -38,22 +38,28 @@ pub fn perform_runs<S: Sink>(
             }
             let (q, qd) = team.state(k);
             match cycle.advance(q, qd, sink, &mut |_| {}) {
-                Next::Step => {
-                    team.push(k, cycle.tau());
-                    going = true;
-                }
+                Next::Step => going = true,
                 Next::End(ending) => endings[k] = Some(ending),
             }
         }
         if !going {
             return Ok(endings.into_iter().flatten().collect());
         }
-        team.step(dt);
-        for (k, cycle) in cycles.iter_mut().enumerate() {
-            if endings[k].is_none()
-                && let Some(fault) = team.fault(k)
-            {
-                endings[k] = Some(cycle.fail(fault));
+        for _ in 0..parts {
+            for (k, cycle) in cycles.iter_mut().enumerate() {
+                if endings[k].is_none() {
+                    let (q, qd) = team.state(k);
+                    cycle.push(q, qd);
+                    team.push(k, cycle.tau());
+                }
+            }
+            team.step(dt / parts as f64);
+            for (k, cycle) in cycles.iter_mut().enumerate() {
+                if endings[k].is_none()
+                    && let Some(fault) = team.fault(k)
+                {
+                    endings[k] = Some(cycle.fail(fault));
+                }
             }
         }
     }

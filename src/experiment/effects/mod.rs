@@ -8,13 +8,43 @@
 //! | what the plant is made of | tool, base tilt, kinematics |
 //! | sensors and clock | encoder step, eccentricities, jitter, dropped samples, converter offset and step, coloured noise |
 //!
-//! They live around a [`Plant`](super::Plant), not in an engine, so that every engine has them alike. Without any the
-//! servo computes what it always did, to the last bit.
+//! They live around a [`Plant`](super::Plant), not in an engine, so that every engine has them alike: an [`ActualArm`]
+//! changes what the plant is built from, and a [`Servo`](super::Servo) with it changes torques, encoders and samples.
+//! Friction and springs need more than one step of the plant in a servo step; how many follows from their stiffness.
+//! Without any effect the servo computes what it always did, to the last bit.
+//!
+//! What belongs to one arm (signs, phases) is drawn from the seed of its effects; what belongs to one run (jitter, losses,
+//! noise) from the servo's seed and run.
 
+mod actual_arm;
+mod backlash;
+mod base_tilt;
+mod coloured_noise;
+mod current_loop;
+mod draw;
+mod drives;
+mod eccentricity;
+mod elasticity;
+mod gear_friction;
+mod hysteresis;
 mod kind;
+mod kinematics;
 mod level;
+mod load_friction;
+mod ripple;
+mod sample_clock;
 mod selection;
+mod stribeck;
+mod tool;
+mod torque_constant;
+mod warming;
 
+pub use actual_arm::ActualArm;
+pub(super) use actual_arm::ActualSensors;
+pub(super) use coloured_noise::Memory;
+pub(super) use drives::ActualDrives;
+pub(super) use eccentricity::Eccentricity;
 pub use kind::{EffectEntry, EffectKind};
 pub use level::Level;
+pub(super) use sample_clock::SampleClock;
 pub use selection::Effects;

@@ -1,0 +1,166 @@
+//! The atlas: what every effect of the real arm does to the estimates.
+
+use armid::experiment::Level;
+use armid::study::{Atlas, AtlasEntry, StudyStory};
+
+use super::page::shown_estimator;
+use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
+
+/// Biases below this many standard deviations are drawn as this many: nobody sees them.
+const LEAST_STD: f64 = 0.3;
+
+/// The figures and tables of an atlas.
+pub(super) fn section(story: &StudyStory, atlas: &Atlas) -> Result<Section, DocumentError> {
+    let estimator = shown_estimator(story);
+    let shown: Vec<&AtlasEntry> =
+        atlas.entries.iter().filter(|entry| entry.estimator == estimator && entry.runs > 0).collect();
+    let section = Section::new("Atlas of effects")
+        .text("Every effect alone, on otherwise the same arm, with the same designs and the same random numbers. The true parameters are those of the arm without the effect. An error ratio of 1 means that the effect is lost in the noise of the measurement.");
+    Ok(section
+        .figure(&glance(atlas, &shown, estimator))?
+        .figure(&biases(story, &shown, estimator))?
+        .table(predictions(atlas))
+        .table(worst(story, atlas)))
+}
+
+/// The effects, each once, in their order.
+fn effects<'a>(shown: &[&'a AtlasEntry]) -> Vec<&'a str> {
+    let mut names: Vec<&str> = Vec::new();
+    for entry in shown {
+        let name = entry.effect.as_deref().unwrap_or(&entry.condition);
+        if !names.contains(&name) {
+            names.push(name);
+        }
+    }
+    names
+}
+
+/// One row per effect: the error of prediction and of each kind of parameter at each level.
+fn glance(atlas: &Atlas, shown: &[&AtlasEntry], estimator: &str) -> HeatFigure {
+    let rows = effects(shown);
+    let find = |effect: &str, level: Option<Level>| {
+        shown.iter().find(|entry| match level {
+            Some(_) => entry.effect.as_deref() == Some(effect) && entry.level == level,
+            None => entry.level.is_none() && entry.effect.as_deref().unwrap_or(&entry.condition) == effect,
+        })
+    };
+    let mut levels: Vec<Option<Level>> = Level::ALL.into_iter().map(Some).chain([None]).collect();
+    levels.retain(|&level| shown.iter().any(|entry| entry.level == level));
+    let mut columns = Vec::new();
+    for level in &levels {
+        let level = level.map_or("", Level::name);
+        columns.extend(
+            std::iter::once("prediction")
+                .chain(atlas.kinds.iter().map(String::as_str))
+                .map(|kind| format!("{kind} {level}")),
+        );
+    }
+    let values = rows.iter().flat_map(|effect| {
+        levels.iter().flat_map(|&level| {
+            let entry = find(effect, level);
+            let prediction = entry.and_then(|entry| entry.prediction_ratio);
+            let kinds = (0..atlas.kinds.len()).map(move |kind| entry.and_then(|entry| entry.kind_ratios[kind]));
+            std::iter::once(prediction).chain(kinds).collect::<Vec<_>>()
+        })
+    });
+    HeatFigure {
+        heading: Heading::new("atlas", "What each effect of the real arm ruins")
+            .subtitle(format!("error with the effect over error without it, estimator {estimator}"))
+            .caption("Rows: one effect alone. Left: its realistic level, right: its severe one. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a run that gave no estimate."),
+        values: values.collect(),
+        rows: rows.into_iter().map(str::to_owned).collect(),
+        columns,
+        value: Axis::log("error over error without the effect", "").including(&[1.0]),
+        colours: ColourMap::Sequential,
+        digits: 2,
+    }
+}
+
+/// One row per condition, one column per base parameter.
+fn biases(story: &StudyStory, shown: &[&AtlasEntry], estimator: &str) -> HeatFigure {
+    HeatFigure {
+        heading: Heading::new("atlas-parameters", "Which parameter each effect biases")
+            .subtitle(format!("size of the bias in standard deviations that the estimator states, estimator {estimator}"))
+            .caption(format!("One column per base parameter. A bias of 1 is as large as the error bar beside the estimate; {LEAST_STD} stands for everything below it.")),
+        rows: shown.iter().map(|entry| entry.condition.clone()).collect(),
+        columns: story.result.parameters.iter().map(|parameter| parameter.name.clone()).collect(),
+        values: shown
+            .iter()
+            .flat_map(|entry| entry.parameters.iter().map(|bias| Some(bias.in_std.abs().max(LEAST_STD))))
+            .collect(),
+        value: Axis::log("bias", "standard deviations").including(&[1.0]),
+        colours: ColourMap::Sequential,
+        digits: 0,
+    }
+}
+
+/// Prediction and kinds of parameters, for every estimator.
+fn predictions(atlas: &Atlas) -> Table {
+    let mut columns = vec![
+        Column::text("condition"),
+        Column::text("estimator"),
+        Column::text("what it is"),
+        Column::number("runs", ""),
+        Column::number("failed", ""),
+        Column::number("prediction", "N·m"),
+        Column::number("prediction", "ratio"),
+        Column::number("low", ""),
+        Column::number("high", ""),
+    ];
+    columns.extend(atlas.kinds.iter().map(|kind| Column::number(kind, "ratio")));
+    let caption = "Every effect with every estimator: torque prediction RMSE (geometric mean over runs), its ratio to the error without the effect with a 95 % interval from runs in pairs, and the error ratio of each kind of parameter.";
+    let number = |value: Option<f64>, digits| value.map_or(Cell::Missing, |value| Cell::number(value, digits));
+    let mut table = Table::new(caption, columns);
+    for entry in &atlas.entries {
+        let mut row = vec![
+            Cell::text(&entry.condition),
+            Cell::text(&entry.estimator),
+            Cell::text(&entry.meaning),
+            Cell::count(entry.runs),
+            Cell::count(entry.failures),
+            number(entry.prediction_nm, 3),
+            number(entry.prediction_ratio, 3),
+            number(entry.prediction_interval.map(|i| i.low), 3),
+            number(entry.prediction_interval.map(|i| i.high), 3),
+        ];
+        row.extend(entry.kind_ratios.iter().map(|&ratio| number(ratio, 3)));
+        table = table.row(row);
+    }
+    table
+}
+
+/// The three parameters that each effect biases most.
+fn worst(story: &StudyStory, atlas: &Atlas) -> Table {
+    let mut table = Table::new(
+        "The three base parameters that each effect biases most, with 95 % intervals: in standard deviations that the estimator states, and in reference units.",
+        vec![
+            Column::text("condition"),
+            Column::text("estimator"),
+            Column::text("parameter"),
+            Column::number("bias", "std"),
+            Column::number("low", ""),
+            Column::number("high", ""),
+            Column::number("bias", "ref. units"),
+            Column::number("low", ""),
+            Column::number("high", ""),
+        ],
+    );
+    for entry in &atlas.entries {
+        for &i in entry.worst.iter().take(3) {
+            let bias = &entry.parameters[i];
+            let end = |value: Option<f64>| value.map_or(Cell::Missing, |value| Cell::number(value, 3));
+            table = table.row(vec![
+                Cell::text(&entry.condition),
+                Cell::text(&entry.estimator),
+                Cell::text(&story.result.parameters[i].name),
+                Cell::number(bias.in_std, 3),
+                end(bias.in_std_interval.map(|i| i.low)),
+                end(bias.in_std_interval.map(|i| i.high)),
+                Cell::number(bias.in_units, 3),
+                end(bias.in_units_interval.map(|i| i.low)),
+                end(bias.in_units_interval.map(|i| i.high)),
+            ]);
+        }
+    }
+    table
+}

@@ -1,0 +1,280 @@
+//! The arm as it is: what its plant is built from, and what the servo adds around the plant.
+
+use super::EffectKind as Kind;
+use super::Effects;
+use super::eccentricity::Eccentricity;
+use super::elasticity::Spring;
+use super::gear_friction::GearFriction;
+use super::{base_tilt, coloured_noise, draw, kinematics, sample_clock, tool};
+use crate::dynamics::Dynamics;
+use crate::experiment::{Transmission, gain_pose};
+use crate::model::{DriveParameters, JointKind, Robot, StandardParameters};
+use crate::seed::Seed;
+
+/// Parts of a servo step where something happens between motor and link.
+const FINE_PARTS: usize = 4;
+/// More parts a servo step never has.
+const MOST_PARTS: f64 = 16.0;
+/// Largest share of its way to standstill that friction beyond the plant's may take in a part.
+const STIFFNESS: f64 = 0.5;
+
+/// An arm with effects: robot and parameters for its plant, the rest for its [`Servo`](crate::experiment::Servo).
+///
+/// ```
+/// use armid::conformance::chains::planar_2r;
+/// use armid::experiment::{ActualArm, EffectKind, Effects, Level};
+/// use armid::model::StandardParameters;
+/// let truth = StandardParameters::zero(2);
+/// let tool = Effects::only(EffectKind::Tool, Level::Severe);
+/// let arm = ActualArm::new(&tool, &planar_2r(), &truth);
+/// assert_eq!(arm.parameters().links[1].mass, 1.0);
+/// let plain = ActualArm::new(&Effects::none(), &planar_2r(), &truth);
+/// assert_eq!(plain.parameters(), &truth);
+/// ```
+/// Where a drive is elastic, the plant's parameters have no rotor inertia and no drive friction of that joint: the servo
+/// turns the rotor.
+#[derive(Clone, Debug)]
+pub struct ActualArm {
+    pub(super) effects: Effects,
+    robot: Robot,
+    parameters: StandardParameters,
+    /// The drives with everything that was moved to the motors.
+    pub(super) drives: Vec<DriveParameters>,
+    pub(super) couplings: Vec<Coupling>,
+    pub(super) parts: usize,
+}
+
+/// What stands between a motor and its link.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) enum Coupling {
+    /// Nothing that gives.
+    Rigid,
+    /// A spring whose oscillation is followed.
+    TwoMasses(Spring),
+    /// A spring that is always at rest under its torque.
+    QuasiStatic(Spring),
+}
+
+impl ActualArm {
+    /// The arm that has these true parameters and effects, where `robot` is what its file says.
+    ///
+    /// # Panics
+    /// If the parameters are not those of as many drives as the robot has joints.
+    #[must_use]
+    pub fn new(effects: &Effects, robot: &Robot, truth: &StandardParameters) -> Self {
+        assert_eq!(truth.drives.len(), robot.dof(), "one drive for each joint");
+        let seed = effects.seed();
+        let (mut actual, mut parameters) = (robot.clone(), truth.clone());
+        if effects.has(Kind::Kinematics) {
+            actual = kinematics::disturb(&actual, effects.magnitude(Kind::Kinematics), seed);
+        }
+        if effects.has(Kind::BaseTilt) {
+            actual = base_tilt::tilt(&actual, effects.magnitude(Kind::BaseTilt), seed);
+        }
+        if effects.has(Kind::Tool) {
+            tool::add(&mut parameters, effects.magnitude(Kind::Tool));
+        }
+        let mut arm = Self {
+            effects: effects.clone(),
+            robot: actual,
+            parameters,
+            drives: truth.drives.clone(),
+            couplings: vec![Coupling::Rigid; robot.dof()],
+            parts: 1,
+        };
+        arm.join();
+        arm.parts = arm.parts_needed();
+        arm
+    }
+
+    /// What its plant is built from.
+    #[must_use]
+    pub const fn robot(&self) -> &Robot {
+        &self.robot
+    }
+
+    /// The parameters that its plant is built from.
+    #[must_use]
+    pub const fn parameters(&self) -> &StandardParameters {
+        &self.parameters
+    }
+
+    /// Its effects.
+    #[must_use]
+    pub const fn effects(&self) -> &Effects {
+        &self.effects
+    }
+
+    /// The links without drives: what a drive's spring moves.
+    pub(super) fn links(&self) -> StandardParameters {
+        let drives = vec![DriveParameters::default(); self.drives.len()];
+        StandardParameters { links: self.parameters.links.clone(), drives }
+    }
+
+    /// Torque rating of each motor, N·m: the joint's, or what its largest current gives.
+    pub(super) fn ratings(&self) -> Vec<f64> {
+        let rating = |joint: &crate::model::Joint| {
+            let drive = &joint.drive;
+            let by_current = drive.current_limit * drive.torque_per_ampere();
+            if joint.limits.torque.is_finite() { joint.limits.torque } else { by_current }
+        };
+        self.robot.joints().iter().map(rating).collect()
+    }
+
+    /// Friction of each joint, and of each motor that drives several.
+    pub(super) fn frictions(&self) -> (Vec<GearFriction>, Vec<GearFriction>) {
+        let of = |i: usize, friction: (f64, f64)| {
+            let joint = &self.robot.joints()[i];
+            GearFriction::new(&self.effects, friction, (joint.drive.coulomb_velocity, joint.limits.velocity))
+        };
+        let n = self.drives.len();
+        let joints = (0..n).map(|i| of(i, (self.drives[i].coulomb, self.drives[i].viscous)));
+        let motors = (0..n).map(|i| of(i, (self.drives[i].motor_coulomb, self.drives[i].motor_viscous)));
+        (joints.collect(), motors.collect())
+    }
+
+    /// Whether something around the plant acts on torques or on where the motors are.
+    pub(super) fn acts_on_drives(&self) -> bool {
+        [
+            Kind::Stribeck,
+            Kind::LoadFriction,
+            Kind::Warming,
+            Kind::Elasticity,
+            Kind::Hysteresis,
+            Kind::Backlash,
+            Kind::TorqueRipple,
+            Kind::Cogging,
+            Kind::TorqueConstant,
+            Kind::CurrentLag,
+            Kind::CurrentDelay,
+        ]
+        .into_iter()
+        .any(|kind| self.effects.has(kind))
+    }
+
+    /// Mobility of each motor against links and, where `rotors`, rotors: diagonal of `C M⁻¹ Cᵀ`, 1/(kg·m²).
+    fn mobility(&self, parameters: &StandardParameters) -> Vec<f64> {
+        let mass_matrix = Dynamics::new(&self.robot, parameters).mass_matrix(&gain_pose(&self.robot));
+        let n = self.drives.len();
+        let Some(inverse) = mass_matrix.try_inverse() else { return vec![f64::INFINITY; n] };
+        let at_motors = match self.robot.coupling() {
+            Some(c) => c * inverse * c.transpose(),
+            None => inverse,
+        };
+        at_motors.diagonal().iter().copied().collect()
+    }
+
+    /// Puts springs between motors and links, and takes from the plant what then belongs to the motors.
+    fn join(&mut self) {
+        let magnitude = |kind| 1e-3 * self.effects.magnitude(kind);
+        let [elasticity, hysteresis, backlash] = [Kind::Elasticity, Kind::Hysteresis, Kind::Backlash].map(magnitude);
+        if elasticity + hysteresis + backlash == 0.0 {
+            return;
+        }
+        let realistic = 1e-3 * Kind::Elasticity.entry().realistic;
+        let wind_up = if elasticity > 0.0 { elasticity } else { realistic };
+        let h = 1.0 / (self.robot.servo().rate_hz * FINE_PARTS as f64);
+        let mobility = self.mobility(&self.links());
+        for (i, rating) in self.ratings().into_iter().enumerate() {
+            if !rating.is_finite() {
+                continue;
+            }
+            let spring = Spring::new(rating / wind_up, backlash, hysteresis);
+            let rotor = self.drives[i].rotor;
+            if !spring.is_followed(rotor, mobility[i], h) {
+                self.couplings[i] = Coupling::QuasiStatic(spring);
+                continue;
+            }
+            self.couplings[i] = Coupling::TwoMasses(spring.between(rotor, mobility[i]));
+            let drive = &mut self.parameters.drives[i];
+            drive.rotor = 0.0;
+            if self.robot.is_coupled(i) {
+                (drive.motor_viscous, drive.motor_coulomb) = (0.0, 0.0);
+            } else {
+                (drive.viscous, drive.coulomb) = (0.0, 0.0);
+            }
+        }
+    }
+
+    fn parts_needed(&self) -> usize {
+        if !self.acts_on_drives() {
+            return 1;
+        }
+        let elastic = self.couplings.iter().any(|coupling| *coupling != Coupling::Rigid);
+        let rippled = self.effects.has(Kind::TorqueRipple) || self.effects.has(Kind::Cogging);
+        let least = if elastic || rippled { FINE_PARTS } else { 1 };
+        // Friction beyond the plant's is held over a part.
+        let whole = StandardParameters { links: self.parameters.links.clone(), drives: self.drives.clone() };
+        let (mobility, ratings) = (self.mobility(&whole), self.ratings());
+        let (joints, motors) = self.frictions();
+        let rate = (0..self.drives.len())
+            .map(|i| (joints[i].excess_slope(ratings[i]) + motors[i].excess_slope(ratings[i])) * mobility[i])
+            .fold(0.0, f64::max);
+        let needed = (rate / self.robot.servo().rate_hz / STIFFNESS).ceil().clamp(1.0, MOST_PARTS) as usize;
+        needed.max(least)
+    }
+
+    /// Eccentricity of each joint's encoder and gear, and the factor of its encoder's and its converter's step.
+    pub(in crate::experiment) fn sensors(&self, rate_hz: f64) -> ActualSensors {
+        let magnitude = |kind| self.effects.magnitude(kind);
+        let joints = self.robot.joints();
+        let turning: Vec<(f64, bool)> =
+            joints.iter().map(|joint| (joint.drive.gear, joint.kind == JointKind::Revolute)).collect();
+        let seed = self.effects.seed();
+        let (motor, joint) = (1e-3 * magnitude(Kind::MotorEccentricity), 1e-3 * magnitude(Kind::JointEccentricity));
+        let offset = magnitude(Kind::AdcOffset);
+        let signs = draw::signs(seed, "converter offsets", joints.len());
+        ActualSensors {
+            eccentricity: Eccentricity::of_joints(&turning, motor, joint, seed),
+            encoder_step: magnitude(Kind::EncoderStep).max(1.0),
+            converter_step: magnitude(Kind::AdcStep).max(1.0),
+            offset: joints.iter().zip(signs).map(|(joint, sign)| sign * offset * range(joint)).collect(),
+            memory: coloured_noise::Memory::new(1e-3 * magnitude(Kind::ColouredNoise), rate_hz),
+        }
+    }
+
+    /// The clock of one run's samples, where it is not ideal.
+    pub(in crate::experiment) fn clock(&self, seed: Seed, run: u64) -> Option<sample_clock::SampleClock> {
+        let (jitter, lost) =
+            (1e-6 * self.effects.magnitude(Kind::ClockJitter), self.effects.magnitude(Kind::DroppedSamples));
+        let step = 1.0 / self.robot.servo().rate_hz;
+        (jitter + lost > 0.0).then(|| sample_clock::SampleClock::new(jitter, lost, step, seed, run))
+    }
+
+    /// The drives of one run, where they do anything; motors of `per_ampere` N·m/A, the plant at rest at `start`.
+    pub(in crate::experiment) fn drives(
+        &self,
+        transmission: &Transmission,
+        per_ampere: &[f64],
+        start: &[f64],
+    ) -> Option<super::drives::ActualDrives> {
+        self.acts_on_drives().then(|| super::drives::ActualDrives::new(self, transmission, per_ampere, start))
+    }
+}
+
+/// Full scale of a converter; that of the current limit where there is none.
+fn range(joint: &crate::model::Joint) -> f64 {
+    let drive = &joint.drive;
+    if drive.adc_range.is_finite() {
+        drive.adc_range
+    } else if drive.current_limit.is_finite() {
+        drive.current_limit
+    } else {
+        1.0
+    }
+}
+
+/// What is wrong with the sensors of an arm.
+#[derive(Clone, Debug, PartialEq)]
+pub(in crate::experiment) struct ActualSensors {
+    /// Of each joint.
+    pub(in crate::experiment) eccentricity: Vec<Eccentricity>,
+    /// Encoder counts that are one.
+    pub(in crate::experiment) encoder_step: f64,
+    /// Converter steps that are one.
+    pub(in crate::experiment) converter_step: f64,
+    /// Offset of each current, A.
+    pub(in crate::experiment) offset: Vec<f64>,
+    /// Of the noise of a current.
+    pub(in crate::experiment) memory: coloured_noise::Memory,
+}

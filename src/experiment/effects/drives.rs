@@ -1,0 +1,204 @@
+//! Everything that happens between the set points of the servo and the torques on the plant, in one run.
+//!
+//! ```text
+//! set point ─ delay ─ lag ─ K (1 ± e) ─ ripple, cogging ─ rotor ─ spring, gap, loop ─ − excess friction ─→ plant
+//!                                                          └── where the encoder is
+//! ```
+
+use super::EffectKind as Kind;
+use super::actual_arm::{ActualArm, Coupling};
+use super::current_loop::CurrentLoop;
+use super::elasticity::{MotorSide, Spring};
+use super::gear_friction::GearFriction;
+use super::ripple::Ripple;
+use super::torque_constant;
+use crate::dynamics::Dynamics;
+use crate::experiment::Transmission;
+
+/// The drives of one run.
+#[derive(Clone, Debug)]
+pub(in crate::experiment) struct ActualDrives {
+    parts: usize,
+    /// Length of a part, s.
+    h: f64,
+    transmission: Transmission,
+    currents: CurrentLoop,
+    /// True torque of each motor per ampere, N·m/A.
+    per_ampere: Vec<f64>,
+    ripple: Vec<Ripple>,
+    joints: Vec<GearFriction>,
+    motors: Vec<GearFriction>,
+    coupled: Vec<bool>,
+    sides: Vec<Side>,
+    /// The links alone, where the torque that they take is asked for.
+    links: Option<Box<Dynamics>>,
+    q_motor: Vec<f64>,
+    qd_motor: Vec<f64>,
+    last_qd: Vec<f64>,
+    qdd: Vec<f64>,
+    mean: Vec<f64>,
+    torque: Vec<f64>,
+    /// What the links take of each joint and of each motor, N·m.
+    load: Vec<f64>,
+    load_motor: Vec<f64>,
+}
+
+#[derive(Clone, Copy, Debug)]
+enum Side {
+    Rigid,
+    TwoMasses(MotorSide),
+    /// A spring, and the angle of the motor before its link.
+    QuasiStatic(Spring, f64),
+}
+
+impl ActualDrives {
+    pub(super) fn new(arm: &ActualArm, transmission: &Transmission, per_ampere: &[f64], start: &[f64]) -> Self {
+        let n = start.len();
+        let magnitude = |kind| arm.effects.magnitude(kind);
+        let seed = arm.effects.seed();
+        let ratings = arm.ratings();
+        let geared: Vec<(f64, f64)> =
+            arm.robot().joints().iter().zip(&ratings).map(|(joint, &rating)| (joint.drive.gear, rating)).collect();
+        let (joints, motors) = arm.frictions();
+        let coupled: Vec<bool> = (0..n).map(|i| arm.robot().is_coupled(i)).collect();
+        let h = 1.0 / (arm.robot().servo().rate_hz * arm.parts as f64);
+        let mut q_motor = vec![0.0; n];
+        transmission.motor_motion(start, &mut q_motor);
+        let side = |(i, coupling): (usize, &Coupling)| match *coupling {
+            Coupling::Rigid => Side::Rigid,
+            Coupling::QuasiStatic(spring) => Side::QuasiStatic(spring, 0.0),
+            Coupling::TwoMasses(spring) => {
+                let friction = if coupled[i] { &motors[i] } else { &joints[i] };
+                let slope = friction.slope(ratings[i]);
+                Side::TwoMasses(MotorSide::new(spring, arm.drives[i].rotor, slope, h, q_motor[i]))
+            }
+        };
+        let sides: Vec<Side> = arm.couplings.iter().enumerate().map(side).collect();
+        let asked = arm.effects.has(Kind::LoadFriction) || sides.iter().any(|s| matches!(s, Side::QuasiStatic(..)));
+        Self {
+            parts: arm.parts,
+            h,
+            transmission: transmission.clone(),
+            currents: CurrentLoop::new(1e-3 * magnitude(Kind::CurrentLag), magnitude(Kind::CurrentDelay) as usize, n),
+            per_ampere: torque_constant::factors(magnitude(Kind::TorqueConstant), n, seed)
+                .iter()
+                .zip(per_ampere)
+                .map(|(factor, per_ampere)| factor * per_ampere)
+                .collect(),
+            ripple: Ripple::of_motors(&geared, magnitude(Kind::TorqueRipple), magnitude(Kind::Cogging), seed),
+            joints,
+            motors,
+            coupled,
+            sides,
+            links: asked.then(|| Box::new(Dynamics::new(arm.robot(), &arm.links()))),
+            qd_motor: vec![0.0; n],
+            last_qd: vec![0.0; n],
+            qdd: vec![0.0; n],
+            mean: vec![0.0; n],
+            torque: vec![0.0; n],
+            load: vec![0.0; n],
+            load_motor: vec![0.0; n],
+            q_motor,
+        }
+    }
+
+    /// Parts of a servo step.
+    pub(in crate::experiment) const fn parts(&self) -> usize {
+        self.parts
+    }
+
+    /// A new servo step with these set points, A.
+    pub(in crate::experiment) fn set(&mut self, set_points: &[f64]) {
+        self.currents.set(set_points);
+    }
+
+    /// Where the motors are, given where they would be if nothing gave: what encoders see, rad (m).
+    pub(in crate::experiment) fn positions(&self, q_motor: &mut [f64]) {
+        for (q, side) in q_motor.iter_mut().zip(&self.sides) {
+            match side {
+                Side::Rigid => {}
+                Side::TwoMasses(motor) => *q = motor.q,
+                Side::QuasiStatic(_, ahead) => *q += ahead,
+            }
+        }
+    }
+
+    /// How fast the motors turn, given how fast they would if nothing gave, rad/s (m/s).
+    pub(in crate::experiment) fn speeds(&self, qd_motor: &mut [f64]) {
+        for (qd, side) in qd_motor.iter_mut().zip(&self.sides) {
+            if let Side::TwoMasses(motor) = side {
+                *qd = motor.qd;
+            }
+        }
+    }
+
+    /// Efforts on the joints of a plant at `(q, qd)` for the next part of a servo step, N·m (N).
+    pub(in crate::experiment) fn push(&mut self, q: &[f64], qd: &[f64], tau: &mut [f64]) {
+        let h = self.h;
+        self.transmission.motor_motion(q, &mut self.q_motor);
+        self.transmission.motor_motion(qd, &mut self.qd_motor);
+        self.find_load(q, qd);
+        self.currents.flow(h, &mut self.mean);
+        for i in 0..tau.len() {
+            let (mut at, mut speed) = (self.q_motor[i], self.qd_motor[i]);
+            if let Side::TwoMasses(motor) = &self.sides[i] {
+                (at, speed) = (motor.q, motor.qd);
+            }
+            let ideal = self.per_ampere[i] * self.mean[i];
+            let torque = self.ripple[i].torque(ideal, at + 0.5 * h * speed);
+            self.torque[i] = self.through(i, torque);
+        }
+        self.transmission.joint_torque(&self.torque, tau);
+        for i in 0..tau.len() {
+            let inside = matches!(self.sides[i], Side::TwoMasses(_)) && !self.coupled[i];
+            if !inside {
+                tau[i] -= self.joints[i].excess(qd[i], self.load[i]);
+                self.joints[i].turn(qd[i], h);
+            }
+        }
+        self.last_qd.copy_from_slice(qd);
+    }
+
+    /// Torque of motor `i` on the links: through its spring, less what friction of its own takes in excess.
+    fn through(&mut self, i: usize, torque: f64) -> f64 {
+        let (h, q, qd, load) = (self.h, self.q_motor[i], self.qd_motor[i], self.load_motor[i]);
+        let friction = if self.coupled[i] { &mut self.motors[i] } else { &mut self.joints[i] };
+        match &mut self.sides[i] {
+            Side::TwoMasses(motor) => {
+                let law = *friction;
+                let spring = motor.step(h, torque, (q, qd), |v| law.whole(v, load));
+                friction.turn(motor.qd, h);
+                self.load_motor[i] = spring;
+                spring
+            }
+            side => {
+                if let Side::QuasiStatic(spring, ahead) = side {
+                    *ahead = spring.angle(load);
+                }
+                if self.coupled[i] {
+                    let excess = friction.excess(qd, load);
+                    friction.turn(qd, h);
+                    torque - excess
+                } else {
+                    torque
+                }
+            }
+        }
+    }
+
+    /// What the links took over the last part, by Newton–Euler with the mean acceleration of that part.
+    fn find_load(&mut self, q: &[f64], qd: &[f64]) {
+        let Some(links) = &mut self.links else { return };
+        for i in 0..qd.len() {
+            self.qdd[i] = (qd[i] - self.last_qd[i]) / self.h;
+        }
+        links.inverse(q, qd, &self.qdd, &mut self.load);
+        self.transmission.motor_torque(&self.load, &mut self.mean);
+        for i in 0..qd.len() {
+            // A spring that is followed knows its own torque.
+            if !matches!(self.sides[i], Side::TwoMasses(_)) {
+                self.load_motor[i] = self.mean[i];
+            }
+        }
+    }
+}

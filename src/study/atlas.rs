@@ -1,0 +1,228 @@
+//! What each effect of the real arm does to each estimate: bias of every parameter, error of every kind of parameter, error
+//! of prediction.
+//!
+//! ```text
+//! bias          mean over runs of β̂ − β, over the mean standard deviation that the estimator states, and in reference units
+//! error ratio   √ mean_i (RMSE_i / RMSE⁰_i)²     over the parameters i of one kind, RMSE⁰ without the effect
+//! prediction    geometric mean over runs of RMSE / RMSE⁰, torques over their ratings, runs in pairs: same design, run,
+//!               random numbers; interval by Student's t on its logarithm (designs as units where there are at least two)
+//! ```
+//! The true β are those of the arm without the effect: what an identification without the effect in its model should
+//! have found.
+
+use std::collections::BTreeMap;
+
+use super::condition::ConditionResult;
+use super::outcome::Outcome;
+use super::statistics::{Interval, mean, t_interval};
+use super::summary::{FamilyScore, ParameterScore};
+use super::{Stage, StudyDesign};
+use crate::experiment::Level;
+use crate::model::ParameterKind;
+
+/// All effects of a study by what they do.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct Atlas {
+    /// The kinds of parameters that error ratios are given for.
+    pub kinds: Vec<String>,
+    /// One entry per condition with effects, family and estimator.
+    pub entries: Vec<AtlasEntry>,
+}
+
+/// What one condition does to one family of designs with one estimator.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct AtlasEntry {
+    /// Name of the condition.
+    pub condition: String,
+    /// Name of the effect, where there is one alone.
+    pub effect: Option<String>,
+    /// Its level, where its magnitude is one.
+    pub level: Option<Level>,
+    /// Magnitude with unit, and what it means.
+    pub meaning: String,
+    /// Name of the family.
+    pub family: String,
+    /// Name of the estimator.
+    pub estimator: String,
+    /// Runs that gave an estimate.
+    pub runs: usize,
+    /// Runs that did not.
+    pub failures: usize,
+    /// Torque prediction RMSE, geometric mean over runs, N·m; `None` without runs.
+    pub prediction_nm: Option<f64>,
+    /// Prediction error over that without the effect.
+    pub prediction_ratio: Option<f64>,
+    /// Its 95 % interval.
+    pub prediction_interval: Option<Interval>,
+    /// Error ratio of each kind of parameter, in the order of [`Atlas::kinds`]; `None` where the base has none.
+    pub kind_ratios: Vec<Option<f64>>,
+    /// One entry per base parameter.
+    pub parameters: Vec<AtlasBias>,
+    /// Indices of the base parameters, those with the largest bias over its standard deviation first.
+    pub worst: Vec<usize>,
+}
+
+/// Bias of one base parameter.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct AtlasBias {
+    /// Over the standard deviation that the estimator states.
+    pub in_std: f64,
+    /// Its 95 % interval.
+    pub in_std_interval: Option<Interval>,
+    /// In the declared reference unit.
+    pub in_units: f64,
+    /// Its 95 % interval.
+    pub in_units_interval: Option<Interval>,
+}
+
+/// A kind of parameter in words.
+fn kind_name(kind: ParameterKind) -> &'static str {
+    match kind {
+        ParameterKind::M => "masses",
+        ParameterKind::Mcx | ParameterKind::Mcy | ParameterKind::Mcz => "first moments",
+        ParameterKind::Ia => "rotors",
+        ParameterKind::Fv | ParameterKind::Fvm => "viscous",
+        ParameterKind::Fc | ParameterKind::Fcm => "Coulomb",
+        ParameterKind::Fo => "offsets",
+        _ => "inertias",
+    }
+}
+
+fn scaled(interval: Option<Interval>, unit: f64) -> Option<Interval> {
+    interval.map(|i| Interval { low: i.low / unit, high: i.high / unit })
+}
+
+impl AtlasBias {
+    fn of(score: &ParameterScore, unit: f64) -> Self {
+        Self {
+            in_std: score.bias / score.stated_std,
+            in_std_interval: scaled(score.bias_interval, score.stated_std),
+            in_units: score.bias / unit,
+            in_units_interval: scaled(score.bias_interval, unit),
+        }
+    }
+}
+
+impl Stage {
+    /// The atlas of a study whose first condition has no effects and some other has; `None` of another.
+    #[must_use]
+    pub fn atlas(
+        &self,
+        designs: &[StudyDesign],
+        conditions: &[ConditionResult],
+        outcomes: &[Outcome],
+    ) -> Option<Atlas> {
+        let first = conditions.first()?;
+        if !first.condition.effects.is_none() {
+            return None;
+        }
+        let kinds = self.kinds();
+        let mut names: Vec<&'static str> = Vec::new();
+        for &kind in &kinds {
+            if !names.contains(&kind) {
+                names.push(kind);
+            }
+        }
+        let mut entries = Vec::new();
+        for (index, result) in conditions.iter().enumerate() {
+            if result.condition.effects.is_none() || result.condition.engine != first.condition.engine {
+                continue;
+            }
+            for (score, plain) in result.findings.families.iter().zip(&first.findings.families) {
+                let pairs = self.pairs(designs, outcomes, index, score);
+                entries.push(self.entry(result, score, plain, &pairs, (&names, &kinds)));
+            }
+        }
+        (!entries.is_empty()).then(|| Atlas { kinds: names.into_iter().map(str::to_owned).collect(), entries })
+    }
+
+    /// The kind of each base parameter, in words.
+    fn kinds(&self) -> Vec<&'static str> {
+        self.base.kept.iter().map(|&column| kind_name(self.base.parameters[column].kind)).collect()
+    }
+
+    /// Logarithms of prediction error under a condition over that under the first, by design.
+    fn pairs(
+        &self,
+        designs: &[StudyDesign],
+        outcomes: &[Outcome],
+        condition: usize,
+        score: &FamilyScore,
+    ) -> BTreeMap<usize, Vec<f64>> {
+        let error = |outcome: &Outcome| {
+            let estimate = outcome.estimates.iter().find(|estimate| estimate.estimator == score.estimator)?;
+            Some(estimate.score.as_ref()?.prediction_rmse_of_rating)
+        };
+        let of_family = |outcome: &&Outcome| self.plan.designs[designs[outcome.design].family].name == score.family;
+        let plain: BTreeMap<(usize, u64), f64> = outcomes
+            .iter()
+            .filter(of_family)
+            .filter(|outcome| outcome.condition == 0)
+            .filter_map(|outcome| Some(((outcome.design, outcome.run), error(outcome)?)))
+            .collect();
+        let mut pairs: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
+        for outcome in outcomes.iter().filter(of_family).filter(|outcome| outcome.condition == condition) {
+            if let (Some(with), Some(without)) = (error(outcome), plain.get(&(outcome.design, outcome.run))) {
+                pairs.entry(outcome.design).or_default().push(libm::log(with / without));
+            }
+        }
+        pairs
+    }
+
+    fn entry(
+        &self,
+        result: &ConditionResult,
+        score: &FamilyScore,
+        plain: &FamilyScore,
+        pairs: &BTreeMap<usize, Vec<f64>>,
+        (names, kinds): (&[&'static str], &[&'static str]),
+    ) -> AtlasEntry {
+        let effects = &result.condition.effects;
+        let mut alone = effects.iter();
+        let only = match (alone.next(), alone.next()) {
+            (Some(one), None) => Some(one),
+            _ => None,
+        };
+        let meaning = effects.iter().map(|(kind, magnitude)| {
+            let entry = kind.entry();
+            format!("{magnitude} {}: {}", entry.unit, entry.meaning).replace(" : ", ": ")
+        });
+        let means: Vec<f64> = pairs.values().map(|logs| mean(logs)).collect();
+        let pooled: Vec<f64> = pairs.values().flatten().copied().collect();
+        let units = if means.len() > 1 { &means } else { &pooled };
+        let ratio = (!pooled.is_empty()).then(|| libm::exp(mean(&pooled)));
+        let interval = t_interval(units, 0.95).map(|i| Interval { low: libm::exp(i.low), high: libm::exp(i.high) });
+        let kind_ratios = names.iter().map(|name| {
+            let squares: Vec<f64> = kinds
+                .iter()
+                .zip(score.parameters.iter().zip(&plain.parameters))
+                .filter(|(kind, _)| *kind == name)
+                .map(|(_, (with, without))| (with.rmse / without.rmse).powi(2))
+                .collect();
+            (!squares.is_empty() && score.runs > 0).then(|| mean(&squares).sqrt())
+        });
+        let parameters: Vec<AtlasBias> = if score.runs > 0 {
+            score.parameters.iter().zip(self.referee().units()).map(|(p, &unit)| AtlasBias::of(p, unit)).collect()
+        } else {
+            Vec::new()
+        };
+        let mut worst: Vec<usize> = (0..parameters.len()).collect();
+        worst.sort_by(|&a, &b| parameters[b].in_std.abs().total_cmp(&parameters[a].in_std.abs()));
+        AtlasEntry {
+            condition: result.condition.name.clone(),
+            effect: only.map(|(kind, _)| kind.name().to_owned()),
+            level: only.and_then(|(kind, magnitude)| kind.level(magnitude)),
+            meaning: meaning.collect::<Vec<_>>().join("; "),
+            family: score.family.clone(),
+            estimator: score.estimator.clone(),
+            runs: score.runs,
+            failures: score.failures,
+            prediction_nm: score.values.first().copied().flatten(),
+            prediction_ratio: ratio,
+            prediction_interval: interval,
+            kind_ratios: kind_ratios.collect(),
+            parameters,
+            worst,
+        }
+    }
+}
