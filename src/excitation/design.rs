@@ -46,7 +46,7 @@ pub struct Design {
 /// # Errors
 /// [`ExcitationError`] if the problem's settings are impossible.
 pub fn design(problem: &DesignProblem, seed: Seed, start: u64) -> Result<Design, ExcitationError> {
-    let first = problem.start(seed, start)?;
+    let first = Feasibility::new(problem)?.first_guess(problem, seed, start)?;
     continue_from(problem, &first, seed.child("hop", start))
 }
 

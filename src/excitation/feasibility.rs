@@ -11,6 +11,7 @@ use super::path_rows::{PathRows, use_on_ramps};
 use super::termination::Termination;
 use super::{DesignProblem, ExcitationError, Margins, MotionBasis, PeriodicTrajectory};
 use crate::model::Robot;
+use crate::seed::Seed;
 
 /// Excess over the permitted torque, already a little below the allowed one, that counts as none.
 pub(crate) const EXCESS_TOLERANCE: f64 = 1e-4;
@@ -26,6 +27,9 @@ const TORQUE_SAMPLES: usize = 2;
 
 /// A first guess is not shrunk below this part of itself.
 const START_FACTOR: f64 = 0.2;
+
+/// Other first guesses that are tried where one does not keep its clearances.
+const START_ATTEMPTS: u64 = 16;
 
 /// Samples of a period, and of the ramps as densely, at which the search for their peaks begins.
 const RAMP_SAMPLES: usize = 500;
@@ -106,6 +110,30 @@ impl Feasibility {
 
     pub(crate) fn limits(&mut self) -> (&mut dyn LinearLimits, &mut dyn SmoothLimits) {
         (&mut self.linear, &mut self.smooth)
+    }
+
+    /// The first guess number `index`, inside the limits. Where clearances are asked for and it does not keep them, a few
+    /// others are drawn in its place: the first that does, or the one that lacks least.
+    pub(crate) fn first_guess(
+        &mut self,
+        problem: &DesignProblem,
+        seed: Seed,
+        index: u64,
+    ) -> Result<PeriodicTrajectory, ExcitationError> {
+        let mut best = self.bring_inside(problem.start(seed, index)?);
+        let attempts = if problem.clearance_m.is_some() { START_ATTEMPTS } else { 0 };
+        let mut least = self.smooth.excess(&self.basis.coefficients(&best)?);
+        for attempt in 0..attempts {
+            if least <= EXCESS_TOLERANCE {
+                break;
+            }
+            let other = self.bring_inside(problem.start(seed.child("first guess", index), attempt)?);
+            let excess = self.smooth.excess(&self.basis.coefficients(&other)?);
+            if excess < least {
+                (best, least) = (other, excess);
+            }
+        }
+        Ok(best)
     }
 
     /// Brings a first guess inside all limits: joint by joint, then all amplitudes by one factor until torque holds.
