@@ -135,6 +135,31 @@ impl PeriodicTrajectory {
         self.motion_mut().adjust(joint, factor, shift);
     }
 
+    /// The same path at `part` of the speed: period T/part, velocities times part, accelerations times part².
+    #[must_use]
+    pub fn at_speed(&self, part: f64) -> Self {
+        // Amplitudes a, b are velocities: their ratio to ω, which is the path, stays.
+        let series = |series: &FourierTrajectory| {
+            let mut slowed = series.clone();
+            slowed.period_s /= part;
+            for joint in &mut slowed.joints {
+                for amplitude in joint.a.iter_mut().chain(&mut joint.b) {
+                    *amplitude *= part;
+                }
+            }
+            slowed
+        };
+        match self {
+            Self::Fourier(motion) => Self::Fourier(series(motion)),
+            Self::FourierQuintic(motion) => {
+                Self::FourierQuintic(FourierQuinticTrajectory { series: series(&motion.series) })
+            }
+            Self::BSpline(motion) => {
+                Self::BSpline(BSplineTrajectory { period_s: motion.period_s / part, ..motion.clone() })
+            }
+        }
+    }
+
     /// The highest frequency that the motion commands, Hz.
     #[must_use]
     pub fn highest_hz(&self) -> f64 {
@@ -280,6 +305,27 @@ mod tests {
             let mean = |states: &States| (0..66).map(|k| states.q(k)[2]).sum::<f64>() / 66.0;
             if !matches!(motion, PeriodicTrajectory::FourierQuintic(_) | PeriodicTrajectory::ConstantSpeed(_)) {
                 assert!((mean(&now) - mean(&before) - 0.3).abs() < 1e-12);
+            }
+        }
+    }
+
+    #[test]
+    fn identity_a_slower_motion_has_the_same_path_and_its_part_of_the_speed() {
+        for motion in motions() {
+            let part = 0.1;
+            let slow = motion.at_speed(part);
+            assert_eq!(slow.period_s(), motion.period_s() / part);
+            let ([mut q, mut qd, mut qdd], [mut sq, mut sqd, mut sqdd]) = ([[0.0; 6]; 3], [[0.0; 6]; 3]);
+            for k in 0..37 {
+                let t = 0.31 * f64::from(k);
+                motion.evaluate(t, &mut q, &mut qd, &mut qdd);
+                slow.evaluate(t / part, &mut sq, &mut sqd, &mut sqdd);
+                for i in 0..6 {
+                    // Rounding of the phase times the derivative.
+                    assert!((q[i] - sq[i]).abs() < 1e-13);
+                    assert!((part * qd[i] - sqd[i]).abs() < 1e-13);
+                    assert!((part * part * qdd[i] - sqdd[i]).abs() < 1e-13);
+                }
             }
         }
     }

@@ -148,6 +148,13 @@ impl ExperimentPlan {
         self
     }
 
+    /// The same path at `part` of the speed, for first runs: the motion's period grows, ramps and settling stay.
+    #[must_use]
+    pub fn at_speed(mut self, part: f64) -> Self {
+        self.trajectory = self.trajectory.at_speed(part);
+        self
+    }
+
     /// Which samples belong to which phase. Settling time and ramps are rounded up to whole samples.
     ///
     /// # Errors
