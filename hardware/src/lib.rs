@@ -4,5 +4,10 @@
 #![forbid(unsafe_code)]
 
 pub mod computer;
+pub mod guard;
 pub mod link;
 pub mod message;
+pub mod monitor;
+mod ros2;
+
+pub use ros2::{GUARD_STATE, GuardedRos2, guarded_ros2};

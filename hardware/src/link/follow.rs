@@ -37,6 +37,10 @@ const PATIENCE: Duration = Duration::from_millis(2);
 /// How long the arm may take to come to rest after a stop, and the robot's computer to say that a motion has ended.
 const TO_REST: Duration = Duration::from_secs(3);
 
+/// How often a safe action is said again, and how soon.
+const INSIST: usize = 10;
+const INSIST_EVERY: Duration = Duration::from_millis(20);
+
 /// Whether a robot's computer that says `state` can move the arm: `disabled`, `estop` and `fault` say that it cannot.
 pub(crate) fn is_enabled(state: &str) -> bool {
     !["disabled", "estop", "fault"].iter().any(|word| state.starts_with(word))
@@ -85,11 +89,22 @@ impl Ros2Arm {
         listener: &mut dyn Listener,
     ) -> Result<Followed, LinkError> {
         let followed = self.run(motion, rate_hz, listener);
-        if followed.is_err() {
-            // Whatever went wrong, the arm must not go on; an error of the cancel itself adds nothing to the first.
-            let _ = self.act(SafeAction::Cancel);
+        match &followed {
+            Ok(Followed::Whole | Followed::Stopped) => {}
+            Ok(Followed::Acted(action)) => self.insist(*action),
+            // Whatever went wrong, the arm must not go on.
+            Err(_) => self.insist(SafeAction::Cancel),
         }
         followed
+    }
+
+    /// Says a safe action again and again for a while: whoever ends at once takes the message that is on its way along.
+    fn insist(&mut self, action: SafeAction) {
+        for _ in 0..INSIST {
+            // An error adds nothing: there is no better action than this one.
+            let _ = self.act(action);
+            std::thread::sleep(INSIST_EVERY);
+        }
     }
 
     fn run(&mut self, motion: &dyn Motion, rate_hz: f64, listener: &mut dyn Listener) -> Result<Followed, LinkError> {
@@ -144,14 +159,23 @@ impl Ros2Arm {
                 }
                 continue;
             };
-            alive = heard.at;
             let message =
                 heard.message.map_err(|reason| LinkError::Middleware { what: "joint state".to_owned(), reason })?;
             let row = self.map.row(&message)?;
             self.latest = Some((row.clone(), heard.at));
             match watch.see(row.stamp_ns, heard.at.duration_since(origin).as_secs_f64()) {
-                Stamp::Fresh => {}
-                Stamp::Stale => continue,
+                Stamp::Fresh => alive = heard.at,
+                Stamp::Stale => {
+                    // A message that says nothing new is as good as none.
+                    if resting.is_none()
+                        && let Some(end) =
+                            self.obey(listener.idle(alive.elapsed().as_secs_f64()), &mut run, &mut resting)?
+                    {
+                        self.findings = watch.findings().clone();
+                        return Ok(end);
+                    }
+                    continue;
+                }
                 Stamp::Jumped(by) => {
                     self.findings = watch.findings().clone();
                     let reason = format!("its clock jumped by {by:.3} s; samples after it have no place in time");

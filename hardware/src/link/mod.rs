@@ -24,10 +24,13 @@ mod stamps;
 mod states;
 
 pub use error::LinkError;
+pub(crate) use follow::{Followed, Listener, is_enabled};
 pub use joint_map::{JointMap, JointRow};
 pub use motion::{Motion, PlanMotion, points};
 pub use node::{Endpoint, peers};
 pub use resample::{GridSample, Resampler};
+pub(crate) use ros2_arm::tripped;
 pub use ros2_arm::{Reading, Ros2Arm, look};
 pub use settings::{LinkSettings, Mode, Network, ServiceMappingName};
 pub use stamps::{StampFindings, StampWatch};
+pub(crate) use states::Inbox;

@@ -14,6 +14,7 @@ use super::node::Other;
 use super::sender::Sender;
 use super::states::Inbox;
 use super::{Endpoint, GridSample, JointMap, JointRow, LinkError, LinkSettings, PlanMotion, StampFindings};
+use crate::guard::{REACTION_MS, Trip};
 use crate::message::{FollowFeedback, JointState, Text};
 
 /// Messages by which the robot's rate is measured before anything moves.
@@ -173,6 +174,16 @@ impl Ros2Arm {
         self.endpoint.domain()
     }
 
+    /// How often its joint states come by their own stamps, Hz.
+    pub(crate) const fn rate_hz(&self) -> f64 {
+        self.rate_hz
+    }
+
+    /// A topic on which to tell others in words what happens here.
+    pub(crate) fn teller(&mut self, topic: &str) -> Result<Publisher<Text>, LinkError> {
+        self.endpoint.publisher(topic, ("std_msgs", "String"), &self.settings.command_qos())
+    }
+
     /// The robot that this is.
     #[must_use]
     pub fn robot(&self) -> &Robot {
@@ -208,7 +219,7 @@ impl Ros2Arm {
     }
 
     /// What a recording of a plan begins with.
-    fn recording(&self, plan: &ExperimentPlan, layout: &Layout) -> Recording {
+    pub(crate) fn recording(&self, plan: &ExperimentPlan, layout: &Layout) -> Recording {
         Recording {
             robot: self.robot.name().to_owned(),
             robot_text: self.robot_text.clone(),
@@ -234,6 +245,16 @@ impl Ros2Arm {
 /// [`LinkError`] where nobody answers or the joints are not those of the robot file.
 pub fn look(settings: &LinkSettings, robot: &Robot) -> Result<Reading, LinkError> {
     Ros2Arm::connect(settings, robot, "")?.reading()
+}
+
+/// The ending of a motion that the robot's computer gave up or the link lost. It was cancelled.
+pub(crate) fn tripped(error: &LinkError, t: f64, phase: Phase) -> Ending {
+    let trip = match error {
+        LinkError::Aborted { .. } | LinkError::Refused { .. } => Trip::RobotStopped,
+        _ => Trip::Link,
+    };
+    let (trip, action, bound_ms, reason) = (trip.name(), SafeAction::Cancel, REACTION_MS, error.to_string());
+    Ending::Tripped { t, phase, trip: Box::new(TripReport { trip, action, bound_ms, reason }) }
 }
 
 /// Hands the samples of a plan on to its sink.
@@ -281,11 +302,7 @@ impl Arm for Ros2Arm {
         Ok(match followed {
             Ok(Followed::Whole) => Ending::Completed,
             Ok(Followed::Stopped | Followed::Acted(_)) => Ending::Stopped { t, phase },
-            Err(error) => {
-                let trip =
-                    TripReport { trip: "link", action: SafeAction::Cancel, bound_ms: 10.0, reason: error.to_string() };
-                Ending::Tripped { t, phase, trip: Box::new(trip) }
-            }
+            Err(error) => tripped(&error, t, phase),
         })
     }
 }

@@ -1,0 +1,38 @@
+//! A person's word that the arm may move.
+
+/// A person's word: the emergency stop works and is in reach, the arm is homed, and nobody is within its reach.
+///
+/// There is no other way to get one than to type the robot's name, or to say so on the command line.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Confirmation {
+    how: &'static str,
+}
+
+impl Confirmation {
+    /// What a person is asked.
+    #[must_use]
+    pub fn question(robot: &str) -> String {
+        format!(
+            "This moves \"{robot}\". The emergency stop works and is in reach, the arm is homed, nobody is within its\n\
+             reach, and nothing stands between it and its start pose. Type the robot's name to go on: "
+        )
+    }
+
+    /// The word of a person who typed the robot's name.
+    #[must_use]
+    pub fn typed(robot: &str, answer: &str) -> Option<Self> {
+        (answer.trim() == robot).then_some(Self { how: "confirmed by typing the robot's name" })
+    }
+
+    /// The word of whoever wrote `--yes-the-estop-works`.
+    #[must_use]
+    pub const fn on_the_command_line() -> Self {
+        Self { how: "confirmed on the command line" }
+    }
+
+    /// How it was given.
+    #[must_use]
+    pub const fn how(&self) -> &'static str {
+        self.how
+    }
+}

@@ -1,0 +1,84 @@
+//! An arm that stands somewhere before its experiment begins, and is brought to the start pose first.
+
+use armid::experiment::{Arm, ArmError, Command, Ending, ExperimentPlan, Recording, Sink};
+use armid::model::Robot;
+
+use super::{Approach, ApproachRecord, Confirmation, GuardSettings, JointBounds, Passed, Survey, preflight};
+
+/// An arm of metal, or what stands for one across a wire.
+pub trait Machine: Arm {
+    /// Looks at the arm without moving it.
+    ///
+    /// # Errors
+    /// [`ArmError`] where nothing is heard of it.
+    fn survey(&mut self) -> Result<Survey, ArmError>;
+
+    /// What a recording of this plan is, before its first sample.
+    ///
+    /// # Errors
+    /// [`ArmError`] where the plan cannot be performed.
+    fn announcement(&self, plan: &ExperimentPlan) -> Result<Recording, ArmError>;
+
+    /// Moves along an approach. The sink hears samples, silence and set-points as in an experiment, and no beginning.
+    ///
+    /// # Errors
+    /// [`ArmError`] where the motion cannot begin.
+    fn approach(&mut self, approach: &Approach, sink: &mut dyn Sink) -> Result<Ending, ArmError>;
+}
+
+/// Surveys a machine, brings it to the start pose, and has it perform the experiment.
+#[derive(Debug)]
+pub struct Approached<M> {
+    machine: M,
+    robot: Robot,
+    settings: GuardSettings,
+    bounds: Vec<JointBounds>,
+    confirmation: Confirmation,
+    preflight: Vec<Passed>,
+    approach: Option<ApproachRecord>,
+}
+
+impl<M: Machine> Approached<M> {
+    pub(crate) fn new(machine: M, robot: &Robot, settings: &GuardSettings, confirmation: Confirmation) -> Self {
+        Self {
+            machine,
+            robot: robot.clone(),
+            settings: settings.clone(),
+            bounds: JointBounds::of_robot(robot, settings),
+            confirmation,
+            preflight: Vec::new(),
+            approach: None,
+        }
+    }
+
+    /// The machine, to read from.
+    #[must_use]
+    pub fn machine(&self) -> &M {
+        &self.machine
+    }
+
+    /// What passed before the first motion, and how the arm came to the start pose.
+    #[must_use]
+    pub fn before(&self) -> (&[Passed], Option<&ApproachRecord>) {
+        (&self.preflight, self.approach.as_ref())
+    }
+}
+
+impl<M: Machine> Arm for Approached<M> {
+    fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
+        let layout = plan.check(self.robot.dof())?;
+        let survey = self.machine.survey()?;
+        self.preflight = preflight::of_survey(&self.bounds, plan, &survey, &self.confirmation)?;
+        let mut start = vec![0.0; self.robot.dof()];
+        Command::new(plan, &layout).start(&mut start);
+        let approach = Approach::new(&self.robot, &self.settings, &survey.q, &start);
+        self.approach = Some(ApproachRecord { from: survey.q, to: start, duration_s: approach.duration_s });
+        let ending = self.machine.approach(&approach, sink)?;
+        if ending.is_complete() {
+            return self.machine.perform(plan, sink);
+        }
+        // Nothing was recorded, and that is what the recording says: it has its plan, no sample, and an ending.
+        sink.begin(&self.machine.announcement(plan)?);
+        Ok(ending)
+    }
+}

@@ -1,0 +1,163 @@
+//! What must hold before the first motion.
+
+use armid::experiment::{ArmError, Command, ExperimentPlan};
+use armid::model::Robot;
+
+use super::{Confirmation, GuardSettings, JointBounds, Passed};
+
+/// Every check before the first motion, in order.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+pub enum Preflight {
+    /// Every setting of the guard draws a line.
+    Settings,
+    /// The plan is for this robot, and its motion keeps the robot's limits at every sample, ramps included.
+    Plan,
+    /// The motion keeps the soft limits, the start pose with it.
+    SoftLimits,
+    /// The robot's joints have the names of the robot file.
+    JointNames,
+    /// States come at the rate of the plan, at least.
+    Rate,
+    /// The arm stands within its hard limits, so that the start pose can be reached.
+    StartPose,
+    /// A person said that the emergency stop works.
+    EmergencyStop,
+    /// The arm knows where its zero is.
+    Homed,
+}
+
+impl Preflight {
+    /// All, in order.
+    pub const ALL: [Self; 8] = [
+        Self::Settings,
+        Self::Plan,
+        Self::SoftLimits,
+        Self::JointNames,
+        Self::Rate,
+        Self::StartPose,
+        Self::EmergencyStop,
+        Self::Homed,
+    ];
+
+    /// Its name in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Settings => "settings",
+            Self::Plan => "plan",
+            Self::SoftLimits => "soft-limits",
+            Self::JointNames => "joint-names",
+            Self::Rate => "rate",
+            Self::StartPose => "start-pose",
+            Self::EmergencyStop => "emergency-stop",
+            Self::Homed => "homed",
+        }
+    }
+
+    fn passed(self, found: impl Into<String>) -> Passed {
+        Passed { check: self.name(), found: found.into() }
+    }
+
+    fn refuse(self, found: impl Into<String>, expected: impl Into<String>) -> ArmError {
+        ArmError::Refused { check: self.name(), found: found.into(), expected: expected.into() }
+    }
+}
+
+/// What an arm says of itself before it moves.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Survey {
+    /// Names of its joints, as it gives them.
+    pub joints: Vec<String>,
+    /// Where it stands, rad (m), in the order of the robot file.
+    pub q: Vec<f64>,
+    /// States per second that were seen, Hz.
+    pub rate_hz: f64,
+    /// Whether it is homed; `None` where its interface does not say.
+    pub homed: Option<bool>,
+    /// Whether it is ready to move: drives on, no emergency stop; `None` where its interface does not say.
+    pub ready: Option<bool>,
+}
+
+/// What can be said of a plan before any arm is asked.
+pub(super) fn of_plan(
+    robot: &Robot,
+    settings: &GuardSettings,
+    bounds: &[JointBounds],
+    plan: &ExperimentPlan,
+) -> Result<Vec<Passed>, ArmError> {
+    settings
+        .check()
+        .map_err(|fault| Preflight::Settings.refuse(format!("{} = {}", fault.key, fault.found), fault.expected))?;
+    let layout = plan.check(robot.dof())?;
+    plan.check_limits(robot)?;
+    let command = Command::new(plan, &layout);
+    let n = robot.dof();
+    let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+    let mut worst = (0.0_f64, 0);
+    // The ramps run the path of the motion: one period shows every position.
+    for k in 0..=layout.period_samples {
+        command.evaluate(command.periodic_begin_s() + k as f64 / plan.rate_hz, &mut q, &mut qd, &mut qdd);
+        for (j, joint) in bounds.iter().enumerate() {
+            if joint.soft_use(q[j]) > worst.0 {
+                worst = (joint.soft_use(q[j]), j);
+            }
+            if q[j] < joint.soft.0 || q[j] > joint.soft.1 {
+                let (name, unit) = (&joint.name, joint.unit);
+                let found = format!("joint \"{name}\" at {:.4} {unit}", q[j]);
+                let expected = format!("the soft limits {:.4} to {:.4} {unit}", joint.soft.0, joint.soft.1);
+                return Err(Preflight::SoftLimits.refuse(found, expected));
+            }
+        }
+    }
+    Ok(vec![
+        Preflight::Settings.passed("every line is drawn"),
+        Preflight::Plan.passed("within the robot's limits at every sample"),
+        Preflight::SoftLimits.passed(format!("{:.0} % used, by joint \"{}\"", 100.0 * worst.0, bounds[worst.1].name)),
+    ])
+}
+
+/// What can be said of an arm before it moves.
+///
+/// # Errors
+/// [`ArmError::Refused`] for the first check that does not pass.
+pub(super) fn of_survey(
+    bounds: &[JointBounds],
+    plan: &ExperimentPlan,
+    survey: &Survey,
+    confirmation: &Confirmation,
+) -> Result<Vec<Passed>, ArmError> {
+    let mut passed = Vec::new();
+    let wanted: Vec<&str> = bounds.iter().map(|joint| joint.name.as_str()).collect();
+    if let Some(missing) = wanted.iter().find(|name| !survey.joints.iter().any(|found| found == *name)) {
+        let found = format!("joints {}", survey.joints.join(", "));
+        return Err(Preflight::JointNames.refuse(found, format!("one called \"{missing}\"")));
+    }
+    passed.push(Preflight::JointNames.passed(wanted.join(", ")));
+    // A tenth of slack: the rate is counted over a short look.
+    if survey.rate_hz < 0.9 * plan.rate_hz {
+        let found = format!("{:.0} states per second", survey.rate_hz);
+        return Err(Preflight::Rate.refuse(found, format!("at least the plan's {} Hz", plan.rate_hz)));
+    }
+    passed.push(Preflight::Rate.passed(format!("{:.0} Hz", survey.rate_hz)));
+    for (joint, &q) in bounds.iter().zip(&survey.q) {
+        let (low, high) = joint.hard;
+        if !(q >= low && q <= high) {
+            let (name, unit) = (&joint.name, joint.unit);
+            let found = format!("joint \"{name}\" at {q:.4} {unit}");
+            let expected = format!("{low:.4} to {high:.4} {unit}; bring it back by hand");
+            return Err(Preflight::StartPose.refuse(found, expected));
+        }
+    }
+    passed
+        .push(Preflight::StartPose.passed("reachable in a straight line of the joints; free of collisions: not known"));
+    if survey.ready == Some(false) {
+        return Err(Preflight::EmergencyStop.refuse("a robot that is stopped", "drives on and no emergency stop"));
+    }
+    passed.push(Preflight::EmergencyStop.passed(confirmation.how()));
+    match survey.homed {
+        Some(false) => return Err(Preflight::Homed.refuse("an arm that is not homed", "a homed arm")),
+        Some(true) => passed.push(Preflight::Homed.passed("the robot says so")),
+        None => passed.push(Preflight::Homed.passed(format!("{}; the robot does not say", confirmation.how()))),
+    }
+    Ok(passed)
+}

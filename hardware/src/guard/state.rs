@@ -1,0 +1,61 @@
+//! What a guard says of itself while it watches, for whoever looks on.
+
+use std::collections::BTreeMap;
+
+use armid::experiment::{Phase, TripReport};
+
+use super::Mode;
+
+/// What a guard is doing.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Doing {
+    /// The arm is on its way to the start pose.
+    Approach,
+    /// The experiment is under way.
+    Experiment,
+    /// It is over.
+    Ended,
+}
+
+impl Doing {
+    /// Its name in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Approach => "approach",
+            Self::Experiment => "experiment",
+            Self::Ended => "ended",
+        }
+    }
+}
+
+/// One look at a guard.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct GuardState {
+    /// How the motion reaches the robot.
+    pub mode: Mode,
+    /// What it is doing.
+    pub doing: Doing,
+    /// Phase of the last sample.
+    pub phase: Phase,
+    /// Time of the last sample, s.
+    pub t_s: f64,
+    /// Largest part of its line that each check used so far; 1 trips.
+    pub used: BTreeMap<String, f64>,
+    /// Why it tripped, in words, where it did.
+    pub trip: Option<String>,
+}
+
+/// Hears of a guard's state, at most every [`TELL_EVERY_S`] of the experiment's time, and once at the end.
+pub type Observer = Box<dyn FnMut(&GuardState) + Send>;
+
+/// How often a guard tells its state, s.
+pub(super) const TELL_EVERY_S: f64 = 0.1;
+
+impl GuardState {
+    pub(super) fn new(mode: Mode, doing: Doing, (t_s, phase): (f64, Phase), watch: &super::Watch) -> Self {
+        let used = watch.used().into_iter().map(|(trip, used)| (trip.name().to_owned(), used)).collect();
+        Self { mode, doing, phase, t_s, used, trip: watch.tripped().map(TripReport::to_string) }
+    }
+}

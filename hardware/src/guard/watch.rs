@@ -1,0 +1,67 @@
+//! All checks of one run, and the latch behind them.
+
+use armid::experiment::{RawSample, TripReport};
+
+use super::check::{self, Check};
+use super::{GuardSettings, JointBounds, Mode, Trip};
+
+/// Judges what happens during one motion. Once it has tripped it stays tripped: every later question gets the same
+/// answer.
+pub struct Watch {
+    checks: Vec<Box<dyn Check>>,
+    settings: GuardSettings,
+    mode: Mode,
+    rate_hz: f64,
+    tripped: Option<TripReport>,
+}
+
+impl Watch {
+    /// A watch over a motion whose states come at `rate_hz`.
+    #[must_use]
+    pub fn new(bounds: &[JointBounds], settings: &GuardSettings, mode: Mode, rate_hz: f64) -> Self {
+        let checks = check::all(bounds, settings, mode, rate_hz);
+        Self { checks, settings: settings.clone(), mode, rate_hz, tripped: None }
+    }
+
+    /// Judges a sample.
+    pub fn sample(&mut self, sample: &RawSample<'_>) -> Option<&TripReport> {
+        self.judge(|check| check.sample(sample))
+    }
+
+    /// Judges a silence of `age_s`.
+    pub fn idle(&mut self, age_s: f64) -> Option<&TripReport> {
+        self.judge(|check| check.idle(age_s))
+    }
+
+    /// Judges a set-point that was due `age_s` ago.
+    pub fn command(&mut self, set_point: &[f64], age_s: f64) -> Option<&TripReport> {
+        self.judge(|check| check.command(set_point, age_s))
+    }
+
+    /// Why it tripped.
+    #[must_use]
+    pub fn tripped(&self) -> Option<&TripReport> {
+        self.tripped.as_ref()
+    }
+
+    /// Largest part of its line that each check used so far.
+    #[must_use]
+    pub fn used(&self) -> Vec<(Trip, f64)> {
+        self.checks.iter().map(|check| (check.trip(), check.used())).collect()
+    }
+
+    fn judge(&mut self, mut ask: impl FnMut(&mut dyn Check) -> Option<String>) -> Option<&TripReport> {
+        if self.tripped.is_none() {
+            // The first finding wins, in the order of the list: what is no number never reaches another check.
+            let found = self.checks.iter_mut().find_map(|check| ask(&mut **check).map(|reason| (check.trip(), reason)));
+            self.tripped = found.map(|(trip, reason)| report(trip, reason, &self.settings, self.mode, self.rate_hz));
+        }
+        self.tripped.as_ref()
+    }
+}
+
+/// What a trip is to the reader of the recording.
+#[must_use]
+pub(super) fn report(trip: Trip, reason: String, settings: &GuardSettings, mode: Mode, rate_hz: f64) -> TripReport {
+    TripReport { trip: trip.name(), action: trip.action(mode), bound_ms: trip.bound_ms(settings, rate_hz), reason }
+}

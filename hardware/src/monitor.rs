@@ -1,0 +1,147 @@
+//! Looking on while a robot moves: what it says, how often, and what the guard says.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant};
+
+use armid::model::Robot;
+
+use crate::GUARD_STATE;
+use crate::guard::GuardState;
+use crate::link::{Endpoint, Inbox, JointMap, JointRow, LinkError, LinkSettings, StampFindings, StampWatch};
+use crate::message::{JointState, Text};
+
+/// Time over which the rate is counted, s.
+const RATE_S: f64 = 1.0;
+/// Steps between stamps from which the period is taken.
+const FIRST_STEPS: usize = 25;
+
+/// Listens to a robot and to the guard around it, and commands nothing.
+pub struct Monitor {
+    // Keeps the node on the network.
+    _endpoint: Endpoint,
+    map: JointMap,
+    states: Inbox<JointState>,
+    computer: Option<Inbox<Text>>,
+    guard: Inbox<Text>,
+    began: Instant,
+    arrivals: VecDeque<Instant>,
+    /// Steps of the first stamps, ns: their median is the period by which gaps are told.
+    steps: Vec<i64>,
+    stamps: Option<StampWatch>,
+    sight: Sight,
+    heard: Option<Instant>,
+    guard_heard: Option<Instant>,
+}
+
+/// What a monitor sees.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Sight {
+    /// The last joint state.
+    pub row: Option<JointRow>,
+    /// How long ago it arrived, s.
+    pub age_s: f64,
+    /// Joint states in the last second.
+    pub rate_hz: f64,
+    /// What the stamps told so far.
+    pub stamps: StampFindings,
+    /// The state of the robot's computer in words, where it tells.
+    pub computer: Option<String>,
+    /// The last word of a guard, and how long ago it came, s.
+    pub guard: Option<(GuardState, f64)>,
+    /// The last message that made no sense, in words.
+    pub fault: Option<String>,
+}
+
+impl Monitor {
+    /// Joins the robot's domain.
+    ///
+    /// # Errors
+    /// [`LinkError`] where a setting is impossible or the network refuses.
+    pub fn open(settings: &LinkSettings, robot: &Robot) -> Result<Self, LinkError> {
+        let names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
+        let map = JointMap::new(&names, settings)?;
+        let mut endpoint = Endpoint::join(settings, "armid_monitor")?;
+        let text = ("std_msgs", "String");
+        let topic = settings.full(&settings.joint_states);
+        let states = endpoint.subscription(&topic, ("sensor_msgs", "JointState"), &settings.state_qos())?;
+        let states = Inbox::new("joint states", states)?;
+        let computer = if settings.robot_state.is_empty() {
+            None
+        } else {
+            let topic = settings.full(&settings.robot_state);
+            Some(Inbox::new("robot state", endpoint.subscription(&topic, text, &settings.command_qos())?)?)
+        };
+        let guard = endpoint.subscription(&settings.full(GUARD_STATE), text, &settings.command_qos())?;
+        Ok(Self {
+            _endpoint: endpoint,
+            map,
+            states,
+            computer,
+            guard: Inbox::new("guard state", guard)?,
+            began: Instant::now(),
+            arrivals: VecDeque::new(),
+            steps: Vec::new(),
+            stamps: None,
+            sight: Sight::default(),
+            heard: None,
+            guard_heard: None,
+        })
+    }
+
+    fn see(&mut self, stamp_ns: i64, at: Instant) {
+        if let Some(watch) = &mut self.stamps {
+            watch.see(stamp_ns, at.duration_since(self.began).as_secs_f64());
+        } else {
+            self.steps.extend(self.sight.row.as_ref().map(|last| stamp_ns - last.stamp_ns));
+            if self.steps.len() == FIRST_STEPS {
+                self.steps.sort_unstable();
+                self.stamps = Some(StampWatch::new(self.steps[FIRST_STEPS / 2] as f64 * 1e-9));
+            }
+        }
+    }
+
+    /// Listens for `patience`, and says what it saw.
+    pub fn look(&mut self, patience: Duration) -> &Sight {
+        let until = Instant::now() + patience;
+        while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
+            let Some(heard) = self.states.next(left) else { break };
+            match heard.message.and_then(|message| self.map.row(&message).map_err(|error| error.to_string())) {
+                Ok(row) => {
+                    self.see(row.stamp_ns, heard.at);
+                    self.arrivals.push_back(heard.at);
+                    self.sight.row = Some(row);
+                }
+                Err(fault) => self.sight.fault = Some(fault),
+            }
+            self.heard = Some(heard.at);
+        }
+        while let Some(heard) = self.computer.as_ref().and_then(Inbox::take) {
+            if let Ok(text) = heard.message {
+                self.sight.computer = Some(text.data);
+            }
+        }
+        while let Some(heard) = self.guard.take() {
+            match heard.message.and_then(|text| serde_json::from_str(&text.data).map_err(|error| error.to_string())) {
+                Ok(state) => {
+                    self.sight.guard = Some((state, 0.0));
+                    self.guard_heard = Some(heard.at);
+                }
+                Err(fault) => self.sight.fault = Some(format!("guard state: {fault}")),
+            }
+        }
+        let now = Instant::now();
+        let age = |heard: Option<Instant>| heard.map_or(f64::INFINITY, |at| now.duration_since(at).as_secs_f64());
+        while self.arrivals.front().is_some_and(|at| now.duration_since(*at).as_secs_f64() > RATE_S) {
+            self.arrivals.pop_front();
+        }
+        let counted = now.duration_since(self.began).as_secs_f64().clamp(1e-3, RATE_S);
+        self.sight.rate_hz = self.arrivals.len() as f64 / counted;
+        self.sight.age_s = age(self.heard);
+        self.sight.stamps = self.stamps.as_ref().map(|watch| watch.findings().clone()).unwrap_or_default();
+        let guard_age = age(self.guard_heard);
+        if let Some((_, age)) = &mut self.sight.guard {
+            *age = guard_age;
+        }
+        &self.sight
+    }
+}

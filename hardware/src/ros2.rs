@@ -1,0 +1,142 @@
+//! The robot on the other side of the wire, and the only way to it: through the guard.
+
+use armid::experiment::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Sink};
+use armid::model::Robot;
+
+use crate::guard::{Approach, Approached, Confirmation, GuardRecord, GuardSettings, Guarded, Machine, Mode, Survey};
+use crate::link::{self, Followed, GridSample, LinkError, LinkSettings, Listener, Motion, Ros2Arm, StampFindings};
+use crate::message::Text;
+
+/// Topic on which a guard tells its state, below the namespace of the link: JSON in `std_msgs/msg/String`.
+pub const GUARD_STATE: &str = "armid/guard_state";
+
+/// A robot that speaks ROS 2, watched.
+pub struct GuardedRos2 {
+    guarded: Guarded<Approached<Ros2Arm>>,
+}
+
+/// Finds the robot on the network and puts the guard around it. Nothing has moved yet.
+///
+/// There is no other way to a [`Ros2Arm`], and none to a [`Confirmation`] but a person's word.
+///
+/// # Errors
+/// [`LinkError`] where a setting is impossible, nobody answers, or the joints are not those of the robot file.
+pub fn guarded_ros2(
+    settings: &LinkSettings,
+    guard: &GuardSettings,
+    robot: &Robot,
+    robot_text: &str,
+    confirmation: Confirmation,
+) -> Result<GuardedRos2, LinkError> {
+    let mut arm = Ros2Arm::connect(settings, robot, robot_text)?;
+    let teller = arm.teller(&settings.full(GUARD_STATE))?;
+    let mode = match settings.mode {
+        link::Mode::Trajectory | link::Mode::Topic => Mode::Trajectory,
+        link::Mode::Stream => Mode::Stream,
+    };
+    let approached = Approached::new(arm, robot, guard, confirmation);
+    let guarded = Guarded::new(approached, robot, guard, mode).with_observer(Box::new(move |state| {
+        // Whoever looks on misses one look; nothing else depends on it.
+        if let Ok(data) = serde_json::to_string(state) {
+            let _ = teller.publish(Text { data });
+        }
+    }));
+    Ok(GuardedRos2 { guarded })
+}
+
+impl GuardedRos2 {
+    /// What the guard did and saw.
+    #[must_use]
+    pub fn record(&self) -> GuardRecord {
+        let (passed, approach) = self.guarded.arm().before();
+        let mut record = self.guarded.record().clone();
+        record.preflight.extend_from_slice(passed);
+        record.approach = approach.cloned();
+        record
+    }
+
+    /// What the stamps of the last motion told.
+    #[must_use]
+    pub fn findings(&self) -> &StampFindings {
+        self.guarded.arm().machine().findings()
+    }
+}
+
+impl Arm for GuardedRos2 {
+    fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
+        self.guarded.perform(plan, sink)
+    }
+}
+
+impl Motion for Approach {
+    fn dof(&self) -> usize {
+        self.to.len()
+    }
+
+    fn duration_s(&self) -> f64 {
+        self.duration_s
+    }
+
+    fn at(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
+        self.evaluate(t, q, qd, qdd);
+    }
+}
+
+fn unavailable(error: &LinkError) -> ArmError {
+    ArmError::Unavailable { arm: "ros2".to_owned(), reason: error.to_string() }
+}
+
+impl Machine for Ros2Arm {
+    fn survey(&mut self) -> Result<Survey, ArmError> {
+        let reading = self.reading().map_err(|error| unavailable(&error))?;
+        // Whoever got this far has mapped every joint by its name.
+        let joints = self.robot().joints().iter().map(|joint| joint.name.clone()).collect();
+        let says = |word: &str| reading.state.as_ref().is_some_and(|state| state.contains(word));
+        Ok(Survey {
+            joints,
+            q: reading.row.q.clone(),
+            rate_hz: reading.rate_hz,
+            homed: if says("not homed") { Some(false) } else { says("homed").then_some(true) },
+            ready: reading.state.as_deref().map(link::is_enabled),
+        })
+    }
+
+    fn announcement(&self, plan: &ExperimentPlan) -> Result<Recording, ArmError> {
+        Ok(self.recording(plan, &plan.check(self.robot().dof())?))
+    }
+
+    fn approach(&mut self, approach: &Approach, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
+        let rate_hz = self.rate_hz().round();
+        let mut way = Way { sink, rate_hz, t: 0.0 };
+        let followed = self.follow(approach, rate_hz, &mut way);
+        let (t, phase) = (way.t, Phase::Settle);
+        Ok(match followed {
+            Ok(Followed::Whole) => Ending::Completed,
+            Ok(Followed::Stopped | Followed::Acted(_)) => Ending::Stopped { t, phase },
+            Err(error) => link::tripped(&error, t, phase),
+        })
+    }
+}
+
+/// Hands the samples of an approach on.
+struct Way<'a> {
+    sink: &'a mut dyn Sink,
+    rate_hz: f64,
+    t: f64,
+}
+
+impl Listener for Way<'_> {
+    fn sample(&mut self, sample: &GridSample, command: &[f64]) -> Flow {
+        self.t = sample.index as f64 / self.rate_hz;
+        let (index, t, phase) = (sample.index, self.t, Phase::Settle);
+        self.sink.sample(&RawSample { index, t, phase, q: &sample.q, effort: &sample.effort, command })
+    }
+
+    fn idle(&mut self, age_s: f64) -> Flow {
+        self.sink.idle(age_s)
+    }
+
+    fn command(&mut self, set_point: &[f64], age_s: f64) -> Flow {
+        self.sink.command(set_point, age_s)
+    }
+}
