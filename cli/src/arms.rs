@@ -1,9 +1,13 @@
 //! The arms that can perform an experiment: one word switches between them.
 
+use std::collections::BTreeMap;
 use std::path::Path;
 
 use armid::experiment::{Arm, Ending, Replay, Sink, Tracking};
 use armid::seed::Seed;
+use armid_hardware::guard::{GuardRecord, Guarded, Mode};
+use armid_hardware::guarded_ros2;
+use armid_hardware::link::StampFindings;
 use armid_sim::Engine;
 use miette::Result;
 
@@ -19,6 +23,8 @@ pub(crate) enum ArmKind {
     Simulated(Engine),
     /// A stored recording.
     Replay,
+    /// A real arm that speaks ROS 2.
+    Ros2,
 }
 
 impl ArmKind {
@@ -33,8 +39,9 @@ impl ArmKind {
         arms
     };
 
-    pub(crate) const ALL: [Self; Self::SIMULATED.len() + 1] = {
-        let mut arms = [Self::Replay; Self::SIMULATED.len() + 1];
+    pub(crate) const ALL: [Self; Self::SIMULATED.len() + 2] = {
+        let mut arms = [Self::Replay; Self::SIMULATED.len() + 2];
+        arms[Self::SIMULATED.len() + 1] = Self::Ros2;
         let mut i = 0;
         while i < Self::SIMULATED.len() {
             arms[i] = Self::SIMULATED[i];
@@ -47,6 +54,7 @@ impl ArmKind {
         match self {
             Self::Simulated(engine) => engine.name(),
             Self::Replay => "replay",
+            Self::Ros2 => "ros2",
         }
     }
 
@@ -55,10 +63,27 @@ impl ArmKind {
     }
 }
 
-/// An experiment's end, and how well a simulated servo followed its command.
+/// An experiment's end, how well a simulated servo followed its command, and what guard and link saw.
 pub(crate) struct Performed {
     pub(crate) ending: Ending,
     pub(crate) tracking: Option<Tracking>,
+    pub(crate) guard: Option<GuardRecord>,
+    pub(crate) stamps: Option<StampFindings>,
+}
+
+impl Performed {
+    /// What goes into the recording beside its ending.
+    pub(crate) fn remarks(&self) -> BTreeMap<String, String> {
+        let mut remarks = BTreeMap::new();
+        let mut remark = |key: &str, value: Option<serde_json::Result<String>>| {
+            if let Some(Ok(value)) = value {
+                remarks.insert(key.to_owned(), value);
+            }
+        };
+        remark("guard", self.guard.as_ref().map(serde_json::to_string));
+        remark("stamps", self.stamps.as_ref().map(serde_json::to_string));
+        remarks
+    }
 }
 
 /// Performs an experiment on an arm. `recording` is what `replay` plays.
@@ -76,8 +101,16 @@ pub(crate) fn perform(
                 .servo(&experiment.sensing)
                 .map_err(|error| fault(&error))?
                 .with_seed(Seed::new(experiment.seed), experiment.run);
-            let ending = servo.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
-            Ok(Performed { ending, tracking: servo.tracking().cloned() })
+            if !experiment.guarded {
+                let ending = servo.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+                return Ok(Performed { ending, tracking: servo.tracking().cloned(), guard: None, stamps: None });
+            }
+            let robot = simulation.robot().clone();
+            // A simulated servo has the whole motion before it begins, as a robot's computer has.
+            let mut guarded = Guarded::new(servo, &robot, &experiment.guard, Mode::Trajectory);
+            let ending = guarded.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+            let (guard, tracking) = (Some(guarded.record().clone()), guarded.arm().tracking().cloned());
+            Ok(Performed { ending, tracking, guard, stamps: None })
         }
         ArmKind::Replay => {
             let Some(path) = recording else {
@@ -89,7 +122,18 @@ pub(crate) fn perform(
                 return Err(Fault::new(message).into());
             };
             let ending = Replay(recording).perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
-            Ok(Performed { ending, tracking: None })
+            Ok(Performed { ending, tracking: None, guard: None, stamps: None })
+        }
+        ArmKind::Ros2 => {
+            let Some(confirmation) = experiment.confirmation.clone() else {
+                return Err(Fault::new("arm ros2 moves metal, and nobody confirmed that it may").into());
+            };
+            let (robot, text) = (&experiment.robot.robot, experiment.robot.text.content.as_ref());
+            let mut arm = guarded_ros2(&experiment.ros2, &experiment.guard, robot, text, confirmation)
+                .map_err(|error| fault(&error))?;
+            let ending = arm.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+            let (guard, stamps) = (Some(arm.record()), Some(arm.findings().clone()));
+            Ok(Performed { ending, tracking: None, guard, stamps })
         }
     }
 }

@@ -113,7 +113,7 @@ impl Part {
     ) -> Result<Performed> {
         let Some(plan) = self.continuation.rest() else {
             self.continuation.replay_kept(sink);
-            return Ok(Performed { ending: Ending::Completed, tracking: None });
+            return Ok(Performed { ending: Ending::Completed, tracking: None, guard: None, stamps: None });
         };
         let rest = Experiment { plan, run: self.run, ..experiment.clone() };
         arms::perform(rest.arm, &rest, recording, &mut self.continuation.join(sink))

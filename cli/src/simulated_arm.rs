@@ -81,6 +81,7 @@ impl Simulation {
                 engine.plant(actual.robot(), actual.parameters()).map_err(|fault| fault.to_string())
             }
             ArmKind::Replay => Err("arm replay is a recording, expected a simulated arm".to_owned()),
+            ArmKind::Ros2 => Err("arm ros2 is a real arm, expected a simulated one".to_owned()),
         }
     }
 

@@ -129,7 +129,7 @@ impl Listener for Way<'_> {
     fn sample(&mut self, sample: &GridSample, command: &[f64]) -> Flow {
         self.t = sample.index as f64 / self.rate_hz;
         let (index, t, phase) = (sample.index, self.t, Phase::Settle);
-        self.sink.sample(&RawSample { index, t, phase, q: &sample.q, effort: &sample.effort, command })
+        self.sink.sample(&RawSample { index, t, phase, q: &sample.q, effort: &sample.effort, voltage: &[], command })
     }
 
     fn idle(&mut self, age_s: f64) -> Flow {

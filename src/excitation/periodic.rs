@@ -157,6 +157,13 @@ impl PeriodicTrajectory {
             Self::BSpline(motion) => {
                 Self::BSpline(BSplineTrajectory { period_s: motion.period_s / part, ..motion.clone() })
             }
+            Self::ConstantSpeed(motion) => {
+                let mut slowed = motion.clone();
+                slowed.change_s /= part;
+                slowed.stretch_s.iter_mut().for_each(|stretch| *stretch /= part);
+                slowed.joints.iter_mut().flat_map(|joint| &mut joint.speed).for_each(|speed| *speed *= part);
+                Self::ConstantSpeed(slowed)
+            }
         }
     }
 

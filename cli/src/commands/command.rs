@@ -3,8 +3,8 @@
 use miette::Result;
 
 use super::{
-    agree, calibrate, completions, controller, design, doctor, dynamics, identify, reduce, report, robot, run, study,
-    validate,
+    agree, calibrate, completions, controller, design, doctor, dynamics, identify, monitor, reduce, report, robot, run,
+    study, validate,
 };
 use crate::answer::Ending;
 use crate::console::Console;
@@ -19,6 +19,7 @@ pub(crate) enum Command {
     Design(design::Arguments),
     Run(run::Arguments),
     Calibrate(calibrate::Arguments),
+    Monitor(monitor::Arguments),
     Identify(identify::Arguments),
     Validate(validate::Arguments),
     Study(study::Arguments),
@@ -38,6 +39,7 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Design(arguments) => design::run(&arguments, console),
         Command::Calibrate(arguments) => calibrate::run(&arguments, console),
         Command::Run(arguments) => run::run(&arguments, console),
+        Command::Monitor(arguments) => monitor::run(&arguments, console),
         Command::Identify(arguments) => identify::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
         Command::Study(arguments) => study::run(&arguments, console),

@@ -9,6 +9,7 @@ mod design;
 mod doctor;
 mod dynamics;
 mod identify;
+mod monitor;
 mod reduce;
 mod report;
 mod robot;

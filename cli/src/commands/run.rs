@@ -8,6 +8,7 @@ use std::path::{Path, PathBuf};
 use armid::excitation::check;
 use armid::experiment::{Ending as PlanEnding, Phase, Sink, Tracking};
 use armid::model::{JointKind, Robot};
+use armid_hardware::guard::{GuardRecord, Trip};
 use miette::Result;
 use serde_json::{Value, json};
 
@@ -19,8 +20,10 @@ use crate::fault::Fault;
 use crate::files::experiment_toml::{self, Experiment};
 use crate::files::file_sink::{CsvSink, FileSink};
 use crate::files::recording_mcap::{McapSink, part_of};
+use crate::guarding::GuardArguments;
 use crate::progress;
-use crate::resumption::{self, Found};
+use crate::resumption::{self, Found, Part};
+use crate::speed::{self, Speed};
 use crate::table::{Align, Table, number};
 
 const AFTER_HELP: &str = "\
@@ -42,6 +45,13 @@ EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
   converters = true             # range and bits
   voltage = false               # the controller reports motor voltages, where the robot file has the circuits
 
+  [guard]                       # always on for arm ros2; --guard watches a simulated arm too
+  soft_margin_deg = 4           # soft limits inside the hard ones
+  following_error_deg = 5       # and jump_deg, current_clamp, stale_ms, stop_window_ms, approach_speed
+
+  [ros2]                        # how to reach a real arm
+  domain = 0                    # and network, namespace, topics, mode: trajectory, topic or stream
+
 R.mcap opens in any tool that reads ROS 2 joint states; -o R.csv writes t,q1..,current1.. (or
 tau1..). It is written to R.mcap.part and takes its name when the experiment is complete.
 
@@ -49,7 +59,9 @@ Examples:
   armid run experiment.toml -o R.mcap
   armid run experiment.toml --seed 7 -o validation.mcap
   armid run experiment.toml --resume -o R.mcap   # after a crash, at the next period
-  armid run experiment.toml --arm replay --recording R.mcap -o again.mcap";
+  armid run experiment.toml --arm replay --recording R.mcap -o again.mcap
+  armid run experiment.toml --arm ros2 --first-run -o R.mcap     # 10 %, 50 %, 100 % of the speed
+  armid run experiment.toml --arm ros2 --earlier R.mcap -o next.mcap";
 
 /// Perform an experiment and write a recording
 #[derive(Debug, clap::Args)]
@@ -70,8 +82,10 @@ pub(crate) struct Arguments {
     #[arg(long)]
     periods: Option<usize>,
     /// Continue what was cut short: keep the whole periods of R.mcap.part and perform those that are missing
-    #[arg(long)]
+    #[arg(long, conflicts_with = "first_run")]
     resume: bool,
+    #[command(flatten)]
+    guarding: GuardArguments,
     /// What `--arm replay` plays
     #[arg(long, value_name = "R.mcap")]
     recording: Option<PathBuf>,
@@ -83,16 +97,101 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     experiment.run = arguments.run.unwrap_or(experiment.run);
     experiment.arm = arguments.arm.unwrap_or(experiment.arm);
     experiment.plan.periods = arguments.periods.unwrap_or(experiment.plan.periods);
-    let layout = experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
-    experiment.plan.check_limits(&experiment.robot.robot).map_err(|error| {
-        let help = "nothing has moved; another trajectory, a longer period or longer ramps stay inside";
-        Fault::new(format!("{}: {error}", experiment.text.name)).help(help)
-    })?;
+    experiment.guarded = arguments.guarding.guard;
+    // The certificate is for the motion at full speed; slower, it is inside the same limits.
     admit(&experiment)?;
-
     let path = console
         .output()
         .map_or_else(|| Path::new("reports").join(&experiment.name).join("recording.mcap"), Path::to_path_buf);
+
+    let mut earlier = arguments.guarding.earlier.clone();
+    let mut steps = Vec::new();
+    for (step, speed) in arguments.guarding.speeds().into_iter().enumerate() {
+        let slowed = at_speed(&experiment, speed, arguments.guarding.first_run);
+        fits(&slowed)?;
+        if experiment.arm == ArmKind::Ros2 {
+            speed::check_earlier(&experiment, speed, &experiment.plan.trajectory.to_toml(), &earlier)?;
+            if step == 0 {
+                experiment.confirmation = Some(arguments.guarding.confirmation(experiment.robot.robot.name())?);
+            }
+        }
+        let slowed = Experiment { confirmation: experiment.confirmation.clone(), ..slowed };
+        let path = if arguments.guarding.first_run { speed::step_path(&path, speed) } else { path.clone() };
+        let motion = experiment.plan.trajectory.to_toml();
+        let part = match left(arguments, console, &slowed, &path)? {
+            Found::Nothing => None,
+            Found::Whole => {
+                console.show(&resumption::already_whole(&path))?;
+                return Ok(Ending::Done);
+            }
+            Found::Part(part) => Some(part),
+        };
+        let done = perform(arguments, console, &slowed, (speed, motion), &path, part.as_deref())?;
+        let ended = done.performed.ending.is_complete();
+        earlier.push(done.written.clone());
+        steps.push(done);
+        if !ended {
+            break;
+        }
+    }
+    console.show(&answer(&steps))?;
+    Ok(steps.last().map_or(Ending::Done, |done| match done.performed.ending {
+        PlanEnding::Completed => Ending::Done,
+        PlanEnding::Stopped { .. } => Ending::Interrupted,
+        PlanEnding::Diverged { .. } | PlanEnding::Tripped { .. } => Ending::Negative,
+    }))
+}
+
+/// The experiment at a part of its speed; before full speed, one period shows what there is to see.
+fn at_speed(experiment: &Experiment, speed: Speed, first_run: bool) -> Experiment {
+    let mut slowed = experiment.clone();
+    if speed != Speed::FULL {
+        slowed.plan = slowed.plan.at_speed(speed.part());
+        if first_run {
+            (slowed.plan.discarded_periods, slowed.plan.periods) = (0, 1);
+        }
+    }
+    slowed
+}
+
+/// The plan can be performed and stays inside the robot's limits.
+fn fits(experiment: &Experiment) -> Result<()> {
+    experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    experiment.plan.check_limits(&experiment.robot.robot).map_err(|error| {
+        let help = "nothing has moved; another trajectory, a longer period or longer ramps stay inside";
+        Fault::new(format!("{}: {error}", experiment.text.name)).help(help).into()
+    })
+}
+
+fn is_csv(path: &Path) -> bool {
+    path.extension().is_some_and(|extension| extension == "csv")
+}
+
+/// What `--resume` finds to continue.
+fn left(arguments: &Arguments, console: &Console, experiment: &Experiment, path: &Path) -> Result<Found> {
+    if !arguments.resume {
+        return Ok(Found::Nothing);
+    }
+    if is_csv(path) {
+        return Err(Fault::new("--resume continues an R.mcap, and -o names a CSV").into());
+    }
+    let found = resumption::find(path, experiment)?;
+    if matches!(found, Found::Nothing) {
+        console.note(format!("{} is not there: nothing to continue, beginning", part_of(path).display()));
+    }
+    Ok(found)
+}
+
+/// Performs one experiment and writes its recording.
+fn perform(
+    arguments: &Arguments,
+    console: &Console,
+    experiment: &Experiment,
+    (speed, motion): (Speed, String),
+    path: &Path,
+    part: Option<&Part>,
+) -> Result<Done> {
+    let layout = experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
     let bar = progress::bar(console, layout.samples() as u64, "samples");
     let taken = Cell::new(0);
     let on_sample = |samples: usize| {
@@ -101,49 +200,37 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             bar.set_position(samples as u64);
         }
     };
-    let csv = path.extension().is_some_and(|extension| extension == "csv");
-    let resumption = match (arguments.resume, csv) {
-        (false, _) => None,
-        (true, true) => return Err(Fault::new("--resume continues an R.mcap, and -o names a CSV").into()),
-        (true, false) => match resumption::find(&path, &experiment)? {
-            Found::Nothing => {
-                console.note(format!("{} is not there: nothing to continue, beginning", part_of(&path).display()));
-                None
-            }
-            Found::Whole => {
-                bar.finish_and_clear();
-                console.show(&resumption::already_whole(&path))?;
-                return Ok(Ending::Done);
-            }
-            Found::Part(part) => Some(part),
-        },
-    };
-    let mut notes = notes(&experiment);
-    let mut sink: Box<dyn FileSink + '_> = match &resumption {
-        _ if csv => Box::new(CsvSink::new(&path, on_sample)),
-        None => Box::new(McapSink::new(&path, notes, on_sample)),
+    let mut notes = notes(experiment);
+    notes.insert("speed".to_owned(), speed.part().to_string());
+    notes.insert("motion".to_owned(), motion);
+    let mut sink: Box<dyn FileSink + '_> = match part {
+        _ if is_csv(path) => Box::new(CsvSink::new(path, on_sample)),
+        None => Box::new(McapSink::new(path, notes, on_sample)),
         Some(part) => {
             notes.insert("sessions".to_owned(), part.sessions(experiment.plan.periods));
-            Box::new(McapSink::new(&path, notes, on_sample).resuming(part.continuation.samples()))
+            Box::new(McapSink::new(path, notes, on_sample).resuming(part.continuation.samples()))
         }
     };
     let performed = {
         let sink: &mut dyn Sink = &mut *sink;
-        match &resumption {
-            None => arms::perform(experiment.arm, &experiment, arguments.recording.as_deref(), sink)?,
-            Some(part) => part.perform(&experiment, arguments.recording.as_deref(), sink)?,
+        match part {
+            None => arms::perform(experiment.arm, experiment, arguments.recording.as_deref(), sink)?,
+            Some(part) => part.perform(experiment, arguments.recording.as_deref(), sink)?,
         }
     };
-    let written = sink.finish(&performed.ending)?;
+    let written = sink.finish(&performed.ending, performed.remarks())?;
     bar.finish_and_clear();
+    Ok(Done { experiment: experiment.clone(), performed, samples: taken.get(), written, speed })
+}
 
-    let done = Done { experiment: &experiment, performed: &performed, samples: taken.get(), written: &written };
-    console.show(&Answer { text: done.text(), json: done.json() })?;
-    Ok(match performed.ending {
-        PlanEnding::Completed => Ending::Done,
-        PlanEnding::Stopped { .. } => Ending::Interrupted,
-        PlanEnding::Diverged { .. } | PlanEnding::Tripped { .. } => Ending::Negative,
-    })
+/// The last step's answer; the ones before it are in `steps`.
+fn answer(steps: &[Done]) -> Answer {
+    let text: Vec<String> = steps.iter().map(Done::text).collect();
+    let mut json = steps.last().map_or(Value::Null, Done::json);
+    if steps.len() > 1 {
+        json["steps"] = steps.iter().map(Done::json).collect();
+    }
+    Answer { text: text.join("\n"), json }
 }
 
 /// The last look at the certificate, before anything moves.
@@ -183,14 +270,16 @@ pub(super) fn notes(experiment: &Experiment) -> BTreeMap<String, String> {
     notes
 }
 
-struct Done<'a> {
-    experiment: &'a Experiment,
-    performed: &'a Performed,
+/// One experiment that was performed.
+struct Done {
+    experiment: Experiment,
+    performed: Performed,
     samples: usize,
-    written: &'a Path,
+    written: PathBuf,
+    speed: Speed,
 }
 
-impl Done<'_> {
+impl Done {
     fn ending(&self) -> (&'static str, String) {
         let at = |t: f64, phase: Phase| format!("at t = {t:.3} s ({})", phase.name());
         match &self.performed.ending {
@@ -199,6 +288,11 @@ impl Done<'_> {
             PlanEnding::Diverged { t, phase, reason } => ("diverged", format!("{}: {reason}", at(*t, *phase))),
             PlanEnding::Tripped { t, phase, trip } => ("tripped", format!("{}: {trip}", at(*t, *phase))),
         }
+    }
+
+    fn on_what(&self) -> String {
+        let at = if self.speed == Speed::FULL { String::new() } else { format!(" at {} of the speed", self.speed) };
+        format!("on arm {}{at}", self.experiment.arm.name())
     }
 
     /// Which guard tripped, why, and what it did; null where none did.
@@ -226,6 +320,9 @@ impl Done<'_> {
             "ending": ending,
             "detail": detail,
             "trip": self.trip(),
+            "speed": self.speed.part(),
+            "guard": self.performed.guard,
+            "stamps": self.performed.stamps,
             "samples": self.samples,
             "rate_hz": plan.rate_hz,
             "period_s": plan.trajectory.period_s(),
@@ -254,7 +351,7 @@ impl Done<'_> {
             "{}: {} {}, {} samples at {} Hz, {} periods of {} s that count\n{}\n",
             self.experiment.name,
             ending,
-            if detail.is_empty() { format!("on arm {}", self.experiment.arm.name()) } else { detail },
+            if detail.is_empty() { self.on_what() } else { detail },
             self.samples,
             plan.rate_hz,
             plan.periods,
@@ -267,8 +364,35 @@ impl Done<'_> {
                 let _ = writeln!(text, "\n  a current was at its limit in {} servo steps", tracking.saturated_steps);
             }
         }
+        if let Some(stamps) = self.performed.stamps.as_ref().filter(|stamps| !stamps.is_clean()) {
+            let _ = writeln!(
+                text,
+                "\n  {} messages: {} lost in {} gaps (longest {:.1} ms), {} twice, {} out of order, {} samples missing",
+                stamps.messages,
+                stamps.lost,
+                stamps.gaps,
+                1e3 * stamps.longest_gap_s,
+                stamps.duplicates,
+                stamps.reordered,
+                stamps.missing.len(),
+            );
+        }
+        if let Some(guard) = &self.performed.guard {
+            let _ = write!(text, "\n{}", watched(guard).render(2));
+        }
         text
     }
+}
+
+/// How close each check of the guard came to its line.
+fn watched(guard: &GuardRecord) -> Table {
+    let mut table = Table::new(&[("guard", Align::Left), ("used", Align::Right), ("trips within", Align::Right)]);
+    for trip in Trip::ALL {
+        let Some(used) = guard.used.get(trip.name()) else { continue };
+        let bound = trip.bound_ms(&guard.settings, guard.rate_hz);
+        table.row([trip.name().to_owned(), format!("{:.0} %", 100.0 * used), format!("{bound:.0} ms")]);
+    }
+    table
 }
 
 /// How the servo followed while it counted.

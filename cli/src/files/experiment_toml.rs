@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::excitation::Certificate;
 use armid::experiment::{Effects, ExperimentPlan, Sensing};
+use armid_hardware::guard::{Confirmation, GuardSettings};
 use armid_hardware::link::LinkSettings;
 use armid_sim::Engine;
 use miette::Result;
@@ -42,6 +43,8 @@ struct File {
     /// Effects of the real arm beside those of its truth.
     #[serde(default)]
     effects: Effects,
+    /// Where the guard draws its lines.
+    guard: Option<Spanned<GuardSettings>>,
 }
 
 #[derive(Deserialize)]
@@ -74,6 +77,12 @@ pub(crate) struct Experiment {
     pub(crate) arm: ArmKind,
     /// How the robot of `arm = "ros2"` is reached.
     pub(crate) ros2: LinkSettings,
+    /// Where the guard draws its lines.
+    pub(crate) guard: GuardSettings,
+    /// Whether a simulated arm is watched too.
+    pub(crate) guarded: bool,
+    /// A person's word that a real arm may move.
+    pub(crate) confirmation: Option<Confirmation>,
 }
 
 /// Finds and reads an experiment: a bundled name, a folder, or the TOML itself.
@@ -154,9 +163,12 @@ pub(crate) fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
         (None, None) => robot.robot.name().to_owned(),
     };
     let (seed, run) = (file.seed.unwrap_or(0), file.run.unwrap_or(0));
+    let guard = guard(file.guard, &text)?;
+    let (guarded, confirmation) = (false, None);
+    let question = file.question;
     Ok(Experiment {
         name,
-        question: file.question,
+        question,
         text,
         robot,
         chain,
@@ -168,7 +180,16 @@ pub(crate) fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment> {
         run,
         arm,
         ros2,
+        guard,
+        guarded,
+        confirmation,
     })
+}
+
+fn guard(table: Option<Spanned<GuardSettings>>, text: &Text) -> Result<GuardSettings> {
+    let Some(table) = table else { return Ok(GuardSettings::default()) };
+    table.get_ref().check().map_err(|error| Fault::new(error.to_string()).at(text, table.span(), "in this table"))?;
+    Ok(table.into_inner())
 }
 
 fn sensing(table: Option<SensingTable>, text: &Text, dof: usize) -> Result<Sensing> {

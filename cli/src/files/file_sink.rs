@@ -1,5 +1,6 @@
 //! Sinks that end as a file.
 
+use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
 use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
@@ -14,8 +15,8 @@ use crate::interrupt;
 /// A sink whose samples end in a file.
 pub(crate) trait FileSink: Sink {
     /// Completes the file. It takes its name where the experiment was completed, and ends in `.part` otherwise.
-    /// Returns where it is.
-    fn finish(self: Box<Self>, ending: &Ending) -> Result<PathBuf>;
+    /// `remarks` are what is known only now and goes into the file beside its ending. Returns where it is.
+    fn finish(self: Box<Self>, ending: &Ending, remarks: BTreeMap<String, String>) -> Result<PathBuf>;
 }
 
 /// Keeps the samples and writes them as CSV.
@@ -51,7 +52,7 @@ impl Sink for CsvSink<'_> {
 }
 
 impl FileSink for CsvSink<'_> {
-    fn finish(self: Box<Self>, ending: &Ending) -> Result<PathBuf> {
+    fn finish(self: Box<Self>, ending: &Ending, _: BTreeMap<String, String>) -> Result<PathBuf> {
         let Some(recording) = &self.recording else {
             return Err(Fault::new("the arm never began a recording").into());
         };

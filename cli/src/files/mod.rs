@@ -11,6 +11,7 @@ pub(crate) mod parquet_table;
 pub(crate) mod prior;
 pub(crate) mod recording_csv;
 pub(crate) mod recording_mcap;
+pub(crate) mod recording_notes;
 pub(crate) mod recording_reader;
 pub(crate) mod states_csv;
 pub(crate) mod study_store;

@@ -7,7 +7,7 @@
 //! | `/joint_commands` | the commanded position, at most 100 times a second |
 //! | metadata `armid` | robot and its file, joints, rate, unit of effort, trajectory, phases, provenance, experiment |
 //! | in it, `sessions` | where the experiment was cut short and continued: the periods of each session |
-//! | metadata `armid/ending` | how the experiment ended; absent where the file was cut off |
+//! | metadata `armid/ending` | how the experiment ended, what guard and link saw; absent where the file was cut off |
 //!
 //! Times count from the beginning of the experiment, so equal experiments give equal bytes.
 
@@ -99,7 +99,7 @@ impl<'a> McapSink<'a> {
         fs::rename(&draft, &self.part).map_err(|error| cannot_write(&self.part, &error))
     }
 
-    fn complete(&mut self, ending: &Ending) -> Result<PathBuf> {
+    fn complete(&mut self, ending: &Ending, remarks: BTreeMap<String, String>) -> Result<PathBuf> {
         if let Some(fault) = self.fault.take() {
             return Err(fault.into());
         }
@@ -116,7 +116,7 @@ impl<'a> McapSink<'a> {
             Ending::Tripped { t, phase, trip } => ("tripped", format!("at t = {t} s ({}): {trip}", phase.name())),
         };
         let record = [("ending", word.to_owned()), ("detail", detail), ("samples", open.samples.to_string())];
-        let metadata = record.into_iter().map(|(key, value)| (key.to_owned(), value)).collect();
+        let metadata = record.into_iter().map(|(key, value)| (key.to_owned(), value)).chain(remarks).collect();
         open.writer
             .write_metadata(&Metadata { name: ENDING.to_owned(), metadata })
             .and_then(|()| open.writer.finish())
@@ -202,8 +202,8 @@ fn cannot_write(path: &Path, error: &impl std::fmt::Display) -> Fault {
 }
 
 impl FileSink for McapSink<'_> {
-    fn finish(mut self: Box<Self>, ending: &Ending) -> Result<PathBuf> {
-        self.complete(ending)
+    fn finish(mut self: Box<Self>, ending: &Ending, remarks: BTreeMap<String, String>) -> Result<PathBuf> {
+        self.complete(ending, remarks)
     }
 }
 

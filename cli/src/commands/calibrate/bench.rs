@@ -175,11 +175,11 @@ impl BenchArguments {
         let mut sink = Box::new(McapSink::new(path, notes(&experiment), |_| {}));
         let performed = arms::perform(experiment.arm, &experiment, None, &mut *sink)?;
         if !performed.ending.is_complete() {
-            let part = sink.finish(&performed.ending)?;
+            let part = sink.finish(&performed.ending, performed.remarks())?;
             let message = format!("the motion ended early ({:?}); what there is: {}", performed.ending, part.display());
             return Err(Fault::new(message).into());
         }
-        sink.finish(&performed.ending)?;
+        sink.finish(&performed.ending, performed.remarks())?;
         Ok(())
     }
 }

@@ -201,8 +201,15 @@ impl Stage {
                             let age = f64::from(tick) * 5e-3;
                             let flow = sink.idle(age);
                             if flow.ends() {
-                                let sample =
-                                    RawSample { index: k, t, phase, q: &before, effort: &effort, command: &command };
+                                let sample = RawSample {
+                                    index: k,
+                                    t,
+                                    phase,
+                                    q: &before,
+                                    effort: &effort,
+                                    voltage: &[],
+                                    command: &command,
+                                };
                                 self.aftermath(last_t + age, flow, &sample, sink);
                                 return Some(Ending::Stopped { t: last_t, phase });
                             }
@@ -223,7 +230,7 @@ impl Stage {
                     self.crossed(if gradual { t } else { self.at_s });
                 }
             }
-            let sample = RawSample { index: k, t, phase, q: &q, effort: &effort, command: &command };
+            let sample = RawSample { index: k, t, phase, q: &q, effort: &effort, voltage: &[], command: &command };
             let flow = sink.sample(&sample);
             if flow.ends() {
                 self.aftermath(t, flow, &sample, sink);
@@ -277,6 +284,7 @@ impl Machine for Stage {
             t: Vec::new(),
             q: Vec::new(),
             effort: Vec::new(),
+            voltage: Vec::new(),
             provenance: Provenance::new(self.robot.name(), "", None),
         })
     }

@@ -1,0 +1,45 @@
+//! What a recording says of itself, without its samples.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use mcap::read::{ChunkFlattener, Options};
+use mcap::records::Record;
+use miette::Result;
+
+use super::recording_mcap::{ENDING, METADATA};
+use crate::fault::Fault;
+
+/// What armid noted in a recording.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Notes {
+    /// The metadata at its beginning; empty where another tool recorded it.
+    pub(crate) beginning: BTreeMap<String, String>,
+    /// The metadata at its end; empty where it was cut off.
+    pub(crate) ending: BTreeMap<String, String>,
+}
+
+impl Notes {
+    /// Whether the experiment was performed from beginning to end.
+    pub(crate) fn is_complete(&self) -> bool {
+        self.ending.get("ending").is_some_and(|word| word == "completed")
+    }
+}
+
+/// Reads the notes of a file.
+pub(crate) fn read(path: &Path) -> Result<Notes> {
+    let name = path.display().to_string();
+    let fault = |error: &dyn std::fmt::Display| Fault::new(format!("{name} cannot be read as MCAP: {error}"));
+    let bytes = std::fs::read(path).map_err(|error| Fault::new(format!("{name} cannot be read: {error}")))?;
+    let mut notes = Notes::default();
+    for record in ChunkFlattener::new_with_options(&bytes, Options::IgnoreEndMagic.into()).map_err(|e| fault(&e))? {
+        match record {
+            Ok(Record::Metadata(found)) if found.name == METADATA => notes.beginning = found.metadata,
+            Ok(Record::Metadata(found)) if found.name == ENDING => notes.ending = found.metadata,
+            Ok(_) => {}
+            Err(mcap::McapError::UnexpectedEof | mcap::McapError::UnexpectedEoc) => break,
+            Err(error) => return Err(fault(&error).into()),
+        }
+    }
+    Ok(notes)
+}

@@ -1,0 +1,100 @@
+//! The guard on the command line, around simulated arms.
+
+mod support;
+
+use std::path::Path;
+
+use support::{armid, experiment, json, stderr, stdout, temporary, write};
+
+fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().expect("a path in UTF-8").to_owned()
+}
+
+#[test]
+fn identity_a_guarded_run_has_the_samples_of_one_that_is_not() {
+    let folder = temporary();
+    let experiment = experiment(folder.path(), 1);
+    let (plain, guarded) = (path(folder.path(), "plain.csv"), path(folder.path(), "guarded.csv"));
+    armid(["run", &experiment, "-o", &plain]).success();
+    let done = json(&armid(["run", &experiment, "--guard", "-o", &guarded, "--json"]).success());
+    assert!(std::fs::read(&plain).unwrap() == std::fs::read(&guarded).unwrap());
+    assert!(done["trip"].is_null());
+    let used = done["guard"]["used"].as_object().unwrap();
+    assert!(used.len() >= 7 && used.values().all(|used| used.as_f64().unwrap() < 1.0), "{used:?}");
+    assert_eq!(done["guard"]["preflight"].as_array().unwrap().len(), 3);
+}
+
+#[test]
+fn a_trip_ends_with_status_1_a_reason_and_a_recording_that_is_whole() {
+    let folder = temporary();
+    let base = std::fs::read_to_string(experiment(folder.path(), 1)).unwrap();
+    let strict = write(folder.path(), "strict.toml", &format!("{base}\n[guard]\nfollowing_error_deg = 0.05\n"));
+    let recording = path(folder.path(), "R.mcap");
+    let done = json(&armid(["run", &strict, "--guard", "-o", &recording, "--json"]).code(1));
+    assert_eq!((done["ending"].as_str(), done["trip"]["name"].as_str()), (Some("tripped"), Some("following-error")));
+    assert_eq!((done["trip"]["action"].as_str(), done["trip"]["phase"].as_str()), (Some("cancel"), Some("ramp-in")));
+    assert!(done["trip"]["reason"].as_str().unwrap().contains("from its command, expected at most 0.0009 rad"));
+    assert_eq!(done["recording"].as_str(), Some(format!("{recording}.part").as_str()));
+    // MCAP's footer is there: the file was finished, not cut off. The reason is in it.
+    let bytes = std::fs::read(format!("{recording}.part")).unwrap();
+    assert!(bytes.ends_with(b"\x89MCAP0\r\n"));
+    let holds = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
+    assert!(holds("tripped") && holds("following-error"));
+    let shown = stdout(&armid(["run", &strict, "--guard", "-o", &recording]).code(1));
+    assert!(shown.contains("tripped at t = ") && shown.contains("cancel within 11 ms"), "{shown}");
+}
+
+#[test]
+fn a_slower_run_and_a_first_run_say_their_speed() {
+    let folder = temporary();
+    let experiment = experiment(folder.path(), 1);
+    let recording = path(folder.path(), "R.mcap");
+    let done = json(&armid(["run", &experiment, "--guard", "--first-run", "-o", &recording, "--json"]).success());
+    let speeds: Vec<f64> = done["steps"].as_array().unwrap().iter().map(|s| s["speed"].as_f64().unwrap()).collect();
+    assert_eq!(speeds, [0.1, 0.5, 1.0]);
+    let periods: Vec<f64> =
+        done["steps"].as_array().unwrap().iter().map(|step| step["period_s"].as_f64().unwrap()).collect();
+    assert_eq!(periods, [100.0, 20.0, 10.0]);
+    for name in ["R-10.mcap", "R-50.mcap", "R.mcap"] {
+        assert!(folder.path().join(name).is_file(), "{name}");
+    }
+    let fault = stderr(&armid(["run", &experiment, "--speed", "200%"]).code(2));
+    assert!(fault.contains("expected a part of the designed speed"), "{fault}");
+}
+
+#[test]
+fn a_wrong_line_of_the_guard_is_shown_with_its_place() {
+    let folder = temporary();
+    let base = "robot = \"crs-a460\"\ntrajectory = \"table-one\"\n";
+    for (table, wanted) in [
+        ("[guard]\nstale_ms = 0\n", "stale_ms is 0, expected a finite number above zero"),
+        ("[guard]\nstale = 3\n", "x.toml:4:1: unknown field `stale`"),
+        ("[ros2]\ndomian = 3\n", "x.toml:4:1: unknown field `domian`"),
+    ] {
+        let file = write(folder.path(), "x.toml", &format!("{base}{table}"));
+        let fault = stderr(&armid(["run", &file, "-o", &path(folder.path(), "R.mcap")]).code(2));
+        assert!(fault.contains(wanted), "{wanted} not in {fault}");
+    }
+    // The soft limits are narrower than the motion.
+    let file = write(folder.path(), "x.toml", &format!("{base}[guard]\nsoft_margin_deg = 30\n"));
+    let fault = stderr(&armid(["run", &file, "--guard", "-o", &path(folder.path(), "R.mcap")]).code(2));
+    assert!(fault.contains("preflight, soft-limits: found joint \"shoulder\""), "{fault}");
+    assert!(!folder.path().join("R.mcap.part").exists());
+}
+
+#[test]
+fn nothing_real_moves_without_a_word_or_an_earlier_run() {
+    let folder = temporary();
+    let file = write(folder.path(), "x.toml", "robot = \"crs-a460\"\ntrajectory = \"table-one\"\narm = \"ros2\"\n");
+    let recording = path(folder.path(), "R.mcap");
+    let fault = stderr(&armid(["run", &file, "-o", &recording, "--yes-the-estop-works"]).code(2));
+    assert!(fault.contains("100 % of the speed needs an earlier run of this motion on this arm at 50 %"), "{fault}");
+    let fault = stderr(&armid(["run", &file, "--speed", "10%", "-o", &recording]).code(2));
+    assert!(fault.contains("nobody confirmed that the emergency stop works"), "{fault}");
+    // A simulated run is no earlier run of the real arm.
+    let simulated = path(folder.path(), "S.mcap");
+    armid(["run", &file, "--arm", "analytic", "--periods", "1", "-o", &simulated]).success();
+    let fault =
+        stderr(&armid(["run", &file, "-o", &recording, "--yes-the-estop-works", "--earlier", &simulated]).code(2));
+    assert!(fault.contains("was recorded on arm analytic"), "{fault}");
+}
