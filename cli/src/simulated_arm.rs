@@ -14,7 +14,7 @@ use crate::arms::ArmKind;
 use crate::robot_source::LoadedRobot;
 
 /// A robot that can be simulated: what it is, what an experimenter would guess, and what is true.
-#[derive(Debug)]
+#[derive(Clone, Debug)]
 pub(crate) struct Simulation {
     pub(crate) loaded: LoadedRobot,
     pub(crate) nominal: StandardParameters,
@@ -35,6 +35,11 @@ impl Simulation {
     /// The same arm with these effects beside those of its truth; they count where both have one.
     pub(crate) fn with_effects(self, effects: Effects) -> Self {
         Self { effects, ..self }
+    }
+
+    /// The same robot with other true parameters.
+    pub(crate) fn made_of(&self, truth: &Truth) -> Self {
+        Self { truth: truth.clone(), ..self.clone() }
     }
 
     pub(crate) fn robot(&self) -> &Robot {

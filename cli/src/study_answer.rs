@@ -9,7 +9,7 @@ use crate::answer::Answer;
 use crate::table::{Align, Table, number};
 
 /// The answer of a finished study.
-pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: &Path) -> Answer {
+pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: Option<&Path>) -> Answer {
     let mut text = format!("{}\n\n{}", result.plan.question, families(result).render(0));
     let _ = writeln!(text, "\n{runs} runs, {failed} failed. Smaller is better; geometric means over runs.");
     let estimator = result.plan.identification.estimators.last().map_or("", String::as_str);
@@ -20,6 +20,7 @@ pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: &
             let _ = writeln!(text, "How they ended: {}.", statuses(part));
         }
         headline(&mut text, &part.findings, estimator);
+        over_truths(&mut text, &part.findings, estimator);
     }
     if let Some(paper) = &result.paper {
         let _ = writeln!(text);
@@ -27,12 +28,14 @@ pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: &
             let _ = writeln!(text, "{:>14}  {}", claim.verdict.words(), claim.claim);
         }
     }
-    let _ = writeln!(text, "\nreport: {}", report.display());
+    if let Some(report) = report {
+        let _ = writeln!(text, "\nreport: {}", report.display());
+    }
     let json = serde_json::json!({
         "name": result.plan.name,
         "runs": runs,
         "failed": failed,
-        "report": report.display().to_string(),
+        "report": report.map(|report| report.display().to_string()),
         "findings": result.findings(),
         "conditions": &result.conditions,
         "paper": &result.paper,
@@ -63,6 +66,30 @@ fn headline(text: &mut String, findings: &Findings, estimator: &str) {
             c.first,
             c.second,
             c.difference
+        );
+    }
+}
+
+/// The same two over random truths.
+fn over_truths(text: &mut String, findings: &Findings, estimator: &str) {
+    let pair = findings.over_truths.iter().filter(|c| {
+        c.estimator == estimator
+            && [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str()))
+    });
+    for c in pair {
+        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]", i.low, i.high));
+        let _ = writeln!(
+            text,
+            "over {} truths, {}, {} / {}: {:.3}{interval}, from {:.3} to {:.3}; {} is better for {}",
+            c.truths,
+            c.metric.title(),
+            c.first,
+            c.second,
+            c.ratio,
+            c.range.low,
+            c.range.high,
+            c.first,
+            c.first_better
         );
     }
 }

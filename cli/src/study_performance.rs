@@ -140,7 +140,10 @@ impl Performance<'_> {
         let mut outcomes: Vec<(Outcome, f64)> = Vec::new();
         for piece in pieces {
             match piece {
-                Piece::Design { index, design, bound, seconds } => designs[index] = Some((*design, bound, seconds)),
+                Piece::Design { index, design, bound, seconds } => {
+                    let bound = bound.into_iter().map(|std| std.unwrap_or(f64::INFINITY)).collect();
+                    designs[index] = Some((*design, bound, seconds));
+                }
                 Piece::Run { outcome, seconds } => outcomes.push((*outcome, seconds)),
             }
         }
@@ -171,6 +174,7 @@ impl Performance<'_> {
                 let design = chain.pop().ok_or_else(|| Fault::new("a chain without designs"))?;
                 let made = (design, bound, begin.elapsed().as_secs_f64());
                 let (design, bound, seconds) = made.clone();
+                let bound = bound.into_iter().map(|std| std.is_finite().then_some(std)).collect();
                 keep(journal, &bar, &Piece::Design { index, design: Box::new(design), bound, seconds })?;
                 Ok((index, made))
             })
@@ -187,7 +191,11 @@ impl Performance<'_> {
         let mut exact = Vec::new();
         for design in chain {
             let plan = self.stage.experiment(&design.trajectory);
-            exact.push(self.first().exact_period(&plan).map_err(in_words)?);
+            match self.first().exact_period(&plan) {
+                Ok(states) => exact.push(states),
+                // A motion that runs away has no bound; its runs say why.
+                Err(_) => return Ok(vec![f64::INFINITY; self.stage.base().rank()]),
+            }
         }
         Ok(self.stage.bound_of_chain(&exact))
     }
@@ -208,7 +216,7 @@ impl Performance<'_> {
             .filter(|_| !interrupt::asked())
             .map(|slot| {
                 let begin = Instant::now();
-                let simulation = &self.simulations[slot.condition];
+                let simulation = self.simulations[slot.condition].made_of(self.stage.truth(slot.run));
                 let mut arms = Vec::new();
                 for index in self.stage.chain(slot.design) {
                     let (seed, stream) = self.stage.stream(index, slot.run);
@@ -257,10 +265,12 @@ impl Performance<'_> {
         let story = StudyStory { result, examples };
         write_study(self.output, &story, &outcomes)?;
         write_timing(self.output, &design_seconds, &outcomes, &run_seconds)?;
-        let report: PathBuf = write_report(&self.output.join("report"), &story)?;
-        journal.remove()?;
         let failed = outcomes.iter().filter(|outcome| outcome.failure.is_some()).count();
-        self.console.show(&study_answer::answer(&story.result, outcomes.len(), failed, &report))?;
+        // Where every run failed there is nothing to draw; the rows and the summary say how each ended.
+        let report: Option<PathBuf> =
+            if failed < outcomes.len() { Some(write_report(&self.output.join("report"), &story)?) } else { None };
+        journal.remove()?;
+        self.console.show(&study_answer::answer(&story.result, outcomes.len(), failed, report.as_deref()))?;
         Ok(if failed == outcomes.len() { Ending::Negative } else { Ending::Done })
     }
 
@@ -276,15 +286,16 @@ impl Performance<'_> {
             (0..families).filter_map(best).map(|(index, design)| self.stage.limit_example(index, design)).collect();
         let shown = best(0).and_then(|(index, design)| {
             let outcome = outcomes.iter().find(|o| (o.design, o.condition) == (index, 0) && o.failure.is_none())?;
-            Some((design, outcome.estimates.iter().rev().find(|estimate| estimate.score.is_some())?))
+            Some((design, outcome.run, outcome.estimates.iter().rev().find(|estimate| estimate.score.is_some())?))
         });
         let prediction = match shown {
-            Some((design, estimate)) => {
+            Some((design, run, estimate)) => {
                 let seed = self.stage.plan().seed.child("validation experiment", 0);
-                let mut arm = self.first().arm(&Sensing::default(), seed, 0).map_err(in_words)?;
+                let simulation = self.first().made_of(self.stage.truth(run));
+                let mut arm = simulation.arm(&Sensing::default(), seed, 0).map_err(in_words)?;
                 let trajectory = self.stage.validation_trajectory(0).map_err(in_words)?;
-                let samples = self.stage.samples(&trajectory, &mut *arm).map_err(in_words)?;
-                Some(self.stage.prediction_example(design, estimate, &samples))
+                let samples = self.stage.samples(&trajectory, &mut *arm).ok();
+                samples.map(|samples| self.stage.prediction_example(design, estimate, &samples))
             }
             None => None,
         };

@@ -6,6 +6,8 @@ use std::collections::BTreeMap;
 use std::path::Path;
 use std::process::Output;
 
+use parquet::file::reader::{FileReader, SerializedFileReader};
+
 /// A study of seconds: a planar arm, two families, two designs each, three runs.
 const PLAN: &str = r#"
 name = "tiny"
@@ -54,6 +56,12 @@ criterion = "condition"
 starts = 2
 evaluations = 5
 "#;
+
+/// The same in one engine, without effects.
+fn alone() -> String {
+    let lines = PLAN.lines().filter(|line| !line.starts_with("engines") && !line.starts_with("conditions"));
+    lines.map(|line| format!("{line}\n")).collect()
+}
 
 fn armid(folder: &Path, arguments: &[&str]) -> Output {
     assert_cmd::Command::new(assert_cmd::cargo::cargo_bin!("armid"))
@@ -172,4 +180,71 @@ fn faults_of_a_plan_name_line_and_column() {
     let output = armid(folder.path(), &["study", "study.toml", "--runs", "2", "--resume", "-o", "out"]);
     assert_eq!(output.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&output.stderr).contains("another plan"));
+}
+
+#[test]
+fn runs_that_run_away_are_rows_with_a_status_and_are_counted() {
+    // Gains for links of kilograms on links of grams, without friction: the servo shakes the arm apart.
+    let folder = with_plan();
+    let at = folder.path();
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/planar-2r");
+    std::fs::create_dir(at.join("light")).unwrap();
+    for file in ["robot.toml", "nominal.toml"] {
+        std::fs::copy(models.join(file), at.join("light").join(file)).unwrap();
+    }
+    let truth: String = std::fs::read_to_string(models.join("truth.toml"))
+        .unwrap()
+        .lines()
+        .map(|line| match line.split(" = ").next().unwrap() {
+            "mass_kg" => "mass_kg = 0.003\n".to_owned(),
+            "inertia_about_com_kg_m2" => {
+                "inertia_about_com_kg_m2 = { xx = 1e-6, yy = 1e-6, zz = 1e-6, xy = 0.0, xz = 0.0, yz = 0.0 }\n"
+                    .to_owned()
+            }
+            "rotor_kg_m2" => "rotor_kg_m2 = 1e-6\n".to_owned(),
+            key @ ("viscous_nm_s_rad" | "coulomb_nm") => format!("{key} = 0.0\n"),
+            _ => format!("{line}\n"),
+        })
+        .collect();
+    std::fs::write(at.join("light/truth.toml"), truth).unwrap();
+    let plan = alone().replace("\"planar-2r\"", "\"light\"");
+    std::fs::write(at.join("light.toml"), plan).unwrap();
+    let output = armid(at, &["study", "light.toml", "-o", "out", "--json"]);
+    let text = String::from_utf8_lossy(&output.stdout).into_owned();
+    assert_eq!(output.status.code(), Some(1), "{text}{}", String::from_utf8_lossy(&output.stderr));
+    let answer: serde_json::Value = serde_json::from_str(&text).unwrap();
+    assert_eq!((&answer["runs"], &answer["failed"]), (&12.into(), &12.into()));
+    let statuses = &answer["conditions"][0]["statuses"];
+    assert_eq!(statuses, &serde_json::json!([{ "status": "diverged-speed", "runs": 12 }]));
+    let rows = SerializedFileReader::new(std::fs::File::open(at.join("out/runs.parquet")).unwrap()).unwrap();
+    let mut count = 0;
+    for row in rows.get_row_iter(None).unwrap() {
+        let row: Vec<String> = row.unwrap().get_column_iter().map(|(_, field)| field.to_string()).collect();
+        assert!(row.iter().any(|field| field.contains("diverged-speed")), "{row:?}");
+        assert!(row.iter().any(|field| field.contains("exceeds ten times its limit")), "{row:?}");
+        count += 1;
+    }
+    // Two estimators for each run.
+    assert_eq!(count, 24);
+}
+
+#[test]
+fn random_truths_are_the_same_for_every_design_and_number_of_threads() {
+    let folder = with_plan();
+    let at = folder.path();
+    std::fs::write(at.join("truths.toml"), alone() + "\n[truths]\ncount = 3\n").unwrap();
+    succeeds(at, &["study", "truths.toml", "--jobs", "1", "-o", "one"]);
+    succeeds(at, &["study", "truths.toml", "--jobs", "2", "-o", "two"]);
+    assert!(files(&at.join("one")) == files(&at.join("two")), "one and two threads differ");
+    let summary = std::fs::read_to_string(at.join("one/summary.json")).unwrap();
+    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    assert_eq!(summary["drawn_truths"].as_array().unwrap().len(), 3);
+    let over = &summary["conditions"][0]["findings"]["over_truths"];
+    assert!(over.as_array().unwrap().iter().all(|c| c["truths"] == 3), "{over}");
+    // A spread out of range is named with its place.
+    let plan = std::fs::read_to_string(at.join("truths.toml")).unwrap() + "mass_spread = 3.0\n";
+    std::fs::write(at.join("wide.toml"), plan).unwrap();
+    let output = armid(at, &["study", "wide.toml"]);
+    let text = String::from_utf8_lossy(&output.stderr).into_owned();
+    assert!(output.status.code() == Some(2) && text.contains("mass_spread is 3"), "{text}");
 }

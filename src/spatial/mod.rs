@@ -6,9 +6,11 @@
 //! This module knows no robot. Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, ch. 2.
 
 mod inertia;
+mod log_cholesky;
 mod placement;
 mod vectors;
 
 pub use inertia::{Inertia, InertiaFault, PseudoInertia};
+pub use log_cholesky::LogCholesky;
 pub use placement::Placement;
 pub use vectors::{Force, Motion};

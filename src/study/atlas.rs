@@ -13,9 +13,9 @@
 use std::collections::BTreeMap;
 
 use super::condition::ConditionResult;
+use super::family_score::{FamilyScore, ParameterScore};
 use super::outcome::Outcome;
 use super::statistics::{Interval, mean, t_interval};
-use super::summary::{FamilyScore, ParameterScore};
 use super::{Stage, StudyDesign};
 use crate::experiment::Level;
 use crate::model::ParameterKind;

@@ -89,9 +89,11 @@ impl Stage {
         if let [only] = experiments {
             return self.trial(slot, only.design, only.arm);
         }
+        let truth = self.plan.truth_of(slot.run);
         let outcome = |failure, estimates| Outcome {
             design: slot.design,
             condition: slot.condition,
+            truth,
             run: slot.run,
             failure,
             estimates,
@@ -108,7 +110,7 @@ impl Stage {
                 made.iter().map(|estimates| estimates[e].as_ref().map_err(Clone::clone)).collect();
             match each.and_then(|each| together(&each).map_err(|fault| Failure::estimator(&fault))) {
                 Ok(mut scored) => {
-                    scored.score = Some(self.referee().score(&DVector::from_column_slice(&scored.beta)));
+                    scored.score = Some(self.referee().score(&DVector::from_column_slice(&scored.beta), truth));
                     scored
                 }
                 Err(failure) => ScoredEstimate::failed(name, failure),

@@ -3,9 +3,9 @@
 //! Every run of every design is performed under every condition, with the same random streams, so that conditions are
 //! compared in pairs. The first condition is the one that the figures of a study show.
 
+use super::evidence::Findings;
 use super::outcome::Outcome;
 use super::plan::StudyPlan;
-use super::summary::Findings;
 use crate::experiment::Effects;
 
 /// One way of performing the experiments: what differs is the simulated arm, never design, sensors' noise or estimator.

@@ -12,6 +12,8 @@ pub struct Outcome {
     pub design: usize,
     /// Index of the condition in the study.
     pub condition: usize,
+    /// Index of the arm's true parameters: 0 is the robot's own, others were drawn.
+    pub truth: usize,
     /// Number of the run within the design.
     pub run: u64,
     /// `None` where the run ended as planned, else the reason: a counted row, never a gap.

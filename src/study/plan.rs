@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use super::grid::GridPlan;
+use super::random_truth::RandomTruths;
 use super::units::ReferenceUnits;
 use crate::estimation::EstimatorKind;
 use crate::excitation::{CriterionKind, Family};
@@ -36,6 +37,9 @@ pub struct StudyPlan {
     pub validation: ValidationSettings,
     /// Units in which errors of unlike parameters are added.
     pub reference: ReferenceUnits,
+    /// Truths that are drawn at random, in place of the robot's own.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub truths: Option<RandomTruths>,
     /// The families of designs that are compared.
     #[serde(rename = "design", default)]
     pub designs: Vec<FamilyPlan>,
@@ -281,6 +285,7 @@ impl StudyPlan {
                 return Err(number(key, found, "a finite number above zero"));
             }
         }
+        self.check_truths()?;
         for family in &self.designs {
             family.family()?;
             match family.making {
@@ -303,6 +308,31 @@ impl StudyPlan {
             }
         }
         Ok(())
+    }
+
+    fn check_truths(&self) -> Result<(), PlanFault> {
+        let Some(truths) = &self.truths else { return Ok(()) };
+        if truths.count == 0 {
+            return Err(number("truths.count", truths.count, "at least 1"));
+        }
+        for (key, found) in [
+            ("truths.mass_spread", truths.mass_spread),
+            ("truths.inertia_spread", truths.inertia_spread),
+            ("truths.rotor_spread", truths.rotor_spread),
+            ("truths.friction_spread", truths.friction_spread),
+        ] {
+            // Beyond one, a link's length strays by a factor of e and more.
+            if !(0.0..=1.0).contains(&found) {
+                return Err(number(key, found, "a number from 0 to 1"));
+            }
+        }
+        Ok(())
+    }
+
+    /// Index of the truth in this run of every design: 0 is the robot's own.
+    #[must_use]
+    pub fn truth_of(&self, run: u64) -> usize {
+        self.truths.as_ref().map_or(0, |truths| 1 + (run % truths.count as u64) as usize)
     }
 
     /// Checks the names of engines against those that there are, which the core does not know.

@@ -19,7 +19,7 @@ use crate::regressor::JointTorqueRegressor;
 /// Knows the truth and says how far an estimate is from it.
 #[derive(Clone, Debug)]
 pub struct Referee {
-    truth: DVector<f64>,
+    truths: Vec<DVector<f64>>,
     units: DVector<f64>,
     ratings: Vec<f64>,
     grams: Vec<DMatrix<f64>>,
@@ -44,7 +44,7 @@ impl Referee {
     #[must_use]
     pub fn new(
         robot: &Robot,
-        truth: &Truth,
+        truths: &[Truth],
         regressor: &JointTorqueRegressor,
         base: &BaseReduction,
         validation: &[States],
@@ -65,7 +65,7 @@ impl Referee {
             }
         }
         Self {
-            truth: base.beta(&truth.vector(robot, regressor.columns())),
+            truths: truths.iter().map(|truth| base.beta(&truth.vector(robot, regressor.columns()))).collect(),
             units: DVector::from_iterator(b, base.kept.iter().map(|&c| units.of(base.parameters[c].kind))),
             ratings: robot.joints().iter().map(|joint| joint.limits.torque).collect(),
             grams,
@@ -73,10 +73,10 @@ impl Referee {
         }
     }
 
-    /// The true base parameters β, length b.
+    /// The true base parameters β of each truth, length b; the robot's own first.
     #[must_use]
-    pub const fn truth(&self) -> &DVector<f64> {
-        &self.truth
+    pub fn truths(&self) -> &[DVector<f64>] {
+        &self.truths
     }
 
     /// The declared unit of each base parameter, length b.
@@ -85,10 +85,10 @@ impl Referee {
         &self.units
     }
 
-    /// The score of an estimate β̂ (b).
+    /// The score of an estimate β̂ (b) of the arm with one of the truths.
     #[must_use]
-    pub fn score(&self, estimate: &DVector<f64>) -> Score {
-        let error = estimate - &self.truth;
+    pub fn score(&self, estimate: &DVector<f64>, truth: usize) -> Score {
+        let error = estimate - &self.truths[truth];
         let joint_rmse_nm: Vec<f64> =
             self.grams.iter().map(|g| (error.dot(&(g * &error)).max(0.0) / self.samples as f64).sqrt()).collect();
         let n = joint_rmse_nm.len() as f64;

@@ -18,7 +18,11 @@ pub struct StudyResult {
     /// Every design.
     pub designs: Vec<StudyDesign>,
     /// Cramér–Rao standard deviations of each design, in the order of the parameters.
+    #[serde(deserialize_with = "super::bound::lists_infinite_where_absent")]
     pub bounds: Vec<Vec<f64>>,
+    /// True base parameters of each truth that was drawn, in the order of the parameters.
+    #[serde(default)]
+    pub drawn_truths: Vec<Vec<f64>>,
     /// What the runs under each condition say, the first being the one that figures show.
     pub conditions: Vec<ConditionResult>,
     /// What each effect does, where there are conditions with and without.
@@ -29,6 +33,15 @@ pub struct StudyResult {
 }
 
 impl StudyResult {
+    /// True base parameters of a truth, by [`Outcome::truth`](super::Outcome::truth).
+    #[must_use]
+    pub fn truth(&self, index: usize, parameter: usize) -> f64 {
+        match index.checked_sub(1) {
+            None => self.parameters[parameter].truth,
+            Some(drawn) => self.drawn_truths[drawn][parameter],
+        }
+    }
+
     /// What the runs under the first condition say.
     #[must_use]
     pub fn findings(&self) -> &Findings {
@@ -91,7 +104,7 @@ impl Stage {
         (conditions, atlas): (Vec<ConditionResult>, Option<Atlas>),
         paper: Option<PaperResult>,
     ) -> StudyResult {
-        let (truth, units) = (self.referee().truth(), self.referee().units());
+        let (truth, units) = (&self.referee().truths()[0], self.referee().units());
         let parameters = self
             .base
             .names()
@@ -123,6 +136,7 @@ impl Stage {
             parameters,
             designs,
             bounds,
+            drawn_truths: self.referee().truths()[1..].iter().map(|beta| beta.as_slice().to_vec()).collect(),
             conditions,
             atlas,
             paper,

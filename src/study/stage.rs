@@ -11,10 +11,10 @@ use std::collections::BTreeMap;
 use nalgebra::DMatrix;
 
 use super::bound::{cramer_rao_std, torque_covariance};
+use super::evidence::{DesignRow, Evidence, Findings};
 use super::outcome::{Outcome, ScoredEstimate};
 use super::plan::{PlanFault, StudyPlan};
-use super::summary::{DesignRow, Evidence, Findings};
-use super::{ConditionResult, Failure, Referee, StatusCount, StudyDesign, Truth};
+use super::{Centre, ConditionResult, Failure, Referee, StatusCount, StudyDesign, Truth, TruthFault};
 use crate::base::{BaseError, BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{Estimate, EstimationProblem, EstimatorKind, Observation};
@@ -34,6 +34,9 @@ pub enum StudyError {
     /// The robot cannot be reduced.
     #[error(transparent)]
     Base(#[from] BaseError),
+    /// A truth cannot be drawn.
+    #[error(transparent)]
+    Truth(#[from] TruthFault),
     /// A trajectory cannot be made.
     #[error(transparent)]
     Excitation(#[from] ExcitationError),
@@ -59,6 +62,7 @@ pub struct Stage {
     pub(super) regressor: JointTorqueRegressor,
     pub(super) base: BaseReduction,
     pub(super) noise: DMatrix<f64>,
+    truths: Vec<Truth>,
     referee: Referee,
     estimators: Vec<EstimatorKind>,
     processing: Processing,
@@ -78,7 +82,8 @@ impl Stage {
         let validation = (0..plan.validation.trajectories as u64)
             .map(|index| Ok(validation_trajectory(&plan, &robot, index)?.sample(plan.validation.samples)))
             .collect::<Result<Vec<_>, ExcitationError>>()?;
-        let referee = Referee::new(&robot, truth, &regressor, &base, &validation, &plan.reference);
+        let truths = draw_truths(&plan, truth, &nominal)?;
+        let referee = Referee::new(&robot, &truths, &regressor, &base, &validation, &plan.reference);
         let processing = Processing {
             derivatives: plan.derivatives()?,
             samples_per_period: plan.identification.samples_per_period,
@@ -92,6 +97,7 @@ impl Stage {
             nominal,
             regressor,
             base,
+            truths,
             referee,
             processing,
             validation,
@@ -114,6 +120,12 @@ impl Stage {
     #[must_use]
     pub const fn base(&self) -> &BaseReduction {
         &self.base
+    }
+
+    /// What the arm is made of in this run.
+    #[must_use]
+    pub fn truth(&self, run: u64) -> &Truth {
+        &self.truths[self.plan.truth_of(run)]
     }
 
     /// Who knows the truth.
@@ -203,11 +215,12 @@ impl Stage {
     /// is a reason in the outcome.
     #[must_use]
     pub fn trial(&self, slot: Slot, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
+        let truth = self.plan.truth_of(slot.run);
         let (failure, estimates) = match self.samples(&design.trajectory, arm) {
-            Ok(samples) => (None, self.estimates(&samples)),
+            Ok(samples) => (None, self.estimates(&samples, truth)),
             Err(failure) => (Some(failure), Vec::new()),
         };
-        Outcome { design: slot.design, condition: slot.condition, run: slot.run, failure, estimates }
+        Outcome { design: slot.design, condition: slot.condition, truth, run: slot.run, failure, estimates }
     }
 
     /// Performs the experiment and processes the recording.
@@ -224,14 +237,14 @@ impl Stage {
         process(&recording, &self.robot, &self.processing).map_err(|fault| Failure::signal(&fault))
     }
 
-    /// Every estimator of the plan on the same samples, each with its score.
+    /// Every estimator of the plan on the same samples, each with its score against one of the truths.
     #[must_use]
-    pub fn estimates(&self, samples: &Samples) -> Vec<ScoredEstimate> {
+    pub fn estimates(&self, samples: &Samples, truth: usize) -> Vec<ScoredEstimate> {
         self.unscored(samples)
             .into_iter()
             .zip(&self.estimators)
             .map(|(made, kind)| match made {
-                Ok(estimate) => ScoredEstimate::new(&estimate, self.referee.score(&estimate.beta())),
+                Ok(estimate) => ScoredEstimate::new(&estimate, self.referee.score(&estimate.beta(), truth)),
                 Err(failure) => ScoredEstimate::failed(kind.name(), failure),
             })
             .collect()
@@ -290,7 +303,7 @@ impl Stage {
             families: &families,
             designs: &rows,
             estimators: &self.plan.identification.estimators,
-            truth: self.referee.truth(),
+            truths: self.referee.truths(),
             units: self.referee.units(),
             outcomes: &outcomes,
             compare_with: &self.plan.compare_with,
@@ -298,6 +311,19 @@ impl Stage {
         }
         .findings()
     }
+}
+
+/// Every truth of the study: the robot's own, then those that are drawn.
+fn draw_truths(plan: &StudyPlan, own: &Truth, nominal: &StandardParameters) -> Result<Vec<Truth>, TruthFault> {
+    let mut truths = vec![own.clone()];
+    if let Some(random) = &plan.truths {
+        let centre = match random.around {
+            Centre::Truth => own.clone(),
+            Centre::Nominal => Truth { parameters: nominal.clone(), ..own.clone() },
+        };
+        truths.extend(random.draw(&centre, plan.seed)?);
+    }
+    Ok(truths)
 }
 
 fn validation_trajectory(plan: &StudyPlan, robot: &Robot, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {

@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::study::StudyPlan;
+use armid::study::{RandomTruths, StudyPlan};
 use miette::Result;
 
 use crate::answer::{Answer, Ending};
@@ -23,6 +23,7 @@ Ctrl-C and kill lose no finished run: --resume goes on with what is there.
 Examples:
   armid study experiments/01-criteria             the bundled study, into reports/01-criteria/
   armid study experiments/01-criteria --runs 100  more runs of each design
+  armid study 01-criteria --truths 25             every run number on an arm of its own
   armid study 01-criteria --arm analytic,mujoco   the same in two engines
   armid study my/study.toml --jobs 1 -o out --resume";
 
@@ -38,6 +39,9 @@ pub(crate) struct Arguments {
     /// Runs of each design, in place of the plan's
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     runs: Option<u32>,
+    /// Draw this many random truths around the robot's own, in place of the plan's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    truths: Option<u32>,
     /// Threads; all cores where absent
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     jobs: Option<u32>,
@@ -87,6 +91,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let (mut plan, folder) = study_source::load(arguments.study.as_deref().unwrap_or_default())?;
     if let Some(runs) = arguments.runs {
         plan.scale_runs(runs as usize);
+    }
+    if let Some(truths) = arguments.truths {
+        let count = truths as usize;
+        plan.truths = Some(plan.truths.map_or(RandomTruths::of(count), |spread| RandomTruths { count, ..spread }));
     }
     if let Some(arms) = &arguments.arm {
         plan.engines = arms.iter().map(|arm| arm.name().to_owned()).collect();

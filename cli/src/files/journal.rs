@@ -15,8 +15,8 @@ use crate::fault::Fault;
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub(crate) enum Piece {
-    /// A design, with the Cramér–Rao standard deviations at its exact motion and the seconds that it took.
-    Design { index: usize, design: Box<StudyDesign>, bound: Vec<f64>, seconds: f64 },
+    /// A design, with the Cramér–Rao standard deviations at its exact motion, none where there is no bound, and the seconds that it took.
+    Design { index: usize, design: Box<StudyDesign>, bound: Vec<Option<f64>>, seconds: f64 },
     /// A run, with the seconds that it took.
     Run { outcome: Box<Outcome>, seconds: f64 },
 }

@@ -106,7 +106,8 @@ fn write_table(path: &Path, table: &ParquetTable) -> Result<()> {
 /// One row per run, design and estimator.
 fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
     let (mut family, mut design, mut run, mut estimator) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let (mut condition, mut status, mut reason) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut condition, mut made_of) = (Vec::new(), Vec::new());
+    let (mut status, mut reason) = (Vec::new(), Vec::new());
     let (mut prediction, mut of_rating, mut reference) = (Vec::new(), Vec::new(), Vec::new());
     let mut residual: Vec<Vec<Option<f64>>> = vec![Vec::new(); result.joints.len()];
     for outcome in outcomes {
@@ -119,6 +120,7 @@ fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
             run.push(outcome.run.cast_signed());
             estimator.push(name.clone());
             condition.push(result.conditions[outcome.condition].condition.name.clone());
+            made_of.push(truth_name(outcome));
             status.push(failure.map_or("ok", |failure| failure.kind.name()).to_owned());
             reason.push(failure.map_or_else(String::new, |failure| failure.reason.clone()));
             prediction.push(score.map(|s| s.prediction_rmse_nm));
@@ -144,6 +146,7 @@ fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
         .with("design", Column::Integer(design))
         .with("run", Column::Integer(run))
         .with("condition", Column::Text(condition))
+        .with("truth", Column::Text(made_of))
         .with("estimator", Column::Text(estimator))
         .with("status", Column::Text(status))
         .with("reason", Column::Text(reason))
@@ -153,10 +156,15 @@ fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
     residual.into_iter().zip(RESIDUALS).fold(table, |table, (column, name)| table.with(name, Column::Number(column)))
 }
 
+/// What the arm of a run was made of.
+fn truth_name(outcome: &Outcome) -> String {
+    if outcome.truth == 0 { "robot".to_owned() } else { format!("draw {}", outcome.truth) }
+}
+
 /// One row per run, design, estimator and parameter.
 fn parameter_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
     let (mut run, mut design, mut estimator, mut parameter) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-    let mut condition = Vec::new();
+    let (mut condition, mut made_of) = (Vec::new(), Vec::new());
     let (mut truth, mut estimate, mut std, mut half_width) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
     for outcome in outcomes {
         for scored in outcome.estimates.iter().filter(|scored| scored.score.is_some()) {
@@ -166,7 +174,8 @@ fn parameter_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
                 condition.push(result.conditions[outcome.condition].condition.name.clone());
                 estimator.push(scored.estimator.clone());
                 parameter.push(line.name.clone());
-                truth.push(Some(line.truth));
+                made_of.push(truth_name(outcome));
+                truth.push(Some(result.truth(outcome.truth, i)));
                 estimate.push(Some(scored.beta[i]));
                 std.push(Some(scored.std[i]));
                 half_width.push(Some(scored.half_width[i]));
@@ -180,7 +189,7 @@ fn parameter_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTable {
         .with("condition", Column::Text(condition))
         .with("estimator", Column::Text(estimator))
         .with("noise", Column::Text(vec!["robot".to_owned(); rows]))
-        .with("truth", Column::Text(vec!["robot".to_owned(); rows]))
+        .with("truth", Column::Text(made_of))
         .with("parameter", Column::Text(parameter))
         .with("true", Column::Number(truth))
         .with("estimate", Column::Number(estimate))

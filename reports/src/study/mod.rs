@@ -1,6 +1,7 @@
 //! The report of a study: from its stored result to a page, one file per section.
 
 mod atlas;
+mod conditions;
 mod convergence;
 mod criteria;
 mod grid;

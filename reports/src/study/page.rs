@@ -2,7 +2,7 @@
 
 use armid::study::StudyStory;
 
-use super::{atlas, convergence, criteria, grid, limits, overview, paper, parameters, prediction, rounds};
+use super::{atlas, conditions, convergence, criteria, grid, limits, overview, paper, parameters, prediction, rounds};
 use crate::{Document, DocumentError};
 
 /// The page of a study with every figure and table.
@@ -32,6 +32,9 @@ pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
     }
     for paragraph in overview::summary(story) {
         document = document.summary(paragraph);
+    }
+    if let Some(section) = conditions::section(story)? {
+        document = document.section(section);
     }
     if let Some(paper) = &result.paper {
         document = document.section(paper::claims(paper)).section(paper::table(paper));

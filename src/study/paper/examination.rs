@@ -163,7 +163,7 @@ impl Examination<'_> {
         let index = table_one.unwrap_or(0);
         let rmse = |sensing: &Sensing, run: u64| -> Option<f64> {
             let samples = self.samples(&designs[index], index, sensing, run)?;
-            let estimates = self.stage.estimates(&samples);
+            let estimates = self.stage.estimates(&samples, 0);
             let weighted = estimates.iter().find(|e| e.estimator == EstimatorKind::Wls.name()).or(estimates.first())?;
             Some(weighted.score.as_ref()?.prediction_rmse_nm)
         };

@@ -1,0 +1,173 @@
+//! Do the differences between families hold under every condition, and whatever the arm is made of?
+
+use armid::study::{Comparison, ConditionResult, Metric, StudyStory, TruthComparison};
+
+use super::page::shown_estimator;
+use crate::{
+    Axis, Cell, Column, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow, Level, Section, Table,
+};
+
+/// More conditions than a figure of pairs can tell apart.
+const MOST: usize = 8;
+
+/// A section on conditions where a study has several, and on truths where it draws them.
+pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentError> {
+    let parts = &story.result.conditions;
+    let drawn = !story.result.findings().over_truths.is_empty();
+    if !drawn && !(2..=MOST).contains(&parts.len()) {
+        return Ok(None);
+    }
+    let estimator = shown_estimator(story);
+    let mut section = Section::new("Does it hold elsewhere?");
+    if (2..=MOST).contains(&parts.len()) {
+        section = section
+            .text("Every run of every design is performed under every condition with the same noise.")
+            .figure(&by_condition(parts, estimator))?
+            .table(comparisons(parts, estimator));
+    }
+    if drawn && parts.len() <= MOST {
+        section = section
+            .text("Every truth is another arm that can exist; all designs are performed on the same ones, and the truths are the units of the intervals.")
+            .figure(&over_truths(parts, estimator, story.result.drawn_truths.len()))?
+            .table(truths(parts, estimator));
+    }
+    Ok(Some(section))
+}
+
+fn groups(parts: &[ConditionResult]) -> Vec<Group> {
+    Group::assign(parts.iter().map(|part| part.condition.name.clone()))
+}
+
+/// Names of two families, as a row shows them.
+fn pair(first: &str, second: &str) -> String {
+    format!("{first} / {second}")
+}
+
+fn by_condition(parts: &[ConditionResult], estimator: &str) -> IntervalFigure {
+    let of = |part: &ConditionResult| -> Vec<Comparison> {
+        let all = part.findings.comparisons.iter();
+        all.filter(|c| c.estimator == estimator && c.metric == Metric::Prediction).cloned().collect()
+    };
+    let columns: Vec<Vec<Comparison>> = parts.iter().map(of).collect();
+    let rows = columns.first().into_iter().flatten().map(|row| IntervalRow {
+        label: pair(&row.first, &row.second),
+        cells: columns
+            .iter()
+            .map(|column| {
+                let found = column.iter().find(|c| c.first == row.first && c.second == row.second)?;
+                found.interval.map(|i| around(found.difference, i.low, i.high))
+            })
+            .collect(),
+    });
+    IntervalFigure {
+        heading: Heading::new("differences-by-condition", "The differences between families under every condition")
+            .subtitle(format!("torque prediction RMSE, first over second, estimator {estimator}"))
+            .caption("Ratio of geometric means with its 95 % interval by bootstrap over designs and runs; left of 1 the first family is better."),
+        value: Axis::log("ratio of prediction RMSE", ""),
+        groups: groups(parts),
+        rows: rows.collect(),
+        levels: vec![Level::new(1.0, "no difference")],
+        band: None,
+    }
+}
+
+/// An interval that holds its point, which a bootstrap of a ratio need not.
+fn around(point: f64, low: f64, high: f64) -> Interval {
+    Interval::new(point, low.min(point), high.max(point))
+}
+
+fn comparisons(parts: &[ConditionResult], estimator: &str) -> Table {
+    let mut table = Table::new(
+        "Differences between families under every condition, first over second (log volume: first minus second), with 95 % intervals.",
+        vec![
+            Column::text("condition"),
+            Column::text("metric"),
+            Column::text("first"),
+            Column::text("second"),
+            Column::number("difference", ""),
+            Column::number("low", ""),
+            Column::number("high", ""),
+            Column::text("better"),
+        ],
+    );
+    for part in parts {
+        for c in part.findings.comparisons.iter().filter(|c| c.estimator == estimator) {
+            table = table.row(vec![
+                Cell::text(&part.condition.name),
+                Cell::text(c.metric.title()),
+                Cell::text(&c.first),
+                Cell::text(&c.second),
+                Cell::fixed(c.difference, 3),
+                c.interval.map_or(Cell::Missing, |i| Cell::fixed(i.low, 3)),
+                c.interval.map_or(Cell::Missing, |i| Cell::fixed(i.high, 3)),
+                c.better.as_ref().map_or(Cell::Missing, Cell::text),
+            ]);
+        }
+    }
+    table
+}
+
+fn over_truths(parts: &[ConditionResult], estimator: &str, count: usize) -> IntervalFigure {
+    let of = |part: &ConditionResult| -> Vec<TruthComparison> {
+        let all = part.findings.over_truths.iter();
+        all.filter(|c| c.estimator == estimator && c.metric == Metric::Prediction).cloned().collect()
+    };
+    let columns: Vec<Vec<TruthComparison>> = parts.iter().map(of).collect();
+    let rows = columns.first().into_iter().flatten().map(|row| IntervalRow {
+        label: pair(&row.first, &row.second),
+        cells: columns
+            .iter()
+            .map(|column| {
+                let found = column.iter().find(|c| c.first == row.first && c.second == row.second)?;
+                found.interval.map(|i| around(found.ratio, i.low, i.high))
+            })
+            .collect(),
+    });
+    IntervalFigure {
+        heading: Heading::new("differences-over-truths", "The differences between families over random arms")
+            .subtitle(format!("torque prediction RMSE, first over second, {count} truths, estimator {estimator}"))
+            .caption("Geometric mean of the ratio over truths with its 95 % t interval; left of 1 the first family is better."),
+        value: Axis::log("ratio of prediction RMSE", ""),
+        groups: groups(parts),
+        rows: rows.collect(),
+        levels: vec![Level::new(1.0, "no difference")],
+        band: None,
+    }
+}
+
+fn truths(parts: &[ConditionResult], estimator: &str) -> Table {
+    let mut table = Table::new(
+        "Differences between families over random truths, first over second: geometric mean with its 95 % interval, the range over truths, and for how many of them the first is better.",
+        vec![
+            Column::text("condition"),
+            Column::text("metric"),
+            Column::text("first"),
+            Column::text("second"),
+            Column::number("ratio", ""),
+            Column::number("low", ""),
+            Column::number("high", ""),
+            Column::number("smallest", ""),
+            Column::number("largest", ""),
+            Column::number("first better", ""),
+            Column::number("truths", ""),
+        ],
+    );
+    for part in parts {
+        for c in part.findings.over_truths.iter().filter(|c| c.estimator == estimator) {
+            table = table.row(vec![
+                Cell::text(&part.condition.name),
+                Cell::text(c.metric.title()),
+                Cell::text(&c.first),
+                Cell::text(&c.second),
+                Cell::fixed(c.ratio, 3),
+                c.interval.map_or(Cell::Missing, |i| Cell::fixed(i.low, 3)),
+                c.interval.map_or(Cell::Missing, |i| Cell::fixed(i.high, 3)),
+                Cell::fixed(c.range.low, 3),
+                Cell::fixed(c.range.high, 3),
+                Cell::count(c.first_better),
+                Cell::count(c.truths),
+            ]);
+        }
+    }
+    table
+}

@@ -1,0 +1,59 @@
+//! By what designs are compared.
+
+use super::outcome::ScoredEstimate;
+
+/// Draws of every bootstrap.
+const RESAMPLES: usize = 1000;
+/// Draws where the statistic is a determinant, which costs a thousand times more.
+const VOLUME_RESAMPLES: usize = 200;
+
+/// By what designs are compared, in the order in which it decides.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Metric {
+    /// Torque prediction RMSE on validation trajectories, N·m.
+    Prediction,
+    /// The same, each joint over its torque rating.
+    PredictionOfRating,
+    /// Log volume of the error in reference units.
+    LogVolume,
+    /// RMS parameter error in reference units.
+    Reference,
+}
+
+impl Metric {
+    /// Every metric, the first deciding.
+    pub const ALL: [Self; 4] = [Self::Prediction, Self::PredictionOfRating, Self::LogVolume, Self::Reference];
+
+    /// Name in tables.
+    #[must_use]
+    pub const fn title(self) -> &'static str {
+        match self {
+            Self::Prediction => "torque prediction RMSE, N·m",
+            Self::PredictionOfRating => "torque prediction RMSE, share of the rating",
+            Self::LogVolume => "log volume of the error, reference units",
+            Self::Reference => "parameter RMSE, reference units",
+        }
+    }
+
+    /// Whether two values are compared by their difference rather than their ratio.
+    #[must_use]
+    pub const fn is_logarithmic(self) -> bool {
+        matches!(self, Self::LogVolume)
+    }
+
+    /// Draws of a bootstrap by this metric.
+    pub(super) const fn resamples(self) -> usize {
+        if self.is_logarithmic() { VOLUME_RESAMPLES } else { RESAMPLES }
+    }
+
+    pub(super) fn of(self, estimate: &ScoredEstimate) -> Option<f64> {
+        let score = estimate.score.as_ref()?;
+        match self {
+            Self::Prediction => Some(score.prediction_rmse_nm),
+            Self::PredictionOfRating => Some(score.prediction_rmse_of_rating),
+            Self::Reference => Some(score.reference_rmse),
+            Self::LogVolume => None,
+        }
+    }
+}

@@ -1,0 +1,76 @@
+//! Two families over random truths: does the better one stay the better one, whatever the arm is?
+//!
+//! ```text
+//! d_k = ln( value of the first / value of the second )    over the runs with truth k, k = 1 … K
+//! ratio exp( mean d ), interval exp( mean d ± t_{K−1} s / √K )
+//! ```
+//! Truths are the units: designs, runs and noise are shared by the two families within each.
+
+use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
+use super::metric::Metric;
+use super::statistics::{Interval, mean, t_interval, wilson_interval};
+
+/// Two families by one metric over random truths.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct TruthComparison {
+    /// By what.
+    pub metric: Metric,
+    /// With which estimator.
+    pub estimator: String,
+    /// The first family.
+    pub first: String,
+    /// The second family.
+    pub second: String,
+    /// Number of truths.
+    pub truths: usize,
+    /// First over second, geometric mean over truths. Below 1: the first is better.
+    pub ratio: f64,
+    /// Its 95 % interval over truths.
+    pub interval: Option<Interval>,
+    /// The smallest and the largest ratio of one truth.
+    pub range: Interval,
+    /// For how many truths the first is better.
+    pub first_better: usize,
+    /// Wilson interval of that share.
+    pub share_interval: Option<Interval>,
+}
+
+impl Evidence<'_> {
+    /// `None` for a metric that needs more runs than one truth has, and where no truths were drawn.
+    pub(super) fn over_truths(
+        &self,
+        metric: Metric,
+        estimator: &str,
+        pair: [usize; 2],
+        runs: &[FamilyRuns<'_>],
+    ) -> Option<TruthComparison> {
+        if metric.is_logarithmic() {
+            return None;
+        }
+        let logs: Vec<f64> = (1..self.truths.len())
+            .filter_map(|truth| {
+                let value = |family: usize| {
+                    let of_truth = runs[family].iter().flatten().filter(|run| run.truth == truth);
+                    self.value(metric, &of_truth.copied().collect::<Vec<Run<'_>>>())
+                };
+                Some(libm::log(value(pair[0])? / value(pair[1])?))
+            })
+            .collect();
+        let least = logs.iter().copied().reduce(f64::min)?;
+        let most = logs.iter().copied().reduce(f64::max)?;
+        let back = |interval: Interval| Interval { low: libm::exp(interval.low), high: libm::exp(interval.high) };
+        let first_better = logs.iter().filter(|&&log| log < 0.0).count();
+        Some(TruthComparison {
+            metric,
+            estimator: estimator.to_owned(),
+            first: self.families[pair[0]].clone(),
+            second: self.families[pair[1]].clone(),
+            truths: logs.len(),
+            ratio: libm::exp(mean(&logs)),
+            interval: t_interval(&logs, LEVEL).map(back),
+            range: back(Interval { low: least, high: most }),
+            first_better,
+            share_interval: wilson_interval(first_better, logs.len(), LEVEL),
+        })
+    }
+}
