@@ -47,7 +47,7 @@ pub struct GuardState {
     pub trip: Option<String>,
 }
 
-/// Hears of a guard's state, at most every [`TELL_EVERY_S`] of the experiment's time, and once at the end.
+/// Hears of a guard's state, at most every tenth of a second of the experiment's time, and once at the end.
 pub type Observer = Box<dyn FnMut(&GuardState) + Send>;
 
 /// How often a guard tells its state, s.
