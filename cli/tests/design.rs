@@ -178,7 +178,8 @@ fn identity_every_family_is_designed_with_a_frozen_joint_and_performed() {
         let file: toml::Table = std::fs::read_to_string(&out).unwrap().parse().unwrap();
         let still = file["joint"].as_array().unwrap().iter().find(|joint| joint["name"].as_str() == Some("wrist_roll"));
         match still.unwrap().get("c") {
-            Some(c) => assert!(c.as_array().unwrap().iter().all(|value| value.as_float() == Some(0.2))),
+            // Shrinking about the mean of equal values leaves rounding.
+            Some(c) => assert!(c.as_array().unwrap().iter().all(|c| (c.as_float().unwrap() - 0.2).abs() < 1e-12)),
             None => assert_eq!(still.unwrap()["q0"].as_float(), Some(0.2)),
         }
         let text = "robot = \"crs-a460\"\ntrajectory = \"T.toml\"\nperiods = 2\n";
