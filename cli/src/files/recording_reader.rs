@@ -68,6 +68,8 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents> {
     let mut contents = Contents::default();
     let (mut channel, mut voltage) = (None, None);
     let (mut schema, mut arrays) = (None, None);
+    // A chunk's checksum is checked at its end: where that fails it says more than the message that was damaged.
+    let mut undecodable: Option<Fault> = None;
     let records = ChunkFlattener::new_with_options(bytes, Options::IgnoreEndMagic | Options::ValidateChunkCrcs);
     for record in records.map_err(|error| fault(&error))? {
         match record {
@@ -84,16 +86,24 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents> {
                 channel = Some(found.id);
             }
             Ok(Record::Message { header, data }) if Some(header.channel_id) == channel => {
-                let state = JointState::decode(&data).map_err(|error| {
-                    Fault::new(format!("{name}: message {} on {STATES}: {error}", contents.states.len() + 1))
-                })?;
-                contents.states.push(state);
+                let number = contents.states.len() + 1;
+                match JointState::decode(&data) {
+                    Ok(state) => contents.states.push(state),
+                    Err(error) => {
+                        let message = format!("{name}: message {number} on {STATES}: {error}");
+                        undecodable.get_or_insert_with(|| Fault::new(message));
+                    }
+                }
             }
             Ok(Record::Message { header, data }) if Some(header.channel_id) == voltage => {
-                let values = float_array::decode(&data).map_err(|error| {
-                    Fault::new(format!("{name}: message {} on {VOLTAGE}: {error}", contents.voltages.len() + 1))
-                })?;
-                contents.voltages.push((header.log_time, values));
+                let number = contents.voltages.len() + 1;
+                match float_array::decode(&data) {
+                    Ok(values) => contents.voltages.push((header.log_time, values)),
+                    Err(error) => {
+                        let message = format!("{name}: message {number} on {VOLTAGE}: {error}");
+                        undecodable.get_or_insert_with(|| Fault::new(message));
+                    }
+                }
             }
             Ok(Record::Metadata(found)) if found.name == METADATA => contents.metadata = Some(found.metadata),
             Ok(Record::Footer(_)) => contents.whole = true,
@@ -102,7 +112,7 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents> {
             Err(error) => return Err(fault(&error)),
         }
     }
-    Ok(contents)
+    undecodable.map_or(Ok(contents), |fault| Err(fault.into()))
 }
 
 /// A recording that armid wrote.

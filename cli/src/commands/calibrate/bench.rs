@@ -33,7 +33,7 @@ pub(super) struct BenchArguments {
     #[arg(long, value_delimiter = ',', default_value = "0.05,0.1,0.2,0.35,0.5,0.65", value_name = "SHARE,…")]
     speeds: Vec<f64>,
     /// Where the joint moves; 80 % of its limits unless told otherwise
-    #[arg(long, num_args = 2, value_delimiter = ',', value_name = "LOW,HIGH", allow_hyphen_values = true)]
+    #[arg(long, value_delimiter = ',', value_name = "LOW,HIGH", allow_hyphen_values = true)]
     range_deg: Option<Vec<f64>>,
     /// Where the other joints stand; at zero unless told otherwise
     #[arg(long, value_delimiter = ',', value_name = "DEG,…", allow_hyphen_values = true)]
@@ -140,6 +140,9 @@ impl BenchArguments {
         let si = |degrees: &f64| degrees.to_radians();
         let (low, high) = match self.range_deg.as_deref() {
             Some([low, high]) => (si(low), si(high)),
+            Some(other) => {
+                return Err(Fault::new(format!("--range-deg has {} angles, expected 2", other.len())).into());
+            }
             _ if (limits.position.1 - limits.position.0).is_finite() => {
                 let (low, high) = limits.position;
                 let (middle, half) = (0.5 * (low + high), 0.4 * (high - low));
