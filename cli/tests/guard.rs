@@ -32,7 +32,7 @@ fn a_trip_ends_with_status_1_a_reason_and_a_recording_that_is_whole() {
     let recording = path(folder.path(), "R.mcap");
     let done = json(&armid(["run", &strict, "--guard", "-o", &recording, "--json"]).code(1));
     assert_eq!((done["ending"].as_str(), done["trip"]["name"].as_str()), (Some("tripped"), Some("following-error")));
-    assert_eq!((done["trip"]["action"].as_str(), done["trip"]["phase"].as_str()), (Some("cancel"), Some("ramp-in")));
+    assert_eq!((done["trip"]["action"].as_str(), done["trip"]["phase"].as_str()), (Some("cancel"), Some("settle")));
     assert!(done["trip"]["reason"].as_str().unwrap().contains("from its command, expected at most 0.0009 rad"));
     assert_eq!(done["recording"].as_str(), Some(format!("{recording}.part").as_str()));
     // MCAP's footer is there: the file was finished, not cut off. The reason is in it.

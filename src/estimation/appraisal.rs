@@ -10,7 +10,7 @@
 //! of a joint is much larger than the scatter explains, a finding says so, and C is taken from the residual instead,
 //! with its correlation in time: intervals then hold model errors as far as these look like noise.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::residual::{joint_rms, neighbour_correlation, residual_noise};
 use super::{
@@ -28,7 +28,8 @@ const LARGE_CONDITION: f64 = 100.0;
 const LARGE_RESIDUAL: f64 = 2.0;
 /// Correlation of neighbouring residuals beyond that of the noise that is worth telling.
 const LARGE_CORRELATION: f64 = 0.3;
-/// Smallest variance of a parameter, as a part of that under white noise, that lag covariances may lead to.
+/// Smallest variance of a parameter, and of a combination of parameters, as a part of that under white noise, that lag
+/// covariances may lead to.
 const LEAST_VARIANCE: f64 = 0.2;
 /// Fewer periods than this are worth telling.
 const FEW_PERIODS: usize = 4;
@@ -123,11 +124,14 @@ impl Appraisal<'_> {
         // sum can even be negative.
         let white = NoiseModel::white(noise.covariance().clone(), false, noise.degrees_of_freedom());
         let (_, least) = of(&white);
-        if (0..covariance.nrows()).all(|j| covariance[(j, j)] > LEAST_VARIANCE * least[(j, j)]) {
-            (spread, covariance)
-        } else {
-            of(&noise.tapered())
-        }
+        let (spread, covariance) =
+            if (0..covariance.nrows()).all(|j| covariance[(j, j)] > LEAST_VARIANCE * least[(j, j)]) {
+                (spread, covariance)
+            } else {
+                of(&noise.tapered())
+            };
+        let covariance = raised(covariance, &least);
+        (spread, covariance)
     }
 
     /// Joints whose residual is much larger than scatter explains.
@@ -174,6 +178,25 @@ impl Appraisal<'_> {
         }
         findings
     }
+}
+
+/// A covariance whose variance in no direction is below [`LEAST_VARIANCE`] of that under white noise, so that it is
+/// positive definite whatever lags were measured: with `least = L Lᵀ`, the eigenvalues of `L⁻¹ C L⁻ᵀ` are raised.
+fn raised(covariance: DMatrix<f64>, least: &DMatrix<f64>) -> DMatrix<f64> {
+    let Some(factor) = Cholesky::new(least.clone()).map(|cholesky| cholesky.l()) else {
+        return covariance;
+    };
+    let Some(half) = factor.solve_lower_triangular(&covariance) else { return covariance };
+    let Some(ratio) = factor.solve_lower_triangular(&half.transpose()) else { return covariance };
+    let eigen = SymmetricEigen::new((&ratio + ratio.transpose()) * 0.5);
+    if eigen.eigenvalues.min() >= LEAST_VARIANCE {
+        return covariance;
+    }
+    let mut root = product(&factor, &eigen.eigenvectors);
+    for (mut column, &value) in root.column_iter_mut().zip(eigen.eigenvalues.iter()) {
+        column *= value.max(LEAST_VARIANCE).sqrt();
+    }
+    product(&root, &root.transpose())
 }
 
 /// What noise alone would leave as residual, per joint.

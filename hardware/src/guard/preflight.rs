@@ -93,26 +93,28 @@ pub(super) fn of_plan(
     let command = Command::new(plan, &layout);
     let n = robot.dof();
     let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-    let mut worst = (0.0_f64, 0);
+    // Largest use of the soft limits, its joint and its position.
+    let mut worst = (0.0_f64, 0, 0.0);
     // The ramps run the path of the motion: one period shows every position.
     for k in 0..=layout.period_samples {
         command.evaluate(command.periodic_begin_s() + k as f64 / plan.rate_hz, &mut q, &mut qd, &mut qdd);
         for (j, joint) in bounds.iter().enumerate() {
             if joint.soft_use(q[j]) > worst.0 {
-                worst = (joint.soft_use(q[j]), j);
-            }
-            if q[j] < joint.soft.0 || q[j] > joint.soft.1 {
-                let (name, unit) = (&joint.name, joint.unit);
-                let found = format!("joint \"{name}\" at {:.4} {unit}", q[j]);
-                let expected = format!("the soft limits {:.4} to {:.4} {unit}", joint.soft.0, joint.soft.1);
-                return Err(Preflight::SoftLimits.refuse(found, expected));
+                worst = (joint.soft_use(q[j]), j, q[j]);
             }
         }
+    }
+    let (used, joint) = (worst.0, &bounds[worst.1]);
+    if used > 1.0 {
+        let (name, unit) = (&joint.name, joint.unit);
+        let found = format!("joint \"{name}\" at {:.4} {unit}", worst.2);
+        let expected = format!("the soft limits {:.4} to {:.4} {unit}", joint.soft.0, joint.soft.1);
+        return Err(Preflight::SoftLimits.refuse(found, expected));
     }
     Ok(vec![
         Preflight::Settings.passed("every line is drawn"),
         Preflight::Plan.passed("within the robot's limits at every sample"),
-        Preflight::SoftLimits.passed(format!("{:.0} % used, by joint \"{}\"", 100.0 * worst.0, bounds[worst.1].name)),
+        Preflight::SoftLimits.passed(format!("{:.0} % used, by joint \"{}\"", 100.0 * used, joint.name)),
     ])
 }
 

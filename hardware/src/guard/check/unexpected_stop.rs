@@ -13,9 +13,10 @@ const LEAST: f64 = 0.25;
 /// Trips where over the window W the command of a joint moved, and the joint did not follow:
 ///
 /// ```text
-/// |r(t) − r(t − W)| ≥ following / 5     and     max q − min q < ¼ |r(t) − r(t − W)|     over the window
+/// |r(t) − r(t − W)| ≥ max(following / 2, 2 jump)     and     max q − min q < ¼ |r(t) − r(t − W)|     over the window
 /// ```
-/// so that an arm which lags behind its command and turns back does not look as if it stood. A slower command runs into the following error instead.
+/// so that an arm which lags behind its command and turns back, or sticks for a moment where it turns, does not look as if
+/// it stood. A slower command runs into the following error instead.
 pub(super) struct UnexpectedStop {
     bounds: Vec<JointBounds>,
     window_s: f64,
@@ -45,7 +46,7 @@ impl Check for UnexpectedStop {
         if let Some((t, q, command)) = self.past.front().filter(|(t, ..)| *t <= begin) {
             for (j, joint) in self.bounds.iter().enumerate() {
                 let asked = (sample.command[j] - command[j]).abs();
-                if asked < joint.following / 5.0 {
+                if asked < (joint.following / 2.0).max(2.0 * joint.jump) {
                     continue;
                 }
                 let mut gone = (sample.q[j] - q[j]).abs();
