@@ -78,7 +78,7 @@ fn a_wrong_line_of_the_guard_is_shown_with_its_place() {
     // The soft limits are narrower than the motion.
     let file = write(folder.path(), "x.toml", &format!("{base}[guard]\nsoft_margin_deg = 30\n"));
     let fault = stderr(&armid(["run", &file, "--guard", "-o", &path(folder.path(), "R.mcap")]).code(2));
-    assert!(fault.contains("preflight, soft-limits: found joint \"shoulder\""), "{fault}");
+    assert!(fault.contains("preflight, soft-limits: found joint \"wrist_pitch\""), "{fault}");
     assert!(!folder.path().join("R.mcap.part").exists());
 }
 

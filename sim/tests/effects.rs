@@ -134,15 +134,16 @@ fn sensors_act_alike_in_every_engine() {
         EffectKind::ClockJitter,
         EffectKind::DroppedSamples,
         EffectKind::AdcOffset,
-        EffectKind::AdcStep,
         EffectKind::ColouredNoise,
     ];
     alike(&kinds, 0.4);
     // Counts turn over at other moments in another engine: with coarse ones only the size of what they do is the same.
-    let size = |engine| rms(change(engine, EffectKind::EncoderStep, Level::Severe).0);
-    for engine in [Engine::Mujoco, Engine::Rapier] {
-        let ratio = size(engine) / size(Engine::Analytic);
-        assert!((ratio - 1.0).abs() < 0.3, "{}: {ratio}", engine.name());
+    for kind in [EffectKind::EncoderStep, EffectKind::AdcStep] {
+        let size = |engine| rms(change(engine, kind, Level::Severe).0);
+        for engine in [Engine::Mujoco, Engine::Rapier] {
+            let ratio = size(engine) / size(Engine::Analytic);
+            assert!((ratio - 1.0).abs() < 0.3, "{} {}: {ratio}", kind.name(), engine.name());
+        }
     }
 }
 

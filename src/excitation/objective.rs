@@ -185,11 +185,13 @@ mod tests {
                         moved[i] += h;
                         objective.value_alone(&moved)
                     };
-                    // Sixth-order differences leave 1e-8 of rounding and less of truncation.
-                    let h = 1e-4;
-                    let mut pair = |k: f64| at(k * h, &mut objective) - at(-k * h, &mut objective);
-                    let difference = (45.0 * pair(1.0) - 9.0 * pair(2.0) + pair(3.0)) / (60.0 * h);
-                    let error = (difference - gradient[i]).abs() / size;
+                    // Sixth-order differences; a short step leaves the rounding of small eigenvalues, a long one truncation.
+                    let error = [1e-4, 2e-4, 5e-4].map(|h| {
+                        let mut pair = |k: f64| at(k * h, &mut objective) - at(-k * h, &mut objective);
+                        let difference = (45.0 * pair(1.0) - 9.0 * pair(2.0) + pair(3.0)) / (60.0 * h);
+                        (difference - gradient[i]).abs() / size
+                    });
+                    let error = error.into_iter().fold(f64::INFINITY, f64::min);
                     assert!(error < 1e-7, "{kind:?} {family:?} {columns:?} variable {i}: {error}");
                 }
             }

@@ -278,6 +278,7 @@ mod tests {
         };
         assert!((most(20.0) - jerk.unwrap().ratio.max(on_period.ratio)).abs() < 1e-6, "{} {jerk:?}", most(20.0));
         assert!((most(12.566) - acceleration.unwrap().ratio).abs() < 1e-6, "{} {acceleration:?}", most(12.566));
-        assert!(acceleration.unwrap().ratio > 1.2, "{acceleration:?}");
+        // Both rows were needed.
+        assert!(acceleration.unwrap().ratio > 1.1 && jerk.unwrap().ratio > 1.1, "{acceleration:?} {jerk:?}");
     }
 }
