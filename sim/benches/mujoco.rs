@@ -1,9 +1,11 @@
-//! What a step of 1 ms costs: MuJoCo's own, the plant around it, and the analytic plant, on the bundled six-axis arm.
+//! What a step of 1 ms costs: MuJoCo's own, the plant around it, the analytic plant and rapier's, on the bundled
+//! six-axis arm.
 //!
 //! `cargo bench -p armid-sim --bench mujoco` prints nanoseconds, the best of several rounds, and ratios. Needs MuJoCo:
 //! `scripts/get-mujoco`.
 #![allow(clippy::print_stdout, reason = "a benchmark prints")]
 
+use std::num::NonZeroU32;
 use std::time::Instant;
 
 use armid::excitation::table_one;
@@ -11,7 +13,7 @@ use armid::experiment::{ExperimentPlan, Flow, Next, Plant, RawSample, Recording,
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::model::{DriveParameters, bundled};
 use armid::study::truth_text;
-use armid_sim::{AnalyticPlant, MujocoModel, MujocoPlant, MujocoScheme, MujocoStepper};
+use armid_sim::{AnalyticPlant, MujocoModel, MujocoPlant, MujocoScheme, MujocoStepper, RapierPlant};
 
 /// Steps before the arm is put back; far from rest all the while.
 const BLOCK: usize = 200;
@@ -95,6 +97,7 @@ fn main() {
     let mujoco = |parameters| MujocoPlant::new(&robot, parameters).unwrap_or_else(|fault| panic!("{fault}"));
     let model = || MujocoModel::new(&robot, &truth).unwrap_or_else(|fault| panic!("{fault}"));
     let analytic = |parameters| AnalyticPlant::new(&robot, parameters).expect("six joints");
+    let rapier = |parameters| RapierPlant::new(&robot, parameters).expect("a consistent arm");
 
     // The servo alone: its cycle on a plant that stands still.
     let plan = ExperimentPlan::new(table_one::corrected());
@@ -126,6 +129,8 @@ fn main() {
                 }
             }),
         ),
+        ("rapier plant, 1 substep, no friction", Box::new(stepper(rapier(&smooth).with_substeps(NonZeroU32::MIN)))),
+        ("rapier plant, 4 substeps", Box::new(stepper(rapier(&truth)))),
     ];
     let cost = race(&mut candidates);
     for ((name, _), cost) in candidates.iter().zip(&cost) {
@@ -137,4 +142,6 @@ fn main() {
     ratio("analytic RK4 step with friction : MuJoCo's RK4 step without", cost[7], cost[1]);
     ratio("MuJoCo plant by stages : MuJoCo's RK4 step, both without friction", cost[2], cost[1]);
     ratio("MuJoCo plant by stages : analytic plant, both with friction", cost[3], cost[7]);
+    ratio("analytic RK4 step : rapier's step of order one, both without friction", cost[6], cost[10]);
+    ratio("analytic RK4 step : rapier plant of 4 substeps, both with friction", cost[7], cost[11]);
 }

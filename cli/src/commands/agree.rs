@@ -5,10 +5,11 @@ use std::path::{Path, PathBuf};
 
 use armid::excitation::PeriodicTrajectory;
 use armid::experiment::ExperimentPlan;
+use armid::model::JointKind;
 use armid::seed::Seed;
 use armid_reports::{Axis, Figure, Group, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
 use armid_sim::Engine;
-use armid_sim::agreement::{Absent, Agreement, Breach, Case, agree, safe_motion};
+use armid_sim::agreement::{Absent, Agreement, Breach, Case, EngineAgreement, agree, safe_motion};
 use miette::Result;
 use serde_json::{Value, json};
 
@@ -66,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         .output()
         .map_or_else(|| Path::new("reports").join(format!("{}-agreement", loaded.robot.name())), Path::to_path_buf);
     let json = answer(&agreement, &breaches)?;
-    let figure = figure(&agreement);
+    let figure = figure(&agreement, &loaded);
     let svg = figure.svg().map_err(|fault| Fault::new(format!("the figure cannot be drawn: {fault}")))?;
     let drawn = folder.join(format!("{}.svg", figure.name()));
     atomic_file::write_text(&folder.join("agreement.json"), &pretty(&json))?;
@@ -173,7 +174,9 @@ fn text(agreement: &Agreement, breaches: &[Breach], loaded: &LoadedRobot, drawn:
 }
 
 /// Error against step on logarithmic axes, with the slopes 1 and 4 that the methods promise.
-fn figure(agreement: &Agreement) -> ScatterFigure {
+fn figure(agreement: &Agreement, loaded: &LoadedRobot) -> ScatterFigure {
+    let turns = loaded.robot.joints().iter().all(|joint| joint.kind == JointKind::Revolute);
+    let unit = if turns { "rad" } else { "rad or m" };
     let names = agreement.engines.iter().map(|own| own.engine.name());
     let groups: Vec<ScatterGroup> = Group::assign(names)
         .into_iter()
@@ -201,9 +204,10 @@ fn figure(agreement: &Agreement) -> ScatterFigure {
     ScatterFigure {
         heading: Heading::new("convergence", "The engines converge to one motion, each with its own order")
             .subtitle(format!(
-                "{}: free motion over {} s from random states, no friction",
+                "{}: free motion over {} s from random states, no friction{}",
                 agreement.robot,
-                number(agreement.horizon_s)
+                number(agreement.horizon_s),
+                hidden(agreement)
             ))
             .caption(
                 "Points: largest distance of a joint from a reference by articulated bodies and fine steps. Lines: \
@@ -213,9 +217,23 @@ fn figure(agreement: &Agreement) -> ScatterFigure {
         panels: vec![ScatterPanel {
             title: String::new(),
             x: Axis::log("step", "s"),
-            y: Axis::log("largest error", "rad (m)"),
+            y: Axis::log("largest error of a joint", unit),
             references: lines.collect(),
             groups,
         }],
     }
+}
+
+/// Which engines' points lie under those of another, in words.
+fn hidden(agreement: &Agreement) -> String {
+    let near = |a: &EngineAgreement, b: &EngineAgreement| {
+        a.errors.iter().zip(&b.errors).all(|(a, b)| (a.error - b.error).abs() <= 0.2 * b.error)
+    };
+    let mut text = String::new();
+    for (i, first) in agreement.engines.iter().enumerate() {
+        for second in agreement.engines[i + 1..].iter().filter(|second| near(first, second)) {
+            let _ = write!(text, "; {} lies on {}", second.engine.name(), first.engine.name());
+        }
+    }
+    text
 }
