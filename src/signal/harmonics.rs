@@ -21,7 +21,9 @@ pub enum Bandwidth {
     /// Joint by joint, up to where the signal sinks into the noise: the last harmonic h at which the mean power of the
     /// harmonics from 7/8 h to 9/8 h is twice that of the noise, `4 s²/N` for a variance s² of one averaged sample.
     /// Signal and noise are equal there: keeping more adds more noise than signal, keeping less takes away more signal
-    /// than noise, in q, q̇ and q̈ alike, since all are weighted with the same power of h.
+    /// than noise, in q, q̇ and q̈ alike, since all are weighted with the same power of h. The noise is what the periods
+    /// scatter by, and not less than the mean power of the last eighth of the harmonics: errors of an encoder that come
+    /// again in every period do not scatter, but they fill the spectrum to its end, which no motion does.
     NoiseFloor,
     /// Up to this harmonic of the period.
     Harmonics(usize),
@@ -79,10 +81,12 @@ impl HarmonicSeries {
     }
 
     /// The last harmonic at which the signal still outweighs white noise of variance `variance` per sample, for N
-    /// samples; see [`Bandwidth::NoiseFloor`].
+    /// samples, and the power at the end of its own spectrum; see [`Bandwidth::NoiseFloor`].
     #[must_use]
     pub fn last_above_noise(&self, variance: f64, samples: usize) -> usize {
-        let floor = 4.0 * variance / samples as f64;
+        let end = &self.lines[self.lines.len() - self.highest() / 8..];
+        let power = end.iter().map(Complex::norm_sqr).sum::<f64>() / end.len().max(1) as f64;
+        let floor = (4.0 * variance / samples as f64).max(power);
         let mut cumulated = Vec::with_capacity(self.lines.len());
         let mut sum = 0.0;
         for line in &self.lines {
@@ -96,11 +100,7 @@ impl HarmonicSeries {
             (cumulated[h + w + 1] - cumulated[h - w]) / (2 * w + 1) as f64
         };
         let furthest = self.highest() * 8 / 9;
-        match (1..=furthest).rev().find(|&h| mean(h) > 2.0 * floor) {
-            // Above the noise as far as one can see: nothing is known of where it ends.
-            Some(last) if last == furthest => self.highest(),
-            last => last.unwrap_or(0),
-        }
+        (1..=furthest).rev().find(|&h| mean(h) > 2.0 * floor).unwrap_or(0)
     }
 
     /// Value, first and second derivative at time `t` (s).
@@ -221,6 +221,27 @@ mod tests {
             // Nine lines or more are averaged there, so their mean power is known to a third, and h to 1/8 of that.
             assert!((50..=66).contains(&last), "run {run}: {last}");
         }
+    }
+
+    #[test]
+    fn analytic_an_error_that_comes_again_in_every_period_is_noise_too() {
+        // 0.1 h⁻⁴ as above, rounded to steps of 2e-6: white with a variance of step²/12, amplitude 2 s/√N = 1.8e-8. Periods
+        // that are all the same do not scatter.
+        let (n, step) = (4000, 2e-6);
+        let x: Vec<f64> = (0..n)
+            .map(|k| {
+                let signal: f64 = (1..500)
+                    .map(|h| {
+                        let angle = std::f64::consts::TAU * ((h * k) % n) as f64 / n as f64;
+                        0.1 * libm::pow(h as f64, -4.0) * libm::cos(angle + h as f64)
+                    })
+                    .sum();
+                step * (signal / step).round()
+            })
+            .collect();
+        let last = HarmonicSeries::new(&FourierTransform::new(n), &x, 1.0).last_above_noise(0.0, n);
+        // (0.1 / 1.8e-8)^(1/4) = 48.
+        assert!((40..=58).contains(&last), "{last}");
     }
 
     #[test]
