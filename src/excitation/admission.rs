@@ -1,8 +1,10 @@
 //! May this trajectory move this robot? The last look at a certificate before anything moves.
 
-use super::basis::Quantity;
-use super::clearance::{Scene, WorstClearance, smallest_clearance};
-use super::limits::{WorstUse, worst_jerk, worst_use};
+use super::clearance::WorstClearance;
+use super::course::Course;
+use super::effort::EffortModel;
+use super::limit_survey::{LimitSurvey, WorstCases, WorstLimitUse};
+use super::limits::WorstUse;
 use super::{Certificate, PeriodicTrajectory};
 use crate::model::{JointKind, Robot};
 use crate::provenance::sha256;
@@ -10,8 +12,11 @@ use crate::provenance::sha256;
 /// What rounding may add to the use of a limit.
 const ROUNDING: f64 = 1e-9;
 
-/// Samples of one period on which the search for the smallest clearance begins.
-const CLEARANCE_SAMPLES: usize = 1000;
+/// How far a use that is computed anew may be from the one that the certificate states, of the limit.
+const AGREEMENT: f64 = 1e-6;
+
+/// Samples of a period, at least and at most, whatever a certificate asks for.
+const SAMPLES: (usize, usize) = (500, 100_000);
 
 /// Why a trajectory must not move a robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -47,6 +52,29 @@ pub enum AdmissionFault {
         /// Hash of the trajectory at hand.
         found: String,
     },
+    /// The certificate is not as it was when it was made.
+    #[error("the certificate has been changed since it was made")]
+    Changed,
+    /// The certificate was made with other nominal parameters.
+    #[error("the certificate is for nominal parameters {certified:.12}…, expected those at hand, {found:.12}…")]
+    OtherParameters {
+        /// Hash in the certificate.
+        certified: String,
+        /// Hash of the parameters at hand.
+        found: String,
+    },
+    /// The certificate states another use of a limit than is found with the limits and parameters at hand.
+    #[error(
+        "the certificate states {stated:.6} as the use of the {quantity} limit, expected {found:.6} by the nominal parameters at hand"
+    )]
+    Stale {
+        /// Which limit.
+        quantity: &'static str,
+        /// What the certificate states, 1 at the limit.
+        stated: f64,
+        /// What is found.
+        found: f64,
+    },
     /// A limit is exceeded.
     #[error("joint \"{joint}\": {quantity} {found:.4} {unit} exceeds its limit {limit:.4} {unit} at t = {t:.3} s")]
     Limit {
@@ -68,13 +96,19 @@ pub enum AdmissionFault {
     Contact(WorstClearance),
 }
 
-/// Checks that a certificate is that of this trajectory and of this robot's file, and that nothing is exceeded:
-/// position, velocity, acceleration, jerk and clearance are computed anew from the robot at hand, torque and current
-/// are read off the certificate, since they rest on parameters that the robot file does not hold.
+/// Checks that a certificate is that of this trajectory and of this robot's file, that nobody has changed it, and that
+/// no limit is exceeded: all of them are computed anew. Torque and current are by the parameters in `efforts`, with the
+/// certificate's own number of standard deviations as their multiple; without `efforts` they are read off the
+/// certificate.
 ///
 /// # Errors
 /// [`AdmissionFault`] with the first thing that does not fit.
-pub fn check(robot: &Robot, trajectory: &PeriodicTrajectory, certificate: &Certificate) -> Result<(), AdmissionFault> {
+pub fn check(
+    robot: &Robot,
+    trajectory: &PeriodicTrajectory,
+    certificate: &Certificate,
+    efforts: Option<&mut EffortModel>,
+) -> Result<(), AdmissionFault> {
     if trajectory.dof() != robot.dof() {
         return Err(AdmissionFault::Joints { found: trajectory.dof(), expected: robot.dof() });
     }
@@ -91,13 +125,39 @@ pub fn check(robot: &Robot, trajectory: &PeriodicTrajectory, certificate: &Certi
         let certified = certificate.trajectory_sha256.clone();
         return Err(AdmissionFault::OtherTrajectory { certified, found });
     }
-    let [position, velocity, acceleration] = Quantity::ALL.map(|quantity| worst_use(robot, trajectory, quantity));
-    let worst = &certificate.worst;
+    if !certificate.is_unchanged() {
+        return Err(AdmissionFault::Changed);
+    }
+    // Where the certificate has no torque, the design was not to hold it.
+    let efforts = efforts.filter(|_| certificate.nominal_sha256.is_some());
+    let are_read = efforts.is_none();
+    let parameters = efforts.as_ref().map(|model| model.parameters_sha256());
+    let course = Course { period_s: trajectory.period_s(), ramp_s: certificate.ramp_s };
+    let samples = certificate.samples.clamp(SAMPLES.0, SAMPLES.1);
+    let LimitSurvey { mut used, mut worst } = LimitSurvey::of(robot, trajectory, course, samples, efforts);
+    if are_read {
+        let (stated, certified) = (&certificate.worst_limit_use, &certificate.worst);
+        (used.torque, worst.torque) = (stated.torque, certified.torque);
+        (used.torque_rms, worst.torque_rms) = (stated.torque_rms, certified.torque_rms);
+        (used.current, worst.current) = (stated.current, certified.current);
+        (used.current_rms, worst.current_rms) = (stated.current_rms, certified.current_rms);
+    }
+    exceeded(robot, &worst)?;
+    if let (Some(certified), Some(found)) = (&certificate.nominal_sha256, parameters)
+        && *certified != found
+    {
+        return Err(AdmissionFault::OtherParameters { certified: certified.clone(), found });
+    }
+    same(&certificate.worst_limit_use, &used)
+}
+
+/// Nothing may be beyond its limit.
+fn exceeded(robot: &Robot, worst: &WorstCases) -> Result<(), AdmissionFault> {
     let uses: [(&'static str, &str, Option<WorstUse>); 8] = [
-        ("position", "", Some(position)),
-        ("velocity", "/s", Some(velocity)),
-        ("acceleration", "/s²", Some(acceleration)),
-        ("jerk", "/s³", worst_jerk(robot, trajectory)),
+        ("position", "", Some(worst.position)),
+        ("velocity", "/s", Some(worst.velocity)),
+        ("acceleration", "/s²", Some(worst.acceleration)),
+        ("jerk", "/s³", worst.jerk),
         ("torque", "", worst.torque),
         ("RMS torque", "", worst.torque_rms),
         ("current", "A", worst.current),
@@ -117,14 +177,30 @@ pub fn check(robot: &Robot, trajectory: &PeriodicTrajectory, certificate: &Certi
         let joint = robot.joints().get(joint).map_or_else(String::new, |joint| joint.name.clone());
         return Err(AdmissionFault::Limit { joint, quantity, found, limit, unit, t });
     }
-    let accelerations: Vec<f64> = (0..robot.dof())
-        .map(|j| {
-            let curve = trajectory.curve(j, Quantity::Acceleration);
-            curve.maximum().value.max(-curve.minimum().value)
-        })
-        .collect();
-    match smallest_clearance(&mut Scene::new(robot), trajectory, &accelerations, CLEARANCE_SAMPLES) {
-        Some(nearest) if nearest.distance_m < 0.0 => Err(AdmissionFault::Contact(nearest)),
+    match &worst.clearance {
+        Some(nearest) if nearest.distance_m < 0.0 => Err(AdmissionFault::Contact(nearest.clone())),
         _ => Ok(()),
     }
+}
+
+/// The use of torque and current that the certificate states must be what is found: else it is of other parameters. The
+/// limits of motion may be others than those it was designed for, as long as they hold.
+fn same(stated: &WorstLimitUse, found: &WorstLimitUse) -> Result<(), AdmissionFault> {
+    let uses = [
+        ("torque", stated.torque, found.torque),
+        ("RMS torque", stated.torque_rms, found.torque_rms),
+        ("current", stated.current, found.current),
+        ("RMS current", stated.current_rms, found.current_rms),
+    ];
+    for (quantity, stated, found) in uses {
+        let agree = match (stated, found) {
+            (Some(stated), Some(found)) => (stated - found).abs() <= AGREEMENT * found.abs().max(1.0),
+            (stated, found) => stated == found,
+        };
+        if !agree {
+            let [stated, found] = [stated, found].map(|used| used.unwrap_or(0.0));
+            return Err(AdmissionFault::Stale { quantity, stated, found });
+        }
+    }
+    Ok(())
 }

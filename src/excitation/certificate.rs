@@ -9,79 +9,13 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::basis::Quantity;
-use super::clearance::{Scene, WorstClearance, smallest_clearance};
 use super::criterion::CriterionKind;
-use super::effort::{Channel, InsideShare, WorstEfforts};
+use super::effort::{Channel, EffortModel, InsideShare};
 use super::information::Information;
-use super::limits::{WorstUse, worst_jerk, worst_use};
-use super::path_rows::worst_on_ramps;
+use super::limit_survey::{LimitSurvey, WorstCases, WorstLimitUse};
 use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
 use crate::provenance::sha256;
 use crate::regressor::JointTorqueRegressor;
-
-/// Samples of one period on which the search for the smallest clearance begins.
-const CLEARANCE_SAMPLES: usize = 1000;
-
-/// Largest use of each kind of limit, 1 at the limit.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct WorstLimitUse {
-    /// Of half the position range, about its middle.
-    pub position: f64,
-    /// Of the speed limit.
-    pub velocity: f64,
-    /// Of the acceleration limit.
-    pub acceleration: f64,
-    /// Of the jerk limit; `None` where no joint has one.
-    pub jerk: Option<f64>,
-    /// Of the torque rating over period and ramps, by the nominal parameters and what their uncertainty adds; `None`
-    /// without them.
-    pub torque: Option<f64>,
-    /// Of the torque rating by the nominal parameters alone.
-    pub torque_nominal: Option<f64>,
-    /// Of the continuous torque by the root mean square over a period; of the rating where none is stated.
-    pub torque_rms: Option<f64>,
-    /// Of the current limit, as `torque`; `None` where no drive has one.
-    pub current: Option<f64>,
-    /// Of the continuous current, as `torque_rms`.
-    pub current_rms: Option<f64>,
-    /// Smallest distance between the robot's shapes and between them and obstacles, m: never undercut at any instant.
-    /// `None` where no two of them can meet.
-    pub clearance_m: Option<f64>,
-}
-
-impl WorstLimitUse {
-    /// The largest ratio of all.
-    #[must_use]
-    pub fn largest(&self) -> f64 {
-        let all = [self.jerk, self.torque, self.torque_rms, self.current, self.current_rms];
-        let kinematic = self.position.max(self.velocity).max(self.acceleration);
-        all.into_iter().flatten().fold(kinematic, f64::max)
-    }
-}
-
-/// Where each kind of limit is used most. Times below zero are on the ramp in, those beyond the period on the ramp out.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct WorstCases {
-    /// Position, rad.
-    pub position: WorstUse,
-    /// Velocity, rad/s.
-    pub velocity: WorstUse,
-    /// Acceleration, rad/s².
-    pub acceleration: WorstUse,
-    /// Jerk, rad/s³.
-    pub jerk: Option<WorstUse>,
-    /// Torque by the nominal parameters and what their uncertainty adds, N·m.
-    pub torque: Option<WorstUse>,
-    /// Root mean square of the torque, N·m.
-    pub torque_rms: Option<WorstUse>,
-    /// Current, A.
-    pub current: Option<WorstUse>,
-    /// Root mean square of the current, A.
-    pub current_rms: Option<WorstUse>,
-    /// What comes nearest to what.
-    pub clearance: Option<WorstClearance>,
-}
 
 /// A base parameter that a trajectory shows badly.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -109,6 +43,8 @@ pub struct Certificate {
     pub robot_sha256: String,
     /// SHA-256 of the trajectory as its file states it.
     pub trajectory_sha256: String,
+    /// SHA-256 of the nominal parameters and their uncertainty; `None` where torque is not held.
+    pub nominal_sha256: Option<String>,
     /// Samples of one period on which it was computed.
     pub samples: usize,
     /// Length of the ramps that the efforts were computed with, s.
@@ -138,6 +74,8 @@ pub struct Certificate {
     pub efforts_inside: Option<InsideShare>,
     /// Largest use of each kind of limit.
     pub worst_limit_use: WorstLimitUse,
+    /// SHA-256 of all the rest, so that a change of any figure shows.
+    pub seal: String,
     /// Where that is.
     pub worst: WorstCases,
 }
@@ -163,32 +101,16 @@ impl Certificate {
         let rigid = problem.rigid_positions();
         let m_rigid = m.select_rows(&rigid).select_columns(&rigid);
         let report = |kind: CriterionKind, m: &DMatrix<f64>| kind.report(kind.criterion().evaluate(m, None).exact);
-        let [position, velocity, acceleration] =
-            Quantity::ALL.map(|quantity| worst_use(&problem.robot, trajectory, quantity));
         let course = problem.course(trajectory.period_s());
-        let channels = Channel::all(&problem.robot);
         let mut model = problem.efforts();
-        let efforts = model.as_mut().map_or_else(WorstEfforts::default, |model| {
-            WorstEfforts::of(model, &channels, trajectory, course, samples)
-        });
+        let LimitSurvey { used, worst } = LimitSurvey::of(&problem.robot, trajectory, course, samples, model.as_mut());
         let efforts_inside = match (&mut model, &problem.spread) {
-            (Some(model), Some(_)) => Some(model.inside(trajectory, course, &Channel::binding(&channels))),
+            (Some(model), Some(_)) => {
+                let channels = Channel::all(&problem.robot);
+                Some(model.inside(trajectory, course, &Channel::binding(&channels)))
+            }
             _ => None,
         };
-        let [ramp_acceleration, ramp_jerk] = worst_on_ramps(&problem.robot, trajectory, course, samples);
-        let acceleration = ramp_acceleration.map_or(acceleration, |ramp| acceleration.worst_of(ramp));
-        let jerk = match (worst_jerk(&problem.robot, trajectory), ramp_jerk) {
-            (Some(period), Some(ramp)) => Some(period.worst_of(ramp)),
-            (period, ramp) => period.or(ramp),
-        };
-        let accelerations: Vec<f64> = (0..n)
-            .map(|j| {
-                let curve = trajectory.curve(j, Quantity::Acceleration);
-                curve.maximum().value.max(-curve.minimum().value)
-            })
-            .collect();
-        let clearance =
-            smallest_clearance(&mut Scene::new(&problem.robot), trajectory, &accelerations, CLEARANCE_SAMPLES);
         let eigen = SymmetricEigen::new(m.clone());
         let mut spectrum: Vec<f64> = eigen.eigenvalues.iter().copied().collect();
         spectrum.sort_by(f64::total_cmp);
@@ -197,11 +119,11 @@ impl Certificate {
             |factor| factor.inverse().diagonal().iter().map(|variance| variance.sqrt()).collect(),
         );
         let weakest = weakest(problem, &eigen, &deviations);
-        let (torque, current) = (efforts.torque, efforts.current);
-        Ok(Self {
+        let certificate = Self {
             robot: problem.robot.name().to_owned(),
             robot_sha256: problem.robot.source_sha256().to_owned(),
             trajectory_sha256: sha256(&trajectory.to_toml()),
+            nominal_sha256: model.as_ref().map(EffortModel::parameters_sha256),
             ramp_s: problem.ramp_s,
             weakest,
             uncertainty_multiple: problem.spread.as_ref().map_or(0.0, |spread| spread.multiple),
@@ -215,30 +137,28 @@ impl Certificate {
             log_det_information_all: report(CriterionKind::DOptimal, &m),
             spectrum,
             deviations,
-            worst_limit_use: WorstLimitUse {
-                position: position.ratio,
-                velocity: velocity.ratio,
-                acceleration: acceleration.ratio,
-                jerk: jerk.map(|worst| worst.ratio),
-                torque: torque.map(|used| used.peak.ratio),
-                torque_nominal: torque.map(|used| used.nominal),
-                torque_rms: torque.map(|used| used.mean_square.ratio),
-                current: current.map(|used| used.peak.ratio),
-                current_rms: current.map(|used| used.mean_square.ratio),
-                clearance_m: clearance.as_ref().map(|nearest| nearest.distance_m),
-            },
-            worst: WorstCases {
-                position,
-                velocity,
-                acceleration,
-                jerk,
-                torque: torque.map(|used| used.peak),
-                torque_rms: torque.map(|used| used.mean_square),
-                current: current.map(|used| used.peak),
-                current_rms: current.map(|used| used.mean_square),
-                clearance,
-            },
-        })
+            worst_limit_use: used,
+            worst,
+            seal: String::new(),
+        };
+        Ok(certificate.sealed())
+    }
+
+    /// The certificate with the seal of its content.
+    pub(crate) fn sealed(self) -> Self {
+        let seal = self.seal_of_content();
+        Self { seal, ..self }
+    }
+
+    /// Whether it is as it was when it was made.
+    #[must_use]
+    pub fn is_unchanged(&self) -> bool {
+        self.seal == self.seal_of_content()
+    }
+
+    fn seal_of_content(&self) -> String {
+        let content = Self { seal: String::new(), ..self.clone() };
+        sha256(&toml::to_string(&content).expect("names, numbers and lists of them have a TOML form"))
     }
 }
 

@@ -48,6 +48,7 @@ mod tests {
     use super::*;
     use crate::excitation::{AdmissionFault, CriterionKind, DesignProblem, check, fixtures, table_one};
     use crate::model::{Columns, Obstacle};
+    use crate::spatial::Inertia;
 
     fn certified() -> (DesignProblem, PeriodicTrajectory, Certificate) {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), Columns::Rigid, CriterionKind::Condition).unwrap();
@@ -78,23 +79,54 @@ mod tests {
     fn admission_refuses_what_does_not_fit() {
         let (problem, motion, certificate) = certified();
         let robot = &problem.robot;
-        assert_eq!(check(robot, &motion, &certificate), Ok(()));
+        assert_eq!(check(robot, &motion, &certificate, None), Ok(()));
         let mut other = motion.clone();
         other.adjust(2, 0.9, 0.0);
-        assert!(matches!(check(robot, &other, &certificate), Err(AdmissionFault::OtherTrajectory { .. })));
+        assert!(matches!(check(robot, &other, &certificate, None), Err(AdmissionFault::OtherTrajectory { .. })));
         let elsewhere = robot.clone().read_from("another file");
-        assert!(matches!(check(&elsewhere, &motion, &certificate), Err(AdmissionFault::OtherRobot { .. })));
+        assert!(matches!(check(&elsewhere, &motion, &certificate, None), Err(AdmissionFault::OtherRobot { .. })));
         let slow = robot.clone().with_joints(|joint| joint.limits.velocity = 1.0).unwrap();
-        let fault = check(&slow, &motion, &certificate).unwrap_err();
+        let fault = check(&slow, &motion, &certificate, None).unwrap_err();
         assert!(matches!(fault, AdmissionFault::Limit { quantity: "velocity", .. }), "{fault}");
         assert!(fault.to_string().contains("exceeds its limit") && fault.to_string().contains("rad/s"), "{fault}");
         let smooth = robot.clone().with_joints(|joint| joint.limits.jerk = 1.0).unwrap();
-        assert!(matches!(check(&smooth, &motion, &certificate), Err(AdmissionFault::Limit { quantity: "jerk", .. })));
+        assert!(matches!(
+            check(&smooth, &motion, &certificate, None),
+            Err(AdmissionFault::Limit { quantity: "jerk", .. })
+        ));
         let low = robot.clone().with_obstacle(Obstacle::above("table", 0.8));
-        let fault = check(&low, &motion, &certificate).unwrap_err();
+        let fault = check(&low, &motion, &certificate, None).unwrap_err();
         assert!(matches!(fault, AdmissionFault::Contact(_)) && fault.to_string().contains("\"table\""), "{fault}");
         let mut strained = certificate.clone();
         strained.worst.torque.as_mut().unwrap().ratio = 1.2;
-        assert!(matches!(check(robot, &motion, &strained), Err(AdmissionFault::Limit { quantity: "torque", .. })));
+        // Whoever changes a figure leaves the seal broken; a certificate that was made that way says what it asks.
+        assert_eq!(check(robot, &motion, &strained, None), Err(AdmissionFault::Changed));
+        let strained = strained.sealed();
+        let fault = check(robot, &motion, &strained, None).unwrap_err();
+        assert!(matches!(fault, AdmissionFault::Limit { quantity: "torque", .. }), "{fault}");
+    }
+
+    #[test]
+    fn admission_computes_torque_anew_by_the_parameters_at_hand() {
+        let (problem, motion, certificate) = certified();
+        let mut model = problem.efforts().unwrap();
+        assert_eq!(check(&problem.robot, &motion, &certificate, Some(&mut model)), Ok(()));
+        // A sealed certificate that states less than the parameters ask is refused all the same.
+        let mut flattering = certificate.clone();
+        flattering.worst_limit_use.torque = Some(0.1);
+        let fault = check(&problem.robot, &motion, &flattering.sealed(), Some(&mut model)).unwrap_err();
+        assert!(matches!(fault, AdmissionFault::Stale { quantity: "torque", .. }), "{fault}");
+        // So is one that was made for lighter links.
+        let heavier = |factor: f64| {
+            let mut problem = problem.clone();
+            for link in &mut problem.nominal.as_mut().unwrap().links {
+                *link = Inertia::from_array(&link.to_array().map(|x| factor * x));
+            }
+            problem.efforts().unwrap()
+        };
+        let fault = check(&problem.robot, &motion, &certificate, Some(&mut heavier(1.01))).unwrap_err();
+        assert!(matches!(fault, AdmissionFault::OtherParameters { .. }), "{fault}");
+        let fault = check(&problem.robot, &motion, &certificate, Some(&mut heavier(3.0))).unwrap_err();
+        assert!(matches!(fault, AdmissionFault::Limit { quantity: "torque", .. }), "{fault}");
     }
 }

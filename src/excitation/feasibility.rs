@@ -176,8 +176,7 @@ impl Feasibility {
         halvings: usize,
     ) -> PeriodicTrajectory {
         let Some(effort) = &mut self.effort else { return trajectory };
-        let mut holds =
-            |candidate: &PeriodicTrajectory| effort.largest_use(candidate, samples) <= 1.0 + EXCESS_TOLERANCE;
+        let mut holds = |candidate: &PeriodicTrajectory| effort.holds(candidate, samples, 1.0 + EXCESS_TOLERANCE);
         if holds(&trajectory) {
             return trajectory;
         }
@@ -196,7 +195,7 @@ impl Feasibility {
         scaled(&trajectory, inside)
     }
 
-    /// What is still exceeded, if anything.
+    /// What is still exceeded most, if anything.
     pub(crate) fn verdict(&self, problem: &DesignProblem, certificate: &Certificate) -> Option<Termination> {
         let worst = &certificate.worst;
         let margins = &problem.margins;
@@ -210,26 +209,26 @@ impl Feasibility {
             ("current", worst.current, margins.torque),
             ("current-rms", worst.current_rms, margins.torque),
         ];
-        let exceeded = cases.into_iter().find_map(|(limit, worst, part)| {
+        let efforts_and_motion = cases.into_iter().filter_map(|(limit, worst, part)| {
             let worst = worst.filter(|worst| worst.ratio > part)?;
             let joint = self.robot.joints()[worst.joint].name.clone();
-            Some(Termination::Infeasible { limit: limit.into(), joint, worst })
+            Some((worst.ratio / part, Termination::Infeasible { limit: limit.into(), joint, worst }))
         });
-        exceeded.or_else(|| {
-            let (nearest, required) = (worst.clearance.as_ref()?, problem.clearance_m?);
+        let clearance = worst.clearance.as_ref().zip(problem.clearance_m).and_then(|(nearest, required)| {
             let short = required - nearest.distance_m;
-            (short > 0.0).then(|| Termination::Infeasible {
-                limit: "clearance".into(),
-                joint: nearest.pair.join(" to "),
-                worst: WorstUse {
-                    ratio: 1.0 + short,
-                    joint: self.robot.joint_index(&nearest.pair[1]).unwrap_or(0),
-                    t: nearest.t,
-                    value: nearest.distance_m,
-                    limit: required,
-                },
-            })
-        })
+            let worst = WorstUse {
+                ratio: 1.0 + short,
+                joint: self.robot.joint_index(&nearest.pair[1]).unwrap_or(0),
+                t: nearest.t,
+                value: nearest.distance_m,
+                limit: required,
+            };
+            let joint = nearest.pair.join(" to ");
+            (short > 0.0).then(|| (1.0 + short, Termination::Infeasible { limit: "clearance".into(), joint, worst }))
+        });
+        // What the problem lacks most: a design that cannot hold one limit often lets others slip a little as well.
+        let exceeded = efforts_and_motion.chain(clearance).max_by(|x, y| x.0.total_cmp(&y.0));
+        exceeded.map(|(_, termination)| termination)
     }
 }
 

@@ -155,7 +155,7 @@ impl Information {
 }
 
 /// Where a regressor can differ from zero, n × p: where it does at a state in general position.
-fn pattern(regressor: &JointTorqueRegressor) -> Vec<bool> {
+pub(super) fn pattern(regressor: &JointTorqueRegressor) -> Vec<bool> {
     let (n, p) = (regressor.rows(), regressor.cols());
     let mut pattern = vec![false; n * p];
     let mut y = vec![0.0; n * p];

@@ -6,6 +6,7 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use armid::excitation::check;
+use armid::excitation::effort::{EffortModel, ParameterSpread};
 use armid::experiment::{Ending as PlanEnding, Phase, Sink, Tracking};
 use armid::model::{JointKind, Robot};
 use armid_hardware::guard::{GuardRecord, Trip};
@@ -237,7 +238,14 @@ fn answer(steps: &[Done]) -> Answer {
 fn admit(experiment: &Experiment) -> Result<()> {
     let Some(certificate) = &experiment.certificate else { return Ok(()) };
     let (name, help) = (&experiment.text.name, "nothing has moved; `armid design` writes a certificate that fits");
-    check(&experiment.robot.robot, &experiment.plan.trajectory, certificate)
+    let loaded = &experiment.robot;
+    let mut efforts = loaded.nominal.as_ref().or(loaded.own.as_ref()).map(|nominal| {
+        let multiple = certificate.uncertainty_multiple;
+        let spread = loaded.uncertainty.as_ref().filter(|_| multiple > 0.0);
+        let spread = spread.map(|shares| ParameterSpread::of(&loaded.robot, nominal, shares, multiple));
+        EffortModel::new(&loaded.robot, nominal, spread.as_ref())
+    });
+    check(&loaded.robot, &experiment.plan.trajectory, certificate, efforts.as_mut())
         .map_err(|fault| Fault::new(format!("{name}: {fault}")).help(help))?;
     match certificate.ramp_s {
         Some(certified) if experiment.plan.ramp_s < certified - 1e-9 => {

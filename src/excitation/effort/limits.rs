@@ -8,7 +8,7 @@
 
 use super::channel::Channel;
 use super::model::EffortModel;
-use super::worst::{Peak, Survey, WorstEfforts, refine};
+use super::worst::{Peak, Place, Survey, WorstEfforts, refine};
 use crate::excitation::Trajectory;
 use crate::excitation::basis::MotionBasis;
 use crate::excitation::course::{Course, Stretch};
@@ -34,6 +34,8 @@ pub struct EffortLimits {
     peaks: Vec<Peak>,
     mean_squares: Vec<f64>,
     loads: Vec<(f64, f64)>,
+    /// Where the last motion that did not hold failed.
+    failed: Option<Place>,
 }
 
 impl EffortLimits {
@@ -62,15 +64,33 @@ impl EffortLimits {
             peaks: Vec::new(),
             mean_squares: Vec::new(),
             loads: Vec::new(),
+            failed: None,
         }
     }
 
-    /// The largest use of what is permitted by a motion of any family, peaks and root mean squares, on a grid of
-    /// `samples`, refined in time.
-    pub fn largest_use(&mut self, motion: &dyn Trajectory, samples: usize) -> f64 {
-        let found = WorstEfforts::of(&mut self.model, &self.channels, motion, self.course, samples);
-        let uses = [found.torque, found.current].into_iter().flatten();
-        uses.map(|used| used.peak.ratio.max(used.mean_square.ratio)).fold(0.0, f64::max)
+    /// Whether a motion of any family uses at most the part `most` of what is permitted, peaks and root mean squares, on
+    /// a grid of `samples`, refined in time.
+    ///
+    /// Where the motion asked about before failed, this one is looked at first: one that differs little fails there too.
+    pub fn holds(&mut self, motion: &dyn Trajectory, samples: usize, most: f64) -> bool {
+        if let Some((stretch, part)) = self.failed {
+            self.model.move_to(motion, self.basis.omega(), &self.course.instant(stretch, part));
+            if self.channels.iter().any(|channel| self.model.load(channel).largest() > most * channel.peak) {
+                return false;
+            }
+        }
+        let (model, channels) = (&mut self.model, &self.channels);
+        match Survey::below(model, channels, motion, self.course, samples, most) {
+            Err(place) => {
+                self.failed = Some(place);
+                false
+            }
+            Ok(survey) => {
+                let found = WorstEfforts::found_on(&survey, model, channels, motion, self.course);
+                let uses = [found.torque, found.current].into_iter().flatten();
+                uses.map(|used| used.peak.ratio.max(used.mean_square.ratio)).fold(0.0, f64::max) <= most
+            }
+        }
     }
 
     fn look_at(&mut self, x: &[f64]) {

@@ -1,5 +1,7 @@
 //! Torque and its uncertainty at one instant, and the slopes of both.
 
+use std::ops::Range;
+
 use rand::RngExt;
 use rand_distr::StandardNormal;
 
@@ -7,7 +9,9 @@ use super::channel::Channel;
 use super::spread::ParameterSpread;
 use crate::excitation::Trajectory;
 use crate::excitation::course::{Course, Instant};
+use crate::excitation::information::pattern;
 use crate::model::{Columns, Robot, StandardParameters};
+use crate::provenance::sha256;
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 
@@ -19,6 +23,8 @@ pub struct EffortModel {
     /// Variance of each parameter, zero where it is taken as known.
     variance: Vec<f64>,
     multiple: f64,
+    /// Where the row of each joint can differ from zero.
+    columns: Vec<Vec<Range<usize>>>,
     /// Regressor at the last instant, n × p.
     y: Vec<f64>,
     /// Row `w · Y` of the last channel, p.
@@ -64,6 +70,13 @@ pub(super) struct Load {
     pub(super) spread: f64,
 }
 
+impl Load {
+    /// The largest magnitude that it stands for.
+    pub(super) fn largest(&self) -> f64 {
+        self.value.abs() + self.spread
+    }
+}
+
 impl EffortModel {
     /// The efforts of `robot` by the `nominal` parameters, and their uncertainty where one is given.
     ///
@@ -80,13 +93,23 @@ impl EffortModel {
         assert_eq!(variance.len(), p, "one deviation per parameter");
         let multiple = spread.map_or(0.0, |spread| spread.multiple);
         let state = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
-        Self { regressor, phi, variance, multiple, y: vec![0.0; n * p], row: vec![0.0; p], g: vec![0.0; n * p], state }
+        let pattern = pattern(&regressor);
+        let columns = pattern.chunks_exact(p).map(ranges).collect();
+        let (y, row, g) = (vec![0.0; n * p], vec![0.0; p], vec![0.0; n * p]);
+        Self { regressor, phi, variance, multiple, columns, y, row, g, state }
     }
 
     /// Number of joints n.
     #[must_use]
     pub fn dof(&self) -> usize {
         self.regressor.rows()
+    }
+
+    /// SHA-256 of the parameters, and of how well they are known where that counts.
+    #[must_use]
+    pub fn parameters_sha256(&self) -> String {
+        let variance: &[f64] = if self.multiple > 0.0 { &self.variance } else { &[] };
+        sha256(&format!("{:?} {variance:?}", self.phi))
     }
 
     /// Evaluates the regressor at an instant of an experiment around a motion.
@@ -105,18 +128,29 @@ impl EffortModel {
     pub(super) fn load(&mut self, channel: &Channel) -> Load {
         let p = self.phi.len();
         self.row.fill(0.0);
-        for (i, &weight) in channel.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-            for (row, y) in self.row.iter_mut().zip(&self.y[i * p..(i + 1) * p]) {
-                *row += weight * y;
+        let (mut value, mut variance) = (0.0, 0.0);
+        let mut weights = channel.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
+        if let (Some((i, &weight)), None) = (weights.next(), weights.next()) {
+            // Most efforts are those of one joint, and most of its row is zero: of the links that it does not carry.
+            let y = &self.y[i * p..(i + 1) * p];
+            for range in &self.columns[i] {
+                let known = self.phi[range.clone()].iter().zip(&self.variance[range.clone()]);
+                for ((row, y), (phi, v)) in self.row[range.clone()].iter_mut().zip(&y[range.clone()]).zip(known) {
+                    *row = weight * y;
+                    value += *row * phi;
+                    variance += *row * *row * v;
+                }
             }
-        }
-        let value = self.row.iter().zip(&self.phi).map(|(y, phi)| y * phi).sum();
-        let spread = if self.multiple > 0.0 {
-            let variance: f64 = self.row.iter().zip(&self.variance).map(|(y, v)| y * y * v).sum();
-            self.multiple * variance.sqrt()
         } else {
-            0.0
-        };
+            for (i, &weight) in channel.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
+                for (row, y) in self.row.iter_mut().zip(&self.y[i * p..(i + 1) * p]) {
+                    *row += weight * y;
+                }
+            }
+            value = self.row.iter().zip(&self.phi).map(|(y, phi)| y * phi).sum();
+            variance = self.row.iter().zip(&self.variance).map(|(y, v)| y * y * v).sum();
+        }
+        let spread = if self.multiple > 0.0 { self.multiple * variance.sqrt() } else { 0.0 };
         Load { value, spread }
     }
 
@@ -184,4 +218,16 @@ impl EffortModel {
         }
         inside.iter().filter(|inside| **inside).count() as f64 / draws as f64
     }
+}
+
+/// The stretches of a row that can differ from zero.
+fn ranges(row: &[bool]) -> Vec<Range<usize>> {
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    for column in (0..row.len()).filter(|&column| row[column]) {
+        match ranges.last_mut() {
+            Some(last) if last.end == column => last.end += 1,
+            _ => ranges.push(column..column + 1),
+        }
+    }
+    ranges
 }

@@ -51,12 +51,23 @@ impl WorstEfforts {
         samples: usize,
     ) -> Self {
         let survey = Survey::of(model, channels, motion, course, samples);
+        Self::found_on(&survey, model, channels, motion, course)
+    }
+
+    /// The largest uses that a survey leads to.
+    pub(super) fn found_on(
+        survey: &Survey,
+        model: &mut EffortModel,
+        channels: &[Channel],
+        motion: &dyn Trajectory,
+        course: Course,
+    ) -> Self {
         let mut found = Self::default();
         for (c, channel) in channels.iter().enumerate() {
             let mut peak = WorstUse::NONE;
             if channel.peak.is_finite() {
                 for best in survey.peaks(c, f64::NEG_INFINITY) {
-                    let best = refine(model, channels, motion, course, best, &survey);
+                    let best = refine(model, channels, motion, course, best, survey);
                     peak = peak.worst_of(WorstUse {
                         ratio: best.ratio,
                         joint: channel.joint,
@@ -99,6 +110,9 @@ pub(super) struct Survey {
     stretches: Vec<Sampled>,
 }
 
+/// An instant of an experiment: a stretch and the part of it.
+pub(super) type Place = (Stretch, f64);
+
 impl Survey {
     pub(super) fn of(
         model: &mut EffortModel,
@@ -107,21 +121,38 @@ impl Survey {
         course: Course,
         samples: usize,
     ) -> Self {
+        Self::below(model, channels, motion, course, samples, f64::INFINITY)
+            .unwrap_or_else(|_| Self { limits: Vec::new(), stretches: Vec::new() })
+    }
+
+    /// The same, where no sample uses more than `most` of a peak limit; else the first place that does.
+    pub(super) fn below(
+        model: &mut EffortModel,
+        channels: &[Channel],
+        motion: &dyn Trajectory,
+        course: Course,
+        samples: usize,
+        most: f64,
+    ) -> Result<Self, Place> {
         let omega = std::f64::consts::TAU / course.period_s;
-        let stretches = course.stretches().iter().map(|&stretch| {
+        let mut stretches = Vec::with_capacity(course.stretches().len());
+        for &stretch in course.stretches() {
             let count = course.samples(stretch, samples);
             let mut loads = Vec::with_capacity(count * channels.len());
             for k in 0..count {
-                model.move_to(motion, omega, &course.instant(stretch, k as f64 / count as f64));
+                let part = k as f64 / count as f64;
+                model.move_to(motion, omega, &course.instant(stretch, part));
                 for channel in channels {
                     let load = model.load(channel);
+                    if load.largest() > most * channel.peak {
+                        return Err((stretch, part));
+                    }
                     loads.push((load.value, load.spread));
                 }
             }
-            Sampled { stretch, count, loads }
-        });
-        let stretches = stretches.collect();
-        Self { limits: channels.iter().map(|channel| channel.peak).collect(), stretches }
+            stretches.push(Sampled { stretch, count, loads });
+        }
+        Ok(Self { limits: channels.iter().map(|channel| channel.peak).collect(), stretches })
     }
 
     /// Local peaks of a channel above `threshold`, and the largest sample of every stretch.
