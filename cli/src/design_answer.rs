@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use armid::excitation::{Design, DesignProblem, PeriodicTrajectory, Termination, WorstUse};
+use armid::excitation::{Design, DesignProblem, ExcitationError, PeriodicTrajectory, Termination, WorstUse};
 use armid::model::Robot;
 use serde_json::{Value, json};
 
@@ -69,6 +69,56 @@ fn trajectory_json(trajectory: &PeriodicTrajectory) -> Value {
     toml::from_str(&trajectory.to_toml()).expect("a trajectory file is TOML with finite numbers")
 }
 
+/// What the experiment buys beside those before it.
+pub(crate) struct Gain {
+    /// Estimates so far.
+    estimates: usize,
+    /// Median over base parameters of the bound after it over that so far.
+    bound_ratio: f64,
+    /// The same by one more experiment like those so far.
+    by_repetition: f64,
+}
+
+/// Part of what a repetition buys from which on a redesign is as good as one.
+const AS_GOOD: f64 = 0.99;
+
+impl Gain {
+    /// Of a design after so many estimates; `None` after none.
+    pub(crate) fn of(
+        problem: &DesignProblem,
+        design: &Design,
+        estimates: usize,
+    ) -> Result<Option<Self>, ExcitationError> {
+        let k = estimates as f64;
+        let gain = |bound_ratio| Self { estimates, bound_ratio, by_repetition: (k / (k + 1.0)).sqrt() };
+        Ok(problem.bound_ratio(&design.trajectory)?.map(gain))
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "estimates": self.estimates,
+            "bound_ratio": self.bound_ratio,
+            "bound_ratio_by_repetition": self.by_repetition,
+        })
+    }
+
+    fn text(&self) -> String {
+        let advice = if self.bound_ratio > AS_GOOD * self.by_repetition {
+            "; the bound moves as by repetition, another design has nothing to add"
+        } else {
+            ""
+        };
+        format!(
+            "\n  after {} estimate{} this experiment brings the bound to {:.1} % of what it is (median over\n  \
+             parameters), one more like those so far to {:.1} %{advice}\n",
+            self.estimates,
+            if self.estimates == 1 { "" } else { "s" },
+            100.0 * self.bound_ratio,
+            100.0 * self.by_repetition
+        )
+    }
+}
+
 /// Everything that the answer shows.
 pub(crate) struct DesignAnswer<'a> {
     pub(crate) seed: u64,
@@ -79,6 +129,8 @@ pub(crate) struct DesignAnswer<'a> {
     pub(crate) best: &'a Design,
     pub(crate) seconds: f64,
     pub(crate) path: PathBuf,
+    /// What it adds to the information so far, where there is any.
+    pub(crate) gain: Option<Gain>,
 }
 
 impl DesignAnswer<'_> {
@@ -119,6 +171,7 @@ impl DesignAnswer<'_> {
             "file": self.path,
             "starts": self.designs.iter().map(start_json).collect::<Vec<_>>(),
             "baseline": self.baseline.map(start_json),
+            "prior": self.gain.as_ref().map(Gain::json),
             "history": best.history,
         })
     }
@@ -197,6 +250,9 @@ impl DesignAnswer<'_> {
             let relative =
                 weak.relative_deviation.map_or_else(String::new, |x| format!(", {} of its nominal value", number(x)));
             let _ = writeln!(text, "  {:>8} {share:5.1} %, deviation {}{relative}", weak.name, number(weak.deviation));
+        }
+        if let Some(gain) = &self.gain {
+            text.push_str(&gain.text());
         }
         if let Some(baseline) = self.baseline {
             let _ = writeln!(

@@ -138,6 +138,41 @@ fn no_trajectory_within_the_limits_is_a_negative_verdict_with_the_nearest_writte
 }
 
 #[test]
+fn a_certificate_that_was_changed_or_is_of_other_parameters_moves_nothing() {
+    let folder = temporary();
+    let models = concat!(env!("CARGO_MANIFEST_DIR"), "/../models/crs-a460/");
+    let text = |name: &str| std::fs::read_to_string(format!("{models}{name}")).unwrap();
+    let robot = support::write(folder.path(), "robot.toml", &text("robot.toml"));
+    support::write(folder.path(), "nominal.toml", &text("nominal.toml"));
+    support::write(folder.path(), "truth.toml", &text("truth.toml"));
+    let (out, recording) = (path(folder.path(), "T.toml"), path(folder.path(), "R.mcap"));
+    armid(["design", &robot, "--criterion", "d-optimal", "-o", &out].iter().chain(&SMALL)).success();
+    let plan = "robot = \"robot.toml\"\ntrajectory = \"T.toml\"\nperiods = 1\n";
+    let experiment = support::write(folder.path(), "x.toml", plan);
+    let certified = std::fs::read_to_string(&out).unwrap();
+    armid(["run", &experiment, "-o", &recording]).success();
+    let refused = || {
+        std::fs::remove_file(&recording).ok();
+        let fault = stderr(&armid(["run", &experiment, "-o", &recording]).code(2));
+        assert!(!Path::new(&recording).exists());
+        fault
+    };
+    // One digit of one figure.
+    let at = certified.find("\ncondition = ").unwrap() + "\ncondition = ".len();
+    let mut changed = certified.clone();
+    changed.replace_range(at..=at, if &certified[at..=at] == "9" { "8" } else { "9" });
+    std::fs::write(&out, &changed).unwrap();
+    assert!(refused().contains("has been changed since it was made"));
+    std::fs::write(&out, &certified).unwrap();
+    // Another guess of what the links weigh, after the design.
+    let heavier = text("nominal.toml").replace("mass_kg = 8.2", "mass_kg = 8.4");
+    assert_ne!(heavier, text("nominal.toml"));
+    support::write(folder.path(), "nominal.toml", &heavier);
+    let fault = refused();
+    assert!(fault.contains("is for nominal parameters"), "{fault}");
+}
+
+#[test]
 fn impossible_settings_are_named() {
     let folder = temporary();
     let out = path(folder.path(), "T.toml");
@@ -195,7 +230,12 @@ fn identity_a_prior_adds_information_and_must_be_of_the_same_robot_and_columns()
     armid(["run", &support::experiment(folder.path(), 2), "-o", &recording]).success();
     armid(["identify", &recording, "--columns", "rigid", "-o", &estimate]).success();
     let out = path(folder.path(), "T.toml");
-    let once = design("d-optimal", &["--prior", &estimate], &out)["value"].as_f64().unwrap();
+    let first = design("d-optimal", &["--prior", &estimate], &out);
+    let once = first["value"].as_f64().unwrap();
+    // The paper's trajectory first, then one that is made for what it lacks: better than the same again.
+    let [bought, repeated] =
+        ["bound_ratio", "bound_ratio_by_repetition"].map(|key| first["prior"][key].as_f64().unwrap());
+    assert!((repeated - 0.5_f64.sqrt()).abs() < 1e-12 && bought < 0.9 * repeated, "{bought} {repeated}");
     let twice = design("d-optimal", &["--prior", &estimate, &estimate], &out)["value"].as_f64().unwrap();
     // The information so far is a part of what is reported: ln det rises with it, by at most 36 ln 2.
     assert!(twice > once && twice - once < 36.0 * 2.0_f64.ln(), "{once} {twice}");

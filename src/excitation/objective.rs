@@ -114,6 +114,24 @@ impl DesignProblem {
         let mut information = Information::new(smoothed_regressor(self)?, &self.base.kept, self.samples, &noise, None);
         Ok(information.gather(&trajectory.sample(self.samples)))
     }
+
+    /// What one more experiment along a trajectory buys: median over base parameters of their bound after it over that of
+    /// the prior alone. As many experiments again like the k so far would give `√(k/(k+1))`. `None` without a prior that
+    /// is positive definite.
+    ///
+    /// # Errors
+    /// As [`Self::information`].
+    pub fn bound_ratio(&self, trajectory: &PeriodicTrajectory) -> Result<Option<f64>, ExcitationError> {
+        let Some(prior) = &self.prior else { return Ok(None) };
+        let after = prior + self.information(trajectory)?;
+        let variances = |m: &DMatrix<f64>| m.clone().cholesky().map(|factor| factor.inverse().diagonal());
+        let (Some(before), Some(after)) = (variances(prior), variances(&after)) else { return Ok(None) };
+        let ratio = |(after, before): (&f64, &f64)| (after / before).sqrt();
+        let mut ratios: Vec<f64> = after.iter().zip(before.iter()).map(ratio).collect();
+        ratios.sort_by(f64::total_cmp);
+        let middle = ratios.len() / 2;
+        Ok(Some(0.5 * (ratios[middle] + ratios[(ratios.len() - 1) / 2])))
+    }
 }
 
 impl InformationObjective {
@@ -159,6 +177,18 @@ mod tests {
         problem.samples = 40;
         problem.sigma = Some(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]);
         problem
+    }
+
+    #[test]
+    fn analytic_the_same_experiment_again_brings_the_bound_down_by_the_root_of_their_number() {
+        let mut problem = problem(Columns::Rigid, CriterionKind::DOptimal);
+        let motion = problem.start(Seed::new(1), 0).unwrap();
+        assert_eq!(problem.bound_ratio(&motion).unwrap(), None);
+        for experiments in [1.0, 4.0_f64] {
+            problem.prior = Some(problem.information(&motion).unwrap() * experiments);
+            let ratio = problem.bound_ratio(&motion).unwrap().unwrap();
+            assert!((ratio - (experiments / (experiments + 1.0)).sqrt()).abs() < 1e-9, "{ratio}");
+        }
     }
 
     #[test]

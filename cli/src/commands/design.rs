@@ -16,7 +16,7 @@ use crate::answer::{Answer, Ending};
 use crate::atomic_file;
 use crate::choices::one_of;
 use crate::console::Console;
-use crate::design_answer::DesignAnswer;
+use crate::design_answer::{DesignAnswer, Gain};
 use crate::fault::Fault;
 use crate::files::prior::set_prior;
 use crate::limit_arguments::LimitArguments;
@@ -124,6 +124,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         best,
         seconds,
         path,
+        gain: Gain::of(&problem, best, arguments.prior.len()).map_err(|error| impossible(&error))?,
     };
     console.show(&Answer { text: done.text(console.verbose()), json: done.json(interrupted_first) })?;
     Ok(match (interrupted, feasible) {
