@@ -13,6 +13,7 @@ mod comparison;
 mod console;
 pub mod decoders;
 mod design_answer;
+mod exchange;
 mod fault;
 mod files;
 mod guarding;

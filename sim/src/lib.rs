@@ -9,5 +9,7 @@ mod rapier;
 
 pub use analytic::{AnalyticError, AnalyticPlant, AnalyticTeam, MOST_JOINTS, perform_runs, record_runs};
 pub use engine::{Engine, EngineFault};
-pub use mujoco::{MujocoError, MujocoModel, MujocoPlant, MujocoScheme, MujocoStatus, MujocoStepper, mjcf};
+pub use mujoco::{
+    MujocoError, MujocoModel, MujocoPlant, MujocoScheme, MujocoStatus, MujocoStepper, mjcf, mjcf_for_exchange,
+};
 pub use rapier::{DEFAULT_SUBSTEPS, RapierError, RapierPlant};

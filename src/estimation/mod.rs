@@ -13,6 +13,7 @@
 mod appraisal;
 mod comparison;
 mod completion;
+mod consistent_set;
 mod error;
 mod estimate;
 mod estimator;
@@ -31,6 +32,7 @@ mod tests;
 
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
+pub use consistent_set::{ConsistentSet, consistent_set};
 pub use error::EstimationError;
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::{Estimator, EstimatorKind};

@@ -3,8 +3,8 @@
 use miette::Result;
 
 use super::{
-    agree, calibrate, completions, controller, design, doctor, dynamics, identify, monitor, reduce, report, robot, run,
-    study, validate,
+    agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, monitor, reduce, report,
+    robot, run, study, validate,
 };
 use crate::answer::Ending;
 use crate::console::Console;
@@ -22,6 +22,7 @@ pub(crate) enum Command {
     Monitor(monitor::Arguments),
     Identify(identify::Arguments),
     Validate(validate::Arguments),
+    Export(export::Arguments),
     Study(study::Arguments),
     Report(report::Arguments),
     Controller(controller::Arguments),
@@ -42,6 +43,7 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Monitor(arguments) => monitor::run(&arguments, console),
         Command::Identify(arguments) => identify::run(&arguments, console),
         Command::Validate(arguments) => validate::run(&arguments, console),
+        Command::Export(arguments) => export::run(&arguments, console),
         Command::Study(arguments) => study::run(&arguments, console),
         Command::Report(arguments) => report::run(&arguments, console),
         Command::Controller(arguments) => controller::run(&arguments, console),

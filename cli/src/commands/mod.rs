@@ -8,6 +8,7 @@ mod controller;
 mod design;
 mod doctor;
 mod dynamics;
+mod export;
 mod identify;
 mod monitor;
 mod reduce;

@@ -10,7 +10,7 @@
 
 use std::fmt::Write;
 
-use armid::model::{Joint, JointKind, Robot, StandardParameters};
+use armid::model::{DriveParameters, Joint, JointKind, Robot, StandardParameters};
 use armid::spatial::{Inertia, Placement};
 use nalgebra::Vector3;
 
@@ -32,6 +32,21 @@ const LEAST: f64 = 1e-15;
 /// [`MujocoError`] where the parameters are not the robot's, or MuJoCo would refuse them: a number that is not finite,
 /// a mass, principal moment or rotor that is not positive, principal moments `A + B < C`.
 pub fn mjcf(robot: &Robot, parameters: &StandardParameters) -> Result<String, MujocoError> {
+    write(robot, parameters, None)
+}
+
+/// The same for other users of MuJoCo: with friction, limits and MuJoCo's usual flags, and `header` as a comment on top.
+///
+/// Offsets of the torque, and friction of coupled motors, have no place in MJCF: they are in the comment.
+///
+/// # Errors
+/// As [`mjcf`].
+pub fn mjcf_for_exchange(robot: &Robot, parameters: &StandardParameters, header: &str) -> Result<String, MujocoError> {
+    write(robot, parameters, Some(header))
+}
+
+/// `header` where the file is for others.
+fn write(robot: &Robot, parameters: &StandardParameters, header: Option<&str>) -> Result<String, MujocoError> {
     let n = robot.dof();
     let found = parameters.links.len().min(parameters.drives.len());
     if found != n || parameters.links.len() != parameters.drives.len() {
@@ -41,12 +56,17 @@ pub fn mjcf(robot: &Robot, parameters: &StandardParameters) -> Result<String, Mu
         check_link(index + 1, joint, link)?;
     }
     let mut text = String::new();
-    write_head(&mut text, robot);
+    if let Some(header) = header {
+        write_comment(&mut text, robot, parameters, header);
+    }
+    write_head(&mut text, robot, header.is_some());
     text += "  <worldbody>\n";
     open_body(&mut text, 2, "base", robot.base());
     for (index, (joint, link)) in robot.joints().iter().zip(&parameters.links).enumerate() {
         open_body(&mut text, 3 + index, &format!("link{}", index + 1), &joint.before.compose(&joint.after));
-        write_link(&mut text, 4 + index, joint, link, rotor_of_joint(robot, parameters, index)?);
+        let rotor = rotor_of_joint(robot, parameters, index)?;
+        let more = header.map_or_else(String::new, |_| friction_and_limits(joint, &parameters.drives[index]));
+        write_link(&mut text, 4 + index, joint, link, rotor, &more);
     }
     for depth in (2..n + 3).rev() {
         line(&mut text, depth, "</body>");
@@ -79,12 +99,48 @@ fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
-fn write_head(text: &mut String, robot: &Robot) {
+/// What the file is, and what has no place in it.
+fn write_comment(text: &mut String, robot: &Robot, parameters: &StandardParameters, header: &str) {
+    line(text, 0, "<!--");
+    for words in header.lines() {
+        line(text, 1, &words.replace("--", "- -"));
+    }
+    for (index, (joint, drive)) in robot.joints().iter().zip(&parameters.drives).enumerate() {
+        let name = joint.name.replace("--", "- -");
+        line(text, 1, &format!("joint {name}: torque offset {:?} N m, which MJCF cannot say", drive.offset));
+        if robot.is_coupled(index) {
+            let (viscous, coulomb) = (drive.motor_viscous, drive.motor_coulomb);
+            let own = format!("viscous {viscous:?} N m s/rad, Coulomb {coulomb:?} N m");
+            line(text, 1, &format!("motor {}: friction of its own: {own}", index + 1));
+        }
+    }
+    line(text, 0, "-->");
+}
+
+/// Attributes of a joint that another user of the file expects.
+fn friction_and_limits(joint: &Joint, drive: &DriveParameters) -> String {
+    let mut more = format!(" damping=\"{}\" frictionloss=\"{}\"", numbers(&[drive.viscous]), numbers(&[drive.coulomb]));
+    let (low, high) = joint.limits.position;
+    if low.is_finite() && high.is_finite() {
+        more += &format!(" limited=\"true\" range=\"{}\"", numbers(&[low, high]));
+    }
+    if joint.limits.torque.is_finite() {
+        let torque = joint.limits.torque;
+        more += &format!(" actuatorfrclimited=\"true\" actuatorfrcrange=\"{}\"", numbers(&[-torque, torque]));
+    }
+    more
+}
+
+fn write_head(text: &mut String, robot: &Robot, for_others: bool) {
     let gravity = robot.base().rotation * robot.gravity();
     line(text, 0, &format!("<mujoco model=\"{}\">", escaped(robot.name())));
     let exact = "inertiafromgeom=\"false\" balanceinertia=\"false\" boundmass=\"0\" boundinertia=\"0\"";
     line(text, 1, &format!("<compiler angle=\"radian\" autolimits=\"false\" {exact}/>"));
     let gravity = numbers(gravity.as_slice());
+    if for_others {
+        line(text, 1, &format!("<option timestep=\"0.001\" gravity=\"{gravity}\"/>"));
+        return;
+    }
     line(text, 1, &format!("<option timestep=\"0.001\" integrator=\"RK4\" gravity=\"{gravity}\">"));
     // A state that is no longer a number must be seen, not be put back to zero.
     line(text, 2, "<flag contact=\"disable\" constraint=\"disable\" autoreset=\"disable\"/>");
@@ -98,7 +154,7 @@ fn open_body(text: &mut String, depth: usize, name: &str, placement: &Placement)
     line(text, depth, &format!("<body name=\"{name}\" pos=\"{position}\" xyaxes=\"{axes}\">"));
 }
 
-fn write_link(text: &mut String, depth: usize, joint: &Joint, link: &Inertia, rotor: f64) {
+fn write_link(text: &mut String, depth: usize, joint: &Joint, link: &Inertia, rotor: f64, more: &str) {
     let c = link.com().unwrap_or_else(Vector3::zeros);
     let i = link.about_com();
     let six = [i[(0, 0)], i[(1, 1)], i[(2, 2)], i[(0, 1)], i[(0, 2)], i[(1, 2)]];
@@ -113,7 +169,7 @@ fn write_link(text: &mut String, depth: usize, joint: &Joint, link: &Inertia, ro
     let (anchor, axis) = (numbers(seen.translation.as_slice()), numbers(seen.rotation.column(2).as_slice()));
     let (name, armature) = (escaped(&joint.name), numbers(&[rotor]));
     let place = format!("pos=\"{anchor}\" axis=\"{axis}\"");
-    line(text, depth, &format!("<joint name=\"{name}\" type=\"{kind}\" {place} armature=\"{armature}\"/>"));
+    line(text, depth, &format!("<joint name=\"{name}\" type=\"{kind}\" {place} armature=\"{armature}\"{more}/>"));
 }
 
 /// What the rotor of motor `index` adds to its own joint alone; 0 where a tendon carries it.

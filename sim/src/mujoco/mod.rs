@@ -31,7 +31,7 @@ mod status;
 mod tests;
 
 pub use error::MujocoError;
-pub use mjcf::mjcf;
+pub use mjcf::{mjcf, mjcf_for_exchange};
 pub use model::{MujocoModel, MujocoStepper};
 pub use plant::{MujocoPlant, MujocoScheme};
 pub use status::MujocoStatus;

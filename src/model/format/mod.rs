@@ -9,6 +9,8 @@
 //! | URDF | [`parse_urdf`] | [`ImportedModel`] |
 //! | MJCF | [`parse_mjcf`] | [`ImportedModel`] |
 //!
+//! [`write_parameters`] and [`write_urdf`] go the other way.
+//!
 //! Keys carry their unit as a suffix. A link is called after the joint that moves it, the one that stands still is
 //! `base`. Every fault is a [`FormatError`] that says what was found, what was expected, and the line and column.
 
@@ -24,6 +26,7 @@ mod robot_file;
 mod shape_tables;
 mod tree;
 mod urdf;
+mod urdf_writer;
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "a number of the text is read to its last bit")]
 mod fault_tests;
@@ -46,3 +49,4 @@ pub use parameter_writer::write_parameters;
 pub use robot_file::parse_robot;
 pub use tree::{ChainEnds, ImportedModel};
 pub use urdf::parse_urdf;
+pub use urdf_writer::write_urdf;

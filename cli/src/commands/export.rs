@@ -1,0 +1,189 @@
+//! `armid export`
+
+use std::fmt::Write;
+use std::path::{Path, PathBuf};
+
+use armid::base::{Method, reduce};
+use armid::estimation::{ConsistentSet, Estimate, consistent_set};
+use armid::model::{Columns, StandardParameters};
+use armid::provenance::sha256;
+use armid::seed::Seed;
+use miette::Result;
+use serde_json::{Value, json};
+
+use crate::answer::{Answer, Ending};
+use crate::atomic_file::{self, read_text};
+use crate::choices::one_of;
+use crate::console::Console;
+use crate::exchange::{Exchange, Reloaded};
+use crate::fault::{Fault, Text};
+use crate::robot_source::{ChainArguments, LoadedRobot, load};
+use crate::table::number;
+
+const AFTER_HELP: &str = "\
+Torque shows base parameters, and other tools ask for every link's mass, centre of mass and inertia.
+The set that is written has the estimated base parameters and, among those that have, is the nearest
+to the nominal one whose links real bodies can have (positive definite pseudo-inertia, friction above
+zero). Where no such set has exactly the estimated values, every base parameter stays inside its 95 %
+interval; where that is impossible too, those outside are named and the exit status is 1. The file is
+read back, and its torque is compared with that of the regressor.
+
+URDF has no place for rotor inertia and torque offset, MJCF none for the offset: they are in the
+comment at the top.
+
+Examples:
+  armid export E.json --to urdf -o a460.urdf
+  armid export E.json --to mjcf --robot arm/robot.toml -o arm.xml
+  armid export E.json --to json --json";
+
+/// Write the estimate as a physically consistent model for other tools
+#[derive(Debug, clap::Args)]
+#[command(after_help = AFTER_HELP)]
+pub(crate) struct Arguments {
+    /// The estimate, of `armid identify`
+    estimate: PathBuf,
+    /// In which format
+    #[arg(long, value_parser = one_of(&Exchange::ALL, Exchange::name))]
+    to: Exchange,
+    /// The robot, where it is not the bundled one that the estimate names
+    #[arg(long)]
+    robot: Option<String>,
+    #[command(flatten)]
+    chain: ChainArguments,
+}
+
+pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    let text = read_text(&arguments.estimate)?;
+    let estimate = read(&text)?;
+    let name = arguments.robot.as_deref().unwrap_or(&estimate.robot);
+    let loaded = load(name, &arguments.chain, None)?;
+    let set = consistent(&text, &estimate, &loaded)?;
+    let written = arguments.to.write(&loaded.robot, &set.parameters, &header(&estimate, &set))?;
+    let reloaded = Reloaded::compare(arguments.to, &written, &loaded.robot, &set.parameters)?;
+    let path = console.output().map_or_else(
+        || {
+            let file = format!("{}.{}", loaded.robot.name(), arguments.to.extension());
+            Path::new("reports").join(format!("{}-identified", loaded.robot.name())).join(file)
+        },
+        Path::to_path_buf,
+    );
+    atomic_file::write_text(&path, &written)?;
+    let sound = set.outside.is_empty() && reloaded.is_sound();
+    let done = Done { estimate: &estimate, format: arguments.to, set, reloaded, path };
+    console.show(&Answer { text: done.text(), json: done.json() })?;
+    Ok(if sound { Ending::Done } else { Ending::Negative })
+}
+
+fn read(text: &Text) -> Result<Estimate> {
+    if text.content.trim_start().starts_with('[') {
+        let help = "name one --estimator in `armid identify`";
+        let message = format!("{} holds a list of estimates, expected one", text.name);
+        return Err(Fault::new(message).help(help).into());
+    }
+    serde_json::from_str(&text.content).map_err(|error| {
+        let message = error.to_string();
+        let message = message.split(" at line ").next().unwrap_or_default();
+        let shown = Fault::new(message).at_line(text, error.line(), error.column());
+        shown.help("expected an estimate of `armid identify`").into()
+    })
+}
+
+/// The consistent set of an estimate of this very robot.
+fn consistent(text: &Text, estimate: &Estimate, loaded: &LoadedRobot) -> Result<ConsistentSet> {
+    let robot = &loaded.robot;
+    let mismatch = |what: &str, found: &str, expected: &str| {
+        Err(Fault::new(format!("{}: the {what} is \"{found}\", expected \"{expected}\"", text.name)).into())
+    };
+    if estimate.robot != robot.name() {
+        return mismatch("robot", &estimate.robot, robot.name());
+    }
+    if let Some(provenance) = &estimate.provenance {
+        let expected = sha256(&loaded.text.content);
+        if provenance.robot_sha256 != expected {
+            return mismatch("SHA-256 of the robot file", &provenance.robot_sha256, &expected);
+        }
+    }
+    let Some(columns) = Columns::parse(&estimate.columns) else {
+        return mismatch("set of columns", &estimate.columns, &Columns::ALL.map(Columns::name).join(", "));
+    };
+    let Some(guess) = loaded.nominal.as_ref().or(loaded.own.as_ref()) else {
+        let message = format!("\"{}\" has no nominal parameters: nothing says what torque does not show", robot.name());
+        return Err(Fault::new(message).help("write nominal.toml beside robot.toml").into());
+    };
+    let base = reduce(robot, columns, Method::Structural, Seed::new(0))
+        .map_err(|error| Fault::new(format!("robot \"{}\": {error}", robot.name())))?;
+    Ok(consistent_set(&base, estimate, guess).map_err(|error| Fault::new(format!("{}: {error}", text.name)))?)
+}
+
+/// What stands on top of the file.
+fn header(estimate: &Estimate, set: &ConsistentSet) -> String {
+    format!(
+        "{} identified by {} ({} columns, {} base parameters, {} samples, {} periods); armid {}.\nPhysically consistent; \
+         base parameters {}.",
+        estimate.robot,
+        estimate.estimator,
+        estimate.columns,
+        estimate.base.len(),
+        estimate.samples,
+        estimate.periods,
+        env!("CARGO_PKG_VERSION"),
+        verdict(set),
+    )
+}
+
+fn verdict(set: &ConsistentSet) -> String {
+    if set.is_exact {
+        "exactly the estimated ones".to_owned()
+    } else if set.outside.is_empty() {
+        format!("within the 95 % intervals of the estimate, at most {} standard deviations away", number(worst(set)))
+    } else {
+        format!("outside the 95 % intervals of the estimate: {}", set.outside.join(", "))
+    }
+}
+
+/// The largest distance of a base parameter from its estimate, in standard deviations.
+fn worst(set: &ConsistentSet) -> f64 {
+    set.deviations.iter().fold(0.0_f64, |worst, x| worst.max(x.abs()))
+}
+
+struct Done<'a> {
+    estimate: &'a Estimate,
+    format: Exchange,
+    set: ConsistentSet,
+    reloaded: Reloaded,
+    path: PathBuf,
+}
+
+impl Done<'_> {
+    fn json(&self) -> Value {
+        json!({
+            "robot": self.estimate.robot,
+            "estimator": self.estimate.estimator,
+            "to": self.format.name(),
+            "file": self.path,
+            "consistent": consistent_links(&self.set.parameters),
+            "exact": self.set.is_exact,
+            "largest_deviation_std": worst(&self.set),
+            "outside": self.set.outside,
+            "reload": {
+                "states": self.reloaded.states,
+                "largest_relative_difference": self.reloaded.difference,
+            },
+        })
+    }
+
+    fn text(&self) -> String {
+        let mut text = format!("{}\n{}: {}\n", self.path.display(), self.estimate.robot, verdict(&self.set));
+        let _ = writeln!(
+            text,
+            "read back, its rigid torque is that of the regressor to {} of the largest, over {} random states",
+            number(self.reloaded.difference),
+            self.reloaded.states
+        );
+        text
+    }
+}
+
+fn consistent_links(set: &StandardParameters) -> bool {
+    set.links.iter().all(|link| link.check().is_ok())
+}

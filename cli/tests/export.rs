@@ -1,0 +1,87 @@
+//! `armid export`
+
+mod support;
+
+use std::path::Path;
+
+use support::{armid, json, stderr, stdout, temporary, write};
+
+fn path(folder: &Path, name: &str) -> String {
+    folder.join(name).to_str().expect("a path in UTF-8").to_owned()
+}
+
+/// The estimate of a short recording of the paper's trajectory.
+fn estimate(folder: &Path) -> String {
+    let (recording, estimate) = (path(folder, "R.mcap"), path(folder, "E.json"));
+    armid(["run", &support::experiment(folder, 2), "-o", &recording]).success();
+    armid(["identify", &recording, "-o", &estimate]).success();
+    estimate
+}
+
+#[test]
+fn identity_every_format_reads_back_with_the_torque_of_the_regressor() {
+    let folder = temporary();
+    let estimate = estimate(folder.path());
+    for (to, name) in [("urdf", "arm.urdf"), ("mjcf", "arm.xml"), ("toml", "truth.toml"), ("json", "phi.json")] {
+        let out = path(folder.path(), name);
+        let done = json(&armid(["export", &estimate, "--to", to, "-o", &out, "--json"]).success());
+        assert_eq!(done["consistent"], true, "{to}");
+        assert!(done["outside"].as_array().unwrap().is_empty());
+        assert!(done["reload"]["largest_relative_difference"].as_f64().unwrap() < 1e-9, "{done}");
+        assert!(done["largest_deviation_std"].as_f64().unwrap() < 2.0);
+    }
+    // The map is what `armid dynamics` takes, the trees are robots of their own, and all say the same torque.
+    let states = "q1,q2,q3,q4,q5,q6,qd1,qd2,qd3,qd4,qd5,qd6,qdd1,qdd2,qdd3,qdd4,qdd5,qdd6\n\
+                  0.3,0.5,-0.4,0.2,0.9,-1,0,0,0,0,0,0,0,0,0,0,0,0\n";
+    let states = write(folder.path(), "S.csv", states);
+    let torque = |robot: &str, parameters: Option<&str>| -> Vec<f64> {
+        let mut arguments = vec!["dynamics", robot, "--states", &states, "--quantity", "torque"];
+        arguments.extend(parameters.iter().flat_map(|parameters| ["--parameters", parameters]));
+        let text = stdout(&armid(arguments).success());
+        text.lines().nth(1).unwrap().split(',').map(|x| x.parse().unwrap()).collect()
+    };
+    let map = path(folder.path(), "phi.json");
+    let offsets: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&map).unwrap()).unwrap();
+    let expected = torque("crs-a460", Some(&map));
+    for tree in ["arm.urdf", "arm.xml"] {
+        let found = torque(&path(folder.path(), tree), None);
+        for (joint, (found, expected)) in found.iter().zip(&expected).enumerate() {
+            // At rest friction is nothing, and the offset has no place in either tree.
+            let offset = offsets[format!("Fo{}", joint + 1)].as_f64().unwrap();
+            assert!((found + offset - expected).abs() < 1e-9, "{tree} {joint}: {found} {expected}");
+        }
+    }
+}
+
+#[test]
+fn an_estimate_of_another_robot_is_refused() {
+    let folder = temporary();
+    let estimate = estimate(folder.path());
+    let refused = |more: &[&str]| stderr(&armid(["export", &estimate].iter().chain(more)).code(2));
+    assert!(refused(&["--to", "urdf", "--robot", "puma-560"]).contains("puma-560"));
+    assert!(refused(&["--to", "step"]).contains("urdf"));
+    let text = std::fs::read_to_string(&estimate).unwrap();
+    let changed = write(folder.path(), "changed.json", &text.replace("\"robot_sha256\": \"", "\"robot_sha256\": \"0"));
+    assert!(stderr(&armid(["export", &changed, "--to", "urdf"]).code(2)).contains("SHA-256"));
+    let broken = write(folder.path(), "broken.json", "{");
+    assert!(stderr(&armid(["export", &broken, "--to", "urdf"]).code(2)).contains("expected an estimate"));
+}
+
+#[test]
+fn base_parameters_that_no_arm_can_have_are_named_with_status_1() {
+    let folder = temporary();
+    let estimate = estimate(folder.path());
+    let mut found: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&estimate).unwrap()).unwrap();
+    for parameter in found["base"].as_array_mut().unwrap() {
+        if parameter["name"] == "Fv6" {
+            parameter["value"] = (-3.0).into();
+            parameter["ci95"] = serde_json::json!([-3.1, -2.9]);
+        }
+    }
+    let impossible = write(folder.path(), "impossible.json", &found.to_string());
+    let out = path(folder.path(), "arm.urdf");
+    let done = json(&armid(["export", &impossible, "--to", "urdf", "-o", &out, "--json"]).code(1));
+    assert!(done["outside"].as_array().unwrap().iter().any(|name| name == "Fv6"), "{done}");
+    assert_eq!((done["consistent"].as_bool(), done["exact"].as_bool()), (Some(true), Some(false)));
+    assert!(Path::new(&out).is_file());
+}
