@@ -123,7 +123,7 @@ fn estimators_are_listed_and_several_answer_together() {
     let folder = temporary();
     let recording = record(folder.path(), "R.mcap", "3");
     let out = path(folder.path(), "E.json");
-    let both = ["identify", &recording, "--estimator", "ols", "wls", "--no-friction", "-o", &out, "--json"];
+    let both = ["identify", &recording, "--estimator", "ols,wls", "--no-friction", "-o", &out, "--json"];
     let both = json(&armid(both).success());
     assert_eq!((both[0]["estimator"].as_str(), both[1]["estimator"].as_str()), (Some("ols"), Some("wls")));
     assert_eq!(both[0]["base"].as_array().unwrap().len(), 36);

@@ -25,7 +25,7 @@ has the headings t,q1..qn,tau1..taun (N·m) or t,q1..qn,current1..currentn (A) a
 
 Examples:
   armid identify R.mcap -o E.json
-  armid identify R.mcap --estimator ols wls --json
+  armid identify R.mcap --estimator ols,wls --json
   armid identify log.csv --robot crs-a460 --period 10 --skip 3 -o E.json
   armid identify --list";
 
@@ -39,8 +39,8 @@ pub(crate) struct Arguments {
     /// List the estimators
     #[arg(long)]
     list: bool,
-    /// One estimator or several
-    #[arg(long, num_args = 1.., default_value = "wls", value_parser = one_of(EstimatorKind::ALL, EstimatorKind::name))]
+    /// One estimator, or several with commas between them
+    #[arg(long, value_delimiter = ',', default_value = "wls", value_parser = one_of(EstimatorKind::ALL, EstimatorKind::name))]
     estimator: Vec<EstimatorKind>,
     /// What is estimated
     #[arg(long, default_value = "rigid+rotor+friction", value_parser = one_of(&Columns::ALL, Columns::name))]
