@@ -42,6 +42,16 @@ pub struct FamilyScore {
     pub coverage: f64,
 }
 
+impl FamilyScore {
+    /// The bound of one experiment where `experiments` make up the whole, `bound √k`: as long as it falls, an experiment
+    /// buys more than the same number of samples of those before it; where it stands still, the design has nothing left
+    /// to add.
+    #[must_use]
+    pub fn bound_per_experiment(&self, experiments: usize) -> Option<f64> {
+        self.bound_in_units.map(|bound| bound * libm::sqrt(experiments as f64))
+    }
+}
+
 /// What a family achieved on one base parameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ParameterScore {

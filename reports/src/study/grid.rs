@@ -94,7 +94,9 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
         )),
     ];
     let mut section = Section::new("Criteria and trajectories");
-    for figure in &figures {
+    // A volume is not defined for fewer runs than parameters.
+    let is_empty = |metric: usize| values(metric).iter().all(Option::is_none);
+    for (figure, _) in figures.iter().zip([0, 3, 2]).filter(|(_, metric)| !is_empty(*metric)) {
         section = section.figure(&**figure)?;
     }
     let table = plan.designs.iter().filter_map(score).fold(

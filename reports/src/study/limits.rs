@@ -6,12 +6,15 @@ use crate::{
     Axis, Cell, Column, DocumentError, GroupStyle, Heading, Limit, Line, Section, Table, TimePanel, TimeSeriesFigure,
 };
 
+/// Designs that are drawn: of a grid the first few.
+const EXAMPLES: usize = 12;
+
 pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
     let result = &story.result;
     let mut section = Section::new("Trajectories and limits").text(
         "Position, velocity, acceleration and the torque of the nominal parameters, each over its limit: at 1 a limit is reached. Limits hold between samples too.",
     );
-    for example in &story.examples.limits {
+    for example in story.examples.limits.iter().take(EXAMPLES) {
         section = section.figure(&figure(example, story))?;
     }
     let mut table = Table::new(
@@ -80,7 +83,7 @@ fn figure(example: &LimitExample, story: &StudyStory) -> TimeSeriesFigure {
         })
         .collect();
     TimeSeriesFigure {
-        heading: Heading::new(format!("limits-{}", example.family), format!("A {} design against its limits", example.family))
+        heading: Heading::new(format!("limits-{}", stem(&example.family)), format!("A {} design against its limits", example.family))
             .subtitle(format!("design {} of the study", example.design))
             .caption("Each quantity over its limit; position counts from the middle of its range. Torque is that of the nominal parameters, over the joint's rating."),
         time: Axis::linear("time", "s"),
@@ -89,4 +92,9 @@ fn figure(example: &LimitExample, story: &StudyStory) -> TimeSeriesFigure {
         same_range: true,
         panels,
     }
+}
+
+/// A family's name as a part of a file's name.
+fn stem(family: &str) -> String {
+    family.to_lowercase().replace(|c: char| !c.is_ascii_alphanumeric(), "-")
 }

@@ -8,8 +8,8 @@ use crate::{
     Section, Table,
 };
 
-/// Panels: title, axis, value and interval of a family.
-type Panel = (&'static str, Axis, fn(&FamilyScore) -> Option<ScatterValue>);
+/// Panels: title, axis, value and interval of a family after a number of experiments.
+type Panel = (&'static str, Axis, fn(&FamilyScore, usize) -> Option<ScatterValue>);
 
 /// A value with the interval that it has, if any.
 type ScatterValue = (f64, Option<(f64, f64)>);
@@ -46,16 +46,21 @@ pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentErr
         let scores = story.result.findings().families.iter();
         scores.filter(|score| score.estimator == estimator).find(|score| score.family == designs[family].name)
     };
-    let panels: [Panel; 4] = [
-        ("Torque prediction", Axis::log("prediction RMSE", "N·m"), |score| value(score, 0)),
-        ("Parameters", Axis::log("parameter RMSE", "reference units"), |score| value(score, 3)),
-        ("Volume", Axis::linear("log volume of the error", ""), |score| value(score, 2)),
-        ("Bound", Axis::log("median bound", "reference units"), |score| score.bound_in_units.map(|b| (b, None))),
+    let panels: [Panel; 5] = [
+        ("Torque prediction", Axis::log("prediction RMSE", "N·m"), |score, _| value(score, 0)),
+        ("Parameters", Axis::log("parameter RMSE", "reference units"), |score, _| value(score, 3)),
+        ("Bound", Axis::log("median bound", "reference units"), |score, _| score.bound_in_units.map(|b| (b, None))),
+        (
+            "Bound of one experiment",
+            Axis::log("median bound · √experiments", "reference units"),
+            |score, experiments| score.bound_per_experiment(experiments).map(|b| (b, None)),
+        ),
+        ("Volume", Axis::linear("log volume of the error", ""), |score, _| value(score, 2)),
     ];
     let figure = ScatterFigure {
         heading: Heading::new("rounds", "What each round buys")
             .subtitle(format!("error after one experiment, two, …, all of the same length; {estimator}"))
-            .caption("Bars: 95 % intervals by bootstrap over designs and runs. The bound is the median over parameters of the Cramér–Rao standard deviation."),
+            .caption("Bars: 95 % intervals by bootstrap over designs and runs. The bound is the median over parameters of the Cramér–Rao standard deviation; that of one experiment falls as long as a round buys more than the same experiments again."),
         columns: 2,
         panels: panels
             .into_iter()
@@ -73,19 +78,22 @@ pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentErr
                             .iter()
                             .enumerate()
                             .filter_map(|(round, &family)| {
-                                let (value, interval) = value(score(family)?)?;
+                                let (value, interval) = value(score(family)?, round + 1)?;
                                 let point = ScatterPoint::new((round + 1) as f64, value);
                                 Some(interval.map_or(point, |(low, high)| point.interval(low, high)))
                             })
                             .collect(),
                     })
+                    // A volume is not defined for few runs.
+                    .filter(|group: &ScatterGroup| !group.points.is_empty())
                     .collect(),
                 references: Vec::new(),
             })
+            .filter(|panel| !panel.groups.is_empty())
             .collect(),
     };
     let mut table = Table::new(
-        "Each round of each chain, with 95 % intervals; the last columns: median over parameters of the bound, and of the standard deviation over its bound.",
+        "Each round of each chain, with 95 % intervals; the last columns: median over parameters of the bound, the same of one experiment, and median of the standard deviation over its bound.",
         vec![
             Column::text("chain"),
             Column::number("experiments", ""),
@@ -96,6 +104,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentErr
             Column::number("parameters", "ref. units"),
             Column::number("log volume", ""),
             Column::number("bound", "ref. units"),
+            Column::number("bound · √experiments", "ref. units"),
             Column::number("std / bound", ""),
         ],
     );
@@ -113,6 +122,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentErr
                 score.values[3].map_or(Cell::Missing, |value| Cell::number(value, 3)),
                 score.values[2].map_or(Cell::Missing, |value| Cell::fixed(value, 1)),
                 score.bound_in_units.map_or(Cell::Missing, |value| Cell::number(value, 3)),
+                score.bound_per_experiment(round + 1).map_or(Cell::Missing, |value| Cell::number(value, 3)),
                 score.std_over_bound.map_or(Cell::Missing, |value| Cell::fixed(value, 2)),
             ]);
         }
