@@ -44,6 +44,7 @@ pub struct Certificate {
     /// SHA-256 of the trajectory as its file states it.
     pub trajectory_sha256: String,
     /// SHA-256 of the nominal parameters and their uncertainty; `None` where torque is not held.
+    #[serde(default)]
     pub nominal_sha256: Option<String>,
     /// Samples of one period on which it was computed.
     pub samples: usize,
@@ -75,6 +76,7 @@ pub struct Certificate {
     /// Largest use of each kind of limit.
     pub worst_limit_use: WorstLimitUse,
     /// SHA-256 of all the rest, so that a change of any figure shows.
+    #[serde(default)]
     pub seal: String,
     /// Where that is.
     pub worst: WorstCases,
