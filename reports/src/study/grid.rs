@@ -2,16 +2,13 @@
 
 use armid::study::{FamilyPlan, FamilyScore, HarmonicsPlan, Metric, StudyStory};
 
-use super::page::shown_estimator;
+use super::page::{GROUPS, shown_estimator};
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Figure, Heading, HeatFigure, Section, Table};
 
-/// A study with more families of designs than boxes can show is drawn as a grid.
-const FAMILIES: usize = 16;
-
-/// Whether a study is drawn as a grid.
+/// Whether a study is drawn as a grid: one with more families of designs than colours can show.
 pub(super) fn is_grid(story: &StudyStory) -> bool {
     let designs = &story.result.plan.designs;
-    designs.len() > FAMILIES && designs.iter().all(|family| column(family).is_some())
+    designs.len() > GROUPS && designs.iter().all(|family| column(family).is_some())
 }
 
 /// The column of a family of designs: its trajectories and harmonics.

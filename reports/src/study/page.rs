@@ -5,6 +5,9 @@ use armid::study::StudyStory;
 use super::{atlas, conditions, convergence, criteria, grid, limits, overview, paper, parameters, prediction, rounds};
 use crate::{Document, DocumentError};
 
+/// Families of designs that a figure tells apart by their colours.
+pub(super) const GROUPS: usize = 8;
+
 /// The page of a study with every figure and table.
 ///
 /// # Errors
@@ -26,7 +29,12 @@ pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
     if let Some(rounds) = rounds::section(story)? {
         document = document.section(rounds);
     }
-    document = document.section(if grid::is_grid(story) { grid::section(story)? } else { criteria::section(story)? });
+    let is_crowded = plan.designs.len() > GROUPS;
+    if grid::is_grid(story) {
+        document = document.section(grid::section(story)?);
+    } else if !is_crowded {
+        document = document.section(criteria::section(story)?);
+    }
     if let Some(found) = &result.atlas {
         document = document.section(atlas::section(story, found)?);
     }
@@ -42,7 +50,10 @@ pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
     document = document.section(limits::section(story)?);
     // Hundreds of lines and boxes show nothing: a grid has its tables.
     if !grid::is_grid(story) {
-        document = document.section(convergence::section(story)?).section(parameters::section(story)?);
+        document = document.section(convergence::section(story)?);
+    }
+    if !is_crowded {
+        document = document.section(parameters::section(story)?);
     }
     document = document.section(prediction::section(story)?);
     Ok(document
