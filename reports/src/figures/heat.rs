@@ -18,6 +18,7 @@ use crate::drawing::typeface::Font;
 ///     heading: Heading::new("correlation", "m5 and m6 cannot be told apart"),
 ///     rows: vec!["m5".into(), "m6".into()],
 ///     columns: vec!["m5".into(), "m6".into()],
+///     groups: Vec::new(),
 ///     values: vec![Some(1.0), Some(-0.98), Some(-0.98), Some(1.0)],
 ///     value: Axis::linear("correlation", "").including(&[-1.0, 1.0]),
 ///     colours: ColourMap::Signed,
@@ -33,6 +34,8 @@ pub struct HeatFigure {
     pub rows: Vec<String>,
     /// Names of the columns, at most 80.
     pub columns: Vec<String>,
+    /// Names over neighbouring columns, each with their number, from the left; empty for none.
+    pub groups: Vec<(String, usize)>,
     /// rows × columns numbers, row by row; `None` is a grey cell.
     pub values: Vec<Option<f64>>,
     /// Name, unit and scale of the numbers; a signed colour map is linear.
@@ -98,6 +101,10 @@ impl HeatFigure {
         check.axis("the values", &self.value)?;
         check.count("the list of rows", self.rows.len(), 120)?;
         check.count("the list of columns", self.columns.len(), 80)?;
+        if !self.groups.is_empty() {
+            let grouped = self.groups.iter().map(|(_, count)| count).sum();
+            check.length("the columns of all groups", grouped, self.columns.len())?;
+        }
         check.length("the list of values", self.values.len(), self.rows.len() * self.columns.len())?;
         let scale = if self.colours == ColourMap::Signed { Scale::Linear } else { self.value.scale };
         for (index, value) in self.values.iter().enumerate() {
@@ -122,7 +129,18 @@ impl HeatFigure {
 
     /// A number as printed in a cell.
     fn printed(&self, value: f64) -> String {
-        if self.value.scale == Scale::Log { powered(value, self.digits.min(3)) } else { compact(value, self.digits) }
+        if self.value.scale != Scale::Log {
+            return compact(value, self.digits);
+        }
+        // As many digits that count, without a power where the number is of ordinary size.
+        let size = value.abs();
+        let decade = |limit: &&f64| size >= **limit;
+        let decades = [0.1, 1.0, 10.0, 100.0, 1000.0, 1e4];
+        if !(0.01..1e5).contains(&size) {
+            return powered(value, self.digits.min(3));
+        }
+        let past = decades.iter().filter(decade).count();
+        compact(value, (self.digits + 2).saturating_sub(past))
     }
 
     fn bar(&self, canvas: &mut Canvas, span: &Span, top: f64, (left, right): (f64, f64)) {
@@ -168,7 +186,8 @@ impl Figure for HeatFigure {
         let level = widest(&self.columns, 400.0) + 8.0 <= cell_width;
         let column_names = if level { 18.0 } else { widest(&self.columns, 160.0) + 10.0 };
         let bar_top = head.height + 4.0;
-        let top = bar_top + 38.0 + column_names;
+        let group_names = if self.groups.is_empty() { 0.0 } else { 24.0 };
+        let top = bar_top + 38.0 + column_names + group_names;
         let bottom = top + cell_height * self.rows.len() as f64;
         let mut canvas = Canvas::new(WIDTH, bottom + 14.0);
         head.draw(&mut canvas);
@@ -203,6 +222,25 @@ impl Figure for HeatFigure {
             canvas.line((x, top), (x, bottom), rule);
         }
         canvas.outline(&Rect { left, top, right, bottom }, Ink::new(Colour::FRAME, 0.8));
+        let mut first = 0;
+        for (name, count) in &self.groups {
+            let edge = |column: usize| left + column as f64 * cell_width;
+            let (from, to) = (edge(first), edge(first + count));
+            let y = bar_top + 50.0;
+            canvas.text(
+                &Font::LABEL.fit(name, to - from),
+                ((from + to) / 2.0, y),
+                Font::LABEL,
+                Colour::TEXT,
+                Align::Middle,
+            );
+            canvas.line((from + 4.0, y + 10.0), (to - 4.0, y + 10.0), Ink::new(Colour::FRAME, 0.9));
+            if first > 0 {
+                canvas.line((from, y + 10.0), (from, bottom), Ink::new(Colour::WHITE, 6.0));
+                canvas.line((from, top), (from, bottom), Ink::new(Colour::FRAME, 0.8));
+            }
+            first += count;
+        }
         for (row, name) in self.rows.iter().enumerate() {
             let at = (left - 7.0, top + (row as f64 + 0.5) * cell_height);
             canvas.text(&Font::TICK.fit(name, row_names), at, Font::TICK, Colour::TEXT, Align::End);
@@ -222,7 +260,30 @@ impl Figure for HeatFigure {
 
 #[cfg(test)]
 mod tests {
-    use super::{BLUES, Colour, ColourMap, Scale, Span, dark, ramp};
+    use super::{BLUES, Colour, ColourMap, HeatFigure, Scale, Span, dark, ramp};
+    use crate::{Axis, Figure, FigureError, Heading};
+
+    fn grouped(second: usize) -> HeatFigure {
+        HeatFigure {
+            heading: Heading::new("errors", "Errors at two levels"),
+            rows: vec!["tool".into()],
+            columns: ["a", "b", "c"].map(str::to_owned).to_vec(),
+            groups: vec![("mild".into(), 1), ("severe".into(), second)],
+            values: vec![Some(0.954), Some(10.66), Some(1182.3)],
+            value: Axis::log("ratio", "").including(&[1.0]),
+            colours: ColourMap::Sequential,
+            digits: 1,
+        }
+    }
+
+    #[test]
+    fn analytic_groups_stand_over_their_columns_and_numbers_have_the_digits_that_count() {
+        let svg = grouped(2).svg().expect("three columns in two groups");
+        for text in [">mild<", ">severe<", ">0.95<", ">11<", ">1182<"] {
+            assert!(svg.contains(text), "{text}");
+        }
+        assert!(matches!(grouped(3).svg(), Err(FigureError::Length { found: 4, expected: 3, .. })));
+    }
 
     #[test]
     fn analytic_ends_and_middle_of_the_maps() {

@@ -11,28 +11,30 @@ const LEAST_STD: f64 = 0.3;
 
 /// The figures and tables of an atlas.
 pub(super) fn section(story: &StudyStory, atlas: &Atlas) -> Result<Section, DocumentError> {
-    let estimator = shown_estimator(story);
-    let shown: Vec<&AtlasEntry> =
-        atlas.entries.iter().filter(|entry| entry.estimator == estimator && entry.runs > 0).collect();
-    let section = Section::new("Atlas of effects")
+    let of = |estimator: &str| -> Vec<&AtlasEntry> {
+        atlas.entries.iter().filter(|entry| entry.estimator == estimator && entry.runs > 0).collect()
+    };
+    let mut section = Section::new("Atlas of effects")
         .text("Every effect alone, on otherwise the same arm, with the same designs and the same random numbers. The true parameters are those of the arm without the effect. An error ratio of 1 means that the effect is lost in the noise of the measurement.");
-    Ok(section
-        .figure(&glance(atlas, &shown, estimator))?
-        .figure(&biases(story, &shown, estimator))?
-        .table(predictions(atlas))
-        .table(worst(story, atlas)))
+    // The estimator that figures show comes first.
+    for estimator in story.result.plan.identification.estimators.iter().rev() {
+        section = section.figure(&glance(atlas, &of(estimator), estimator))?;
+    }
+    let estimator = shown_estimator(story);
+    Ok(section.figure(&biases(story, &of(estimator), estimator))?.table(predictions(atlas)).table(worst(story, atlas)))
 }
 
-/// The effects, each once, in their order.
+/// The effects, each once, what ruins prediction most at its first level first.
 fn effects<'a>(shown: &[&'a AtlasEntry]) -> Vec<&'a str> {
-    let mut names: Vec<&str> = Vec::new();
+    let mut found: Vec<(&str, f64)> = Vec::new();
     for entry in shown {
         let name = entry.effect.as_deref().unwrap_or(&entry.condition);
-        if !names.contains(&name) {
-            names.push(name);
+        if !found.iter().any(|(other, _)| *other == name) {
+            found.push((name, entry.prediction_ratio.unwrap_or(0.0)));
         }
     }
-    names
+    found.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+    found.into_iter().map(|(name, _)| name).collect()
 }
 
 /// One row per effect: the error of prediction and of each kind of parameter at each level.
@@ -46,15 +48,8 @@ fn glance(atlas: &Atlas, shown: &[&AtlasEntry], estimator: &str) -> HeatFigure {
     };
     let mut levels: Vec<Option<Level>> = Level::ALL.into_iter().map(Some).chain([None]).collect();
     levels.retain(|&level| shown.iter().any(|entry| entry.level == level));
-    let mut columns = Vec::new();
-    for level in &levels {
-        let level = level.map_or("", Level::name);
-        columns.extend(
-            std::iter::once("prediction")
-                .chain(atlas.kinds.iter().map(String::as_str))
-                .map(|kind| format!("{kind} {level}")),
-        );
-    }
+    let names: Vec<String> =
+        std::iter::once("prediction").chain(atlas.kinds.iter().map(String::as_str)).map(str::to_owned).collect();
     let values = rows.iter().flat_map(|effect| {
         levels.iter().flat_map(|&level| {
             let entry = find(effect, level);
@@ -63,16 +58,19 @@ fn glance(atlas: &Atlas, shown: &[&AtlasEntry], estimator: &str) -> HeatFigure {
             std::iter::once(prediction).chain(kinds).collect::<Vec<_>>()
         })
     });
+    let group =
+        |level: &Option<Level>| level.map_or("other magnitudes".to_owned(), |level| format!("{} level", level.name()));
     HeatFigure {
-        heading: Heading::new("atlas", "What each effect of the real arm ruins")
-            .subtitle(format!("error with the effect over error without it, estimator {estimator}"))
-            .caption("Rows: one effect alone. Left: its realistic level, right: its severe one. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a run that gave no estimate."),
+        heading: Heading::new(format!("atlas-{estimator}"), "What each effect of the real arm ruins")
+            .subtitle(format!("how many times the error without the effect, estimator {estimator}"))
+            .caption("Rows: one effect alone, what ruins prediction most at the top. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a run that gave no estimate."),
         values: values.collect(),
         rows: rows.into_iter().map(str::to_owned).collect(),
-        columns,
-        value: Axis::log("error over error without the effect", "").including(&[1.0]),
+        columns: levels.iter().flat_map(|_| names.clone()).collect(),
+        groups: levels.iter().map(|level| (group(level), names.len())).collect(),
+        value: Axis::log("times the error without the effect", "").including(&[1.0]),
         colours: ColourMap::Sequential,
-        digits: 2,
+        digits: 1,
     }
 }
 
@@ -84,6 +82,7 @@ fn biases(story: &StudyStory, shown: &[&AtlasEntry], estimator: &str) -> HeatFig
             .caption(format!("One column per base parameter. A bias of 1 is as large as the error bar beside the estimate; {LEAST_STD} stands for everything below it.")),
         rows: shown.iter().map(|entry| entry.condition.clone()).collect(),
         columns: story.result.parameters.iter().map(|parameter| parameter.name.clone()).collect(),
+        groups: Vec::new(),
         values: shown
             .iter()
             .flat_map(|entry| entry.parameters.iter().map(|bias| Some(bias.in_std.abs().max(LEAST_STD))))

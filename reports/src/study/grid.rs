@@ -62,6 +62,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
             ),
         rows: rows.clone(),
         columns: columns.clone(),
+        groups: Vec::new(),
         values: values(metric),
         value,
         colours: ColourMap::Sequential,
