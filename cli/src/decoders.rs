@@ -10,13 +10,17 @@ use armid::model::Robot;
 use armid::model::bundled;
 use armid::model::format::{parse_nominal, parse_parameter_map, parse_parameters, parse_robot};
 use armid::study::StudyPlan;
+use armid_hardware::message::cdr::{decode, encode};
+use armid_hardware::message::{
+    Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointState as WireState, JointTrajectory, Text as Word,
+};
 
 use crate::fault::Text;
 use crate::files::joint_state::JointState;
 use crate::files::{experiment_toml, float_array, recording_csv, recording_reader, states_csv};
 use crate::robot_source;
 
-/// CDR: the ROS 2 message of joint states.
+/// CDR: the ROS 2 messages of recordings and of the wire.
 ///
 /// # Panics
 /// Where a message that was read is not the same after writing and reading: a fault that fuzzing looks for.
@@ -27,6 +31,17 @@ pub fn cdr(bytes: &[u8]) {
         let again = JointState::decode(&written).map(|state| state.encode());
         assert_eq!(again.as_deref(), Ok(written.as_slice()), "a message changes when it is written and read");
     }
+    // Bytes, not messages, are compared: a number that is none equals nothing.
+    macro_rules! there_and_back {
+        ($($message:ty),*) => {$(
+            if let Ok(message) = decode::<$message>(bytes) {
+                let written = encode(&message).expect("what was read has lists that can be written");
+                let again = decode::<$message>(&written).and_then(|message| encode(&message));
+                assert_eq!(again, Ok(written), "a message changes when it is written and read");
+            }
+        )*};
+    }
+    there_and_back!(WireState, JointTrajectory, FollowGoal, FollowFeedback, FollowResult, Float64MultiArray, Word);
 }
 
 /// MCAP: a recording, cut off or not, and the robot that it holds.

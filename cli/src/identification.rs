@@ -6,7 +6,9 @@ use armid::signal::{
     AperiodicRecord, Derivatives, PeriodicRecord, Processing, Samples, SignalError, process, process_aperiodic,
     process_periods,
 };
+use armid_hardware::link::StampFindings;
 use miette::Result;
+use serde_json::{Value, json};
 
 use crate::choices::one_of;
 use crate::fault::Fault;
@@ -43,15 +45,61 @@ pub(crate) struct Prepared {
     pub(crate) log: Log,
     pub(crate) robot: LoadedRobot,
     pub(crate) samples: Samples,
+    pub(crate) gaps: Option<Gaps>,
+}
+
+/// What is missing in a recording of a real arm, and what that means for its average.
+#[derive(Clone, Debug, PartialEq)]
+pub(crate) struct Gaps {
+    /// Samples that lie on a line across a gap.
+    missing: usize,
+    /// The recorded periods that hold one, from one.
+    periods: Vec<usize>,
+    /// Whether those periods are left out; not where they are all there are.
+    left_out: bool,
+}
+
+impl Gaps {
+    /// Leaves out the periods of a recording that hold a missing sample, where others are left.
+    fn leave_out(log: &mut Log) -> Result<Option<Self>> {
+        let (Some(text), Some(recording)) = (log.notes.get("stamps"), &mut log.recording) else { return Ok(None) };
+        let stamps: StampFindings = serde_json::from_str(text)
+            .map_err(|error| Fault::new(format!("{}: metadata \"stamps\": {error}", log.name)))?;
+        if stamps.missing.is_empty() {
+            return Ok(None);
+        }
+        let mut less = recording.clone();
+        let periods: Vec<usize> = less.leave_out(&stamps.missing).into_iter().map(|period| period + 1).collect();
+        let left_out = less.periods() > 0 && !periods.is_empty();
+        if left_out {
+            *recording = less;
+        }
+        Ok(Some(Self { missing: stamps.missing.len(), periods, left_out }))
+    }
+
+    pub(crate) fn text(&self) -> String {
+        let list: Vec<String> = self.periods.iter().map(usize::to_string).collect();
+        let (missing, list) = (self.missing, list.join(", "));
+        match (self.periods.is_empty(), self.left_out) {
+            (true, _) => format!("{missing} samples are missing, none of them in a period that counts\n"),
+            (_, true) => format!("{missing} samples are missing; left out: period {list}\n"),
+            _ => format!("{missing} samples are missing in every period; they lie on lines across the gaps\n"),
+        }
+    }
+
+    pub(crate) fn json(&self) -> Value {
+        json!({ "missing_samples": self.missing, "periods": self.periods, "left_out": self.left_out })
+    }
 }
 
 /// Reads a log and processes it.
 pub(crate) fn prepare(path: &Path, arguments: &LogArguments) -> Result<Prepared> {
     let log = log::read(path)?;
     let robot = robot(&log, arguments)?;
-    let log = arranged(log, &robot)?;
+    let mut log = arranged(log, &robot)?;
+    let gaps = Gaps::leave_out(&mut log)?;
     let samples = samples(&log, &robot, arguments)?;
-    Ok(Prepared { log, robot, samples })
+    Ok(Prepared { log, robot, samples, gaps })
 }
 
 fn robot(log: &Log, arguments: &LogArguments) -> Result<LoadedRobot> {

@@ -5,7 +5,8 @@
 
 use std::path::Path;
 
-use armid::experiment::{Continuation, Ending, Sink};
+use armid::experiment::{Continuation, Ending, Phase, Sink};
+use armid_hardware::link::StampFindings;
 use miette::Result;
 use serde::{Deserialize, Serialize};
 use serde_json::json;
@@ -44,6 +45,8 @@ pub(crate) struct Part {
     sessions: Vec<Session>,
     /// Run number of the session that follows.
     run: u64,
+    /// Samples that a link missed before; unknown where the recording was cut off.
+    missing: Vec<usize>,
 }
 
 /// Looks for the recording that `path` was to become.
@@ -73,6 +76,8 @@ pub(crate) fn find(path: &Path, experiment: &Experiment) -> Result<Found> {
         Some(text) => serde_json::from_str(text)
             .map_err(|error| Fault::new(format!("{}: metadata \"sessions\": {error}", log.name)))?,
     };
+    let stamps = log.notes.get("stamps").and_then(|text| serde_json::from_str::<StampFindings>(text).ok());
+    let missing = stamps.map_or_else(Vec::new, |stamps| stamps.missing);
     let continuation =
         Continuation::new(&experiment.plan, recording).map_err(|error| refused(format!("{}: {error}", log.name)))?;
     let kept = continuation.periods();
@@ -82,7 +87,7 @@ pub(crate) fn find(path: &Path, experiment: &Experiment) -> Result<Found> {
     }
     // High bits: far from the run numbers that people count.
     let run = if kept == 0 { experiment.run } else { experiment.run ^ ((kept as u64) << 32) };
-    Ok(Found::Part(Box::new(Part { continuation, sessions, run })))
+    Ok(Found::Part(Box::new(Part { continuation, sessions, run, missing })))
 }
 
 /// What to say where nothing is left to do.
@@ -116,6 +121,15 @@ impl Part {
             return Ok(Performed { ending: Ending::Completed, tracking: None, guard: None, stamps: None });
         };
         let rest = Experiment { plan, run: self.run, ..experiment.clone() };
-        arms::perform(rest.arm, &rest, recording, &mut self.continuation.join(sink))
+        let mut performed = arms::perform(rest.arm, &rest, recording, &mut self.continuation.join(sink))?;
+        if let Some(stamps) = &mut performed.stamps {
+            let layout = rest.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+            let kept = self.continuation.periods();
+            let new = stamps.missing.iter().filter(|&&k| kept == 0 || layout.phase(k) >= Phase::Record);
+            let new = new.map(|k| k + kept * layout.period_samples);
+            let earlier = self.missing.iter().copied().filter(|&k| k < self.continuation.samples());
+            stamps.missing = earlier.chain(new).collect();
+        }
+        Ok(performed)
     }
 }

@@ -91,6 +91,32 @@ impl Recording {
         self.voltage.truncate(samples * n);
     }
 
+    /// Leaves out every recorded period that holds one of these samples, as if it had not been performed. Returns which
+    /// those were, from zero.
+    pub fn leave_out(&mut self, samples: &[usize]) -> Vec<usize> {
+        let touched: Vec<usize> =
+            (0..self.periods()).filter(|&p| samples.iter().any(|sample| self.period(p).contains(sample))).collect();
+        let n = self.dof;
+        for &p in touched.iter().rev() {
+            let period = self.period(p);
+            let rows = period.start * n..period.end * n;
+            self.q.drain(rows.clone());
+            self.effort.drain(rows.clone());
+            if !self.voltage.is_empty() {
+                self.voltage.drain(rows);
+            }
+            // Time goes on without a step.
+            self.t.truncate(self.t.len() - period.len());
+            let mut after = false;
+            for span in &mut self.phases {
+                span.samples.start -= if after { period.len() } else { 0 };
+                after |= span.phase == Phase::Record;
+                span.samples.end -= if after { period.len() } else { 0 };
+            }
+        }
+        touched
+    }
+
     /// Adds a sample.
     pub fn push(&mut self, sample: &RawSample<'_>) {
         self.t.push(sample.t);
@@ -176,4 +202,34 @@ pub fn record(arm: &mut dyn Arm, plan: &ExperimentPlan) -> Result<(Recording, En
         reason: "it reports an ending, expected it to begin a recording first".to_owned(),
     })?;
     Ok((recording, ending))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::hinges::{self, FlyWheels};
+    use crate::experiment::{ExperimentPlan, Servo};
+
+    #[test]
+    fn identity_what_is_left_without_a_period_is_the_others() {
+        let plan =
+            ExperimentPlan { settle_s: 0.1, ramp_s: 0.3, periods: 4, ..ExperimentPlan::new(hinges::trajectory(1)) };
+        let mut servo = Servo::new(&hinges::single(), &hinges::parameters(1), FlyWheels::new(1)).unwrap();
+        let whole = record(&mut servo, &plan).unwrap().0;
+        let mut less = whole.clone();
+        // Before the periods that count, in the second, at the ends of the fourth, and after them.
+        let touched =
+            [0, whole.period(1).start + 7, whole.period(3).start, whole.period(3).end - 1, whole.period(3).end];
+        assert_eq!(less.leave_out(&touched), [1, 3]);
+        assert_eq!((less.periods(), less.len()), (2, whole.len() - 2 * whole.period_samples));
+        for (kept, p) in [(0, 0), (1, 2)] {
+            assert_eq!(less.q[less.period(kept)], whole.q[whole.period(p)]);
+            assert_eq!(less.effort[less.period(kept)], whole.effort[whole.period(p)]);
+        }
+        for phase in [Phase::Settle, Phase::RampIn, Phase::RampOut] {
+            assert_eq!(less.q[less.samples(phase)], whole.q[whole.samples(phase)], "{phase:?}");
+        }
+        assert_eq!(less.t, whole.t[..less.len()]);
+        assert_eq!(whole.clone().leave_out(&[]), [0; 0]);
+    }
 }

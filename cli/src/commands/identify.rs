@@ -61,8 +61,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let prepared = prepare(path, &arguments.log)?;
     let estimates = estimate(&prepared, columns, &arguments.estimator)?;
     let json = match estimates.as_slice() {
-        [one] => as_json(one),
-        several => several.iter().map(as_json).collect(),
+        [one] => as_json(one, &prepared),
+        several => several.iter().map(|estimate| as_json(estimate, &prepared)).collect(),
     };
     if let Some(path) = console.output() {
         atomic_file::write_text(path, &pretty(&json))?;
@@ -111,8 +111,11 @@ fn estimate(prepared: &Prepared, columns: Columns, estimators: &[EstimatorKind])
 }
 
 /// The estimate's own keys, with each finding's sentence and advice beside its numbers.
-fn as_json(estimate: &Estimate) -> Value {
+fn as_json(estimate: &Estimate, prepared: &Prepared) -> Value {
     let mut json = serde_json::to_value(estimate).unwrap_or_default();
+    if let Some(gaps) = &prepared.gaps {
+        json["gaps"] = gaps.json();
+    }
     if let Some(findings) = json.get_mut("findings").and_then(Value::as_array_mut) {
         for (value, finding) in findings.iter_mut().zip(&estimate.findings) {
             value["text"] = json!(finding.to_string());
@@ -138,6 +141,9 @@ fn text(estimate: &Estimate, prepared: &Prepared, verbose: bool) -> String {
         number(estimate.condition_scaled),
         if prepared.log.complete { "" } else { "\nthe recording is cut off; its whole periods were used" },
     );
+    if let Some(gaps) = &prepared.gaps {
+        let _ = writeln!(text, "{}", gaps.text());
+    }
     let mut table = Table::new(&[
         ("parameter", Align::Left),
         ("value", Align::Right),

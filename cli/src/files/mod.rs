@@ -6,6 +6,7 @@ pub(crate) mod float_array;
 pub(crate) mod joint_state;
 pub(crate) mod journal;
 pub(crate) mod log;
+mod mcap_records;
 pub(crate) mod number_table;
 pub(crate) mod parquet_table;
 pub(crate) mod prior;

@@ -3,10 +3,10 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
-use mcap::read::{ChunkFlattener, Options};
 use mcap::records::Record;
 use miette::Result;
 
+use super::mcap_records::Records;
 use super::recording_mcap::{ENDING, METADATA};
 use crate::fault::Fault;
 
@@ -32,7 +32,7 @@ pub(crate) fn read(path: &Path) -> Result<Notes> {
     let fault = |error: &dyn std::fmt::Display| Fault::new(format!("{name} cannot be read as MCAP: {error}"));
     let bytes = std::fs::read(path).map_err(|error| Fault::new(format!("{name} cannot be read: {error}")))?;
     let mut notes = Notes::default();
-    for record in ChunkFlattener::new_with_options(&bytes, Options::IgnoreEndMagic.into()).map_err(|e| fault(&e))? {
+    for record in Records::new(&bytes, false).map_err(|error| fault(&error))? {
         match record {
             Ok(Record::Metadata(found)) if found.name == METADATA => notes.beginning = found.metadata,
             Ok(Record::Metadata(found)) if found.name == ENDING => notes.ending = found.metadata,

@@ -8,14 +8,14 @@ use armid::experiment::{PhaseSpan, Recording};
 use armid::model::EffortInterface;
 use armid::provenance::Provenance;
 use mcap::McapError;
-use mcap::read::{ChunkFlattener, Options};
 use mcap::records::Record;
 use miette::Result;
 
 use super::float_array;
 use super::joint_state::{JointState, NAME};
 use super::log::{Log, RecordedRobot};
-use super::recording_mcap::{METADATA, STATES, VOLTAGE};
+use super::mcap_records::Records;
+use super::recording_mcap::{ENDING, METADATA, STATES, VOLTAGE};
 use crate::fault::Fault;
 use crate::robot_source::ChainArguments;
 
@@ -23,6 +23,8 @@ use crate::robot_source::ChainArguments;
 #[derive(Default)]
 struct Contents {
     metadata: Option<BTreeMap<String, String>>,
+    /// What was noted at the end; empty where the file is cut off.
+    ending: BTreeMap<String, String>,
     states: Vec<JointState>,
     /// Time, ns, and motor voltages.
     voltages: Vec<(u64, Vec<f64>)>,
@@ -70,8 +72,7 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents> {
     let (mut schema, mut arrays) = (None, None);
     // A chunk's checksum is checked at its end: where that fails it says more than the message that was damaged.
     let mut undecodable: Option<Fault> = None;
-    let records = ChunkFlattener::new_with_options(bytes, Options::IgnoreEndMagic | Options::ValidateChunkCrcs);
-    for record in records.map_err(|error| fault(&error))? {
+    for record in Records::new(bytes, true).map_err(|error| fault(&error))? {
         match record {
             Ok(Record::Schema { header, .. }) if header.name == NAME => schema = Some(header.id),
             Ok(Record::Schema { header, .. }) if header.name == float_array::NAME => arrays = Some(header.id),
@@ -106,6 +107,7 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents> {
                 }
             }
             Ok(Record::Metadata(found)) if found.name == METADATA => contents.metadata = Some(found.metadata),
+            Ok(Record::Metadata(found)) if found.name == ENDING => contents.ending = found.metadata,
             Ok(Record::Footer(_)) => contents.whole = true,
             Ok(_) => {}
             Err(McapError::UnexpectedEof | McapError::UnexpectedEoc) => break,
@@ -181,7 +183,7 @@ fn own(name: &str, metadata: &BTreeMap<String, String>, contents: &Contents) -> 
         effort,
         robot: Some(robot),
         recording: Some(recording),
-        notes: metadata.clone(),
+        notes: metadata.iter().chain(&contents.ending).map(|(key, value)| (key.clone(), value.clone())).collect(),
         complete: true,
     })
 }
