@@ -54,21 +54,29 @@ fn link(view: &View) -> Paragraph<'_> {
         None => Span::raw("does not say"),
         Some(state) => Span::styled(state.to_owned(), if state.starts_with("enabled") { GOOD } else { BAD }),
     };
-    let mut last = vec![Span::raw("robot computer  "), computer];
+    let mut order = vec![
+        Span::raw("               "),
+        count("twice", stamps.duplicates),
+        count("out of order", stamps.reordered),
+        count("clock jumps", stamps.clock_jumps),
+    ];
     if let Some(fault) = &sight.fault {
-        last.push(Span::styled(format!("   {fault}"), BAD));
+        order.push(Span::styled(format!("   {fault}"), BAD));
     }
     let lines = vec![
-        Line::from(vec![Span::raw(format!("joint states    {:5.0} Hz   ", sight.rate_hz)), age]),
         Line::from(vec![
-            Span::raw(format!("stamps          {} messages", stamps.messages)),
-            count("lost", stamps.lost),
-            count("duplicates", stamps.duplicates),
-            count("reordered", stamps.reordered),
-            count("clock jumps", stamps.clock_jumps),
-            Span::raw(format!("   longest gap {:.1} ms", 1e3 * stamps.longest_gap_s)),
+            Span::raw(format!("joint states   {:5.0} Hz   ", sight.rate_hz)),
+            age,
+            Span::raw("   robot computer: "),
+            computer,
         ]),
-        Line::from(last),
+        Line::from(vec![
+            Span::raw(format!("stamps         {:5} messages", stamps.messages)),
+            count("lost", stamps.lost),
+            Span::raw(format!("   longest gap {:.1} ms", 1e3 * stamps.longest_gap_s)),
+            Span::raw(format!("   latest by {:.1} ms", 1e3 * stamps.latest_s)),
+        ]),
+        Line::from(order),
     ];
     Paragraph::new(lines)
         .block(block(&format!("{} on {}", view.robot, view.place)).title_top(Line::from(" q ends ").right_aligned()))
@@ -76,7 +84,7 @@ fn link(view: &View) -> Paragraph<'_> {
 
 fn draw_joints(frame: &mut Frame<'_>, area: Rect, view: &View) {
     let widths = [
-        Constraint::Length(10),
+        Constraint::Length(12),
         Constraint::Length(11),
         Constraint::Length(8),
         Constraint::Fill(3),
@@ -85,10 +93,10 @@ fn draw_joints(frame: &mut Frame<'_>, area: Rect, view: &View) {
         Constraint::Fill(1),
     ];
     // What the columns of fixed width, the gaps between them and the border leave, in four parts.
-    let fill = usize::from(area.width.saturating_sub(10 + 11 + 8 + 8 + 11 + 6 + 2));
+    let fill = usize::from(area.width.saturating_sub(12 + 11 + 8 + 8 + 11 + 6 + 2));
     let rows = view.joints.iter().map(|joint| joint_row(joint, fill * 3 / 4, fill / 4));
     let effort = view.joints.first().map_or("", |joint| if joint.effort_unit == "A" { "current" } else { "effort" });
-    let head = Row::new(["joint", "   position", "   limit", "", "limit", effort, "of the clamp"])
+    let head = Row::new(["joint", "   position", "   limit", "", "limit", effort, "clamp"])
         .style(Style::new().add_modifier(Modifier::BOLD));
     frame.render_widget(Table::new(rows, widths).header(head).block(block("joints")), area);
 }
@@ -153,8 +161,8 @@ fn guard(view: &View) -> Paragraph<'_> {
 
 /// One frame as text, for whoever is no terminal.
 pub(crate) fn text(view: &View, width: u16) -> String {
-    let used = view.guard().map_or(1, |(state, _)| state.used.len() + 2);
-    let height = 5 + view.joints.len() + 3 + used + 2;
+    let guard = view.guard().map_or(1, |(state, _)| state.used.len() + 2);
+    let height = 5 + view.joints.len() + 3 + (guard + 2).max(5);
     // A backend in memory cannot fail.
     let Ok(mut terminal) = Terminal::new(TestBackend::new(width, height as u16));
     let Ok(_) = terminal.draw(|frame| draw(frame, view));
@@ -197,7 +205,7 @@ mod tests {
             row: Some(row),
             age_s: 0.002,
             rate_hz: 499.6,
-            stamps: StampFindings { messages: 6150, longest_gap_s: 0.0021, ..StampFindings::default() },
+            stamps: StampFindings { messages: 6150, longest_gap_s: 0.0021, latest_s: 4e-4, ..StampFindings::default() },
             computer: Some("enabled".to_owned()),
             guard: Some((state, 0.05)),
             fault: None,
@@ -212,8 +220,10 @@ mod tests {
         for word in [
             "crs-a460 on ROS domain 42",
             "500 Hz   2 ms old",
-            "6150 messages   lost 0",
-            "robot computer  enabled",
+            "6150 messages   lost 0   longest gap 2.1 ms   latest by 0.4 ms",
+            "robot computer: enabled",
+            "twice 0   out of order 0   clock jumps 0",
+            "wrist_pitch ",
             "waist",
             "-20.00 °",
             "-175°",
@@ -246,7 +256,7 @@ mod tests {
             assert!(shown.contains(word), "\"{word}\" not in\n{shown}");
         }
         let shown = text(&view(|sight| (sight.row, sight.guard) = (None, None)), 80);
-        assert!(shown.contains("no guard is heard") && shown.contains('–'), "{shown}");
+        assert!(shown.contains("no guard is heard") && shown.matches('–').count() == 12, "{shown}");
     }
 
     #[test]

@@ -27,6 +27,7 @@ mod robot_computer;
 mod fault;
 mod log;
 mod pace;
+mod reporter;
 mod serve;
 mod spline;
 mod wire;

@@ -1,21 +1,18 @@
 //! The robot's computer between two moments of the wall clock: one servo step after another.
 
 use armid::experiment::{JointLoop, Plant, PlantError, Sensing, ServoError};
-use armid::model::{Drive, EffortInterface, Robot, StandardParameters};
+use armid::model::{Drive, Robot, StandardParameters};
 use armid::seed::Seed;
 
 use super::commander::Outcome;
+use super::reporter::Reporter;
 use super::{Commander, Fault, FaultKind, JointLimits, Spline, Watchdog};
-use crate::message::{Header, JointState, Time};
+use crate::message::{JointState, Time};
 
 /// Largest distance of a joint from its command before the motors are switched off, rad (m).
 const FOLLOWING_LIMIT: f64 = 0.2;
 /// How far the encoder jumps in [`FaultKind::Jump`], rad (m).
 const JUMP: f64 = 0.3;
-/// Part of the joint states that [`FaultKind::Drop`] loses.
-const LOST: f64 = 0.98;
-/// Longest delay of [`FaultKind::Jitter`], s.
-const LATEST_S: f64 = 0.2;
 
 /// Why there is no such computer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -78,10 +75,7 @@ pub struct Computer<P> {
     steps: u64,
     struck: bool,
     frozen: bool,
-    /// Joint states that are late: when they are due, s.
-    late: Vec<(f64, JointState)>,
-    chance: u64,
-    last_q: Vec<f64>,
+    reporter: Reporter,
     current: Vec<f64>,
     event: String,
 }
@@ -113,6 +107,7 @@ impl<P: Plant> Computer<P> {
         }
         let q = plant.state().0.to_vec();
         let commander = Commander::new(JointLimits::of_robot(robot), Watchdog::default(), joints.dt(), &q);
+        let reporter = Reporter::new(joints.dt() * per_state.round(), &q, run);
         Ok(Self {
             robot: robot.clone(),
             dt_ns: (joints.dt() * 1e9).round() as i64,
@@ -125,10 +120,8 @@ impl<P: Plant> Computer<P> {
             steps: 0,
             struck: false,
             frozen: false,
-            late: Vec::new(),
-            chance: 0x9e37_79b9_7f4a_7c15 ^ run,
+            reporter,
             current: vec![0.0; q.len()],
-            last_q: q,
             event: String::new(),
         })
     }
@@ -234,18 +227,26 @@ impl<P: Plant> Computer<P> {
         taken
     }
 
-    /// Switches the motors off and the brakes on, for good.
-    pub fn disable(&mut self, reason: &str) {
-        if self.commander.off().is_none() {
+    /// Switches the motors off and the brakes on, for good. Returns whether they were on.
+    pub fn disable(&mut self, reason: &str) -> bool {
+        let on = self.commander.off().is_none();
+        if on {
             self.note(reason);
             self.commander.switch_off(reason);
         }
+        on
     }
 
     /// Puts a remark into the log of the next step.
     pub fn remark(&mut self, event: &str) {
         if !self.frozen {
             self.note(event);
+        }
+    }
+
+    fn remark_if(&mut self, event: Option<String>) {
+        if let Some(event) = event {
+            self.note(&event);
         }
     }
 
@@ -256,18 +257,9 @@ impl<P: Plant> Computer<P> {
         self.event.push_str(event);
     }
 
-    /// A number in [0, 1): the middle bits of Vigna's splitmix64.
-    fn chance(&mut self) -> f64 {
-        self.chance = self.chance.wrapping_add(0x9e37_79b9_7f4a_7c15);
-        let mut z = self.chance;
-        z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
-        z = (z ^ (z >> 27)).wrapping_mul(0x94d0_49bb_1331_11eb);
-        ((z ^ (z >> 31)) >> 11) as f64 / (1_u64 << 53) as f64
-    }
-
-    /// Whether this fault has struck.
-    fn is(&self, kind: FaultKind) -> bool {
-        self.struck && self.fault.is_some_and(|fault| fault.kind == kind)
+    /// The fault that has struck.
+    fn struck(&self) -> Option<FaultKind> {
+        self.fault.filter(|_| self.struck).map(|fault| fault.kind)
     }
 
     fn strike(&mut self, output: &mut Vec<Output>) {
@@ -286,7 +278,9 @@ impl<P: Plant> Computer<P> {
                 // The drives miss their servo: no current, brakes on.
                 self.current.fill(0.0);
             }
-            FaultKind::Estop => self.disable("estop"),
+            FaultKind::Estop => {
+                self.disable("estop");
+            }
             FaultKind::Die => output.push(Output::Die),
             _ => {}
         }
@@ -310,7 +304,7 @@ impl<P: Plant> Computer<P> {
         self.commander.step(t);
         let q = self.plant.state().0.to_vec();
         let mut seen = q.clone();
-        if self.is(FaultKind::Jump) {
+        if self.struck() == Some(FaultKind::Jump) {
             seen[0] += JUMP;
         }
         if self.commander.off().is_none() {
@@ -322,10 +316,13 @@ impl<P: Plant> Computer<P> {
         }
         self.current.copy_from_slice(self.joints.current());
         if self.steps.is_multiple_of(self.per_state as u64) {
-            let state = self.joint_state();
-            self.send(state, t, output);
+            let (stamp, fault) = (Time::from_ns(self.stamp_ns()), self.struck());
+            let state = self.reporter.state(&self.robot, &mut self.joints, stamp, fault);
+            let remark = self.reporter.send(state, t, fault, output);
+            self.remark_if(remark);
         }
-        self.release(t, output);
+        let remark = self.reporter.release(t, output);
+        self.remark_if(remark);
         if let Some(outcome) = self.commander.outcome() {
             output.push(Output::Ended(outcome, self.commander.off().unwrap_or_default().to_owned()));
         }
@@ -357,56 +354,6 @@ impl<P: Plant> Computer<P> {
         let (t, current, q) = (self.t(), &self.current, self.plant.state().0);
         log(&Report { t, doing, command, current, q, event: &self.event });
         self.event.clear();
-    }
-
-    /// The joint state of this step, with what the fault makes of it.
-    fn joint_state(&mut self) -> JointState {
-        let stamp = Time::from_ns(self.stamp_ns());
-        let span = self.dt() * self.per_state as f64;
-        let (q, effort) = self.joints.sense();
-        let (mut position, mut effort) = (q.to_vec(), effort.to_vec());
-        let velocity = position.iter().zip(&self.last_q).map(|(q, last)| (q - last) / span).collect();
-        self.last_q.copy_from_slice(&position);
-        if self.is(FaultKind::Overcurrent) {
-            let joint = &self.robot.joints()[0];
-            effort[0] = 1.5
-                * match self.robot.effort() {
-                    EffortInterface::Current => joint.drive.current_limit,
-                    EffortInterface::Torque => joint.drive.current_limit * joint.drive.torque_per_ampere(),
-                };
-        }
-        if self.is(FaultKind::Nan) {
-            position[0] = f64::NAN;
-        }
-        if self.is(FaultKind::Order) && position.len() > 1 {
-            position.swap(0, 1);
-            effort.swap(0, 1);
-        }
-        let name = self.robot.joints().iter().map(|joint| joint.name.clone()).collect();
-        JointState { header: Header { stamp, frame_id: String::new() }, name, position, velocity, effort }
-    }
-
-    fn send(&mut self, state: JointState, t: f64, output: &mut Vec<Output>) {
-        if self.is(FaultKind::Drop) && self.chance() < LOST {
-            return;
-        }
-        if self.is(FaultKind::Jitter) {
-            let due = t + LATEST_S * self.chance();
-            self.late.push((due, state));
-        } else {
-            output.push(Output::State(state));
-        }
-    }
-
-    fn release(&mut self, t: f64, output: &mut Vec<Output>) {
-        let mut k = 0;
-        while k < self.late.len() {
-            if self.late[k].0 <= t {
-                output.push(Output::State(self.late.swap_remove(k).1));
-            } else {
-                k += 1;
-            }
-        }
     }
 }
 

@@ -109,7 +109,9 @@ pub fn serve<P: Plant>(
         steps += 1;
         let over = options.duration_s.is_some_and(|duration| computer.t() >= duration);
         if over || steps.is_multiple_of(2 * every) {
-            let progress = Progress { t: computer.t(), state: last_state.clone(), deadlines: pace.deadlines(), orders };
+            // The deadline of the last step is still to come.
+            let deadlines = Deadlines { steps, ..pace.deadlines() };
+            let progress = Progress { t: computer.t(), state: last_state.clone(), deadlines, orders };
             if over || !go_on(&progress) {
                 std::thread::sleep(FAREWELL);
                 return Ok(progress);
@@ -140,12 +142,18 @@ fn obey<P: Plant>(computer: &mut Computer<P>, order: Order, wire: &Wire) {
             }
         }
         Order::Cancel => {
-            computer.cancel();
+            if !computer.cancel() {
+                computer.remark("cancel heard");
+            }
         }
         Order::SetPoint(goal) => {
             computer.set_point(&goal);
         }
-        Order::Disable => computer.disable("disabled: as requested"),
+        Order::Disable => {
+            if !computer.disable("disabled: as requested") {
+                computer.remark("disable heard");
+            }
+        }
     }
 }
 

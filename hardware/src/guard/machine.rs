@@ -1,9 +1,13 @@
 //! An arm that stands somewhere before its experiment begins, and is brought to the start pose first.
 
-use armid::experiment::{Arm, ArmError, Command, Ending, ExperimentPlan, Recording, Sink};
+use armid::experiment::{
+    Arm, ArmError, Command, Ending, ExperimentPlan, Phase, Recording, SafeAction, Sink, TripReport,
+};
 use armid::model::Robot;
 
-use super::{Approach, ApproachRecord, Confirmation, GuardSettings, JointBounds, Passed, Survey, preflight};
+use super::{
+    Approach, ApproachRecord, Confirmation, GuardSettings, JointBounds, Passed, REACTION_MS, Survey, Trip, preflight,
+};
 
 /// An arm of metal, or what stands for one across a wire.
 pub trait Machine: Arm {
@@ -64,6 +68,13 @@ impl<M: Machine> Approached<M> {
     }
 }
 
+/// The ending of an experiment that the robot gave up before its first sample.
+fn stopped(reason: String) -> Ending {
+    let (trip, action) = (Trip::RobotStopped.name(), SafeAction::Cancel);
+    let trip = Box::new(TripReport { trip, action, bound_ms: REACTION_MS, reason });
+    Ending::Tripped { t: 0.0, phase: Phase::Settle, trip }
+}
+
 impl<M: Machine> Arm for Approached<M> {
     fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
         let layout = plan.check(self.robot.dof())?;
@@ -73,9 +84,13 @@ impl<M: Machine> Arm for Approached<M> {
         Command::new(plan, &layout).start(&mut start);
         let approach = Approach::new(&self.robot, &self.settings, &survey.q, &start);
         self.approach = Some(ApproachRecord { from: survey.q, to: start, duration_s: approach.duration_s });
-        let ending = self.machine.approach(&approach, sink)?;
+        let mut ending = self.machine.approach(&approach, sink)?;
         if ending.is_complete() {
-            return self.machine.perform(plan, sink);
+            ending = match self.machine.perform(plan, sink) {
+                // It came to the start pose and does not go on: something happened in between.
+                Err(ArmError::Unavailable { reason, .. }) => stopped(reason),
+                done => return done,
+            };
         }
         // Nothing was recorded, and that is what the recording says: it has its plan, no sample, and an ending.
         sink.begin(&self.machine.announcement(plan)?);

@@ -19,7 +19,7 @@ pub enum Trip {
     CurrentClamp,
     /// The command moves and the arm does not.
     UnexpectedStop,
-    /// No state has come for too long.
+    /// No state has come for too long, or one was too long on its way.
     StaleState,
     /// A set-point is sent too late.
     CommandAge,
@@ -86,7 +86,7 @@ impl Trip {
             Self::FollowingError => "the arm is too far from its command",
             Self::CurrentClamp => "the motor current stays above the clamp",
             Self::UnexpectedStop => "the command moves and the arm does not",
-            Self::StaleState => "no state has come for too long",
+            Self::StaleState => "no state has come for too long, or one was too long on its way",
             Self::CommandAge => "a set-point is sent too late",
             Self::CommandStep => "a set-point is further from the one before than the joint can move",
             Self::RobotStopped => "the robot's computer ended the motion: emergency stop, abort, drives off",

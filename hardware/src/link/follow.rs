@@ -163,24 +163,29 @@ impl Ros2Arm {
                 heard.message.map_err(|reason| LinkError::Middleware { what: "joint state".to_owned(), reason })?;
             let row = self.map.row(&message)?;
             self.latest = Some((row.clone(), heard.at));
-            match watch.see(row.stamp_ns, heard.at.duration_since(origin).as_secs_f64()) {
-                Stamp::Fresh => alive = heard.at,
-                Stamp::Stale => {
-                    // A message that says nothing new is as good as none.
-                    if resting.is_none()
-                        && let Some(end) =
-                            self.obey(listener.idle(alive.elapsed().as_secs_f64()), &mut run, &mut resting)?
-                    {
-                        self.findings = watch.findings().clone();
-                        return Ok(end);
-                    }
-                    continue;
+            let stamp = watch.see(row.stamp_ns, heard.at.duration_since(origin).as_secs_f64());
+            // A message that says nothing new is as good as none, and one that was long on its way is as old as that.
+            let age_s = match stamp {
+                Stamp::Fresh => {
+                    alive = heard.at;
+                    watch.lateness_s()
                 }
+                Stamp::Stale => alive.elapsed().as_secs_f64().max(watch.lateness_s()),
                 Stamp::Jumped(by) => {
                     self.findings = watch.findings().clone();
                     let reason = format!("its clock jumped by {by:.3} s; samples after it have no place in time");
                     return Err(LinkError::Aborted { reason });
                 }
+            };
+            if (stamp == Stamp::Stale || age_s * self.rate_hz > 1.0)
+                && resting.is_none()
+                && let Some(end) = self.obey(listener.idle(age_s), &mut run, &mut resting)?
+            {
+                self.findings = watch.findings().clone();
+                return Ok(end);
+            }
+            if stamp == Stamp::Stale {
+                continue;
             }
             if self.sender.streams()
                 && let Some(end) = self.stream(&mut run, row.stamp_ns, heard.at, listener, &mut resting)?

@@ -6,15 +6,20 @@
 //! reordered    −½ s ≤ Δ < 0                       dropped: a newer one was already used
 //! gap          Δ > 1.5 periods                    round(Δ/period) − 1 messages are missing
 //! clock jump   Δ < −½ s, or Δ > δ + ½ s           a clock cannot outrun time
+//! lateness     w − w₀,  w = arrival − stamp       w₀ is the shortest way of a message so far
 //! ```
+//! Two clocks never run alike: w₀ grows by 1 % of the time that passes, so a drift below that is no lateness, and a
+//! delay that stays is forgiven after a while.
 
-use serde::Serialize;
+use serde::{Deserialize, Serialize};
 
 /// Largest difference between the robot's time and ours that lateness on the way explains, s.
 const LATENESS_S: f64 = 0.5;
+/// Growth of the shortest way with time, s/s.
+const DRIFT: f64 = 0.01;
 
 /// What was wrong with the stamps of one experiment, as numbers for the reader.
-#[derive(Clone, Debug, Default, PartialEq, Serialize)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct StampFindings {
     /// Messages received.
     pub messages: usize,
@@ -34,6 +39,8 @@ pub struct StampFindings {
     pub largest_jump_s: f64,
     /// Longest silence by the local clock, s.
     pub longest_silence_s: f64,
+    /// How much longer than the quickest message the slowest one was on its way, s.
+    pub latest_s: f64,
     /// Samples of the experiment that no pair of neighbouring messages covers; they lie on the line across the gap.
     pub missing: Vec<usize>,
 }
@@ -62,6 +69,9 @@ pub enum Stamp {
 pub struct StampWatch {
     period_s: f64,
     last: Option<(i64, f64)>,
+    /// The shortest way of a message so far, as it stands at an arrival: stamp from which ways count, arrival, way.
+    shortest: Option<(i64, f64, f64)>,
+    lateness_s: f64,
     findings: StampFindings,
 }
 
@@ -69,11 +79,36 @@ impl StampWatch {
     /// Watches a stream that should have a message every `period_s` seconds.
     #[must_use]
     pub fn new(period_s: f64) -> Self {
-        Self { period_s, last: None, findings: StampFindings::default() }
+        Self { period_s, last: None, shortest: None, lateness_s: 0.0, findings: StampFindings::default() }
+    }
+
+    /// How much longer than the quickest one the last message was on its way, s.
+    #[must_use]
+    pub fn lateness_s(&self) -> f64 {
+        self.lateness_s
+    }
+
+    fn time(&mut self, stamp_ns: i64, arrival_s: f64) {
+        let (origin, before, shortest) = *self.shortest.get_or_insert((stamp_ns, arrival_s, arrival_s));
+        let way = arrival_s - (stamp_ns - origin) as f64 * 1e-9;
+        let shortest = (shortest + DRIFT * (arrival_s - before)).min(way);
+        self.shortest = Some((origin, arrival_s, shortest));
+        self.lateness_s = way - shortest;
+        self.findings.latest_s = self.findings.latest_s.max(self.lateness_s);
     }
 
     /// Judges a message with the stamp `stamp_ns` that arrived at `arrival_s` of a local monotonic clock.
     pub fn see(&mut self, stamp_ns: i64, arrival_s: f64) -> Stamp {
+        let stamp = self.judge(stamp_ns, arrival_s);
+        if let Stamp::Jumped(_) = stamp {
+            // Ways across a jump are none.
+            self.shortest = None;
+        }
+        self.time(stamp_ns, arrival_s);
+        stamp
+    }
+
+    fn judge(&mut self, stamp_ns: i64, arrival_s: f64) -> Stamp {
         let found = &mut self.findings;
         found.messages += 1;
         let Some((last_ns, last_arrival)) = self.last else {
@@ -151,6 +186,31 @@ mod tests {
         assert_eq!(judged.iter().filter(|&&stamp| stamp == Stamp::Stale).count(), 3);
         assert_eq!((found.gaps, found.lost, found.duplicates, found.reordered), (1, 2, 1, 2));
         assert!((found.longest_gap_s - 0.006).abs() < 1e-12 && found.clock_jumps == 0);
+    }
+
+    #[test]
+    fn analytic_lateness_is_the_way_beyond_the_shortest_and_drift_is_none() {
+        // Every 2 ms, always 5 ms on the way, but message 40 needs 60 ms more and is overtaken.
+        let mut watch = StampWatch::new(0.002);
+        let mut late: f64 = 0.0;
+        for k in 0..100_i64 {
+            if k != 40 {
+                watch.see(2 * k * MS, 0.005 + 0.002 * k as f64);
+                late = late.max(watch.lateness_s());
+            }
+            if k == 70 {
+                assert_eq!(watch.see(80 * MS, 0.005 + 0.080 + 0.060 + 0.001), Stamp::Stale);
+                // The shortest way may have grown by 1 % of the last millisecond.
+                assert!((watch.lateness_s() - 0.061).abs() < 1e-4, "{}", watch.lateness_s());
+            }
+        }
+        assert!(late < 1e-9 && (watch.findings().latest_s - 0.061).abs() < 1e-4, "{late} {:?}", watch.findings());
+        // A clock that is slow by 0.5 %: after 10 s it is 50 ms behind, and nothing is late.
+        let mut watch = StampWatch::new(0.002);
+        for k in 0..5000_i64 {
+            watch.see(2 * k * MS, 0.002 * 1.005 * k as f64);
+        }
+        assert!(watch.findings().latest_s < 1e-9, "{:?}", watch.findings());
     }
 
     #[test]

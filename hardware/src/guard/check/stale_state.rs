@@ -5,8 +5,8 @@ use armid::experiment::RawSample;
 use super::Check;
 use crate::guard::Trip;
 
-/// Trips where no state came for longer than the line: by the local clock while the silence lasts, and by the robot's
-/// own stamps where one gap lies between two states that arrive together.
+/// Trips where no state came for longer than the line, or one was on its way for longer than that: by the local clock
+/// while the silence lasts, and by the robot's own stamps where one gap lies between two states that arrive together.
 pub(super) struct StaleState {
     line_s: f64,
     before: Option<f64>,
@@ -37,7 +37,7 @@ impl Check for StaleState {
     }
 
     fn idle(&mut self, age_s: f64) -> Option<String> {
-        self.look("no state has come for", age_s)
+        self.look("the age of the state is", age_s)
     }
 
     fn used(&self) -> f64 {
