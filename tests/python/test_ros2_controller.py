@@ -35,11 +35,15 @@ LEG_S = 1.0
 
 
 class Controller(unittest.TestCase):
+    tests = 0
+
     def setUp(self):
         scratch = tempfile.TemporaryDirectory()
         self.addCleanup(scratch.cleanup)
         self.log = Path(scratch.name) / "log.csv"
-        self.number = 20 + os.getpid() % 80
+        # A process may open a domain once.
+        self.number = 20 + (2 * os.getpid() + Controller.tests) % 40
+        Controller.tests += 1
         self.domain = Domain(self.number, LOOPBACK)
         self.participant = DomainParticipant(self.number)
         self.states = DataReader(self.participant, self.topic("rt/joint_states", JointState_), qos=QOS)
