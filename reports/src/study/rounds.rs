@@ -50,11 +50,9 @@ pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentErr
         ("Torque prediction", Axis::log("prediction RMSE", "N·m"), |score, _| value(score, 0)),
         ("Parameters", Axis::log("parameter RMSE", "reference units"), |score, _| value(score, 3)),
         ("Bound", Axis::log("median bound", "reference units"), |score, _| score.bound_in_units.map(|b| (b, None))),
-        (
-            "Bound of one experiment",
-            Axis::log("median bound · √experiments", "reference units"),
-            |score, experiments| score.bound_per_experiment(experiments).map(|b| (b, None)),
-        ),
+        ("Bound of one experiment", Axis::log("bound · √experiments", "reference units"), |score, experiments| {
+            score.bound_per_experiment(experiments).map(|b| (b, None))
+        }),
         ("Volume", Axis::linear("log volume of the error", ""), |score, _| value(score, 2)),
     ];
     let figure = ScatterFigure {
