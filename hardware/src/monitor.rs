@@ -61,17 +61,17 @@ impl Monitor {
         let names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
         let mut endpoint = Endpoint::join(settings, "armid_monitor")?;
-        let text = ("std_msgs", "String");
+        let (text, qos) = (("std_msgs", "String"), settings.looking_qos());
         let topic = settings.full(&settings.joint_states);
-        let states = endpoint.subscription(&topic, ("sensor_msgs", "JointState"), &settings.state_qos())?;
+        let states = endpoint.subscription(&topic, ("sensor_msgs", "JointState"), &qos)?;
         let states = Inbox::new("joint states", states)?;
         let computer = if settings.robot_state.is_empty() {
             None
         } else {
             let topic = settings.full(&settings.robot_state);
-            Some(Inbox::new("robot state", endpoint.subscription(&topic, text, &settings.command_qos())?)?)
+            Some(Inbox::new("robot state", endpoint.subscription(&topic, text, &qos)?)?)
         };
-        let guard = endpoint.subscription(&settings.full(GUARD_STATE), text, &settings.command_qos())?;
+        let guard = endpoint.subscription(&settings.full(GUARD_STATE), text, &qos)?;
         Ok(Self {
             _endpoint: endpoint,
             map,

@@ -4,7 +4,9 @@ use armid::experiment::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawS
 use armid::model::Robot;
 
 use crate::guard::{Approach, Approached, Confirmation, GuardRecord, GuardSettings, Guarded, Machine, Mode, Survey};
-use crate::link::{self, Followed, GridSample, LinkError, LinkSettings, Listener, Motion, Ros2Arm, StampFindings};
+use crate::link::{
+    self, Followed, GridSample, JointRow, LinkError, LinkSettings, Listener, Motion, Ros2Arm, StampFindings,
+};
 use crate::message::Text;
 
 /// Topic on which a guard tells its state, below the namespace of the link: JSON in `std_msgs/msg/String`.
@@ -125,11 +127,20 @@ struct Way<'a> {
     t: f64,
 }
 
+impl Way<'_> {
+    fn hear(&mut self, t: f64, q: &[f64], effort: &[f64], command: &[f64]) -> Flow {
+        self.t = t;
+        self.sink.unrecorded(&RawSample { index: 0, t, phase: Phase::Settle, q, effort, voltage: &[], command })
+    }
+}
+
 impl Listener for Way<'_> {
     fn sample(&mut self, sample: &GridSample, command: &[f64]) -> Flow {
-        self.t = sample.index as f64 / self.rate_hz;
-        let (index, t, phase) = (sample.index, self.t, Phase::Settle);
-        self.sink.sample(&RawSample { index, t, phase, q: &sample.q, effort: &sample.effort, voltage: &[], command })
+        self.hear(sample.index as f64 / self.rate_hz, &sample.q, &sample.effort, command)
+    }
+
+    fn standing(&mut self, t: f64, row: &JointRow, command: &[f64]) -> Flow {
+        self.hear(t, &row.q, &row.effort, command)
     }
 
     fn idle(&mut self, age_s: f64) -> Flow {

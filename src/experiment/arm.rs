@@ -8,7 +8,8 @@ use super::{ExperimentPlan, Phase, PlanError, PlantError, Recording, SafeAction,
 pub trait Arm: Send {
     /// Performs a plan from beginning to end, or until the sink says stop.
     ///
-    /// `sink` hears [`Sink::begin`] once, before the first sample, and then every sample in the order of time.
+    /// `sink` hears [`Sink::begin`] once, before the first sample, and then every sample in the order of time. An arm in
+    /// real time tells it in between, and before, what is no part of the experiment ([`Sink::unrecorded`]).
     ///
     /// # Errors
     /// [`ArmError`] where the experiment cannot begin. One that begins and goes wrong has an [`Ending`] that says how,
@@ -29,6 +30,15 @@ pub trait Sink {
 
     /// Takes one sample and says whether to go on.
     fn sample(&mut self, sample: &RawSample<'_>) -> Flow;
+
+    /// Hears a sample that is no part of the experiment: the arm is on its way to the start pose, or stands there, or at
+    /// the end of its motion. A guard judges it, nobody records it. Its index means nothing, and its time counts on to
+    /// the first sample of the experiment and on from the last, from zero along a way to the start pose. Who does not
+    /// care is asked as in a silence that has not begun.
+    fn unrecorded(&mut self, sample: &RawSample<'_>) -> Flow {
+        let _ = sample;
+        self.idle(0.0)
+    }
 
     /// Hears that no sample has come for `age_s` by the local monotonic clock, and says whether to go on. An arm in
     /// real time calls it at least every 5 ms while it waits; a simulated one, which never waits, does not.

@@ -159,6 +159,10 @@ impl Sink for Joined<'_> {
         self.flow
     }
 
+    fn unrecorded(&mut self, sample: &RawSample<'_>) -> Flow {
+        self.whole.unrecorded(sample)
+    }
+
     fn idle(&mut self, age_s: f64) -> Flow {
         self.whole.idle(age_s)
     }

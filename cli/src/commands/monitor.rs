@@ -17,11 +17,12 @@ use crate::monitor::{View, draw, text};
 
 const AFTER_HELP: &str = "\
 It listens and commands nothing: to the robot's joint states, to the word of its computer, and to
-the guard of the run that is under way. q ends it.
+the guard of the run that is under way. It confirms nothing, so that nobody waits for it: what it
+misses is not lost to the run. q ends it.
 
 Examples:
   armid monitor experiment.toml
-  armid monitor experiment.toml --once     # one frame as text, after a second";
+  armid monitor experiment.toml --once     # one frame as text, after two seconds";
 
 /// Look on in the terminal while a real arm performs an experiment
 #[derive(Debug, clap::Args)]

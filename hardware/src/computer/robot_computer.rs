@@ -75,6 +75,7 @@ pub struct Computer<P> {
     steps: u64,
     struck: bool,
     frozen: bool,
+    homed: bool,
     reporter: Reporter,
     current: Vec<f64>,
     event: String,
@@ -120,6 +121,7 @@ impl<P: Plant> Computer<P> {
             steps: 0,
             struck: false,
             frozen: false,
+            homed: true,
             reporter,
             current: vec![0.0; q.len()],
             event: String::new(),
@@ -130,6 +132,13 @@ impl<P: Plant> Computer<P> {
     #[must_use]
     pub fn with_fault(mut self, fault: Option<Fault>) -> Self {
         self.fault = fault;
+        self
+    }
+
+    /// The same computer, which has found its joints' zero positions or not. One that has not says so and moves nothing.
+    #[must_use]
+    pub fn with_homed(mut self, homed: bool) -> Self {
+        self.homed = homed;
         self
     }
 
@@ -187,7 +196,7 @@ impl<P: Plant> Computer<P> {
     pub fn state(&self) -> String {
         match self.commander.off() {
             Some(reason) => reason.to_owned(),
-            None => format!("enabled homed {}", self.commander.doing()),
+            None => format!("enabled {} {}", if self.homed { "homed" } else { "not homed" }, self.commander.doing()),
         }
     }
 
@@ -201,7 +210,8 @@ impl<P: Plant> Computer<P> {
         }
         let t = self.t();
         let start_s = if spline.start_ns == 0 { t } else { (spline.start_ns - self.epoch_ns) as f64 * 1e-9 };
-        let taken = self.commander.follow(spline, start_s, t);
+        let taken =
+            if self.homed { self.commander.follow(spline, start_s, t) } else { Err("the arm is not homed".to_owned()) };
         self.note(&match &taken {
             Ok(()) => format!("motion taken, begins at {start_s:.3} s"),
             Err(reason) => format!("motion refused: {reason}"),
@@ -220,7 +230,7 @@ impl<P: Plant> Computer<P> {
 
     /// Takes a streamed set-point, in the order of the robot file. Returns whether it is followed.
     pub fn set_point(&mut self, goal: &[f64]) -> bool {
-        let taken = !self.frozen && self.commander.set_point(goal, self.t());
+        let taken = !self.frozen && self.homed && self.commander.set_point(goal, self.t());
         if !taken {
             self.note("set-point not taken");
         }

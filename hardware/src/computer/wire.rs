@@ -60,7 +60,7 @@ impl Wire {
         let names: Vec<String> = limits.iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
         let mut endpoint = Endpoint::join(settings, "robot_computer")?;
-        let (state, qos) = (settings.state_qos(), settings.command_qos());
+        let (state, qos, telling) = (settings.state_qos(), settings.command_qos(), settings.telling_qos());
         let text = ("std_msgs", "String");
         let optional = |name: &str| (!name.is_empty()).then(|| settings.full(name));
         let action = Endpoint::name(&settings.full(&settings.action))?;
@@ -68,8 +68,8 @@ impl Wire {
             goal_service: qos.clone(),
             result_service: qos.clone(),
             cancel_service: qos.clone(),
-            feedback_publisher: qos.clone(),
-            status_publisher: qos.clone().durability(Durability::TransientLocal),
+            feedback_publisher: telling.clone(),
+            status_publisher: telling.clone().durability(Durability::TransientLocal),
         };
         let kind = ActionTypeName::new("control_msgs", "FollowJointTrajectory");
         let server = endpoint
@@ -85,7 +85,8 @@ impl Wire {
         )?;
         let commands =
             endpoint.subscription(&settings.full(&settings.commands), ("std_msgs", "Float64MultiArray"), &qos)?;
-        let words = optional(&settings.robot_state).map(|name| endpoint.publisher(&name, text, &qos)).transpose()?;
+        let words =
+            optional(&settings.robot_state).map(|name| endpoint.publisher(&name, text, &telling)).transpose()?;
         let requests =
             optional(&settings.robot_request).map(|name| endpoint.subscription(&name, text, &qos)).transpose()?;
         let (orders_in, orders) = channel();

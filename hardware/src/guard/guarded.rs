@@ -13,8 +13,9 @@ use super::{Doing, GuardRecord, GuardSettings, GuardState, JointBounds, Mode, Ob
 ///                                     ↑                                          │
 ///                                     └────────── Flow::Trip(safe action) ───────┘
 /// ```
-/// Samples before [`Sink::begin`] belong to the approach: they are judged and not recorded. After a trip every further
-/// sample, silence and set-point is answered with the same safe action, and no further experiment begins.
+/// One watch judges all of it: the approach, the arm that stands at its start pose, the experiment, and the arm that
+/// stands at its end. After a trip every further sample, silence and set-point is answered with the same safe action, and
+/// no further experiment begins.
 pub struct Guarded<A> {
     arm: A,
     robot: Robot,
@@ -63,12 +64,14 @@ impl<A: Arm> Arm for Guarded<A> {
         self.record.preflight = preflight::of_plan(&self.robot, &self.settings, &self.bounds, plan)?;
         let mut watched = Watched {
             watch: Watch::new(&self.bounds, &self.settings, self.mode, plan.rate_hz),
-            spare: Some(Watch::new(&self.bounds, &self.settings, self.mode, plan.rate_hz)),
             sink,
             mode: self.mode,
+            period_s: 1.0 / plan.rate_hz,
+            doing: Doing::Approach,
             observer: self.observer.as_mut(),
             told_s: f64::NEG_INFINITY,
             last: (0.0, Phase::Settle),
+            ahead_s: None,
         };
         let ending = self.arm.perform(plan, &mut watched);
         watched.tell(Doing::Ended);
@@ -89,19 +92,31 @@ impl<A: Arm> Arm for Guarded<A> {
 /// Stands between an arm and its sink.
 struct Watched<'a> {
     watch: Watch,
-    /// Takes over from the approach's when the experiment begins.
-    spare: Option<Watch>,
     sink: &'a mut dyn Sink,
     mode: Mode,
+    period_s: f64,
+    doing: Doing,
     observer: Option<&'a mut Observer>,
-    /// When the observer was told last, in the samples' time, s.
+    /// When the observer was told last, in the watch's time, s.
     told_s: f64,
+    /// Time and phase of the last sample.
     last: (f64, Phase),
+    /// How far the watch's time is ahead of the samples', s; none before the first sample.
+    ahead_s: Option<f64>,
 }
 
 impl Watched<'_> {
-    fn begun(&self) -> bool {
-        self.spare.is_none()
+    /// Judges a sample. Every motion counts its time from its own zero, the watch goes on: where time goes back, one
+    /// period has passed.
+    fn judge(&mut self, sample: &RawSample<'_>) {
+        let ahead_s = match self.ahead_s {
+            None => 0.0,
+            Some(ahead_s) if sample.t < self.last.0 => ahead_s + self.last.0 + self.period_s - sample.t,
+            Some(ahead_s) => ahead_s,
+        };
+        self.ahead_s = Some(ahead_s);
+        self.last = (sample.t, sample.phase);
+        self.watch.sample(&RawSample { t: sample.t + ahead_s, ..*sample });
     }
 
     /// Tells the observer, where there is one.
@@ -112,10 +127,11 @@ impl Watched<'_> {
     }
 
     /// Tells the observer where it is time to; never before a safe action.
-    fn tell_now_and_then(&mut self, doing: Doing) {
-        if self.observer.is_some() && self.watch.tripped().is_none() && self.last.0 >= self.told_s + TELL_EVERY_S {
-            self.told_s = self.last.0;
-            self.tell(doing);
+    fn tell_now_and_then(&mut self) {
+        let now_s = self.last.0 + self.ahead_s.unwrap_or_default();
+        if self.observer.is_some() && self.watch.tripped().is_none() && now_s >= self.told_s + TELL_EVERY_S {
+            self.told_s = now_s;
+            self.tell(self.doing);
         }
     }
 
@@ -127,11 +143,10 @@ impl Watched<'_> {
 
 impl Sink for Watched<'_> {
     fn begin(&mut self, recording: &Recording) {
-        if let Some(watch) = self.spare.take()
-            && self.watch.tripped().is_none()
-        {
-            self.watch = watch;
-            self.told_s = f64::NEG_INFINITY;
+        if self.watch.tripped().is_none() {
+            // The approach may have begun outside the soft limits: what counts is how close the experiment came.
+            self.watch.forget_used();
+            self.doing = Doing::Experiment;
         }
         self.sink.begin(recording);
     }
@@ -140,16 +155,20 @@ impl Sink for Watched<'_> {
         if self.watch.tripped().is_some() {
             return self.answer(Flow::Stop);
         }
-        self.watch.sample(sample);
-        self.last = (sample.t, sample.phase);
-        if !self.begun() {
-            self.tell_now_and_then(Doing::Approach);
-            let flow = self.sink.idle(0.0);
-            return self.answer(flow);
-        }
+        self.judge(sample);
         // The sample that trips is recorded too: it is the evidence.
         let flow = self.sink.sample(sample);
-        self.tell_now_and_then(Doing::Experiment);
+        self.tell_now_and_then();
+        self.answer(flow)
+    }
+
+    fn unrecorded(&mut self, sample: &RawSample<'_>) -> Flow {
+        if self.watch.tripped().is_some() {
+            return self.answer(Flow::Stop);
+        }
+        self.judge(sample);
+        self.tell_now_and_then();
+        let flow = self.sink.unrecorded(sample);
         self.answer(flow)
     }
 

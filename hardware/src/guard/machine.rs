@@ -23,7 +23,8 @@ pub trait Machine: Arm {
     /// [`ArmError`] where the plan cannot be performed.
     fn announcement(&self, plan: &ExperimentPlan) -> Result<Recording, ArmError>;
 
-    /// Moves along an approach. The sink hears samples, silence and set-points as in an experiment, and no beginning.
+    /// Moves along an approach. The sink hears samples as no part of the experiment ([`Sink::unrecorded`]), silence and
+    /// set-points, and no beginning.
     ///
     /// # Errors
     /// [`ArmError`] where the motion cannot begin.

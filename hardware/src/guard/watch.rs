@@ -5,10 +5,12 @@ use armid::experiment::{RawSample, TripReport};
 use super::check::{self, Check};
 use super::{GuardSettings, JointBounds, Mode, Trip};
 
-/// Judges what happens during one motion. Once it has tripped it stays tripped: every later question gets the same
-/// answer.
+/// Judges what happens from an arm's first motion to its last. Once it has tripped it stays tripped: every later
+/// question gets the same answer.
 pub struct Watch {
     checks: Vec<Box<dyn Check>>,
+    /// Largest part of its line that each check used.
+    used: Vec<f64>,
     settings: GuardSettings,
     mode: Mode,
     rate_hz: f64,
@@ -16,11 +18,11 @@ pub struct Watch {
 }
 
 impl Watch {
-    /// A watch over a motion whose states come at `rate_hz`.
+    /// A watch over motions whose states come at `rate_hz`.
     #[must_use]
     pub fn new(bounds: &[JointBounds], settings: &GuardSettings, mode: Mode, rate_hz: f64) -> Self {
         let checks = check::all(bounds, settings, mode, rate_hz);
-        Self { checks, settings: settings.clone(), mode, rate_hz, tripped: None }
+        Self { used: vec![0.0; checks.len()], checks, settings: settings.clone(), mode, rate_hz, tripped: None }
     }
 
     /// Judges a sample.
@@ -44,16 +46,24 @@ impl Watch {
         self.tripped.as_ref()
     }
 
-    /// Largest part of its line that each check used so far.
+    /// Largest part of its line that each check used since the beginning, or since [`Watch::forget_used`].
     #[must_use]
     pub fn used(&self) -> Vec<(Trip, f64)> {
-        self.checks.iter().map(|check| (check.trip(), check.used())).collect()
+        self.checks.iter().zip(&self.used).map(|(check, used)| (check.trip(), *used)).collect()
+    }
+
+    /// Counts anew how much of its line each check uses; what the checks know stays.
+    pub fn forget_used(&mut self) {
+        self.used.fill(0.0);
     }
 
     fn judge(&mut self, mut ask: impl FnMut(&mut dyn Check) -> Option<String>) -> Option<&TripReport> {
         if self.tripped.is_none() {
             // The first finding wins, in the order of the list: what is no number never reaches another check.
             let found = self.checks.iter_mut().find_map(|check| ask(&mut **check).map(|reason| (check.trip(), reason)));
+            for (used, check) in self.used.iter_mut().zip(&mut self.checks) {
+                *used = used.max(check.take_used());
+            }
             self.tripped = found.map(|(trip, reason)| report(trip, reason, &self.settings, self.mode, self.rate_hz));
         }
         self.tripped.as_ref()

@@ -6,13 +6,17 @@ use armid::experiment::{Flow, SafeAction};
 
 use super::sender::Progress;
 use super::stamps::Stamp;
-use super::{GridSample, LinkError, Motion, Resampler, Ros2Arm, StampWatch, points};
+use super::{GridSample, JointRow, LinkError, Motion, Resampler, Ros2Arm, StampWatch, points};
 use crate::message::{Header, JointTrajectory, Time};
 
 /// Who hears what the arm does.
 pub(crate) trait Listener {
     /// Takes one sample, with what was commanded at its time.
     fn sample(&mut self, sample: &GridSample, command: &[f64]) -> Flow;
+
+    /// Hears a joint state `t` seconds after the beginning of the motion where the grid has no tick for it: the arm
+    /// stands where the motion will begin, or has ended.
+    fn standing(&mut self, t: f64, row: &JointRow, command: &[f64]) -> Flow;
 
     /// Hears that no joint state has come for `age_s`.
     fn idle(&mut self, age_s: f64) -> Flow;
@@ -108,19 +112,18 @@ impl Ros2Arm {
     }
 
     fn run(&mut self, motion: &dyn Motion, rate_hz: f64, listener: &mut dyn Listener) -> Result<Followed, LinkError> {
-        let reading = self.reading()?;
+        let (newest, mut alive) = self.newest()?;
         let mut watch = StampWatch::new(1.0 / self.rate_hz);
         let origin = Instant::now();
         // The motion begins a whole number of messages ahead, so that stamps without jitter lie on the grid.
         let lead = (self.settings.lead_s * self.rate_hz).ceil() / self.rate_hz;
-        let start_ns = reading.row.stamp_ns + (lead * 1e9).round() as i64;
+        let start_ns = newest.stamp_ns + (lead * 1e9).round() as i64;
         let samples = (motion.duration_s() * rate_hz - 1e-6).ceil() as usize;
         let mut grid = Resampler::new(start_ns, rate_hz, samples);
         let zero = vec![0.0; motion.dof()];
         let mut run = Run { motion, start_ns, rate_hz, brake: None, state: [zero.clone(), zero.clone(), zero] };
         self.hand_over(&run)?;
         let mut settled = Vec::new();
-        let mut alive = Instant::now();
         let mut ended = !self.sender.tells_the_end();
         let mut resting: Option<Instant> = None;
         loop {
@@ -192,6 +195,14 @@ impl Ros2Arm {
             {
                 self.findings = watch.findings().clone();
                 return Ok(end);
+            }
+            if resting.is_none() && (row.stamp_ns < start_ns || grid.is_done()) {
+                let t = run.since_start(row.stamp_ns);
+                let flow = listener.standing(t, &row, run.command(t));
+                if let Some(end) = self.obey(flow, &mut run, &mut resting)? {
+                    self.findings = watch.findings().clone();
+                    return Ok(end);
+                }
             }
             settled.clear();
             grid.push(row, &mut settled);

@@ -7,13 +7,15 @@ use std::thread::JoinHandle;
 use armid::conformance::chains::planar_2r;
 use armid::excitation::{FourierJoint, FourierTrajectory};
 use armid::experiment::{
-    Arm, Ending, ExperimentPlan, Flow, Plant, PlantError, RawSample, Recorder, Recording, Sensing, Servo, Sink, record,
+    Arm, Ending, ExperimentPlan, Flow, Plant, PlantError, RawSample, Recorder, Recording, SafeAction, Sensing, Servo,
+    Sink, record,
 };
 use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
 
 use super::{LinkSettings, Mode, Ros2Arm, look};
 use crate::computer::{Computer, Fault, ServeOptions, Watchdog, serve};
+use crate::guard::Machine;
 
 /// One flywheel of 1 kg·m² for each joint.
 #[derive(Clone)]
@@ -65,6 +67,10 @@ struct Robotics {
 
 impl Robotics {
     fn start(settings: &LinkSettings, fault: Option<&str>) -> Self {
+        Self::begin(settings, |computer| computer.with_fault(fault.map(|text| Fault::parse(text).unwrap())))
+    }
+
+    fn begin(settings: &LinkSettings, change: impl FnOnce(Computer<FlyWheels>) -> Computer<FlyWheels>) -> Self {
         let robot = planar_2r();
         let mut start = [0.0; 2];
         let plan = plan(&robot);
@@ -82,8 +88,8 @@ impl Robotics {
             (500.0, 1_000_000_000_000),
         )
         .unwrap()
-        .with_fault(fault.map(|text| Fault::parse(text).unwrap()))
         .with_watchdog(watchdog);
+        computer = change(computer);
         let stop = Arc::new(AtomicBool::new(false));
         let asked = Arc::clone(&stop);
         let options = ServeOptions { link: settings.clone(), ..Default::default() };
@@ -189,6 +195,53 @@ fn a_stop_brings_the_arm_to_rest_where_it_stays() {
     }
 }
 
+/// Counts what is no part of the experiment, and answers with `flow` to what comes before it.
+struct Aside {
+    before: Vec<f64>,
+    after: Vec<f64>,
+    samples: usize,
+    flow: Flow,
+}
+
+impl Sink for Aside {
+    fn begin(&mut self, _: &Recording) {}
+    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
+        self.samples += 1;
+        Flow::Continue
+    }
+    fn unrecorded(&mut self, sample: &RawSample<'_>) -> Flow {
+        if sample.t < 0.0 { &mut self.before } else { &mut self.after }.push(sample.t);
+        self.flow
+    }
+}
+
+#[test]
+fn states_before_the_first_sample_and_after_the_last_are_heard_and_may_trip() {
+    let settings = settings(Mode::Trajectory);
+    let _computer = Robotics::start(&settings, None);
+    let robot = planar_2r();
+    let samples = plan(&robot).layout().unwrap().samples();
+    let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+    let mut sink = Aside { before: Vec::new(), after: Vec::new(), samples: 0, flow: Flow::Continue };
+    assert!(arm.perform(&plan(&robot), &mut sink).unwrap().is_complete());
+    assert_eq!(sink.samples, samples);
+    // Every state of the lead but those that came before the motion was handed over; then on to its end.
+    let lead = (settings.lead_s * 500.0).ceil() as usize;
+    assert!(sink.before.len() <= lead && sink.before.len() > lead / 2, "{}", sink.before.len());
+    assert!(sink.before.is_sorted() && sink.after.is_sorted());
+    assert!(sink.after.iter().all(|&t| t >= (samples - 1) as f64 / 500.0), "{:?}", sink.after);
+    // Who trips there has commanded nothing: the arm stays where it is.
+    let stands = arm.reading().unwrap().row.q;
+    let flow = Flow::Trip(SafeAction::Cancel);
+    let mut sink = Aside { before: Vec::new(), after: Vec::new(), samples: 0, flow };
+    let ending = arm.perform(&plan(&robot), &mut sink).unwrap();
+    assert!(matches!(ending, Ending::Stopped { t, .. } if t < 0.0), "{ending:?}");
+    assert_eq!((sink.before.len(), sink.samples), (1, 0));
+    std::thread::sleep(std::time::Duration::from_secs_f64(settings.lead_s + 0.5));
+    let after = arm.reading().unwrap().row.q;
+    assert!(stands.iter().zip(&after).all(|(a, b)| (a - b).abs() < 1e-3), "{stands:?} {after:?}");
+}
+
 #[test]
 fn an_emergency_stop_ends_the_experiment_with_its_reason_and_every_sample_before() {
     let settings = settings(Mode::Trajectory);
@@ -201,6 +254,21 @@ fn an_emergency_stop_ends_the_experiment_with_its_reason_and_every_sample_before
     assert!(recording.len() > 100 && recording.len() < plan(&robot).layout().unwrap().samples());
     let refused = record(&mut arm, &plan(&robot)).unwrap_err().to_string();
     assert!(refused.contains("estop"), "{refused}");
+}
+
+#[test]
+fn an_arm_that_is_not_homed_is_told_before_it_moves() {
+    let settings = settings(Mode::Trajectory);
+    let _computer = Robotics::begin(&settings, |computer| computer.with_homed(false));
+    let robot = planar_2r();
+    let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+    // Its word comes on a topic of its own, some time after the first joint states.
+    let survey = arm.survey().unwrap();
+    assert_eq!((survey.homed, survey.ready), (Some(false), Some(true)));
+    // Whoever asks nevertheless is refused.
+    let (recording, ending) = record(&mut arm, &plan(&robot)).unwrap();
+    assert!(matches!(&ending, Ending::Tripped { trip, .. } if trip.trip == "robot-stopped"), "{ending:?}");
+    assert!(recording.is_empty());
 }
 
 #[test]

@@ -102,12 +102,7 @@ impl Endpoint {
     pub(crate) fn wait(&self, what: &str, topics: &[(Other, String)]) -> Result<(), LinkError> {
         let began = Instant::now();
         loop {
-            let (writers, readers) = (self.participant.discovered_writers(), self.participant.discovered_readers());
-            let there = |(other, topic): &(Other, String)| match other {
-                Other::Writer => writers.iter().any(|found| found.publication_topic_data.topic_name == *topic),
-                Other::Reader => readers.iter().any(|found| found.subscription_topic_data.topic_name() == topic),
-            };
-            if topics.iter().all(there) {
+            if self.has(topics) {
                 return Ok(());
             }
             if began.elapsed() > self.settings.patience() {
@@ -116,6 +111,15 @@ impl Endpoint {
             }
             std::thread::sleep(Duration::from_millis(10));
         }
+    }
+
+    /// Whether all of these others have been seen.
+    pub(crate) fn has(&self, topics: &[(Other, String)]) -> bool {
+        let (writers, readers) = (self.participant.discovered_writers(), self.participant.discovered_readers());
+        topics.iter().all(|(other, topic)| match other {
+            Other::Writer => writers.iter().any(|found| found.publication_topic_data.topic_name == *topic),
+            Other::Reader => readers.iter().any(|found| found.subscription_topic_data.topic_name() == topic),
+        })
     }
 }
 

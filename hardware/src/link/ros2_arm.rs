@@ -20,6 +20,9 @@ use crate::message::{FollowFeedback, JointState, Text};
 /// Messages by which the robot's rate is measured before anything moves.
 const RATE_MESSAGES: usize = 25;
 
+/// How long a robot's computer may take to say its first word.
+const WORD: Duration = Duration::from_secs(2);
+
 /// What the robot said last.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Reading {
@@ -98,7 +101,19 @@ impl Ros2Arm {
             findings: StampFindings::default(),
         };
         arm.rate_hz = arm.measure_rate()?;
+        arm.await_word();
         Ok(arm)
+    }
+
+    /// Waits for the first word about the state of the robot's computer where somebody is there to say one: an arm that
+    /// is stopped or not homed must not move because its joint states came first.
+    fn await_word(&mut self) {
+        let speaker = [(Other::Writer, format!("rt{}", self.settings.full(&self.settings.robot_state)))];
+        let began = Instant::now();
+        while self.state.is_none() && began.elapsed() < WORD && self.states.is_some() && self.endpoint.has(&speaker) {
+            std::thread::sleep(Duration::from_millis(5));
+            self.hear_state();
+        }
     }
 
     /// The median rate of the joint states by their stamps, Hz.
@@ -168,6 +183,16 @@ impl Ros2Arm {
         Ok(Reading { row, age_s: at.elapsed().as_secs_f64(), rate_hz: self.rate_hz, state: self.state.clone() })
     }
 
+    /// The newest joint state that has come, and when: without waiting, so that whoever follows the arm hears of a
+    /// silence that has begun.
+    ///
+    /// # Errors
+    /// [`LinkError`] where its joints are not those of the robot file.
+    pub(super) fn newest(&mut self) -> Result<(JointRow, Instant), LinkError> {
+        while self.hear(Duration::ZERO)? {}
+        Ok(self.latest.clone().expect("whoever is connected has measured the rate of the joint states"))
+    }
+
     /// The ROS domain that it was found in.
     #[must_use]
     pub fn domain(&self) -> u16 {
@@ -181,7 +206,7 @@ impl Ros2Arm {
 
     /// A topic on which to tell others in words what happens here.
     pub(crate) fn teller(&mut self, topic: &str) -> Result<Publisher<Text>, LinkError> {
-        self.endpoint.publisher(topic, ("std_msgs", "String"), &self.settings.command_qos())
+        self.endpoint.publisher(topic, ("std_msgs", "String"), &self.settings.telling_qos())
     }
 
     /// The robot that this is.
@@ -272,6 +297,13 @@ impl Listener for Relay<'_> {
         self.sink.sample(&RawSample { index, t, phase, q: &sample.q, effort: &sample.effort, voltage: &[], command })
     }
 
+    fn standing(&mut self, t: f64, row: &JointRow, command: &[f64]) -> Flow {
+        let index = if t < 0.0 { 0 } else { self.layout.samples() - 1 };
+        self.last = (t, self.layout.phase(index));
+        let (q, effort) = (&row.q, &row.effort);
+        self.sink.unrecorded(&RawSample { index, t, phase: self.last.1, q, effort, voltage: &[], command })
+    }
+
     fn idle(&mut self, age_s: f64) -> Flow {
         self.sink.idle(age_s)
     }
@@ -290,8 +322,8 @@ impl Arm for Ros2Arm {
                 format!("joint states come at {:.1} Hz, the plan samples at {} Hz", self.rate_hz, plan.rate_hz);
             return Err(unavailable(reason));
         }
-        let reading = self.reading().map_err(|error| unavailable(error.to_string()))?;
-        if let Some(state) = reading.state.filter(|state| !super::follow::is_enabled(state)) {
+        self.newest().map_err(|error| unavailable(error.to_string()))?;
+        if let Some(state) = self.state.as_ref().filter(|state| !super::follow::is_enabled(state)) {
             return Err(unavailable(format!("the robot's computer says \"{state}\", expected \"enabled\"")));
         }
         sink.begin(&self.recording(plan, &layout));

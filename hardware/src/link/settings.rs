@@ -205,6 +205,16 @@ impl LinkSettings {
         self.qos(Reliability::Reliable { when_full: WhenFull::DEFAULT })
     }
 
+    /// Quality of service of what is told to whoever listens. Who is gone and does not confirm must not hold up the teller.
+    pub(crate) fn telling_qos(&self) -> QosProfile {
+        self.qos(Reliability::Reliable { when_full: WhenFull::Fail })
+    }
+
+    /// Quality of service of one who only looks on: it confirms nothing, so that nobody ever waits for it.
+    pub(crate) fn looking_qos(&self) -> QosProfile {
+        self.qos(Reliability::BestEffort)
+    }
+
     fn qos(&self, reliability: Reliability) -> QosProfile {
         QosProfile::publisher_default()
             .reliability(reliability)

@@ -166,6 +166,18 @@ fn what_does_not_fit_is_refused() {
 }
 
 #[test]
+fn an_arm_that_is_not_homed_says_so_and_stays() {
+    let mut computer = computer(None).with_homed(false);
+    assert_eq!(computer.follow(motion(&computer)), Err("the arm is not homed".to_owned()));
+    assert!(!computer.set_point(&[0.1, 0.0]));
+    let (output, _) = run(&mut computer, 0.5);
+    assert_eq!(computer.state(), "enabled not homed hold");
+    let states = states(&output);
+    let stays = |state: &&JointState| state.position.iter().zip(&states[0].position).all(|(a, b)| (a - b).abs() < 1e-3);
+    assert!(states.len() > 200 && states.iter().all(stays), "{:?}", states.last());
+}
+
+#[test]
 fn requests_stop_the_arm() {
     let mut computer = computer(None);
     computer.follow(motion(&computer)).unwrap();

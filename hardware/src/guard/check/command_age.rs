@@ -27,7 +27,7 @@ impl Check for CommandAge {
         (age_s > self.line_s).then(|| format!("a set-point is {found:.1} ms late, expected at most {line:.1} ms"))
     }
 
-    fn used(&self) -> f64 {
-        self.used
+    fn take_used(&mut self) -> f64 {
+        std::mem::take(&mut self.used)
     }
 }

@@ -44,7 +44,7 @@ impl Check for CommandStep {
         found
     }
 
-    fn used(&self) -> f64 {
-        self.used
+    fn take_used(&mut self) -> f64 {
+        std::mem::take(&mut self.used)
     }
 }

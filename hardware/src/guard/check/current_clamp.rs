@@ -48,7 +48,7 @@ impl Check for CurrentClamp {
         found
     }
 
-    fn used(&self) -> f64 {
-        self.longest / self.window_s
+    fn take_used(&mut self) -> f64 {
+        std::mem::take(&mut self.longest) / self.window_s
     }
 }

@@ -33,8 +33,8 @@ pub trait Check: Send {
         None
     }
 
-    /// Largest part of its line that was used so far: 1 where it trips.
-    fn used(&self) -> f64;
+    /// Largest part of its line that was used since this was asked last: 1 where it trips.
+    fn take_used(&mut self) -> f64;
 }
 
 /// Every check of a mode, in the order of [`Trip::ALL`]. [`Trip::RobotStopped`] and [`Trip::Link`] are told by the arm,

@@ -39,7 +39,7 @@ impl Check for FollowingError {
         found
     }
 
-    fn used(&self) -> f64 {
-        self.used
+    fn take_used(&mut self) -> f64 {
+        std::mem::take(&mut self.used)
     }
 }

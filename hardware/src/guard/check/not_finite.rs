@@ -37,7 +37,7 @@ impl Check for NotFinite {
         self.look("set-point", set_point)
     }
 
-    fn used(&self) -> f64 {
-        f64::from(u8::from(self.found))
+    fn take_used(&mut self) -> f64 {
+        f64::from(u8::from(std::mem::take(&mut self.found)))
     }
 }

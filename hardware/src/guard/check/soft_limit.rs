@@ -74,7 +74,7 @@ impl Check for SoftLimit {
         self.look("set-point", set_point)
     }
 
-    fn used(&self) -> f64 {
-        self.used
+    fn take_used(&mut self) -> f64 {
+        std::mem::take(&mut self.used)
     }
 }

@@ -40,7 +40,7 @@ impl Check for StaleState {
         self.look("the age of the state is", age_s)
     }
 
-    fn used(&self) -> f64 {
-        self.used
+    fn take_used(&mut self) -> f64 {
+        std::mem::take(&mut self.used)
     }
 }

@@ -22,7 +22,7 @@ proptest! {
         let mode = if stream { Mode::Stream } else { Mode::Trajectory };
         let settings = GuardSettings::default();
         let mut stage = Stage::new(mode, &settings);
-        (stage.jitter, stage.lag_s, stage.noise) = (jitter, lag_s, noise);
+        (stage.jitter, stage.lag_s, stage.noise, stage.lead_s) = (jitter, lag_s, noise, 0.3);
         let mut guarded = Guarded::new(stage, &robot(), &settings, mode);
         let mut sink = Count::default();
         let ending = guarded.perform(&plan(part, rate_hz), &mut sink).unwrap();

@@ -1,11 +1,11 @@
 //! Preflight, approach, and the experiment after it.
 
-use armid::experiment::{Arm, ArmError, ExperimentPlan};
+use armid::experiment::{Arm, ArmError, ExperimentPlan, SafeAction};
 
 use super::stage::{Count, Deed, Fault, Stage, around, plan, robot, series, tripped};
 use crate::guard::machine::Approached;
 use crate::guard::preflight::of_survey;
-use crate::guard::{Approach, Confirmation, GuardSettings, Guarded, JointBounds, Mode, Preflight, Survey};
+use crate::guard::{Approach, Confirmation, GuardSettings, Guarded, JointBounds, Mode, Preflight, Survey, Trip};
 
 fn word() -> Confirmation {
     Confirmation::typed("crs-a460", "crs-a460\n").unwrap()
@@ -22,6 +22,7 @@ fn an_arm_that_stands_elsewhere_comes_to_the_start_pose_and_only_the_experiment_
     let mut stage = Stage::new(Mode::Stream, &settings);
     // Outside the soft limits, inside the hard ones: it may come back.
     stage.stands = vec![3.03, -0.5, 0.3, 0.2, -1.0, 0.0];
+    stage.lead_s = 0.3;
     let mut guarded = guarded(stage, &settings);
     let mut sink = Count::default();
     let ending = guarded.perform(&plan(0.5, 1000.0), &mut sink).unwrap();
@@ -31,6 +32,8 @@ fn an_arm_that_stands_elsewhere_comes_to_the_start_pose_and_only_the_experiment_
     assert_eq!(passed.len(), 5);
     // 15/8 · 2.94 rad at a tenth of 180°/s.
     assert!(approach.unwrap().duration_s > 15.0);
+    // How it began is no matter of how close the experiment came to the soft limits.
+    assert!(guarded.record().used["soft-limit"] < 0.9, "{:?}", guarded.record().used);
 }
 
 #[test]
@@ -46,6 +49,60 @@ fn a_trip_on_the_way_leaves_a_recording_without_samples() {
     assert_eq!((sink.begun, sink.samples), (1, 0));
     assert_eq!(guarded.arm().machine().deeds.len(), 1);
     assert!(matches!(guarded.arm().machine().deeds[0].1, Deed::Safe(_)));
+}
+
+#[test]
+fn a_fault_where_one_motion_ends_and_the_next_begins_trips_within_its_bound() {
+    let settings = GuardSettings::default();
+    let stands = vec![0.3, 0.2, 0.3, 0.2, -0.4, 0.0];
+    let perform = |fault: Fault, at_s: f64| {
+        let mut stage = Stage::new(Mode::Trajectory, &settings);
+        (stage.fault, stage.joint, stage.at_s) = (fault, 2, at_s);
+        (stage.stands, stage.lead_s) = (stands.clone(), 0.3);
+        let mut guarded = guarded(stage, &settings);
+        let ending = guarded.perform(&plan(0.5, 500.0), &mut Count::default()).unwrap();
+        (guarded, ending)
+    };
+    let (clean, ending) = perform(Fault::None, 0.0);
+    assert!(ending.is_complete(), "{ending:?}");
+    let end_s = clean.arm().before().1.unwrap().duration_s;
+    let faults = [
+        (Fault::NotFinite, Trip::NotFinite),
+        (Fault::Jump(0.3), Trip::PositionJump),
+        (Fault::Current(1.5), Trip::CurrentClamp),
+        (Fault::Silence, Trip::StaleState),
+        (Fault::Robot, Trip::RobotStopped),
+    ];
+    for (fault, expected) in faults {
+        // In the approach's last moments, as it ends, while the arm stands, and as the experiment begins.
+        for since_s in [-0.015, -0.001, 0.0, 0.001, 0.015, 0.15, 0.285, 0.299, 0.3] {
+            let (guarded, ending) = perform(fault, end_s + since_s);
+            assert_eq!(Trip::parse(tripped(&ending).trip), Some(expected), "{fault:?} {since_s} s");
+            let stage = guarded.arm().machine();
+            let [(done_s, Deed::Safe(_))] = stage.deeds[..] else { panic!("{:?}", stage.deeds) };
+            let took_ms = 1e3 * (done_s - stage.crossed_s.unwrap());
+            let bound_ms = tripped(&ending).bound_ms;
+            assert!(took_ms <= bound_ms, "{fault:?} {since_s} s: {took_ms} ms, expected at most {bound_ms} ms");
+        }
+    }
+}
+
+#[test]
+fn an_arm_that_gives_up_at_the_start_pose_has_tripped() {
+    let settings = GuardSettings::default();
+    let mut stage = Stage::new(Mode::Trajectory, &settings);
+    stage.stands = vec![0.3, 0.2, 0.3, 0.2, -0.4, 0.0];
+    stage.gives_up = true;
+    let mut guarded = guarded(stage, &settings);
+    let mut sink = Count::default();
+    let ending = guarded.perform(&plan(0.5, 500.0), &mut sink).unwrap();
+    let trip = tripped(&ending);
+    assert_eq!((trip.trip, trip.action), (Trip::RobotStopped.name(), SafeAction::Cancel));
+    assert!(trip.reason.contains("estop"), "{trip}");
+    // It moved on its way: the recording says so, with its plan, its ending and no sample.
+    assert_eq!((sink.begun, sink.samples), (1, 0));
+    let refused = guarded.perform(&plan(0.5, 500.0), &mut sink).unwrap_err().to_string();
+    assert!(refused.contains("robot-stopped") && sink.begun == 1, "{refused}");
 }
 
 fn refused(fault: &Result<Vec<crate::guard::Passed>, ArmError>, check: Preflight) {

@@ -83,13 +83,19 @@ pub(super) struct Stage {
     pub(super) mode: Mode,
     pub(super) fault: Fault,
     pub(super) joint: usize,
-    /// When the fault begins, s.
+    /// When the fault begins, s by the stage's clock: zero where its first motion begins.
     pub(super) at_s: f64,
+    /// How long it stands at the start pose before an experiment begins, s.
+    pub(super) lead_s: f64,
+    /// Whether it refuses to perform once it is at the start pose.
+    pub(super) gives_up: bool,
     /// Lag of the arm behind its command, s.
     pub(super) lag_s: f64,
     /// Deterministic noise: size of stamps' jitter in sampling periods, and of positions, rad.
     pub(super) jitter: f64,
     pub(super) noise: f64,
+    /// By the stage's clock, when the next motion's first state comes.
+    pub(super) clock_s: Option<f64>,
     /// What happened, with its time.
     pub(super) deeds: Vec<(f64, Deed)>,
     /// When the fault first crossed the line of its check, as the stage itself sees it.
@@ -109,6 +115,9 @@ impl Stage {
             fault: Fault::None,
             joint: 0,
             at_s: 0.0,
+            lead_s: 0.0,
+            gives_up: false,
+            clock_s: None,
             lag_s: 0.005,
             jitter: 0.0,
             noise: 0.0,
@@ -140,36 +149,44 @@ impl Stage {
         }
         for k in 0..100 {
             let healthy = RawSample { index: sample.index + k, t: t + k as f64 * 1e-3, ..*sample };
-            let answers = [sink.sample(&healthy), sink.idle(1e-3), sink.command(healthy.command, 0.0)];
-            assert_eq!(answers, [first; 3], "a guard that has tripped stays tripped");
+            let heard = [sink.sample(&healthy), sink.unrecorded(&healthy)];
+            let answers = [heard[0], heard[1], sink.idle(1e-3), sink.command(healthy.command, 0.0)];
+            assert_eq!(answers, [first; 4], "a guard that has tripped stays tripped");
         }
     }
 
-    /// Performs a motion from time zero. `None` where it went through.
+    /// Performs a motion from time zero, after `lead` samples at rest. Samples with a phase are recorded. `None` where it
+    /// went through.
     fn follow(
         &mut self,
         motion: &dyn Fn(f64, &mut [f64]),
-        phases: &dyn Fn(usize) -> Phase,
-        samples: usize,
+        phases: &dyn Fn(usize) -> Option<Phase>,
+        (lead, samples): (usize, usize),
         rate_hz: f64,
         sink: &mut dyn Sink,
     ) -> Option<Ending> {
         let n = self.robot.dof();
         let joint = self.joint;
         let (mut q, mut command, mut before) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        let (mut frozen, mut last_t) = (None, 0.0);
+        let lead_s = lead as f64 / rate_hz;
+        let ahead_s = self.clock_s.map_or(0.0, |clock_s| clock_s + lead_s);
+        self.clock_s = Some(ahead_s + samples as f64 / rate_hz);
+        let (mut frozen, mut last_t) = (None, ahead_s - lead_s);
         let bounds = crate::guard::JointBounds::of_robot(&self.robot, &self.settings);
-        for k in 0..samples {
-            let t = (k as f64 + self.jitter * 0.4 * Self::dither(k, 0)).max(0.0) / rate_hz;
-            let faulty = self.fault != Fault::None && t >= self.at_s;
-            let since = t - self.at_s;
-            motion(t, &mut command);
+        for k in 0..lead + samples {
+            let t = (k as f64 + self.jitter * 0.4 * Self::dither(k, 0)).max(0.0) / rate_hz - lead_s;
+            // What went wrong goes on, whatever motion is under way.
+            let now = t + ahead_s;
+            let faulty = self.fault != Fault::None && now >= self.at_s;
+            let since = now - self.at_s;
+            motion(t.max(0.0), &mut command);
             motion((t - self.lag_s).max(0.0), &mut q);
             for (j, q) in q.iter_mut().enumerate() {
                 *q += self.noise * Self::dither(k, j + 1);
             }
             let mut effort: Vec<f64> = (0..n).map(|j| 0.5 * Self::dither(k, 10 + j)).collect();
-            let phase = phases(k);
+            let recorded = k.checked_sub(lead).and_then(phases);
+            let phase = recorded.unwrap_or(Phase::Settle);
             let mut late = 0.0;
             if faulty {
                 match self.fault {
@@ -186,12 +203,12 @@ impl Stage {
                     Fault::Late(age) => late = age,
                     Fault::Step(size) => command[joint] += size,
                     Fault::Robot => {
-                        self.crossed(t);
+                        self.crossed(now);
                         let reason = "the robot's computer says estop".to_owned();
                         let settings = &self.settings;
                         let trip =
                             crate::guard::watch::report(Trip::RobotStopped, reason, settings, self.mode, rate_hz);
-                        self.deeds.push((t, Deed::Safe(trip.action)));
+                        self.deeds.push((now, Deed::Safe(trip.action)));
                         return Some(Ending::Tripped { t, phase, trip: Box::new(trip) });
                     }
                     Fault::Silence => {
@@ -227,25 +244,26 @@ impl Stage {
                 };
                 if crossed {
                     let gradual = matches!(self.fault, Fault::Outwards(_) | Fault::Drift(_));
-                    self.crossed(if gradual { t } else { self.at_s });
+                    self.crossed(if gradual { now } else { self.at_s });
                 }
             }
-            let sample = RawSample { index: k, t, phase, q: &q, effort: &effort, voltage: &[], command: &command };
-            let flow = sink.sample(&sample);
+            let index = k.saturating_sub(lead);
+            let sample = RawSample { index, t, phase, q: &q, effort: &effort, voltage: &[], command: &command };
+            let flow = if recorded.is_some() { sink.sample(&sample) } else { sink.unrecorded(&sample) };
             if flow.ends() {
-                self.aftermath(t, flow, &sample, sink);
+                self.aftermath(now, flow, &sample, sink);
                 return Some(Ending::Stopped { t, phase });
             }
             if self.mode == Mode::Stream {
                 let flow = sink.command(&command, late);
                 if flow.ends() {
-                    self.aftermath(t + late, flow, &sample, sink);
+                    self.aftermath(now + late, flow, &sample, sink);
                     return Some(Ending::Stopped { t, phase });
                 }
-                self.deeds.push((t, Deed::SetPoint));
+                self.deeds.push((now, Deed::SetPoint));
             }
             before.copy_from_slice(&q);
-            last_t = t;
+            last_t = now;
         }
         None
     }
@@ -254,11 +272,16 @@ impl Stage {
 impl Arm for Stage {
     fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
         let layout = plan.check(self.robot.dof())?;
+        if self.gives_up {
+            let reason = "the robot's computer says \"estop\"".to_owned();
+            return Err(ArmError::Unavailable { arm: "stage".to_owned(), reason });
+        }
         sink.begin(&self.announcement(plan)?);
         let command = Command::new(plan, &layout);
         let n = self.robot.dof();
         let motion = |t: f64, q: &mut [f64]| command.evaluate(t, q, &mut vec![0.0; n], &mut vec![0.0; n]);
-        let ended = self.follow(&motion, &|k| layout.phase(k), layout.samples(), plan.rate_hz, sink);
+        let samples = ((self.lead_s * plan.rate_hz).round() as usize, layout.samples());
+        let ended = self.follow(&motion, &|k| Some(layout.phase(k)), samples, plan.rate_hz, sink);
         Ok(ended.unwrap_or(Ending::Completed))
     }
 }
@@ -293,7 +316,7 @@ impl Machine for Stage {
         let n = self.robot.dof();
         let motion = |t: f64, q: &mut [f64]| approach.evaluate(t, q, &mut vec![0.0; n], &mut vec![0.0; n]);
         let samples = (approach.duration_s * 1000.0).ceil() as usize;
-        let ended = self.follow(&motion, &|_| Phase::Settle, samples, 1000.0, sink);
+        let ended = self.follow(&motion, &|_| None, (0, samples), 1000.0, sink);
         Ok(ended.unwrap_or(Ending::Completed))
     }
 }
