@@ -22,6 +22,7 @@ mod interrupt;
 mod limit_arguments;
 mod monitor;
 mod progress;
+mod real_time;
 mod resumption;
 mod robot_source;
 mod simulated_arm;

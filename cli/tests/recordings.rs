@@ -290,3 +290,21 @@ fn identity_a_killed_experiment_goes_on_at_the_next_period() {
         assert!((values(x)[0] - values(y)[0]).abs() < 1e-3, "{x} against {y}");
     }
 }
+
+#[test]
+fn a_first_run_goes_on_at_the_step_that_is_missing() {
+    let folder = temporary();
+    let experiment = short(folder.path(), "planar-2r", 1, "");
+    let whole = path(folder.path(), "R.mcap");
+    let first_run = |more: &[&str]| {
+        let arguments = ["run", &experiment, "--first-run", "-o", &whole, "--json"];
+        json(&armid(arguments.iter().chain(more)).success())
+    };
+    assert_eq!(first_run(&[])["steps"].as_array().unwrap().len(), 3);
+    let full = std::fs::read(&whole).unwrap();
+    std::fs::remove_file(&whole).unwrap();
+    let resumed = first_run(&["--resume"]);
+    assert_eq!((resumed["speed"].as_f64(), resumed["steps"].is_null()), (Some(1.0), true));
+    assert!(std::fs::read(&whole).unwrap() == full);
+    assert_eq!(first_run(&["--resume"])["already"], true);
+}

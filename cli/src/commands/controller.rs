@@ -18,6 +18,7 @@ use crate::console::Console;
 use crate::fault::Fault;
 use crate::files::experiment_toml;
 use crate::interrupt;
+use crate::real_time;
 use crate::robot_source::RobotArguments;
 use crate::simulated_arm::Simulation;
 use crate::table::number;
@@ -65,6 +66,9 @@ pub(crate) struct Arguments {
     /// Where the arm stands at first, rad (m), in place of zero
     #[arg(long, value_name = "Q1,…", value_delimiter = ',', allow_hyphen_values = true)]
     pose: Option<Vec<f64>>,
+    /// The arm has not found its joints' zero positions: it says so and moves nothing
+    #[arg(long)]
+    not_homed: bool,
     /// What goes wrong, and when
     #[arg(long, value_name = "NAME@SECONDS", value_parser = ComputerFault::parse)]
     fault: Option<ComputerFault>,
@@ -105,6 +109,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let mut computer = Computer::new(simulation.robot(), &simulation.nominal, plant, &Sensing::default(), seed, clock)
         .map_err(|error| fault(&error))?
         .with_fault(arguments.fault)
+        .with_homed(!arguments.not_homed)
         .with_watchdog(watchdog);
     if !simulation.truth.motors.is_empty() {
         computer = computer.with_motors(&simulation.truth.motors);
@@ -116,6 +121,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         link.domain,
         number(rate),
     ));
+    real_time::advise(console);
     let options = ServeOptions { link, log: arguments.log.clone(), duration_s: arguments.duration };
     let mut go_on = |progress: &Progress| {
         if console.talks() {

@@ -23,6 +23,7 @@ use crate::files::file_sink::{CsvSink, FileSink};
 use crate::files::recording_mcap::{McapSink, part_of};
 use crate::guarding::GuardArguments;
 use crate::progress;
+use crate::real_time;
 use crate::resumption::{self, Found, Part};
 use crate::speed::{self, Speed};
 use crate::table::{Align, Table, number};
@@ -82,8 +83,9 @@ pub(crate) struct Arguments {
     /// Periods that count, in place of the file's
     #[arg(long)]
     periods: Option<usize>,
-    /// Continue what was cut short: keep the whole periods of R.mcap.part and perform those that are missing
-    #[arg(long, conflicts_with = "first_run")]
+    /// Continue what was cut short: keep the whole periods of R.mcap.part and perform those that are missing; of a first
+    /// run, keep the speeds that are done
+    #[arg(long)]
     resume: bool,
     #[command(flatten)]
     guarding: GuardArguments,
@@ -106,27 +108,30 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         .map_or_else(|| Path::new("reports").join(&experiment.name).join("recording.mcap"), Path::to_path_buf);
 
     let mut earlier = arguments.guarding.earlier.clone();
-    let mut steps = Vec::new();
-    for (step, speed) in arguments.guarding.speeds().into_iter().enumerate() {
+    let (mut steps, mut whole) = (Vec::new(), None);
+    for speed in arguments.guarding.speeds() {
         let slowed = at_speed(&experiment, speed, arguments.guarding.first_run);
         fits(&slowed)?;
-        if experiment.arm == ArmKind::Ros2 {
-            speed::check_earlier(&experiment, speed, &experiment.plan.trajectory.to_toml(), &earlier)?;
-            if step == 0 {
-                experiment.confirmation = Some(arguments.guarding.confirmation(experiment.robot.robot.name())?);
-            }
-        }
-        let slowed = Experiment { confirmation: experiment.confirmation.clone(), ..slowed };
         let path = if arguments.guarding.first_run { speed::step_path(&path, speed) } else { path.clone() };
         let motion = experiment.plan.trajectory.to_toml();
         let part = match left(arguments, console, &slowed, &path)? {
             Found::Nothing => None,
             Found::Whole => {
-                console.show(&resumption::already_whole(&path))?;
-                return Ok(Ending::Done);
+                // Where it is a step of a first run, the next one goes on from it.
+                whole = Some(path.clone());
+                earlier.push(path);
+                continue;
             }
             Found::Part(part) => Some(part),
         };
+        if experiment.arm == ArmKind::Ros2 {
+            speed::check_earlier(&experiment, speed, &motion, &earlier)?;
+            if experiment.confirmation.is_none() {
+                real_time::advise(console);
+                experiment.confirmation = Some(arguments.guarding.confirmation(experiment.robot.robot.name())?);
+            }
+        }
+        let slowed = Experiment { confirmation: experiment.confirmation.clone(), ..slowed };
         let done = perform(arguments, console, &slowed, (speed, motion), &path, part.as_deref())?;
         let ended = done.performed.ending.is_complete();
         earlier.push(done.written.clone());
@@ -135,7 +140,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             break;
         }
     }
-    console.show(&answer(&steps))?;
+    match &whole {
+        Some(path) if steps.is_empty() => console.show(&resumption::already_whole(path))?,
+        _ => console.show(&answer(&steps))?,
+    }
     Ok(steps.last().map_or(Ending::Done, |done| match done.performed.ending {
         PlanEnding::Completed => Ending::Done,
         PlanEnding::Stopped { .. } => Ending::Interrupted,
