@@ -187,3 +187,20 @@ fn a_motion_that_does_not_excite_is_refused_with_advice() {
     let fault = stderr(&armid(["identify", &recording]).code(2));
     assert!(fault.contains("is not excited") && fault.contains("armid design"), "{fault}");
 }
+
+#[test]
+fn a_joint_in_which_a_payload_does_not_show_is_named_and_the_others_are_reported() {
+    let folder = temporary();
+    let output = folder.path().join("constants.json");
+    // Symmetric about the axis of the last joint: it adds nothing there.
+    let payload = ["calibrate", "payload", "crs-a460", "--mass-kg", "1", "--centre-m", "0,0,0.05", "--periods", "2"];
+    let done = armid(payload.into_iter().chain(["-o", output.to_str().unwrap(), "--json"])).code(1);
+    let found = json(&done);
+    let names = |key: &str| -> Vec<String> {
+        found[key].as_array().unwrap().iter().map(|joint| joint["joint"].as_str().unwrap().to_owned()).collect()
+    };
+    assert_eq!(names("joints"), ["waist", "shoulder", "elbow", "wrist_roll", "wrist_pitch"]);
+    assert_eq!(names("findings"), ["tool_roll"]);
+    assert!(found["findings"][0]["text"].as_str().unwrap().contains("joint \"tool_roll\": the payload adds 0.000 N·m"));
+    assert!(output.is_file() && output.with_extension("svg").is_file());
+}

@@ -12,11 +12,13 @@
 //! Reference: M. Gautier, S. Briot, "Global identification of joint drive gains and dynamic parameters of robots", ASME J.
 //! Dyn. Syst. Meas. Control 136(5), 2014.
 
+use std::fmt;
+
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::{CalibrationError, Measured};
 use crate::base::{BaseReduction, Method};
-use crate::linalg::LeastSquares;
+use crate::linalg::{LeastSquares, LeastSquaresError, RankTolerance};
 use crate::model::{Columns, Robot};
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;
@@ -37,6 +39,44 @@ pub struct KnownLoad {
     pub residual_rms: f64,
 }
 
+/// A joint whose torque constant a payload does not show.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct HiddenLoad {
+    /// Name of the joint.
+    pub joint: String,
+    /// RMS of the torque that the payload adds, N·m (N).
+    pub load_rms: f64,
+    /// Unit of it.
+    pub unit: String,
+    /// Why that is not enough.
+    pub reason: String,
+}
+
+impl HiddenLoad {
+    /// What to do about it.
+    #[must_use]
+    pub const fn advice(&self) -> &'static str {
+        "attach the payload further from this joint's axis, take a heavier one, or move the joint more; or measure the \
+         back-EMF"
+    }
+}
+
+impl fmt::Display for HiddenLoad {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let Self { joint, load_rms, unit, reason } = self;
+        write!(f, "joint \"{joint}\": the payload adds {load_rms:.3} {unit} RMS, which does not show: {reason}")
+    }
+}
+
+/// What a payload shows of a robot's motors, joint by joint.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct KnownLoads {
+    /// The joints whose torque constants it shows.
+    pub shown: Vec<KnownLoad>,
+    /// The others.
+    pub hidden: Vec<HiddenLoad>,
+}
+
 /// A payload about the origin of the last link's frame, from its mass (kg), its centre there (m), and its moments of
 /// inertia about that centre along the frame's axes (kg·m²).
 #[must_use]
@@ -49,14 +89,14 @@ pub fn payload(mass_kg: f64, centre_m: [f64; 3], inertia_kg_m2: [f64; 3]) -> Ine
 /// `load` about the origin of that link's frame.
 ///
 /// # Errors
-/// [`CalibrationError`] where samples and robot do not belong together, where motors are coupled, or where the payload
-/// does not show in a joint.
+/// [`CalibrationError`] where samples and robot do not belong together, or motors are coupled. A joint in which the
+/// payload does not show is none: it is told among the hidden ones.
 pub fn known_load(
     robot: &Robot,
     without: &Samples,
     with: &Samples,
     load: &Inertia,
-) -> Result<Vec<KnownLoad>, CalibrationError> {
+) -> Result<KnownLoads, CalibrationError> {
     let n = robot.dof();
     if without.dof() != n || with.dof() != n {
         return Err(CalibrationError::Unfit {
@@ -75,7 +115,14 @@ pub fn known_load(
     let regressor = JointTorqueRegressor::new(robot, Columns::RigidRotorFriction);
     let parts = [Part::new(&regressor, without, 0.0), Part::new(&regressor, with, 1.0)];
     let phi = DVector::from_row_slice(&load.to_array());
-    (0..n).map(|joint| one(robot, &regressor, &parts, &phi, joint)).collect()
+    let mut found = KnownLoads { shown: Vec::new(), hidden: Vec::new() };
+    for joint in 0..n {
+        match one(robot, &regressor, &parts, &phi, joint) {
+            Ok(shown) => found.shown.push(shown),
+            Err(hidden) => found.hidden.push(hidden),
+        }
+    }
+    Ok(found)
 }
 
 /// The block means of one recording.
@@ -113,7 +160,7 @@ fn one(
     parts: &[Part<'_>; 2],
     phi: &DVector<f64>,
     joint: usize,
-) -> Result<KnownLoad, CalibrationError> {
+) -> Result<KnownLoad, HiddenLoad> {
     let rows: Vec<(&Part<'_>, usize)> =
         parts.iter().flat_map(|part| part.rows(joint).map(move |row| (part, row))).collect();
     let p = regressor.cols();
@@ -132,8 +179,23 @@ fn one(
             },
         );
     let y = DVector::from_iterator(rows.len(), rows.iter().map(|(part, row)| part.tau[*row]));
-    let fit = LeastSquares::solve(&w, &y)
-        .map_err(|fault| CalibrationError::NotExcited { parameter: "the payload's torque", fault })?;
+    let name = robot.joints()[joint].name.clone();
+    let loaded = rows.iter().filter(|(part, _)| part.load > 0.0).count().max(1);
+    let load_rms = load.norm() / (loaded as f64).sqrt();
+    let unit = robot.joints()[joint].kind.effort_unit().to_owned();
+    let hidden = |reason: String| HiddenLoad { joint: name.clone(), load_rms, unit: unit.clone(), reason };
+    // What is left of terms that cancel is rounding.
+    let terms = |k: usize| (0..10).map(|i| (own[(k, last + i)] * phi[i]).powi(2)).sum::<f64>();
+    let size = (0..rows.len()).map(|k| rows[k].0.load * terms(k)).sum::<f64>().sqrt();
+    if load.norm() <= RankTolerance::default().independent * size {
+        return Err(hidden("the joint feels nothing of it".to_owned()));
+    }
+    let fit = LeastSquares::solve(&w, &y).map_err(|fault| match fault {
+        LeastSquaresError::Dependent { column, .. } if column == kept.ncols() => {
+            hidden("the joint's own torque looks the same on this motion".to_owned())
+        }
+        fault => hidden(fault.to_string()),
+    })?;
     let residual = &y - &w * fit.solution();
     let freedom = (w.nrows() - w.ncols()) as f64;
     let variance = residual.norm_squared() / freedom;
@@ -141,22 +203,23 @@ fn one(
     let spread = (variance * fit.inverse_information()[(kept.ncols(), kept.ncols())]).sqrt();
     let drive = &robot.joints()[joint].drive;
     let inverse = Measured::new(gain, spread, freedom);
+    if inverse.ci95[0] <= 0.0 {
+        // As well no payload: no torque constant is too large.
+        let [low, high] = inverse.ci95;
+        return Err(hidden(format!("its share in what was measured is {gain:.2}, 95 % from {low:.2} to {high:.2}")));
+    }
     // Kt = Kt° / gain: the ends of the interval go through the same function, the deviation to first order.
     let through = |gain: f64| drive.torque_constant / gain;
-    let ends = if inverse.ci95[0] > 0.0 {
-        [through(inverse.ci95[1]), through(inverse.ci95[0])]
-    } else {
-        [through(inverse.ci95[1]).max(0.0), f64::INFINITY]
-    };
+    let ends = [through(inverse.ci95[1]), through(inverse.ci95[0])];
     Ok(KnownLoad {
-        joint: robot.joints()[joint].name.clone(),
+        joint: name.clone(),
         torque_constant: Measured {
             value: through(gain),
             std: drive.torque_constant * spread / (gain * gain),
             ci95: ends,
         },
         assumed: drive.torque_constant,
-        load_rms: load.norm() / (rows.iter().filter(|(part, _)| part.load > 0.0).count().max(1) as f64).sqrt(),
+        load_rms,
         residual_rms: (residual.norm_squared() / rows.len() as f64).sqrt(),
     })
 }

@@ -18,5 +18,5 @@ mod tests;
 pub use back_emf::{BackEmf, BackEmfPoint, Resistance, back_emf};
 pub use error::CalibrationError;
 pub use friction::{Friction, FrictionPoint, friction};
-pub use known_load::{KnownLoad, known_load, payload};
+pub use known_load::{HiddenLoad, KnownLoad, KnownLoads, known_load, payload};
 pub use measured::Measured;

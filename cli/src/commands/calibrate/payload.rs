@@ -1,15 +1,16 @@
 //! `armid calibrate payload`
 
+use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use armid::calibration::{KnownLoad, known_load, payload};
+use armid::calibration::{HiddenLoad, KnownLoad, known_load, payload};
 use armid::experiment::{ExperimentPlan, Sensing, record};
 use armid::seed::Seed;
 use armid::signal::{Derivatives, Processing, Samples, process};
 use armid::spatial::Inertia;
 use armid_reports::{Axis, Figure, Group, Heading, Interval, IntervalFigure, IntervalRow, Level};
 use miette::Result;
-use serde_json::json;
+use serde_json::{Value, json};
 
 use crate::answer::{Answer, Ending};
 use crate::arms::ArmKind;
@@ -26,7 +27,8 @@ const AFTER_HELP: &str = "\
 Two recordings of one motion, without and with a payload whose mass and centre are known: what the
 payload adds is known in N·m, what the motors add is measured in A. Their ratio is the torque
 constant. It needs no motor voltage. A joint with a vertical axis feels the payload's inertia only,
-so that its interval is wide. Motors that drive several joints need the back-EMF.
+so that its interval is wide. A joint in which the payload does not show is named, the others are
+reported, and the exit status is 1. Motors that drive several joints need the back-EMF.
 
   armid run without.toml -o A.mcap
   # attach the payload
@@ -78,20 +80,41 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         _ => [arguments.simulated(&loaded, None)?, arguments.simulated(&loaded, Some(&load))?],
     };
     let found = known_load(&loaded.robot, &without, &with, &load).map_err(|error| Fault::new(error.to_string()))?;
+    let finding = |hidden: &HiddenLoad| {
+        json!({
+            "joint": hidden.joint,
+            "load_rms": hidden.load_rms,
+            "unit": hidden.unit,
+            "text": hidden.to_string(),
+            "advice": hidden.advice(),
+        })
+    };
+    let findings: Vec<Value> = found.hidden.iter().map(finding).collect();
     let stem = console.output().map_or_else(
         || Path::new("reports").join(format!("{}-payload", loaded.robot.name())).join("torque-constants"),
         |path| path.with_extension(""),
     );
-    let json = json!({ "robot": loaded.robot.name(), "mass_kg": arguments.mass_kg, "centre_m": arguments.centre_m, "joints": found });
-    let svg = figure(&found, &loaded).svg().map_err(|fault| Fault::new(format!("the figure: {fault}")))?;
-    let mut text = text(&found, &loaded);
-    for (ending, content) in [("json", pretty(&json)), ("svg", svg)] {
+    let json = json!({
+        "robot": loaded.robot.name(),
+        "mass_kg": arguments.mass_kg,
+        "centre_m": arguments.centre_m,
+        "joints": found.shown,
+        "findings": findings,
+    });
+    let mut text = text(&found.shown, &loaded);
+    for hidden in &found.hidden {
+        let _ = writeln!(text, "  {hidden}\n    → {}\n", hidden.advice());
+    }
+    let svg = (!found.shown.is_empty()).then(|| figure(&found.shown, &loaded).svg()).transpose();
+    let svg = svg.map_err(|fault| Fault::new(format!("the figure: {fault}")))?;
+    for (ending, content) in [("json", Some(pretty(&json))), ("svg", svg)] {
+        let Some(content) = content else { continue };
         let path = stem.with_extension(ending);
         atomic_file::write_text(&path, &content)?;
         text.push_str(&format!("  {}\n", path.display()));
     }
     console.show(&Answer { text, json })?;
-    Ok(Ending::Done)
+    Ok(if found.hidden.is_empty() { Ending::Done } else { Ending::Negative })
 }
 
 impl Arguments {
