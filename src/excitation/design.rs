@@ -117,13 +117,14 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
         let trajectory = feasibility.bring_inside(problem.start(draws, draw as u64)?);
         let x = feasibility.basis().coefficients(&trajectory)?;
         let value = objective.exact_at(&x);
+        // Any draw inside the limits beats any outside; the record of the latter is dropped.
+        let improves = best.as_ref().is_none_or(|(_, least)| value < *least);
+        if best_is_inside && !improves {
+            continue;
+        }
         let excess = feasibility.smooth().excess(&x);
         let is_inside = excess <= EXCESS_TOLERANCE;
-        // Any draw inside the limits beats any outside; the record of the latter is dropped.
-        let better = match &best {
-            None => true,
-            Some((_, least)) => (is_inside && !best_is_inside) || (is_inside == best_is_inside && value < *least),
-        };
+        let better = improves && is_inside == best_is_inside || is_inside && !best_is_inside || best.is_none();
         if better {
             if is_inside && !best_is_inside {
                 history.clear();

@@ -163,15 +163,19 @@ impl Trajectory for FourierTrajectory {
         let cycles = t / self.period_s;
         let (s1, c1) = libm::sincos(TAU * (cycles - cycles.floor()));
         for (i, joint) in self.joints.iter().enumerate() {
-            let (mut s, mut c) = (s1, c1);
             (q[i], qd[i], qdd[i]) = (joint.q0, 0.0, 0.0);
-            for (l, (a, b)) in joint.a.iter().zip(&joint.b).enumerate() {
-                let w = omega * (l + 1) as f64;
+        }
+        let harmonics = self.joints.iter().map(|joint| joint.a.len()).max().unwrap_or(0);
+        let (mut s, mut c) = (s1, c1);
+        for l in 0..harmonics {
+            let w = omega * (l + 1) as f64;
+            for (i, joint) in self.joints.iter().enumerate() {
+                let (Some(a), Some(b)) = (joint.a.get(l), joint.b.get(l)) else { continue };
                 q[i] += (a * s - b * c) / w;
                 qd[i] += a * c + b * s;
                 qdd[i] += w * (b * c - a * s);
-                (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
             }
+            (s, c) = (s * c1 + c * s1, c * c1 - s * s1);
         }
     }
 }

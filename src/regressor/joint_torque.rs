@@ -1,5 +1,7 @@
 //! The regressor of joint efforts, at one sample and over many.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, Vector3};
 
 use super::BodyRegressor;
@@ -87,7 +89,13 @@ impl JointTorqueRegressor {
     /// # Panics
     /// If a slice is shorter than n, or `out` than n·p.
     pub fn evaluate(&self, q: &[f64], qd: &[f64], qdd: &[f64], out: &mut [f64]) {
-        self.evaluate_from(self.base_at_rest(), q, qd, qdd, out);
+        self.evaluate_from(self.base_at_rest(), 0..self.rows(), q, qd, qdd, out);
+    }
+
+    /// One sample of joint `row` alone, at a fraction of the cost: its row of [`evaluate`](Self::evaluate), in its place in
+    /// `out` (n × p). What else of `out` is overwritten means nothing.
+    pub(crate) fn evaluate_row(&self, row: usize, q: &[f64], qd: &[f64], qdd: &[f64], out: &mut [f64]) {
+        self.evaluate_from(self.base_at_rest(), row..row + 1, q, qd, qdd, out);
     }
 
     /// Velocity and acceleration of a base at rest, gravity subtracted.
@@ -95,10 +103,12 @@ impl JointTorqueRegressor {
         (Motion::zero(), Motion::new(Vector3::zeros(), -self.gravity))
     }
 
-    /// The recursion from a base that moves with velocity `v` and acceleration `a`, gravity subtracted.
+    /// The recursion from a base that moves with velocity `v` and acceleration `a`, gravity subtracted, for the joints
+    /// `rows`.
     pub(super) fn evaluate_from(
         &self,
         (mut v, mut a): (Motion, Motion),
+        rows: Range<usize>,
         q: &[f64],
         qd: &[f64],
         qdd: &[f64],
@@ -121,18 +131,18 @@ impl JointTorqueRegressor {
             let rate = *axis * qd[k];
             v = x.motion_to_child(&v) + rate;
             a = x.motion_to_child(&a) + *axis * qdd[k] + v.cross(&rate);
-            for s in &mut carried[..k] {
+            for s in &mut carried[rows.start.min(k)..rows.end.min(k)] {
                 *s = x.motion_to_child(s);
             }
             carried[k] = *axis;
             let body = BodyRegressor::new(&v, &a);
-            for (i, row) in out.chunks_exact_mut(p).enumerate() {
+            for (i, row) in rows.clone().zip(out[rows.start * p..].chunks_exact_mut(p)) {
                 let block = row[10 * k..].first_chunk_mut().expect("a row holds ten columns per link");
                 // A link further in does not load joint i.
                 if i <= k { body.project(&carried[i], block) } else { *block = [0.0; 10] }
             }
         }
-        for row in out.chunks_exact_mut(p) {
+        for row in out[rows.start * p..].chunks_exact_mut(p).take(rows.len()) {
             row[10 * n..].fill(0.0);
         }
         self.drives.write_columns(&qd[..n], &qdd[..n], 10 * n, p, out);
@@ -171,6 +181,26 @@ mod tests {
     use crate::conformance::chains::{self, ChainRecipe};
     use crate::dynamics::Dynamics;
     use crate::seed::Seed;
+
+    #[test]
+    fn identity_a_row_alone_is_that_of_the_whole_regressor() {
+        for run in 0..20 {
+            let mut rng = Seed::new(12).stream("chains", run);
+            let dof = 1 + usize::try_from(run % 9).unwrap();
+            let (robot, _) = ChainRecipe { coupled: run % 2 == 0, ..ChainRecipe::new(dof) }.draw(&mut rng);
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RigidRotorFriction);
+            let (q, qd, qdd) = chains::random_state(&mut rng, dof);
+            let p = regressor.cols();
+            let mut whole = vec![0.0; dof * p];
+            regressor.evaluate(&q, &qd, &qdd, &mut whole);
+            for row in 0..dof {
+                let mut alone = vec![f64::NAN; dof * p];
+                regressor.evaluate_row(row, &q, &qd, &qdd, &mut alone);
+                // The same operations in the same order: the same bits.
+                assert_eq!(alone[row * p..(row + 1) * p], whole[row * p..(row + 1) * p]);
+            }
+        }
+    }
 
     #[test]
     fn identity_inverse_dynamics_is_regressor_times_parameters() {

@@ -54,7 +54,7 @@ impl JointTorqueRegressor {
     /// If a slice is shorter than n, or `out` than n·p.
     pub fn with_base_motion(&self, base: &BaseState, q: &[f64], qd: &[f64], qdd: &[f64], out: &mut [f64]) {
         let gravity = Motion::new(Vector3::zeros(), base.gravity);
-        self.evaluate_from((base.velocity, base.acceleration - gravity), q, qd, qdd, out);
+        self.evaluate_from((base.velocity, base.acceleration - gravity), 0..self.rows(), q, qd, qdd, out);
     }
 }
 

@@ -1,9 +1,8 @@
 //! The robot among what stands around it: which pairs of bodies can meet, where they are, and how their distance
 //! changes with the joints.
 
-use nalgebra::Vector3;
-
 use super::body::{Placed, Separation, Still};
+use crate::dynamics::LinkPose;
 use crate::model::{Joint, JointKind, Robot, Solid};
 use crate::spatial::Placement;
 
@@ -33,6 +32,8 @@ pub struct Pair {
 #[derive(Clone, Debug)]
 pub struct Scene {
     joints: Vec<Joint>,
+    /// The joints' moving poses, up to the last link with a body.
+    moving: Vec<LinkPose>,
     /// Link and shape of each body of the robot.
     bodies: Vec<(usize, Solid)>,
     still: Vec<Still>,
@@ -41,8 +42,6 @@ pub struct Scene {
     pairs: Vec<Pair>,
     /// Pose of the base and of every link, at the last configuration.
     poses: Vec<Placement>,
-    /// Axis and origin of each joint there.
-    axes: Vec<(Vector3<f64>, Vector3<f64>)>,
     placed: Vec<Placed>,
 }
 
@@ -61,12 +60,12 @@ impl Scene {
         let rank = |link: usize| bearing.iter().position(|&other| other == link).unwrap_or(0);
         let mut scene = Self {
             joints: robot.joints().to_vec(),
+            moving: robot.joints().iter().take(bearing.last().map_or(0, |last| *last)).map(LinkPose::new).collect(),
             names: bodies.iter().map(|body| robot.link_name(body.0).to_owned()).collect(),
             still: robot.obstacles().iter().map(Still::of).collect(),
             still_names: robot.obstacles().iter().map(|obstacle| obstacle.name().to_owned()).collect(),
             pairs: Vec::new(),
             poses: vec![Placement::identity(); n + 1],
-            axes: vec![(Vector3::z(), Vector3::zeros()); n],
             placed: bodies.iter().map(|(_, solid)| Placed::new(solid, &Placement::identity())).collect(),
             bodies,
         };
@@ -132,10 +131,8 @@ impl Scene {
 
     /// Moves the robot to the joint coordinates `q` (n).
     pub fn place(&mut self, q: &[f64]) {
-        for (i, joint) in self.joints.iter().enumerate() {
-            let stand = self.poses[i].compose(&joint.before);
-            self.axes[i] = (stand.rotation.column(2).into_owned(), stand.translation);
-            self.poses[i + 1] = self.poses[i].compose(&joint.placement(q[i]));
+        for (i, (moving, &q)) in self.moving.iter().zip(q).enumerate() {
+            self.poses[i + 1] = self.poses[i].compose(&moving.at(q));
         }
         for (placed, (link, solid)) in self.placed.iter_mut().zip(&self.bodies) {
             if *link > 0 {
@@ -176,10 +173,12 @@ impl Scene {
         slopes.fill(0.0);
         let Pair { from, to, .. } = self.pairs[pair];
         for j in from..to {
-            let (axis, origin) = &self.axes[j];
+            let (before, inner) = (&self.joints[j].before, &self.poses[j]);
+            let axis = inner.rotation * before.rotation.column(2);
+            let origin = inner.point(&before.translation);
             slopes[j] = match self.joints[j].kind {
                 JointKind::Revolute => separation.normal.dot(&axis.cross(&(separation.point - origin))),
-                JointKind::Prismatic => separation.normal.dot(axis),
+                JointKind::Prismatic => separation.normal.dot(&axis),
             };
         }
     }
@@ -198,6 +197,7 @@ mod tests {
     use crate::excitation::fixtures;
     use crate::model::{Capsule, Cuboid, Obstacle};
     use crate::seed::Seed;
+    use nalgebra::Vector3;
     use rand::RngExt;
 
     fn furnished() -> Robot {

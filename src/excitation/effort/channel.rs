@@ -27,6 +27,12 @@ pub struct Channel {
 }
 
 impl Channel {
+    /// The joint and its weight, where the effort is that of one joint alone.
+    pub(super) fn single(&self) -> Option<(usize, f64)> {
+        let mut weights = self.weights.iter().copied().enumerate().filter(|(_, weight)| *weight != 0.0);
+        weights.next().filter(|_| weights.next().is_none())
+    }
+
     /// All efforts of a robot that have a limit: torques, then currents.
     #[must_use]
     pub fn all(robot: &Robot) -> Vec<Self> {
@@ -65,7 +71,7 @@ impl Channel {
     #[must_use]
     pub fn binding(channels: &[Self]) -> Vec<Self> {
         let scale = |channel: &Self| channel.weights[channel.joint].abs();
-        let alone = |channel: &Self| channel.weights.iter().enumerate().all(|(i, w)| i == channel.joint || *w == 0.0);
+        let alone = |channel: &Self| channel.single().is_some_and(|(joint, _)| joint == channel.joint);
         let mut kept: Vec<Self> = Vec::new();
         for channel in channels {
             let twin = kept.iter_mut().find(|other| other.joint == channel.joint && alone(other) && alone(channel));

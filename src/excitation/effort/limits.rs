@@ -8,7 +8,7 @@
 
 use super::channel::Channel;
 use super::model::EffortModel;
-use super::worst::{Peak, Place, Survey, WorstEfforts, refine};
+use super::worst::{Peak, Place, Survey, refine};
 use crate::excitation::Trajectory;
 use crate::excitation::basis::MotionBasis;
 use crate::excitation::course::{Course, Stretch};
@@ -85,11 +85,13 @@ impl EffortLimits {
                 self.failed = Some(place);
                 false
             }
-            Ok(survey) => {
-                let found = WorstEfforts::found_on(&survey, model, channels, motion, self.course);
-                let uses = [found.torque, found.current].into_iter().flatten();
-                uses.map(|used| used.peak.ratio.max(used.mean_square.ratio)).fold(0.0, f64::max) <= most
-            }
+            Ok(survey) => channels.iter().enumerate().all(|(c, channel)| {
+                survey.root_mean_square(c) <= most * channel.continuous.min(channel.peak)
+                    && survey
+                        .peaks(c, f64::NEG_INFINITY)
+                        .into_iter()
+                        .all(|peak| refine(model, channels, motion, self.course, peak, &survey).ratio <= most)
+            }),
         }
     }
 

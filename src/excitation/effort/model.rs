@@ -114,39 +114,55 @@ impl EffortModel {
 
     /// Evaluates the regressor at an instant of an experiment around a motion.
     pub(super) fn move_to(&mut self, motion: &dyn Trajectory, omega: f64, instant: &Instant) {
+        self.move_state_to(motion, omega, instant);
+        let [q, qd, qdd] = &self.state;
+        self.regressor.evaluate(q, qd, qdd, &mut self.y);
+    }
+
+    /// The effort of one channel at an instant, without moving the others there.
+    pub(super) fn load_at(
+        &mut self,
+        channel: &Channel,
+        motion: &dyn Trajectory,
+        omega: f64,
+        instant: &Instant,
+    ) -> Load {
+        match channel.single() {
+            Some((joint, _)) => {
+                self.move_state_to(motion, omega, instant);
+                let [q, qd, qdd] = &self.state;
+                self.regressor.evaluate_row(joint, q, qd, qdd, &mut self.y);
+            }
+            None => self.move_to(motion, omega, instant),
+        }
+        self.load(channel)
+    }
+
+    fn move_state_to(&mut self, motion: &dyn Trajectory, omega: f64, instant: &Instant) {
         let [q, qd, qdd] = &mut self.state;
         motion.evaluate(instant.phase / omega, q, qd, qdd);
         for (qd, qdd) in qd.iter_mut().zip(qdd) {
             *qdd = *qdd * instant.rate * instant.rate + *qd * instant.growth;
             *qd *= instant.rate;
         }
-        let [q, qd, qdd] = &self.state;
-        self.regressor.evaluate(q, qd, qdd, &mut self.y);
     }
 
     /// The effort of a channel where the model was last moved to.
     pub(super) fn load(&mut self, channel: &Channel) -> Load {
-        let p = self.phi.len();
-        self.row.fill(0.0);
         let (mut value, mut variance) = (0.0, 0.0);
-        let mut weights = channel.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0);
-        if let (Some((i, &weight)), None) = (weights.next(), weights.next()) {
+        if let Some((i, weight)) = channel.single() {
             // Most efforts are those of one joint, and most of its row is zero: of the links that it does not carry.
-            let y = &self.y[i * p..(i + 1) * p];
+            let y = &self.y[i * self.phi.len()..];
             for range in &self.columns[i] {
                 let known = self.phi[range.clone()].iter().zip(&self.variance[range.clone()]);
-                for ((row, y), (phi, v)) in self.row[range.clone()].iter_mut().zip(&y[range.clone()]).zip(known) {
-                    *row = weight * y;
-                    value += *row * phi;
-                    variance += *row * *row * v;
+                for (y, (phi, v)) in y[range.clone()].iter().zip(known) {
+                    let entry = weight * y;
+                    value += entry * phi;
+                    variance += entry * entry * v;
                 }
             }
         } else {
-            for (i, &weight) in channel.weights.iter().enumerate().filter(|(_, weight)| **weight != 0.0) {
-                for (row, y) in self.row.iter_mut().zip(&self.y[i * p..(i + 1) * p]) {
-                    *row += weight * y;
-                }
-            }
+            self.fill_row(channel);
             value = self.row.iter().zip(&self.phi).map(|(y, phi)| y * phi).sum();
             variance = self.row.iter().zip(&self.variance).map(|(y, v)| y * y * v).sum();
         }
@@ -154,9 +170,21 @@ impl EffortModel {
         Load { value, spread }
     }
 
+    /// Writes the row `w · Y` of a channel where the model was last moved to.
+    fn fill_row(&mut self, channel: &Channel) {
+        self.row.fill(0.0);
+        let rows = self.y.chunks_exact(self.phi.len());
+        for (y, &weight) in rows.zip(&channel.weights).filter(|(_, weight)| **weight != 0.0) {
+            for (row, y) in self.row.iter_mut().zip(y) {
+                *row += weight * y;
+            }
+        }
+    }
+
     /// Adds `scale · ∂(sign · value + spread)/∂(q, q̇, q̈)` of the last channel to the slopes, n each.
     pub(super) fn slopes(&mut self, channel: &Channel, sign: f64, scale: f64, slopes: &mut [Vec<f64>; 3]) {
         let Load { spread, .. } = self.load(channel);
+        self.fill_row(channel);
         let p = self.phi.len();
         let factor = if spread > 0.0 { self.multiple * self.multiple / spread } else { 0.0 };
         self.g.fill(0.0);
@@ -190,7 +218,6 @@ impl EffortModel {
         draws: usize,
         seed: Seed,
     ) -> f64 {
-        let p = self.phi.len();
         let mut rng = seed.stream("parameters within their uncertainty", 0);
         let sets: Vec<Vec<f64>> = (0..draws)
             .map(|_| {
@@ -208,9 +235,12 @@ impl EffortModel {
             for k in 0..count {
                 self.move_to(motion, omega, &course.instant(stretch, k as f64 / count as f64));
                 for channel in channels.iter().filter(|channel| channel.peak.is_finite()) {
-                    self.load(channel);
+                    self.fill_row(channel);
+                    // Most of a row is zero: what is left is written down once for all sets.
+                    let filled: Vec<(usize, f64)> =
+                        self.row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
                     for (set, inside) in sets.iter().zip(&mut inside).filter(|(_, inside)| **inside) {
-                        let value: f64 = (0..p).map(|c| self.row[c] * set[c]).sum();
+                        let value: f64 = filled.iter().map(|&(c, entry)| entry * set[c]).sum();
                         *inside = value.abs() <= channel.peak;
                     }
                 }

@@ -51,23 +51,12 @@ impl WorstEfforts {
         samples: usize,
     ) -> Self {
         let survey = Survey::of(model, channels, motion, course, samples);
-        Self::found_on(&survey, model, channels, motion, course)
-    }
-
-    /// The largest uses that a survey leads to.
-    pub(super) fn found_on(
-        survey: &Survey,
-        model: &mut EffortModel,
-        channels: &[Channel],
-        motion: &dyn Trajectory,
-        course: Course,
-    ) -> Self {
         let mut found = Self::default();
         for (c, channel) in channels.iter().enumerate() {
             let mut peak = WorstUse::NONE;
             if channel.peak.is_finite() {
                 for best in survey.peaks(c, f64::NEG_INFINITY) {
-                    let best = refine(model, channels, motion, course, best, survey);
+                    let best = refine(model, channels, motion, course, best, &survey);
                     peak = peak.worst_of(WorstUse {
                         ratio: best.ratio,
                         joint: channel.joint,
@@ -229,8 +218,7 @@ pub(super) fn refine(
     let omega = std::f64::consts::TAU / course.period_s;
     let channel = &channels[peak.channel];
     let mut ratio = |part: f64| {
-        model.move_to(motion, omega, &course.instant(peak.stretch, part));
-        let load = model.load(channel);
+        let load = model.load_at(channel, motion, omega, &course.instant(peak.stretch, part));
         (peak.sign * load.value + load.spread) / channel.peak
     };
     let step = survey.step(peak.stretch);
