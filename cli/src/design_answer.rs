@@ -104,7 +104,7 @@ impl Gain {
 
     fn text(&self) -> String {
         let advice = if self.bound_ratio > AS_GOOD * self.by_repetition {
-            "; the bound moves as by repetition, another design has nothing to add"
+            "; this search found\n  nothing better than to repeat: add --starts, or begin --from the trajectory so far"
         } else {
             ""
         };

@@ -192,6 +192,27 @@ fn impossible_settings_are_named() {
 }
 
 #[test]
+fn identity_a_search_from_a_trajectory_goes_on_where_that_one_ended() {
+    let folder = temporary();
+    let (first, further) = (path(folder.path(), "T1.toml"), path(folder.path(), "T2.toml"));
+    let before = design("d-optimal", &[], &first);
+    // The named trajectory alone, and once more beside the drawn starts, where it comes first.
+    let mut alone = vec!["design", "crs-a460", "--criterion", "d-optimal", "--columns", "rigid", "--evaluations", "40"];
+    alone.extend(["--starts", "0", "--from", &first, "-o", &further, "--json"]);
+    let after = json(&armid(alone).success());
+    assert_eq!(after["starts"].as_array().unwrap().len(), 1);
+    assert!(after["value"].as_f64() >= before["value"].as_f64(), "{before} {after}");
+    let three = design("d-optimal", &["--from", &first], &further);
+    assert_eq!(three["starts"].as_array().unwrap().len(), 3);
+    assert_eq!(three["starts"][0]["value"], after["starts"][0]["value"]);
+    for (setting, value, wanted) in [("--family", "cubic-b-spline", "family"), ("--period", "12", "period")] {
+        let arguments = ["design", "crs-a460", "--criterion", "d-optimal", "--from", &first, setting, value];
+        let fault = stderr(&armid(arguments.iter().chain(&SMALL)).code(2));
+        assert!(fault.contains("T1.toml") && fault.contains(wanted), "{fault}");
+    }
+}
+
+#[test]
 fn the_text_reads_at_a_hundred_columns() {
     let folder = temporary();
     let out = path(folder.path(), "T.toml");

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use armid::excitation::{
-    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, Family, best_of, design, nearest_of,
-    random_design,
+    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, Family, PeriodicTrajectory, best_of,
+    design, design_from, nearest_of, random_design,
 };
 use armid::model::{Columns, Robot};
 use armid::seed::Seed;
@@ -19,6 +19,7 @@ use crate::console::Console;
 use crate::design_answer::{DesignAnswer, Gain};
 use crate::fault::Fault;
 use crate::files::prior::set_prior;
+use crate::files::trajectory;
 use crate::limit_arguments::LimitArguments;
 use crate::robot_source::{LoadedRobot, RobotArguments};
 use crate::{interrupt, progress};
@@ -38,7 +39,7 @@ of the chosen columns are beside them under …_all.
 Examples:
   armid design crs-a460 --criterion d-optimal -o T.toml
   armid design crs-a460 --criterion condition --columns rigid --starts 8 --seed 3 --json -o T.toml
-  armid design crs-a460 --criterion d-optimal --prior E.json -o T2.toml
+  armid design crs-a460 --criterion d-optimal --prior E.json --from T.toml -o T2.toml
   armid design crs-a460 --criterion a-optimal --family cubic-b-spline --freeze wrist_roll=0 -o T.toml
   armid design arm.urdf --criterion condition-scaled --period 20 --harmonics 7 -o T.toml";
 
@@ -75,6 +76,9 @@ pub(crate) struct Arguments {
     /// Independent starts
     #[arg(long, value_name = "N", default_value_t = 8)]
     starts: u64,
+    /// Trajectories of the same family, period and joints at which further starts begin
+    #[arg(long, value_name = "T.toml", num_args = 1..)]
+    from: Vec<String>,
     /// Evaluations of the criterion that each start may use
     #[arg(long, value_name = "N", default_value_t = DEFAULT_EVALUATIONS)]
     evaluations: usize,
@@ -97,10 +101,11 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let loaded = arguments.robot.load()?;
     let problem = problem(arguments, &loaded)?;
+    let starts = starts(arguments, &problem.robot)?;
     let began = Instant::now();
-    let found = search(arguments, &problem, console)?;
+    let found = search(arguments, &problem, &starts, console)?;
     let seconds = began.elapsed().as_secs_f64();
-    let interrupted = found.designs.len() < usize::try_from(arguments.starts).unwrap_or(usize::MAX);
+    let interrupted = found.designs.len() < starts.len();
     let best = best_of(&found.designs);
     let feasible = best.is_some();
     let Some(best) = best.or_else(|| nearest_of(&found.designs)) else {
@@ -115,18 +120,17 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         Path::to_path_buf,
     );
     atomic_file::write_text(&path, &best.trajectory.to_certified_toml(&best.certificate))?;
-    let (starts, interrupted_first) = (&found.designs, interrupted && !feasible);
     let done = DesignAnswer {
         seed: arguments.seed,
         problem: &problem,
-        designs: starts,
+        designs: &found.designs,
         baseline: found.baseline.as_ref(),
         best,
         seconds,
         path,
         gain: Gain::of(&problem, best, arguments.prior.len()).map_err(|error| impossible(&error))?,
     };
-    console.show(&Answer { text: done.text(console.verbose()), json: done.json(interrupted_first) })?;
+    console.show(&Answer { text: done.text(console.verbose()), json: done.json(interrupted && !feasible) })?;
     Ok(match (interrupted, feasible) {
         (true, _) => Ending::Interrupted,
         (false, true) => Ending::Done,
@@ -146,8 +150,8 @@ fn impossible(error: &ExcitationError) -> Fault {
 
 fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem> {
     let robot = arguments.limits.robot(loaded)?;
-    if arguments.starts == 0 {
-        return Err(Fault::new("--starts is 0, expected at least 1").into());
+    if arguments.starts == 0 && arguments.from.is_empty() {
+        return Err(Fault::new("--starts is 0, expected at least 1, or a trajectory --from which to start").into());
     }
     let columns = if arguments.no_friction { Columns::Rigid } else { arguments.columns };
     let mut problem = DesignProblem::new(robot, columns, arguments.criterion).map_err(|error| impossible(&error))?;
@@ -198,28 +202,53 @@ fn effort_noise(robot: &Robot) -> Result<Vec<f64>> {
     }
 }
 
+/// Where one search begins.
+enum Start {
+    /// At a trajectory of a file, named for messages.
+    Given(String, PeriodicTrajectory),
+    /// At the first guess of this number.
+    Drawn(u64),
+}
+
+impl Start {
+    fn design(&self, problem: &DesignProblem, seed: Seed) -> Result<Design> {
+        match self {
+            Self::Given(name, trajectory) => {
+                design_from(problem, trajectory).map_err(|error| Fault::new(format!("--from {name}: {error}")).into())
+            }
+            Self::Drawn(number) => design(problem, seed, *number).map_err(|error| impossible(&error).into()),
+        }
+    }
+}
+
+/// Trajectories that were named, then first guesses.
+fn starts(arguments: &Arguments, robot: &Robot) -> Result<Vec<Start>> {
+    let given = arguments.from.iter().map(|name| Ok(Start::Given(name.clone(), trajectory::load(name, None, robot)?)));
+    given.chain((0..arguments.starts).map(|number| Ok(Start::Drawn(number)))).collect()
+}
+
 /// What came of the starts.
 struct Found {
     designs: Vec<Design>,
     baseline: Option<Design>,
 }
 
-fn search(arguments: &Arguments, problem: &DesignProblem, console: &Console) -> Result<Found> {
+fn search(arguments: &Arguments, problem: &DesignProblem, starts: &[Start], console: &Console) -> Result<Found> {
     let seed = Seed::new(arguments.seed);
-    let bar = progress::bar(console, arguments.starts, "starts");
-    let designs: std::result::Result<Vec<Option<Design>>, ExcitationError> = (0..arguments.starts)
-        .into_par_iter()
+    let bar = progress::bar(console, starts.len() as u64, "starts");
+    let designs: Result<Vec<Option<Design>>> = starts
+        .par_iter()
         .map(|start| {
             if interrupt::asked() {
                 return Ok(None);
             }
-            let found = design(problem, seed, start)?;
+            let found = start.design(problem, seed)?;
             bar.inc(1);
             Ok(Some(found))
         })
         .collect();
     bar.finish_and_clear();
-    let designs = designs.map_err(|error| impossible(&error))?.into_iter().flatten().collect();
+    let designs = designs?.into_iter().flatten().collect();
     let baseline = if !arguments.no_baseline && !interrupt::asked() {
         Some(random_design(problem, seed, 0).map_err(|error| impossible(&error))?)
     } else {
