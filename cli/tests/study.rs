@@ -131,6 +131,20 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
     succeeds(at, &["study", "study.toml", "--resume", "-o", "killed"]);
     assert!(one == files(&at.join("killed")), "the resumed study differs from the whole");
 
+    // Nobody else may write while a study does, and a new study loses none of an interrupted one's work.
+    std::fs::create_dir(at.join("busy")).unwrap();
+    let interrupted = at.join("busy/journal.jsonl");
+    std::fs::write(&interrupted, &journal).unwrap();
+    let writer = std::fs::File::open(&interrupted).unwrap();
+    writer.lock().unwrap();
+    let second = armid(at, &["study", "study.toml", "--runs", "1", "-o", "busy"]);
+    assert_eq!(second.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&second.stderr).contains("is being written by another study"));
+    assert_eq!(std::fs::read_to_string(&interrupted).unwrap(), journal);
+    drop(writer);
+    succeeds(at, &["study", "study.toml", "--runs", "1", "-o", "busy"]);
+    assert_eq!(std::fs::read_to_string(at.join("busy/journal-before.jsonl")).unwrap(), journal);
+
     // The report can be drawn again from what is stored.
     succeeds(at, &["report", "one", "-o", "again"]);
     let page = std::fs::read(at.join("again/report.html")).unwrap();

@@ -109,6 +109,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     threads.install(|| {
         let study = prepared.performance(&output, arguments.shard, console);
         let (journal, pieces) = study.journal(arguments.resume)?;
+        if let Some(note) = journal.note() {
+            console.note(note);
+        }
         match (study.perform(journal, pieces)?, arguments.shard) {
             (Some(work), None) => study.finish(work),
             (Some(_), Some(shard)) => {

@@ -2,8 +2,8 @@
 //!
 //! The first line says which plan the pieces belong to. A line that was cut short by a kill is no piece and is dropped.
 
-use std::fs::{File, OpenOptions};
-use std::io::{BufRead, BufReader, Lines, Write};
+use std::fs::{File, OpenOptions, TryLockError};
+use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 
 use armid::study::{Outcome, StudyDesign};
@@ -32,48 +32,61 @@ struct Header {
 pub(crate) struct Journal {
     path: PathBuf,
     file: File,
+    /// Finished pieces of an interrupted study that were found and kept as [`Self::BEFORE`].
+    put_aside: usize,
 }
 
 impl Journal {
     pub(crate) const NAME: &'static str = "journal.jsonl";
 
-    /// Begins a journal, or goes on with the one that is there where `resume` says so.
+    /// What a new study calls the journal of an interrupted one that it found in its folder.
+    pub(crate) const BEFORE: &'static str = "journal-before.jsonl";
+
+    /// Begins a journal, or goes on with the one that is there where `resume` says so. Nobody else may write to it then,
+    /// and finished pieces that are not gone on with are kept under another name.
     pub(crate) fn open(folder: &Path, plan_sha256: &str, resume: bool) -> Result<(Self, Vec<Piece>)> {
         let path = folder.join(Self::NAME);
         let fault = |error: std::io::Error| Fault::new(format!("{} cannot be written: {error}", path.display()));
         std::fs::create_dir_all(folder).map_err(fault)?;
-        let pieces = if resume && path.is_file() { Self::read(&path, plan_sha256)? } else { Vec::new() };
-        // Whole lines only: what a kill cut short is written again.
-        let mut file = OpenOptions::new().create(true).write(true).truncate(true).open(&path).map_err(fault)?;
-        let header = Header { armid: env!("CARGO_PKG_VERSION").to_owned(), plan_sha256: plan_sha256.to_owned() };
-        let mut text = json_line(&header)?;
-        for piece in &pieces {
-            text.push_str(&json_line(piece)?);
+        let mut file = lock(&path)?;
+        let (mut pieces, mut whole, mut put_aside) = (Vec::new(), 0, 0);
+        if resume && file.metadata().map_err(fault)?.len() > 0 {
+            let header;
+            (header, pieces, whole) = read_pieces(&file, &path)?;
+            header.check(&path, plan_sha256)?;
+        } else if !resume {
+            put_aside = read_pieces(&file, &path).map_or(0, |(_, pieces, _)| pieces.len());
+            if put_aside > 0 {
+                std::fs::rename(&path, folder.join(Self::BEFORE)).map_err(fault)?;
+                file = lock(&path)?;
+            }
         }
-        file.write_all(text.as_bytes()).and_then(|()| file.flush()).map_err(fault)?;
-        Ok((Self { path, file }, pieces))
+        // Whole lines stay where they are: what a kill cut short is written again.
+        file.set_len(whole).and_then(|()| file.seek(SeekFrom::End(0))).map_err(fault)?;
+        if whole == 0 {
+            let header = Header { armid: env!("CARGO_PKG_VERSION").to_owned(), plan_sha256: plan_sha256.to_owned() };
+            file.write_all(json_line(&header)?.as_bytes()).map_err(fault)?;
+        }
+        Ok((Self { path, file, put_aside }, pieces))
     }
 
     /// The whole pieces of a journal.
     pub(crate) fn read(path: &Path, plan_sha256: &str) -> Result<Vec<Piece>> {
-        let fault = |reason: String| Fault::new(format!("{}: {reason}", path.display()));
-        let (header, lines) = Self::begin(path)?;
-        if header.plan_sha256 != plan_sha256 || header.armid != env!("CARGO_PKG_VERSION") {
-            let message = "belongs to another plan, number of runs, arms or version of armid; begin anew without --resume, \
-                           or choose another folder with -o";
-            return Err(fault(message.to_owned()).into());
-        }
-        Ok(lines.map_while(|line| serde_json::from_str(&line.ok()?).ok()).collect())
+        let fault = |error: std::io::Error| Fault::new(format!("{} cannot be read: {error}", path.display()));
+        let (header, pieces, _) = read_pieces(&File::open(path).map_err(fault)?, path)?;
+        header.check(path, plan_sha256)?;
+        Ok(pieces)
     }
 
-    fn begin(path: &Path) -> Result<(Header, Lines<BufReader<File>>)> {
-        let fault = |reason: String| Fault::new(format!("{}: {reason}", path.display()));
-        let file = File::open(path).map_err(|error| fault(format!("cannot be read: {error}")))?;
-        let mut lines = BufReader::new(file).lines();
-        let first = lines.next().transpose().map_err(|error| fault(error.to_string()))?.unwrap_or_default();
-        let header = serde_json::from_str(&first)
-            .map_err(|error| fault(format!("line 1 is no header of a journal: {error}")))?;
-        Ok((header, lines))
+    /// What to tell about pieces that were not gone on with.
+    pub(crate) fn note(&self) -> Option<String> {
+        (self.put_aside > 0).then(|| {
+            format!(
+                "begun anew; {} finished pieces of an interrupted study, which --resume would have gone on with, are kept in {}",
+                self.put_aside,
+                Self::BEFORE
+            )
+        })
     }
 
     /// Adds a piece; it is in the file when this returns.
@@ -90,6 +103,52 @@ impl Journal {
         std::fs::remove_file(&self.path)
             .map_err(|error| Fault::new(format!("{} cannot be removed: {error}", self.path.display())).into())
     }
+}
+
+impl Header {
+    fn check(&self, path: &Path, plan_sha256: &str) -> Result<()> {
+        if self.plan_sha256 == plan_sha256 && self.armid == env!("CARGO_PKG_VERSION") {
+            return Ok(());
+        }
+        let message = "belongs to another plan, number of runs, arms or version of armid; begin anew without --resume, \
+                       or choose another folder with -o";
+        Err(Fault::new(format!("{}: {message}", path.display())).into())
+    }
+}
+
+/// Opens a journal for one writer alone.
+fn lock(path: &Path) -> Result<File> {
+    let fault = |error: std::io::Error| Fault::new(format!("{} cannot be written: {error}", path.display()));
+    let file = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(path).map_err(fault)?;
+    match file.try_lock() {
+        Err(TryLockError::WouldBlock) => {
+            let message = format!("{} is being written by another study", path.display());
+            Err(Fault::new(message).help("wait for it, or choose another folder with -o").into())
+        }
+        // A file system without locks is no reason not to work.
+        Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
+    }
+}
+
+/// Header and whole pieces of a journal, and where in the file they end, bytes.
+fn read_pieces(file: &File, path: &Path) -> Result<(Header, Vec<Piece>, u64)> {
+    let fault = |reason: String| Fault::new(format!("{}: {reason}", path.display()));
+    let mut reader = BufReader::new(file);
+    let mut line = String::new();
+    reader.read_line(&mut line).map_err(|error| fault(error.to_string()))?;
+    let header =
+        serde_json::from_str(&line).map_err(|error| fault(format!("line 1 is no header of a journal: {error}")))?;
+    let mut whole = line.len() as u64;
+    let mut pieces = Vec::new();
+    loop {
+        line.clear();
+        // A line that a kill cut short may end within a character.
+        let read = reader.read_line(&mut line).unwrap_or(0);
+        let Some(piece) = line.strip_suffix('\n').and_then(|line| serde_json::from_str(line).ok()) else { break };
+        pieces.push(piece);
+        whole += read as u64;
+    }
+    Ok((header, pieces, whole))
 }
 
 fn json_line<T: serde::Serialize>(value: &T) -> Result<String> {
