@@ -25,6 +25,7 @@ mod progress;
 mod real_time;
 mod resumption;
 mod robot_source;
+mod run_answer;
 mod simulated_arm;
 mod speed;
 mod study_answer;

@@ -2,19 +2,15 @@
 
 use std::cell::Cell;
 use std::collections::BTreeMap;
-use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use armid::excitation::check;
 use armid::excitation::effort::{EffortModel, ParameterSpread};
-use armid::experiment::{Ending as PlanEnding, Phase, Sink, Tracking};
-use armid::model::{JointKind, Robot};
-use armid_hardware::guard::{GuardRecord, Trip};
+use armid::experiment::{Ending as PlanEnding, Sink};
 use miette::Result;
-use serde_json::{Value, json};
 
-use crate::answer::{Answer, Ending};
-use crate::arms::{self, ArmKind, Performed};
+use crate::answer::Ending;
+use crate::arms::{self, ArmKind};
 use crate::choices::one_of;
 use crate::console::Console;
 use crate::fault::Fault;
@@ -25,8 +21,8 @@ use crate::guarding::GuardArguments;
 use crate::progress;
 use crate::real_time;
 use crate::resumption::{self, Found, Part};
+use crate::run_answer::{Done, answer};
 use crate::speed::{self, Speed};
-use crate::table::{Align, Table, number};
 
 const AFTER_HELP: &str = "\
 EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
@@ -232,16 +228,6 @@ fn perform(
     Ok(Done { experiment: experiment.clone(), performed, samples: taken.get(), written, speed })
 }
 
-/// The last step's answer; the ones before it are in `steps`.
-fn answer(steps: &[Done]) -> Answer {
-    let text: Vec<String> = steps.iter().map(Done::text).collect();
-    let mut json = steps.last().map_or(Value::Null, Done::json);
-    if steps.len() > 1 {
-        json["steps"] = steps.iter().map(Done::json).collect();
-    }
-    Answer { text: text.join("\n"), json }
-}
-
 /// The last look at the certificate, before anything moves.
 fn admit(experiment: &Experiment) -> Result<()> {
     let Some(certificate) = &experiment.certificate else { return Ok(()) };
@@ -284,161 +270,4 @@ pub(super) fn notes(experiment: &Experiment) -> BTreeMap<String, String> {
     note("base_link", experiment.chain.base_link.clone());
     note("tip_link", experiment.chain.tip_link.clone());
     notes
-}
-
-/// One experiment that was performed.
-struct Done {
-    experiment: Experiment,
-    performed: Performed,
-    samples: usize,
-    written: PathBuf,
-    speed: Speed,
-}
-
-impl Done {
-    fn ending(&self) -> (&'static str, String) {
-        let at = |t: f64, phase: Phase| format!("at t = {t:.3} s ({})", phase.name());
-        match &self.performed.ending {
-            PlanEnding::Completed => ("completed", String::new()),
-            PlanEnding::Stopped { t, phase } => ("stopped", at(*t, *phase)),
-            PlanEnding::Diverged { t, phase, reason } => ("diverged", format!("{}: {reason}", at(*t, *phase))),
-            PlanEnding::Tripped { t, phase, trip } => ("tripped", format!("{}: {trip}", at(*t, *phase))),
-        }
-    }
-
-    fn on_what(&self) -> String {
-        let at = if self.speed == Speed::FULL { String::new() } else { format!(" at {} of the speed", self.speed) };
-        format!("on arm {}{at}", self.experiment.arm.name())
-    }
-
-    /// Which guard tripped, why, and what it did; null where none did.
-    fn trip(&self) -> Value {
-        let PlanEnding::Tripped { t, phase, trip } = &self.performed.ending else { return Value::Null };
-        json!({
-            "name": trip.trip,
-            "reason": trip.reason,
-            "action": trip.action.name(),
-            "bound_ms": trip.bound_ms,
-            "t_s": t,
-            "phase": phase.name(),
-        })
-    }
-
-    fn json(&self) -> Value {
-        let plan = &self.experiment.plan;
-        let (ending, detail) = self.ending();
-        json!({
-            "recording": self.written,
-            "robot": self.experiment.robot.robot.name(),
-            "arm": self.experiment.arm.name(),
-            "seed": self.experiment.seed,
-            "run": self.experiment.run,
-            "ending": ending,
-            "detail": detail,
-            "trip": self.trip(),
-            "speed": self.speed.part(),
-            "guard": self.performed.guard,
-            "stamps": self.performed.stamps,
-            "samples": self.samples,
-            "rate_hz": plan.rate_hz,
-            "period_s": plan.trajectory.period_s(),
-            "periods": plan.periods,
-            "certificate": self.experiment.certificate.as_ref().map(|certificate| json!({
-                "trajectory_sha256": certificate.trajectory_sha256,
-                "robot_sha256": certificate.robot_sha256,
-                "worst_limit_use": certificate.worst_limit_use,
-            })),
-            "tracking": self.performed.tracking.as_ref().map(|tracking| json!({
-                "peak_error": tracking.peak_error,
-                "rms_error": tracking.rms_error,
-                "error_units": self.experiment.robot.robot.joints().iter().map(|j| j.kind.unit()).collect::<Vec<_>>(),
-                "peak_effort": tracking.peak_effort,
-                "effort_units": self.experiment.robot.robot.joints().iter().map(|j| j.kind.effort_unit()).collect::<Vec<_>>(),
-                "peak_current_a": tracking.peak_current,
-                "saturated_steps": tracking.saturated_steps,
-            })),
-        })
-    }
-
-    fn text(&self) -> String {
-        let plan = &self.experiment.plan;
-        let (ending, detail) = self.ending();
-        let mut text = format!(
-            "{}: {} {}, {} samples at {} Hz, {} periods of {} s that count\n{}\n",
-            self.experiment.name,
-            ending,
-            if detail.is_empty() { self.on_what() } else { detail },
-            self.samples,
-            plan.rate_hz,
-            plan.periods,
-            plan.trajectory.period_s(),
-            self.written.display(),
-        );
-        if let Some(tracking) = &self.performed.tracking {
-            let _ = write!(text, "\n{}", followed(&self.experiment.robot.robot, tracking).render(2));
-            if tracking.saturated_steps > 0 {
-                let _ = writeln!(text, "\n  a current was at its limit in {} servo steps", tracking.saturated_steps);
-            }
-        }
-        if let Some(stamps) = self.performed.stamps.as_ref().filter(|stamps| !stamps.is_clean()) {
-            let _ = writeln!(
-                text,
-                "\n  {} messages: {} lost in {} gaps (longest {:.1} ms), {} twice, {} out of order, {} samples missing",
-                stamps.messages,
-                stamps.lost,
-                stamps.gaps,
-                1e3 * stamps.longest_gap_s,
-                stamps.duplicates,
-                stamps.reordered,
-                stamps.missing.len(),
-            );
-        }
-        if let Some(guard) = &self.performed.guard {
-            let _ = write!(text, "\n{}", watched(guard).render(2));
-        }
-        text
-    }
-}
-
-/// How close each check of the guard came to its line.
-fn watched(guard: &GuardRecord) -> Table {
-    let mut table = Table::new(&[("guard", Align::Left), ("used", Align::Right), ("trips within", Align::Right)]);
-    for trip in Trip::ALL {
-        let Some(used) = guard.used.get(trip.name()) else { continue };
-        let bound = trip.bound_ms(&guard.settings, guard.rate_hz);
-        table.row([trip.name().to_owned(), format!("{:.0} %", 100.0 * used), format!("{bound:.0} ms")]);
-    }
-    table
-}
-
-/// How the servo followed while it counted.
-fn followed(robot: &Robot, tracking: &Tracking) -> Table {
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("error RMS", Align::Right),
-        ("peak", Align::Right),
-        ("effort peak", Align::Right),
-        ("of rating", Align::Right),
-        ("current peak", Align::Right),
-        ("of limit", Align::Right),
-    ]);
-    for (i, joint) in robot.joints().iter().enumerate() {
-        let error = |value: f64| match joint.kind {
-            JointKind::Revolute => format!("{} mdeg", number(1e3 * value.to_degrees())),
-            JointKind::Prismatic => format!("{} µm", number(1e6 * value)),
-        };
-        let share = |value: f64, limit: f64| {
-            if limit.is_finite() { format!("{:.0} %", 100.0 * value / limit) } else { String::new() }
-        };
-        table.row([
-            joint.name.clone(),
-            error(tracking.rms_error[i]),
-            error(tracking.peak_error[i]),
-            format!("{} {}", number(tracking.peak_effort[i]), joint.kind.effort_unit()),
-            share(tracking.peak_effort[i], joint.limits.torque),
-            format!("{} A", number(tracking.peak_current[i])),
-            share(tracking.peak_current[i], joint.drive.current_limit),
-        ]);
-    }
-    table
 }
