@@ -56,6 +56,16 @@ fn read(path: &Path) -> Result<Side> {
     Ok(Side { label, estimate, prediction })
 }
 
+/// What an estimate was made from.
+fn origin(estimate: &Estimate) -> String {
+    let (robot, samples, periods) = (&estimate.robot, estimate.samples, estimate.periods);
+    let file = estimate.provenance.as_ref().map_or_else(String::new, |provenance| {
+        let start: String = provenance.robot_sha256.chars().take(12).collect();
+        format!(" as of file {start}…")
+    });
+    format!("{robot}{file}, {samples} samples that are means over {periods} periods")
+}
+
 /// Compares two estimates, and draws the page into `folder`.
 pub(crate) fn report(first: &Path, second: &Path, folder: &Path) -> Result<Answer> {
     let (first, second) = (read(first)?, read(second)?);
@@ -64,6 +74,7 @@ pub(crate) fn report(first: &Path, second: &Path, folder: &Path) -> Result<Answe
     let joints = (1..=first.estimate.residual_rms.len()).map(|number| format!("joint {number}")).collect();
     let story = ComparisonStory {
         comparison,
+        origins: [origin(&first.estimate), origin(&second.estimate)],
         labels: [first.label, second.label],
         joints,
         predictions: [first.prediction, second.prediction],

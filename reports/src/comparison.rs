@@ -24,6 +24,8 @@ pub struct ComparisonStory {
     pub comparison: Comparison,
     /// What they are called.
     pub labels: [String; 2],
+    /// What each was made from, in words.
+    pub origins: [String; 2],
     /// Names of the joints, n.
     pub joints: Vec<String>,
     /// Prediction of a validation recording, where there is one.
@@ -48,6 +50,11 @@ pub fn comparison_document(story: &ComparisonStory) -> Result<Document, Document
         .section(residuals(story)?)
         .section(predictions(story)?)
         .section(values(story));
+    let document = story
+        .labels
+        .iter()
+        .zip(&story.origins)
+        .fold(document, |document, (label, origin)| document.provenance(label.clone(), origin.clone()));
     Ok(document.provenance("armid", env!("CARGO_PKG_VERSION")))
 }
 
