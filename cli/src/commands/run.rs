@@ -1,8 +1,8 @@
 //! `armid run`
 
-use std::cell::Cell;
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
+use std::sync::atomic::{AtomicUsize, Ordering};
 
 use armid::excitation::check;
 use armid::excitation::effort::{EffortModel, ParameterSpread};
@@ -17,6 +17,7 @@ use crate::fault::Fault;
 use crate::files::experiment_toml::{self, Experiment};
 use crate::files::file_sink::{CsvSink, FileSink};
 use crate::files::recording_mcap::{McapSink, part_of};
+use crate::files::sink_thread::beside;
 use crate::guarding::GuardArguments;
 use crate::progress;
 use crate::real_time;
@@ -198,9 +199,9 @@ fn perform(
 ) -> Result<Done> {
     let layout = experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
     let bar = progress::bar(console, layout.samples() as u64, "samples");
-    let taken = Cell::new(0);
+    let taken = AtomicUsize::new(0);
     let on_sample = |samples: usize| {
-        taken.set(samples);
+        taken.store(samples, Ordering::Relaxed);
         if samples.is_multiple_of(1000) {
             bar.set_position(samples as u64);
         }
@@ -216,16 +217,14 @@ fn perform(
             Box::new(McapSink::new(path, notes, on_sample).resuming(part.continuation.samples()))
         }
     };
-    let performed = {
-        let sink: &mut dyn Sink = &mut *sink;
-        match part {
-            None => arms::perform(experiment.arm, experiment, arguments.recording.as_deref(), sink)?,
-            Some(part) => part.perform(experiment, arguments.recording.as_deref(), sink)?,
-        }
+    let work = |sink: &mut dyn Sink| match part {
+        None => arms::perform(experiment.arm, experiment, arguments.recording.as_deref(), sink),
+        Some(part) => part.perform(experiment, arguments.recording.as_deref(), sink),
     };
+    let performed = if experiment.arm == ArmKind::Ros2 { beside(&mut *sink, work)? } else { work(&mut *sink)? };
     let written = sink.finish(&performed.ending, performed.remarks())?;
     bar.finish_and_clear();
-    Ok(Done { experiment: experiment.clone(), performed, samples: taken.get(), written, speed })
+    Ok(Done { experiment: experiment.clone(), performed, samples: taken.into_inner(), written, speed })
 }
 
 /// The last look at the certificate, before anything moves.

@@ -13,7 +13,7 @@ use crate::fault::Fault;
 use crate::interrupt;
 
 /// A sink whose samples end in a file.
-pub(crate) trait FileSink: Sink {
+pub(crate) trait FileSink: Sink + Send {
     /// Completes the file. It takes its name where the experiment was completed, and ends in `.part` otherwise.
     /// `remarks` are what is known only now and goes into the file beside its ending. Returns where it is.
     fn finish(self: Box<Self>, ending: &Ending, remarks: BTreeMap<String, String>) -> Result<PathBuf>;
@@ -23,12 +23,12 @@ pub(crate) trait FileSink: Sink {
 pub(crate) struct CsvSink<'a> {
     path: PathBuf,
     recording: Option<Recording>,
-    on_sample: Box<dyn FnMut(usize) + 'a>,
+    on_sample: Box<dyn FnMut(usize) + Send + 'a>,
 }
 
 impl<'a> CsvSink<'a> {
     /// A sink that writes `path`; `on_sample` hears how many samples there are.
-    pub(crate) fn new(path: &Path, on_sample: impl FnMut(usize) + 'a) -> Self {
+    pub(crate) fn new(path: &Path, on_sample: impl FnMut(usize) + Send + 'a) -> Self {
         Self { path: path.to_path_buf(), recording: None, on_sample: Box::new(on_sample) }
     }
 }

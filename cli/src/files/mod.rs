@@ -14,6 +14,7 @@ pub(crate) mod recording_csv;
 pub(crate) mod recording_mcap;
 pub(crate) mod recording_notes;
 pub(crate) mod recording_reader;
+pub(crate) mod sink_thread;
 pub(crate) mod states_csv;
 pub(crate) mod study_store;
 pub(crate) mod trajectory;

@@ -50,7 +50,7 @@ pub(crate) struct McapSink<'a> {
     notes: BTreeMap<String, String>,
     open: Option<Open>,
     fault: Option<Fault>,
-    on_sample: Box<dyn FnMut(usize) + 'a>,
+    on_sample: Box<dyn FnMut(usize) + Send + 'a>,
 }
 
 struct Open {
@@ -68,7 +68,7 @@ struct Open {
 impl<'a> McapSink<'a> {
     /// A sink that writes beside `path`. `notes` go into the metadata as they are; `on_sample` hears how many samples
     /// there are.
-    pub(crate) fn new(path: &Path, notes: BTreeMap<String, String>, on_sample: impl FnMut(usize) + 'a) -> Self {
+    pub(crate) fn new(path: &Path, notes: BTreeMap<String, String>, on_sample: impl FnMut(usize) + Send + 'a) -> Self {
         Self {
             path: path.to_path_buf(),
             part: part_of(path),
