@@ -55,7 +55,7 @@ fn link(view: &View) -> Paragraph<'_> {
         Some(state) => Span::styled(state.to_owned(), if state.starts_with("enabled") { GOOD } else { BAD }),
     };
     let mut order = vec![
-        Span::raw("               "),
+        Span::raw(format!("               latest by {:.1} ms", 1e3 * stamps.latest_s)),
         count("twice", stamps.duplicates),
         count("out of order", stamps.reordered),
         count("clock jumps", stamps.clock_jumps),
@@ -74,7 +74,6 @@ fn link(view: &View) -> Paragraph<'_> {
             Span::raw(format!("stamps         {:5} messages", stamps.messages)),
             count("lost", stamps.lost),
             Span::raw(format!("   longest gap {:.1} ms", 1e3 * stamps.longest_gap_s)),
-            Span::raw(format!("   latest by {:.1} ms", 1e3 * stamps.latest_s)),
         ]),
         Line::from(order),
     ];
@@ -220,9 +219,9 @@ mod tests {
         for word in [
             "crs-a460 on ROS domain 42",
             "500 Hz   2 ms old",
-            "6150 messages   lost 0   longest gap 2.1 ms   latest by 0.4 ms",
+            "6150 messages   lost 0   longest gap 2.1 ms",
             "robot computer: enabled",
-            "twice 0   out of order 0   clock jumps 0",
+            "latest by 0.4 ms   twice 0   out of order 0   clock jumps 0",
             "wrist_pitch ",
             "waist",
             "-20.00 °",
@@ -253,6 +252,11 @@ mod tests {
             100,
         );
         for word in ["nothing heard", "lost 17", "estop", "▶", "TRIPPED", "position-jump: joint \"shoulder\""] {
+            assert!(shown.contains(word), "\"{word}\" not in\n{shown}");
+        }
+        // Nothing is cut off at the usual width of a terminal.
+        let shown = text(&view(|_| {}), 80);
+        for word in ["clock jumps 0 ", "robot computer: enabled ", "wrist_pitch ", "0.500 A", " s ago "] {
             assert!(shown.contains(word), "\"{word}\" not in\n{shown}");
         }
         let shown = text(&view(|sight| (sight.row, sight.guard) = (None, None)), 80);
