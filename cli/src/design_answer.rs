@@ -129,6 +129,8 @@ pub(crate) struct DesignAnswer<'a> {
     pub(crate) best: &'a Design,
     pub(crate) seconds: f64,
     pub(crate) path: PathBuf,
+    /// What was drawn beside it.
+    pub(crate) figures: Vec<PathBuf>,
     /// What it adds to the information so far, where there is any.
     pub(crate) gain: Option<Gain>,
 }
@@ -169,6 +171,7 @@ impl DesignAnswer<'_> {
             "start": trajectory_json(&best.start),
             "trajectory": trajectory_json(&best.trajectory),
             "file": self.path,
+            "figures": self.figures,
             "starts": self.designs.iter().map(start_json).collect::<Vec<_>>(),
             "baseline": self.baseline.map(start_json),
             "prior": self.gain.as_ref().map(Gain::json),
@@ -262,6 +265,9 @@ impl DesignAnswer<'_> {
                 number(baseline.value),
                 number(best.value)
             );
+        }
+        for figure in &self.figures {
+            let _ = writeln!(text, "  {}", figure.display());
         }
         if verbose {
             let mut starts = Table::new(&[

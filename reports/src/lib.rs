@@ -18,9 +18,11 @@ mod drawing;
 pub mod figures;
 pub mod document;
 mod comparison;
+mod design;
 mod study;
 
 pub use comparison::{ComparisonStory, Prediction, comparison_document};
+pub use design::{design_convergence, limits_figure};
 pub use document::{Block, Cell, Column, Document, Plate, Section, Table};
 pub use drawing::axis::{Axis, Scale};
 pub use drawing::rows::{Band, Level};

@@ -2,6 +2,8 @@
 
 use super::{ScoredEstimate, Stage, StudyDesign};
 use crate::dynamics::{Dynamics, States};
+use crate::excitation::PeriodicTrajectory;
+use crate::model::{Robot, StandardParameters};
 use crate::signal::Samples;
 use nalgebra::DVector;
 
@@ -18,7 +20,7 @@ pub struct Examples {
 }
 
 /// One design, every quantity over its limit: 1 is the limit.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct LimitExample {
     /// Name of the family.
     pub family: String,
@@ -34,6 +36,37 @@ pub struct LimitExample {
     pub acceleration: Vec<Vec<f64>>,
     /// Nominal torque over its rating.
     pub torque: Vec<Vec<f64>>,
+}
+
+impl LimitExample {
+    /// One period of a trajectory against the limits of a robot; no samples of what has no limit, and none of torques
+    /// without nominal parameters.
+    #[must_use]
+    pub fn of(robot: &Robot, nominal: Option<&StandardParameters>, trajectory: &PeriodicTrajectory) -> Self {
+        let states = trajectory.sample(SAMPLES);
+        let n = states.dof;
+        let mut tau = vec![0.0; n * states.len()];
+        if let Some(nominal) = nominal {
+            let mut dynamics = Dynamics::new(robot, nominal);
+            for (k, tau) in tau.chunks_exact_mut(n).enumerate() {
+                dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), tau);
+            }
+        }
+        let share = |values: &[f64], j: usize, middle: f64, limit: f64| -> Vec<f64> {
+            let own = values.iter().skip(j).step_by(n).map(|value| (value - middle) / limit);
+            if limit.is_finite() && middle.is_finite() { own.collect() } else { Vec::new() }
+        };
+        let mut example = Self { time_s: times(trajectory.period_s(), SAMPLES), ..Self::default() };
+        for (j, limits) in robot.joints().iter().map(|joint| joint.limits).enumerate() {
+            let (low, high) = limits.position;
+            let rating = if nominal.is_some() { limits.torque } else { f64::INFINITY };
+            example.position.push(share(&states.q, j, 0.5 * (low + high), 0.5 * (high - low)));
+            example.velocity.push(share(&states.qd, j, 0.0, limits.velocity));
+            example.acceleration.push(share(&states.qdd, j, 0.0, limits.acceleration));
+            example.torque.push(share(&tau, j, 0.0, rating));
+        }
+        example
+    }
 }
 
 /// Torque along a trajectory that no fit has seen.
@@ -57,32 +90,8 @@ impl Stage {
     /// A design against its limits, with the torque of the nominal parameters.
     #[must_use]
     pub fn limit_example(&self, index: usize, design: &StudyDesign) -> LimitExample {
-        let states = design.trajectory.sample(SAMPLES);
-        let mut dynamics = Dynamics::new(&self.robot, &self.nominal);
-        let n = states.dof;
-        let empty = || vec![Vec::with_capacity(SAMPLES); n];
-        let (mut position, mut velocity, mut acceleration, mut torque) = (empty(), empty(), empty(), empty());
-        let mut tau = vec![0.0; n];
-        for k in 0..states.len() {
-            dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut tau);
-            for (j, joint) in self.robot.joints().iter().enumerate() {
-                let limits = &joint.limits;
-                let (low, high) = limits.position;
-                position[j].push((2.0 * states.q(k)[j] - low - high) / (high - low));
-                velocity[j].push(states.qd(k)[j] / limits.velocity);
-                acceleration[j].push(states.qdd(k)[j] / limits.acceleration);
-                torque[j].push(tau[j] / limits.torque);
-            }
-        }
-        LimitExample {
-            family: self.plan.designs[design.family].name.clone(),
-            design: index,
-            time_s: times(design.trajectory.period_s(), SAMPLES),
-            position,
-            velocity,
-            acceleration,
-            torque,
-        }
+        let family = self.plan.designs[design.family].name.clone();
+        LimitExample { family, design: index, ..LimitExample::of(&self.robot, Some(&self.nominal), &design.trajectory) }
     }
 
     /// Measured torque of a validation experiment beside what an estimate of `design` predicts for its states.
@@ -135,4 +144,25 @@ pub fn exact_states(dynamics: &mut Dynamics, q: &[f64], qd: &[f64], tau: &[f64])
         states.push(q, qd, &qdd);
     }
     states
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::excitation::{fixtures, table_one};
+
+    #[test]
+    fn analytic_shares_of_limits_are_those_of_table_one() {
+        let robot = fixtures::crs_a460().with_joints(|joint| joint.limits.velocity = f64::INFINITY).unwrap();
+        let trajectory: PeriodicTrajectory = table_one::corrected().into();
+        let example = LimitExample::of(&robot, None, &trajectory);
+        // What nobody limits has no share, and torques nobody can tell without parameters.
+        assert!(example.velocity.iter().chain(&example.torque).all(Vec::is_empty));
+        for (j, joint) in robot.joints().iter().enumerate() {
+            let (low, high) = joint.limits.position;
+            let position = example.position[j][0] * 0.5 * (high - low) + 0.5 * (low + high);
+            assert!((position - trajectory.sample(1).q(0)[j]).abs() < 1e-12);
+            assert_eq!(example.acceleration[j].len(), example.time_s.len());
+        }
+    }
 }

@@ -9,6 +9,8 @@ use armid::excitation::{
 };
 use armid::model::{Columns, Robot};
 use armid::seed::Seed;
+use armid::study::LimitExample;
+use armid_reports::{Figure, Heading, design_convergence, limits_figure};
 use miette::Result;
 use rayon::prelude::*;
 
@@ -120,6 +122,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         Path::to_path_buf,
     );
     atomic_file::write_text(&path, &best.trajectory.to_certified_toml(&best.certificate))?;
+    let figures = draw(&path, &problem, &found, best)?;
     let done = DesignAnswer {
         seed: arguments.seed,
         problem: &problem,
@@ -128,6 +131,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         best,
         seconds,
         path,
+        figures,
         gain: Gain::of(&problem, best, arguments.prior.len()).map_err(|error| impossible(&error))?,
     };
     console.show(&Answer { text: done.text(console.verbose()), json: done.json(interrupted && !feasible) })?;
@@ -136,6 +140,29 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         (false, true) => Ending::Done,
         (false, false) => Ending::Negative,
     })
+}
+
+/// Draws how the design was found and what it uses of its limits, beside the trajectory.
+fn draw(path: &Path, problem: &DesignProblem, found: &Found, best: &Design) -> Result<Vec<PathBuf>> {
+    let robot = problem.robot.name();
+    let joints: Vec<String> = problem.robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let example = LimitExample::of(&problem.robot, problem.nominal.as_ref(), &best.trajectory);
+    let heading = Heading::new("limits", format!("{robot}: the design against its limits"))
+        .subtitle(format!("one period, optimised for {}", best.criterion.name()));
+    let convergence = design_convergence(robot, &found.designs, found.baseline.as_ref());
+    let limits = limits_figure(&example, &joints, heading);
+    let drawn =
+        [convergence.map(|figure| ("convergence", figure.svg())), limits.map(|figure| ("limits", figure.svg()))];
+    let mut written = Vec::new();
+    for (name, svg) in drawn.into_iter().flatten() {
+        let svg = svg.map_err(|fault| Fault::new(format!("the figure \"{name}\" cannot be drawn: {fault}")))?;
+        let mut file = path.with_extension("").into_os_string();
+        file.push(format!("-{name}.svg"));
+        let file = PathBuf::from(file);
+        atomic_file::write_text(&file, &svg)?;
+        written.push(file);
+    }
+    Ok(written)
 }
 
 /// `wrist_roll=0.0` as a joint's name and its position.

@@ -3,7 +3,8 @@
 use armid::excitation::CriterionKind;
 use armid::study::{StudyDesign, StudyStory};
 
-use crate::{Axis, ConvergenceFigure, ConvergencePanel, Curve, DocumentError, GroupStyle, Heading, Section};
+use crate::design::convergence_panel;
+use crate::{ConvergenceFigure, ConvergencePanel, Curve, DocumentError, GroupStyle, Heading, Section};
 
 pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
     let result = &story.result;
@@ -16,19 +17,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
                 .filter(|design| design.criterion == Some(criterion) && design.history.len() > 1)
                 .map(|design| curve(story, design))
                 .collect();
-            (!curves.is_empty()).then(|| ConvergencePanel {
-                title: criterion.name().to_owned(),
-                evaluations: Axis::linear("evaluations", ""),
-                value: match criterion {
-                    CriterionKind::Condition | CriterionKind::ConditionScaled => Axis::log("condition number", ""),
-                    CriterionKind::DOptimal => Axis::linear("ln det of the information", ""),
-                    CriterionKind::AOptimal => Axis::log("sum of variances per row", ""),
-                    CriterionKind::EOptimal => Axis::log("smallest eigenvalue per row", ""),
-                    CriterionKind::ConditionPlusSigma => Axis::log("condition number + 1/σ_min", ""),
-                    CriterionKind::ConditionPlusD => Axis::linear("condition number − ln det", ""),
-                },
-                curves,
-            })
+            (!curves.is_empty()).then(|| convergence_panel(criterion.name().to_owned(), criterion, curves))
         })
         .collect();
     let section = Section::new("Convergence of the designs");
@@ -48,6 +37,5 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
 fn curve(story: &StudyStory, design: &StudyDesign) -> Curve {
     let family = &story.result.plan.designs[design.family].name;
     let style = GroupStyle::of(family).unwrap_or_else(|| GroupStyle::nth(design.family));
-    let points = design.history.iter().map(|p| (p.evaluations as f64, p.value)).collect();
-    Curve::new(family, style.with_width(1.0), points)
+    crate::design::curve(family, style, &design.history)
 }

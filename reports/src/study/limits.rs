@@ -2,9 +2,7 @@
 
 use armid::study::{LimitExample, StudyStory};
 
-use crate::{
-    Axis, Cell, Column, DocumentError, GroupStyle, Heading, Limit, Line, Section, Table, TimePanel, TimeSeriesFigure,
-};
+use crate::{Cell, Column, DocumentError, Heading, Section, Table, TimeSeriesFigure, limits_figure};
 
 /// Designs that are drawn: of a grid the first few.
 const EXAMPLES: usize = 12;
@@ -14,8 +12,8 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
     let mut section = Section::new("Trajectories and limits").text(
         "Position, velocity, acceleration and the torque of the nominal parameters, each over its limit: at 1 a limit is reached. Limits hold between samples too.",
     );
-    for example in story.examples.limits.iter().take(EXAMPLES) {
-        section = section.figure(&figure(example, story))?;
+    for figure in story.examples.limits.iter().take(EXAMPLES).filter_map(|example| figure(example, story)) {
+        section = section.figure(&figure)?;
     }
     let mut table = Table::new(
         "Every design: condition numbers and information of the rigid base columns and of all estimated ones, and the worst use of each limit.",
@@ -55,43 +53,12 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
     Ok(section.table(table))
 }
 
-fn figure(example: &LimitExample, story: &StudyStory) -> TimeSeriesFigure {
-    let panels = story
-        .result
-        .joints
-        .iter()
-        .enumerate()
-        .map(|(j, joint)| {
-            let quantities = [
-                ("position", &example.position),
-                ("velocity", &example.velocity),
-                ("acceleration", &example.acceleration),
-                ("torque", &example.torque),
-            ];
-            TimePanel {
-                title: joint.name.clone(),
-                lines: quantities
-                    .into_iter()
-                    .enumerate()
-                    .filter(|(_, (_, values))| values[j].iter().all(|v| v.is_finite()))
-                    .map(|(i, (label, values))| {
-                        Line::new(label, GroupStyle::nth(i), example.time_s.clone(), values[j].clone())
-                    })
-                    .collect(),
-                limits: vec![Limit::new(1.0, "limit"), Limit::new(-1.0, "limit")],
-            }
-        })
-        .collect();
-    TimeSeriesFigure {
-        heading: Heading::new(format!("limits-{}", stem(&example.family)), format!("A {} design against its limits", example.family))
-            .subtitle(format!("design {} of the study", example.design))
-            .caption("Each quantity over its limit; position counts from the middle of its range. Torque is that of the nominal parameters, over the joint's rating."),
-        time: Axis::linear("time", "s"),
-        value: Axis::linear("share of the limit", ""),
-        columns: 2,
-        same_range: true,
-        panels,
-    }
+fn figure(example: &LimitExample, story: &StudyStory) -> Option<TimeSeriesFigure> {
+    let joints: Vec<String> = story.result.joints.iter().map(|joint| joint.name.clone()).collect();
+    let name = format!("limits-{}", stem(&example.family));
+    let heading = Heading::new(name, format!("A {} design against its limits", example.family))
+        .subtitle(format!("design {} of the study", example.design));
+    limits_figure(example, &joints, heading)
 }
 
 /// A family's name as a part of a file's name.

@@ -150,18 +150,16 @@ impl Survey {
         let mut peaks = Vec::new();
         for Sampled { stretch, count, loads } in &self.stretches {
             for sign in [1.0, -1.0] {
-                let ratio = |k: usize| {
-                    let (value, spread) = loads[k * width + channel];
-                    (sign * value + spread) / limit
-                };
-                let top = (0..*count).fold(0, |top, k| if ratio(k) > ratio(top) { k } else { top });
+                let own = loads.iter().skip(channel).step_by(width);
+                let ratios: Vec<f64> = own.map(|(value, spread)| (sign * value + spread) / limit).collect();
+                let top = (0..*count).fold(0, |top, k| if ratios[k] > ratios[top] { k } else { top });
                 for k in 0..*count {
-                    let here = ratio(k);
+                    let here = ratios[k];
                     // The period closes on itself; a ramp does not.
                     let (before, after) = match stretch {
-                        Stretch::Period => (ratio((k + count - 1) % count), ratio((k + 1) % count)),
+                        Stretch::Period => (ratios[(k + count - 1) % count], ratios[(k + 1) % count]),
                         _ if k == 0 || k + 1 == *count => (here, f64::INFINITY),
-                        _ => (ratio(k - 1), ratio(k + 1)),
+                        _ => (ratios[k - 1], ratios[k + 1]),
                     };
                     if (k == top || (here >= before && here > after)) && here > threshold {
                         let part = k as f64 / *count as f64;
