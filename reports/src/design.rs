@@ -24,7 +24,7 @@ pub fn design_convergence(robot: &str, designs: &[Design], baseline: Option<&Des
             .subtitle(
                 "best value so far against evaluations, one line per start; a gradient counts as one evaluation more",
             )
-            .caption(format!("The criterion is {}.", criterion.name())),
+            .caption(format!("The criterion is {}; a value counts once every limit holds.", criterion.name())),
         columns: 1,
         panels: vec![convergence_panel(String::new(), criterion, curves)],
     })

@@ -6,6 +6,9 @@
 //! Good trajectories are many, and a descent ends at the nearest. What a converged descent leaves of the budget goes
 //! into another one, from halfway between the best trajectory so far and a fresh first guess: inside the linear
 //! limits, since they are convex, and with half of what made the best one good.
+//!
+//! Iterates approach smooth limits from outside, and a small budget may end before one is inside. Where one that is
+//! nearly inside promises much, the last evaluation is kept for the nearest point to it that is.
 
 use super::criterion::CriterionKind;
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
@@ -23,6 +26,15 @@ const HOP_EVALUATIONS: usize = 60;
 
 /// Share of the fresh first guess in the start of another descent.
 const HOP_SHARE: f64 = 0.5;
+
+/// An iterate that exceeds the smooth limits by no more than this can be moved into them at little cost.
+const NEARLY_INSIDE: f64 = 0.02;
+
+/// What excess costs in the choice among such iterates, in the minimised value.
+const EXCESS_WEIGHT: f64 = 50.0;
+
+/// How much better, in the minimised value, an iterate must be to be worth moving.
+const WORTH_RESTORING: f64 = 0.25;
 
 /// What an optimisation found.
 pub(crate) struct Found {
@@ -54,6 +66,7 @@ pub(crate) fn optimise(
         best: None,
         last,
         least: f64::INFINITY,
+        nearly: None,
         history: Vec::new(),
     };
     search.record();
@@ -69,6 +82,9 @@ pub(crate) fn optimise(
         if search.least < before {
             ending = last.clone();
         }
+    }
+    if search.is_worth_restoring() && search.state.evaluations < problem.max_evaluations {
+        search.restore_nearly_inside();
     }
     Ok(search.found(ending))
 }
@@ -88,6 +104,8 @@ struct Search<'a> {
     last: (Vec<f64>, f64),
     /// The minimised value of the best.
     least: f64,
+    /// Variables and minimised value, excess added, of the best iterate that is nearly inside the limits.
+    nearly: Option<(Vec<f64>, f64)>,
     history: Vec<HistoryPoint>,
 }
 
@@ -101,8 +119,32 @@ impl Search<'_> {
             self.least = exact;
             self.best = Some(self.last.clone());
         }
+        let weighted = exact + EXCESS_WEIGHT * excess;
+        if excess > EXCESS_TOLERANCE
+            && excess <= NEARLY_INSIDE
+            && self.nearly.as_ref().is_none_or(|nearly| weighted < nearly.1)
+        {
+            self.nearly = Some((self.state.x.clone(), weighted));
+        }
         let value = self.best.as_ref().map_or(current, |best| best.1);
         self.history.push(HistoryPoint { evaluations: self.state.evaluations, value, current, excess });
+    }
+
+    /// Whether an iterate outside the limits promises much more than the best one inside.
+    fn is_worth_restoring(&self) -> bool {
+        self.nearly.as_ref().is_some_and(|nearly| nearly.1 < self.least - WORTH_RESTORING)
+    }
+
+    /// Moves the best iterate that is nearly inside the limits into them, and judges it there.
+    fn restore_nearly_inside(&mut self) {
+        let Some((x, _)) = self.nearly.take() else { return };
+        self.state.x = x;
+        let (linear, smooth) = self.feasibility.limits();
+        if self.state.restore(linear, smooth, EXCESS_TOLERANCE) {
+            self.objective.exact_at(&self.state.x);
+            self.state.evaluations += 1;
+            self.record();
+        }
     }
 
     /// Another start, halfway between the best trajectory and a fresh first guess.
@@ -143,6 +185,7 @@ impl Search<'_> {
                 if self.state.iterations >= self.problem.max_iterations {
                     return Termination::IterationBudget;
                 }
+                self.state.allow(budget - usize::from(self.is_worth_restoring()));
                 let (linear, smooth) = self.feasibility.limits();
                 ending = match self.state.step(self.objective, linear, smooth) {
                     Progress::Moved => {

@@ -156,8 +156,9 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
     use crate::excitation::{Quantity, fixtures};
-    use crate::model::Columns;
+    use crate::model::{Columns, bundled, format::parse_nominal};
 
     fn problem(columns: Columns, criterion: CriterionKind, evaluations: usize) -> DesignProblem {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), columns, criterion).unwrap();
@@ -215,6 +216,24 @@ mod tests {
         assert!(asked > 1.0, "{asked}");
         let used = held.certificate.worst_limit_use.torque.unwrap();
         assert!(used <= problem.margins.torque && used > 0.95 * problem.margins.torque, "{used}");
+    }
+
+    #[test]
+    fn identity_a_small_budget_ends_inside_the_limits_and_far_from_its_start() {
+        // Uncertain torques on ramps and period: within 60 evaluations no iterate comes inside by itself.
+        let mut problem = problem(Columns::RigidRotorFriction, CriterionKind::DOptimal, 60);
+        let nominal = parse_nominal(bundled()[0].nominal, &problem.robot).unwrap();
+        let shares = &nominal.relative_uncertainty;
+        problem.spread = Some(ParameterSpread::of(&problem.robot, &nominal.parameters, shares, CONFIDENCE_95));
+        problem.nominal = Some(nominal.parameters);
+        problem.margins.torque = 1.0;
+        problem.ramp_s = Some(2.0);
+        for start in 0..3 {
+            let design = design(&problem, Seed::new(1), start).unwrap();
+            assert_inside(&design, &problem);
+            assert!(design.evaluations <= 60, "{}", design.evaluations);
+            assert!(design.value > design.history[0].value + 50.0, "{start}: {:?}", design.history);
+        }
     }
 
     #[test]

@@ -10,6 +10,8 @@
 //!
 //! Reference: J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd ed., 2006, ch. 18.
 
+use std::mem::replace;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::quadratic::{QuadraticFault, QuadraticSolution, solve_quadratic};
@@ -111,6 +113,9 @@ pub struct Sequential {
     settings: SequentialSettings,
 }
 
+/// Steps towards the inside of the smooth limits before they count as out of reach.
+const RESTORATIONS: usize = 8;
+
 /// Part of the predicted decrease that a step must reach.
 const SUFFICIENT: f64 = 1e-4;
 
@@ -151,6 +156,40 @@ impl Sequential {
         objective.gradient(self.gradient.as_mut_slice());
         self.excess = smooth.excess(&self.x);
         self.evaluations += 2;
+    }
+
+    /// Moves to the nearest point inside the smooth limits, without looking at the objective:
+    ///
+    /// ```text
+    /// d = argmin ½ |d|²    subject to   x + d inside the linear limits,   c_r(x) + ∇c_r(x)ᵀ d ≤ 0        x ← x + d
+    /// ```
+    /// until the excess is `tolerance` at most: from nearly inside two or three such steps. Returns whether it got there.
+    pub fn restore(&mut self, linear: &mut dyn LinearLimits, smooth: &mut dyn SmoothLimits, tolerance: f64) -> bool {
+        let n = self.x.len();
+        let (still, even) = (DVector::zeros(n), DMatrix::identity(n, n));
+        let (gradient, hessian) = (replace(&mut self.gradient, still), replace(&mut self.hessian, even));
+        for _ in 0..RESTORATIONS {
+            self.excess = smooth.excess(&self.x);
+            if self.excess <= tolerance {
+                break;
+            }
+            linear.recenter(&self.x);
+            let mut rows = Vec::new();
+            smooth.linearise(&self.x, &mut rows);
+            self.warm.clear();
+            let Some(solution) = self.direction(linear, &rows) else { break };
+            for (x, d) in self.x.iter_mut().zip(&solution.step) {
+                *x += d;
+            }
+        }
+        (self.gradient, self.hessian) = (gradient, hessian);
+        self.excess = smooth.excess(&self.x);
+        self.excess <= tolerance
+    }
+
+    /// Allows this many evaluations in all from now on.
+    pub fn allow(&mut self, evaluations: usize) {
+        self.settings.max_evaluations = evaluations;
     }
 
     /// Forgets the curvature learnt so far.
