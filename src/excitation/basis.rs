@@ -264,28 +264,46 @@ impl MotionBasis {
     /// The row of the derivative of this order (0 position … 3 jerk) of joint `index` at phase `phase`.
     #[must_use]
     pub fn derivative_row(&self, index: usize, order: usize, phase: f64) -> Vec<f64> {
-        let joint = &self.joints[index];
-        if joint.frozen.is_some() {
-            return Vec::new();
-        }
-        let mut row = vec![0.0; joint.scales.len()];
-        self.shapes[joint.shape].fill(phase, order, &mut row);
-        for (entry, scale) in row.iter_mut().zip(&joint.scales) {
-            *entry *= scale;
-        }
+        let mut row = vec![0.0; self.range(index).len()];
+        self.fill_derivative_row(index, order, phase, &mut row);
         row
     }
 
-    /// The weighted sum of the rows of position, velocity and acceleration of joint `index` at phase `phase`.
-    #[must_use]
-    pub fn combined_row(&self, index: usize, phase: f64, weights: [f64; 3]) -> Vec<f64> {
-        let mut sum = vec![0.0; self.range(index).len()];
-        for (order, weight) in weights.into_iter().enumerate() {
-            for (sum, entry) in sum.iter_mut().zip(self.derivative_row(index, order, phase)) {
-                *sum += weight * entry;
+    /// Writes [`Self::derivative_row`] into a slice of its length.
+    fn fill_derivative_row(&self, index: usize, order: usize, phase: f64, row: &mut [f64]) {
+        let joint = &self.joints[index];
+        if joint.frozen.is_some() {
+            return;
+        }
+        self.shapes[joint.shape].fill(phase, order, row);
+        for (entry, scale) in row.iter_mut().zip(&joint.scales) {
+            *entry *= scale;
+        }
+    }
+
+    /// Adds to `sum`, a slice over all variables, the weighted rows of position, velocity and acceleration of joint
+    /// `index` at phase `phase`; `row` is room to work in, of any length.
+    pub(super) fn add_combined_row(
+        &self,
+        index: usize,
+        phase: f64,
+        weights: [f64; 3],
+        row: &mut Vec<f64>,
+        sum: &mut [f64],
+    ) {
+        let own = &mut sum[self.range(index)];
+        row.resize(2 * own.len(), 0.0);
+        let (total, row) = row.split_at_mut(own.len());
+        total.fill(0.0);
+        for (order, weight) in weights.into_iter().enumerate().filter(|(_, weight)| *weight != 0.0) {
+            self.fill_derivative_row(index, order, phase, row);
+            for (total, entry) in total.iter_mut().zip(&*row) {
+                *total += weight * entry;
             }
         }
-        sum
+        for (own, total) in own.iter_mut().zip(&*total) {
+            *own += total;
+        }
     }
 }
 

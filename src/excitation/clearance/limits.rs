@@ -64,19 +64,12 @@ impl ClearanceLimits {
         let step = TAU / count as f64;
         let half_s = 0.5 * step / self.sampled.basis().omega();
         let mut distances = vec![0.0; count * pairs];
-        let mut closing = vec![0.0; count * pairs];
-        let mut moved = vec![0.0; self.sampled.basis().dof()];
         for k in 0..count {
             self.scene.place(states.q(k));
-            for (j, moved) in moved.iter_mut().enumerate() {
-                *moved = half_s * (states.qd(k)[j].abs() + half_s * states.qdd(k)[j].abs());
-            }
             for pair in 0..pairs {
                 distances[k * pairs + pair] = self.scene.distance_within(pair, self.required + NEAR);
-                closing[k * pairs + pair] = self.scene.closing(pair, &moved);
             }
         }
-        self.states = states;
         self.dips.clear();
         let trajectory = self.sampled.basis().trajectory(x);
         let mut dips = Vec::new();
@@ -89,10 +82,14 @@ impl ClearanceLimits {
                     continue;
                 }
                 let dip = Dip { pair, phase: k as f64 * step, distance: here };
-                let near = here - closing[k * pairs + pair] < self.required;
+                let (qd, qdd) = (states.qd(k), states.qdd(k));
+                let moved: Vec<f64> =
+                    qd.iter().zip(qdd).map(|(qd, qdd)| half_s * (qd.abs() + half_s * qdd.abs())).collect();
+                let near = here - self.scene.closing(pair, &moved) < self.required;
                 dips.push(if near { self.refine(&trajectory, dip, step) } else { dip });
             }
         }
+        self.states = states;
         self.dips = dips;
         self.at = x.to_vec();
     }
@@ -150,14 +147,15 @@ impl SmoothLimits for ClearanceLimits {
         let n = basis.dof();
         let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let mut slopes = vec![0.0; n];
+        let mut row = Vec::new();
         for dip in &self.dips {
             trajectory.evaluate(dip.phase / basis.omega(), &mut q, &mut qd, &mut qdd);
             self.scene.place(&q);
             let separation = self.scene.separation(dip.pair);
             self.scene.slopes(dip.pair, &separation, &mut slopes);
-            let mut normal = Vec::with_capacity(x.len());
+            let mut normal = vec![0.0; x.len()];
             for (j, slope) in slopes.iter().enumerate() {
-                normal.extend(basis.combined_row(j, dip.phase, [-slope / UNIT, 0.0, 0.0]));
+                basis.add_combined_row(j, dip.phase, [-slope / UNIT, 0.0, 0.0], &mut row, &mut normal);
             }
             rows.push(Row { start: 0, normal, bound: (separation.distance - self.required) / UNIT });
         }

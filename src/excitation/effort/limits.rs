@@ -143,13 +143,10 @@ impl EffortLimits {
 
     fn add_row(&self, slopes: &[Vec<f64>; 3], instant: &crate::excitation::course::Instant, normal: &mut [f64]) {
         let [dq, dqd, dqdd] = slopes;
-        let mut rows = Vec::with_capacity(normal.len());
+        let mut row = Vec::new();
         for j in 0..self.model.dof() {
             let weights = instant.weights([dq[j], dqd[j], dqdd[j]]);
-            rows.extend(self.basis.combined_row(j, instant.phase, weights));
-        }
-        for (sum, row) in normal.iter_mut().zip(rows) {
-            *sum += row;
+            self.basis.add_combined_row(j, instant.phase, weights, &mut row, normal);
         }
     }
 }

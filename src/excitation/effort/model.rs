@@ -219,16 +219,16 @@ impl EffortModel {
         seed: Seed,
     ) -> f64 {
         let mut rng = seed.stream("parameters within their uncertainty", 0);
-        let sets: Vec<Vec<f64>> = (0..draws)
-            .map(|_| {
-                let draw = |(phi, variance): (&f64, &f64)| {
-                    let normal: f64 = rng.sample(StandardNormal);
-                    phi + normal * variance.sqrt()
-                };
-                self.phi.iter().zip(&self.variance).map(draw).collect()
-            })
-            .collect();
+        // Parameter by parameter, so that all sets are looked at in one pass.
+        let mut sets = vec![0.0; self.phi.len() * draws];
+        for draw in 0..draws {
+            for (c, (phi, variance)) in self.phi.iter().zip(&self.variance).enumerate() {
+                let normal: f64 = rng.sample(StandardNormal);
+                sets[c * draws + draw] = phi + normal * variance.sqrt();
+            }
+        }
         let mut inside = vec![true; draws];
+        let mut efforts = vec![0.0; draws];
         let omega = std::f64::consts::TAU / course.period_s;
         for &stretch in course.stretches() {
             let count = course.samples(stretch, samples);
@@ -236,12 +236,14 @@ impl EffortModel {
                 self.move_to(motion, omega, &course.instant(stretch, k as f64 / count as f64));
                 for channel in channels.iter().filter(|channel| channel.peak.is_finite()) {
                     self.fill_row(channel);
-                    // Most of a row is zero: what is left is written down once for all sets.
-                    let filled: Vec<(usize, f64)> =
-                        self.row.iter().copied().enumerate().filter(|(_, entry)| *entry != 0.0).collect();
-                    for (set, inside) in sets.iter().zip(&mut inside).filter(|(_, inside)| **inside) {
-                        let value: f64 = filled.iter().map(|&(c, entry)| entry * set[c]).sum();
-                        *inside = value.abs() <= channel.peak;
+                    efforts.fill(0.0);
+                    for (entry, sets) in self.row.iter().zip(sets.chunks_exact(draws)).filter(|(y, _)| **y != 0.0) {
+                        for (effort, parameter) in efforts.iter_mut().zip(sets) {
+                            *effort += entry * parameter;
+                        }
+                    }
+                    for (inside, effort) in inside.iter_mut().zip(&efforts) {
+                        *inside &= effort.abs() <= channel.peak;
                     }
                 }
             }
