@@ -1,13 +1,13 @@
 //! Gradients of a weighted sum of regressor entries, in one sweep outwards and one inwards.
 //!
 //! ```text
-//! L = Σ_ic g_ic Y_ic = Σ_k Σ_{i≤k} s_ik · (I_ik a_k + v_k ×* I_ik v_k) + drives        s_ik = X_ki S_i
+//! L = Σ_ic g_ic Y_ic = Σ_k Σ_{i≤k} s_ikᵀ K(v_k, a_k) g_ik + drives        s_ik = X_ki S_i
 //! ```
-//! where `I_ik` is the inertia whose ten parameters are the ten weights of row i, link k: the effort of joint i if link k
-//! had them. With `w_ik` that wrench, the partial derivatives are
+//! where `g_ik` are the ten weights of row i, link k, and K is the [regressor of one body](super::BodyRegressor). The
+//! partial derivatives are
 //!
 //! ```text
-//! ∂L/∂s_ik = w_ik        ∂L/∂a_k = Σ_i I_ik s_ik        ∂L/∂v_k = −Σ_i (s_ik ×* I_ik v_k + I_ik (v_k × s_ik))
+//! ∂L/∂s_ik = K(v_k, a_k) g_ik        ∂L/∂(v_k, a_k) = ∂/∂(v_k, a_k) Σ_rc P_rc K_rc(v_k, a_k),   P = Σ_{i≤k} s_ik g_ikᵀ
 //! ```
 //! They are carried inwards as forces, `m̄_{k-1} += X_kᵀ m̄_k`, through the recursions of `v`, `a` and `s`. Joint k turns all
 //! that comes from further in, `∂(X_k m)/∂q_k = (X_k m) × S_k`, so with `(m × S)·m̄ = −S·(m ×* m̄)`
@@ -18,35 +18,9 @@
 //! ```
 //! The cost is that of about four evaluations, whatever the number of columns.
 
-use nalgebra::Vector3;
-
-use super::JointTorqueRegressor;
-use crate::dynamics::Symmetric3;
+use super::body::Weights;
+use super::{BodyRegressor, JointTorqueRegressor};
 use crate::spatial::{Force, Motion, Placement};
-
-/// The inertia whose ten parameters are ten weights.
-struct WeightInertia {
-    mass: f64,
-    first_moment: Vector3<f64>,
-    rotational: Symmetric3,
-}
-
-impl WeightInertia {
-    #[inline]
-    fn new(p: &[f64; 10]) -> Self {
-        Self {
-            mass: p[0],
-            first_moment: Vector3::new(p[1], p[2], p[3]),
-            rotational: Symmetric3 { xx: p[4], xy: p[5], xz: p[6], yy: p[7], yz: p[8], zz: p[9] },
-        }
-    }
-
-    #[inline]
-    fn apply(&self, m: &Motion) -> Force {
-        let h = &self.first_moment;
-        Force { ang: self.rotational.times(&m.ang) + h.cross(&m.lin), lin: m.lin * self.mass - h.cross(&m.ang) }
-    }
-}
 
 /// What the outward sweep leaves for one link.
 #[derive(Clone, Copy)]
@@ -114,15 +88,16 @@ impl JointTorqueRegressor {
             let LinkState { placement, v, a, carried } = &links[k];
             let s = &axes[k * (k + 1) / 2..][..=k];
             let axis = &self.axes[k];
+            let body = BodyRegressor::new(v, a);
+            let mut weights = Weights::default();
             for i in 0..=k {
-                let weights = g[i * p + 10 * k..].first_chunk::<10>().expect("a row holds ten columns per link");
-                let inertia = WeightInertia::new(weights);
-                let momentum = inertia.apply(v);
-                let turned = inertia.apply(&v.cross(&s[i]));
-                s_bar[i] += inertia.apply(a) + v.cross_force(&momentum);
-                a_bar += inertia.apply(&s[i]);
-                v_bar = v_bar - s[i].cross_force(&momentum) - turned;
+                let row = g[i * p + 10 * k..].first_chunk().expect("a row holds ten columns per link");
+                s_bar[i] += body.wrench(row);
+                weights.add(&s[i], row);
             }
+            let (by_v, by_a) = body.pull_back(&weights, v);
+            v_bar += by_v;
+            a_bar += by_a;
             // a_k holds v_k × S q̇: δv × S·ā = δv·(S ×* ā).
             let from_rate = axis.cross_force(&a_bar);
             dqd[k] += axis.dot(&v_bar) + v.dot(&from_rate);
