@@ -21,6 +21,12 @@ use crate::seed::Seed;
 /// Sharpnesses p of the smoothed criteria, one after the other.
 pub(crate) const SHARPNESS: [f64; 6] = [4.0, 8.0, 16.0, 32.0, 64.0, 128.0];
 
+/// Predicted decrease of the minimised value, a logarithm, that ends a descent.
+const TOLERANCE: f64 = 1e-5;
+
+/// The same for a sharpness that another follows.
+const STAGE_TOLERANCE: f64 = 1e-4;
+
 /// Evaluations that must be left for another descent.
 const HOP_EVALUATIONS: usize = 60;
 
@@ -179,6 +185,7 @@ impl Search<'_> {
                 self.objective.change(kind.smooth(sharpness));
                 self.state.restart(self.objective, self.feasibility.smooth());
             }
+            self.state.tolerate(if stage + 1 < stages.len() { STAGE_TOLERANCE } else { TOLERANCE });
             // Equal shares of what was left, so that the sharpest gets its turn even if none converges.
             let share = first + budget.saturating_sub(first) * (stage + 1) / stages.len();
             loop {

@@ -28,6 +28,12 @@ const TORQUE_SAMPLES: usize = 2;
 /// A first guess is not shrunk below this part of itself.
 const START_FACTOR: f64 = 0.2;
 
+/// Halvings in the search for what must be left of it.
+const START_HALVINGS: usize = 7;
+
+/// What a design is shrunk by at first where the optimiser's tolerances left something, and the halvings after that.
+const FINISH: (f64, usize) = (1e-6, 3);
+
 /// Other first guesses that are tried where one does not keep its clearances.
 const START_ATTEMPTS: u64 = 16;
 
@@ -142,14 +148,14 @@ impl Feasibility {
     /// way back inside more easily than away from rest.
     pub(crate) fn bring_inside(&mut self, mut trajectory: PeriodicTrajectory) -> PeriodicTrajectory {
         self.shrink_for_motion(&mut trajectory);
-        self.shrink_for_torque(trajectory, self.samples, START_FACTOR, 7)
+        self.shrink_for_torque(trajectory, self.samples, START_FACTOR, (1.0 - START_FACTOR, START_HALVINGS))
     }
 
     /// The last exact correction: whatever the optimiser's tolerances left is shrunk away.
     pub(crate) fn finish(&mut self, mut trajectory: PeriodicTrajectory) -> PeriodicTrajectory {
         self.shrink_for_motion(&mut trajectory);
         // Ten times the optimiser's own grid, and refined in time.
-        self.shrink_for_torque(trajectory, 10 * self.samples, 0.0, 30)
+        self.shrink_for_torque(trajectory, 10 * self.samples, 0.0, FINISH)
     }
 
     /// Brings every joint inside its limits of position, velocity, acceleration and jerk, ramps included.
@@ -165,7 +171,8 @@ impl Feasibility {
         }
     }
 
-    /// Shrinks all amplitudes by the largest factor that brings torque inside, found by bisection.
+    /// Shrinks all amplitudes by the largest factor that brings torque inside: first by `1 − gap`, then by gaps four times
+    /// as large until it is inside, then between by so many halvings.
     ///
     /// A trajectory that would have to shrink below `least` stays as it is.
     fn shrink_for_torque(
@@ -173,17 +180,21 @@ impl Feasibility {
         trajectory: PeriodicTrajectory,
         samples: usize,
         least: f64,
-        halvings: usize,
+        (mut gap, halvings): (f64, usize),
     ) -> PeriodicTrajectory {
         let Some(effort) = &mut self.effort else { return trajectory };
         let mut holds = |candidate: &PeriodicTrajectory| effort.holds(candidate, samples, 1.0 + EXCESS_TOLERANCE);
         if holds(&trajectory) {
             return trajectory;
         }
-        if !holds(&scaled(&trajectory, least)) {
-            return trajectory;
+        let (mut inside, mut outside) = (1.0 - gap, 1.0);
+        while !holds(&scaled(&trajectory, inside)) {
+            if inside <= least {
+                return trajectory;
+            }
+            gap *= 4.0;
+            (outside, inside) = (inside, (1.0 - gap).max(least));
         }
-        let (mut inside, mut outside) = (least, 1.0);
         for _ in 0..halvings {
             let middle = 0.5 * (inside + outside);
             if holds(&scaled(&trajectory, middle)) {

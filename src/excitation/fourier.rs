@@ -169,9 +169,10 @@ impl Trajectory for FourierTrajectory {
         let (mut s, mut c) = (s1, c1);
         for l in 0..harmonics {
             let w = omega * (l + 1) as f64;
+            let per_w = 1.0 / w;
             for (i, joint) in self.joints.iter().enumerate() {
                 let (Some(a), Some(b)) = (joint.a.get(l), joint.b.get(l)) else { continue };
-                q[i] += (a * s - b * c) / w;
+                q[i] += (a * s - b * c) * per_w;
                 qd[i] += a * c + b * s;
                 qdd[i] += w * (b * c - a * s);
             }

@@ -9,6 +9,7 @@
 
 use nalgebra::DMatrix;
 
+use super::padded_rows::PaddedRows;
 use crate::dynamics::States;
 use crate::regressor::JointTorqueRegressor;
 
@@ -17,8 +18,8 @@ use crate::regressor::JointTorqueRegressor;
 struct JointRows {
     /// Position of each column among the kept ones.
     columns: Vec<usize>,
-    /// The rows, N × w row-major, already divided by the joint's noise.
-    rows: Vec<f64>,
+    /// The rows, N × w, already divided by the joint's noise.
+    rows: PaddedRows,
     /// 1/σ of the joint.
     weight: f64,
 }
@@ -53,7 +54,7 @@ impl Information {
         let joints = (0..n)
             .map(|i| {
                 let columns: Vec<usize> = (0..kept.len()).filter(|&c| pattern[i * p + kept[c]]).collect();
-                JointRows { rows: vec![0.0; samples * columns.len()], columns, weight: 1.0 / sigma[i] }
+                JointRows { rows: PaddedRows::zeros(samples, columns.len()), columns, weight: 1.0 / sigma[i] }
             })
             .collect();
         Self { regressor, kept: kept.to_vec(), joints, samples, sample: vec![0.0; n * p], prior }
@@ -75,9 +76,8 @@ impl Information {
         for k in 0..count {
             self.regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut self.sample);
             for (i, joint) in self.joints.iter_mut().enumerate() {
-                let width = joint.columns.len();
                 let row = &self.sample[i * p..(i + 1) * p];
-                for (entry, &c) in joint.rows[k * width..(k + 1) * width].iter_mut().zip(&joint.columns) {
+                for (entry, &c) in joint.rows.row_mut(k).iter_mut().zip(&joint.columns) {
                     *entry = joint.weight * row[self.kept[c]];
                 }
             }
@@ -85,11 +85,10 @@ impl Information {
         let mut m = self.prior.clone().unwrap_or_else(|| DMatrix::zeros(b, b));
         let per_row = 1.0 / (n * count) as f64;
         for joint in &self.joints {
-            let width = joint.columns.len();
-            let gram = gram(&joint.rows, width);
+            let gram = joint.rows.gram();
             for (r, &row) in joint.columns.iter().enumerate() {
-                for (c, &column) in joint.columns.iter().enumerate().skip(r) {
-                    m[(column, row)] += per_row * gram[r * width + c];
+                for (&column, product) in joint.columns.iter().zip(gram.row(r)).skip(r) {
+                    m[(column, row)] += per_row * product;
                 }
             }
         }
@@ -106,37 +105,27 @@ impl Information {
     pub fn pull_back(&self, states: &States, s: &DMatrix<f64>, sensitivity: &mut States) {
         let (n, p, count) = (self.regressor.rows(), self.regressor.cols(), self.samples);
         let factor = 2.0 / (n * count) as f64;
-        let inner: Vec<Vec<f64>> = self
+        let slopes: Vec<PaddedRows> = self
             .joints
             .iter()
             .map(|joint| {
                 let width = joint.columns.len();
-                let mut part = vec![0.0; width * width];
+                let mut own = PaddedRows::zeros(width, width);
                 for (r, &row) in joint.columns.iter().enumerate() {
-                    for (c, &column) in joint.columns.iter().enumerate() {
-                        part[r * width + c] = factor * joint.weight * s[(row, column)];
+                    for (entry, &column) in own.row_mut(r).iter_mut().zip(&joint.columns) {
+                        *entry = factor * joint.weight * s[(row, column)];
                     }
                 }
-                part
+                joint.rows.times(&own)
             })
             .collect();
         sensitivity.q.fill(0.0);
         sensitivity.qd.fill(0.0);
         sensitivity.qdd.fill(0.0);
         let mut g = vec![0.0; n * p];
-        let mut row = vec![0.0; self.kept.len()];
         for k in 0..count {
-            for (i, (joint, inner)) in self.joints.iter().zip(&inner).enumerate() {
-                let width = joint.columns.len();
-                let out = &mut row[..width];
-                out.fill(0.0);
-                let w = &joint.rows[k * width..(k + 1) * width];
-                for (&w, s) in w.iter().zip(inner.chunks_exact(width)) {
-                    for (out, s) in out.iter_mut().zip(s) {
-                        *out += w * s;
-                    }
-                }
-                for (&value, &c) in out.iter().zip(&joint.columns) {
+            for (i, (joint, slopes)) in self.joints.iter().zip(&slopes).enumerate() {
+                for (&value, &c) in slopes.row(k).iter().zip(&joint.columns) {
                     g[i * p + self.kept[c]] = value;
                 }
             }
@@ -169,33 +158,6 @@ pub(super) fn pattern(regressor: &JointTorqueRegressor) -> Vec<bool> {
         }
     }
     pattern
-}
-
-/// Upper triangle of RᵀR for rows of this width, row-major; four rows at a time, in a fixed order.
-fn gram(rows: &[f64], width: usize) -> Vec<f64> {
-    let mut gram = vec![0.0; width * width];
-    let mut blocks = rows.chunks_exact(4 * width);
-    for block in &mut blocks {
-        let (w0, rest) = block.split_at(width);
-        let (w1, rest) = rest.split_at(width);
-        let (w2, w3) = rest.split_at(width);
-        for c in 0..width {
-            let (f0, f1, f2, f3) = (w0[c], w1[c], w2[c], w3[c]);
-            let out = &mut gram[c * width + c..(c + 1) * width];
-            let (w0, w1, w2, w3) = (&w0[c..], &w1[c..], &w2[c..], &w3[c..]);
-            for (i, out) in out.iter_mut().enumerate() {
-                *out += (f0 * w0[i] + f1 * w1[i]) + (f2 * w2[i] + f3 * w3[i]);
-            }
-        }
-    }
-    for row in blocks.remainder().chunks_exact(width) {
-        for c in 0..width {
-            for (out, w) in gram[c * width + c..(c + 1) * width].iter_mut().zip(&row[c..]) {
-                *out += row[c] * w;
-            }
-        }
-    }
-    gram
 }
 
 #[cfg(test)]

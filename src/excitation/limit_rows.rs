@@ -52,7 +52,8 @@ impl LimitRows {
         Row { start, normal, bound: end - now }
     }
 
-    /// Rows at the local peaks of `sign · values` (on the grid) that exceed the interval.
+    /// Rows at the local peaks of `sign · values` that exceed the interval; values are those on the grid, between the last
+    /// and the first of them once more.
     fn peaks(&self, joint: usize, quantity: Quantity, sign: f64, x: &[f64], values: &[f64], rows: &mut Vec<Row>) {
         let (low, high) = self.intervals[joint][quantity as usize];
         let end = if sign > 0.0 { high } else { -low };
@@ -60,11 +61,9 @@ impl LimitRows {
             return;
         }
         let size = if low.is_finite() && high.is_finite() { 0.5 * (high - low) } else { end.abs().max(1.0) };
-        let count = values.len();
-        for k in 0..count {
-            let before = sign * values[(k + count - 1) % count];
-            let here = sign * values[k];
-            let after = sign * values[(k + 1) % count];
+        let count = values.len() - 2;
+        for (k, around) in values.windows(3).enumerate() {
+            let [before, here, after] = [sign * around[0], sign * around[1], sign * around[2]];
             if here < before || here <= after {
                 continue;
             }
@@ -116,25 +115,22 @@ fn dot(row: &[f64], x: &[f64]) -> f64 {
 
 impl RowSource for LimitRows {
     fn violated(&mut self, step: &[f64], rows: &mut Vec<Row>) {
-        let mut values = [Vec::new(), Vec::new(), Vec::new()];
+        let (mut values, mut closed) = (Vec::new(), Vec::new());
         let moved: Vec<f64> = self.center.iter().zip(step).map(|(c, d)| c + d).collect();
         for joint in 0..self.basis.dof() {
             let range = self.basis.range(joint);
             if range.is_empty() {
                 continue;
             }
-            for values in &mut values {
-                values.clear();
-            }
             let coefficients = self.basis.unscaled(joint, &moved);
-            for motion in self.tables[self.basis.shape_of(joint)].motion(&coefficients) {
-                for (values, value) in values.iter_mut().zip(motion) {
-                    values.push(value);
-                }
-            }
-            for (quantity, values) in Quantity::ALL.into_iter().zip(&values) {
+            for quantity in Quantity::ALL {
+                self.tables[self.basis.shape_of(joint)].motion(quantity as usize, &coefficients, &mut values);
+                closed.clear();
+                closed.extend(values.last());
+                closed.extend_from_slice(&values);
+                closed.extend(values.first());
                 for sign in [1.0, -1.0] {
-                    self.peaks(joint, quantity, sign, &moved[range.clone()], values, rows);
+                    self.peaks(joint, quantity, sign, &moved[range.clone()], &closed, rows);
                 }
             }
         }

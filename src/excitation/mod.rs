@@ -28,6 +28,7 @@ mod limit_survey;
 mod limits;
 mod objective;
 pub mod optimiser;
+mod padded_rows;
 mod path_rows;
 mod periodic;
 mod piecewise;

@@ -8,6 +8,7 @@
 
 use super::basis::MotionBasis;
 use super::course::{Course, Stretch};
+use super::extremum::climb;
 use super::limits::WorstUse;
 use super::optimiser::{LinearLimits, Row, RowSource};
 use super::{Margins, PeriodicTrajectory};
@@ -19,8 +20,8 @@ const GRID_PER_VARIABLE: usize = 8;
 /// Part of the permitted value above which a peak of the grid is refined.
 const NEAR: f64 = 0.9;
 
-/// Golden sections around a peak: they leave a ten-thousandth of the grid's step, and of the value 1e-9.
-const SECTIONS: usize = 20;
+/// How well the time of a peak is then known, in steps of the grid: that leaves 1e-9 of its value.
+const REFINED: f64 = 1e-4;
 
 /// What is limited on a stretch.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -145,30 +146,10 @@ fn peaks(values: &[f64], sign: f64, threshold: f64) -> impl Iterator<Item = f64>
     })
 }
 
-/// Golden section around a peak of a grid with this step, inside the stretch: where it is and how large.
+/// The top around a peak of a grid with this step, inside the stretch: where it is and how large.
 fn refine(mut value: impl FnMut(f64) -> f64, part: f64, step: f64) -> (f64, f64) {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    let (mut low, mut high) = ((part - step).max(0.0), (part + step).min(1.0));
-    let mut best = (part, value(part));
-    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-    let mut values = inner.map(&mut value);
-    for _ in 0..SECTIONS {
-        let upper = values[1] > values[0];
-        let found = (inner[usize::from(upper)], values[usize::from(upper)]);
-        if found.1 > best.1 {
-            best = found;
-        }
-        if upper {
-            low = inner[0];
-            inner = [inner[1], low + GOLDEN * (high - low)];
-            values = [values[1], value(inner[1])];
-        } else {
-            high = inner[1];
-            inner = [high - GOLDEN * (high - low), inner[0]];
-            values = [value(inner[0]), values[0]];
-        }
-    }
-    best
+    let from = (part, value(part));
+    climb(value, from, ((part - step).max(0.0), (part + step).min(1.0)), REFINED * step)
 }
 
 /// The worst uses of one joint's acceleration and jerk limits on the ramps around a trajectory of any family; `None`

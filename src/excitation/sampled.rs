@@ -3,38 +3,51 @@
 use std::f64::consts::TAU;
 
 use super::basis::MotionBasis;
+use super::optimiser::dot;
 use super::shape::Shape;
 use crate::dynamics::States;
 
 /// The shape functions of one joint and their first two derivatives at `θ_k = 2π k / N`.
 #[derive(Clone, Debug)]
 pub(super) struct ShapeTable {
-    count: usize,
-    /// N × 3 × count row-major: position, velocity, acceleration of each sample.
-    rows: Vec<f64>,
+    samples: usize,
+    /// Of position, velocity and acceleration: every shape at all samples, one shape after the other.
+    shapes: [Vec<f64>; 3],
 }
 
 impl ShapeTable {
     pub(super) fn new(shape: &Shape, samples: usize) -> Self {
         let count = shape.len();
-        let mut rows = vec![0.0; samples * 3 * count];
-        for (index, row) in rows.chunks_exact_mut(count).enumerate() {
-            shape.fill(TAU * (index / 3) as f64 / samples as f64, index % 3, row);
-        }
-        Self { count, rows }
-    }
-
-    /// Position, velocity and acceleration of these coefficients at every sample, one after the other.
-    pub(super) fn motion(&self, coefficients: &[f64]) -> impl Iterator<Item = [f64; 3]> {
-        self.rows.chunks_exact(3 * self.count).map(move |rows| {
-            let mut motion = [0.0; 3];
-            for (value, row) in motion.iter_mut().zip(rows.chunks_exact(self.count)) {
-                for (a, c) in row.iter().zip(coefficients) {
-                    *value += a * c;
+        let mut row = vec![0.0; count];
+        let shapes = std::array::from_fn(|order| {
+            let mut table = vec![0.0; count * samples];
+            for k in 0..samples {
+                shape.fill(TAU * k as f64 / samples as f64, order, &mut row);
+                for (c, value) in row.iter().enumerate() {
+                    table[c * samples + k] = *value;
                 }
             }
-            motion
-        })
+            table
+        });
+        Self { samples, shapes }
+    }
+
+    /// The derivative of this order (0 to 2) of these coefficients at every sample.
+    pub(super) fn motion(&self, order: usize, coefficients: &[f64], out: &mut Vec<f64>) {
+        out.clear();
+        out.resize(self.samples, 0.0);
+        for (shape, c) in self.shapes[order].chunks_exact(self.samples).zip(coefficients) {
+            for (out, value) in out.iter_mut().zip(shape) {
+                *out += c * value;
+            }
+        }
+    }
+
+    /// Adds to each coefficient's entry the sum of its shape's samples times these weights.
+    fn pull_back(&self, order: usize, weights: &[f64], sums: &mut [f64]) {
+        for (sum, shape) in sums.iter_mut().zip(self.shapes[order].chunks_exact(self.samples)) {
+            *sum += dot(weights, shape);
+        }
     }
 }
 
@@ -70,13 +83,15 @@ impl SampledBasis {
     /// Fills `states` (N samples of n joints) with the motion of the variables `x`.
     pub fn states(&self, x: &[f64], states: &mut States) {
         let n = self.basis.dof();
+        let mut values = Vec::new();
         for j in 0..n {
             let coefficients = self.basis.unscaled(j, x);
             let table = &self.tables[self.basis.shape_of(j)];
-            for (k, [q, qd, qdd]) in table.motion(&coefficients).enumerate() {
-                states.q[k * n + j] = q;
-                states.qd[k * n + j] = qd;
-                states.qdd[k * n + j] = qdd;
+            for (order, states) in [&mut states.q, &mut states.qd, &mut states.qdd].into_iter().enumerate() {
+                table.motion(order, &coefficients, &mut values);
+                for (state, value) in states.iter_mut().skip(j).step_by(n).zip(&values) {
+                    *state = *value;
+                }
             }
         }
     }
@@ -88,6 +103,7 @@ impl SampledBasis {
     /// ```
     pub fn pull_back(&self, sensitivity: &States, gradient: &mut [f64]) {
         let n = self.basis.dof();
+        let mut weights = Vec::new();
         for j in 0..n {
             let block = &mut gradient[self.basis.range(j)];
             if block.is_empty() {
@@ -95,14 +111,10 @@ impl SampledBasis {
             }
             block.fill(0.0);
             let table = &self.tables[self.basis.shape_of(j)];
-            for (k, rows) in table.rows.chunks_exact(3 * table.count).enumerate() {
-                let at = k * n + j;
-                let weights = [sensitivity.q[at], sensitivity.qd[at], sensitivity.qdd[at]];
-                for (weight, row) in weights.iter().zip(rows.chunks_exact(table.count)) {
-                    for (g, a) in block.iter_mut().zip(row) {
-                        *g += weight * a;
-                    }
-                }
+            for (order, slopes) in [&sensitivity.q, &sensitivity.qd, &sensitivity.qdd].into_iter().enumerate() {
+                weights.clear();
+                weights.extend(slopes.iter().skip(j).step_by(n));
+                table.pull_back(order, &weights, block);
             }
             for (g, scale) in block.iter_mut().zip(self.basis.scales(j)) {
                 *g *= scale;

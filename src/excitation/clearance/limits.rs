@@ -11,7 +11,8 @@ use super::sweep::CLEARANCE_TOLERANCE;
 use crate::dynamics::States;
 use crate::excitation::Trajectory;
 use crate::excitation::basis::MotionBasis;
-use crate::excitation::optimiser::{Row, SmoothLimits};
+use crate::excitation::extremum::climb;
+use crate::excitation::optimiser::{Row, SmoothLimits, SmoothRow};
 use crate::excitation::sampled::SampledBasis;
 
 /// Distance that counts as one unit of excess, m.
@@ -19,6 +20,9 @@ const UNIT: f64 = 0.1;
 
 /// A local minimum further than this from the required distance gets no row, m.
 const NEAR: f64 = 0.15;
+
+/// How well the time of a nearest approach is known, in steps of the grid.
+const REFINED: f64 = 1e-3;
 
 /// What the optimiser keeps above the required distance, m, so that neither its tolerance nor the sweep's undercuts
 /// it.
@@ -94,39 +98,20 @@ impl ClearanceLimits {
         self.at = x.to_vec();
     }
 
-    /// Golden section around a dip on the grid.
+    /// The nearest approach around a dip on the grid.
     fn refine(&mut self, motion: &dyn Trajectory, dip: Dip, step: f64) -> Dip {
-        const GOLDEN: f64 = 0.618_033_988_749_894_8;
         let n = motion.dof();
         let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
         let omega = self.sampled.basis().omega();
         let scene = &mut self.scene;
-        let mut distance = |phase: f64| {
+        let nearness = |phase: f64| {
             motion.evaluate(phase / omega, &mut q, &mut qd, &mut qdd);
             scene.place(&q);
-            scene.separation(dip.pair).distance
+            -scene.separation(dip.pair).distance
         };
-        let (mut low, mut high) = (dip.phase - step, dip.phase + step);
-        let mut best = dip;
-        let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-        let mut values = inner.map(&mut distance);
-        for _ in 0..16 {
-            let lower = values[0] <= values[1];
-            let (phase, value) = if lower { (inner[0], values[0]) } else { (inner[1], values[1]) };
-            if value < best.distance {
-                best = Dip { phase, distance: value, ..best };
-            }
-            if lower {
-                high = inner[1];
-                inner = [high - GOLDEN * (high - low), inner[0]];
-                values = [distance(inner[0]), values[0]];
-            } else {
-                low = inner[0];
-                inner = [inner[1], low + GOLDEN * (high - low)];
-                values = [values[1], distance(inner[1])];
-            }
-        }
-        best
+        let around = (dip.phase - step, dip.phase + step);
+        let (phase, nearness) = climb(nearness, (dip.phase, -dip.distance), around, REFINED * step);
+        Dip { phase, distance: -nearness, ..dip }
     }
 }
 
@@ -140,7 +125,7 @@ impl SmoothLimits for ClearanceLimits {
         worst.iter().sum()
     }
 
-    fn linearise(&mut self, x: &[f64], rows: &mut Vec<Row>) {
+    fn linearise(&mut self, x: &[f64], rows: &mut Vec<SmoothRow>) {
         self.move_to(x);
         let basis = self.sampled.basis();
         let trajectory = basis.trajectory(x);
@@ -157,7 +142,8 @@ impl SmoothLimits for ClearanceLimits {
             for (j, slope) in slopes.iter().enumerate() {
                 basis.add_combined_row(j, dip.phase, [-slope / UNIT, 0.0, 0.0], &mut row, &mut normal);
             }
-            rows.push(Row { start: 0, normal, bound: (separation.distance - self.required) / UNIT });
+            let bound = (separation.distance - self.required) / UNIT;
+            rows.push(SmoothRow { row: Row { start: 0, normal, bound }, limit: dip.pair, at: dip.phase / TAU });
         }
     }
 }
@@ -186,7 +172,7 @@ mod tests {
             scene.place(&q);
             scene.separation(dip.pair).distance
         };
-        for (row, dip) in rows.iter().zip(&dips) {
+        for (SmoothRow { row, .. }, dip) in rows.iter().zip(&dips) {
             assert!((row.bound - (dip.distance - limits.required) / UNIT).abs() < 1e-12);
             for i in (0..x.len()).step_by(7) {
                 let mut at = |h: f64| {

@@ -12,13 +12,10 @@ use super::worst::{Peak, Place, Survey, refine};
 use crate::excitation::Trajectory;
 use crate::excitation::basis::MotionBasis;
 use crate::excitation::course::{Course, Stretch};
-use crate::excitation::optimiser::{Row, SmoothLimits};
+use crate::excitation::optimiser::{Row, SmoothLimits, SmoothRow};
 
 /// Local peaks below this part of the permitted effort get no row.
-const NEAR: f64 = 0.6;
-
-/// Local peaks above this part count as excess and are refined in time.
-const WATCHED: f64 = 0.95;
+const NEAR: f64 = 0.75;
 
 /// The effort limits of a design problem.
 #[derive(Clone, Debug)]
@@ -106,11 +103,7 @@ impl EffortLimits {
         for c in 0..self.channels.len() {
             if self.channels[c].peak.is_finite() {
                 for peak in survey.peaks(c, NEAR) {
-                    let peak = if peak.ratio > WATCHED {
-                        refine(&mut self.model, &self.channels, &trajectory, self.course, peak, &survey)
-                    } else {
-                        peak
-                    };
+                    let peak = refine(&mut self.model, &self.channels, &trajectory, self.course, peak, &survey);
                     self.peaks.push(peak);
                 }
             }
@@ -154,15 +147,17 @@ impl EffortLimits {
 impl SmoothLimits for EffortLimits {
     fn excess(&mut self, x: &[f64]) -> f64 {
         self.look_at(x);
-        let mut worst = vec![0.0_f64; self.channels.len()];
+        // Each sign is a limit of its own, as in `linearise`.
+        let mut worst = vec![[0.0_f64; 2]; self.channels.len()];
         for peak in &self.peaks {
-            worst[peak.channel] = worst[peak.channel].max(peak.ratio - 1.0);
+            let worst = &mut worst[peak.channel][usize::from(peak.sign > 0.0)];
+            *worst = worst.max(peak.ratio - 1.0);
         }
         let over: f64 = self.mean_squares.iter().map(|ratio| (ratio - 1.0).max(0.0)).sum();
-        worst.iter().sum::<f64>() + over
+        worst.iter().flatten().sum::<f64>() + over
     }
 
-    fn linearise(&mut self, x: &[f64], rows: &mut Vec<Row>) {
+    fn linearise(&mut self, x: &[f64], rows: &mut Vec<SmoothRow>) {
         self.look_at(x);
         let trajectory = self.basis.trajectory(x);
         let n = self.model.dof();
@@ -174,12 +169,15 @@ impl SmoothLimits for EffortLimits {
             self.model.slopes(channel, peak.sign, 1.0 / channel.peak, &mut slopes);
             let mut normal = vec![0.0; x.len()];
             self.add_row(&slopes, &instant, &mut normal);
-            rows.push(Row { start: 0, normal, bound: 1.0 - peak.ratio });
+            rows.push(SmoothRow {
+                row: Row { start: 0, normal, bound: 1.0 - peak.ratio },
+                limit: 3 * peak.channel + usize::from(peak.sign > 0.0),
+                at: self.course.time_s(peak.stretch, peak.part) / self.course.period_s,
+            });
         }
         for c in 0..self.channels.len() {
             if self.mean_squares[c] > NEAR {
-                let row = self.mean_square_row(c, x);
-                rows.push(row);
+                rows.push(SmoothRow { row: self.mean_square_row(c, x), limit: 3 * c + 2, at: 0.0 });
             }
         }
     }
@@ -211,7 +209,7 @@ mod tests {
         assert!(peaks.len() > 10 && rows.len() > peaks.len(), "{} {}", peaks.len(), rows.len());
         assert!(peaks.iter().any(|peak| peak.stretch != Stretch::Period));
         let squares: Vec<usize> = (0..limits.channels.len()).filter(|&c| limits.mean_squares[c] > NEAR).collect();
-        for (r, row) in rows.iter().enumerate() {
+        for (r, SmoothRow { row, .. }) in rows.iter().enumerate() {
             for i in (0..x.len()).step_by(9) {
                 let mut at = |h: f64| {
                     let mut moved = x.clone();

@@ -10,6 +10,7 @@ use super::spread::ParameterSpread;
 use crate::excitation::Trajectory;
 use crate::excitation::course::{Course, Instant};
 use crate::excitation::information::pattern;
+use crate::excitation::optimiser::{dot, square};
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::provenance::sha256;
 use crate::regressor::JointTorqueRegressor;
@@ -154,17 +155,14 @@ impl EffortModel {
             // Most efforts are those of one joint, and most of its row is zero: of the links that it does not carry.
             let y = &self.y[i * self.phi.len()..];
             for range in &self.columns[i] {
-                let known = self.phi[range.clone()].iter().zip(&self.variance[range.clone()]);
-                for (y, (phi, v)) in y[range.clone()].iter().zip(known) {
-                    let entry = weight * y;
-                    value += entry * phi;
-                    variance += entry * entry * v;
-                }
+                let y = &y[range.clone()];
+                value += weight * dot(y, &self.phi[range.clone()]);
+                variance += weight * weight * square(y, &self.variance[range.clone()]);
             }
         } else {
             self.fill_row(channel);
-            value = self.row.iter().zip(&self.phi).map(|(y, phi)| y * phi).sum();
-            variance = self.row.iter().zip(&self.variance).map(|(y, v)| y * y * v).sum();
+            value = dot(&self.row, &self.phi);
+            variance = square(&self.row, &self.variance);
         }
         let spread = if self.multiple > 0.0 { self.multiple * variance.sqrt() } else { 0.0 };
         Load { value, spread }

@@ -4,10 +4,14 @@ use super::channel::{Channel, EffortKind};
 use super::model::EffortModel;
 use crate::excitation::Trajectory;
 use crate::excitation::course::{Course, Stretch};
+use crate::excitation::extremum::climb;
 use crate::excitation::limits::WorstUse;
 
-/// Part of the largest value on the grid above which a peak is refined in time.
+/// A peak that may use more than this part of a limit between the samples is refined in time.
 const REFINE: f64 = 0.97;
+
+/// How well its time is then known, in steps of the grid.
+const REFINED: f64 = 1e-3;
 
 /// A peak of one channel on one stretch of an experiment.
 #[derive(Clone, Copy, Debug)]
@@ -19,6 +23,9 @@ pub(super) struct Peak {
     pub(super) part: f64,
     /// `sign · value + spread` over the channel's peak limit.
     pub(super) ratio: f64,
+    /// What that may be between the samples: where a joint turns round, friction leaves a corner, and the effort rises up to
+    /// it as it does on the side that is less steep.
+    pub(super) reach: f64,
 }
 
 /// The largest use of one kind of effort.
@@ -156,14 +163,16 @@ impl Survey {
                 for k in 0..*count {
                     let here = ratios[k];
                     // The period closes on itself; a ramp does not.
-                    let (before, after) = match stretch {
-                        Stretch::Period => (ratios[(k + count - 1) % count], ratios[(k + 1) % count]),
-                        _ if k == 0 || k + 1 == *count => (here, f64::INFINITY),
-                        _ => (ratios[k - 1], ratios[k + 1]),
-                    };
-                    if (k == top || (here >= before && here > after)) && here > threshold {
+                    let closed = *stretch == Stretch::Period;
+                    let before = if k > 0 { Some(ratios[k - 1]) } else { ratios.last().copied().filter(|_| closed) };
+                    let after = ratios.get(k + 1).or(ratios.first().filter(|_| closed)).copied();
+                    let rises = before.is_some_and(|before| here >= before);
+                    let falls = after.is_some_and(|after| here > after);
+                    if (k == top || (rises && falls)) && here > threshold {
                         let part = k as f64 / *count as f64;
-                        peaks.push(Peak { channel, sign, stretch: *stretch, part, ratio: here });
+                        let slopes = [before, after].into_iter().flatten().map(|beside| (here - beside).abs());
+                        let reach = here + slopes.fold(f64::INFINITY, f64::min);
+                        peaks.push(Peak { channel, sign, stretch: *stretch, part, ratio: here, reach });
                     }
                 }
             }
@@ -200,7 +209,7 @@ impl Survey {
     }
 }
 
-/// Golden section around a peak of the grid.
+/// The top around a peak of the grid.
 pub(super) fn refine(
     model: &mut EffortModel,
     channels: &[Channel],
@@ -209,37 +218,17 @@ pub(super) fn refine(
     peak: Peak,
     survey: &Survey,
 ) -> Peak {
-    const GOLDEN: f64 = 0.618_033_988_749_894_8;
-    if peak.ratio < REFINE {
+    if peak.reach < REFINE {
         return peak;
     }
     let omega = std::f64::consts::TAU / course.period_s;
     let channel = &channels[peak.channel];
-    let mut ratio = |part: f64| {
+    let ratio = |part: f64| {
         let load = model.load_at(channel, motion, omega, &course.instant(peak.stretch, part));
         (peak.sign * load.value + load.spread) / channel.peak
     };
     let step = survey.step(peak.stretch);
-    let (mut low, mut high) = (peak.part - step, peak.part + step);
-    let mut inner = [high - GOLDEN * (high - low), low + GOLDEN * (high - low)];
-    let mut values = inner.map(&mut ratio);
-    let mut best = peak;
-    // 14 sections leave a thousandth of the step.
-    for _ in 0..14 {
-        let upper = values[1] > values[0];
-        let (part, value) = (inner[usize::from(upper)], values[usize::from(upper)]);
-        if value > best.ratio {
-            best = Peak { part, ratio: value, ..best };
-        }
-        if upper {
-            low = inner[0];
-            inner = [inner[1], low + GOLDEN * (high - low)];
-            values = [values[1], ratio(inner[1])];
-        } else {
-            high = inner[1];
-            inner = [high - GOLDEN * (high - low), inner[0]];
-            values = [ratio(inner[0]), values[0]];
-        }
-    }
-    best
+    let around = (peak.part - step, peak.part + step);
+    let (part, ratio) = climb(ratio, (peak.part, peak.ratio), around, REFINED * step);
+    Peak { part, ratio, ..peak }
 }

@@ -1,64 +1,82 @@
-//! The rows that hold with equality, and the factors that solve the program on them.
+//! The rows that hold with equality, and the factor that solves the program on them.
 //!
-//! With B = L Lᵀ the method keeps J and the triangular R such that
+//! With H = B⁻¹ the method keeps H A and the triangular R such that
 //!
 //! ```text
-//! Jᵀ B J = 1,      Jᵀ A_active = [R; 0]
+//! Rᵀ R = Aᵀ H A,        d = −H (g + A u),        Rᵀ R u = −Aᵀ H g − b
 //! ```
+//! Rows touch the variables of one joint only, so a column of H A costs one block of H, and taking a row in or letting
+//! one go costs no more than the square of their number.
 
 use nalgebra::DMatrix;
 
-use super::factor::{inverse_transposed, lower_factor, rotate};
 use super::quadratic::QuadraticFault;
 use super::row::Row;
 use super::vectors::{axpy, dot};
 
-/// Part of a normal that must be independent of the active ones for a step in the primal space.
-const INDEPENDENCE: f64 = 1e-9;
+/// Part of a normal, by the measure of H and squared, that must be independent of the active ones for a step in the
+/// primal space: above what rounding leaves of a difference.
+const INDEPENDENCE: f64 = 1e-12;
+
+/// The same for a row that is only likely to be active: a nearly dependent one is better taken in by a step of its own.
+const WARM_INDEPENDENCE: f64 = 1e-10;
 
 /// The state of the dual method.
-pub(super) struct ActiveSet {
-    n: usize,
-    /// J, column by column.
-    j: Vec<f64>,
-    /// R, column by column with stride n.
-    r: Vec<f64>,
-    gradient: Vec<f64>,
+pub(super) struct ActiveSet<'a> {
+    /// H.
+    inverse: &'a DMatrix<f64>,
+    /// −H g: the minimum without rows.
+    free: Vec<f64>,
+    /// Columns of H A.
+    reach: Vec<Vec<f64>>,
+    /// Columns of R, as long as they are not zero.
+    r: Vec<Vec<f64>>,
     pub(super) step: Vec<f64>,
     pub(super) rows: Vec<Row>,
     pub(super) multipliers: Vec<f64>,
     pub(super) iterations: usize,
 }
 
-impl ActiveSet {
-    pub(super) fn new(hessian: &DMatrix<f64>, gradient: &[f64]) -> Result<Self, QuadraticFault> {
-        let n = gradient.len();
-        let factor = lower_factor(hessian).ok_or(QuadraticFault::NotConvex)?;
-        let j = inverse_transposed(&factor, n);
-        let mut state = Self {
-            n,
-            j,
-            r: vec![0.0; n * n],
-            gradient: gradient.to_vec(),
-            step: vec![0.0; n],
+/// One more row, as the active ones see it.
+struct Seen {
+    /// H a.
+    reach: Vec<f64>,
+    /// R⁻ᵀ Aᵀ H a.
+    shared: Vec<f64>,
+    /// aᵀ H a.
+    total: f64,
+    /// What of it the active rows leave.
+    own: f64,
+}
+
+impl<'a> ActiveSet<'a> {
+    pub(super) fn new(inverse: &'a DMatrix<f64>, gradient: &[f64]) -> Result<Self, QuadraticFault> {
+        // That the rest of H is positive definite shows row by row, in `see`.
+        if inverse.diagonal().iter().any(|entry| entry.is_nan() || *entry <= 0.0) {
+            return Err(QuadraticFault::NotConvex);
+        }
+        let mut free = vec![0.0; gradient.len()];
+        for (g, column) in gradient.iter().zip(inverse.as_slice().chunks_exact(free.len())) {
+            axpy(-g, column, &mut free);
+        }
+        Ok(Self {
+            inverse,
+            step: free.clone(),
+            free,
+            reach: Vec::new(),
+            r: Vec::new(),
             rows: Vec::new(),
             multipliers: Vec::new(),
             iterations: 0,
-        };
-        state.solve_on_active();
-        Ok(state)
+        })
     }
 
     /// Takes the rows in as equalities, then lets go those that would pull.
-    pub(super) fn warm_start(&mut self, warm: Vec<Row>) {
+    pub(super) fn warm_start(&mut self, warm: Vec<Row>) -> Result<(), QuadraticFault> {
         for row in warm {
-            let d = self.project(&row);
-            let q = self.rows.len();
-            let total = dot(&d, &d);
-            let free = dot(&d[q..], &d[q..]);
-            // More cautious than INDEPENDENCE: a nearly dependent row is better taken in by a step of its own.
-            if q < self.n && free > 1e-10 * total {
-                self.append(row, d, 0.0);
+            let seen = self.see(&row)?;
+            if self.rows.len() < self.step.len() && seen.own > WARM_INDEPENDENCE * seen.total {
+                self.append(row, seen, 0.0);
             }
         }
         loop {
@@ -70,46 +88,34 @@ impl ActiveSet {
                     self.remove(i);
                     self.iterations += 1;
                 }
-                _ => break,
+                _ => return Ok(()),
             }
         }
     }
 
     /// The minimum with the active rows as equalities, and its multipliers.
-    ///
-    /// In y = J⁻¹ d: Rᵀ y₁ = b, y₂ = −J₂ᵀ g, and R u = −(y₁ + J₁ᵀ g).
     fn solve_on_active(&mut self) {
-        let (n, q) = (self.n, self.rows.len());
-        let mut y: Vec<f64> = (0..n).map(|c| -dot(self.column(c), &self.gradient)).collect();
-        let pulled: Vec<f64> = y[..q].to_vec();
-        for i in 0..q {
-            let known = dot(&self.r[i * n..i * n + i], &y[..i]);
-            y[i] = (self.rows[i].bound - known) / self.r[i * n + i];
-        }
-        let mut u: Vec<f64> = (0..q).map(|i| pulled[i] - y[i]).collect();
+        let mut u: Vec<f64> = self.rows.iter().map(|row| row.excess(&self.free)).collect();
+        self.forward_substitute(&mut u);
         self.back_substitute(&mut u);
-        self.multipliers.copy_from_slice(&u);
-        self.step.fill(0.0);
-        for (c, &weight) in y.iter().enumerate() {
-            axpy(weight, &self.j[c * n..(c + 1) * n], &mut self.step);
+        self.step.copy_from_slice(&self.free);
+        for (u, reach) in u.iter().zip(&self.reach) {
+            axpy(-u, reach, &mut self.step);
         }
+        self.multipliers = u;
     }
 
     /// Takes in one violated row, letting go of others whose multiplier reaches zero on the way.
     pub(super) fn add(&mut self, row: Row, pool: &mut Vec<Row>, limit: usize) -> Result<(), QuadraticFault> {
-        let n = self.n;
         let mut multiplier = 0.0;
         loop {
             self.iterations += 1;
             if self.iterations > limit {
                 return Err(QuadraticFault::Iterations { limit });
             }
-            let q = self.rows.len();
-            let d = self.project(&row);
-            let mut r = d[..q].to_vec();
+            let seen = self.see(&row)?;
+            let mut r = seen.shared.clone();
             self.back_substitute(&mut r);
-            let total = dot(&d, &d);
-            let free = dot(&d[q..], &d[q..]);
             let excess = row.excess(&self.step);
             // Largest step that keeps every multiplier at zero or above.
             let mut partial: Option<(usize, f64)> = None;
@@ -121,7 +127,8 @@ impl ActiveSet {
                     }
                 }
             }
-            let full = (q < n && free > INDEPENDENCE * INDEPENDENCE * total).then(|| excess / free);
+            let independent = self.rows.len() < self.step.len() && seen.own > INDEPENDENCE * seen.total;
+            let full = independent.then(|| excess / seen.own);
             let (length, lets_go) = match (full, partial) {
                 (None, None) => return Err(QuadraticFault::Infeasible { excess }),
                 (Some(full), None) => (full, None),
@@ -135,8 +142,9 @@ impl ActiveSet {
                 }
             };
             if full.is_some() {
-                for c in q..n {
-                    axpy(-length * d[c], &self.j[c * n..(c + 1) * n], &mut self.step);
+                axpy(-length, &seen.reach, &mut self.step);
+                for (ri, reach) in r.iter().zip(&self.reach) {
+                    axpy(length * ri, reach, &mut self.step);
                 }
             }
             for (u, ri) in self.multipliers.iter_mut().zip(&r) {
@@ -146,69 +154,72 @@ impl ActiveSet {
             match lets_go {
                 Some(i) => pool.push(self.remove(i)),
                 None => {
-                    self.append(row, d, multiplier);
+                    self.append(row, seen, multiplier);
                     return Ok(());
                 }
             }
         }
     }
 
-    fn column(&self, c: usize) -> &[f64] {
-        &self.j[c * self.n..(c + 1) * self.n]
+    /// A row as the active ones see it.
+    fn see(&self, row: &Row) -> Result<Seen, QuadraticFault> {
+        let n = self.step.len();
+        let mut reach = vec![0.0; n];
+        for (k, a) in row.normal.iter().enumerate() {
+            axpy(*a, &self.inverse.as_slice()[(row.start + k) * n..][..n], &mut reach);
+        }
+        let along = |row: &Row| dot(&row.normal, &reach[row.start..row.start + row.normal.len()]);
+        let total = along(row);
+        if total.is_nan() || total <= 0.0 {
+            return Err(QuadraticFault::NotConvex);
+        }
+        let mut shared: Vec<f64> = self.rows.iter().map(along).collect();
+        self.forward_substitute(&mut shared);
+        let own = total - dot(&shared, &shared);
+        Ok(Seen { reach, shared, total, own })
     }
 
-    /// Jᵀ a.
-    fn project(&self, row: &Row) -> Vec<f64> {
-        let range = row.start..row.start + row.normal.len();
-        (0..self.n).map(|c| dot(&self.column(c)[range.clone()], &row.normal)).collect()
+    /// R⁻ᵀ v in place.
+    fn forward_substitute(&self, v: &mut [f64]) {
+        for (i, column) in self.r.iter().enumerate() {
+            v[i] = (v[i] - dot(&column[..i], &v[..i])) / column[i];
+        }
     }
 
     /// R⁻¹ v in place.
     fn back_substitute(&self, v: &mut [f64]) {
-        let n = self.n;
-        for i in (0..v.len()).rev() {
-            v[i] /= self.r[i * n + i];
+        for (i, column) in self.r.iter().enumerate().rev() {
+            v[i] /= column[i];
             let x = v[i];
-            axpy(-x, &self.r[i * n..i * n + i], &mut v[..i]);
+            axpy(-x, &column[..i], &mut v[..i]);
         }
     }
 
-    /// Makes a row with `d = Jᵀ a` active: turns the free columns of J until only one sees it.
-    fn append(&mut self, row: Row, mut d: Vec<f64>, multiplier: f64) {
-        let (n, q) = (self.n, self.rows.len());
-        for c in (q + 1..n).rev() {
-            if d[c] != 0.0 {
-                let h = libm::hypot(d[c - 1], d[c]);
-                let (cos, sin) = (d[c - 1] / h, d[c] / h);
-                (d[c - 1], d[c]) = (h, 0.0);
-                rotate(&mut self.j, n, c - 1, c, cos, sin);
-            }
-        }
-        self.r[q * n..q * n + q + 1].copy_from_slice(&d[..=q]);
+    /// Makes a row active.
+    fn append(&mut self, row: Row, seen: Seen, multiplier: f64) {
+        let mut column = seen.shared;
+        column.push(seen.own.sqrt());
+        self.r.push(column);
+        self.reach.push(seen.reach);
         self.rows.push(row);
         self.multipliers.push(multiplier);
     }
 
-    /// Lets go of active row `index`.
+    /// Lets go of active row `index`: the columns of R after it have one entry too many, which turns of two rows each
+    /// take away.
     fn remove(&mut self, index: usize) -> Row {
-        let (n, q) = (self.n, self.rows.len());
-        for c in index + 1..q {
-            // Column c of R moves to c − 1 and has one entry too many.
-            self.r.copy_within(c * n..c * n + c + 1, (c - 1) * n);
-            let (x, y) = (self.r[(c - 1) * n + c - 1], self.r[(c - 1) * n + c]);
+        self.r.remove(index);
+        for c in index..self.r.len() {
+            let (x, y) = (self.r[c][c], self.r[c][c + 1]);
             let h = libm::hypot(x, y);
-            if h > 0.0 {
-                let (cos, sin) = (x / h, y / h);
-                self.r[(c - 1) * n + c - 1] = h;
-                self.r[(c - 1) * n + c] = 0.0;
-                for later in c + 1..q {
-                    let (x, y) = (self.r[later * n + c - 1], self.r[later * n + c]);
-                    self.r[later * n + c - 1] = cos * x + sin * y;
-                    self.r[later * n + c] = cos * y - sin * x;
-                }
-                rotate(&mut self.j, n, c - 1, c, cos, sin);
+            let (cos, sin) = if h > 0.0 { (x / h, y / h) } else { (1.0, 0.0) };
+            for column in &mut self.r[c..] {
+                (column[c], column[c + 1]) =
+                    (cos * column[c] + sin * column[c + 1], cos * column[c + 1] - sin * column[c]);
             }
+            self.r[c].pop();
         }
+        self.reach.remove(index);
         self.multipliers.remove(index);
         self.rows.remove(index)
     }

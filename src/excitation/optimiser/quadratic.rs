@@ -17,6 +17,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::active_set::ActiveSet;
 use super::row::{Row, RowSource};
+use super::vectors::axpy;
 
 /// The solution of a quadratic program.
 #[derive(Clone, Debug)]
@@ -29,11 +30,23 @@ pub struct QuadraticSolution {
     pub iterations: usize,
 }
 
+impl QuadraticSolution {
+    /// `g + Σ u a`, which is `−B d`.
+    #[must_use]
+    pub fn pull(&self, gradient: &DVector<f64>) -> DVector<f64> {
+        let mut pull = gradient.clone();
+        for (row, multiplier) in &self.active {
+            axpy(*multiplier, &row.normal, &mut pull.as_mut_slice()[row.start..row.start + row.normal.len()]);
+        }
+        pull
+    }
+}
+
 /// Why a quadratic program has no solution.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum QuadraticFault {
-    /// The matrix B is not positive definite.
-    #[error("the Hessian is not positive definite")]
+    /// The matrix H is not positive definite.
+    #[error("the inverse Hessian is not positive definite")]
     NotConvex,
     /// No step satisfies all rows.
     #[error("no step satisfies all rows; one is violated by {excess:.3e} whatever the step")]
@@ -51,18 +64,18 @@ pub enum QuadraticFault {
 
 /// Solves the program; `warm` holds rows that are likely to be active.
 ///
-/// `hessian` is B (n × n, symmetric positive definite; the lower triangle is read), `gradient` is g (n).
+/// `inverse` is H = B⁻¹ (n × n, symmetric positive definite), `gradient` is g (n).
 ///
 /// # Errors
-/// [`QuadraticFault`] if B is not positive definite, no step satisfies all rows, or rounding makes the method cycle.
+/// [`QuadraticFault`] if H is not positive definite, no step satisfies all rows, or rounding makes the method cycle.
 pub fn solve_quadratic(
-    hessian: &DMatrix<f64>,
+    inverse: &DMatrix<f64>,
     gradient: &[f64],
     warm: Vec<Row>,
     source: &mut dyn RowSource,
 ) -> Result<QuadraticSolution, QuadraticFault> {
-    let mut state = ActiveSet::new(hessian, gradient)?;
-    state.warm_start(warm);
+    let mut state = ActiveSet::new(inverse, gradient)?;
+    state.warm_start(warm)?;
     let n = gradient.len();
     let limit = 60 * n + 200;
     let mut pool: Vec<Row> = Vec::new();

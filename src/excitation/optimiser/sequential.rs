@@ -2,13 +2,16 @@
 //!
 //! ```text
 //! d = argmin ½ dᵀ B d + ∇f(x)ᵀ d    subject to   x + d inside the linear limits,   c_r(x) + ∇c_r(x)ᵀ d ≤ 0
-//! x ← x + t d                        t ∈ (0, 1] by the merit f + ρ · excess
+//! x ← x + t d + e                    t ∈ (0, 1] by the merit f + ρ · excess
 //! ```
 //! The linear limits form a convex set that holds for all times, so a step of any length t ≤ 1 stays inside, and only
-//! the smooth limits (torque) need a merit function. B is a damped BFGS matrix (Powell), ρ grows with the multipliers.
-//! The rows that were active warm-start the next program.
+//! the smooth limits (torque, clearance) need a merit function. They bend: e takes the end of a step back to them where
+//! it has left them by much. B is a damped BFGS matrix (Powell) of the Lagrangian `f + Σ u_r c_r`, so that it knows how
+//! they bend, and is kept as its inverse; ρ follows the multipliers u up and, slowly, down. The rows that were active
+//! warm-start the next program.
 //!
-//! Reference: J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd ed., 2006, ch. 18.
+//! References: J. Nocedal, S. J. Wright, *Numerical Optimization*, 2nd ed., 2006, ch. 18; M. J. D. Powell, "A fast algorithm
+//! for nonlinearly constrained optimization calculations", Lecture Notes in Mathematics 630, 1978.
 
 use std::mem::replace;
 
@@ -16,6 +19,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::quadratic::{QuadraticFault, QuadraticSolution, solve_quadratic};
 use super::row::{Row, RowSource};
+use super::smooth::{SmoothLimits, SmoothRow, largest_of_limits, linearised};
 
 /// A function to be minimised.
 pub trait Objective {
@@ -30,34 +34,6 @@ pub trait Objective {
 pub trait LinearLimits: RowSource {
     /// Rows are for steps from `x` from now on.
     fn recenter(&mut self, x: &[f64]);
-}
-
-/// Limits that are smooth functions of the variables.
-pub trait SmoothLimits {
-    /// Sum over groups of the worst excess of each, 0 where all hold.
-    fn excess(&mut self, x: &[f64]) -> f64;
-
-    /// Rows of those limits that are nearly active at `x`: `∇c_rᵀ d ≤ −c_r`.
-    fn linearise(&mut self, x: &[f64], rows: &mut Vec<Row>);
-}
-
-/// Several kinds of smooth limits at once.
-#[derive(Default)]
-pub struct Together {
-    /// Each kind.
-    pub limits: Vec<Box<dyn SmoothLimits>>,
-}
-
-impl SmoothLimits for Together {
-    fn excess(&mut self, x: &[f64]) -> f64 {
-        self.limits.iter_mut().map(|limits| limits.excess(x)).sum()
-    }
-
-    fn linearise(&mut self, x: &[f64], rows: &mut Vec<Row>) {
-        for limits in &mut self.limits {
-            limits.linearise(x, rows);
-        }
-    }
 }
 
 /// What a step of the optimiser led to.
@@ -106,7 +82,10 @@ pub struct Sequential {
     /// Steps taken.
     pub iterations: usize,
     gradient: DVector<f64>,
-    hessian: DMatrix<f64>,
+    /// The smooth limits there.
+    rows: Vec<SmoothRow>,
+    /// H = B⁻¹.
+    inverse: DMatrix<f64>,
     scaled: bool,
     warm: Vec<Row>,
     penalty: f64,
@@ -136,7 +115,8 @@ impl Sequential {
             evaluations: 0,
             iterations: 0,
             gradient: DVector::zeros(n),
-            hessian: DMatrix::identity(n, n),
+            rows: Vec::new(),
+            inverse: DMatrix::identity(n, n),
             scaled: false,
             warm: Vec::new(),
             penalty: 0.0,
@@ -145,7 +125,7 @@ impl Sequential {
         state.restart(objective, smooth);
         let steepest = state.gradient.amax();
         if steepest > 0.0 && steepest.is_finite() {
-            state.hessian *= steepest / settings.first_step;
+            state.inverse *= settings.first_step / steepest;
         }
         state
     }
@@ -155,6 +135,7 @@ impl Sequential {
         self.value = objective.value(&self.x);
         objective.gradient(self.gradient.as_mut_slice());
         self.excess = smooth.excess(&self.x);
+        self.rows = linearised(smooth, &self.x);
         self.evaluations += 2;
     }
 
@@ -167,23 +148,23 @@ impl Sequential {
     pub fn restore(&mut self, linear: &mut dyn LinearLimits, smooth: &mut dyn SmoothLimits, tolerance: f64) -> bool {
         let n = self.x.len();
         let (still, even) = (DVector::zeros(n), DMatrix::identity(n, n));
-        let (gradient, hessian) = (replace(&mut self.gradient, still), replace(&mut self.hessian, even));
+        let (gradient, inverse) = (replace(&mut self.gradient, still), replace(&mut self.inverse, even));
         for _ in 0..RESTORATIONS {
             self.excess = smooth.excess(&self.x);
             if self.excess <= tolerance {
                 break;
             }
             linear.recenter(&self.x);
-            let mut rows = Vec::new();
-            smooth.linearise(&self.x, &mut rows);
+            self.rows = linearised(smooth, &self.x);
             self.warm.clear();
-            let Some(solution) = self.direction(linear, &rows) else { break };
+            let Some(solution) = self.direction(linear) else { break };
             for (x, d) in self.x.iter_mut().zip(&solution.step) {
                 *x += d;
             }
         }
-        (self.gradient, self.hessian) = (gradient, hessian);
+        (self.gradient, self.inverse) = (gradient, inverse);
         self.excess = smooth.excess(&self.x);
+        self.rows = linearised(smooth, &self.x);
         self.excess <= tolerance
     }
 
@@ -192,11 +173,16 @@ impl Sequential {
         self.settings.max_evaluations = evaluations;
     }
 
+    /// Counts a promise below this as none from now on.
+    pub fn tolerate(&mut self, promise: f64) {
+        self.settings.tolerance = promise;
+    }
+
     /// Forgets the curvature learnt so far.
     pub fn forget(&mut self) {
         let n = self.x.len();
-        let size = self.hessian.trace() / n as f64;
-        self.hessian = DMatrix::identity(n, n) * size;
+        let stiffness: f64 = self.inverse.diagonal().iter().map(|flexibility| 1.0 / flexibility).sum();
+        self.inverse = DMatrix::identity(n, n) * (n as f64 / stiffness);
         self.scaled = false;
     }
 
@@ -211,34 +197,28 @@ impl Sequential {
             return Progress::OutOfBudget;
         }
         linear.recenter(&self.x);
-        let mut smooth_rows = Vec::new();
-        smooth.linearise(&self.x, &mut smooth_rows);
-        let Some(solution) = self.direction(linear, &smooth_rows) else { return Progress::Stalled };
+        let Some(solution) = self.direction(linear) else { return Progress::Stalled };
         let d = &solution.step;
+        let still = DVector::zeros(d.len());
         let slope = self.gradient.dot(d);
         // What the model says the merit will lose: the smooth limits' excess goes to zero along d.
-        let multiplier = solution
-            .active
-            .iter()
-            .filter(|(row, _)| smooth_rows.iter().any(|other| other.normal == row.normal))
-            .map(|active| active.1)
-            .fold(0.0, f64::max);
-        self.penalty = self.penalty.max(2.0 * multiplier);
+        let pulling = self.pulling(&solution);
+        let multiplier = largest_of_limits(&pulling);
+        self.penalty = (2.0 * multiplier).max(0.5 * self.penalty + multiplier);
         let promised = -slope + self.penalty * self.excess;
         if promised < self.settings.tolerance {
-            self.keep_active(solution, 0.0);
+            self.keep_active(solution, &still);
             return Progress::Stationary;
         }
         let merit = self.value + self.penalty * self.excess;
         let mut length = 1.0;
         for _ in 0..self.settings.shortenings {
             if self.evaluations + 2 > self.settings.max_evaluations {
-                self.keep_active(solution, 0.0);
+                self.keep_active(solution, &still);
                 return Progress::OutOfBudget;
             }
-            let trial: Vec<f64> = self.x.iter().zip(d).map(|(x, d)| x + length * d).collect();
+            let Bent { x: trial, excess, pull } = self.bend(d, length, promised, linear, smooth);
             let value = objective.value(&trial);
-            let excess = smooth.excess(&trial);
             self.evaluations += 1;
             let trial_merit = value + self.penalty * excess;
             if trial_merit <= merit - SUFFICIENT * length * promised {
@@ -246,14 +226,21 @@ impl Sequential {
                 objective.gradient(gradient.as_mut_slice());
                 self.evaluations += 1;
                 self.iterations += 1;
-                let step = DVector::from_iterator(self.x.len(), d.iter().map(|d| length * d));
-                let change = &gradient - &self.gradient;
+                let step = DVector::from_iterator(self.x.len(), trial.iter().zip(&self.x).map(|(to, from)| to - from));
+                let rows = linearised(smooth, &trial);
+                let mut change = &gradient - &self.gradient;
+                for (row, multiplier) in pulling {
+                    row.add_turn(&rows, multiplier, change.as_mut_slice());
+                }
+                // B d = −g − Σ u a: the program's own condition.
+                let expected = solution.pull(&self.gradient) * -length - pull;
                 self.x = trial;
                 self.value = value;
                 self.excess = excess;
                 self.gradient = gradient;
-                self.learn(&step, change);
-                self.keep_active(solution, length);
+                self.rows = rows;
+                self.learn(&step, change, expected);
+                self.keep_active(solution, &step);
                 return Progress::Moved;
             }
             // The minimum of the parabola through the two merits and the slope.
@@ -261,62 +248,125 @@ impl Sequential {
             let best = if curve.is_finite() && curve > 0.0 { 0.5 * promised * length * length / curve } else { 0.0 };
             length = best.clamp(0.1 * length, 0.5 * length);
         }
-        self.keep_active(solution, 0.0);
+        self.keep_active(solution, &still);
         Progress::Stalled
     }
 
+    /// The point `x + t d`, moved into the smooth limits where their excess, beyond what the model leaves of it at that
+    /// length, would cost more than is promised:
+    ///
+    /// ```text
+    /// e = argmin ½ eᵀ B e    subject to   x + s + e inside the linear limits,   c_r(x + s) + ∇c_r(x + s)ᵀ e ≤ 0
+    /// ```
+    /// Without that a step along limits that bend would have to be short.
+    fn bend(
+        &self,
+        d: &DVector<f64>,
+        length: f64,
+        promised: f64,
+        linear: &mut dyn LinearLimits,
+        smooth: &mut dyn SmoothLimits,
+    ) -> Bent {
+        let x: Vec<f64> = self.x.iter().zip(d).map(|(x, d)| x + length * d).collect();
+        let still = DVector::zeros(x.len());
+        let excess = smooth.excess(&x);
+        let straight = Bent { x, excess, pull: still.clone() };
+        if self.penalty * (excess - (1.0 - length) * self.excess) <= length * promised {
+            return straight;
+        }
+        linear.recenter(&straight.x);
+        let rows = linearised(smooth, &straight.x).into_iter().map(|smooth| smooth.row).collect();
+        let mut source = Both { smooth: rows, linear };
+        let Ok(solution) = solve_quadratic(&self.inverse, still.as_slice(), Vec::new(), &mut source) else {
+            return straight;
+        };
+        let x: Vec<f64> = straight.x.iter().zip(&solution.step).map(|(x, e)| x + e).collect();
+        let excess = smooth.excess(&x);
+        if excess < straight.excess { Bent { x, excess, pull: solution.pull(&still) } } else { straight }
+    }
+
     /// Solves the program; where its smooth rows contradict the limits, they are asked for less.
-    fn direction(&mut self, linear: &mut dyn LinearLimits, smooth_rows: &[Row]) -> Option<QuadraticSolution> {
-        for part in [1.0, 0.5, 0.0] {
-            let rows = smooth_rows.iter().map(|row| {
+    fn direction(&mut self, linear: &mut dyn LinearLimits) -> Option<QuadraticSolution> {
+        let mut parts = [1.0, 0.5, 0.0].into_iter().peekable();
+        let mut afresh = false;
+        while let Some(part) = parts.peek() {
+            let rows = self.rows.iter().map(|SmoothRow { row, .. }| {
                 let bound = if row.bound < 0.0 { part * row.bound } else { row.bound };
                 Row { bound, ..row.clone() }
             });
             let mut source = Both { smooth: rows.collect(), linear: &mut *linear };
             let warm = self.warm.clone();
-            match solve_quadratic(&self.hessian, self.gradient.as_slice(), warm, &mut source) {
+            match solve_quadratic(&self.inverse, self.gradient.as_slice(), warm, &mut source) {
                 Ok(solution) => return Some(solution),
-                Err(QuadraticFault::NotConvex | QuadraticFault::Iterations { .. }) => self.forget(),
-                Err(QuadraticFault::Infeasible { .. }) => {}
+                // The same once more without what was learnt, which rounding may have spoilt.
+                Err(QuadraticFault::NotConvex | QuadraticFault::Iterations { .. }) if !afresh => {
+                    self.forget();
+                    afresh = true;
+                }
+                Err(_) => {
+                    parts.next();
+                }
             }
         }
         None
     }
 
-    /// Damped BFGS update with a step and the change of the gradient along it.
-    fn learn(&mut self, step: &DVector<f64>, mut change: DVector<f64>) {
+    /// The smooth limits that are active in a solution, with their multipliers.
+    fn pulling(&self, solution: &QuadraticSolution) -> Vec<(SmoothRow, f64)> {
+        let multiplier = |smooth: &SmoothRow| {
+            solution.active.iter().find(|(row, _)| row.normal == smooth.row.normal).map(|(_, multiplier)| *multiplier)
+        };
+        self.rows.iter().filter_map(|row| Some((row.clone(), multiplier(row)?))).collect()
+    }
+
+    /// Damped BFGS update with a step, the change of the gradient along it, and what the model said it would be, `B s`.
+    ///
+    /// ```text
+    /// H ← (1 − s yᵀ/sᵀy) H (1 − y sᵀ/sᵀy) + s sᵀ/sᵀy
+    /// ```
+    fn learn(&mut self, step: &DVector<f64>, mut change: DVector<f64>, mut expected: DVector<f64>) {
         let along = step.dot(&change);
         if !self.scaled && along > 0.0 {
             let n = self.x.len();
-            self.hessian = DMatrix::identity(n, n) * (change.norm_squared() / along);
+            let stiffness = change.norm_squared() / along;
+            self.inverse = DMatrix::identity(n, n) / stiffness;
+            expected = step * stiffness;
             self.scaled = true;
         }
-        let turned = &self.hessian * step;
-        let curvature = step.dot(&turned);
+        let curvature = step.dot(&expected);
         if curvature.is_nan() || curvature <= 0.0 {
             return;
         }
         if along < 0.2 * curvature {
             let theta = 0.8 * curvature / (curvature - along);
-            change = change * theta + &turned * (1.0 - theta);
+            change = change * theta + expected * (1.0 - theta);
         }
         let along = step.dot(&change);
-        self.hessian.ger(1.0 / along, &change, &change, 1.0);
-        self.hessian.ger(-1.0 / curvature, &turned, &turned, 1.0);
+        let turned = &self.inverse * &change;
+        self.inverse.ger(-1.0 / along, step, &turned, 1.0);
+        self.inverse.ger(-1.0 / along, &turned, step, 1.0);
+        self.inverse.ger((1.0 + change.dot(&turned) / along) / along, step, step, 1.0);
     }
 
-    /// Keeps the linear rows that were active as the next program's first guess, as seen from the new point.
-    fn keep_active(&mut self, solution: QuadraticSolution, length: f64) {
+    /// Keeps the linear rows that were active as the next program's first guess, as seen from where the step led.
+    fn keep_active(&mut self, solution: QuadraticSolution, step: &DVector<f64>) {
         self.warm.clear();
         for (mut row, _) in solution.active {
             if row.normal.len() < self.x.len() {
-                let range = row.start..row.start + row.normal.len();
-                let moved: f64 = row.normal.iter().zip(&solution.step.as_slice()[range]).map(|(a, d)| a * d).sum();
-                row.bound -= length * moved;
+                row.bound = -row.excess(step.as_slice());
                 self.warm.push(row);
             }
         }
     }
+}
+
+/// A point that was moved into the smooth limits.
+struct Bent {
+    x: Vec<f64>,
+    /// Their excess there.
+    excess: f64,
+    /// −B e of the way there.
+    pull: DVector<f64>,
 }
 
 struct Both<'a> {

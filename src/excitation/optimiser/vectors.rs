@@ -1,13 +1,24 @@
 //! Sums over slices in a fixed order, so that their last bit depends on nothing but the numbers.
 
-/// Scalar product in a fixed order: four running sums, then the rest.
-pub(super) fn dot(x: &[f64], y: &[f64]) -> f64 {
+/// Scalar product in a fixed order.
+pub(in crate::excitation) fn dot(x: &[f64], y: &[f64]) -> f64 {
+    sum(x, y, |x, y| x * y)
+}
+
+/// `Σ y x²` in a fixed order.
+pub(in crate::excitation) fn square(x: &[f64], y: &[f64]) -> f64 {
+    sum(x, y, |x, y| x * x * y)
+}
+
+/// Four running sums, then the rest.
+#[inline]
+fn sum(x: &[f64], y: &[f64], term: impl Fn(f64, f64) -> f64) -> f64 {
     let (xs, ys) = (x.chunks_exact(4), y.chunks_exact(4));
-    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(a, b)| a * b).sum();
+    let rest: f64 = xs.remainder().iter().zip(ys.remainder()).map(|(a, b)| term(*a, *b)).sum();
     let mut sum = [0.0; 4];
     for (a, b) in xs.zip(ys) {
         for i in 0..4 {
-            sum[i] += a[i] * b[i];
+            sum[i] += term(a[i], b[i]);
         }
     }
     (sum[0] + sum[2]) + (sum[1] + sum[3]) + rest
