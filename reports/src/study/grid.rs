@@ -11,13 +11,25 @@ pub(super) fn is_grid(story: &StudyStory) -> bool {
     designs.len() > GROUPS && designs.iter().all(|family| column(family).is_some())
 }
 
-/// The column of a family of designs: its trajectories and harmonics.
-fn column(plan: &FamilyPlan) -> Option<String> {
+/// The column of a family of designs: its trajectories, and their harmonics.
+fn column(plan: &FamilyPlan) -> Option<(String, String)> {
     let harmonics = match plan.harmonics.as_ref()? {
         HarmonicsPlan::Every(harmonics) => harmonics.to_string(),
         HarmonicsPlan::Each(each) => each.iter().map(usize::to_string).collect::<Vec<_>>().join(","),
     };
-    Some(format!("{} {harmonics}", plan.family.as_deref().unwrap_or("fourier")))
+    Some((plan.family.as_deref().unwrap_or("fourier").to_owned(), harmonics))
+}
+
+/// Neighbouring columns of the same trajectories.
+fn groups(columns: &[(String, String)]) -> Vec<(String, usize)> {
+    let mut groups: Vec<(String, usize)> = Vec::new();
+    for (family, _) in columns {
+        match groups.last_mut() {
+            Some((last, count)) if last == family => *count += 1,
+            _ => groups.push((family.clone(), 1)),
+        }
+    }
+    groups
 }
 
 pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
@@ -37,7 +49,9 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
             columns.push(column);
         }
     }
+    // In thousandths, so that the digits that count fit into a cell; a volume is a logarithm already.
     let values = |metric: usize| -> Vec<Option<f64>> {
+        let unit = if metric == 2 { 1.0 } else { 1e-3 };
         let mut values = Vec::new();
         for row in &rows {
             for name in &columns {
@@ -45,42 +59,44 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
                     .designs
                     .iter()
                     .find(|family| family.criterion.as_ref() == Some(row) && column(family).as_ref() == Some(name));
-                values.push(family.and_then(score).and_then(|score| score.values[metric]));
+                values.push(family.and_then(score).and_then(|score| score.values[metric]).map(|value| value / unit));
             }
         }
         values
     };
     let evaluations = plan.designs.first().map_or(0, |family| family.evaluations);
     let starts = plan.designs.first().map_or(0, |family| family.starts);
-    let figure = |name: &str, title: &str, metric: usize, value: Axis, digits: usize| HeatFigure {
+    let figure = |name: &str, title: &str, metric: usize, value: Axis, digits: usize| {
+        HeatFigure {
         heading: Heading::new(name, title)
             .subtitle(format!(
                 "{starts} starts of {evaluations} evaluations each, a gradient counting as one more; {estimator}"
             ))
             .caption(
-                "Columns: family of trajectories and number of harmonics (splines: 2 H + 1 knots). Paler is better.",
+                "Columns: number of harmonics H of each family of trajectories (splines: 2 H + 1 knots). Paler is better.",
             ),
         rows: rows.clone(),
-        columns: columns.clone(),
-        groups: Vec::new(),
+        columns: columns.iter().map(|(_, harmonics)| harmonics.clone()).collect(),
+        groups: groups(&columns),
         values: values(metric),
         value,
         colours: ColourMap::Sequential,
         digits,
+    }
     };
     let figures: Vec<Box<dyn Figure>> = vec![
         Box::new(figure(
             "prediction-by-design",
             "Torque prediction error by criterion and trajectories",
             0,
-            Axis::log("prediction RMSE", "N·m"),
-            3,
+            Axis::log("prediction RMSE", "10⁻³ N·m"),
+            2,
         )),
         Box::new(figure(
             "parameters-by-design",
             "Parameter error by criterion and trajectories",
             3,
-            Axis::log("parameter RMSE", "reference units"),
+            Axis::log("parameter RMSE", "10⁻³ reference units"),
             2,
         )),
         Box::new(figure(
