@@ -12,6 +12,7 @@ use crate::answer::Answer;
 use crate::atomic_file::{read_text, write_text};
 use crate::console::pretty;
 use crate::fault::Fault;
+use crate::robot_source::{ChainArguments, load};
 
 /// What `armid validate` says, as far as it is shown.
 #[derive(Deserialize)]
@@ -66,12 +67,22 @@ fn origin(estimate: &Estimate) -> String {
     format!("{robot}{file}, {samples} samples that are means over {periods} periods")
 }
 
+/// Names of the joints where armid knows a robot of that name, else their numbers: an estimate holds none.
+fn joint_names(estimate: &Estimate) -> Vec<String> {
+    let count = estimate.residual_rms.len();
+    let known = load(&estimate.robot, &ChainArguments::default(), None).ok().map(|loaded| loaded.robot);
+    match known.filter(|robot| robot.dof() == count) {
+        Some(robot) => robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+        None => (1..=count).map(|number| format!("joint {number}")).collect(),
+    }
+}
+
 /// Compares two estimates, and draws the page into `folder`.
 pub(crate) fn report(first: &Path, second: &Path, folder: &Path) -> Result<Answer> {
     let (first, second) = (read(first)?, read(second)?);
     let comparison =
         compare(&first.estimate, &second.estimate).map_err(|error| Fault::new(format!("the estimates: {error}")))?;
-    let joints = (1..=first.estimate.residual_rms.len()).map(|number| format!("joint {number}")).collect();
+    let joints = joint_names(&first.estimate);
     let story = ComparisonStory {
         comparison,
         origins: [origin(&first.estimate), origin(&second.estimate)],

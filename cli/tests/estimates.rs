@@ -204,3 +204,26 @@ fn a_joint_in_which_a_payload_does_not_show_is_named_and_the_others_are_reported
     assert!(found["findings"][0]["text"].as_str().unwrap().contains("joint \"tool_roll\": the payload adds 0.000 N·m"));
     assert!(output.is_file() && output.with_extension("svg").is_file());
 }
+
+#[test]
+fn two_estimates_side_by_side_name_their_joints() {
+    let folder = temporary();
+    for seed in ["1", "2"] {
+        let recording = record(folder.path(), &format!("R{seed}.mcap"), seed);
+        armid(["identify", &recording, "-o", &path(folder.path(), &format!("E{seed}.json"))]).success();
+    }
+    let [first, second] = ["E1.json", "E2.json"].map(|name| path(folder.path(), name));
+    let page = path(folder.path(), "page");
+    let found = json(&armid(["report", "--compare", &first, &second, "-o", &page, "--json"]).success());
+    assert_eq!(found["parameters"].as_array().unwrap().len(), 58);
+    let html = std::fs::read_to_string(folder.path().join("page/report.html")).unwrap();
+    assert!(html.contains("waist") && html.contains("wrist_roll") && !html.contains("joint 1"));
+    // Estimates of an arm that nobody here knows: numbers.
+    let renamed = std::fs::read_to_string(&first).unwrap().replace("\"crs-a460\"", "\"someone-s-arm\"");
+    for file in [&first, &second] {
+        std::fs::write(file, &renamed).unwrap();
+    }
+    armid(["report", "--compare", &first, &second, "-o", &page]).success();
+    let html = std::fs::read_to_string(folder.path().join("page/report.html")).unwrap();
+    assert!(html.contains("joint 1") && !html.contains("waist"));
+}
