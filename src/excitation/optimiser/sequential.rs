@@ -256,7 +256,7 @@ impl Sequential {
     /// length, would cost more than is promised:
     ///
     /// ```text
-    /// e = argmin ½ eᵀ B e    subject to   x + s + e inside the linear limits,   c_r(x + s) + ∇c_r(x + s)ᵀ e ≤ 0
+    /// e = argmin ½ eᵀ B e    subject to   y + e inside the linear limits,   c_r(y) + ∇c_r(y)ᵀ e ≤ 0,   y = x + t d
     /// ```
     /// Without that a step along limits that bend would have to be short.
     fn bend(
