@@ -230,6 +230,8 @@ fn states_before_the_first_sample_and_after_the_last_are_heard_and_may_trip() {
     assert!(sink.before.len() <= lead && sink.before.len() > lead / 2, "{}", sink.before.len());
     assert!(sink.before.is_sorted() && sink.after.is_sorted());
     assert!(sink.after.iter().all(|&t| t >= (samples - 1) as f64 / 500.0), "{:?}", sink.after);
+    // The robot's computer ends a motion a moment after its last sample, and takes no other one until then.
+    std::thread::sleep(std::time::Duration::from_secs_f64(settings.lead_s + 0.5));
     // Who trips there has commanded nothing: the arm stays where it is.
     let stands = arm.reading().unwrap().row.q;
     let flow = Flow::Trip(SafeAction::Cancel);
