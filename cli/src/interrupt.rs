@@ -2,9 +2,8 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
+use armid_io::Error as Fault;
 use miette::Result;
-
-use crate::fault::Fault;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
 

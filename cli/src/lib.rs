@@ -1,53 +1,29 @@
-//! The `armid` command: arguments, files and composition. Everything it computes, the library computes.
-//!
-//! A library, so that the fuzz targets reach its decoders; the binary is one call of [`main`].
+//! The `armid` command: arguments, words and composition. Files are read and written by `armid-io`; everything that is
+//! computed, the library computes.
 
-mod answer;
+use crate::commands::CommandLine;
+use crate::terminal::Console;
+
+mod answers;
 mod arguments;
 mod arms;
-mod atomic_file;
-mod bundled_experiments;
-mod choices;
 mod commands;
-mod comparison;
-mod console;
-pub mod decoders;
-mod design_answer;
-mod exchange;
-mod fault;
-mod files;
-mod guarding;
-mod identification;
 mod interrupt;
-mod limit_arguments;
 mod monitor;
-mod progress;
-mod real_time;
-mod resumption;
-mod robot_source;
-mod run_answer;
-mod simulated_arm;
-mod speed;
-mod study_answer;
-mod study_performance;
-mod study_source;
-mod suggestion;
-mod table;
+mod study;
+mod terminal;
 
 use std::process::ExitCode;
 
 use clap::Parser;
 
-use crate::arguments::Arguments;
-use crate::console::Console;
-
 /// Everything between the arguments of the process and its exit status.
 #[must_use]
 pub fn main() -> ExitCode {
-    fault::install_reporter();
-    let arguments = Arguments::parse();
-    let console = Console::new(arguments.global);
-    let outcome = interrupt::watch().and_then(|()| commands::carry_out(arguments.command, &console));
+    terminal::install_reporter();
+    let line = CommandLine::parse();
+    let console = Console::new(line.global);
+    let outcome = interrupt::watch().and_then(|()| commands::carry_out(line.command, &console));
     match outcome {
         Ok(ending) => ending.exit_code(),
         Err(report) => {

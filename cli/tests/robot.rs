@@ -100,7 +100,7 @@ fn a_broken_robot_file_is_shown_with_line_and_column() {
 #[test]
 fn a_chain_is_chosen_in_a_tree_only() {
     let text = stderr(&armid(["robot", "crs-a460", "--tip-link", "tool"]).code(2));
-    assert!(text.contains("--tip-link chooses a chain in a URDF or MJCF tree"), "{text}");
+    assert!(text.contains("tip_link chooses a chain in a URDF or MJCF tree"), "{text}");
 }
 
 #[test]

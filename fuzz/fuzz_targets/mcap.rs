@@ -1,4 +1,4 @@
 //! Any bytes as MCAP recordings.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| armid_cli::decoders::mcap(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| armid_fuzz::mcap(bytes));

@@ -1,4 +1,4 @@
 //! Any bytes as TOML files.
 #![no_main]
 
-libfuzzer_sys::fuzz_target!(|bytes: &[u8]| armid_cli::decoders::toml(bytes));
+libfuzzer_sys::fuzz_target!(|bytes: &[u8]| armid_fuzz::toml(bytes));

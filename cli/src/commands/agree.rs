@@ -7,19 +7,16 @@ use armid::excitation::PeriodicTrajectory;
 use armid::experiment::ExperimentPlan;
 use armid::model::JointKind;
 use armid::seed::Seed;
+use armid_io::output::pretty;
+use armid_io::{Error, LoadedRobot, output, trajectory};
 use armid_reports::{Axis, Figure, Group, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
 use armid_sim::Engine;
 use armid_sim::agreement::{Absent, Agreement, Breach, Case, EngineAgreement, agree, safe_motion};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answer::{Answer, Ending};
-use crate::atomic_file;
-use crate::console::{Console, pretty};
-use crate::fault::Fault;
-use crate::files::trajectory;
-use crate::robot_source::{LoadedRobot, RobotArguments};
-use crate::table::{Align, Table, number};
+use crate::arguments::RobotArguments;
+use crate::terminal::{Align, Answer, Console, Ending, Table, number};
 
 const AFTER_HELP: &str = "\
 Free motion has no torque and no friction and lasts a quarter of a second; the reference is the
@@ -56,11 +53,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let seed = Seed::new(arguments.seed);
     let motion = motion(arguments, &loaded, &nominal, seed)?;
     let plan = ExperimentPlan::new(motion).with_periods(1);
-    plan.check(loaded.robot.dof()).map_err(|fault| Fault::new(fault.to_string()))?;
+    plan.check(loaded.robot.dof()).map_err(|fault| Error::new(fault.to_string()))?;
     let case = Case { robot: &loaded.robot, nominal: &nominal, truth: &truth, plan: &plan, seed };
     let agreement = agree(&case, &Engine::ALL);
     if let (true, Some(first)) = (agreement.engines.is_empty(), agreement.absent.first().or(agreement.failed.first())) {
-        return Err(Fault::new(format!("{}: {}", first.engine.name(), first.reason)).into());
+        return Err(Error::new(format!("{}: {}", first.engine.name(), first.reason)).into());
     }
     let breaches = agreement.breaches();
     let folder = console
@@ -68,10 +65,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         .map_or_else(|| Path::new("reports").join(format!("{}-agreement", loaded.robot.name())), Path::to_path_buf);
     let json = answer(&agreement, &breaches)?;
     let figure = figure(&agreement, &loaded);
-    let svg = figure.svg().map_err(|fault| Fault::new(format!("the figure cannot be drawn: {fault}")))?;
+    let svg = figure.svg().map_err(|fault| Error::new(format!("the figure cannot be drawn: {fault}")))?;
     let drawn = folder.join(format!("{}.svg", figure.name()));
-    atomic_file::write_text(&folder.join("agreement.json"), &pretty(&json))?;
-    atomic_file::write_text(&drawn, &svg)?;
+    output::write_text(&folder.join("agreement.json"), &pretty(&json))?;
+    output::write_text(&drawn, &svg)?;
     console.show(&Answer { text: text(&agreement, &breaches, &loaded, &drawn), json })?;
     Ok(if agreement.holds() { Ending::Done } else { Ending::Negative })
 }
@@ -87,15 +84,15 @@ fn motion(
         None => (loaded.robot.name() == "crs-a460").then_some("table-one"),
     };
     match name {
-        Some(name) => trajectory::load(name, None, &loaded.robot),
+        Some(name) => Ok(trajectory::load(name, None, &loaded.robot)?),
         None => safe_motion(&loaded.robot, nominal, seed)
             .map(PeriodicTrajectory::from)
-            .map_err(|fault| Fault::new(fault.to_string()).into()),
+            .map_err(|fault| Error::new(fault.to_string()).into()),
     }
 }
 
 fn answer(agreement: &Agreement, breaches: &[Breach]) -> Result<Value> {
-    let fault = |error: serde_json::Error| Fault::new(format!("the certificate cannot be written: {error}"));
+    let fault = |error: serde_json::Error| Error::new(format!("the certificate cannot be written: {error}"));
     let mut json = serde_json::to_value(agreement).map_err(fault)?;
     json["agrees"] = json!(agreement.holds());
     json["breaches"] = serde_json::to_value(breaches).map_err(fault)?;

@@ -6,8 +6,7 @@ use super::{
     agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, monitor, reduce, report,
     robot, run, study, validate,
 };
-use crate::answer::Ending;
-use crate::console::Console;
+use crate::terminal::{Console, Ending};
 
 /// What to do.
 #[derive(Debug, clap::Subcommand)]

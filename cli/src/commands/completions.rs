@@ -4,8 +4,7 @@ use clap::CommandFactory;
 use clap_complete::Shell;
 use miette::Result;
 
-use crate::answer::Ending;
-use crate::console::Console;
+use crate::terminal::{Console, Ending};
 
 const AFTER_HELP: &str = "\
 Example:
@@ -21,7 +20,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let mut script = Vec::new();
-    clap_complete::generate(arguments.shell, &mut crate::arguments::Arguments::command(), "armid", &mut script);
+    clap_complete::generate(arguments.shell, &mut crate::commands::CommandLine::command(), "armid", &mut script);
     console.print(&String::from_utf8_lossy(&script))?;
     Ok(Ending::Done)
 }

@@ -8,20 +8,14 @@ use armid::experiment::{Plant, Sensing};
 use armid::seed::Seed;
 use armid_hardware::computer::{Computer, Fault as ComputerFault, Progress, ServeOptions, Watchdog, serve};
 use armid_hardware::link::LinkSettings;
+use armid_io::Error as Fault;
 use miette::Result;
 use serde_json::json;
 
-use crate::answer::{Answer, Ending};
-use crate::arms::ArmKind;
-use crate::choices::one_of;
-use crate::console::Console;
-use crate::fault::Fault;
-use crate::files::experiment_toml;
+use crate::arguments::{RobotArguments, one_of};
+use crate::arms::{ArmKind, Experiment, Simulation};
 use crate::interrupt;
-use crate::real_time;
-use crate::robot_source::RobotArguments;
-use crate::simulated_arm::Simulation;
-use crate::table::number;
+use crate::terminal::{Answer, Console, Ending, number, real_time};
 
 const AFTER_HELP: &str = "\
 It takes motions by the action follow_joint_trajectory or on the topic joint_trajectory, and
@@ -93,7 +87,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let loaded = arguments.robot.load()?;
     let fault = |error: &dyn std::fmt::Display| Fault::new(error.to_string());
     let mut link = match &arguments.experiment {
-        Some(name) => experiment_toml::load(name)?.ros2,
+        Some(name) => Experiment::load(name)?.ros2,
         None => LinkSettings::default(),
     };
     link.domain = arguments.domain.unwrap_or(link.domain);

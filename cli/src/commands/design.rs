@@ -10,21 +10,16 @@ use armid::excitation::{
 use armid::model::{Columns, Robot};
 use armid::seed::Seed;
 use armid::study::LimitExample;
+use armid_io::prior::set_prior;
+use armid_io::{Error, LoadedRobot, output, trajectory};
 use armid_reports::{Figure, Heading, design_convergence, limits_figure};
 use miette::Result;
 use rayon::prelude::*;
 
-use crate::answer::{Answer, Ending};
-use crate::atomic_file;
-use crate::choices::one_of;
-use crate::console::Console;
-use crate::design_answer::{DesignAnswer, Gain};
-use crate::fault::Fault;
-use crate::files::prior::set_prior;
-use crate::files::trajectory;
-use crate::limit_arguments::LimitArguments;
-use crate::robot_source::{LoadedRobot, RobotArguments};
-use crate::{interrupt, progress};
+use crate::answers::design::{DesignAnswer, Gain};
+use crate::arguments::{LimitArguments, RobotArguments, one_of};
+use crate::interrupt;
+use crate::terminal::{Answer, Console, Ending, progress};
 
 const AFTER_HELP: &str = "\
 Every start begins at the paper's first guess from other random velocities and may evaluate the
@@ -121,7 +116,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         },
         Path::to_path_buf,
     );
-    atomic_file::write_text(&path, &best.trajectory.to_certified_toml(&best.certificate))?;
+    output::write_text(&path, &best.trajectory.to_certified_toml(&best.certificate))?;
     let figures = draw(&path, &problem, &found, best)?;
     let done = DesignAnswer {
         seed: arguments.seed,
@@ -155,11 +150,11 @@ fn draw(path: &Path, problem: &DesignProblem, found: &Found, best: &Design) -> R
         [convergence.map(|figure| ("convergence", figure.svg())), limits.map(|figure| ("limits", figure.svg()))];
     let mut written = Vec::new();
     for (name, svg) in drawn.into_iter().flatten() {
-        let svg = svg.map_err(|fault| Fault::new(format!("the figure \"{name}\" cannot be drawn: {fault}")))?;
+        let svg = svg.map_err(|fault| Error::new(format!("the figure \"{name}\" cannot be drawn: {fault}")))?;
         let mut file = path.with_extension("").into_os_string();
         file.push(format!("-{name}.svg"));
         let file = PathBuf::from(file);
-        atomic_file::write_text(&file, &svg)?;
+        output::write_text(&file, &svg)?;
         written.push(file);
     }
     Ok(written)
@@ -171,14 +166,14 @@ fn frozen_joint(text: &str) -> std::result::Result<(String, f64), String> {
     parts.filter(|(_, place)| place.is_finite()).ok_or_else(|| "expected JOINT=RAD, as wrist_roll=0.0".to_owned())
 }
 
-fn impossible(error: &ExcitationError) -> Fault {
-    Fault::new(error.to_string())
+fn impossible(error: &ExcitationError) -> Error {
+    Error::new(error.to_string())
 }
 
 fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem> {
     let robot = arguments.limits.robot(loaded)?;
     if arguments.starts == 0 && arguments.from.is_empty() {
-        return Err(Fault::new("--starts is 0, expected at least 1, or a trajectory --from which to start").into());
+        return Err(Error::new("--starts is 0, expected at least 1, or a trajectory --from which to start").into());
     }
     let columns = if arguments.no_friction { Columns::Rigid } else { arguments.columns };
     let mut problem = DesignProblem::new(robot, columns, arguments.criterion).map_err(|error| impossible(&error))?;
@@ -193,7 +188,7 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
         let names: Vec<&str> = problem.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
         let Some(index) = names.iter().position(|known| known == name) else {
             let message = format!("--freeze names the joint \"{name}\", expected one of {}", names.join(", "));
-            return Err(Fault::new(message).into());
+            return Err(Error::new(message).into());
         };
         problem.freeze(index, *place).map_err(|error| impossible(&error))?;
     }
@@ -209,7 +204,7 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
                 "--prior with --criterion {}, expected one of the information: d-optimal, a-optimal or e-optimal",
                 arguments.criterion.name()
             );
-            return Err(Fault::new(message).into());
+            return Err(Error::new(message).into());
         }
         set_prior(&mut problem, loaded, &arguments.prior)?;
     }
@@ -223,7 +218,7 @@ fn effort_noise(robot: &Robot) -> Result<Vec<f64>> {
     match robot.joints().iter().zip(&noise).find(|(_, noise)| **noise <= 0.0) {
         Some((joint, _)) => {
             let message = format!("--weighted: the current of joint \"{}\" has no noise in the robot file", joint.name);
-            Err(Fault::new(message).into())
+            Err(Error::new(message).into())
         }
         None => Ok(noise),
     }
@@ -241,7 +236,7 @@ impl Start {
     fn design(&self, problem: &DesignProblem, seed: Seed) -> Result<Design> {
         match self {
             Self::Given(name, trajectory) => {
-                design_from(problem, trajectory).map_err(|error| Fault::new(format!("--from {name}: {error}")).into())
+                design_from(problem, trajectory).map_err(|error| Error::new(format!("--from {name}: {error}")).into())
             }
             Self::Drawn(number) => design(problem, seed, *number).map_err(|error| impossible(&error).into()),
         }

@@ -4,15 +4,13 @@ use std::time::Duration;
 
 use armid::model::bundled;
 use armid_hardware::link::{LinkSettings, peers};
+use armid_io::bundled_experiments;
 use armid_sim::{Engine, MujocoStatus};
 use miette::Result;
 use serde_json::json;
 
-use crate::answer::{Answer, Ending};
 use crate::arms::ArmKind;
-use crate::bundled_experiments;
-use crate::console::Console;
-use crate::table::{Align, Table};
+use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 Example:

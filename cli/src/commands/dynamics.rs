@@ -7,16 +7,13 @@ use armid::dynamics::{Dynamics, States};
 use armid::model::format::parse_parameter_map;
 use armid::model::{Columns, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
+use armid_io::table::{Third, parse_states};
+use armid_io::{Error, LoadedRobot, Text};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answer::{Answer, Ending};
-use crate::atomic_file::read_text;
-use crate::choices::one_of;
-use crate::console::Console;
-use crate::fault::Fault;
-use crate::files::states_csv::{self, Third};
-use crate::robot_source::{LoadedRobot, RobotArguments, located};
+use crate::arguments::{RobotArguments, one_of};
+use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
 S.csv has the headings q1..qn,qd1..qdn,qdd1..qddn, in rad, rad/s, rad/s² (m for a joint that
@@ -88,7 +85,7 @@ struct Numbers {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let loaded = arguments.robot.load()?;
     let third = if arguments.quantity == Quantity::Acceleration { Third::Effort } else { Third::Acceleration };
-    let states = states_csv::read(read_text(&arguments.states)?, loaded.robot.dof(), third)?;
+    let states = parse_states(Text::read(&arguments.states)?, loaded.robot.dof(), third)?;
     let numbers = match arguments.quantity {
         Quantity::Regressor => regressor(&loaded, arguments.columns, &states),
         quantity => {
@@ -108,8 +105,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 
 fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<StandardParameters> {
     if let Some(path) = &arguments.parameters {
-        let text = read_text(path)?;
-        return Ok(parse_parameter_map(&text.content, &loaded.robot).map_err(|fault| located(&text, &fault))?);
+        let text = Text::read(path)?;
+        return Ok(parse_parameter_map(&text.content, &loaded.robot).map_err(|error| Error::of_format(&text, &error))?);
     }
     loaded.own.clone().ok_or_else(|| {
         let message = format!(
@@ -117,7 +114,7 @@ fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<StandardPar
             arguments.quantity.name(),
             loaded.robot.name()
         );
-        Fault::new(message).help("expected a TOML or JSON map of parameter name → value, such as mcx2 = 0.1").into()
+        Error::new(message).help("expected a TOML or JSON map of parameter name → value, such as mcx2 = 0.1").into()
     })
 }
 

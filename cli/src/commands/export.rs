@@ -6,19 +6,15 @@ use std::path::{Path, PathBuf};
 use armid::base::{Method, reduce};
 use armid::estimation::{ConsistentSet, Estimate, consistent_set};
 use armid::model::{Columns, StandardParameters};
-use armid::provenance::sha256;
 use armid::seed::Seed;
+use armid_io::estimate::{self, check_robot};
+use armid_io::{Error, LoadedRobot, Text, output};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answer::{Answer, Ending};
-use crate::atomic_file::{self, read_text};
-use crate::choices::one_of;
-use crate::console::Console;
-use crate::exchange::{Exchange, Reloaded};
-use crate::fault::{Fault, Text};
-use crate::robot_source::{ChainArguments, LoadedRobot, load};
-use crate::table::number;
+use crate::answers::exchange::{Exchange, Reloaded};
+use crate::arguments::{ChainArguments, one_of};
+use crate::terminal::{Answer, Console, Ending, number};
 
 const AFTER_HELP: &str = "\
 Torque shows base parameters, and other tools ask for every link's mass, centre of mass and inertia.
@@ -53,10 +49,10 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let text = read_text(&arguments.estimate)?;
-    let estimate = read(&text)?;
+    let text = Text::read(&arguments.estimate)?;
+    let estimate = estimate::parse(&text)?;
     let name = arguments.robot.as_deref().unwrap_or(&estimate.robot);
-    let loaded = load(name, &arguments.chain, None)?;
+    let loaded = arguments.chain.load(name)?;
     let set = consistent(&text, &estimate, &loaded)?;
     let written = arguments.to.write(&loaded.robot, &set.parameters, &header(&estimate, &set))?;
     let reloaded = Reloaded::compare(arguments.to, &written, &loaded.robot, &set.parameters)?;
@@ -67,52 +63,30 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         },
         Path::to_path_buf,
     );
-    atomic_file::write_text(&path, &written)?;
+    output::write_text(&path, &written)?;
     let sound = set.outside.is_empty() && reloaded.is_sound();
     let done = Done { estimate: &estimate, format: arguments.to, set, reloaded, path };
     console.show(&Answer { text: done.text(), json: done.json() })?;
     Ok(if sound { Ending::Done } else { Ending::Negative })
 }
 
-fn read(text: &Text) -> Result<Estimate> {
-    if text.content.trim_start().starts_with('[') {
-        let help = "name one --estimator in `armid identify`";
-        let message = format!("{} holds a list of estimates, expected one", text.name);
-        return Err(Fault::new(message).help(help).into());
-    }
-    serde_json::from_str(&text.content).map_err(|error| {
-        let message = error.to_string();
-        let message = message.split(" at line ").next().unwrap_or_default();
-        let shown = Fault::new(message).at_line(text, error.line(), error.column());
-        shown.help("expected an estimate of `armid identify`").into()
-    })
-}
-
 /// The consistent set of an estimate of this very robot.
 fn consistent(text: &Text, estimate: &Estimate, loaded: &LoadedRobot) -> Result<ConsistentSet> {
     let robot = &loaded.robot;
-    let mismatch = |what: &str, found: &str, expected: &str| {
-        Err(Fault::new(format!("{}: the {what} is \"{found}\", expected \"{expected}\"", text.name)).into())
-    };
-    if estimate.robot != robot.name() {
-        return mismatch("robot", &estimate.robot, robot.name());
-    }
-    if let Some(provenance) = &estimate.provenance {
-        let expected = sha256(&loaded.text.content);
-        if provenance.robot_sha256 != expected {
-            return mismatch("SHA-256 of the robot file", &provenance.robot_sha256, &expected);
-        }
-    }
+    check_robot(estimate, &text.name, loaded)?;
     let Some(columns) = Columns::parse(&estimate.columns) else {
-        return mismatch("set of columns", &estimate.columns, &Columns::ALL.map(Columns::name).join(", "));
+        let expected = Columns::ALL.map(Columns::name).join(", ");
+        let found = &estimate.columns;
+        let message = format!("{}: the set of columns is \"{found}\", expected one of {expected}", text.name);
+        return Err(Error::new(message).into());
     };
     let Some(guess) = loaded.nominal.as_ref().or(loaded.own.as_ref()) else {
         let message = format!("\"{}\" has no nominal parameters: nothing says what torque does not show", robot.name());
-        return Err(Fault::new(message).help("write nominal.toml beside robot.toml").into());
+        return Err(Error::new(message).help("write nominal.toml beside robot.toml").into());
     };
     let base = reduce(robot, columns, Method::Structural, Seed::new(0))
-        .map_err(|error| Fault::new(format!("robot \"{}\": {error}", robot.name())))?;
-    Ok(consistent_set(&base, estimate, guess).map_err(|error| Fault::new(format!("{}: {error}", text.name)))?)
+        .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
+    Ok(consistent_set(&base, estimate, guess).map_err(|error| Error::new(format!("{}: {error}", text.name)))?)
 }
 
 /// What stands on top of the file.

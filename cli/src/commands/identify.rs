@@ -8,16 +8,13 @@ use armid::estimation::{Estimate, EstimationError, EstimationProblem, EstimatorK
 use armid::model::Columns;
 use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
+use armid_io::output::pretty;
+use armid_io::{Error, ProcessedLog, output};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answer::{Answer, Ending};
-use crate::atomic_file;
-use crate::choices::one_of;
-use crate::console::{Console, pretty};
-use crate::fault::Fault;
-use crate::identification::{LogArguments, Prepared, prepare};
-use crate::table::{Align, Table, number};
+use crate::arguments::{LogArguments, one_of};
+use crate::terminal::{Align, Answer, Console, Ending, Table, number};
 
 const AFTER_HELP: &str = "\
 R.mcap is a recording of `armid run`, or any MCAP with ROS 2 joint states on /joint_states; a CSV
@@ -58,14 +55,14 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         return Ok(Ending::Done);
     };
     let columns = if arguments.no_friction { Columns::Rigid } else { arguments.columns };
-    let prepared = prepare(path, &arguments.log)?;
+    let prepared = arguments.log.process(path)?;
     let estimates = estimate(&prepared, columns, &arguments.estimator)?;
     let json = match estimates.as_slice() {
         [one] => as_json(one, &prepared),
         several => several.iter().map(|estimate| as_json(estimate, &prepared)).collect(),
     };
     if let Some(path) = console.output() {
-        atomic_file::write_text(path, &pretty(&json))?;
+        output::write_text(path, &pretty(&json))?;
         console.note(format!("wrote {}", path.display()));
     }
     let text = estimates.iter().map(|estimate| text(estimate, &prepared, console.verbose())).collect();
@@ -86,10 +83,10 @@ fn list() -> Answer {
     Answer { text: table.render(0), json }
 }
 
-fn estimate(prepared: &Prepared, columns: Columns, estimators: &[EstimatorKind]) -> Result<Vec<Estimate>> {
+fn estimate(prepared: &ProcessedLog, columns: Columns, estimators: &[EstimatorKind]) -> Result<Vec<Estimate>> {
     let robot = &prepared.robot.robot;
     let fault = |error: EstimationError| -> miette::Report {
-        let shown = Fault::new(format!("{}: {error}", prepared.log.name));
+        let shown = Error::new(format!("{}: {error}", prepared.log.name));
         match error {
             EstimationError::NotExcited { .. } => {
                 let help = "`armid reduce ROBOT --trajectory T.toml` shows what a motion reveals; \
@@ -100,7 +97,7 @@ fn estimate(prepared: &Prepared, columns: Columns, estimators: &[EstimatorKind])
         }
     };
     let base = reduce(robot, columns, Method::Structural, Seed::new(0))
-        .map_err(|error| Fault::new(format!("robot \"{}\": {error}", robot.name())))?;
+        .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
     let regressor = JointTorqueRegressor::new(robot, columns);
     let observation = Observation::new(robot, &regressor, &base, &prepared.samples).map_err(fault)?;
     let mut problem = EstimationProblem::new(&observation).with_robot(robot).with_samples(&prepared.samples);
@@ -111,7 +108,7 @@ fn estimate(prepared: &Prepared, columns: Columns, estimators: &[EstimatorKind])
 }
 
 /// The estimate's own keys, with each finding's sentence and advice beside its numbers.
-fn as_json(estimate: &Estimate, prepared: &Prepared) -> Value {
+fn as_json(estimate: &Estimate, prepared: &ProcessedLog) -> Value {
     let mut json = serde_json::to_value(estimate).unwrap_or_default();
     if let Some(gaps) = &prepared.gaps {
         json["gaps"] = gaps.json();
@@ -125,7 +122,7 @@ fn as_json(estimate: &Estimate, prepared: &Prepared) -> Value {
     json
 }
 
-fn text(estimate: &Estimate, prepared: &Prepared, verbose: bool) -> String {
+fn text(estimate: &Estimate, prepared: &ProcessedLog, verbose: bool) -> String {
     let mut text = format!(
         "{} by {}: {} base parameters of \"{}\" ({})\n{} samples, {} period{} averaged; condition {} ({} with columns \
          of unit length){}\n\n",

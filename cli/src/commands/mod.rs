@@ -3,6 +3,7 @@
 mod agree;
 mod calibrate;
 mod command;
+mod command_line;
 mod completions;
 mod controller;
 mod design;
@@ -19,3 +20,4 @@ mod validate;
 mod study;
 
 pub(crate) use command::{Command, carry_out};
+pub(crate) use command_line::CommandLine;

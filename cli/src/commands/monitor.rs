@@ -4,16 +4,15 @@ use std::time::{Duration, Instant};
 
 use armid_hardware::link::Network;
 use armid_hardware::monitor::Monitor;
+use armid_io::Error as Fault;
 use miette::Result;
 use ratatui::crossterm::event::{self, Event, KeyCode, KeyModifiers};
 use serde_json::{Value, json};
 
-use crate::answer::{Answer, Ending};
-use crate::console::Console;
-use crate::fault::Fault;
-use crate::files::experiment_toml::{self, Experiment};
+use crate::arms::Experiment;
 use crate::interrupt;
 use crate::monitor::{View, draw, text};
+use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
 It listens and commands nothing: to the robot's joint states, to the word of its computer, and to
@@ -47,7 +46,7 @@ const LOOK: Duration = Duration::from_millis(100);
 const COLUMNS: u16 = 100;
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let mut experiment = experiment_toml::load(&arguments.experiment)?;
+    let mut experiment = Experiment::load(&arguments.experiment)?;
     experiment.ros2.domain = arguments.domain.unwrap_or(experiment.ros2.domain);
     let mut monitor =
         Monitor::open(&experiment.ros2, &experiment.robot.robot).map_err(|error| Fault::new(error.to_string()))?;

@@ -5,16 +5,12 @@ use std::fmt::Write;
 use armid::base::{BaseMotion, BaseReduction, Category, Method, reduce, reduce_on, reduce_with_base};
 use armid::model::{Columns, Robot};
 use armid::seed::Seed;
+use armid_io::{Error, trajectory};
 use miette::Result;
 use serde_json::json;
 
-use crate::answer::{Answer, Ending};
-use crate::choices::one_of;
-use crate::console::Console;
-use crate::fault::Fault;
-use crate::files::trajectory;
-use crate::robot_source::RobotArguments;
-use crate::table::{Align, Table};
+use crate::arguments::{RobotArguments, one_of};
+use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 The methods give the same base parameters: `structural` walks the links and draws no random
@@ -57,20 +53,20 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let loaded = arguments.robot.load()?;
     let robot = &loaded.robot;
     let columns = arguments.columns;
-    let refused = |message: String| -> Result<BaseReduction> { Err(Fault::new(message).into()) };
+    let refused = |message: String| -> Result<BaseReduction> { Err(Error::new(message).into()) };
     let reduction = match (&arguments.trajectory, arguments.base) {
         (None, BaseMotion::Fixed) => {
             let method = arguments.method.unwrap_or_default();
-            reduce(robot, columns, method, Seed::new(arguments.seed)).map_err(|error| Fault::new(error.to_string()))?
+            reduce(robot, columns, method, Seed::new(arguments.seed)).map_err(|error| Error::new(error.to_string()))?
         }
         (None, motion) => {
             let (method, seed) = (arguments.method.unwrap_or_default(), Seed::new(arguments.seed));
-            reduce_with_base(robot, columns, motion, method, seed).map_err(|error| Fault::new(error.to_string()))?
+            reduce_with_base(robot, columns, motion, method, seed).map_err(|error| Error::new(error.to_string()))?
         }
         (Some(name), BaseMotion::Fixed) => {
             let states = trajectory::load(name, None, robot)?.sample(SAMPLES);
             let method = arguments.method.unwrap_or(Method::Paper);
-            reduce_on(robot, columns, method, &states).map_err(|error| Fault::new(error.to_string()))?
+            reduce_on(robot, columns, method, &states).map_err(|error| Error::new(error.to_string()))?
         }
         (Some(_), motion) => refused(format!("--trajectory with --base {}, expected a fixed base", motion.name()))?,
     };

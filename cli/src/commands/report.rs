@@ -2,14 +2,14 @@
 
 use std::path::{Path, PathBuf};
 
+use armid_io::Error;
+use armid_io::study::read_study;
 use miette::Result;
 use serde_json::json;
 
-use crate::answer::{Answer, Ending};
-use crate::comparison;
-use crate::console::Console;
-use crate::fault::Fault;
-use crate::files::study_store::{read_study, write_report};
+use crate::answers::comparison;
+use crate::study::write_report;
+use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
 Everything that a report shows is stored by `armid study`; this draws it again and computes nothing.
@@ -40,7 +40,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let mut pages = Vec::new();
     for folder in &arguments.folders {
         if !folder.is_dir() {
-            return Err(Fault::new(format!(
+            return Err(Error::new(format!(
                 "{} is no folder, expected one that `armid study` wrote",
                 folder.display()
             ))

@@ -5,13 +5,12 @@ use std::fmt::Write;
 use armid::model::format::parse_robot;
 use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, Solid, bundled};
 use armid::provenance::Provenance;
+use armid_io::LoadedRobot;
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answer::{Answer, Ending};
-use crate::console::Console;
-use crate::robot_source::{ChainArguments, LoadedRobot, load};
-use crate::table::{Align, Table, number};
+use crate::arguments::ChainArguments;
+use crate::terminal::{Align, Answer, Console, Ending, Table, number};
 
 const AFTER_HELP: &str = "\
 Examples:
@@ -33,7 +32,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let answer = match &arguments.robot {
-        Some(name) => describe(&load(name, &arguments.chain, None)?),
+        Some(name) => describe(&arguments.chain.load(name)?),
         None => list(),
     };
     console.answer(&answer)?;

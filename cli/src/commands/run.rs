@@ -7,23 +7,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use armid::excitation::check;
 use armid::excitation::effort::{EffortModel, ParameterSpread};
 use armid::experiment::{Ending as PlanEnding, Sink};
+use armid_io::Error as Fault;
+use armid_io::recording::{CsvSink, FileSink, McapSink, beside, part_of};
 use miette::Result;
 
-use crate::answer::Ending;
-use crate::arms::{self, ArmKind};
-use crate::choices::one_of;
-use crate::console::Console;
-use crate::fault::Fault;
-use crate::files::experiment_toml::{self, Experiment};
-use crate::files::file_sink::{CsvSink, FileSink};
-use crate::files::recording_mcap::{McapSink, part_of};
-use crate::files::sink_thread::beside;
-use crate::guarding::GuardArguments;
-use crate::progress;
-use crate::real_time;
-use crate::resumption::{self, Found, Part};
-use crate::run_answer::{Done, answer};
-use crate::speed::{self, Speed};
+use crate::answers::run::{Done, answer};
+use crate::arguments::{GuardArguments, one_of};
+use crate::arms::resumption::{Found, Part};
+use crate::arms::{self, ArmKind, Experiment, Speed, resumption, speed};
+use crate::interrupt;
+use crate::terminal::{Console, Ending, progress, real_time};
 
 const AFTER_HELP: &str = "\
 EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
@@ -92,7 +85,7 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let mut experiment = experiment_toml::load(&arguments.experiment)?;
+    let mut experiment = Experiment::load(&arguments.experiment)?;
     experiment.seed = arguments.seed.unwrap_or(experiment.seed);
     experiment.run = arguments.run.unwrap_or(experiment.run);
     experiment.arm = arguments.arm.unwrap_or(experiment.arm);
@@ -152,7 +145,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 fn at_speed(experiment: &Experiment, speed: Speed, first_run: bool) -> Experiment {
     let mut slowed = experiment.clone();
     if speed != Speed::FULL {
-        slowed.plan = slowed.plan.at_speed(speed.part());
+        slowed.plan = experiment.plan.clone().at_speed(speed.part());
         if first_run {
             (slowed.plan.discarded_periods, slowed.plan.periods) = (0, 1);
         }
@@ -210,18 +203,20 @@ fn perform(
     notes.insert("speed".to_owned(), speed.part().to_string());
     notes.insert("motion".to_owned(), motion);
     let mut sink: Box<dyn FileSink + '_> = match part {
-        _ if is_csv(path) => Box::new(CsvSink::new(path, on_sample)),
-        None => Box::new(McapSink::new(path, notes, on_sample)),
+        _ if is_csv(path) => Box::new(CsvSink::new(path, on_sample).stopping_when(interrupt::asked)),
+        None => Box::new(McapSink::new(path, notes, on_sample).stopping_when(interrupt::asked)),
         Some(part) => {
             notes.insert("sessions".to_owned(), part.sessions(experiment.plan.periods));
-            Box::new(McapSink::new(path, notes, on_sample).resuming(part.continuation.samples()))
+            let sink = McapSink::new(path, notes, on_sample).resuming(part.continuation.samples());
+            Box::new(sink.stopping_when(interrupt::asked))
         }
     };
     let work = |sink: &mut dyn Sink| match part {
         None => arms::perform(experiment.arm, experiment, arguments.recording.as_deref(), sink),
         Some(part) => part.perform(experiment, arguments.recording.as_deref(), sink),
     };
-    let performed = if experiment.arm == ArmKind::Ros2 { beside(&mut *sink, work)? } else { work(&mut *sink)? };
+    let performed =
+        if experiment.arm == ArmKind::Ros2 { beside(&mut *sink, interrupt::asked, work)? } else { work(&mut *sink)? };
     let written = sink.finish(&performed.ending, performed.remarks())?;
     bar.finish_and_clear();
     Ok(Done { experiment: experiment.clone(), performed, samples: taken.into_inner(), written, speed })
@@ -266,7 +261,7 @@ pub(super) fn notes(experiment: &Experiment) -> BTreeMap<String, String> {
     note("seed", Some(experiment.seed.to_string()));
     note("run", Some(experiment.run.to_string()));
     note("nominal_file", experiment.robot.nominal_text.as_ref().map(|text| text.content.to_string()));
-    note("base_link", experiment.chain.base_link.clone());
-    note("tip_link", experiment.chain.tip_link.clone());
+    note("base_link", experiment.chain.base.clone());
+    note("tip_link", experiment.chain.tip.clone());
     notes
 }

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use armid::study::{RandomTruths, StudyPlan};
 use miette::Result;
 
-use crate::answer::{Answer, Ending};
+use armid_io::Error;
+use armid_io::study::{Journal, load_plan};
+use armid_sim::Engine;
+
+use crate::arguments::one_of;
 use crate::arms::ArmKind;
-use crate::console::Console;
-use crate::fault::Fault;
-use crate::files::journal::Journal;
-use crate::study_performance::{Prepared, Shard, in_words};
-use crate::{choices, study_source};
+use crate::study::{Prepared, Shard, in_words};
+use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
 A study designs trajectories, performs simulated experiments with each, estimates, and scores against
@@ -56,7 +57,7 @@ pub(crate) struct Arguments {
         long,
         value_name = "ARM,…",
         value_delimiter = ',',
-        value_parser = choices::one_of(&ArmKind::SIMULATED, ArmKind::name)
+        value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name)
     )]
     arm: Option<Vec<ArmKind>>,
 }
@@ -88,7 +89,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if let Some(Action::Merge { folders }) = &arguments.action {
         return merge(folders, console);
     }
-    let (mut plan, folder) = study_source::load(arguments.study.as_deref().unwrap_or_default())?;
+    let (mut plan, folder) = load_plan(arguments.study.as_deref().unwrap_or_default(), &Engine::ALL.map(Engine::name))?;
     if let Some(runs) = arguments.runs {
         plan.scale_runs(runs as usize);
     }
@@ -137,7 +138,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 
 /// Puts parts together; every piece must be there, since a merge performs nothing.
 fn merge(folders: &[PathBuf], console: &Console) -> Result<Ending> {
-    let (plan, _) = study_source::load(&folders[0].display().to_string())?;
+    let (plan, _) = load_plan(&folders[0].display().to_string(), &Engine::ALL.map(Engine::name))?;
     let path = |folder: &Path| folder.join(Journal::NAME);
     let output = output_folder(&plan, console);
     let prepared = Prepared::new(plan, Some(&folders[0]))?;
@@ -150,7 +151,7 @@ fn merge(folders: &[PathBuf], console: &Console) -> Result<Ending> {
     let missing = study.missing(&pieces);
     if missing > 0 {
         let message = format!("{missing} runs are in none of the folders, expected every part of the study, complete");
-        return Err(Fault::new(message).into());
+        return Err(Error::new(message).into());
     }
     let (mut journal, _) = study.journal(false)?;
     for piece in &pieces {

@@ -6,15 +6,12 @@ use std::path::PathBuf;
 use armid::estimation::{Estimate, Validation, validate};
 use armid::model::Columns;
 use armid::regressor::JointTorqueRegressor;
+use armid_io::{Error, ProcessedLog, Text, estimate};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answer::{Answer, Ending};
-use crate::atomic_file::read_text;
-use crate::console::Console;
-use crate::fault::{Fault, Text};
-use crate::identification::{LogArguments, Prepared, prepare};
-use crate::table::{Align, Table, number};
+use crate::arguments::LogArguments;
+use crate::terminal::{Align, Answer, Console, Ending, Table, number};
 
 const AFTER_HELP: &str = "\
 The verdict is `passed` (exit 0) where every joint's difference, as a share of its measured
@@ -41,11 +38,11 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if !(arguments.limit.is_finite() && arguments.limit > 0.0) {
-        return Err(Fault::new(format!("--limit is {}, expected a number above zero", arguments.limit)).into());
+        return Err(Error::new(format!("--limit is {}, expected a number above zero", arguments.limit)).into());
     }
-    let text = read_text(&arguments.estimate)?;
-    let estimates = read(&text)?;
-    let prepared = prepare(&arguments.recording, &arguments.log)?;
+    let text = Text::read(&arguments.estimate)?;
+    let estimates = estimate::parse_all(&text)?;
+    let prepared = arguments.log.process(&arguments.recording)?;
     let mut verdicts = Vec::new();
     for estimate in &estimates {
         verdicts.push(Verdict::of(estimate, &prepared, arguments.limit, &text)?);
@@ -59,43 +56,27 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     Ok(if verdicts.iter().all(Verdict::passed) { Ending::Done } else { Ending::Negative })
 }
 
-/// One estimate, or the list that several estimators make.
-fn read(text: &Text) -> Result<Vec<Estimate>> {
-    let several = text.content.trim_start().starts_with('[');
-    let read = if several {
-        serde_json::from_str(&text.content)
-    } else {
-        serde_json::from_str(&text.content).map(|one| vec![one])
-    };
-    let estimates: Vec<Estimate> = read.map_err(|error| {
-        let message = error.to_string();
-        let message = message.split(" at line ").next().unwrap_or_default();
-        Fault::new(message).at_line(text, error.line(), error.column()).help("expected an estimate of `armid identify`")
-    })?;
-    Ok(estimates)
-}
-
 struct Verdict<'a> {
     estimate: &'a Estimate,
-    prepared: &'a Prepared,
+    prepared: &'a ProcessedLog,
     validation: Validation,
     limit: f64,
 }
 
 impl<'a> Verdict<'a> {
-    fn of(estimate: &'a Estimate, prepared: &'a Prepared, limit: f64, text: &Text) -> Result<Self> {
+    fn of(estimate: &'a Estimate, prepared: &'a ProcessedLog, limit: f64, text: &Text) -> Result<Self> {
         let robot = &prepared.robot.robot;
         if estimate.robot != robot.name() {
             let message = format!("{} is of robot \"{}\", expected \"{}\"", text.name, estimate.robot, robot.name());
-            return Err(Fault::new(message).into());
+            return Err(Error::new(message).into());
         }
         let columns = Columns::parse(&estimate.columns).ok_or_else(|| {
             let names = Columns::ALL.map(Columns::name).join(", ");
-            Fault::new(format!("{}: columns is \"{}\", expected one of {names}", text.name, estimate.columns))
+            Error::new(format!("{}: columns is \"{}\", expected one of {names}", text.name, estimate.columns))
         })?;
         let regressor = JointTorqueRegressor::new(robot, columns);
         let validation = validate(estimate, &regressor, &prepared.samples)
-            .map_err(|error| Fault::new(format!("{}: {error}", text.name)))?;
+            .map_err(|error| Error::new(format!("{}: {error}", text.name)))?;
         Ok(Self { estimate, prepared, validation, limit })
     }
 

@@ -5,21 +5,18 @@ use std::path::{Path, PathBuf};
 use armid::excitation::{ConstantSpeedTrajectory, PeriodicTrajectory};
 use armid::experiment::Recording;
 use armid::model::Robot;
+use armid_io::output::pretty;
+use armid_io::recording::{FileSink, McapSink};
+use armid_io::{Error, LoadedRobot, Log, output};
 use armid_reports::{Figure, ScatterFigure};
 use miette::Result;
 use serde_json::Value;
 
-use crate::arms::{self, ArmKind};
-use crate::atomic_file;
-use crate::choices::one_of;
+use crate::arguments::{RobotArguments, one_of};
+use crate::arms::{self, ArmKind, Experiment};
 use crate::commands::run::notes;
-use crate::console::{Console, pretty};
-use crate::fault::Fault;
-use crate::files::experiment_toml;
-use crate::files::file_sink::FileSink;
-use crate::files::log;
-use crate::files::recording_mcap::McapSink;
-use crate::robot_source::{LoadedRobot, RobotArguments};
+use crate::interrupt;
+use crate::terminal::Console;
 
 /// Which joint, how fast, on which arm.
 #[derive(Debug, clap::Args)]
@@ -95,10 +92,10 @@ impl BenchArguments {
                 path
             }
         };
-        let log = log::read(&path)?;
+        let log = Log::read(&path)?;
         let Some(recording) = log.recording else {
             let message = format!("{} was not recorded by armid, expected a recording with its plan", log.name);
-            return Err(Fault::new(message).into());
+            return Err(Error::new(message).into());
         };
         bench.recording = Some(recording);
         Ok(bench)
@@ -108,7 +105,7 @@ impl BenchArguments {
         let robot = &bench.loaded.robot;
         let motion = self.motion(robot, bench.joint)?;
         let (trajectory, experiment) = (bench.file("trajectory.toml"), bench.file("experiment.toml"));
-        atomic_file::write_text(&trajectory, &PeriodicTrajectory::from(motion).to_toml())?;
+        output::write_text(&trajectory, &PeriodicTrajectory::from(motion).to_toml())?;
         // A path is good from any folder, a bundled name is no path.
         let named = Path::new(&self.robot.robot);
         let source = if named.exists() { named.canonicalize().ok() } else { None };
@@ -130,7 +127,7 @@ impl BenchArguments {
         if voltage {
             text.push_str("\n[sensing]\nvoltage = true\n");
         }
-        atomic_file::write_text(&experiment, &text)?;
+        output::write_text(&experiment, &text)?;
         bench.written.extend([trajectory, experiment.clone()]);
         Ok(experiment)
     }
@@ -141,7 +138,7 @@ impl BenchArguments {
         let (low, high) = match self.range_deg.as_deref() {
             Some([low, high]) => (si(low), si(high)),
             Some(other) => {
-                return Err(Fault::new(format!("--range-deg has {} angles, expected 2", other.len())).into());
+                return Err(Error::new(format!("--range-deg has {} angles, expected 2", other.len())).into());
             }
             _ if (limits.position.1 - limits.position.0).is_finite() => {
                 let (low, high) = limits.position;
@@ -154,7 +151,7 @@ impl BenchArguments {
             Some(pose) if pose.len() == robot.dof() => pose.iter().map(si).collect(),
             Some(pose) => {
                 let message = format!("--pose-deg has {} angles, expected {}", pose.len(), robot.dof());
-                return Err(Fault::new(message).into());
+                return Err(Error::new(message).into());
             }
             None => robot
                 .joints()
@@ -166,21 +163,21 @@ impl BenchArguments {
         let mut speeds: Vec<f64> = self.speeds.iter().map(|share| share * top).collect();
         speeds.sort_by(f64::total_cmp);
         if speeds.iter().any(|&speed| !(speed.is_finite() && speed > 0.0)) || speeds.is_empty() {
-            return Err(Fault::new(format!("--speeds is {:?}, expected shares above zero", self.speeds)).into());
+            return Err(Error::new(format!("--speeds is {:?}, expected shares above zero", self.speeds)).into());
         }
         ConstantSpeedTrajectory::there_and_back(robot, joint, &speeds, &pose, (low, high))
-            .map_err(|fault| Fault::new(fault.to_string()).help("lower --speeds or a wider --range-deg").into())
+            .map_err(|fault| Error::new(fault.to_string()).help("lower --speeds or a wider --range-deg").into())
     }
 
     fn perform(&self, experiment: &Path, path: &Path) -> Result<()> {
-        let experiment = experiment_toml::load(&experiment.display().to_string())?;
-        experiment.plan.check_limits(&experiment.robot.robot).map_err(|fault| Fault::new(fault.to_string()))?;
-        let mut sink = Box::new(McapSink::new(path, notes(&experiment), |_| {}));
+        let experiment = Experiment::load(&experiment.display().to_string())?;
+        experiment.plan.check_limits(&experiment.robot.robot).map_err(|fault| Error::new(fault.to_string()))?;
+        let mut sink = Box::new(McapSink::new(path, notes(&experiment), |_| {}).stopping_when(interrupt::asked));
         let performed = arms::perform(experiment.arm, &experiment, None, &mut *sink)?;
         if !performed.ending.is_complete() {
             let part = sink.finish(&performed.ending, performed.remarks())?;
             let message = format!("the motion ended early ({:?}); what there is: {}", performed.ending, part.display());
-            return Err(Fault::new(message).into());
+            return Err(Error::new(message).into());
         }
         sink.finish(&performed.ending, performed.remarks())?;
         Ok(())
@@ -203,10 +200,10 @@ impl Bench {
 
     /// Writes the result and its figure.
     pub(super) fn write(&mut self, json: &Value, figure: &ScatterFigure) -> Result<()> {
-        let svg = figure.svg().map_err(|fault| Fault::new(format!("the figure cannot be drawn: {fault}")))?;
+        let svg = figure.svg().map_err(|fault| Error::new(format!("the figure cannot be drawn: {fault}")))?;
         for (ending, text) in [("json", pretty(json)), ("svg", svg)] {
             let path = self.file(ending);
-            atomic_file::write_text(&path, &text)?;
+            output::write_text(&path, &text)?;
             self.written.push(path);
         }
         Ok(())
@@ -224,6 +221,6 @@ fn joint(robot: &Robot, wanted: &str) -> Result<usize> {
     number.or_else(|| robot.joint_index(wanted)).ok_or_else(|| {
         let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
         let message = format!("--joint is \"{wanted}\", expected 1 to {} or one of {}", robot.dof(), names.join(", "));
-        Fault::new(message).into()
+        Error::new(message).into()
     })
 }

@@ -3,9 +3,7 @@
 use miette::Result;
 
 use super::{friction, payload, torque_constant};
-
-use crate::answer::Ending;
-use crate::console::Console;
+use crate::terminal::{Console, Ending};
 
 const AFTER_HELP: &str = "\
 torque-constant and friction drive one joint there and back at several constant speeds, on any arm;

@@ -1,15 +1,13 @@
 //! `armid calibrate friction`
 
 use armid::calibration::{Friction, friction};
+use armid_io::Error;
 use armid_reports::{Axis, GroupStyle, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
 use miette::Result;
 use serde_json::json;
 
 use super::bench::{Bench, BenchArguments};
-use crate::answer::{Answer, Ending};
-use crate::console::Console;
-use crate::fault::Fault;
-use crate::table::{Align, Table};
+use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 At one speed there and back over the same positions gravity cancels in half the difference of the
@@ -30,7 +28,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         console.show(&Answer { text: bench.list(), json: json!({ "written": bench.written }) })?;
         return Ok(Ending::Done);
     };
-    let found = friction(recording, &bench.loaded.robot, bench.joint).map_err(|error| Fault::new(error.to_string()))?;
+    let found = friction(recording, &bench.loaded.robot, bench.joint).map_err(|error| Error::new(error.to_string()))?;
     let kind = bench.loaded.robot.joints()[bench.joint].kind;
     let json = json!({
         "robot": bench.loaded.robot.name(),

@@ -8,20 +8,15 @@ use armid::experiment::{ExperimentPlan, Sensing, record};
 use armid::seed::Seed;
 use armid::signal::{Derivatives, Processing, Samples, process};
 use armid::spatial::Inertia;
+use armid_io::output::pretty;
+use armid_io::{Error, LoadedRobot, Log, output, trajectory};
 use armid_reports::{Axis, Figure, Group, Heading, Interval, IntervalFigure, IntervalRow, Level};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answer::{Answer, Ending};
-use crate::arms::ArmKind;
-use crate::atomic_file;
-use crate::choices::one_of;
-use crate::console::{Console, pretty};
-use crate::fault::Fault;
-use crate::files::{log, trajectory};
-use crate::robot_source::{LoadedRobot, RobotArguments};
-use crate::simulated_arm::Simulation;
-use crate::table::{Align, Table};
+use crate::arguments::{RobotArguments, one_of};
+use crate::arms::{ArmKind, Simulation};
+use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 Two recordings of one motion, without and with a payload whose mass and centre are known: what the
@@ -79,7 +74,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         (Some(unloaded), Some(with)) => [recorded(unloaded, &loaded)?, recorded(with, &loaded)?],
         _ => [arguments.simulated(&loaded, None)?, arguments.simulated(&loaded, Some(&load))?],
     };
-    let found = known_load(&loaded.robot, &without, &with, &load).map_err(|error| Fault::new(error.to_string()))?;
+    let found = known_load(&loaded.robot, &without, &with, &load).map_err(|error| Error::new(error.to_string()))?;
     let finding = |hidden: &HiddenLoad| {
         json!({
             "joint": hidden.joint,
@@ -106,11 +101,11 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let _ = writeln!(text, "  {hidden}\n    → {}\n", hidden.advice());
     }
     let svg = (!found.shown.is_empty()).then(|| figure(&found.shown, &loaded).svg()).transpose();
-    let svg = svg.map_err(|fault| Fault::new(format!("the figure: {fault}")))?;
+    let svg = svg.map_err(|fault| Error::new(format!("the figure: {fault}")))?;
     for (ending, content) in [("json", Some(pretty(&json))), ("svg", svg)] {
         let Some(content) = content else { continue };
         let path = stem.with_extension(ending);
-        atomic_file::write_text(&path, &content)?;
+        output::write_text(&path, &content)?;
         text.push_str(&format!("  {}\n", path.display()));
     }
     console.show(&Answer { text, json })?;
@@ -122,13 +117,13 @@ impl Arguments {
     fn load(&self) -> Result<Inertia> {
         for (option, numbers) in [("--centre-m", &self.centre_m), ("--inertia-kg-m2", &self.inertia_kg_m2)] {
             if numbers.len() != 3 {
-                return Err(Fault::new(format!("{option} has {} numbers, expected 3", numbers.len())).into());
+                return Err(Error::new(format!("{option} has {} numbers, expected 3", numbers.len())).into());
             }
         }
         let [x, y, z] = [self.centre_m[0], self.centre_m[1], self.centre_m[2]];
         let numbers = || self.centre_m.iter().chain(&self.inertia_kg_m2);
         if !(self.mass_kg.is_finite() && self.mass_kg > 0.0) || numbers().any(|x| !x.is_finite()) {
-            return Err(Fault::new("the payload needs a mass above zero and finite numbers").into());
+            return Err(Error::new("the payload needs a mass above zero and finite numbers").into());
         }
         let inertia = [self.inertia_kg_m2[0], self.inertia_kg_m2[1], self.inertia_kg_m2[2]];
         Ok(payload(self.mass_kg, [x, y, z], inertia))
@@ -145,25 +140,25 @@ impl Arguments {
         let motion = trajectory::load(&self.trajectory, None, &loaded.robot)?;
         let plan = ExperimentPlan::new(motion).with_periods(self.periods);
         let run = u64::from(load.is_some());
-        let fault = |error: &dyn std::fmt::Display| Fault::new(format!("arm {}: {error}", self.arm.name()));
+        let fault = |error: &dyn std::fmt::Display| Error::new(format!("arm {}: {error}", self.arm.name()));
         let mut servo =
             simulation.servo(&Sensing::default()).map_err(|error| fault(&error))?.with_seed(Seed::new(self.seed), run);
         let (recording, ending) = record(&mut servo, &plan).map_err(|error| fault(&error))?;
         if !ending.is_complete() {
-            return Err(Fault::new(format!("the simulated motion ended early: {ending:?}")).into());
+            return Err(Error::new(format!("the simulated motion ended early: {ending:?}")).into());
         }
         process(&recording, &loaded.robot, &processing()).map_err(|error| fault(&error).into())
     }
 }
 
 fn recorded(path: &Path, loaded: &LoadedRobot) -> Result<Samples> {
-    let log = log::read(path)?;
+    let log = Log::read(path)?;
     let Some(recording) = &log.recording else {
         let message = format!("{} was not recorded by armid, expected a recording with its plan", log.name);
-        return Err(Fault::new(message).into());
+        return Err(Error::new(message).into());
     };
     process(recording, &loaded.robot, &processing())
-        .map_err(|error| Fault::new(format!("{}: {error}", log.name)).into())
+        .map_err(|error| Error::new(format!("{}: {error}", log.name)).into())
 }
 
 fn processing() -> Processing {

@@ -1,15 +1,13 @@
 //! `armid calibrate torque-constant`
 
 use armid::calibration::{BackEmf, CalibrationError, Resistance, back_emf};
+use armid_io::Error;
 use armid_reports::{Axis, GroupStyle, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
 use miette::Result;
 use serde_json::json;
 
 use super::bench::{Bench, BenchArguments};
-use crate::answer::{Answer, Ending};
-use crate::console::Console;
-use crate::fault::Fault;
-use crate::table::{Align, Table};
+use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 The back-EMF of a motor is its voltage less what resistance, inductance and brushes take; against
@@ -40,10 +38,10 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let resistance = match arguments.resistance_ohm {
         None => Resistance::Estimated,
         Some(ohm) if ohm.is_finite() && ohm > 0.0 => Resistance::Known(ohm),
-        Some(ohm) => return Err(Fault::new(format!("--resistance-ohm is {ohm}, expected a number above zero")).into()),
+        Some(ohm) => return Err(Error::new(format!("--resistance-ohm is {ohm}, expected a number above zero")).into()),
     };
     let found = back_emf(recording, &bench.loaded.robot, bench.joint, resistance).map_err(|error| {
-        let shown = Fault::new(error.to_string());
+        let shown = Error::new(error.to_string());
         match error {
             CalibrationError::NoVoltage => shown.help(
                 "the known-payload route: `armid calibrate payload ROBOT --mass-kg M --centre-m X,Y,Z \

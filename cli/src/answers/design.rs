@@ -1,0 +1,293 @@
+//! What `armid design` answers: as a text and as JSON.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use armid::excitation::{Design, DesignProblem, ExcitationError, PeriodicTrajectory, Termination, WorstUse};
+use armid::model::Robot;
+use serde_json::{Value, json};
+
+use crate::terminal::{Align, Table, number};
+
+/// How a start ended, in words.
+fn ending(design: &Design, robot: &Robot) -> String {
+    match &design.termination {
+        Termination::Infeasible { limit, joint, worst } if limit == "clearance" => {
+            let (found, required, t) = (number(worst.value), number(worst.limit), worst.t);
+            format!("infeasible: {joint} {found} m apart at t = {t:.3} s, expected {required} m")
+        }
+        Termination::Infeasible { limit, worst, .. } => format!("infeasible: {limit} {}", used(worst, limit, robot)),
+        other => other.name().to_owned(),
+    }
+}
+
+/// Where a limit is used most.
+fn used(worst: &WorstUse, quantity: &str, robot: &Robot) -> String {
+    let joint = &robot.joints()[worst.joint];
+    let unit = match quantity {
+        "torque" | "torque-rms" => joint.kind.effort_unit().to_owned(),
+        "current" | "current-rms" => "A".to_owned(),
+        "velocity" => format!("{}/s", joint.kind.unit()),
+        "acceleration" => format!("{}/s²", joint.kind.unit()),
+        "jerk" => format!("{}/s³", joint.kind.unit()),
+        "clearance" => "m".to_owned(),
+        _ => joint.kind.unit().to_owned(),
+    };
+    let (value, limit) = (number(worst.value), number(worst.limit));
+    // A root mean square belongs to no time.
+    let time = if quantity.ends_with("rms") { String::new() } else { format!(", t = {:.3} s", worst.t) };
+    format!("{value} of {limit} {unit} at joint \"{}\"{time}", joint.name)
+}
+
+/// Which limit is exceeded, where and by how much.
+fn violation_json(design: &Design) -> Value {
+    match &design.termination {
+        Termination::Infeasible { limit, joint, worst } => json!({
+            "limit": limit,
+            "where": joint,
+            "t": worst.t,
+            "value": worst.value,
+            "permitted": worst.limit,
+            "excess": (worst.value.abs() - worst.limit.abs()).abs(),
+        }),
+        _ => Value::Null,
+    }
+}
+
+fn start_json(design: &Design) -> Value {
+    json!({
+        "value": design.value,
+        "termination": design.termination.name(),
+        "iterations": design.iterations,
+        "evaluations": design.evaluations,
+        "violation": violation_json(design),
+    })
+}
+
+/// The trajectory under the keys of its file.
+fn trajectory_json(trajectory: &PeriodicTrajectory) -> Value {
+    toml::from_str(&trajectory.to_toml()).expect("a trajectory file is TOML with finite numbers")
+}
+
+/// What the experiment buys beside those before it.
+pub(crate) struct Gain {
+    /// Estimates so far.
+    estimates: usize,
+    /// Median over base parameters of the bound after it over that so far.
+    bound_ratio: f64,
+    /// The same by one more experiment like those so far.
+    by_repetition: f64,
+}
+
+/// Part of what a repetition buys from which on a redesign is as good as one.
+const AS_GOOD: f64 = 0.99;
+
+impl Gain {
+    /// Of a design after so many estimates; `None` after none.
+    pub(crate) fn of(
+        problem: &DesignProblem,
+        design: &Design,
+        estimates: usize,
+    ) -> Result<Option<Self>, ExcitationError> {
+        let k = estimates as f64;
+        let gain = |bound_ratio| Self { estimates, bound_ratio, by_repetition: (k / (k + 1.0)).sqrt() };
+        Ok(problem.bound_ratio(&design.trajectory)?.map(gain))
+    }
+
+    fn json(&self) -> Value {
+        json!({
+            "estimates": self.estimates,
+            "bound_ratio": self.bound_ratio,
+            "bound_ratio_by_repetition": self.by_repetition,
+        })
+    }
+
+    fn text(&self) -> String {
+        let advice = if self.bound_ratio > AS_GOOD * self.by_repetition {
+            "; this search found\n  nothing better than to repeat: add --starts, or begin --from the trajectory so far"
+        } else {
+            ""
+        };
+        format!(
+            "\n  after {} estimate{} this experiment brings the bound to {:.1} % of what it is (median over\n  \
+             parameters), one more like those so far to {:.1} %{advice}\n",
+            self.estimates,
+            if self.estimates == 1 { "" } else { "s" },
+            100.0 * self.bound_ratio,
+            100.0 * self.by_repetition
+        )
+    }
+}
+
+/// Everything that the answer shows.
+pub(crate) struct DesignAnswer<'a> {
+    pub(crate) seed: u64,
+    pub(crate) problem: &'a DesignProblem,
+    pub(crate) designs: &'a [Design],
+    pub(crate) baseline: Option<&'a Design>,
+    /// The best inside the limits, or where there is none, the one nearest to them.
+    pub(crate) best: &'a Design,
+    pub(crate) seconds: f64,
+    pub(crate) path: PathBuf,
+    /// What was drawn beside it.
+    pub(crate) figures: Vec<PathBuf>,
+    /// What it adds to the information so far, where there is any.
+    pub(crate) gain: Option<Gain>,
+}
+
+impl DesignAnswer<'_> {
+    pub(crate) fn json(&self, interrupted: bool) -> Value {
+        let (best, certificate) = (self.best, &self.best.certificate);
+        json!({
+            "robot": self.problem.robot.name(),
+            "criterion": best.criterion.name(),
+            "columns": self.problem.columns.name(),
+            "family": self.problem.family.name(),
+            "seed": self.seed,
+            "value": best.value,
+            "condition": certificate.condition,
+            "condition_scaled": certificate.condition_scaled,
+            "log_det_information": certificate.log_det_information,
+            "condition_all": certificate.condition_all,
+            "condition_scaled_all": certificate.condition_scaled_all,
+            "log_det_information_all": certificate.log_det_information_all,
+            "spectrum_all": certificate.spectrum,
+            "deviations_all": certificate.deviations,
+            "worst_limit_use": certificate.worst_limit_use,
+            "worst": certificate.worst,
+            "certificate_samples": certificate.samples,
+            "ramp_s": certificate.ramp_s,
+            "weakest_all": certificate.weakest,
+            "uncertainty_multiple": certificate.uncertainty_multiple,
+            "efforts_inside": certificate.efforts_inside,
+            "clearance_required_m": self.problem.clearance_m,
+            "robot_sha256": certificate.robot_sha256,
+            "trajectory_sha256": certificate.trajectory_sha256,
+            "iterations": best.iterations,
+            "evaluations": best.evaluations,
+            "seconds": self.seconds,
+            "termination": if interrupted { "interrupted" } else { best.termination.name() },
+            "violation": violation_json(best),
+            "start": trajectory_json(&best.start),
+            "trajectory": trajectory_json(&best.trajectory),
+            "file": self.path,
+            "figures": self.figures,
+            "starts": self.designs.iter().map(start_json).collect::<Vec<_>>(),
+            "baseline": self.baseline.map(start_json),
+            "prior": self.gain.as_ref().map(Gain::json),
+            "history": best.history,
+        })
+    }
+
+    pub(crate) fn text(&self, verbose: bool) -> String {
+        let (best, certificate) = (self.best, &self.best.certificate);
+        let mut text = format!(
+            "{}: {} over {} base parameters ({}), the best of {} starts in {:.2} s\n{} after {} iterations and {} \
+             evaluations; {}\n\n",
+            self.problem.robot.name(),
+            best.criterion.name(),
+            self.problem.base.rank(),
+            self.problem.columns.name(),
+            self.designs.len(),
+            self.seconds,
+            best.termination.name(),
+            best.iterations,
+            best.evaluations,
+            self.path.display(),
+        );
+        if let Termination::Infeasible { .. } = best.termination {
+            let _ = writeln!(
+                text,
+                "no trajectory within the limits was found in {} start{}; the nearest: {}\n",
+                self.designs.len(),
+                if self.designs.len() == 1 { "" } else { "s" },
+                ending(best, &self.problem.robot)
+            );
+        }
+        let mut worth =
+            Table::new(&[("", Align::Left), ("rigid columns", Align::Right), ("all columns", Align::Right)]);
+        for (name, rigid, all) in [
+            ("condition number", certificate.condition, certificate.condition_all),
+            ("with columns of unit length", certificate.condition_scaled, certificate.condition_scaled_all),
+            ("ln det of the information", certificate.log_det_information, certificate.log_det_information_all),
+        ] {
+            worth.row([name.to_owned(), number(rigid), number(all)]);
+        }
+        text.push_str(&worth.render(2));
+        let mut limits = Table::new(&[("limit", Align::Left), ("used", Align::Right), ("most", Align::Left)]);
+        let worst = &certificate.worst;
+        let cases = [
+            ("position", Some(worst.position)),
+            ("velocity", Some(worst.velocity)),
+            ("acceleration", Some(worst.acceleration)),
+            ("jerk", worst.jerk),
+            ("torque", worst.torque),
+            ("torque-rms", worst.torque_rms),
+            ("current", worst.current),
+            ("current-rms", worst.current_rms),
+        ];
+        for (quantity, case) in cases {
+            let Some(case) = case else { continue };
+            let share = format!("{:.1} %", 100.0 * case.ratio);
+            limits.row([quantity.to_owned(), share, used(&case, quantity, &self.problem.robot)]);
+        }
+        let _ = write!(text, "\n{}", limits.render(2));
+        if let Some(nearest) = &worst.clearance {
+            let [first, second] = &nearest.pair;
+            let (distance, t) = (number(nearest.distance_m), nearest.t);
+            let _ = writeln!(text, "\n  nearest: {distance} m, \"{first}\" to \"{second}\", t = {t:.3} s");
+        }
+        if let Some(inside) = &certificate.efforts_inside {
+            let [low, high] = inside.ci95.map(|share| 100.0 * share);
+            let _ = writeln!(
+                text,
+                "  of {} arms within the nominal uncertainty, {:.1} % ({low:.1} to {high:.1}) pass no torque or\n  \
+                 current limit at any instant",
+                inside.draws,
+                100.0 * inside.share
+            );
+        }
+        let _ = writeln!(text, "\n  shown worst (share of the weakest direction):");
+        for weak in &certificate.weakest {
+            let share = 100.0 * weak.share_of_weakest_direction;
+            let relative =
+                weak.relative_deviation.map_or_else(String::new, |x| format!(", {} of its nominal value", number(x)));
+            let _ = writeln!(text, "  {:>8} {share:5.1} %, deviation {}{relative}", weak.name, number(weak.deviation));
+        }
+        if let Some(gain) = &self.gain {
+            text.push_str(&gain.text());
+        }
+        if let Some(baseline) = self.baseline {
+            let _ = writeln!(
+                text,
+                "\n  the best of {} random trajectories: {}; the design: {}",
+                baseline.evaluations,
+                number(baseline.value),
+                number(best.value)
+            );
+        }
+        for figure in &self.figures {
+            let _ = writeln!(text, "  {}", figure.display());
+        }
+        if verbose {
+            let mut starts = Table::new(&[
+                ("start", Align::Right),
+                ("value", Align::Right),
+                ("iterations", Align::Right),
+                ("evaluations", Align::Right),
+                ("ended", Align::Left),
+            ]);
+            for (start, design) in self.designs.iter().enumerate() {
+                starts.row([
+                    start.to_string(),
+                    number(design.value),
+                    design.iterations.to_string(),
+                    design.evaluations.to_string(),
+                    ending(design, &self.problem.robot),
+                ]);
+            }
+            let _ = write!(text, "\n{}", starts.render(2));
+        }
+        text
+    }
+}

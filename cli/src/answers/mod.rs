@@ -1,0 +1,7 @@
+//! What commands answer: texts for a person, JSON for a program.
+
+pub(crate) mod comparison;
+pub(crate) mod design;
+pub(crate) mod exchange;
+pub(crate) mod run;
+pub(crate) mod study;

@@ -1,0 +1,179 @@
+//! What `armid run` answers: as a text and as JSON.
+
+use std::fmt::Write;
+use std::path::PathBuf;
+
+use armid::experiment::{Ending, Phase, Tracking};
+use armid::model::{JointKind, Robot};
+use armid_hardware::guard::{GuardRecord, Trip};
+use serde_json::{Value, json};
+
+use crate::arms::{Experiment, Performed, Speed};
+use crate::terminal::{Align, Answer, Table, number};
+
+/// The last step's answer; the ones before it are in `steps`.
+pub(crate) fn answer(steps: &[Done]) -> Answer {
+    let text: Vec<String> = steps.iter().map(Done::text).collect();
+    let mut json = steps.last().map_or(Value::Null, Done::json);
+    if steps.len() > 1 {
+        json["steps"] = steps.iter().map(Done::json).collect();
+    }
+    Answer { text: text.join("\n"), json }
+}
+
+/// One experiment that was performed.
+pub(crate) struct Done {
+    pub(crate) experiment: Experiment,
+    pub(crate) performed: Performed,
+    pub(crate) samples: usize,
+    pub(crate) written: PathBuf,
+    pub(crate) speed: Speed,
+}
+
+impl Done {
+    fn ending(&self) -> (&'static str, String) {
+        let at = |t: f64, phase: Phase| format!("at t = {t:.3} s ({})", phase.name());
+        match &self.performed.ending {
+            Ending::Completed => ("completed", String::new()),
+            Ending::Stopped { t, phase } => ("stopped", at(*t, *phase)),
+            Ending::Diverged { t, phase, reason } => ("diverged", format!("{}: {reason}", at(*t, *phase))),
+            Ending::Tripped { t, phase, trip } => ("tripped", format!("{}: {trip}", at(*t, *phase))),
+        }
+    }
+
+    fn on_what(&self) -> String {
+        let at = if self.speed == Speed::FULL { String::new() } else { format!(" at {} of the speed", self.speed) };
+        format!("on arm {}{at}", self.experiment.arm.name())
+    }
+
+    /// Which guard tripped, why, and what it did; null where none did.
+    fn trip(&self) -> Value {
+        let Ending::Tripped { t, phase, trip } = &self.performed.ending else { return Value::Null };
+        json!({
+            "name": trip.trip,
+            "reason": trip.reason,
+            "action": trip.action.name(),
+            "bound_ms": trip.bound_ms,
+            "t_s": t,
+            "phase": phase.name(),
+        })
+    }
+
+    fn json(&self) -> Value {
+        let plan = &self.experiment.plan;
+        let (ending, detail) = self.ending();
+        json!({
+            "recording": self.written,
+            "robot": self.experiment.robot.robot.name(),
+            "arm": self.experiment.arm.name(),
+            "seed": self.experiment.seed,
+            "run": self.experiment.run,
+            "ending": ending,
+            "detail": detail,
+            "trip": self.trip(),
+            "speed": self.speed.part(),
+            "guard": self.performed.guard,
+            "stamps": self.performed.stamps,
+            "samples": self.samples,
+            "rate_hz": plan.rate_hz,
+            "period_s": plan.trajectory.period_s(),
+            "periods": plan.periods,
+            "certificate": self.experiment.certificate.as_ref().map(|certificate| json!({
+                "trajectory_sha256": certificate.trajectory_sha256,
+                "robot_sha256": certificate.robot_sha256,
+                "worst_limit_use": certificate.worst_limit_use,
+            })),
+            "tracking": self.performed.tracking.as_ref().map(|tracking| json!({
+                "peak_error": tracking.peak_error,
+                "rms_error": tracking.rms_error,
+                "error_units": self.experiment.robot.robot.joints().iter().map(|j| j.kind.unit()).collect::<Vec<_>>(),
+                "peak_effort": tracking.peak_effort,
+                "effort_units": self.experiment.robot.robot.joints().iter().map(|j| j.kind.effort_unit()).collect::<Vec<_>>(),
+                "peak_current_a": tracking.peak_current,
+                "saturated_steps": tracking.saturated_steps,
+            })),
+        })
+    }
+
+    fn text(&self) -> String {
+        let plan = &self.experiment.plan;
+        let (ending, detail) = self.ending();
+        let mut text = format!(
+            "{}: {} {}, {} samples at {} Hz, {} periods of {} s that count\n{}\n",
+            self.experiment.name,
+            ending,
+            if detail.is_empty() { self.on_what() } else { detail },
+            self.samples,
+            plan.rate_hz,
+            plan.periods,
+            number(plan.trajectory.period_s()),
+            self.written.display(),
+        );
+        if let Some(tracking) = &self.performed.tracking {
+            let _ = write!(text, "\n{}", followed(&self.experiment.robot.robot, tracking).render(2));
+            if tracking.saturated_steps > 0 {
+                let _ = writeln!(text, "\n  a current was at its limit in {} servo steps", tracking.saturated_steps);
+            }
+        }
+        if let Some(stamps) = self.performed.stamps.as_ref().filter(|stamps| !stamps.is_clean()) {
+            let _ = writeln!(
+                text,
+                "\n  {} messages: {} lost in {} gaps (longest {:.1} ms), {} twice, {} out of order, {} samples missing",
+                stamps.messages,
+                stamps.lost,
+                stamps.gaps,
+                1e3 * stamps.longest_gap_s,
+                stamps.duplicates,
+                stamps.reordered,
+                stamps.missing.len(),
+            );
+        }
+        if let Some(guard) = &self.performed.guard {
+            let _ = write!(text, "\n{}", watched(guard).render(2));
+        }
+        text
+    }
+}
+
+/// How close each check of the guard came to its line.
+fn watched(guard: &GuardRecord) -> Table {
+    let mut table = Table::new(&[("guard", Align::Left), ("used", Align::Right), ("trips within", Align::Right)]);
+    for trip in Trip::ALL {
+        let Some(used) = guard.used.get(trip.name()) else { continue };
+        let bound = trip.bound_ms(&guard.settings, guard.rate_hz);
+        table.row([trip.name().to_owned(), format!("{:.0} %", 100.0 * used), format!("{bound:.0} ms")]);
+    }
+    table
+}
+
+/// How the servo followed while it counted.
+fn followed(robot: &Robot, tracking: &Tracking) -> Table {
+    let mut table = Table::new(&[
+        ("joint", Align::Left),
+        ("error RMS", Align::Right),
+        ("peak", Align::Right),
+        ("effort peak", Align::Right),
+        ("of rating", Align::Right),
+        ("current peak", Align::Right),
+        ("of limit", Align::Right),
+    ]);
+    for (i, joint) in robot.joints().iter().enumerate() {
+        let error = |value: f64| match joint.kind {
+            JointKind::Revolute => format!("{} mdeg", number(1e3 * value.to_degrees())),
+            JointKind::Prismatic => format!("{} µm", number(1e6 * value)),
+        };
+        let share = |value: f64, limit: f64| {
+            if limit.is_finite() { format!("{:.0} %", 100.0 * value / limit) } else { String::new() }
+        };
+        table.row([
+            joint.name.clone(),
+            error(tracking.rms_error[i]),
+            error(tracking.peak_error[i]),
+            format!("{} {}", number(tracking.peak_effort[i]), joint.kind.effort_unit()),
+            share(tracking.peak_effort[i], joint.limits.torque),
+            format!("{} A", number(tracking.peak_current[i])),
+            share(tracking.peak_current[i], joint.drive.current_limit),
+        ]);
+    }
+    table
+}

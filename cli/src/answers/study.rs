@@ -1,0 +1,120 @@
+//! What `armid study` says when it is done: who won by which metric, and where the report is.
+
+use std::fmt::Write;
+use std::path::Path;
+
+use armid::study::{ConditionResult, Findings, Metric, StudyResult};
+
+use crate::terminal::{Align, Answer, Table, number};
+
+/// The answer of a finished study.
+pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: Option<&Path>) -> Answer {
+    let mut text = format!("{}\n\n{}", result.plan.question, families(result).render(0));
+    let _ = writeln!(text, "\n{runs} runs, {failed} failed. Smaller is better; geometric means over runs.");
+    let estimator = result.plan.identification.estimators.last().map_or("", String::as_str);
+    for part in &result.conditions {
+        if result.conditions.len() > 1 {
+            let _ = writeln!(text, "\n{}: {}", part.condition.name, statuses(part));
+        } else if failed > 0 {
+            let _ = writeln!(text, "How they ended: {}.", statuses(part));
+        }
+        headline(&mut text, &part.findings, estimator);
+        over_truths(&mut text, &part.findings, estimator);
+    }
+    if let Some(paper) = &result.paper {
+        let _ = writeln!(text);
+        for claim in &paper.claims {
+            let _ = writeln!(text, "{:>14}  {}", claim.verdict.words(), claim.claim);
+        }
+    }
+    if let Some(report) = report {
+        let _ = writeln!(text, "\nreport: {}", report.display());
+    }
+    let json = serde_json::json!({
+        "name": result.plan.name,
+        "runs": runs,
+        "failed": failed,
+        "report": report.map(|report| report.display().to_string()),
+        "findings": result.findings(),
+        "conditions": &result.conditions,
+        "paper": &result.paper,
+    });
+    Answer { text, json }
+}
+
+/// How the runs under a condition ended.
+fn statuses(part: &ConditionResult) -> String {
+    let counts = part.statuses.iter().map(|count| format!("{} {}", count.runs, count.status));
+    counts.collect::<Vec<_>>().join(", ")
+}
+
+/// The two families of the question, by every metric.
+fn headline(text: &mut String, findings: &Findings, estimator: &str) {
+    let pair = findings.comparisons.iter().filter(|c| {
+        c.estimator == estimator
+            && [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str()))
+    });
+    for c in pair {
+        let sign = if c.metric.is_logarithmic() { "−" } else { "/" };
+        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]", i.low, i.high));
+        let verdict = c.better.as_ref().map_or_else(|| "undecided".to_owned(), |better| format!("{better} is better"));
+        let _ = writeln!(
+            text,
+            "{}, {} {sign} {}: {:.3}{interval}, {verdict}",
+            c.metric.title(),
+            c.first,
+            c.second,
+            c.difference
+        );
+    }
+}
+
+/// The same two over random truths.
+fn over_truths(text: &mut String, findings: &Findings, estimator: &str) {
+    let pair = findings.over_truths.iter().filter(|c| {
+        c.estimator == estimator
+            && [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str()))
+    });
+    for c in pair {
+        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]", i.low, i.high));
+        let _ = writeln!(
+            text,
+            "over {} truths, {}, {} / {}: {:.3}{interval}, from {:.3} to {:.3}; {} is better for {}",
+            c.truths,
+            c.metric.title(),
+            c.first,
+            c.second,
+            c.ratio,
+            c.range.low,
+            c.range.high,
+            c.first,
+            c.first_better
+        );
+    }
+}
+
+fn families(result: &StudyResult) -> Table {
+    let mut table = Table::new(&[
+        ("family", Align::Left),
+        ("estimator", Align::Left),
+        ("designs", Align::Right),
+        ("runs", Align::Right),
+        ("prediction N·m", Align::Right),
+        ("of rating", Align::Right),
+        ("log volume", Align::Right),
+        ("reference", Align::Right),
+        ("coverage %", Align::Right),
+    ]);
+    for family in &result.findings().families {
+        let mut row =
+            vec![family.family.clone(), family.estimator.clone(), family.designs.to_string(), family.runs.to_string()];
+        row.extend((0..Metric::ALL.len()).map(|m| family.values[m].map_or_else(|| "–".to_owned(), short)));
+        row.push(format!("{:.1}", 100.0 * family.coverage));
+        table.row(row);
+    }
+    table
+}
+
+fn short(value: f64) -> String {
+    if value.abs() >= 1e-3 { format!("{value:.4}") } else { number(value) }
+}

@@ -1,0 +1,56 @@
+//! The guard on the command line: what a person says of it, and how an arm is put behind it.
+
+use std::io::{IsTerminal, Write};
+use std::path::PathBuf;
+
+use armid_hardware::guard::Confirmation;
+use armid_io::Error as Fault;
+use miette::Result;
+
+use crate::arms::Speed;
+
+/// What may be said of the guard.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct GuardArguments {
+    /// Watch a simulated arm too; a real one always is
+    #[arg(long)]
+    pub(crate) guard: bool,
+    /// Part of the speed of the motion, such as 10%: the same path, more slowly
+    #[arg(long, value_name = "PERCENT")]
+    pub(crate) speed: Option<Speed>,
+    /// Perform the motion at 10 %, 50 % and 100 % of its speed, one after the other
+    #[arg(long, conflicts_with = "speed")]
+    pub(crate) first_run: bool,
+    /// Recordings that show that a real arm did this motion more slowly before
+    #[arg(long, value_name = "R.mcap", num_args = 1..)]
+    pub(crate) earlier: Vec<PathBuf>,
+    /// The emergency stop works and is in reach, the arm is homed, nobody is near: in place of typing the robot's name
+    #[arg(long)]
+    pub(crate) yes_the_estop_works: bool,
+}
+
+impl GuardArguments {
+    /// The speeds to go through, in order.
+    pub(crate) fn speeds(&self) -> Vec<Speed> {
+        if self.first_run { Speed::STEPS.to_vec() } else { vec![self.speed.unwrap_or(Speed::FULL)] }
+    }
+
+    /// A person's word that a robot may move.
+    pub(crate) fn confirmation(&self, robot: &str) -> Result<Confirmation> {
+        if self.yes_the_estop_works {
+            return Ok(Confirmation::on_the_command_line());
+        }
+        let help = "type the robot's name at a terminal, or say --yes-the-estop-works";
+        let unconfirmed = |message: String| Fault::new(message).help(help);
+        if !(std::io::stdin().is_terminal() && std::io::stderr().is_terminal()) {
+            return Err(unconfirmed("nobody confirmed that the emergency stop works".to_owned()).into());
+        }
+        let mut answer = String::new();
+        let asked = write!(std::io::stderr(), "{}", Confirmation::question(robot))
+            .and_then(|()| std::io::stderr().flush())
+            .and_then(|()| std::io::stdin().read_line(&mut answer));
+        asked.map_err(|error| unconfirmed(format!("nobody could be asked: {error}")))?;
+        Confirmation::typed(robot, &answer)
+            .ok_or_else(|| unconfirmed(format!("found \"{}\", expected \"{robot}\"", answer.trim())).into())
+    }
+}

@@ -1,0 +1,82 @@
+//! Which limits a design holds, on the command line.
+
+use armid::excitation::DesignProblem;
+use armid::excitation::effort::ParameterSpread;
+use armid::model::{Obstacle, Robot};
+use armid_io::{Error, LoadedRobot};
+use miette::Result;
+
+/// The part of the torque and current limits that may be used where the nominal parameters state no uncertainty.
+const WITHOUT_UNCERTAINTY: f64 = 0.9;
+
+/// Which limits hold.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct LimitArguments {
+    /// Largest acceleration of every joint, in place of the robot's own limits
+    #[arg(long, value_name = "RAD_S2")]
+    max_acceleration: Option<f64>,
+    /// Do not hold the limits of torque and current
+    #[arg(long)]
+    ignore_torque: bool,
+    /// Probability with which torque and current keep their limits at any one instant, by the uncertainty that the
+    /// nominal parameters state; 0.5 holds them for the nominal parameters alone
+    #[arg(long, value_name = "P", default_value_t = 0.95)]
+    confidence: f64,
+    /// Length of the ramps in which the limits hold as well, s
+    #[arg(long, value_name = "S", default_value_t = 2.0)]
+    ramp: f64,
+    /// Hold the limits on the period alone, not on the ramps around it
+    #[arg(long)]
+    no_ramps: bool,
+    /// Distance to keep between the robot's bodies and from what stands around it, m
+    #[arg(long, value_name = "M", default_value_t = 0.0)]
+    clearance: f64,
+    /// Do not hold any clearance
+    #[arg(long)]
+    ignore_clearance: bool,
+    /// Keep everything above this height of the base frame, m, beside what the robot file says
+    #[arg(long, value_name = "Z")]
+    keep_above: Option<f64>,
+}
+
+impl LimitArguments {
+    /// The robot with the limits and obstacles that were given.
+    pub(crate) fn robot(&self, loaded: &LoadedRobot) -> Result<Robot> {
+        let mut robot = loaded.robot.clone();
+        if let Some(acceleration) = self.max_acceleration {
+            robot = robot
+                .with_joints(|joint| joint.limits.acceleration = acceleration)
+                .map_err(|fault| Error::new(format!("--max-acceleration: {fault}")))?;
+        }
+        if let Some(z) = self.keep_above {
+            if !z.is_finite() {
+                return Err(Error::new(format!("--keep-above is {z}, expected a finite number, m")).into());
+            }
+            robot = robot.with_obstacle(Obstacle::above("keep-above", z));
+        }
+        Ok(robot)
+    }
+
+    /// Sets the limits of a problem for a robot from [`Self::robot`].
+    pub(crate) fn fill(&self, problem: &mut DesignProblem, loaded: &LoadedRobot) -> Result<()> {
+        if !(0.5..1.0).contains(&self.confidence) {
+            let message = format!("--confidence is {}, expected 0.5 or more and less than 1", self.confidence);
+            return Err(Error::new(message).into());
+        }
+        problem.ramp_s = (!self.no_ramps).then_some(self.ramp);
+        problem.clearance_m = (!self.ignore_clearance).then_some(self.clearance);
+        if self.ignore_torque {
+            return Ok(());
+        }
+        problem.nominal = loaded.nominal.clone().or_else(|| loaded.own.clone());
+        match (&problem.nominal, &loaded.uncertainty) {
+            (Some(nominal), Some(shares)) => {
+                let multiple = ParameterSpread::multiple_of(self.confidence);
+                problem.spread = Some(ParameterSpread::of(&problem.robot, nominal, shares, multiple));
+                problem.margins.torque = 1.0;
+            }
+            _ => problem.margins.torque = WITHOUT_UNCERTAINTY,
+        }
+        Ok(())
+    }
+}

@@ -1,0 +1,13 @@
+//! Arguments that several commands take.
+
+mod choices;
+mod guard_arguments;
+mod limit_arguments;
+mod log_arguments;
+mod robot_arguments;
+
+pub(crate) use choices::one_of;
+pub(crate) use guard_arguments::GuardArguments;
+pub(crate) use limit_arguments::LimitArguments;
+pub(crate) use log_arguments::LogArguments;
+pub(crate) use robot_arguments::{ChainArguments, RobotArguments};

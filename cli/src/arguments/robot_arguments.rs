@@ -1,0 +1,37 @@
+//! ROBOT on the command line.
+
+use armid::model::format::ChainEnds;
+use armid_io::{Error, LoadedRobot, robot};
+
+/// Which robot.
+#[derive(Clone, Debug, clap::Args)]
+pub(crate) struct RobotArguments {
+    /// A bundled name (`armid robot` lists them), a robot.toml, a .urdf or an MJCF .xml file
+    pub(crate) robot: String,
+    #[command(flatten)]
+    pub(crate) chain: ChainArguments,
+}
+
+/// Which chain of a tree.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct ChainArguments {
+    /// Link at which the chain begins, in a URDF or MJCF tree
+    #[arg(long, value_name = "LINK")]
+    pub(crate) base_link: Option<String>,
+    /// Link at which the chain ends, in a URDF or MJCF tree
+    #[arg(long, value_name = "LINK")]
+    pub(crate) tip_link: Option<String>,
+}
+
+impl RobotArguments {
+    pub(crate) fn load(&self) -> Result<LoadedRobot, Error> {
+        self.chain.load(&self.robot)
+    }
+}
+
+impl ChainArguments {
+    /// The robot that is called so.
+    pub(crate) fn load(&self, name: &str) -> Result<LoadedRobot, Error> {
+        robot::load(name, &ChainEnds { base: self.base_link.clone(), tip: self.tip_link.clone() }, None)
+    }
+}

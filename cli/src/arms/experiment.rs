@@ -1,0 +1,95 @@
+//! An experiment with the arm that performs it: what `experiment.toml` says in `arm`, `[ros2]` and `[guard]`.
+
+use std::ops::{Deref, DerefMut};
+
+use armid_hardware::guard::{Confirmation, GuardSettings};
+use armid_hardware::link::LinkSettings;
+use armid_io::{Error, Text, experiment, suggestion};
+use armid_sim::Engine;
+use serde::Deserialize;
+use toml::Spanned;
+
+use super::ArmKind;
+
+/// What the file says of the arm; what it says of the experiment is read by `armid-io`.
+#[derive(Deserialize)]
+struct File {
+    arm: Option<Spanned<String>>,
+    ros2: Option<Spanned<LinkSettings>>,
+    guard: Option<Spanned<GuardSettings>>,
+}
+
+/// An experiment and its arm.
+#[derive(Clone, Debug)]
+pub(crate) struct Experiment {
+    /// What is performed; its fields are those of this value too.
+    pub(crate) planned: experiment::Experiment,
+    /// What performs it.
+    pub(crate) arm: ArmKind,
+    /// How the robot of `arm = "ros2"` is reached.
+    pub(crate) ros2: LinkSettings,
+    /// Where the guard draws its lines.
+    pub(crate) guard: GuardSettings,
+    /// Whether a simulated arm is watched too.
+    pub(crate) guarded: bool,
+    /// A person's word that a real arm may move.
+    pub(crate) confirmation: Option<Confirmation>,
+}
+
+impl Deref for Experiment {
+    type Target = experiment::Experiment;
+
+    fn deref(&self) -> &Self::Target {
+        &self.planned
+    }
+}
+
+impl DerefMut for Experiment {
+    fn deref_mut(&mut self) -> &mut Self::Target {
+        &mut self.planned
+    }
+}
+
+impl Experiment {
+    /// Finds and reads an experiment: a bundled name, a folder, or the TOML itself.
+    pub(crate) fn load(name: &str) -> Result<Self, Error> {
+        Self::of(experiment::load(name)?)
+    }
+
+    fn of(planned: experiment::Experiment) -> Result<Self, Error> {
+        let text = &planned.text;
+        let file: File = toml::from_str(&text.content).map_err(|error| Error::of_toml(text, &error))?;
+        let arm = match &file.arm {
+            None => ArmKind::Simulated(Engine::Analytic),
+            Some(name) => arm(name, text)?,
+        };
+        let checked =
+            |error: &dyn std::fmt::Display, span| Error::new(error.to_string()).at(text, span, "in this table");
+        let ros2 = file.ros2.map_or_else(
+            || Ok(LinkSettings::default()),
+            |table| {
+                let span = table.span();
+                let settings = table.into_inner();
+                settings.check().map_err(|error| checked(&error, span)).map(|()| settings)
+            },
+        )?;
+        let guard = file.guard.map_or_else(
+            || Ok(GuardSettings::default()),
+            |table| {
+                let span = table.span();
+                let settings = table.into_inner();
+                settings.check().map_err(|error| checked(&error, span)).map(|()| settings)
+            },
+        )?;
+        Ok(Self { planned, arm, ros2, guard, guarded: false, confirmation: None })
+    }
+}
+
+fn arm(name: &Spanned<String>, text: &Text) -> Result<ArmKind, Error> {
+    ArmKind::parse(name.get_ref()).ok_or_else(|| {
+        let names = ArmKind::ALL.map(ArmKind::name);
+        Error::new(format!("arm is \"{}\", expected one of {}", name.get_ref(), names.join(", ")))
+            .at(text, name.span(), "here")
+            .maybe_help(suggestion::nearest(name.get_ref(), names).map(|near| format!("did you mean \"{near}\"?")))
+    })
+}

@@ -1,0 +1,50 @@
+//! The arms that can perform an experiment: one word switches between them.
+
+use armid_sim::Engine;
+
+/// Every arm, listed once.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum ArmKind {
+    /// The arm simulated by an engine.
+    Simulated(Engine),
+    /// A stored recording.
+    Replay,
+    /// A real arm that speaks ROS 2.
+    Ros2,
+}
+
+impl ArmKind {
+    /// Those that simulate.
+    pub(crate) const SIMULATED: [Self; Engine::ALL.len()] = {
+        let mut arms = [Self::Replay; Engine::ALL.len()];
+        let mut i = 0;
+        while i < arms.len() {
+            arms[i] = Self::Simulated(Engine::ALL[i]);
+            i += 1;
+        }
+        arms
+    };
+
+    pub(crate) const ALL: [Self; Self::SIMULATED.len() + 2] = {
+        let mut arms = [Self::Replay; Self::SIMULATED.len() + 2];
+        arms[Self::SIMULATED.len() + 1] = Self::Ros2;
+        let mut i = 0;
+        while i < Self::SIMULATED.len() {
+            arms[i] = Self::SIMULATED[i];
+            i += 1;
+        }
+        arms
+    };
+
+    pub(crate) const fn name(self) -> &'static str {
+        match self {
+            Self::Simulated(engine) => engine.name(),
+            Self::Replay => "replay",
+            Self::Ros2 => "ros2",
+        }
+    }
+
+    pub(crate) fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|arm| arm.name() == name)
+    }
+}

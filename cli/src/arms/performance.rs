@@ -1,0 +1,85 @@
+//! An experiment being performed by one of the arms.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use armid::experiment::{Arm, Ending, Replay, Sink, Tracking};
+use armid::seed::Seed;
+use armid_hardware::guard::{GuardRecord, Guarded, Mode};
+use armid_hardware::guarded_ros2;
+use armid_hardware::link::StampFindings;
+use armid_io::{Error, Log};
+use miette::Result;
+
+use super::{ArmKind, Experiment, Simulation};
+
+/// An experiment's end, how well a simulated servo followed its command, and what guard and link saw.
+pub(crate) struct Performed {
+    pub(crate) ending: Ending,
+    pub(crate) tracking: Option<Tracking>,
+    pub(crate) guard: Option<GuardRecord>,
+    pub(crate) stamps: Option<StampFindings>,
+}
+
+impl Performed {
+    /// What goes into the recording beside its ending.
+    pub(crate) fn remarks(&self) -> BTreeMap<String, String> {
+        let mut remarks = BTreeMap::new();
+        let mut remark = |key: &str, value: Option<serde_json::Result<String>>| {
+            if let Some(Ok(value)) = value {
+                remarks.insert(key.to_owned(), value);
+            }
+        };
+        remark("guard", self.guard.as_ref().map(serde_json::to_string));
+        remark("stamps", self.stamps.as_ref().map(serde_json::to_string));
+        remarks
+    }
+}
+
+/// Performs an experiment on an arm. `recording` is what `replay` plays.
+pub(crate) fn perform(
+    kind: ArmKind,
+    experiment: &Experiment,
+    recording: Option<&Path>,
+    sink: &mut dyn Sink,
+) -> Result<Performed> {
+    let fault = |error: &dyn std::fmt::Display| Error::new(format!("arm {}: {error}", kind.name()));
+    match kind {
+        ArmKind::Simulated(_) => {
+            let simulation = Simulation::of(experiment.robot.clone(), kind)?.with_effects(experiment.effects.clone());
+            let mut servo = simulation
+                .servo(&experiment.sensing)
+                .map_err(|error| fault(&error))?
+                .with_seed(Seed::new(experiment.seed), experiment.run);
+            if !experiment.guarded {
+                let ending = servo.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+                return Ok(Performed { ending, tracking: servo.tracking().cloned(), guard: None, stamps: None });
+            }
+            let robot = simulation.robot().clone();
+            // A simulated servo has the whole motion before it begins, as a robot's computer has.
+            let mut guarded = Guarded::new(servo, &robot, &experiment.guard, Mode::Trajectory);
+            let ending = guarded.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+            let (guard, tracking) = (Some(guarded.record().clone()), guarded.arm().tracking().cloned());
+            Ok(Performed { ending, tracking, guard, stamps: None })
+        }
+        ArmKind::Replay => {
+            let Some(path) = recording else {
+                return Err(Error::new("arm replay needs --recording R.mcap: what it plays").into());
+            };
+            let recording = Log::read(path)?.into_recording()?;
+            let ending = Replay(recording).perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+            Ok(Performed { ending, tracking: None, guard: None, stamps: None })
+        }
+        ArmKind::Ros2 => {
+            let Some(confirmation) = experiment.confirmation.clone() else {
+                return Err(Error::new("arm ros2 moves metal, and nobody confirmed that it may").into());
+            };
+            let (robot, text) = (&experiment.robot.robot, experiment.robot.text.content.as_ref());
+            let mut arm = guarded_ros2(&experiment.ros2, &experiment.guard, robot, text, confirmation)
+                .map_err(|error| fault(&error))?;
+            let ending = arm.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+            let (guard, stamps) = (Some(arm.record()), Some(arm.findings().clone()));
+            Ok(Performed { ending, tracking: None, guard, stamps })
+        }
+    }
+}

@@ -1,0 +1,310 @@
+//! A study being performed: designs and runs on all cores, each kept in a journal as soon as it is finished.
+
+use std::collections::HashSet;
+use std::path::{Path, PathBuf};
+use std::sync::Mutex;
+use std::time::Instant;
+
+use armid::experiment::Sensing;
+use armid::provenance::{Provenance, sha256};
+use armid::seed::Seed;
+use armid::study::paper::examine;
+use armid::study::{Examples, Experiment, Outcome, PaperResult, Slot, Stage, StudyDesign, StudyPlan, StudyStory};
+use indicatif::ProgressBar;
+use miette::Result;
+use rayon::prelude::*;
+
+use armid::model::format::ChainEnds;
+use armid_io::output::write_text;
+use armid_io::study::{Journal, Piece, plan_text, write_study, write_timing};
+use armid_io::{Error, robot};
+
+use super::report::write_report;
+use crate::answers::study as study_answer;
+use crate::arms::{ArmKind, Simulation};
+use crate::interrupt;
+use crate::terminal::{Console, Ending, progress};
+
+/// So many families of a study are shown against their limits.
+const SHOWN_FAMILIES: usize = 8;
+
+/// Part `k` of `n`, counted from one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shard {
+    pub(crate) k: usize,
+    pub(crate) n: usize,
+}
+
+/// A study and the arms that it is performed on, one per condition.
+pub(crate) struct Prepared {
+    stage: Stage,
+    simulations: Vec<Simulation>,
+}
+
+impl Prepared {
+    /// Everything that a study needs before its first design; an arm that cannot be built is found here.
+    pub(crate) fn new(plan: StudyPlan, beside: Option<&Path>) -> Result<Self> {
+        let loaded = robot::load(&plan.robot, &ChainEnds::default(), beside)?;
+        let simulations = plan
+            .conditions()
+            .iter()
+            .map(|condition| {
+                let arm = ArmKind::parse(&condition.engine)
+                    .ok_or_else(|| Error::new(format!("there is no engine \"{}\"", condition.engine)))?;
+                let simulation =
+                    Simulation::of(loaded.clone(), arm)?.with_effects(plan.effects.and(&condition.effects));
+                simulation.servo(&Sensing::ideal()).map_err(|error| Error::new(format!("arm {error}")))?;
+                Ok(simulation)
+            })
+            .collect::<Result<Vec<_>>>()?;
+        let first = &simulations[0];
+        let (robot, nominal) = (first.robot().clone(), first.nominal.clone());
+        let stage = Stage::new(plan, robot, nominal, &first.truth).map_err(in_words)?;
+        Ok(Self { stage, simulations })
+    }
+
+    pub(crate) fn performance<'a>(
+        &'a self,
+        output: &'a Path,
+        shard: Option<Shard>,
+        console: &'a Console,
+    ) -> Performance<'a> {
+        Performance { stage: &self.stage, simulations: &self.simulations, output, shard, console }
+    }
+}
+
+pub(crate) fn in_words(error: impl std::fmt::Display) -> Error {
+    Error::new(error.to_string())
+}
+
+/// One study being performed.
+pub(crate) struct Performance<'a> {
+    stage: &'a Stage,
+    simulations: &'a [Simulation],
+    output: &'a Path,
+    shard: Option<Shard>,
+    console: &'a Console,
+}
+
+/// A design with its bound and the seconds that it took.
+type Made = (StudyDesign, Vec<f64>, f64);
+
+/// All finished work.
+pub(crate) struct Work {
+    designs: Vec<Made>,
+    outcomes: Vec<(Outcome, f64)>,
+    journal: Journal,
+}
+
+impl Performance<'_> {
+    /// The arm of the first condition, which single cases and bounds are taken from.
+    fn first(&self) -> &Simulation {
+        &self.simulations[0]
+    }
+
+    /// What decides the rows: stored work with another identity belongs to another study.
+    pub(crate) fn identity(&self) -> Result<String> {
+        Ok(sha256(&plan_text(self.stage.plan())?))
+    }
+
+    /// The journal in the output folder, and what it holds already; the plan stands beside it.
+    pub(crate) fn journal(&self, resume: bool) -> Result<(Journal, Vec<Piece>)> {
+        let opened = Journal::open(self.output, &self.identity()?, resume)?;
+        write_text(&self.output.join("study.toml"), &plan_text(self.stage.plan())?)?;
+        Ok(opened)
+    }
+
+    /// Every run of the study, or of its part.
+    fn planned(&self) -> Vec<Slot> {
+        let mine = |position: usize| self.shard.is_none_or(|shard| position % shard.n == shard.k - 1);
+        let all = self.stage.slots().into_iter().enumerate();
+        all.filter(|(position, _)| mine(*position)).map(|(_, slot)| slot).collect()
+    }
+
+    /// How many planned runs are not among the pieces.
+    pub(crate) fn missing(&self, pieces: &[Piece]) -> usize {
+        let have: HashSet<Slot> = pieces
+            .iter()
+            .filter_map(|piece| match piece {
+                Piece::Run { outcome, .. } => Some(outcome.slot()),
+                Piece::Design { .. } => None,
+            })
+            .collect();
+        self.planned().iter().filter(|key| !have.contains(key)).count()
+    }
+
+    /// Makes the designs and performs the runs that are not among the pieces yet; `None` where interrupted.
+    pub(crate) fn perform(&self, journal: Journal, pieces: Vec<Piece>) -> Result<Option<Work>> {
+        let slots = self.stage.designs();
+        let mut designs: Vec<Option<Made>> = vec![None; slots.len()];
+        let mut outcomes: Vec<(Outcome, f64)> = Vec::new();
+        for piece in pieces {
+            match piece {
+                Piece::Design { index, design, bound, seconds } => {
+                    let bound = bound.into_iter().map(|std| std.unwrap_or(f64::INFINITY)).collect();
+                    designs[index] = Some((*design, bound, seconds));
+                }
+                Piece::Run { outcome, seconds } => outcomes.push((*outcome, seconds)),
+            }
+        }
+        let journal = Mutex::new(journal);
+        self.make_designs(&slots, &mut designs, &journal)?;
+        let Some(designs) = designs.into_iter().collect::<Option<Vec<Made>>>() else { return Ok(None) };
+        let complete = self.perform_runs(&designs, &mut outcomes, &journal)?;
+        let journal = journal.into_inner().map_err(in_words)?;
+        Ok(complete.then_some(Work { designs, outcomes, journal }))
+    }
+
+    fn make_designs(
+        &self,
+        slots: &[(usize, usize)],
+        designs: &mut [Option<Made>],
+        journal: &Mutex<Journal>,
+    ) -> Result<()> {
+        let missing: Vec<usize> = (0..slots.len()).filter(|&index| designs[index].is_none()).collect();
+        let bar = progress::bar(self.console, missing.len() as u64, "designs");
+        let made = missing
+            .into_par_iter()
+            .filter(|_| !interrupt::asked())
+            .map(|index| {
+                let begin = Instant::now();
+                let (family, start) = slots[index];
+                let mut chain = self.stage.designs_of_chain(family, start).map_err(in_words)?;
+                let bound = self.bound(&chain)?;
+                let design = chain.pop().ok_or_else(|| Error::new("a chain without designs"))?;
+                let made = (design, bound, begin.elapsed().as_secs_f64());
+                let (design, bound, seconds) = made.clone();
+                let bound = bound.into_iter().map(|std| std.is_finite().then_some(std)).collect();
+                keep(journal, &bar, &Piece::Design { index, design: Box::new(design), bound, seconds })?;
+                Ok((index, made))
+            })
+            .collect::<Result<Vec<_>>>()?;
+        bar.finish_and_clear();
+        for (index, made) in made {
+            designs[index] = Some(made);
+        }
+        Ok(())
+    }
+
+    /// The bound after the experiments of all designs of a chain.
+    fn bound(&self, chain: &[StudyDesign]) -> Result<Vec<f64>> {
+        let mut exact = Vec::new();
+        for design in chain {
+            let plan = self.stage.experiment(&design.trajectory);
+            match self.first().exact_period(&plan) {
+                Ok(states) => exact.push(states),
+                // A motion that runs away has no bound; its runs say why.
+                Err(_) => return Ok(vec![f64::INFINITY; self.stage.base().rank()]),
+            }
+        }
+        Ok(self.stage.bound_of_chain(&exact))
+    }
+
+    /// Whether all runs are there.
+    fn perform_runs(
+        &self,
+        designs: &[Made],
+        outcomes: &mut Vec<(Outcome, f64)>,
+        journal: &Mutex<Journal>,
+    ) -> Result<bool> {
+        let have: HashSet<Slot> = outcomes.iter().map(|(outcome, _)| outcome.slot()).collect();
+        let planned: Vec<Slot> = self.planned().into_iter().filter(|key| !have.contains(key)).collect();
+        let count = planned.len();
+        let bar = progress::bar(self.console, count as u64, "runs");
+        let performed = planned
+            .into_par_iter()
+            .filter(|_| !interrupt::asked())
+            .map(|slot| {
+                let begin = Instant::now();
+                let simulation = self.simulations[slot.condition].made_of(self.stage.truth(slot.run));
+                let mut arms = Vec::new();
+                for index in self.stage.chain(slot.design) {
+                    let (seed, stream) = self.stage.stream(index, slot.run);
+                    arms.push((index, simulation.arm(&Sensing::default(), seed, stream).map_err(in_words)?));
+                }
+                let mut experiments: Vec<Experiment<'_>> = arms
+                    .iter_mut()
+                    .map(|(index, arm)| Experiment { design: &designs[*index].0, arm: &mut **arm })
+                    .collect();
+                let outcome = self.stage.trial_of_chain(slot, &mut experiments);
+                let seconds = begin.elapsed().as_secs_f64();
+                keep(journal, &bar, &Piece::Run { outcome: Box::new(outcome.clone()), seconds })?;
+                Ok((outcome, seconds))
+            })
+            .collect::<Result<Vec<_>>>()?;
+        bar.finish_and_clear();
+        let complete = performed.len() == count;
+        outcomes.extend(performed);
+        outcomes.sort_by_key(|(outcome, _)| outcome.slot());
+        outcomes.dedup_by_key(|(outcome, _)| outcome.slot());
+        Ok(complete)
+    }
+
+    /// Sums up, stores everything, and writes the report.
+    pub(crate) fn finish(&self, work: Work) -> Result<Ending> {
+        self.console.note("summing up");
+        let Work { designs, outcomes, journal } = work;
+        let design_seconds: Vec<f64> = designs.iter().map(|(_, _, seconds)| *seconds).collect();
+        let (designs, bounds): (Vec<StudyDesign>, Vec<Vec<f64>>) =
+            designs.into_iter().map(|(design, bound, _)| (design, bound)).unzip();
+        let (outcomes, run_seconds): (Vec<Outcome>, Vec<f64>) = outcomes.into_iter().unzip();
+        let conditions = self.stage.conditions(&designs, &bounds, &outcomes);
+        let atlas = self.stage.atlas(&designs, &conditions, &outcomes);
+        let paper = if self.stage.plan().paper_claims {
+            let arm = |sensing: &Sensing, seed: Seed, run: u64| self.first().arm(sensing, seed, run);
+            let (claims, table) =
+                examine(self.stage, &self.first().truth, &designs, &conditions[0].findings, &arm).map_err(in_words)?;
+            Some(PaperResult { claims, table })
+        } else {
+            None
+        };
+        let examples = self.examples(&designs, &outcomes)?;
+        let seed = self.stage.plan().seed;
+        let provenance = Provenance::new(self.stage.robot().name(), &self.first().loaded.text.content, Some(seed));
+        let result = self.stage.result(provenance, designs, bounds, (conditions, atlas), paper);
+        let story = StudyStory { result, examples };
+        write_study(self.output, &story, &outcomes)?;
+        write_timing(self.output, &design_seconds, &outcomes, &run_seconds, rayon::current_num_threads())?;
+        let failed = outcomes.iter().filter(|outcome| outcome.failure.is_some()).count();
+        // Where every run failed there is nothing to draw; the rows and the summary say how each ended.
+        let report: Option<PathBuf> =
+            if failed < outcomes.len() { Some(write_report(&self.output.join("report"), &story)?) } else { None };
+        journal.remove()?;
+        self.console.show(&study_answer::answer(&story.result, outcomes.len(), failed, report.as_deref()))?;
+        Ok(if failed == outcomes.len() { Ending::Negative } else { Ending::Done })
+    }
+
+    /// The best design of each family against its limits, and the first validation experiment against what a median
+    /// run of the best one predicts.
+    fn examples(&self, designs: &[StudyDesign], outcomes: &[Outcome]) -> Result<Examples> {
+        let best = |family: usize| {
+            let of_family = designs.iter().enumerate().filter(|(_, design)| design.family == family);
+            of_family.min_by(|(_, a), (_, b)| a.own_value().total_cmp(&b.own_value()))
+        };
+        let families = self.stage.plan().designs.len().min(SHOWN_FAMILIES);
+        let limits =
+            (0..families).filter_map(best).map(|(index, design)| self.stage.limit_example(index, design)).collect();
+        let shown = best(0).and_then(|(index, design)| {
+            let outcome = outcomes.iter().find(|o| (o.design, o.condition) == (index, 0) && o.failure.is_none())?;
+            Some((design, outcome.run, outcome.estimates.iter().rev().find(|estimate| estimate.score.is_some())?))
+        });
+        let prediction = match shown {
+            Some((design, run, estimate)) => {
+                let seed = self.stage.plan().seed.child("validation experiment", 0);
+                let simulation = self.first().made_of(self.stage.truth(run));
+                let mut arm = simulation.arm(&Sensing::default(), seed, 0).map_err(in_words)?;
+                let trajectory = self.stage.validation_trajectory(0).map_err(in_words)?;
+                let samples = self.stage.samples(&trajectory, &mut *arm).ok();
+                samples.map(|samples| self.stage.prediction_example(design, estimate, &samples))
+            }
+            None => None,
+        };
+        Ok(Examples { limits, prediction })
+    }
+}
+
+fn keep(journal: &Mutex<Journal>, bar: &ProgressBar, piece: &Piece) -> Result<()> {
+    journal.lock().map_err(in_words)?.add(piece)?;
+    bar.inc(1);
+    Ok(())
+}

@@ -1,0 +1,15 @@
+//! Standard output, standard error, and who is looking.
+
+mod answer;
+mod console;
+mod global_arguments;
+pub(crate) mod progress;
+pub(crate) mod real_time;
+mod reporter;
+mod table;
+
+pub(crate) use answer::{Answer, Ending};
+pub(crate) use console::Console;
+pub(crate) use global_arguments::GlobalArguments;
+pub(crate) use reporter::install_reporter;
+pub(crate) use table::{Align, Table, number};

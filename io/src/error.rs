@@ -1,0 +1,219 @@
+//! What is wrong with a file or with what was asked of it: its kind, a sentence, the place, and what helps.
+//!
+//! An [`Error`] is shown as `name:line:column: what was found, what was expected`, where it has a place. It is a
+//! [`Diagnostic`] as well: a program with a terminal may show the lines around the place.
+
+use std::fmt;
+use std::io;
+use std::ops::Range;
+use std::path::Path;
+use std::sync::Arc;
+
+use armid::model::format::FormatError;
+use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
+
+use crate::suggestion;
+use crate::text::Text;
+
+/// Why something could not be read, understood or written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[non_exhaustive]
+pub enum ErrorKind {
+    /// The file is there, or ought to be, and cannot be read.
+    Unreadable(io::ErrorKind),
+    /// The file cannot be written.
+    Unwritable(io::ErrorKind),
+    /// A name is neither a file nor one of those that are compiled in.
+    Unknown,
+    /// What was found is not what was expected.
+    Invalid,
+    /// Two things that are well by themselves do not belong together: a recording and another robot, say.
+    Mismatch,
+}
+
+/// Something is wrong with what was given.
+#[derive(Debug)]
+pub struct Error {
+    kind: ErrorKind,
+    message: String,
+    help: Option<String>,
+    place: Option<Box<Place>>,
+}
+
+/// Where in a text it is.
+#[derive(Debug)]
+struct Place {
+    source: NamedSource<Arc<str>>,
+    span: Range<usize>,
+    label: String,
+    line: usize,
+    column: usize,
+}
+
+impl Error {
+    /// Something is not as expected.
+    pub fn new(message: impl Into<String>) -> Self {
+        Self { kind: ErrorKind::Invalid, message: message.into(), help: None, place: None }
+    }
+
+    /// A name is neither a file nor compiled in.
+    pub fn unknown(message: impl Into<String>) -> Self {
+        Self { kind: ErrorKind::Unknown, ..Self::new(message) }
+    }
+
+    /// Two things do not belong together.
+    pub fn mismatch(message: impl Into<String>) -> Self {
+        Self { kind: ErrorKind::Mismatch, ..Self::new(message) }
+    }
+
+    /// A file cannot be read.
+    #[must_use]
+    pub fn unreadable(path: &Path, error: &io::Error) -> Self {
+        let message = format!("{} cannot be read: {error}", path.display());
+        Self { kind: ErrorKind::Unreadable(error.kind()), ..Self::new(message) }
+    }
+
+    /// A file cannot be written.
+    #[must_use]
+    pub fn unwritable(path: &Path, error: &io::Error) -> Self {
+        let message = format!("{} cannot be written: {error}", path.display());
+        Self { kind: ErrorKind::Unwritable(error.kind()), ..Self::new(message) }
+    }
+
+    /// An error of one of the core's text formats, shown in the text.
+    #[must_use]
+    pub fn of_format(text: &Text, error: &FormatError) -> Self {
+        let shown = Self::new(&error.message).maybe_help(suggestion::from_list_in(&error.message));
+        match &error.span {
+            Some(span) => shown.at(text, span.clone(), "here"),
+            None => shown.at_line(text, error.line, error.column),
+        }
+    }
+
+    /// An error of the reader of JSON, shown in the text.
+    #[must_use]
+    pub fn of_json(text: &Text, error: &serde_json::Error) -> Self {
+        let message = error.to_string();
+        let message = message.split(" at line ").next().unwrap_or_default();
+        Self::new(message).at_line(text, error.line(), error.column())
+    }
+
+    /// An error of the reader of TOML, shown in the text.
+    #[must_use]
+    pub fn of_toml(text: &Text, error: &toml::de::Error) -> Self {
+        let message = error.message().trim_end();
+        Self::new(message).at(text, error.span().unwrap_or(0..0), "here").maybe_help(suggestion::from_list_in(message))
+    }
+
+    /// The same error at some bytes of a text; the label stands under them.
+    #[must_use]
+    pub fn at(mut self, text: &Text, span: Range<usize>, label: impl Into<String>) -> Self {
+        let (line, column) = text.position(span.start);
+        let end = span.end.clamp(span.start, text.content.len().max(span.start));
+        let source = NamedSource::new(&text.name, Arc::clone(&text.content));
+        self.place = Some(Box::new(Place { source, span: span.start..end, label: label.into(), line, column }));
+        self
+    }
+
+    /// The same error at a line and a column that a reader reported.
+    #[must_use]
+    pub fn at_line(self, text: &Text, line: usize, column: usize) -> Self {
+        let start = text.offset(line, column);
+        let rest = &text.content[start..];
+        let word = rest.find(['\n', ' ', ',', ']', '\r']).unwrap_or(rest.len()).max(usize::from(!rest.is_empty()));
+        let mut end = start + word;
+        while !text.content.is_char_boundary(end) {
+            end += 1;
+        }
+        self.at(text, start..end, "here")
+    }
+
+    /// The same error with what helps.
+    #[must_use]
+    pub fn help(mut self, help: impl Into<String>) -> Self {
+        self.help = Some(help.into());
+        self
+    }
+
+    /// The same error with what helps, where anything does.
+    #[must_use]
+    pub fn maybe_help(mut self, help: Option<String>) -> Self {
+        self.help = help.or(self.help);
+        self
+    }
+
+    /// What helps, where anything does.
+    #[must_use]
+    pub fn hint(&self) -> Option<&str> {
+        self.help.as_deref()
+    }
+
+    /// What kind of error it is.
+    #[must_use]
+    pub const fn kind(&self) -> ErrorKind {
+        self.kind
+    }
+
+    /// What was found and what was expected, without the place.
+    #[must_use]
+    pub fn message(&self) -> &str {
+        &self.message
+    }
+
+    /// The text's name, and line and column in it, both counted from one; `None` where the error is about no place.
+    #[must_use]
+    pub fn place(&self) -> Option<(&str, usize, usize)> {
+        self.place.as_ref().map(|place| (place.source.name(), place.line, place.column))
+    }
+}
+
+impl fmt::Display for Error {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self.place() {
+            Some((name, line, column)) => write!(f, "{name}:{line}:{column}: {}", self.message),
+            None => f.write_str(&self.message),
+        }
+    }
+}
+
+impl std::error::Error for Error {}
+
+impl Diagnostic for Error {
+    fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
+        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+    }
+
+    fn source_code(&self) -> Option<&dyn SourceCode> {
+        self.place.as_ref().map(|place| &place.source as &dyn SourceCode)
+    }
+
+    fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
+        let place = self.place.as_ref()?;
+        let label = LabeledSpan::new_with_span(Some(place.label.clone()), place.span.clone());
+        Some(Box::new(std::iter::once(label)))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Error, ErrorKind};
+    use crate::text::Text;
+
+    #[test]
+    fn a_place_is_counted_from_one_in_characters() {
+        let text = Text::new("t.toml", "ä = 1\nöö = 2, 3\n");
+        let error = Error::new("odd").at_line(&text, 2, 6);
+        assert_eq!(error.place(), Some(("t.toml", 2, 6)));
+        assert_eq!(error.to_string(), "t.toml:2:6: odd");
+        assert_eq!(error.kind(), ErrorKind::Invalid);
+        // Past the end is the end.
+        assert_eq!(Error::new("odd").at_line(&text, 9, 9).place(), Some(("t.toml", 3, 1)));
+    }
+
+    #[test]
+    fn a_file_that_is_not_there_says_so() {
+        let error = Text::read(std::path::Path::new("/nonexistent/x.toml")).unwrap_err();
+        assert_eq!(error.kind(), ErrorKind::Unreadable(std::io::ErrorKind::NotFound));
+        assert!(error.to_string().starts_with("/nonexistent/x.toml cannot be read: "), "{error}");
+    }
+}

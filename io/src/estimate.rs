@@ -1,0 +1,90 @@
+//! Estimates as `armid identify` writes them: one, or a list where several estimators were asked.
+
+use std::path::Path;
+
+use armid::estimation::Estimate;
+use armid::provenance::sha256;
+
+use crate::error::Error;
+use crate::robot::LoadedRobot;
+use crate::text::Text;
+
+const EXPECTED: &str = "expected an estimate of `armid identify`";
+
+/// Reads a file that holds one estimate.
+///
+/// # Errors
+/// [`Error`] where it cannot be read or holds something else.
+pub fn read(path: &Path) -> Result<Estimate, Error> {
+    parse(&Text::read(path)?)
+}
+
+/// One estimate.
+///
+/// # Errors
+/// [`Error`] with line and column where the text is none, or a list.
+pub fn parse(text: &Text) -> Result<Estimate, Error> {
+    if is_list(text) {
+        let message = format!("{} holds a list of estimates, expected one", text.name);
+        return Err(Error::new(message).help("name one --estimator in `armid identify`"));
+    }
+    serde_json::from_str(&text.content).map_err(|error| Error::of_json(text, &error).help(EXPECTED))
+}
+
+/// One estimate, or the list that several estimators make; at least one.
+///
+/// # Errors
+/// [`Error`] with line and column where the text holds something else, or an empty list.
+pub fn parse_all(text: &Text) -> Result<Vec<Estimate>, Error> {
+    if !is_list(text) {
+        return Ok(vec![parse(text)?]);
+    }
+    let estimates: Vec<Estimate> =
+        serde_json::from_str(&text.content).map_err(|error| Error::of_json(text, &error).help(EXPECTED))?;
+    if estimates.is_empty() {
+        return Err(Error::new(format!("{} holds an empty list, expected at least one estimate", text.name)));
+    }
+    Ok(estimates)
+}
+
+fn is_list(text: &Text) -> bool {
+    text.content.trim_start().starts_with('[')
+}
+
+/// An estimate is of this very robot: the same name and, where the estimate says it, the same file. `name` is what the
+/// error calls the estimate.
+///
+/// # Errors
+/// [`Error`] where it is of another one.
+pub fn check_robot(estimate: &Estimate, name: &str, loaded: &LoadedRobot) -> Result<(), Error> {
+    if estimate.robot != loaded.robot.name() {
+        return Err(mismatch(name, "robot", &estimate.robot, loaded.robot.name()));
+    }
+    if let Some(provenance) = &estimate.provenance {
+        let expected = sha256(&loaded.text.content);
+        if provenance.robot_sha256 != expected {
+            return Err(mismatch(name, "SHA-256 of the robot file", &provenance.robot_sha256, &expected));
+        }
+    }
+    Ok(())
+}
+
+pub(crate) fn mismatch(name: &str, what: &str, found: &str, expected: &str) -> Error {
+    Error::mismatch(format!("{name}: the {what} is \"{found}\", expected \"{expected}\""))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{parse, parse_all};
+    use crate::text::Text;
+
+    #[test]
+    fn what_is_no_estimate_is_refused_with_its_place() {
+        let refused = |text: &str| parse_all(&Text::new("e.json", text)).unwrap_err().to_string();
+        assert_eq!(refused("[]"), "e.json holds an empty list, expected at least one estimate");
+        assert!(refused("{\n \"estimator\": 3}").starts_with("e.json:2:15: invalid type: integer `3`"));
+        assert!(refused("[{}]").starts_with("e.json:1:3: missing field"));
+        let list = parse(&Text::new("e.json", "[]")).unwrap_err();
+        assert_eq!(list.to_string(), "e.json holds a list of estimates, expected one");
+    }
+}

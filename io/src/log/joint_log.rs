@@ -1,0 +1,93 @@
+//! What identification reads: a log of positions and efforts, from whatever recorded it.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use armid::experiment::Recording;
+use armid::model::EffortInterface;
+use armid::model::format::ChainEnds;
+
+use super::{csv, mcap};
+use crate::error::Error;
+use crate::robot::LoadedRobot;
+use crate::text::Text;
+
+/// Positions and efforts of some joints at a constant rate.
+#[derive(Clone, Debug)]
+pub struct Log {
+    /// The file.
+    pub name: String,
+    /// Names of the joints, where the file has them.
+    pub joints: Option<Vec<String>>,
+    /// Number of joints n.
+    pub dof: usize,
+    /// Samples per second, Hz.
+    pub rate_hz: f64,
+    /// What the efforts are; `None` where the file does not say and the robot decides.
+    pub effort_unit: Option<EffortInterface>,
+    /// Joint coordinates, rad (m); N × n.
+    pub q: Vec<f64>,
+    /// Efforts, A or N·m (N); N × n.
+    pub effort: Vec<f64>,
+    /// The robot that was recorded, where the file holds it.
+    pub robot: Option<RecordedRobot>,
+    /// The experiment, where armid performed it.
+    pub recording: Option<Recording>,
+    /// What else an armid recording says of itself, as texts.
+    pub notes: BTreeMap<String, String>,
+    /// Whether the file is whole.
+    pub complete: bool,
+}
+
+/// The robot as a recording holds it: texts.
+#[derive(Clone, Debug, Default)]
+pub struct RecordedRobot {
+    /// Its file.
+    pub text: String,
+    /// What an experimenter would guess, where there was such a file.
+    pub nominal: Option<String>,
+    /// The chain that was chosen in a tree.
+    pub chain: ChainEnds,
+}
+
+impl Log {
+    /// Reads a log: MCAP by its first bytes, CSV otherwise. An MCAP that was cut off is read to its last whole chunk
+    /// where its name ends in `.part`.
+    ///
+    /// # Errors
+    /// [`Error`] where the file cannot be read or is no log.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let bytes = std::fs::read(path).map_err(|error| Error::unreadable(path, &error))?;
+        if bytes.starts_with(::mcap::MAGIC) {
+            return mcap::parse(path, &bytes);
+        }
+        if path.extension().is_some_and(|extension| extension == "mcap") {
+            let message = format!("{} does not begin as an MCAP file does", path.display());
+            return Err(Error::new(message).help("expected the bytes 89 4D 43 41 50 30 0D 0A"));
+        }
+        csv::parse(Text::read(path)?)
+    }
+
+    /// The robot that the recording holds.
+    ///
+    /// # Errors
+    /// [`Error`] where it holds none, or one that cannot be read.
+    pub fn robot(&self) -> Result<LoadedRobot, Error> {
+        match &self.robot {
+            Some(RecordedRobot { text, nominal, chain }) => {
+                LoadedRobot::recorded(&self.name, text, nominal.as_deref(), chain)
+            }
+            None => Err(Error::unknown(format!("{} does not say which robot it is of", self.name))),
+        }
+    }
+
+    /// The experiment with its plan.
+    ///
+    /// # Errors
+    /// [`Error`] where something else than armid recorded it.
+    pub fn into_recording(self) -> Result<Recording, Error> {
+        let name = self.name;
+        self.recording
+            .ok_or_else(|| Error::new(format!("{name} was not recorded by armid, expected a recording with its plan")))
+    }
+}

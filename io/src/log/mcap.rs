@@ -1,0 +1,120 @@
+//! MCAP files back to values: armid's own, and those of other tools that hold joint states.
+
+use std::collections::BTreeMap;
+use std::path::Path;
+
+use ::mcap::McapError;
+use ::mcap::records::Record;
+
+use super::joint_log::Log;
+use super::mcap_records::Records;
+use super::{foreign, recorded};
+use crate::error::Error;
+use crate::message::float_array;
+use crate::message::joint_state::{JointState, NAME};
+use crate::recording::{ENDING, METADATA, STATES, VOLTAGE};
+
+/// What a file holds.
+#[derive(Default)]
+pub(super) struct Contents {
+    /// What was noted at the beginning; nothing where armid did not write the file.
+    pub(super) metadata: Option<BTreeMap<String, String>>,
+    /// What was noted at the end; empty where the file is cut off.
+    pub(super) ending: BTreeMap<String, String>,
+    /// Every joint state, in order.
+    pub(super) states: Vec<JointState>,
+    /// Time, ns, and motor voltages.
+    pub(super) voltages: Vec<(u64, Vec<f64>)>,
+    /// Whether its end is there.
+    whole: bool,
+}
+
+/// Reads the joint states in the bytes of a file. One that was cut off is read to its last chunk where its name ends in
+/// `.part`.
+///
+/// # Errors
+/// [`Error`] where the bytes are no MCAP, are damaged or cut off, or hold no joint states.
+pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
+    let name = path.display().to_string();
+    let contents = contents(&name, bytes)?;
+    if !contents.whole && path.extension().is_none_or(|extension| extension != "part") {
+        let last = contents.states.last().map_or(0.0, |state| state.stamp_ns as f64 / 1e9);
+        let message = format!(
+            "{name} is cut off: it ends after {} samples, at t = {last:.3} s, without the footer of an MCAP file",
+            contents.states.len()
+        );
+        let help = "its whole chunks can be used as they are under a name that ends in .mcap.part";
+        return Err(Error::new(message).help(help));
+    }
+    if contents.states.is_empty() {
+        let message = format!("{name} holds no message of type {NAME} on {STATES}, expected one per sample");
+        return Err(Error::new(message));
+    }
+    let whole = contents.whole;
+    let mut log = match &contents.metadata {
+        Some(metadata) => recorded::log(&name, metadata, &contents)?,
+        None => foreign::log(&name, &contents.states)?,
+    };
+    log.complete = whole;
+    Ok(log)
+}
+
+fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
+    let fault = |error: &McapError| -> Error {
+        let shown = Error::new(format!("{name} cannot be read as MCAP: {error}"));
+        match error {
+            McapError::UnsupportedCompression(_) => {
+                shown.help("expected chunks without compression, or compressed by lz4 or zstd")
+            }
+            _ => shown,
+        }
+    };
+    let mut contents = Contents::default();
+    let (mut channel, mut voltage) = (None, None);
+    let (mut schema, mut arrays) = (None, None);
+    // A chunk's checksum is checked at its end: where that fails it says more than the message that was damaged.
+    let mut undecodable: Option<Error> = None;
+    for record in Records::new(bytes, true).map_err(|error| fault(&error))? {
+        match record {
+            Ok(Record::Schema { header, .. }) if header.name == NAME => schema = Some(header.id),
+            Ok(Record::Schema { header, .. }) if header.name == float_array::NAME => arrays = Some(header.id),
+            Ok(Record::Channel(found)) if found.topic == VOLTAGE && Some(found.schema_id) == arrays => {
+                voltage = Some(found.id);
+            }
+            Ok(Record::Channel(found)) if found.topic == STATES => {
+                if Some(found.schema_id) != schema || found.message_encoding != "cdr" {
+                    let message = format!("{name}: {STATES} is no {NAME} in CDR, as a recording of ROS 2 is");
+                    return Err(Error::new(message));
+                }
+                channel = Some(found.id);
+            }
+            Ok(Record::Message { header, data }) if Some(header.channel_id) == channel => {
+                let number = contents.states.len() + 1;
+                match JointState::decode(&data) {
+                    Ok(state) => contents.states.push(state),
+                    Err(error) => {
+                        let message = format!("{name}: message {number} on {STATES}: {error}");
+                        undecodable.get_or_insert_with(|| Error::new(message));
+                    }
+                }
+            }
+            Ok(Record::Message { header, data }) if Some(header.channel_id) == voltage => {
+                let number = contents.voltages.len() + 1;
+                match float_array::decode(&data) {
+                    Ok(values) => contents.voltages.push((header.log_time, values)),
+                    Err(error) => {
+                        let message = format!("{name}: message {number} on {VOLTAGE}: {error}");
+                        undecodable.get_or_insert_with(|| Error::new(message));
+                    }
+                }
+            }
+            Ok(Record::Metadata(found)) if found.name == METADATA => contents.metadata = Some(found.metadata),
+            Ok(Record::Metadata(found)) if found.name == ENDING => contents.ending = found.metadata,
+            Ok(Record::Footer(_)) => contents.whole = true,
+            Ok(_) => {}
+            Err(McapError::UnexpectedEof | McapError::UnexpectedEoc) => break,
+            Err(error) => return Err(fault(&error)),
+        }
+    }
+    undecodable.map_or(Ok(contents), Err)
+}

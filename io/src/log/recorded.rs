@@ -1,0 +1,104 @@
+//! Recordings of armid's own: the plan, the robot and the provenance beside the samples.
+
+use std::collections::BTreeMap;
+
+use armid::excitation::PeriodicTrajectory;
+use armid::experiment::{PhaseSpan, Recording};
+use armid::model::EffortInterface;
+use armid::model::format::ChainEnds;
+use armid::provenance::Provenance;
+
+use super::joint_log::{Log, RecordedRobot};
+use super::mcap::Contents;
+use super::state_table::columns;
+use crate::error::Error;
+
+/// A recording that armid wrote.
+pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Contents) -> Result<Log, Error> {
+    let states = contents.states.as_slice();
+    let get = |key: &str| -> Result<&String, Error> {
+        metadata.get(key).ok_or_else(|| Error::new(format!("{name}: metadata \"{key}\" is missing")))
+    };
+    let wrong = |key: &str, found: &str, expected: &str| -> Error {
+        Error::new(format!("{name}: metadata \"{key}\" is \"{found}\", expected {expected}"))
+    };
+    let format = get("format")?;
+    if format != "1" {
+        return Err(wrong("format", format, "1; a newer armid wrote this recording"));
+    }
+    let joints: Vec<String> =
+        serde_json::from_str(get("joints")?).map_err(|_| wrong("joints", &metadata["joints"], "a list of names"))?;
+    let rate_hz: f64 = get("rate_hz")?.parse().map_err(|_| wrong("rate_hz", &metadata["rate_hz"], "a number"))?;
+    let period_samples: usize = get("period_samples")?
+        .parse()
+        .map_err(|_| wrong("period_samples", &metadata["period_samples"], "a whole number"))?;
+    let effort_unit = EffortInterface::ALL
+        .into_iter()
+        .find(|unit| Some(unit.name()) == metadata.get("effort").map(String::as_str))
+        .ok_or_else(|| wrong("effort", metadata.get("effort").map_or("", String::as_str), "current or torque"))?;
+    let phases: Vec<PhaseSpan> = serde_json::from_str(get("phases")?)
+        .map_err(|error| Error::new(format!("{name}: metadata \"phases\": {error}")))?;
+    let provenance: Provenance = serde_json::from_str(get("provenance")?)
+        .map_err(|error| Error::new(format!("{name}: metadata \"provenance\": {error}")))?;
+    let trajectory = PeriodicTrajectory::from_toml(get("trajectory")?)
+        .map_err(|error| Error::new(format!("{name}: metadata \"trajectory\": {error}")))?;
+    let dof = joints.len();
+    let robot = RecordedRobot {
+        text: get("robot_file")?.clone(),
+        nominal: metadata.get("nominal_file").cloned(),
+        chain: ChainEnds { base: metadata.get("base_link").cloned(), tip: metadata.get("tip_link").cloned() },
+    };
+    let (q, effort) = columns(name, &joints, states)?;
+    let voltage = voltages(name, dof, contents)?;
+    let recording = Recording {
+        robot: get("robot")?.clone(),
+        robot_text: robot.text.clone(),
+        dof,
+        rate_hz,
+        joints: joints.clone(),
+        effort_unit,
+        phases,
+        trajectory,
+        period_samples,
+        t: states.iter().map(|state| state.stamp_ns as f64 / 1e9).collect(),
+        q: q.clone(),
+        effort: effort.clone(),
+        voltage,
+        provenance,
+    };
+    Ok(Log {
+        name: name.to_owned(),
+        joints: Some(joints),
+        dof,
+        rate_hz,
+        effort_unit: Some(effort_unit),
+        q,
+        effort,
+        robot: Some(robot),
+        recording: Some(recording),
+        notes: metadata.iter().chain(&contents.ending).map(|(key, value)| (key.clone(), value.clone())).collect(),
+        complete: true,
+    })
+}
+
+/// The voltages of every sample, or none. Each stands right behind its joint state, so that a cut may have taken the
+/// last one: the sample counts all the same, and its voltages are those of the sample before.
+fn voltages(name: &str, dof: usize, contents: &Contents) -> Result<Vec<f64>, Error> {
+    if contents.voltages.is_empty() {
+        return Ok(Vec::new());
+    }
+    let mut all = Vec::with_capacity(contents.states.len() * dof);
+    let mut rest = contents.voltages.iter().peekable();
+    for (k, state) in contents.states.iter().enumerate() {
+        match rest.next_if(|(time, _)| *time == state.stamp_ns) {
+            Some((_, values)) if values.len() == dof => all.extend_from_slice(values),
+            None if k > 0 && k + 1 == contents.states.len() => all.extend_from_within(all.len() - dof..),
+            found => {
+                let found = found.map_or(0, |(_, values)| values.len());
+                let message = format!("{name}: sample {k} has {found} motor voltages, expected {dof}");
+                return Err(Error::new(message));
+            }
+        }
+    }
+    Ok(all)
+}

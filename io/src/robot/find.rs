@@ -1,0 +1,64 @@
+//! Where a robot is found by what it is called.
+
+use std::path::{Path, PathBuf};
+
+use armid::model::bundled;
+use armid::model::format::ChainEnds;
+
+use super::LoadedRobot;
+use crate::error::Error;
+use crate::suggestion;
+use crate::text::Text;
+
+/// Finds and reads a robot: a bundled name, a folder with `robot.toml`, or a file that ends in `.toml`, `.urdf` or
+/// `.xml`. Relative paths begin at `beside`, the folder of the file that names the robot. `chain` chooses the chain in
+/// a tree.
+///
+/// # Errors
+/// [`Error`] where there is no such robot, its file cannot be read, or `chain` is given for what is a chain already.
+pub fn load(name: &str, chain: &ChainEnds, beside: Option<&Path>) -> Result<LoadedRobot, Error> {
+    if let Some(entry) = bundled().iter().find(|entry| entry.name == name) {
+        no_chain(chain, name)?;
+        return LoadedRobot::bundled(entry);
+    }
+    let path = beside.map_or_else(|| PathBuf::from(name), |folder| folder.join(name));
+    if !path.exists() {
+        return Err(unknown(name, &path));
+    }
+    let path = if path.is_dir() { path.join("robot.toml") } else { path };
+    match path.extension().and_then(|extension| extension.to_str()) {
+        Some("toml") => {
+            no_chain(chain, name)?;
+            LoadedRobot::file(&path)
+        }
+        Some("urdf" | "xml") => LoadedRobot::tree(Text::read(&path)?, chain),
+        other => Err(Error::new(format!(
+            "{}: found a file ending in \"{}\", expected .toml, .urdf or .xml",
+            path.display(),
+            other.unwrap_or_default()
+        ))),
+    }
+}
+
+fn no_chain(chain: &ChainEnds, name: &str) -> Result<(), Error> {
+    let given = [("base_link", &chain.base), ("tip_link", &chain.tip)];
+    match given.iter().find(|(_, link)| link.is_some()) {
+        Some((key, _)) => {
+            let message = format!("{key} chooses a chain in a URDF or MJCF tree; \"{name}\" is a serial chain already");
+            Err(Error::mismatch(message))
+        }
+        None => Ok(()),
+    }
+}
+
+fn unknown(name: &str, path: &Path) -> Error {
+    let names: Vec<&str> = bundled().iter().map(|entry| entry.name).collect();
+    let looks_like_path = name.contains(['/', '\\']) || path.extension().is_some();
+    if looks_like_path {
+        Error::unknown(format!("robot file {} is not there", path.display()))
+            .help(format!("bundled robots: {}", names.join(", ")))
+    } else {
+        Error::unknown(format!("robot \"{name}\" is neither a bundled robot nor a file"))
+            .help(suggestion::help(name, &names))
+    }
+}

@@ -1,0 +1,8 @@
+//! Robots: a bundled name, a robot file with what lies beside it, or a chain in a URDF or MJCF tree.
+
+mod find;
+mod loaded_robot;
+mod tree;
+
+pub use find::load;
+pub use loaded_robot::LoadedRobot;

@@ -1,0 +1,106 @@
+//! The files of a study: rows as Parquet, the plan as run, the summary, the designs.
+//!
+//! Wall times and the date are in `timing.parquet` and `provenance.json` alone; everything else is the same bytes for
+//! the same plan and seed.
+
+use std::path::Path;
+use std::time::{SystemTime, UNIX_EPOCH};
+
+use armid::study::{Examples, Outcome, StudyPlan, StudyResult, StudyStory};
+
+use super::parameter_rows::parameter_rows;
+use super::run_rows::run_rows;
+use crate::error::Error;
+use crate::output::{self, pretty, write_text};
+use crate::table::{Column, ParquetTable};
+use crate::text::Text;
+
+const SUMMARY: &str = "summary.json";
+const EXAMPLES: &str = "examples.json";
+
+/// Everything that decides a study's rows, as a text whose hash says whether stored work belongs to it.
+///
+/// # Errors
+/// [`Error`] where the plan has no such text.
+pub fn plan_text(plan: &StudyPlan) -> Result<String, Error> {
+    toml::to_string_pretty(plan).map_err(|error| Error::new(format!("the plan cannot be written: {error}")))
+}
+
+/// Stores the rows, the plan, the designs, the summary and the examples.
+///
+/// # Errors
+/// [`Error`] where a file cannot be written.
+pub fn write(folder: &Path, story: &StudyStory, outcomes: &[Outcome]) -> Result<(), Error> {
+    let result = &story.result;
+    write_table(&folder.join("runs.parquet"), &run_rows(result, outcomes))?;
+    write_table(&folder.join("parameters.parquet"), &parameter_rows(result, outcomes))?;
+    write_text(&folder.join("study.toml"), &plan_text(&result.plan)?)?;
+    for design in &result.designs {
+        let family = &result.plan.designs[design.family].name;
+        let text = design.trajectory.to_toml();
+        write_text(&folder.join("designs").join(format!("{family}-{}.toml", design.start)), &text)?;
+    }
+    write_text(&folder.join(EXAMPLES), &json(&story.examples)?)?;
+    write_text(&folder.join(SUMMARY), &json(result)?)
+}
+
+/// Reads a stored study again.
+///
+/// # Errors
+/// [`Error`] where a file is missing or of another version.
+pub fn read(folder: &Path) -> Result<StudyStory, Error> {
+    let summary = Text::read(&folder.join(SUMMARY))?;
+    let examples = Text::read(&folder.join(EXAMPLES))?;
+    let fault = |text: &Text, error: &serde_json::Error| {
+        Error::new(format!("no stored study of this version: {error}")).at_line(text, error.line(), error.column())
+    };
+    let result: StudyResult = serde_json::from_str(&summary.content).map_err(|error| fault(&summary, &error))?;
+    let examples: Examples = serde_json::from_str(&examples.content).map_err(|error| fault(&examples, &error))?;
+    Ok(StudyStory { result, examples })
+}
+
+/// Stores what differs from one performance to the next: seconds, the date, the number of threads.
+///
+/// # Errors
+/// [`Error`] where a file cannot be written.
+pub fn write_timing(
+    folder: &Path,
+    design_seconds: &[f64],
+    outcomes: &[Outcome],
+    run_seconds: &[f64],
+    threads: usize,
+) -> Result<(), Error> {
+    let designs = design_seconds.len();
+    let index = |value: usize| i64::try_from(value).unwrap_or(i64::MAX);
+    let kind = std::iter::repeat_n("design".to_owned(), designs).chain(outcomes.iter().map(|_| "run".to_owned()));
+    let design = (0..designs).map(index).chain(outcomes.iter().map(|o| index(o.design)));
+    let condition = std::iter::repeat_n(-1, designs).chain(outcomes.iter().map(|o| index(o.condition)));
+    let run = std::iter::repeat_n(-1, designs).chain(outcomes.iter().map(|o| o.run.cast_signed()));
+    let seconds = design_seconds.iter().chain(run_seconds).map(|&s| Some(s));
+    let table = ParquetTable::default()
+        .with("kind", Column::Text(kind.collect()))
+        .with("design", Column::Integer(design.collect()))
+        .with("condition", Column::Integer(condition.collect()))
+        .with("run", Column::Integer(run.collect()))
+        .with("seconds", Column::Number(seconds.collect()));
+    write_table(&folder.join("timing.parquet"), &table)?;
+    let unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
+    let provenance = serde_json::json!({
+        "armid": env!("CARGO_PKG_VERSION"),
+        "finished_unix_s": unix_s,
+        "threads": threads,
+        "operating_system": std::env::consts::OS,
+        "architecture": std::env::consts::ARCH,
+    });
+    write_text(&folder.join("provenance.json"), &pretty(&provenance))
+}
+
+fn json<T: serde::Serialize>(value: &T) -> Result<String, Error> {
+    let mut text = serde_json::to_string(value).map_err(|error| Error::new(format!("a result: {error}")))?;
+    text.push('\n');
+    Ok(text)
+}
+
+fn write_table(path: &Path, table: &ParquetTable) -> Result<(), Error> {
+    output::write(path, |out| table.write(out).map_err(std::io::Error::other))
+}

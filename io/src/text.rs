@@ -1,0 +1,64 @@
+//! Texts that know what they are called, so that an error can point into them.
+
+use std::fs;
+use std::path::Path;
+use std::sync::Arc;
+
+use crate::error::Error;
+
+/// A text and what it is called: a path, or a word for what was compiled in or recorded.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Text {
+    /// What errors call it.
+    pub name: String,
+    /// What is in it.
+    pub content: Arc<str>,
+}
+
+impl Text {
+    /// A text with a name.
+    pub fn new(name: impl Into<String>, content: impl Into<Arc<str>>) -> Self {
+        Self { name: name.into(), content: content.into() }
+    }
+
+    /// Reads a file as UTF-8.
+    ///
+    /// # Errors
+    /// [`Error`] where it cannot be read, and with the line where it is no UTF-8.
+    pub fn read(path: &Path) -> Result<Self, Error> {
+        let bytes = fs::read(path).map_err(|error| Error::unreadable(path, &error))?;
+        match String::from_utf8(bytes) {
+            Ok(content) => Ok(Self::new(path.display().to_string(), content)),
+            Err(error) => {
+                let at = error.utf8_error().valid_up_to();
+                let line = error.as_bytes()[..at].iter().filter(|&&byte| byte == b'\n').count() + 1;
+                Err(Error::new(format!("{}:{line}: byte {at} is not UTF-8, expected text", path.display())))
+            }
+        }
+    }
+
+    /// The byte at which a line and a column begin, both counted from one, the column in characters.
+    pub(crate) fn offset(&self, line: usize, column: usize) -> usize {
+        let mut offset = 0;
+        for (number, content) in self.content.split_inclusive('\n').enumerate() {
+            if number + 1 == line {
+                let within = content.char_indices().nth(column.saturating_sub(1)).map_or(content.len(), |(at, _)| at);
+                return offset + within;
+            }
+            offset += content.len();
+        }
+        self.content.len()
+    }
+
+    /// Line and column of a byte, both counted from one.
+    #[must_use]
+    pub fn position(&self, offset: usize) -> (usize, usize) {
+        let mut offset = offset.min(self.content.len());
+        while !self.content.is_char_boundary(offset) {
+            offset -= 1;
+        }
+        let before = &self.content[..offset];
+        let column = before.rsplit('\n').next().map_or(0, |tail| tail.chars().count()) + 1;
+        (before.matches('\n').count() + 1, column)
+    }
+}
