@@ -256,7 +256,7 @@ fn identity_a_prior_adds_information_and_must_be_of_the_same_robot_and_columns()
     let out = path(folder.path(), "T.toml");
     let first = design("d-optimal", &["--prior", &estimate], &out);
     let once = first["value"].as_f64().unwrap();
-    // The paper's trajectory first, then one that is made for what it lacks: better than the same again.
+    // Table I first, then one that is made for what it lacks: better than the same again.
     let [bought, repeated] =
         ["bound_ratio", "bound_ratio_by_repetition"].map(|key| first["prior"][key].as_f64().unwrap());
     assert!((repeated - 0.5_f64.sqrt()).abs() < 1e-12 && bought < 0.9 * repeated, "{bought} {repeated}");

@@ -11,7 +11,7 @@ fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().expect("a path in UTF-8").to_owned()
 }
 
-/// A recording of the paper's trajectory.
+/// A recording of Table I.
 fn record(folder: &Path, name: &str, seed: &str) -> String {
     let recording = path(folder, name);
     armid(["run", &experiment(folder, 3), "--seed", seed, "-o", &recording]).success();

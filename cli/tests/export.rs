@@ -10,7 +10,7 @@ fn path(folder: &Path, name: &str) -> String {
     folder.join(name).to_str().expect("a path in UTF-8").to_owned()
 }
 
-/// The estimate of a short recording of the paper's trajectory.
+/// The estimate of a short recording of Table I.
 fn estimate(folder: &Path) -> String {
     let (recording, estimate) = (path(folder, "R.mcap"), path(folder, "E.json"));
     armid(["run", &support::experiment(folder, 2), "-o", &recording]).success();

@@ -15,7 +15,7 @@ fn counts(reduced: &Value) -> BTreeMap<String, usize> {
     counts
 }
 
-/// The paper's section IV.C: 9 unidentifiable, 15 in combinations, 36 in the base set.
+/// `radkhah2007` section IV.C: 9 unidentifiable, 15 in combinations, 36 in the base set.
 #[test]
 fn published_counts_of_the_a460_by_every_method() {
     let mut bases = Vec::new();

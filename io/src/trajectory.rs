@@ -2,14 +2,15 @@
 
 use std::path::Path;
 
-use armid::excitation::{Certificate, ExcitationError, PeriodicTrajectory, table_one};
+use armid::excitation::{Certificate, ExcitationError, PeriodicTrajectory};
 use armid::model::Robot;
+use armid::study::radkhah2007::table_one;
 
 use crate::error::Error;
 use crate::suggestion;
 use crate::text::Text;
 
-/// The trajectories that are compiled in: the paper's Table I, with and without its misprints mended.
+/// The trajectories that are compiled in: `radkhah2007` Table I, with and without its misprints mended.
 const NAMES: [&str; 2] = ["table-one", "table-one-printed"];
 
 /// Reads a trajectory for a robot: a file, or a name that is compiled in. Relative paths begin at `beside`, the folder of

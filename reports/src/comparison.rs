@@ -19,7 +19,7 @@ pub struct Prediction {
 
 /// What a comparison is shown with.
 #[derive(Clone, Debug, PartialEq)]
-pub struct ComparisonStory {
+pub struct ComparisonInput {
     /// The two estimates side by side.
     pub comparison: Comparison,
     /// What they are called.
@@ -36,36 +36,36 @@ pub struct ComparisonStory {
 ///
 /// # Errors
 /// [`DocumentError`] where a figure cannot be drawn.
-pub fn comparison_document(story: &ComparisonStory) -> Result<Document, DocumentError> {
-    let Comparison { parameters, beyond, rms_difference_std, .. } = &story.comparison;
-    let [first, second] = &story.labels;
-    let document = Document::new(format!("{}: {first} and {second}", story.comparison.robot))
-        .subtitle(format!("{} base parameters, estimators {}", parameters.len(), story.comparison.estimators.join(" and ")))
+pub fn comparison_document(input: &ComparisonInput) -> Result<Document, DocumentError> {
+    let Comparison { parameters, beyond, rms_difference_std, .. } = &input.comparison;
+    let [first, second] = &input.labels;
+    let document = Document::new(format!("{}: {first} and {second}", input.comparison.robot))
+        .subtitle(format!("{} base parameters, estimators {}", parameters.len(), input.comparison.estimators.join(" and ")))
         .summary(format!(
             "**{:.0} %** of the parameters differ by more than 1.96 standard deviations, where noise alone gives 5 %; \
              the differences have an RMS of **{rms_difference_std:.2}** standard deviations, where noise alone gives 1.",
             100.0 * beyond
         ))
-        .section(differences(story)?)
-        .section(residuals(story)?)
-        .section(predictions(story)?)
-        .section(values(story));
-    let document = story
+        .section(differences(input)?)
+        .section(residuals(input)?)
+        .section(predictions(input)?)
+        .section(values(input));
+    let document = input
         .labels
         .iter()
-        .zip(&story.origins)
+        .zip(&input.origins)
         .fold(document, |document, (label, origin)| document.provenance(label.clone(), origin.clone()));
     Ok(document.provenance("armid", env!("CARGO_PKG_VERSION")))
 }
 
-fn differences(story: &ComparisonStory) -> Result<Section, DocumentError> {
-    let rows = story.comparison.parameters.iter().map(|parameter| {
+fn differences(input: &ComparisonInput) -> Result<Section, DocumentError> {
+    let rows = input.comparison.parameters.iter().map(|parameter| {
         let z = parameter.difference_std;
         IntervalRow { label: parameter.name.clone(), cells: vec![Some(Interval::new(z, z - 1.96, z + 1.96))] }
     });
     let figure = IntervalFigure {
         heading: Heading::new("differences", "Each parameter's difference, in standard deviations")
-            .subtitle(format!("{} less {}", story.labels[1], story.labels[0]))
+            .subtitle(format!("{} less {}", input.labels[1], input.labels[0]))
             .caption("Points: difference over the root of the summed variances. Bars: ± 1.96, which cover zero in 95 % of parameters where noise alone makes the difference."),
         value: Axis::linear("difference", "std"),
         groups: Group::assign(["difference"]),
@@ -76,17 +76,17 @@ fn differences(story: &ComparisonStory) -> Result<Section, DocumentError> {
     Section::new("Differences").figure(&figure)
 }
 
-fn residuals(story: &ComparisonStory) -> Result<Section, DocumentError> {
-    let rows = story.joints.iter().enumerate().map(|(j, joint)| BarRow {
+fn residuals(input: &ComparisonInput) -> Result<Section, DocumentError> {
+    let rows = input.joints.iter().enumerate().map(|(j, joint)| BarRow {
         label: joint.clone(),
-        bars: story.comparison.residual_rms.iter().map(|rms| Some(Bar { value: rms[j], interval: None })).collect(),
+        bars: input.comparison.residual_rms.iter().map(|rms| Some(Bar { value: rms[j], interval: None })).collect(),
     });
-    let unit = story.comparison.units.first().map_or("", String::as_str);
+    let unit = input.comparison.units.first().map_or("", String::as_str);
     let figure = BarFigure {
         heading: Heading::new("residuals", "What each fit leaves unexplained")
             .caption("Bars: RMS residual of each joint's equations."),
         value: Axis::linear("residual RMS", unit),
-        groups: Group::assign(story.labels.clone()),
+        groups: Group::assign(input.labels.clone()),
         rows: rows.collect(),
         levels: Vec::new(),
         digits: Some(4),
@@ -94,22 +94,22 @@ fn residuals(story: &ComparisonStory) -> Result<Section, DocumentError> {
     Section::new("Residuals").figure(&figure)
 }
 
-fn predictions(story: &ComparisonStory) -> Result<Section, DocumentError> {
+fn predictions(input: &ComparisonInput) -> Result<Section, DocumentError> {
     let section = Section::new("Prediction of a recording that no fit has seen");
-    if story.predictions.iter().all(Option::is_none) {
+    if input.predictions.iter().all(Option::is_none) {
         return Ok(section.text("No `validation.json` stands beside the estimates."));
     }
-    let rows = story.joints.iter().enumerate().map(|(j, joint)| {
+    let rows = input.joints.iter().enumerate().map(|(j, joint)| {
         let bar = |prediction: &Option<Prediction>| {
             prediction.as_ref().map(|p| Bar { value: 100.0 * p.relative_rms[j], interval: None })
         };
-        BarRow { label: joint.clone(), bars: story.predictions.iter().map(bar).collect() }
+        BarRow { label: joint.clone(), bars: input.predictions.iter().map(bar).collect() }
     });
     let figure = BarFigure {
         heading: Heading::new("prediction", "Error of the predicted effort")
             .caption("Bars: RMS of measured less predicted effort over the RMS of the measured."),
         value: Axis::linear("share of the measured RMS", "%"),
-        groups: Group::assign(story.labels.clone()),
+        groups: Group::assign(input.labels.clone()),
         rows: rows.collect(),
         levels: Vec::new(),
         digits: Some(2),
@@ -117,17 +117,17 @@ fn predictions(story: &ComparisonStory) -> Result<Section, DocumentError> {
     section.figure(&figure)
 }
 
-fn values(story: &ComparisonStory) -> Section {
+fn values(input: &ComparisonInput) -> Section {
     let columns = vec![
         Column::text("parameter"),
         Column::text("unit"),
-        Column::number(story.labels[0].clone(), ""),
+        Column::number(input.labels[0].clone(), ""),
         Column::number("std", ""),
-        Column::number(story.labels[1].clone(), ""),
+        Column::number(input.labels[1].clone(), ""),
         Column::number("std", ""),
         Column::number("difference", "std"),
     ];
-    let table = story.comparison.parameters.iter().fold(Table::new("Both estimates", columns), |table, p| {
+    let table = input.comparison.parameters.iter().fold(Table::new("Both estimates", columns), |table, p| {
         table.row(vec![
             Cell::text(p.name.clone()),
             Cell::text(p.unit.clone()),
@@ -139,11 +139,11 @@ fn values(story: &ComparisonStory) -> Section {
         ])
     });
     let section = Section::new("Values").table(table);
-    let alone: Vec<String> = story
+    let alone: Vec<String> = input
         .comparison
         .alone
         .iter()
-        .zip(&story.labels)
+        .zip(&input.labels)
         .filter(|(names, _)| !names.is_empty())
         .map(|(names, label)| format!("Only {label} has {}.", names.join(", ")))
         .collect();

@@ -21,9 +21,9 @@ mod comparison;
 mod design;
 mod study;
 
-pub use comparison::{ComparisonStory, Prediction, comparison_document};
+pub use comparison::{ComparisonInput, Prediction, comparison_document};
 pub use design::{design_convergence, limits_figure};
-pub use document::{Block, Cell, Column, Document, Plate, Section, Table};
+pub use document::{Block, Cell, Column, Document, RenderedFigure, Section, Table};
 pub use drawing::axis::{Axis, Scale};
 pub use drawing::rows::{Band, Level};
 pub use error::{DocumentError, FigureError};

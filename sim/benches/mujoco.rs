@@ -8,10 +8,10 @@
 use std::num::NonZeroU32;
 use std::time::Instant;
 
-use armid::excitation::table_one;
 use armid::experiment::{ExperimentPlan, Flow, Next, Plant, RawSample, Recording, Servo, Sink};
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::model::{DriveParameters, bundled};
+use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
 use armid_sim::{AnalyticPlant, MujocoModel, MujocoPlant, MujocoScheme, MujocoStepper, RapierPlant};
 

@@ -2,11 +2,11 @@
 #![allow(clippy::unwrap_used, reason = "a test panics")]
 
 use armid::conformance::chains::ChainRecipe;
-use armid::excitation::table_one;
 use armid::experiment::ExperimentPlan;
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::model::{Robot, StandardParameters, bundled};
 use armid::seed::Seed;
+use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
 use armid_sim::Engine;
 use armid_sim::agreement::{Agreement, Case, agree, safe_motion};

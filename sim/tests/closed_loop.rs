@@ -5,13 +5,14 @@ use armid::base::{Method, reduce};
 use armid::conformance::arm_laws::{self, ArmTolerance};
 use armid::dynamics::{Dynamics, States};
 use armid::estimation::{EstimationProblem, EstimatorKind, Observation};
-use armid::excitation::{FourierTrajectory, table_one};
+use armid::excitation::FourierTrajectory;
 use armid::experiment::{ExperimentPlan, Flow, Phase, RawSample, Recording, Sensing, Servo, Sink, Tracking, record};
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::model::{Columns, Robot, StandardParameters, bundled};
 use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
 use armid::signal::{Processing, process};
+use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
 use armid_sim::{AnalyticPlant, record_runs};
 
@@ -35,16 +36,16 @@ impl Sink for Nowhere {
     }
 }
 
-fn paper(periods: usize) -> ExperimentPlan {
+fn table_one_plan(periods: usize) -> ExperimentPlan {
     ExperimentPlan::new(table_one::corrected()).with_periods(periods)
 }
 
 #[test]
 fn published_table_one_is_followed_inside_ratings_and_currents() {
     let (robot, _, servo) = arm("crs-a460");
-    assert_eq!(paper(1).check_limits(&robot), Ok(()));
+    assert_eq!(table_one_plan(1).check_limits(&robot), Ok(()));
     let mut servo = servo.with_seed(Seed::new(1), 0);
-    let (recording, ending) = record(&mut servo, &paper(1)).unwrap();
+    let (recording, ending) = record(&mut servo, &table_one_plan(1)).unwrap();
     assert!(ending.is_complete());
     let Tracking { peak_error, peak_effort, saturated_steps, .. } = servo.tracking().unwrap();
     // Measured: 3.5, 6.0, 5.3, 13, 16, 17 mrad; friction turns over in the wrist, whose inertia is small.
@@ -74,7 +75,7 @@ fn between(recording: &Recording, p: usize) -> (f64, f64) {
 fn identity_after_one_discarded_period_the_motion_repeats() {
     for name in ["crs-a460", "puma-560"] {
         let (robot, _, servo) = arm(name);
-        let mut plan = paper(2);
+        let mut plan = table_one_plan(2);
         if name != "crs-a460" {
             plan.trajectory = gentle(&robot, 10.0).into();
         }
@@ -94,7 +95,7 @@ fn identity_after_one_discarded_period_the_motion_repeats() {
     }
 }
 
-/// The paper's motion at six tenths of its speed, about the middle of another arm's range.
+/// `radkhah2007`'s motion at six tenths of its speed, about the middle of another arm's range.
 fn gentle(robot: &Robot, period_s: f64) -> FourierTrajectory {
     let mut trajectory = FourierTrajectory { period_s, ..table_one::corrected() };
     for (series, joint) in trajectory.joints.iter_mut().zip(robot.joints()) {
@@ -120,7 +121,7 @@ fn identity_true_states_and_torques_satisfy_the_regressor() {
     let mut worst: f64 = 0.0;
     let mut states = States::new(6);
     servo
-        .perform_observed(&paper(1), &mut Nowhere, &mut |state| {
+        .perform_observed(&table_one_plan(1), &mut Nowhere, &mut |state| {
             if state.phase == Phase::Record && state.index % 37 == 0 {
                 let mut qdd = [0.0; 6];
                 dynamics.forward(state.q, state.qd, state.tau, &mut qdd);
@@ -183,7 +184,7 @@ fn identity_the_whole_chain_without_noise_recovers_the_parameters() {
     let base = reduce(&robot, Columns::RigidRotorFriction, Method::Structural, Seed::new(1)).unwrap();
     let beta = base.beta(&truth.vector(&robot, Columns::RigidRotorFriction));
     let error = |sensing: Sensing| {
-        let recording = record(&mut servo.clone().with_sensing(sensing), &paper(2)).unwrap().0;
+        let recording = record(&mut servo.clone().with_sensing(sensing), &table_one_plan(2)).unwrap().0;
         let samples = process(&recording, &robot, &Processing::default()).unwrap();
         let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
         let problem = EstimationProblem::new(&observation).with_robot(&robot).with_samples(&samples);

@@ -15,7 +15,7 @@ pub enum BaseError {
         /// Joints of the robot.
         expected: usize,
     },
-    /// Fewer samples than the paper's step 1 asks for.
+    /// Fewer samples than `radkhah2007` step 1 asks for.
     #[error("{found} samples, expected at least {expected}")]
     TooFewSamples {
         /// Number of samples.

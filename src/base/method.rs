@@ -3,8 +3,8 @@
 /// How the base parameters are found. All three give the same K.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
 pub enum Method {
-    /// Steps 1–5 of the paper's section II.B, on random states.
-    Paper,
+    /// Steps 1–5 of `radkhah2007` section II.B, on random states.
+    Radkhah2007,
     /// One left-to-right rank-revealing QR, on random states.
     Qr,
     /// The recursion over the links: no random states.
@@ -14,13 +14,13 @@ pub enum Method {
 
 impl Method {
     /// Every method.
-    pub const ALL: [Self; 3] = [Self::Paper, Self::Qr, Self::Structural];
+    pub const ALL: [Self; 3] = [Self::Radkhah2007, Self::Qr, Self::Structural];
 
     /// Its name on the command line and in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
-            Self::Paper => "paper",
+            Self::Radkhah2007 => "paper",
             Self::Qr => "qr",
             Self::Structural => "structural",
         }

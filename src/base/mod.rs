@@ -5,10 +5,10 @@
 //! ```
 //! K is the reduced row echelon form of the stacked regressor: the columns are walked from left to right in the order
 //! of the parameters and kept if independent of those kept before, so K is unique, and three routes to it can be
-//! compared entry by entry ([`Method`]): the five steps of the paper's section II.B, one rank-revealing QR, and a
+//! compared entry by entry ([`Method`]): the five steps of `radkhah2007` section II.B, one rank-revealing QR, and a
 //! recursion over the links that needs neither random numbers nor a trajectory.
 //!
-//! A slip of the paper's step 5, mended here: `f_i = L α_i` describes the *columns*. The parameters regroup the other
+//! A slip of `radkhah2007` step 5, mended here: `f_i = L α_i` describes the *columns*. The parameters regroup the other
 //! way: the torque keeps its value when a dependent parameter θ_i goes into the kept ones, `β_b = θ_b + Σ_i α_bi θ_i`;
 //! no θ_i equals `D_BSVᵀ α_i`.
 
@@ -16,21 +16,19 @@ mod error;
 mod formula;
 mod geometry;
 mod method;
-mod paper_steps;
+mod radkhah2007;
 mod random_states;
 mod reduce;
 mod reduction;
 mod structural;
-mod table_two;
 
 pub use error::BaseError;
 pub use formula::{Coefficient, Formula, Product, Quantity, Symbol};
 pub use method::Method;
-pub use paper_steps::PaperSets;
+pub use radkhah2007::Radkhah2007Sets;
 pub use reduce::{reduce, reduce_moving_base, reduce_on, reduce_with_base};
 pub use reduction::{BaseReduction, Category};
 pub use structural::BaseMotion;
-pub use table_two::{TableTwoRow, table_two};
 
 #[cfg(test)]
 mod tests;

@@ -1,4 +1,4 @@
-//! Random states that excite everything a robot can do: the paper's step 1.
+//! Random states that excite everything a robot can do: `radkhah2007` step 1.
 
 use nalgebra::Vector3;
 use rand::RngExt;
@@ -15,7 +15,7 @@ use crate::spatial::Motion;
 /// of random columns close to its limit for infinitely many.
 const ROWS_PER_COLUMN: usize = 3;
 
-/// The least number of states, the paper's `N ≥ 10`.
+/// The least number of states, `radkhah2007`'s `N ≥ 10`.
 pub(super) const LEAST_STATES: usize = 10;
 
 impl Geometry {

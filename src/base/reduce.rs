@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::geometry::Geometry;
 use super::random_states::LEAST_STATES;
-use super::{BaseError, BaseMotion, BaseReduction, Method, PaperSets, structural};
+use super::{BaseError, BaseMotion, BaseReduction, Method, Radkhah2007Sets, structural};
 use crate::dynamics::States;
 use crate::model::{Columns, ParameterId, Robot};
 use crate::regressor::JointTorqueRegressor;
@@ -12,7 +12,7 @@ use crate::seed::Seed;
 
 /// The base parameters of a robot under motions of every kind.
 ///
-/// [`Method::Paper`] and [`Method::Qr`] draw random states from `seed`; [`Method::Structural`] draws nothing. All three
+/// [`Method::Radkhah2007`] and [`Method::Qr`] draw random states from `seed`; [`Method::Structural`] draws nothing. All three
 /// give the same kept columns and, to rounding, the same K.
 ///
 /// ```
@@ -41,7 +41,7 @@ pub fn reduce(robot: &Robot, columns: Columns, method: Method, seed: Seed) -> Re
 
 /// The rigid base parameters of a robot whose base is carried about in all six directions, by one QR on random states.
 ///
-/// On the A460 the rank is 42, not the 45 that the paper hopes for: `m1` and `mcy1` stay invisible, and `Ixx1` and
+/// On the A460 the rank is 42, not the 45 that `radkhah2007` hopes for: `m1` and `mcy1` stay invisible, and `Ixx1` and
 /// `Izz1` show only as a difference.
 ///
 /// # Errors
@@ -83,7 +83,7 @@ pub fn reduce_with_base(
 
 /// The base parameters that a given motion reveals: a category can only fall against [`reduce`], never rise.
 ///
-/// `states` are the samples of one trajectory, at least ten (the paper's N); `method` is [`Method::Paper`] or
+/// `states` are the samples of one trajectory, at least ten (`radkhah2007`'s N); `method` is [`Method::Radkhah2007`] or
 /// [`Method::Qr`]. Coulomb columns use each drive's own smooth sign.
 ///
 /// # Errors
@@ -118,7 +118,7 @@ fn reduce_stack(
         }
     }
     let reduction = match method {
-        Method::Paper => PaperSets::of(&w).reduction(parameters),
+        Method::Radkhah2007 => Radkhah2007Sets::of(&w).reduction(parameters),
         Method::Qr => BaseReduction::from_stack(parameters, &w, Method::Qr),
         Method::Structural => return Err(BaseError::NoTrajectory { method }),
     };

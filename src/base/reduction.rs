@@ -9,13 +9,13 @@ use crate::model::ParameterId;
 /// What torque reveals of one parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Category {
-    /// Its column is zero: no torque shows it. The paper's set U.
+    /// Its column is zero: no torque shows it. `radkhah2007` set U.
     Unidentifiable,
-    /// Its column is independent of all others: it is found alone. The paper's set S.
+    /// Its column is independent of all others: it is found alone. `radkhah2007` set S.
     Identifiable,
-    /// It stands in the base for a combination. The paper's D_BS without S.
+    /// It stands in the base for a combination. `radkhah2007` D_BS without S.
     Representative,
-    /// It is found only within combinations that others stand for. The paper's set D.
+    /// It is found only within combinations that others stand for. `radkhah2007` set D.
     Combination,
 }
 

@@ -98,8 +98,8 @@ impl Dynamics {
     ///
     /// ```text
     /// v_i = X_i v_{i-1} + S_i q̇_i                      a_i = X_i a_{i-1} + S_i q̈_i + v_i × S_i q̇_i
-    /// f_i = I_i a_i + v_i ×* I_i v_i + X_{i+1}ᵀ f_{i+1}      (the paper's eq. 3)
-    /// τ_i = S_iᵀ f_i + τ_drive,i                             (the paper's eq. 2)
+    /// f_i = I_i a_i + v_i ×* I_i v_i + X_{i+1}ᵀ f_{i+1}      (radkhah2007 eq. 3)
+    /// τ_i = S_iᵀ f_i + τ_drive,i                             (radkhah2007 eq. 2)
     /// ```
     /// `q`, `qd`, `qdd` in rad, rad/s, rad/s² and `tau` in N·m, n each (m and N for a prismatic joint). Featherstone,
     /// table 5.1, in link coordinates.

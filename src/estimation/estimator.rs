@@ -50,7 +50,7 @@ macro_rules! estimators {
 estimators! {
     /// Ordinary least squares.
     Ols => OrdinaryLeastSquares,
-    /// Least squares weighted with the noise of each joint: the paper's eq. 6.
+    /// Least squares weighted with the noise of each joint: `radkhah2007` eq. 6.
     Wls => WeightedLeastSquares,
 }
 

@@ -1,7 +1,7 @@
 //! From samples to parameters with honest error bars.
 //!
 //! ```text
-//! y = W_b β + ε        cov ε = C        OLS: min ‖y − W_b β‖        WLS: min (y − W_b β)ᵀ Σ⁻¹ (y − W_b β)   (the paper's eq. 6)
+//! y = W_b β + ε        cov ε = C        OLS: min ‖y − W_b β‖        WLS: min (y − W_b β)ᵀ Σ⁻¹ (y − W_b β)   (radkhah2007 eq. 6)
 //! ```
 //! [`Observation`] holds the equations, [`EstimationProblem`] adds what else an estimator may look at, and an
 //! [`Estimator`] turns it into an [`Estimate`]: base parameters with covariance, intervals, residuals, and the
@@ -10,7 +10,7 @@
 //! The equations' error bars come from the noise that scattered over periods, with its correlation in time; where no
 //! period was repeated, from the residual. No estimator sees the truth: the types that hold it come after this module.
 
-mod appraisal;
+mod inference;
 mod comparison;
 mod completion;
 mod consistent_set;

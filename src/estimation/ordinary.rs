@@ -6,7 +6,7 @@
 //! Every joint's residual counts the same in N·m, whatever its noise. Unbiased where the states are exact; its
 //! covariance is that of the measured noise, not of an assumed equal one.
 
-use super::appraisal::{Appraisal, solve};
+use super::inference::{Inference, solve};
 use super::noise_basis::{noise_of_fit, scatter_noise};
 use super::{Estimate, EstimationError, EstimationProblem, Estimator, IntervalBasis, Termination};
 
@@ -30,7 +30,7 @@ impl Estimator for OrdinaryLeastSquares {
             Some(noise) => (noise, IntervalBasis::Scatter),
             None => (noise_of_fit(observation, fit.solution()), IntervalBasis::Residual),
         };
-        Appraisal {
+        Inference {
             estimator: self.name(),
             problem,
             fit: &fit,

@@ -1,4 +1,4 @@
-//! Weighted least squares, the paper's eq. 6.
+//! Weighted least squares, `radkhah2007` eq. 6.
 //!
 //! ```text
 //! β̂ = (WᵀΣ⁻¹W)⁻¹ WᵀΣ⁻¹ y        cov β̂ = (WᵀΣ⁻¹W)⁻¹ for noise that is white in time
@@ -10,7 +10,7 @@
 
 use nalgebra::DMatrix;
 
-use super::appraisal::{Appraisal, solve};
+use super::inference::{Inference, solve};
 use super::noise_basis::{noise_of_fit, scatter_noise};
 use super::{Estimate, EstimationError, EstimationProblem, Estimator, IntervalBasis, Termination};
 use crate::linalg::BlockWhitening;
@@ -47,7 +47,7 @@ impl Estimator for WeightedLeastSquares {
             IntervalBasis::Scatter => seen,
             IntervalBasis::Residual => noise_of_fit(observation, fit.solution()),
         };
-        Appraisal {
+        Inference {
             estimator: self.name(),
             problem,
             fit: &fit,

@@ -76,8 +76,8 @@ pub struct Certificate {
     /// Largest use of each kind of limit.
     pub worst_limit_use: WorstLimitUse,
     /// SHA-256 of all the rest, so that a change of any figure shows.
-    #[serde(default)]
-    pub seal: String,
+    #[serde(default, rename = "seal")]
+    pub checksum: String,
     /// Where that is.
     pub worst: WorstCases,
 }
@@ -141,25 +141,25 @@ impl Certificate {
             deviations,
             worst_limit_use: used,
             worst,
-            seal: String::new(),
+            checksum: String::new(),
         };
-        Ok(certificate.sealed())
+        Ok(certificate.with_checksum())
     }
 
-    /// The certificate with the seal of its content.
-    pub(crate) fn sealed(self) -> Self {
-        let seal = self.seal_of_content();
-        Self { seal, ..self }
+    /// The certificate with the checksum of its content.
+    pub(crate) fn with_checksum(self) -> Self {
+        let checksum = self.content_checksum();
+        Self { checksum, ..self }
     }
 
     /// Whether it is as it was when it was made.
     #[must_use]
     pub fn is_unchanged(&self) -> bool {
-        self.seal == self.seal_of_content()
+        self.checksum == self.content_checksum()
     }
 
-    fn seal_of_content(&self) -> String {
-        let content = Self { seal: String::new(), ..self.clone() };
+    fn content_checksum(&self) -> String {
+        let content = Self { checksum: String::new(), ..self.clone() };
         sha256(&toml::to_string(&content).expect("names, numbers and lists of them have a TOML form"))
     }
 }
@@ -190,8 +190,9 @@ fn weakest(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{fixtures, table_one};
+    use crate::excitation::fixtures;
     use crate::model::Columns;
+    use crate::study::radkhah2007::table_one;
 
     fn problem(columns: Columns) -> DesignProblem {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), columns, CriterionKind::Condition).unwrap();

@@ -46,9 +46,10 @@ impl Certificate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{AdmissionFault, CriterionKind, DesignProblem, check, fixtures, table_one};
+    use crate::excitation::{AdmissionFault, CriterionKind, DesignProblem, check, fixtures};
     use crate::model::{Columns, Obstacle};
     use crate::spatial::Inertia;
+    use crate::study::radkhah2007::table_one;
 
     fn certified() -> (DesignProblem, PeriodicTrajectory, Certificate) {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), Columns::Rigid, CriterionKind::Condition).unwrap();
@@ -99,9 +100,9 @@ mod tests {
         assert!(matches!(fault, AdmissionFault::Contact(_)) && fault.to_string().contains("\"table\""), "{fault}");
         let mut strained = certificate.clone();
         strained.worst.torque.as_mut().unwrap().ratio = 1.2;
-        // Whoever changes a figure leaves the seal broken; a certificate that was made that way says what it asks.
+        // Whoever changes a figure breaks the checksum; a certificate that was made that way says what it asks.
         assert_eq!(check(robot, &motion, &strained, None), Err(AdmissionFault::Changed));
-        let strained = strained.sealed();
+        let strained = strained.with_checksum();
         let fault = check(robot, &motion, &strained, None).unwrap_err();
         assert!(matches!(fault, AdmissionFault::Limit { quantity: "torque", .. }), "{fault}");
     }
@@ -111,10 +112,10 @@ mod tests {
         let (problem, motion, certificate) = certified();
         let mut model = problem.efforts().unwrap();
         assert_eq!(check(&problem.robot, &motion, &certificate, Some(&mut model)), Ok(()));
-        // A sealed certificate that states less than the parameters ask is refused all the same.
+        // A certificate with a valid checksum that states less than the parameters ask is refused all the same.
         let mut flattering = certificate.clone();
         flattering.worst_limit_use.torque = Some(0.1);
-        let fault = check(&problem.robot, &motion, &flattering.sealed(), Some(&mut model)).unwrap_err();
+        let fault = check(&problem.robot, &motion, &flattering.with_checksum(), Some(&mut model)).unwrap_err();
         assert!(matches!(fault, AdmissionFault::Stale { quantity: "torque", .. }), "{fault}");
         // So is one that was made for lighter links.
         let heavier = |factor: f64| {

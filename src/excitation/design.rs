@@ -1,7 +1,7 @@
 //! From a design problem to a trajectory, its certificate and the record of how it was found.
 //!
 //! ```text
-//! the paper's first guess → inside the limits → sequential quadratic programming, sharper and sharper → exact check
+//! `radkhah2007`'s first guess → inside the limits → sequential quadratic programming, sharper and sharper → exact check
 //! ```
 //! A condition number has kinks where eigenvalues meet, so its smooth upper bound is minimised for a growing sharpness
 //! p. Every iterate is judged by the criterion itself, and the best one that holds all limits is returned. Budgets
@@ -41,7 +41,7 @@ pub struct Design {
     pub start: PeriodicTrajectory,
 }
 
-/// Designs one trajectory from the paper's first guess number `start`.
+/// Designs one trajectory from `radkhah2007`'s first guess number `start`.
 ///
 /// # Errors
 /// [`ExcitationError`] if the problem's settings are impossible.
@@ -101,7 +101,7 @@ pub fn nearest_of(designs: &[Design]) -> Option<&Design> {
     designs.iter().min_by(|x, y| excess(x).total_cmp(&excess(y)))
 }
 
-/// The baseline: the best of as many random draws as the budget has evaluations, each the paper's first guess brought
+/// The baseline: the best of as many random draws as the budget has evaluations, each `radkhah2007`'s first guess brought
 /// inside all limits.
 ///
 /// # Errors

@@ -10,7 +10,7 @@ use super::{
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Family {
-    /// The paper's finite Fourier series.
+    /// `radkhah2007`'s finite Fourier series.
     #[default]
     Fourier,
     /// The series with a quintic polynomial, at rest at both ends of the period.

@@ -1,4 +1,4 @@
-//! The paper's parametrisation (II.C): every joint moves along a finite Fourier series of one common period.
+//! `radkhah2007`'s parametrisation (II.C): every joint moves along a finite Fourier series of one common period.
 //!
 //! ```text
 //! q(t)  = Σ_l  a_l/(ω l) sin ωl t − b_l/(ω l) cos ωl t + q0
@@ -212,7 +212,7 @@ impl PeriodicMotion for FourierTrajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::table_one;
+    use crate::study::radkhah2007::table_one;
 
     #[test]
     fn identity_velocity_and_acceleration_are_derivatives_of_position() {

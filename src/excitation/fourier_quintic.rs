@@ -5,7 +5,7 @@
 //! A(u) = u − 10u³ + 15u⁴ − 6u⁵                  A = A'' = 0 and A' = 1 at both ends
 //! B(u) = ½ u² (1 − u)²                          B = B' = 0 and B'' = 1 at both ends
 //! ```
-//! F is the paper's series with its coefficients a, b and q0. The quintic takes away the velocity and the acceleration
+//! F is `radkhah2007`'s series with its coefficients a, b and q0. The quintic takes away the velocity and the acceleration
 //! with which the series begins and ends, so the motion is at rest there, at a position that it returns to. It is
 //! linear in the same coefficients, and repeats with continuous acceleration.
 //!
@@ -122,7 +122,7 @@ impl PeriodicMotion for FourierQuinticTrajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::table_one;
+    use crate::study::radkhah2007::table_one;
 
     #[test]
     fn identity_starts_and_stops_at_rest_where_it_began() {

@@ -163,7 +163,7 @@ pub(super) fn pattern(regressor: &JointTorqueRegressor) -> Vec<bool> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{CriterionKind, DesignProblem, fixtures, paper_start};
+    use crate::excitation::{CriterionKind, DesignProblem, fixtures, radkhah2007_start};
     use crate::model::Columns;
     use crate::seed::Seed;
 
@@ -178,7 +178,7 @@ mod tests {
     fn identity_information_equals_the_weighted_stack() {
         let problem = problem(Columns::RigidRotorFriction, CriterionKind::DOptimal);
         let sigma = problem.sigma.clone().unwrap();
-        let start = paper_start(&problem.robot, 10.0, 5, Seed::new(1), 3).unwrap();
+        let start = radkhah2007_start(&problem.robot, 10.0, 5, Seed::new(1), 3).unwrap();
         let regressor = JointTorqueRegressor::new(&problem.robot, problem.columns);
         let mut information = Information::new(regressor.clone(), &problem.base.kept, 40, &sigma, None);
         let m = information.gather(&start.sample(40));

@@ -1,6 +1,6 @@
 //! How should the arm move so that its parameters show best, without breaking a limit?
 //!
-//! The paper's sections II.C, II.D and III: finite Fourier series as trajectories, a criterion on the information
+//! `radkhah2007` sections II.C, II.D and III: finite Fourier series as trajectories, a criterion on the information
 //! `M = W_bᵀ Σ⁻¹ W_b` of the base columns, limits as constraints, and an optimiser of our own.
 
 mod admission;
@@ -37,7 +37,6 @@ mod sampled;
 mod shape;
 mod start;
 mod termination;
-pub mod table_one;
 mod trajectory;
 mod trajectory_file;
 mod trigonometric;
@@ -67,7 +66,7 @@ pub use periodic::{PeriodicMotion, PeriodicTrajectory};
 pub use piecewise::PiecewisePolynomial;
 pub use problem::{DEFAULT_EVALUATIONS, DesignProblem, Margins};
 pub use sampled::SampledBasis;
-pub use start::{PAPER_VELOCITIES, paper_start};
+pub use start::{START_VELOCITIES, radkhah2007_start};
 pub use termination::{HistoryPoint, Termination};
 pub use trajectory::Trajectory;
 pub use trigonometric::TrigonometricPolynomial;

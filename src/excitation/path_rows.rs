@@ -208,13 +208,13 @@ pub(crate) fn worst_on_ramps(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{Family, Trajectory, fixtures, paper_start};
+    use crate::excitation::{Family, Trajectory, fixtures, radkhah2007_start};
     use crate::seed::Seed;
 
     #[test]
     fn identity_ramp_accelerations_and_jerks_are_differences_of_positions() {
         let robot = fixtures::crs_a460();
-        let motion: PeriodicTrajectory = paper_start(&robot, 10.0, 5, Seed::new(3), 0).unwrap().into();
+        let motion: PeriodicTrajectory = radkhah2007_start(&robot, 10.0, 5, Seed::new(3), 0).unwrap().into();
         let course = Course { period_s: 10.0, ramp_s: Some(1.5) };
         let position = |stretch: Stretch, t: f64, joint: usize| {
             let (mut q, mut qd, mut qdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
@@ -240,7 +240,7 @@ mod tests {
     fn identity_rows_hold_what_the_ramps_and_the_jerk_ask() {
         let robot = fixtures::crs_a460().with_joints(|joint| joint.limits.jerk = 20.0).unwrap();
         let basis = MotionBasis::new(&robot, Family::Fourier, 10.0, &[5; 6], &[None; 6]).unwrap();
-        let motion: PeriodicTrajectory = paper_start(&robot, 10.0, 5, Seed::new(3), 0).unwrap().into();
+        let motion: PeriodicTrajectory = radkhah2007_start(&robot, 10.0, 5, Seed::new(3), 0).unwrap().into();
         let course = Course { period_s: 10.0, ramp_s: Some(0.4) };
         let mut source = PathRows::new(&robot, &basis, course, &Margins::default(), 1e-7);
         let x = basis.coefficients(&motion).unwrap();

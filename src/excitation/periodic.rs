@@ -227,7 +227,8 @@ impl From<BSplineTrajectory> for PeriodicTrajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{BSplineJoint, ConstantSpeedJoint, table_one};
+    use crate::excitation::{BSplineJoint, ConstantSpeedJoint};
+    use crate::study::radkhah2007::table_one;
 
     /// One motion of each kind on the robot of Table I.
     fn motions() -> Vec<PeriodicTrajectory> {

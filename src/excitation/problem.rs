@@ -108,7 +108,7 @@ const RANDOM_STATES: usize = 40;
 pub const DEFAULT_EVALUATIONS: usize = 400;
 
 impl DesignProblem {
-    /// The paper's setting: period 10 s, five harmonics, no torque limits.
+    /// `radkhah2007`'s setting: period 10 s, five harmonics, no torque limits.
     ///
     /// # Errors
     /// [`ExcitationError::Base`] if the base parameters cannot be found.
@@ -183,7 +183,7 @@ impl DesignProblem {
         states
     }
 
-    /// The first guess number `index` of this problem: the paper's for a Fourier series, else the trajectory of the
+    /// The first guess number `index` of this problem: `radkhah2007`'s for a Fourier series, else the trajectory of the
     /// family that comes nearest to it. Families share their starts.
     ///
     /// # Errors

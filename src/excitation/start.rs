@@ -1,6 +1,6 @@
-//! Where a design starts: the paper's first guess, and the random draws it is compared with.
+//! Where a design starts: `radkhah2007`'s first guess, and the random draws it is compared with.
 //!
-//! The paper (III.A) draws 100 random velocities and fits the series to them by least squares (its eq. 8). Its eq. 7
+//! `radkhah2007` (III.A) draws 100 random velocities and fits the series to them by least squares (its eq. 8). Its eq. 7
 //! has a slip that is mended here: the matrix A it prints is the *position* basis, and a fit of velocities needs the
 //! velocity basis, in which the column of q0 is zero:
 //!
@@ -20,18 +20,18 @@ use crate::linalg::{solve_upper, triangular_factor};
 use crate::model::Robot;
 use crate::seed::Seed;
 
-/// How many random velocities the paper fits.
-pub const PAPER_VELOCITIES: usize = 100;
+/// How many random velocities `radkhah2007` fits.
+pub const START_VELOCITIES: usize = 100;
 
 /// Part of its tightest limit that a joint of a start uses.
 const START_USE: f64 = 0.999;
 
-/// The paper's first guess for a design: a start of its own for every `index`, inside all limits of position, velocity
+/// `radkhah2007`'s first guess for a design: a start of its own for every `index`, inside all limits of position, velocity
 /// and acceleration.
 ///
 /// # Errors
 /// [`ExcitationError::Problem`] if the period is not positive or there is no harmonic.
-pub fn paper_start(
+pub fn radkhah2007_start(
     robot: &Robot,
     period_s: f64,
     harmonics: usize,
@@ -41,7 +41,7 @@ pub fn paper_start(
     series_start(robot, period_s, &vec![harmonics; robot.dof()], seed, index)
 }
 
-/// The paper's first guess with a number of harmonics for each joint; joints that lack the highest have zeros there.
+/// `radkhah2007`'s first guess with a number of harmonics for each joint; joints that lack the highest have zeros there.
 pub(super) fn series_start(
     robot: &Robot,
     period_s: f64,
@@ -60,10 +60,10 @@ pub(super) fn series_start(
         return fault("number of harmonics", "0".into(), "at least one");
     }
     let mut rng = seed.stream("paper start", index);
-    let count = PAPER_VELOCITIES.max(4 * highest);
+    let count = START_VELOCITIES.max(4 * highest);
     let mut joints = Vec::with_capacity(robot.dof());
     for (joint, &harmonics) in robot.joints().iter().zip(harmonics) {
-        // The paper's random velocities; where a joint states no speed limit, its shape alone counts.
+        // `radkhah2007`'s random velocities; where a joint states no speed limit, its shape alone counts.
         let speed = if joint.limits.velocity.is_finite() { joint.limits.velocity } else { 1.0 };
         let velocities: Vec<f64> = (0..count).map(|_| rng.random_range(-speed..speed)).collect();
         let (mut a, mut b) = fit_velocities(&velocities, harmonics);
@@ -145,7 +145,7 @@ mod tests {
 
     #[test]
     fn analytic_fit_recovers_a_series_and_projects_the_rest() {
-        let trajectory = crate::excitation::table_one::corrected();
+        let trajectory = crate::study::radkhah2007::table_one::corrected();
         let velocity = trajectory.velocity(3);
         let sample = |m: usize| velocity.value(std::f64::consts::TAU * m as f64 / 100.0);
         let exact: Vec<f64> = (0..100).map(sample).collect();
@@ -166,11 +166,11 @@ mod tests {
     fn identity_starts_are_inside_and_differ() {
         let robot = fixtures::crs_a460();
         let seed = Seed::new(4);
-        let first = paper_start(&robot, 10.0, 5, seed, 0).unwrap();
-        assert_eq!(first, paper_start(&robot, 10.0, 5, seed, 0).unwrap());
-        assert_ne!(first, paper_start(&robot, 10.0, 5, seed, 1).unwrap());
+        let first = radkhah2007_start(&robot, 10.0, 5, seed, 0).unwrap();
+        assert_eq!(first, radkhah2007_start(&robot, 10.0, 5, seed, 0).unwrap());
+        assert_ne!(first, radkhah2007_start(&robot, 10.0, 5, seed, 1).unwrap());
         for index in 0..10 {
-            let start = paper_start(&robot, 10.0, 5, seed, index).unwrap().into();
+            let start = radkhah2007_start(&robot, 10.0, 5, seed, index).unwrap().into();
             let uses = Quantity::ALL.map(|quantity| worst_use(&robot, &start, quantity).ratio);
             assert!(uses.iter().all(|&ratio| ratio < START_USE + 1e-9), "{uses:?}");
             assert!(uses.iter().any(|&ratio| ratio > START_USE - 1e-9), "{uses:?}");

@@ -319,7 +319,8 @@ fn at(text: &str, span: Range<usize>, message: &str) -> ExcitationError {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{PeriodicMotion, table_one};
+    use crate::excitation::PeriodicMotion;
+    use crate::study::radkhah2007::table_one;
 
     #[test]
     fn identity_written_trajectory_reads_back_to_the_last_bit() {

@@ -8,9 +8,9 @@ use nalgebra::Vector3;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "lowercase")]
 pub enum JointKind {
-    /// Turns about its axis; coordinate in rad, effort in N·m. The paper's σ = 1.
+    /// Turns about its axis; coordinate in rad, effort in N·m. `radkhah2007`: σ = 1.
     Revolute,
-    /// Slides along its axis; coordinate in m, effort in N. The paper's σ = 0.
+    /// Slides along its axis; coordinate in m, effort in N. `radkhah2007`: σ = 0.
     Prismatic,
 }
 
@@ -157,7 +157,7 @@ impl Joint {
         self.after.motion_to_child(&at_joint)
     }
 
-    /// Effort of the joint when `force` acts on this link, in its frame: the paper's eq. 2.
+    /// Effort of the joint when `force` acts on this link, in its frame: `radkhah2007` eq. 2.
     #[must_use]
     pub fn effort(&self, force: &Force) -> f64 {
         self.axis().dot(force)

@@ -3,7 +3,7 @@
 //! ```text
 //! τ = Y(q, q̇, q̈) φ        I a + v ×* I v = K(v, a) φ_body        Y_ik = S_iᵀ X_kiᵀ K(v_k, a_k)  for i ≤ k, else 0
 //! ```
-//! The paper's eq. 1 with `Γ_k = K_k θ_k`: row i, block k is the part of link k in the effort of joint i, where `X_ki`
+//! `radkhah2007` eq. 1 with `Γ_k = K_k θ_k`: row i, block k is the part of link k in the effort of joint i, where `X_ki`
 //! takes motions from frame i to frame k. It is computed with the axis `S_i` carried outwards, `X_ki S_i`, which
 //! costs six numbers per pair where carrying `K_k` inwards would cost sixty. After the links' columns come those of
 //! the drives, from the same [`TorqueTerm`](crate::dynamics::TorqueTerm)s that inverse and forward dynamics use.

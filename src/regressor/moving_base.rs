@@ -104,7 +104,7 @@ mod tests {
 
     #[test]
     fn published_a460_on_a_free_base_has_rank_42_and_on_a_planar_base_38() {
-        // Counts of an independent computation; the paper hoped for 45.
+        // Counts of an independent computation; `radkhah2007` hoped for 45.
         let robot = a460();
         let w = stacked(&robot, free);
         assert_eq!(rank(&w), 42);

@@ -8,7 +8,7 @@
 //! are periodic, so filters run in their steady state and nothing happens at the ends.
 //!
 //! Two routes to velocity and acceleration: through the Fourier coefficients of the measured positions (Swevers et
-//! al.), or zero-phase low pass and central differences (the paper's IV.B). Torque passes the same low pass.
+//! al.), or zero-phase low pass and central differences (`radkhah2007` IV.B). Torque passes the same low pass.
 //! A record without periods goes through [`process_aperiodic`]; its noise is left to the estimator's residual.
 //!
 //! Not here: outliers, missing samples, unequal sampling. Reference: J. Swevers, C. Ganseman, D. B. Tükel, J. De

@@ -23,7 +23,7 @@ pub enum Derivatives {
     /// Analytically, through the Fourier coefficients of the measured positions. Needs periods.
     #[default]
     Fourier,
-    /// Zero-phase Butterworth low pass, then central differences: the paper's IV.B.
+    /// Zero-phase Butterworth low pass, then central differences: `radkhah2007` IV.B.
     Differences,
 }
 

@@ -1,6 +1,6 @@
 //! Six-dimensional vectors of rigid-body mechanics, placements of frames, and the inertia of one body.
 //!
-//! Angular part first, always: a motion is `(ω, v)`, a force `(n, f)`. The paper writes its eqs. 2-4 force first,
+//! Angular part first, always: a motion is `(ω, v)`, a force `(n, f)`. `radkhah2007` writes its eqs. 2-4 force first,
 //! `γ = (f, n)`; the permutation that swaps the two halves is the only difference.
 //!
 //! This module knows no robot. Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, ch. 2.

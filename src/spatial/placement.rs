@@ -93,7 +93,7 @@ impl Placement {
         Motion { ang, lin: self.rotation * motion.lin + self.translation.cross(&ang) }
     }
 
-    /// A force given in the child, expressed in the parent: `f' = R f`, `n' = R n + p × f'`. The paper's eq. 4.
+    /// A force given in the child, expressed in the parent: `f' = R f`, `n' = R n + p × f'`. `radkhah2007` eq. 4.
     #[inline]
     #[must_use]
     pub fn force_to_parent(&self, force: &Force) -> Force {

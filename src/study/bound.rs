@@ -4,7 +4,7 @@
 //! cov β̂ ⪰ ( P Σ_k Y_b(k)ᵀ Σ⁻¹ Y_b(k) )⁻¹       k over every raw sample of one period, P recorded periods
 //! Σ = T diag(σ_i² + Δ_i²/12) Tᵀ               T torque per ampere, σ_i current noise, Δ_i the converter's step
 //! ```
-//! at the noise-free motion of the closed loop, with the true Σ: the paper's eq. 5 with nothing estimated. Positions
+//! at the noise-free motion of the closed loop, with the true Σ: `radkhah2007` eq. 5 with nothing estimated. Positions
 //! are taken as exact, as there.
 
 use nalgebra::{Cholesky, DMatrix, DVector};

@@ -1,10 +1,11 @@
 //! The designs of a study: one trajectory per family and start, with its certificate and how it was found.
 
-use super::plan::{HarmonicsPlan, Making};
-use super::{PlanFault, Stage, StudyError};
+use super::plan::{DesignMethod, HarmonicsPlan};
+use super::radkhah2007::table_one;
+use super::{PlanFault, StudyError, StudySetup};
 use crate::excitation::{
     Certificate, CriterionKind, Design, DesignProblem, ExcitationError, HistoryPoint, PeriodicTrajectory, Termination,
-    design, random_design, table_one,
+    design, random_design,
 };
 
 /// One design of a study.
@@ -31,7 +32,7 @@ pub struct StudyDesign {
 }
 
 impl StudyDesign {
-    /// The values that might foretell the error of a design, all of the columns that are estimated; smaller is better.
+    /// The values that may predict the error of a design, all of the columns that are estimated; smaller is better.
     #[must_use]
     pub fn values(&self) -> Vec<(&'static str, f64)> {
         let smallest = self.certificate.spectrum.first().copied().unwrap_or(0.0);
@@ -68,22 +69,22 @@ impl StudyDesign {
     }
 }
 
-impl Stage {
+impl StudySetup {
     /// Makes one design of one family. Families share their starts: start k of every family is the same first guess.
     ///
     /// # Errors
     /// [`StudyError`] where the settings are impossible for the robot.
     pub fn design(&self, family: usize, start: usize) -> Result<StudyDesign, StudyError> {
-        Ok(self.designs_of_chain(family, start)?.pop().expect("a chain holds the family itself"))
+        Ok(self.designs_of_sequence(family, start)?.pop().expect("a sequence holds the family itself"))
     }
 
-    /// The designs of number `start` of all families of a chain, from the first experiment to `family` itself.
+    /// The designs of number `start` of all families of a sequence, from the first experiment to `family` itself.
     ///
     /// # Errors
-    /// As [`Stage::design`].
-    pub fn designs_of_chain(&self, family: usize, start: usize) -> Result<Vec<StudyDesign>, StudyError> {
+    /// As [`StudySetup::design`].
+    pub fn designs_of_sequence(&self, family: usize, start: usize) -> Result<Vec<StudyDesign>, StudyError> {
         let mut made: Vec<StudyDesign> = Vec::new();
-        for next in self.families_of_chain(family) {
+        for next in self.families_of_sequence(family) {
             let design = self.design_after(next, start, &made)?;
             made.push(design);
         }
@@ -95,19 +96,19 @@ impl Stage {
         let plan = &self.plan.designs[family];
         let seed = self.plan.seed.child("design", 0);
         let index = start as u64;
-        match plan.making {
-            Making::Optimised => {
+        match plan.method {
+            DesignMethod::Optimised => {
                 Ok(StudyDesign::of(family, start, design(&self.problem_of(family, before)?, seed, index)?))
             }
-            Making::Random => {
+            DesignMethod::Random => {
                 let problem = self.problem_of(family, before)?;
                 Ok(StudyDesign::of(family, start, random_design(&problem, seed, index)?))
             }
-            Making::Repeated => {
+            DesignMethod::Repeated => {
                 let made = before.last().expect("the plan has been checked").clone();
                 Ok(StudyDesign { family, evaluations: 0, iterations: 0, history: Vec::new(), ..made })
             }
-            Making::TableOne => {
+            DesignMethod::TableOne => {
                 let trajectory = table_one::corrected().into();
                 let certificate = Certificate::of(&self.problem(CriterionKind::Condition, 1)?, &trajectory)?;
                 Ok(StudyDesign {

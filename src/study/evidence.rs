@@ -12,8 +12,8 @@
 use nalgebra::DVector;
 
 use super::comparison::Comparison;
+use super::criterion_correlation::CriterionCorrelation;
 use super::family_score::FamilyScore;
-use super::foretelling::Foretelling;
 use super::metric::Metric;
 use super::outcome::{Outcome, ScoredEstimate};
 use super::statistics::Spread;
@@ -30,7 +30,7 @@ pub struct DesignRow<'a> {
     pub family: usize,
     /// Cramér–Rao standard deviations (b).
     pub bound_std: &'a [f64],
-    /// Values that might foretell its error, by name.
+    /// Values that may predict its error, by name.
     pub values: &'a [(&'a str, f64)],
 }
 
@@ -68,7 +68,8 @@ pub struct Findings {
     /// Median over runs of the prediction RMSE of each design (outer: estimator, inner: design), N·m.
     pub design_prediction: Vec<Vec<Option<Spread>>>,
     /// Whether criterion values tell the error.
-    pub foretelling: Vec<Foretelling>,
+    #[serde(rename = "foretelling")]
+    pub criterion_correlations: Vec<CriterionCorrelation>,
 }
 
 /// One estimate, and the true base parameters of the arm that it was made from.
@@ -103,7 +104,7 @@ impl Evidence<'_> {
             comparisons: Vec::new(),
             over_truths: Vec::new(),
             design_prediction: Vec::new(),
-            foretelling: Vec::new(),
+            criterion_correlations: Vec::new(),
         };
         for (e, estimator) in self.estimators.iter().enumerate() {
             let runs: Vec<FamilyRuns<'_>> = (0..self.families.len()).map(|family| self.runs(family, e)).collect();
@@ -123,7 +124,7 @@ impl Evidence<'_> {
                 }
             }
             let spread = self.design_spread(e);
-            findings.foretelling.extend(self.foretelling(estimator, &spread));
+            findings.criterion_correlations.extend(self.criterion_correlations(estimator, &spread));
             findings.design_prediction.push(spread);
         }
         findings
@@ -257,7 +258,7 @@ mod tests {
         for parameter in &wide.parameters {
             assert!((parameter.std - 2.0).abs() < 0.6 && (parameter.bound_std - 2.0).abs() < 1e-12);
         }
-        assert!(findings.foretelling[0].rank_correlation.unwrap() > 0.7);
+        assert!(findings.criterion_correlations[0].rank_correlation.unwrap() > 0.7);
     }
 
     #[test]

@@ -1,6 +1,6 @@
 //! Single cases that a reader wants to see: a design against its limits, a measured torque against its prediction.
 
-use super::{ScoredEstimate, Stage, StudyDesign};
+use super::{ScoredEstimate, StudyDesign, StudySetup};
 use crate::dynamics::{Dynamics, States};
 use crate::excitation::PeriodicTrajectory;
 use crate::model::{Robot, StandardParameters};
@@ -86,7 +86,7 @@ pub struct PredictionExample {
     pub rms: Vec<f64>,
 }
 
-impl Stage {
+impl StudySetup {
     /// A design against its limits, with the torque of the nominal parameters.
     #[must_use]
     pub fn limit_example(&self, index: usize, design: &StudyDesign) -> LimitExample {
@@ -132,7 +132,7 @@ fn times(period_s: f64, count: usize) -> Vec<f64> {
     (0..count).map(|k| period_s * k as f64 / count as f64).collect()
 }
 
-/// The exact states of one period, as the referee sees them: positions, velocities and held torques of the plant, and
+/// The exact states of one period, as the scorer sees them: positions, velocities and held torques of the plant, and
 /// the accelerations that the true parameters give them.
 #[must_use]
 pub fn exact_states(dynamics: &mut Dynamics, q: &[f64], qd: &[f64], tau: &[f64]) -> States {
@@ -149,7 +149,8 @@ pub fn exact_states(dynamics: &mut Dynamics, q: &[f64], qd: &[f64], tau: &[f64])
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{fixtures, table_one};
+    use crate::excitation::fixtures;
+    use crate::study::radkhah2007::table_one;
 
     #[test]
     fn analytic_shares_of_limits_are_those_of_table_one() {

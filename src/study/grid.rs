@@ -1,6 +1,6 @@
 //! Many families of designs in a few lines: every criterion × family of trajectories × number of harmonics.
 
-use super::plan::{FamilyPlan, HarmonicsPlan, Making};
+use super::plan::{DesignMethod, FamilyPlan, HarmonicsPlan};
 
 /// One table `[[grid]]` of a `study.toml`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -27,7 +27,7 @@ impl GridPlan {
                 for &harmonics in &self.harmonics {
                     designs.push(FamilyPlan {
                         name: format!("{criterion} {family} {harmonics}"),
-                        making: Making::Optimised,
+                        method: DesignMethod::Optimised,
                         criterion: Some(criterion.clone()),
                         family: Some(family.clone()),
                         harmonics: Some(HarmonicsPlan::Every(harmonics)),
@@ -46,7 +46,7 @@ impl GridPlan {
 
 #[cfg(test)]
 mod tests {
-    use crate::study::{Making, StudyPlan};
+    use crate::study::{DesignMethod, StudyPlan};
 
     const SEQUENTIAL: &str = include_str!("../../experiments/04-sequential/study.toml");
     const DESIGNS: &str = include_str!("../../experiments/05-designs/study.toml");
@@ -55,7 +55,7 @@ mod tests {
     fn identity_a_grid_is_every_combination_and_reads_back_as_designs() {
         let plan = StudyPlan::from_toml(DESIGNS).unwrap();
         assert_eq!(plan.designs.len(), 7 * 4 * 3);
-        assert!(plan.designs.iter().all(|family| family.making == Making::Optimised && family.starts >= 20));
+        assert!(plan.designs.iter().all(|family| family.method == DesignMethod::Optimised && family.starts >= 20));
         let text = toml::to_string(&plan).unwrap();
         assert_eq!(StudyPlan::from_toml(&text).unwrap(), plan);
     }

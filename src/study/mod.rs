@@ -5,9 +5,9 @@
 //! ```
 //! This module comes last, so that nothing that identifies can name the [`Truth`].
 
-mod atlas;
+mod effect_sensitivity;
 mod bound;
-mod chain;
+mod experiment_sequence;
 mod comparison;
 mod condition;
 mod design;
@@ -15,16 +15,16 @@ mod evidence;
 mod examples;
 mod failure;
 mod family_score;
-mod foretelling;
+mod criterion_correlation;
 mod grid;
 mod metric;
 mod outcome;
-pub mod paper;
 mod plan;
+pub mod radkhah2007;
 mod random_truth;
-mod referee;
+mod scorer;
 mod result;
-mod stage;
+mod setup;
 mod truth;
 mod truth_comparison;
 mod truth_files;
@@ -32,28 +32,28 @@ pub mod statistics;
 mod units;
 mod validity;
 
-pub use atlas::{Atlas, AtlasBias, AtlasEntry};
 pub use bound::{cramer_rao_std, torque_covariance};
-pub use chain::Experiment;
 pub use comparison::Comparison;
 pub use condition::{Condition, ConditionResult, StatusCount};
+pub use criterion_correlation::CriterionCorrelation;
 pub use design::StudyDesign;
+pub use effect_sensitivity::{EffectSensitivity, ParameterBias, SensitivityEntry};
 pub use evidence::{DesignRow, Evidence, Findings};
 pub use examples::{Examples, LimitExample, PredictionExample, exact_states};
+pub use experiment_sequence::Experiment;
 pub use failure::{Failure, FailureKind};
 pub use family_score::{FamilyScore, ParameterScore};
-pub use foretelling::Foretelling;
 pub use grid::GridPlan;
 pub use metric::Metric;
 pub use outcome::{Outcome, ScoredEstimate};
 pub use plan::{
-    ExperimentSettings, FamilyPlan, HarmonicsPlan, IdentificationSettings, Making, PlanFault, StudyPlan,
+    DesignMethod, ExperimentSettings, FamilyPlan, HarmonicsPlan, IdentificationSettings, PlanFault, StudyPlan,
     ValidationSettings,
 };
 pub use random_truth::{Centre, RandomTruths, TruthFault};
-pub use referee::{Referee, Score};
-pub use result::{JointLine, PaperResult, ParameterLine, StudyResult, StudyStory};
-pub use stage::{Slot, Stage, StudyError};
+pub use result::{JointLine, ParameterLine, ReportInput, StudyResult};
+pub use scorer::{Score, Scorer};
+pub use setup::{RunId, StudyError, StudySetup};
 pub use truth::Truth;
 pub use truth_comparison::TruthComparison;
 pub use truth_files::truth_text;

@@ -1,8 +1,8 @@
 //! What one run of a study leaves behind: small, whole, and enough for every figure.
 
 use super::Failure;
-use super::referee::Score;
-use super::stage::Slot;
+use super::scorer::Score;
+use super::setup::RunId;
 use crate::estimation::Estimate;
 
 /// One run of one design under one condition: what every estimator made of it, or why there is nothing.
@@ -44,8 +44,8 @@ pub struct ScoredEstimate {
 impl Outcome {
     /// Which run it is.
     #[must_use]
-    pub const fn slot(&self) -> Slot {
-        Slot { design: self.design, condition: self.condition, run: self.run }
+    pub const fn id(&self) -> RunId {
+        RunId { design: self.design, condition: self.condition, run: self.run }
     }
 
     /// `ok`, or the kind of failure that ended the run.

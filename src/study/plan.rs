@@ -56,9 +56,9 @@ pub struct StudyPlan {
     /// Families that every other is compared with; all pairs where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub compare_with: Vec<String>,
-    /// Whether the claims of the paper are examined too.
-    #[serde(default)]
-    pub paper_claims: bool,
+    /// Whether the claims of `radkhah2007` are evaluated too.
+    #[serde(default, rename = "paper_claims", alias = "radkhah2007_claims")]
+    pub radkhah2007_claims: bool,
 }
 
 /// The experiment of every design.
@@ -104,12 +104,12 @@ pub struct ValidationSettings {
 /// How the designs of a family are made.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Making {
+pub enum DesignMethod {
     /// By the optimiser, from independent starts.
     Optimised,
     /// The best of as many random draws as the optimiser has evaluations.
     Random,
-    /// The paper's Table I, corrected.
+    /// `radkhah2007` Table I, corrected.
     TableOne,
     /// The designs of the family that it continues, once more.
     Repeated,
@@ -125,14 +125,15 @@ pub enum HarmonicsPlan {
     Each(Vec<usize>),
 }
 
-/// Designs of one making and criterion; a criterion is judged by its family, never by one design.
+/// Designs of one method and criterion; a criterion is judged by its family, never by one design.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FamilyPlan {
     /// Name in tables and figures.
     pub name: String,
     /// How its designs are made.
-    pub making: Making,
+    #[serde(rename = "making", alias = "method")]
+    pub method: DesignMethod,
     /// What is optimised, or by what the best draw is chosen; absent for a fixed trajectory.
     #[serde(default)]
     pub criterion: Option<String>,
@@ -288,20 +289,20 @@ impl StudyPlan {
         self.check_truths()?;
         for family in &self.designs {
             family.family()?;
-            match family.making {
-                Making::Optimised | Making::Random => {
+            match family.method {
+                DesignMethod::Optimised | DesignMethod::Random => {
                     family.criterion()?;
                     if family.evaluations == 0 {
                         return Err(number("design.evaluations", family.evaluations, "at least 1"));
                     }
                 }
-                Making::TableOne if family.starts != 1 => {
+                DesignMethod::TableOne if family.starts != 1 => {
                     return Err(number("design.starts", family.starts, "1, since a fixed trajectory has one design"));
                 }
-                Making::TableOne | Making::Repeated => {}
+                DesignMethod::TableOne | DesignMethod::Repeated => {}
             }
         }
-        self.check_chains()?;
+        self.check_sequences()?;
         for found in &self.compare_with {
             if !self.designs.iter().any(|family| family.name == *found) {
                 return Err(name_of("compare_with", found, self.designs.iter().map(|family| family.name.as_str())));

@@ -1,7 +1,7 @@
 //! What a study stores beside its rows: enough to print and draw every part of its report again.
 
-use super::paper::{Claim, TableLine};
-use super::{Atlas, ConditionResult, Examples, Findings, Stage, StudyDesign, StudyPlan};
+use super::radkhah2007::Reproduction;
+use super::{ConditionResult, EffectSensitivity, Examples, Findings, StudyDesign, StudyPlan, StudySetup};
 use crate::provenance::Provenance;
 
 /// The stored summary of a study. Equal plan, equal bytes.
@@ -26,10 +26,11 @@ pub struct StudyResult {
     /// What the runs under each condition say, the first being the one that figures show.
     pub conditions: Vec<ConditionResult>,
     /// What each effect does, where there are conditions with and without.
-    #[serde(default, skip_serializing_if = "Option::is_none")]
-    pub atlas: Option<Atlas>,
-    /// The paper's claims examined, and its Table II, where the plan asks for them.
-    pub paper: Option<PaperResult>,
+    #[serde(default, rename = "atlas", skip_serializing_if = "Option::is_none")]
+    pub effect_sensitivity: Option<EffectSensitivity>,
+    /// The claims of `radkhah2007` evaluated, and its Table II, where the plan asks for them.
+    #[serde(rename = "paper")]
+    pub radkhah2007: Option<Reproduction>,
 }
 
 impl StudyResult {
@@ -47,15 +48,6 @@ impl StudyResult {
     pub fn findings(&self) -> &Findings {
         &self.conditions[0].findings
     }
-}
-
-/// The paper's claims and its Table II.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct PaperResult {
-    /// One entry per claim.
-    pub claims: Vec<Claim>,
-    /// One line per base parameter of the rigid arm.
-    pub table: Vec<TableLine>,
 }
 
 /// One joint, as tables and figures name it.
@@ -86,14 +78,14 @@ pub struct ParameterLine {
 
 /// A study with the single cases that its figures show.
 #[derive(Clone, Debug, PartialEq)]
-pub struct StudyStory {
+pub struct ReportInput {
     /// The summary.
     pub result: StudyResult,
     /// The cases.
     pub examples: Examples,
 }
 
-impl Stage {
+impl StudySetup {
     /// Puts together what is stored.
     #[must_use]
     pub fn result(
@@ -101,10 +93,10 @@ impl Stage {
         provenance: Provenance,
         designs: Vec<StudyDesign>,
         bounds: Vec<Vec<f64>>,
-        (conditions, atlas): (Vec<ConditionResult>, Option<Atlas>),
-        paper: Option<PaperResult>,
+        (conditions, effect_sensitivity): (Vec<ConditionResult>, Option<EffectSensitivity>),
+        radkhah2007: Option<Reproduction>,
     ) -> StudyResult {
-        let (truth, units) = (&self.referee().truths()[0], self.referee().units());
+        let (truth, units) = (&self.scorer().truths()[0], self.scorer().units());
         let parameters = self
             .base
             .names()
@@ -136,10 +128,10 @@ impl Stage {
             parameters,
             designs,
             bounds,
-            drawn_truths: self.referee().truths()[1..].iter().map(|beta| beta.as_slice().to_vec()).collect(),
+            drawn_truths: self.scorer().truths()[1..].iter().map(|beta| beta.as_slice().to_vec()).collect(),
             conditions,
-            atlas,
-            paper,
+            effect_sensitivity,
+            radkhah2007,
         }
     }
 }

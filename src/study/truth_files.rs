@@ -24,11 +24,11 @@ mod tests {
     use crate::base::{BaseReduction, Method, reduce};
     use crate::conformance::chains::random_state;
     use crate::dynamics::{Dynamics, States};
-    use crate::excitation::table_one;
     use crate::model::format::{parse_nominal, parse_parameters, parse_robot};
     use crate::model::{Columns, Robot, StandardParameters, bundled};
     use crate::regressor::JointTorqueRegressor;
     use crate::seed::Seed;
+    use crate::study::radkhah2007::table_one;
 
     #[test]
     fn identity_every_truth_is_physically_consistent_and_another_than_the_guess() {

@@ -1,4 +1,4 @@
-//! Which values of a base parameter no real arm of this shape can have: the paper's "values that are not reasonable",
+//! Which values of a base parameter no real arm of this shape can have: `radkhah2007`'s "values that are not reasonable",
 //! made a test.
 //!
 //! ```text

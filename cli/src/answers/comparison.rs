@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use armid::estimation::{Estimate, compare};
 use armid_io::output::{pretty, write_text};
 use armid_io::{Error, Text, estimate};
-use armid_reports::{ComparisonStory, Prediction, comparison_document};
+use armid_reports::{ComparisonInput, Prediction, comparison_document};
 use miette::Result;
 use serde::Deserialize;
 use serde_json::json;
@@ -75,7 +75,7 @@ pub(crate) fn report(first: &Path, second: &Path, folder: &Path) -> Result<Answe
     let comparison =
         compare(&first.estimate, &second.estimate).map_err(|error| Error::new(format!("the estimates: {error}")))?;
     let joints = joint_names(&first.estimate);
-    let story = ComparisonStory {
+    let input = ComparisonInput {
         comparison,
         origins: [origin(&first.estimate), origin(&second.estimate)],
         labels: [first.label, second.label],
@@ -83,17 +83,17 @@ pub(crate) fn report(first: &Path, second: &Path, folder: &Path) -> Result<Answe
         predictions: [first.prediction, second.prediction],
     };
     let fault = |error: armid_reports::DocumentError| Error::new(format!("the report cannot be drawn: {error}"));
-    let document = comparison_document(&story).map_err(fault)?;
+    let document = comparison_document(&input).map_err(fault)?;
     for (name, svg) in document.svg_files().map_err(fault)? {
         write_text(&folder.join(name), svg)?;
     }
     let page: PathBuf = folder.join("report.html");
     write_text(&page, &document.html().map_err(fault)?)?;
-    let shown = &story.comparison;
+    let shown = &input.comparison;
     let json = json!({
         "page": page,
         "robot": shown.robot,
-        "labels": story.labels,
+        "labels": input.labels,
         "parameters": shown.parameters,
         "beyond": shown.beyond,
         "rms_difference_std": shown.rms_difference_std,
@@ -104,8 +104,8 @@ pub(crate) fn report(first: &Path, second: &Path, folder: &Path) -> Result<Answe
     let text = format!(
         "{}: {} and {}: {} parameters, {:.0} % differ by more than 1.96 standard deviations (noise alone: 5 %), RMS {:.2}\n  {}\n",
         shown.robot,
-        story.labels[0],
-        story.labels[1],
+        input.labels[0],
+        input.labels[1],
         shown.parameters.len(),
         100.0 * shown.beyond,
         shown.rms_difference_std,

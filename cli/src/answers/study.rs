@@ -21,9 +21,9 @@ pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: O
         headline(&mut text, &part.findings, estimator);
         over_truths(&mut text, &part.findings, estimator);
     }
-    if let Some(paper) = &result.paper {
+    if let Some(found) = &result.radkhah2007 {
         let _ = writeln!(text);
-        for claim in &paper.claims {
+        for claim in &found.claims {
             let _ = writeln!(text, "{:>14}  {}", claim.verdict.words(), claim.claim);
         }
     }
@@ -37,7 +37,7 @@ pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: O
         "report": report.map(|report| report.display().to_string()),
         "findings": result.findings(),
         "conditions": &result.conditions,
-        "paper": &result.paper,
+        "paper": &result.radkhah2007,
     });
     Answer { text, json }
 }

@@ -23,7 +23,8 @@ Free motion has no torque and no friction and lasts a quarter of a second; the r
 articulated-body algorithm with steps so fine that its own error is rounding. In the closed loop each
 engine performs one period of the experiment under the robot's servo, friction included, sensors
 without fault; torque is held over a servo step, so only differences are given there. Without
---trajectory the A460 moves along the paper's Table I, another robot along a motion within its limits.
+--trajectory the A460 moves along Table I of Radkhah et al. (2007), another robot along a motion
+within its limits.
 
 Exit code 1 means that a tolerance is not kept; each is stated beside what was found.
 

@@ -22,8 +22,8 @@ use crate::interrupt;
 use crate::terminal::{Answer, Console, Ending, progress};
 
 const AFTER_HELP: &str = "\
-Every start begins at the paper's first guess from other random velocities and may evaluate the
-criterion --evaluations times (a gradient counts as one more); the best start within all limits is
+Every start begins at the first guess of Radkhah et al. (2007) from other random velocities and may
+evaluate the criterion --evaluations times (a gradient counts as one more); the best start within all limits is
 kept. Limits hold at every instant, also between samples and on the ramps of an experiment:
 position, velocity, acceleration, jerk, distances, and torque and current (peak and RMS) with the
 probability --confidence at each instant, by the uncertainty of the nominal parameters (without one,

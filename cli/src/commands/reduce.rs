@@ -14,8 +14,8 @@ use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 The methods give the same base parameters: `structural` walks the links and draws no random
-numbers, `qr` factorises a regressor of random states, `paper` takes the paper's steps 1 to 5.
-With --trajectory the categories are those of that motion alone (`paper` or `qr`).
+numbers, `qr` factorises a regressor of random states, `paper` takes steps 1 to 5 of Radkhah et al.
+(2007). With --trajectory the categories are those of that motion alone (`paper` or `qr`).
 
 Examples:
   armid reduce crs-a460
@@ -65,7 +65,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         }
         (Some(name), BaseMotion::Fixed) => {
             let states = trajectory::load(name, None, robot)?.sample(SAMPLES);
-            let method = arguments.method.unwrap_or(Method::Paper);
+            let method = arguments.method.unwrap_or(Method::Radkhah2007);
             reduce_on(robot, columns, method, &states).map_err(|error| Error::new(error.to_string()))?
         }
         (Some(_), motion) => refused(format!("--trajectory with --base {}, expected a fixed base", motion.name()))?,

@@ -46,13 +46,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             ))
             .into());
         }
-        let story = read_study(folder)?;
+        let input = read_study(folder)?;
         let output = match console.output() {
-            Some(output) if arguments.folders.len() > 1 => output.join(&story.result.plan.name),
+            Some(output) if arguments.folders.len() > 1 => output.join(&input.result.plan.name),
             Some(output) => output.to_path_buf(),
             None => folder.join("report"),
         };
-        pages.push(write_report(&output, &story)?);
+        pages.push(write_report(&output, &input)?);
     }
     let lines: Vec<String> = pages.iter().map(|page: &PathBuf| page.display().to_string()).collect();
     console.show(&Answer { text: lines.join("\n") + "\n", json: json!({ "pages": lines }) })?;

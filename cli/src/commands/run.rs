@@ -22,7 +22,7 @@ const AFTER_HELP: &str = "\
 EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
 
   robot = \"crs-a460\"            # as on the command line; paths begin beside this file
-  trajectory = \"T.toml\"         # or table-one, the paper's
+  trajectory = \"T.toml\"         # or table-one, of Radkhah et al. (2007)
   rate_hz = 1000                # samples per second; a period holds a whole number of them
   settle_s = 1.0                # at rest before the motion
   ramp_s = 2.0                  # into the motion and out of it

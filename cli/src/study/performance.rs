@@ -8,8 +8,8 @@ use std::time::Instant;
 use armid::experiment::Sensing;
 use armid::provenance::{Provenance, sha256};
 use armid::seed::Seed;
-use armid::study::paper::examine;
-use armid::study::{Examples, Experiment, Outcome, PaperResult, Slot, Stage, StudyDesign, StudyPlan, StudyStory};
+use armid::study::radkhah2007::{Reproduction, evaluate_claims};
+use armid::study::{Examples, Experiment, Outcome, ReportInput, RunId, StudyDesign, StudyPlan, StudySetup};
 use indicatif::ProgressBar;
 use miette::Result;
 use rayon::prelude::*;
@@ -37,7 +37,7 @@ pub(crate) struct Shard {
 
 /// A study and the arms that it is performed on, one per condition.
 pub(crate) struct Prepared {
-    stage: Stage,
+    setup: StudySetup,
     simulations: Vec<Simulation>,
 }
 
@@ -59,8 +59,8 @@ impl Prepared {
             .collect::<Result<Vec<_>>>()?;
         let first = &simulations[0];
         let (robot, nominal) = (first.robot().clone(), first.nominal.clone());
-        let stage = Stage::new(plan, robot, nominal, &first.truth).map_err(in_words)?;
-        Ok(Self { stage, simulations })
+        let setup = StudySetup::new(plan, robot, nominal, &first.truth).map_err(in_words)?;
+        Ok(Self { setup, simulations })
     }
 
     pub(crate) fn performance<'a>(
@@ -69,7 +69,7 @@ impl Prepared {
         shard: Option<Shard>,
         console: &'a Console,
     ) -> Performance<'a> {
-        Performance { stage: &self.stage, simulations: &self.simulations, output, shard, console }
+        Performance { setup: &self.setup, simulations: &self.simulations, output, shard, console }
     }
 }
 
@@ -79,7 +79,7 @@ pub(crate) fn in_words(error: impl std::fmt::Display) -> Error {
 
 /// One study being performed.
 pub(crate) struct Performance<'a> {
-    stage: &'a Stage,
+    setup: &'a StudySetup,
     simulations: &'a [Simulation],
     output: &'a Path,
     shard: Option<Shard>,
@@ -104,29 +104,29 @@ impl Performance<'_> {
 
     /// What decides the rows: stored work with another identity belongs to another study.
     pub(crate) fn identity(&self) -> Result<String> {
-        Ok(sha256(&plan_text(self.stage.plan())?))
+        Ok(sha256(&plan_text(self.setup.plan())?))
     }
 
     /// The journal in the output folder, and what it holds already; the plan stands beside it.
     pub(crate) fn journal(&self, resume: bool) -> Result<(Journal, Vec<Piece>)> {
         let opened = Journal::open(self.output, &self.identity()?, resume)?;
-        write_text(&self.output.join("study.toml"), &plan_text(self.stage.plan())?)?;
+        write_text(&self.output.join("study.toml"), &plan_text(self.setup.plan())?)?;
         Ok(opened)
     }
 
     /// Every run of the study, or of its part.
-    fn planned(&self) -> Vec<Slot> {
+    fn planned(&self) -> Vec<RunId> {
         let mine = |position: usize| self.shard.is_none_or(|shard| position % shard.n == shard.k - 1);
-        let all = self.stage.slots().into_iter().enumerate();
-        all.filter(|(position, _)| mine(*position)).map(|(_, slot)| slot).collect()
+        let all = self.setup.run_ids().into_iter().enumerate();
+        all.filter(|(position, _)| mine(*position)).map(|(_, id)| id).collect()
     }
 
     /// How many planned runs are not among the pieces.
     pub(crate) fn missing(&self, pieces: &[Piece]) -> usize {
-        let have: HashSet<Slot> = pieces
+        let have: HashSet<RunId> = pieces
             .iter()
             .filter_map(|piece| match piece {
-                Piece::Run { outcome, .. } => Some(outcome.slot()),
+                Piece::Run { outcome, .. } => Some(outcome.id()),
                 Piece::Design { .. } => None,
             })
             .collect();
@@ -135,8 +135,8 @@ impl Performance<'_> {
 
     /// Makes the designs and performs the runs that are not among the pieces yet; `None` where interrupted.
     pub(crate) fn perform(&self, journal: Journal, pieces: Vec<Piece>) -> Result<Option<Work>> {
-        let slots = self.stage.designs();
-        let mut designs: Vec<Option<Made>> = vec![None; slots.len()];
+        let planned = self.setup.designs();
+        let mut designs: Vec<Option<Made>> = vec![None; planned.len()];
         let mut outcomes: Vec<(Outcome, f64)> = Vec::new();
         for piece in pieces {
             match piece {
@@ -148,7 +148,7 @@ impl Performance<'_> {
             }
         }
         let journal = Mutex::new(journal);
-        self.make_designs(&slots, &mut designs, &journal)?;
+        self.make_designs(&planned, &mut designs, &journal)?;
         let Some(designs) = designs.into_iter().collect::<Option<Vec<Made>>>() else { return Ok(None) };
         let complete = self.perform_runs(&designs, &mut outcomes, &journal)?;
         let journal = journal.into_inner().map_err(in_words)?;
@@ -157,21 +157,21 @@ impl Performance<'_> {
 
     fn make_designs(
         &self,
-        slots: &[(usize, usize)],
+        planned: &[(usize, usize)],
         designs: &mut [Option<Made>],
         journal: &Mutex<Journal>,
     ) -> Result<()> {
-        let missing: Vec<usize> = (0..slots.len()).filter(|&index| designs[index].is_none()).collect();
+        let missing: Vec<usize> = (0..planned.len()).filter(|&index| designs[index].is_none()).collect();
         let bar = progress::bar(self.console, missing.len() as u64, "designs");
         let made = missing
             .into_par_iter()
             .filter(|_| !interrupt::asked())
             .map(|index| {
                 let begin = Instant::now();
-                let (family, start) = slots[index];
-                let mut chain = self.stage.designs_of_chain(family, start).map_err(in_words)?;
-                let bound = self.bound(&chain)?;
-                let design = chain.pop().ok_or_else(|| Error::new("a chain without designs"))?;
+                let (family, start) = planned[index];
+                let mut sequence = self.setup.designs_of_sequence(family, start).map_err(in_words)?;
+                let bound = self.bound(&sequence)?;
+                let design = sequence.pop().ok_or_else(|| Error::new("a sequence without designs"))?;
                 let made = (design, bound, begin.elapsed().as_secs_f64());
                 let (design, bound, seconds) = made.clone();
                 let bound = bound.into_iter().map(|std| std.is_finite().then_some(std)).collect();
@@ -186,18 +186,18 @@ impl Performance<'_> {
         Ok(())
     }
 
-    /// The bound after the experiments of all designs of a chain.
-    fn bound(&self, chain: &[StudyDesign]) -> Result<Vec<f64>> {
+    /// The bound after the experiments of all designs of a sequence.
+    fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>> {
         let mut exact = Vec::new();
-        for design in chain {
-            let plan = self.stage.experiment(&design.trajectory);
+        for design in sequence {
+            let plan = self.setup.experiment(&design.trajectory);
             match self.first().exact_period(&plan) {
                 Ok(states) => exact.push(states),
                 // A motion that runs away has no bound; its runs say why.
-                Err(_) => return Ok(vec![f64::INFINITY; self.stage.base().rank()]),
+                Err(_) => return Ok(vec![f64::INFINITY; self.setup.base().rank()]),
             }
         }
-        Ok(self.stage.bound_of_chain(&exact))
+        Ok(self.setup.bound_of_sequence(&exact))
     }
 
     /// Whether all runs are there.
@@ -207,26 +207,26 @@ impl Performance<'_> {
         outcomes: &mut Vec<(Outcome, f64)>,
         journal: &Mutex<Journal>,
     ) -> Result<bool> {
-        let have: HashSet<Slot> = outcomes.iter().map(|(outcome, _)| outcome.slot()).collect();
-        let planned: Vec<Slot> = self.planned().into_iter().filter(|key| !have.contains(key)).collect();
+        let have: HashSet<RunId> = outcomes.iter().map(|(outcome, _)| outcome.id()).collect();
+        let planned: Vec<RunId> = self.planned().into_iter().filter(|key| !have.contains(key)).collect();
         let count = planned.len();
         let bar = progress::bar(self.console, count as u64, "runs");
         let performed = planned
             .into_par_iter()
             .filter(|_| !interrupt::asked())
-            .map(|slot| {
+            .map(|id| {
                 let begin = Instant::now();
-                let simulation = self.simulations[slot.condition].made_of(self.stage.truth(slot.run));
+                let simulation = self.simulations[id.condition].made_of(self.setup.truth(id.run));
                 let mut arms = Vec::new();
-                for index in self.stage.chain(slot.design) {
-                    let (seed, stream) = self.stage.stream(index, slot.run);
+                for index in self.setup.sequence(id.design) {
+                    let (seed, stream) = self.setup.stream(index, id.run);
                     arms.push((index, simulation.arm(&Sensing::default(), seed, stream).map_err(in_words)?));
                 }
                 let mut experiments: Vec<Experiment<'_>> = arms
                     .iter_mut()
                     .map(|(index, arm)| Experiment { design: &designs[*index].0, arm: &mut **arm })
                     .collect();
-                let outcome = self.stage.trial_of_chain(slot, &mut experiments);
+                let outcome = self.setup.trial_of_sequence(id, &mut experiments);
                 let seconds = begin.elapsed().as_secs_f64();
                 keep(journal, &bar, &Piece::Run { outcome: Box::new(outcome.clone()), seconds })?;
                 Ok((outcome, seconds))
@@ -235,8 +235,8 @@ impl Performance<'_> {
         bar.finish_and_clear();
         let complete = performed.len() == count;
         outcomes.extend(performed);
-        outcomes.sort_by_key(|(outcome, _)| outcome.slot());
-        outcomes.dedup_by_key(|(outcome, _)| outcome.slot());
+        outcomes.sort_by_key(|(outcome, _)| outcome.id());
+        outcomes.dedup_by_key(|(outcome, _)| outcome.id());
         Ok(complete)
     }
 
@@ -248,29 +248,30 @@ impl Performance<'_> {
         let (designs, bounds): (Vec<StudyDesign>, Vec<Vec<f64>>) =
             designs.into_iter().map(|(design, bound, _)| (design, bound)).unzip();
         let (outcomes, run_seconds): (Vec<Outcome>, Vec<f64>) = outcomes.into_iter().unzip();
-        let conditions = self.stage.conditions(&designs, &bounds, &outcomes);
-        let atlas = self.stage.atlas(&designs, &conditions, &outcomes);
-        let paper = if self.stage.plan().paper_claims {
+        let conditions = self.setup.conditions(&designs, &bounds, &outcomes);
+        let effect_sensitivity = self.setup.effect_sensitivity(&designs, &conditions, &outcomes);
+        let radkhah2007 = if self.setup.plan().radkhah2007_claims {
             let arm = |sensing: &Sensing, seed: Seed, run: u64| self.first().arm(sensing, seed, run);
             let (claims, table) =
-                examine(self.stage, &self.first().truth, &designs, &conditions[0].findings, &arm).map_err(in_words)?;
-            Some(PaperResult { claims, table })
+                evaluate_claims(self.setup, &self.first().truth, &designs, &conditions[0].findings, &arm)
+                    .map_err(in_words)?;
+            Some(Reproduction { claims, table })
         } else {
             None
         };
         let examples = self.examples(&designs, &outcomes)?;
-        let seed = self.stage.plan().seed;
-        let provenance = Provenance::new(self.stage.robot().name(), &self.first().loaded.text.content, Some(seed));
-        let result = self.stage.result(provenance, designs, bounds, (conditions, atlas), paper);
-        let story = StudyStory { result, examples };
-        write_study(self.output, &story, &outcomes)?;
+        let seed = self.setup.plan().seed;
+        let provenance = Provenance::new(self.setup.robot().name(), &self.first().loaded.text.content, Some(seed));
+        let result = self.setup.result(provenance, designs, bounds, (conditions, effect_sensitivity), radkhah2007);
+        let input = ReportInput { result, examples };
+        write_study(self.output, &input, &outcomes)?;
         write_timing(self.output, &design_seconds, &outcomes, &run_seconds, rayon::current_num_threads())?;
         let failed = outcomes.iter().filter(|outcome| outcome.failure.is_some()).count();
         // Where every run failed there is nothing to draw; the rows and the summary say how each ended.
         let report: Option<PathBuf> =
-            if failed < outcomes.len() { Some(write_report(&self.output.join("report"), &story)?) } else { None };
+            if failed < outcomes.len() { Some(write_report(&self.output.join("report"), &input)?) } else { None };
         journal.remove()?;
-        self.console.show(&study_answer::answer(&story.result, outcomes.len(), failed, report.as_deref()))?;
+        self.console.show(&study_answer::answer(&input.result, outcomes.len(), failed, report.as_deref()))?;
         Ok(if failed == outcomes.len() { Ending::Negative } else { Ending::Done })
     }
 
@@ -281,21 +282,21 @@ impl Performance<'_> {
             let of_family = designs.iter().enumerate().filter(|(_, design)| design.family == family);
             of_family.min_by(|(_, a), (_, b)| a.own_value().total_cmp(&b.own_value()))
         };
-        let families = self.stage.plan().designs.len().min(SHOWN_FAMILIES);
+        let families = self.setup.plan().designs.len().min(SHOWN_FAMILIES);
         let limits =
-            (0..families).filter_map(best).map(|(index, design)| self.stage.limit_example(index, design)).collect();
+            (0..families).filter_map(best).map(|(index, design)| self.setup.limit_example(index, design)).collect();
         let shown = best(0).and_then(|(index, design)| {
             let outcome = outcomes.iter().find(|o| (o.design, o.condition) == (index, 0) && o.failure.is_none())?;
             Some((design, outcome.run, outcome.estimates.iter().rev().find(|estimate| estimate.score.is_some())?))
         });
         let prediction = match shown {
             Some((design, run, estimate)) => {
-                let seed = self.stage.plan().seed.child("validation experiment", 0);
-                let simulation = self.first().made_of(self.stage.truth(run));
+                let seed = self.setup.plan().seed.child("validation experiment", 0);
+                let simulation = self.first().made_of(self.setup.truth(run));
                 let mut arm = simulation.arm(&Sensing::default(), seed, 0).map_err(in_words)?;
-                let trajectory = self.stage.validation_trajectory(0).map_err(in_words)?;
-                let samples = self.stage.samples(&trajectory, &mut *arm).ok();
-                samples.map(|samples| self.stage.prediction_example(design, estimate, &samples))
+                let trajectory = self.setup.validation_trajectory(0).map_err(in_words)?;
+                let samples = self.setup.samples(&trajectory, &mut *arm).ok();
+                samples.map(|samples| self.setup.prediction_example(design, estimate, &samples))
             }
             None => None,
         };

@@ -44,7 +44,7 @@ pub(crate) fn write(folder: &Path, name: &str, text: &str) -> String {
     path.to_str().expect("a path in UTF-8").to_owned()
 }
 
-/// An experiment named "first": the paper's trajectory on the A460, with this many periods that count.
+/// An experiment named "first": Table I on the A460, with this many periods that count.
 pub(crate) fn experiment(folder: &Path, periods: usize) -> String {
     let text = format!("name = \"first\"\nrobot = \"crs-a460\"\ntrajectory = \"table-one\"\nperiods = {periods}\n");
     write(folder, "experiment.toml", &text)

@@ -6,7 +6,7 @@
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use armid::study::{Examples, Outcome, StudyPlan, StudyResult, StudyStory};
+use armid::study::{Examples, Outcome, ReportInput, StudyPlan, StudyResult};
 
 use super::parameter_rows::parameter_rows;
 use super::run_rows::run_rows;
@@ -30,8 +30,8 @@ pub fn plan_text(plan: &StudyPlan) -> Result<String, Error> {
 ///
 /// # Errors
 /// [`Error`] where a file cannot be written.
-pub fn write(folder: &Path, story: &StudyStory, outcomes: &[Outcome]) -> Result<(), Error> {
-    let result = &story.result;
+pub fn write(folder: &Path, input: &ReportInput, outcomes: &[Outcome]) -> Result<(), Error> {
+    let result = &input.result;
     write_table(&folder.join("runs.parquet"), &run_rows(result, outcomes))?;
     write_table(&folder.join("parameters.parquet"), &parameter_rows(result, outcomes))?;
     write_text(&folder.join("study.toml"), &plan_text(&result.plan)?)?;
@@ -40,7 +40,7 @@ pub fn write(folder: &Path, story: &StudyStory, outcomes: &[Outcome]) -> Result<
         let text = design.trajectory.to_toml();
         write_text(&folder.join("designs").join(format!("{family}-{}.toml", design.start)), &text)?;
     }
-    write_text(&folder.join(EXAMPLES), &json(&story.examples)?)?;
+    write_text(&folder.join(EXAMPLES), &json(&input.examples)?)?;
     write_text(&folder.join(SUMMARY), &json(result)?)
 }
 
@@ -48,7 +48,7 @@ pub fn write(folder: &Path, story: &StudyStory, outcomes: &[Outcome]) -> Result<
 ///
 /// # Errors
 /// [`Error`] where a file is missing or of another version.
-pub fn read(folder: &Path) -> Result<StudyStory, Error> {
+pub fn read(folder: &Path) -> Result<ReportInput, Error> {
     let summary = Text::read(&folder.join(SUMMARY))?;
     let examples = Text::read(&folder.join(EXAMPLES))?;
     let fault = |text: &Text, error: &serde_json::Error| {
@@ -56,7 +56,7 @@ pub fn read(folder: &Path) -> Result<StudyStory, Error> {
     };
     let result: StudyResult = serde_json::from_str(&summary.content).map_err(|error| fault(&summary, &error))?;
     let examples: Examples = serde_json::from_str(&examples.content).map_err(|error| fault(&examples, &error))?;
-    Ok(StudyStory { result, examples })
+    Ok(ReportInput { result, examples })
 }
 
 /// Stores what differs from one performance to the next: seconds, the date, the number of threads.

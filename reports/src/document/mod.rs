@@ -9,5 +9,5 @@ mod paragraph;
 mod section;
 mod table;
 
-pub use section::{Block, Document, Plate, Section};
+pub use section::{Block, Document, RenderedFigure, Section};
 pub use table::{Cell, Column, Table};

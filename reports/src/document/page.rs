@@ -3,7 +3,7 @@
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::paragraph::{marked, printable};
-use super::{Block, Cell, Document, Plate, Section, Table};
+use super::{Block, Cell, Document, RenderedFigure, Section, Table};
 
 /// Everything the page needs to look right: no font, script or image is fetched. Print keeps figures and rows whole and
 /// unfolds what is folded.
@@ -95,9 +95,9 @@ fn render_block(block: &Block, counters: &mut Counters) -> Markup {
         Block::List(items) => html! { ul { @for item in items { li { (marked(item)) } } } },
         Block::Listing(text) => html! { pre { code { (printable(text)) } } },
         Block::Subheading(text) => html! { h3 { (marked(text)) } },
-        Block::Figure(plate) => {
+        Block::Figure(figure) => {
             counters.figures += 1;
-            render_plate(plate, counters.figures)
+            render_figure(figure, counters.figures)
         }
         Block::Table(table) => {
             counters.tables += 1;
@@ -106,15 +106,15 @@ fn render_block(block: &Block, counters: &mut Counters) -> Markup {
     }
 }
 
-fn render_plate(plate: &Plate, number: usize) -> Markup {
+fn render_figure(figure: &RenderedFigure, number: usize) -> Markup {
     html! {
-        figure id={ "figure-" (plate.name) } {
+        figure id={ "figure-" (figure.name) } {
             // Written by this crate, escaped where it was written.
-            (PreEscaped(&plate.svg))
+            (PreEscaped(&figure.svg))
             figcaption {
                 strong { "Figure " (number) "." } " "
-                @if plate.caption.trim().is_empty() { (marked(&plate.title)) } @else { (marked(&plate.caption)) }
-                " " span.file { (plate.name) ".svg" }
+                @if figure.caption.trim().is_empty() { (marked(&figure.title)) } @else { (marked(&figure.caption)) }
+                " " span.file { (figure.name) ".svg" }
             }
         }
     }

@@ -53,14 +53,14 @@ pub enum Block {
     /// A smaller heading inside the section.
     Subheading(String),
     /// A figure.
-    Figure(Plate),
+    Figure(RenderedFigure),
     /// A table.
     Table(Table),
 }
 
 /// A figure that has been drawn.
 #[derive(Clone, Debug, PartialEq, Eq)]
-pub struct Plate {
+pub struct RenderedFigure {
     /// Stem of its file name.
     pub name: String,
     /// What one sees.
@@ -71,7 +71,7 @@ pub struct Plate {
     pub svg: String,
 }
 
-impl Plate {
+impl RenderedFigure {
     /// Draws a figure.
     ///
     /// # Errors
@@ -135,7 +135,7 @@ impl Section {
     /// # Errors
     /// [`DocumentError::Figure`] where the figure cannot be drawn.
     pub fn figure(self, figure: &dyn Figure) -> Result<Self, DocumentError> {
-        Ok(self.block(Block::Figure(Plate::draw(figure)?)))
+        Ok(self.block(Block::Figure(RenderedFigure::draw(figure)?)))
     }
 }
 
@@ -175,9 +175,9 @@ impl Document {
     }
 
     /// All figures, in the order of the page.
-    pub fn plates(&self) -> impl Iterator<Item = &Plate> {
+    pub fn figures(&self) -> impl Iterator<Item = &RenderedFigure> {
         self.sections.iter().flat_map(|section| &section.blocks).filter_map(|block| match block {
-            Block::Figure(plate) => Some(plate),
+            Block::Figure(figure) => Some(figure),
             _ => None,
         })
     }
@@ -188,7 +188,7 @@ impl Document {
     /// [`DocumentError::DuplicateFigure`] where two figures have one name.
     pub fn svg_files(&self) -> Result<Vec<(String, &str)>, DocumentError> {
         self.check_names()?;
-        Ok(self.plates().map(|plate| (format!("{}.svg", plate.name), plate.svg.as_str())).collect())
+        Ok(self.figures().map(|figure| (format!("{}.svg", figure.name), figure.svg.as_str())).collect())
     }
 
     /// The document as one HTML page that needs nothing beside itself; equal documents give equal bytes.
@@ -216,7 +216,7 @@ impl Document {
     }
 
     fn check_names(&self) -> Result<(), DocumentError> {
-        let mut names: Vec<&str> = self.plates().map(|plate| plate.name.as_str()).collect();
+        let mut names: Vec<&str> = self.figures().map(|figure| figure.name.as_str()).collect();
         names.sort_unstable();
         match names.windows(2).find(|pair| pair[0] == pair[1]) {
             Some(pair) => Err(DocumentError::DuplicateFigure { name: pair[0].to_owned() }),

@@ -1,6 +1,6 @@
 //! Do the differences between families hold under every condition, and whatever the arm is made of?
 
-use armid::study::{Comparison, ConditionResult, Metric, StudyStory, TruthComparison};
+use armid::study::{Comparison, ConditionResult, Metric, ReportInput, TruthComparison};
 
 use super::page::shown_estimator;
 use crate::{
@@ -11,13 +11,13 @@ use crate::{
 const MOST: usize = 8;
 
 /// A section on conditions where a study has several, and on truths where it draws them.
-pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentError> {
-    let parts = &story.result.conditions;
-    let drawn = !story.result.findings().over_truths.is_empty();
+pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentError> {
+    let parts = &input.result.conditions;
+    let drawn = !input.result.findings().over_truths.is_empty();
     if !drawn && !(2..=MOST).contains(&parts.len()) {
         return Ok(None);
     }
-    let estimator = shown_estimator(story);
+    let estimator = shown_estimator(input);
     let mut section = Section::new("Does it hold elsewhere?");
     if (2..=MOST).contains(&parts.len()) {
         section = section
@@ -28,7 +28,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentErr
     if drawn && parts.len() <= MOST {
         section = section
             .text("Every truth is another arm that can exist; all designs are performed on the same ones, and the truths are the units of the intervals.")
-            .figure(&over_truths(parts, estimator, story.result.drawn_truths.len()))?
+            .figure(&over_truths(parts, estimator, input.result.drawn_truths.len()))?
             .table(truths(parts, estimator));
     }
     Ok(Some(section))

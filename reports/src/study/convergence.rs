@@ -1,13 +1,13 @@
 //! How the optimiser got there.
 
 use armid::excitation::CriterionKind;
-use armid::study::{StudyDesign, StudyStory};
+use armid::study::{ReportInput, StudyDesign};
 
 use crate::design::convergence_panel;
 use crate::{ConvergenceFigure, ConvergencePanel, Curve, DocumentError, GroupStyle, Heading, Section};
 
-pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
-    let result = &story.result;
+pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
+    let result = &input.result;
     let panels: Vec<ConvergencePanel> = CriterionKind::ALL
         .into_iter()
         .filter_map(|criterion| {
@@ -15,7 +15,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
                 .designs
                 .iter()
                 .filter(|design| design.criterion == Some(criterion) && design.history.len() > 1)
-                .map(|design| curve(story, design))
+                .map(|design| curve(input, design))
                 .collect();
             (!curves.is_empty()).then(|| convergence_panel(criterion.name().to_owned(), criterion, curves))
         })
@@ -34,8 +34,8 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
     section.figure(&figure)
 }
 
-fn curve(story: &StudyStory, design: &StudyDesign) -> Curve {
-    let family = &story.result.plan.designs[design.family].name;
+fn curve(input: &ReportInput, design: &StudyDesign) -> Curve {
+    let family = &input.result.plan.designs[design.family].name;
     let style = GroupStyle::of(family).unwrap_or_else(|| GroupStyle::nth(design.family));
     crate::design::curve(family, style, &design.history)
 }

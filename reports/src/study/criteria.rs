@@ -1,7 +1,7 @@
 //! Criterion value against achieved error, and the spread of the error by criterion.
 
 use armid::study::statistics::Spread;
-use armid::study::{FamilyScore, StudyDesign, StudyStory};
+use armid::study::{FamilyScore, ReportInput, StudyDesign};
 
 use super::page::shown_estimator;
 use crate::{
@@ -18,9 +18,9 @@ const VALUES: [Value; 3] = [
     ("D-optimality", "ln det of the information per row", |d| d.certificate.log_det_information_all, false),
 ];
 
-pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
-    let result = &story.result;
-    let estimator = shown_estimator(story);
+pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
+    let result = &input.result;
+    let estimator = shown_estimator(input);
     let index = result.plan.identification.estimators.len().saturating_sub(1);
     let groups = Group::assign(result.plan.designs.iter().map(|family| family.name.clone()));
     let spread = &result.findings().design_prediction[index];
@@ -61,7 +61,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
         panels,
     };
     let prediction = boxes(
-        story,
+        input,
         &groups,
         Heading::new("error-by-criterion", "Torque prediction error by criterion")
             .subtitle("all designs and runs of each family")
@@ -70,7 +70,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
         |family| family.prediction_spread,
     );
     let parameters = boxes(
-        story,
+        input,
         &groups,
         Heading::new("parameter-error-by-criterion", "Parameter error by criterion")
             .subtitle("all designs and runs of each family, in the declared reference units")
@@ -79,7 +79,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
         |family| family.reference_spread,
     );
     let mut table = Table::new(
-        "Does a design's own value foretell its error? Spearman's rank correlation over designs; the criteria are oriented so that smaller is better, so a useful one has a value near 1.",
+        "Does a design's own value predict its error? Spearman's rank correlation over designs; the criteria are oriented so that smaller is better, so a useful one has a value near 1.",
         vec![
             Column::text("value"),
             Column::text("estimator"),
@@ -87,7 +87,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
             Column::number("rank correlation", ""),
         ],
     );
-    for f in &result.findings().foretelling {
+    for f in &result.findings().criterion_correlations {
         table = table.row(vec![
             Cell::text(&f.value),
             Cell::text(&f.estimator),
@@ -100,13 +100,13 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
 
 /// One box per family and estimator.
 fn boxes(
-    story: &StudyStory,
+    input: &ReportInput,
     groups: &[Group],
     heading: Heading,
     value: Axis,
     spread: fn(&FamilyScore) -> Option<Spread>,
 ) -> BoxFigure {
-    let result = &story.result;
+    let result = &input.result;
     let cell = |estimator: &str, group: &Group| {
         let family = result.findings().families.iter().find(|f| f.estimator == estimator && f.family == group.label)?;
         let s = spread(family)?;

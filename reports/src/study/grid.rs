@@ -1,13 +1,13 @@
 //! Every criterion with every family of trajectories and number of harmonics, at a glance.
 
-use armid::study::{FamilyPlan, FamilyScore, HarmonicsPlan, Metric, StudyStory};
+use armid::study::{FamilyPlan, FamilyScore, HarmonicsPlan, Metric, ReportInput};
 
 use super::page::{GROUPS, shown_estimator};
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Figure, Heading, HeatFigure, Section, Table};
 
 /// Whether a study is drawn as a grid: one with more families of designs than colours can show.
-pub(super) fn is_grid(story: &StudyStory) -> bool {
-    let designs = &story.result.plan.designs;
+pub(super) fn is_grid(input: &ReportInput) -> bool {
+    let designs = &input.result.plan.designs;
     designs.len() > GROUPS && designs.iter().all(|family| column(family).is_some())
 }
 
@@ -32,11 +32,11 @@ fn groups(columns: &[(String, String)]) -> Vec<(String, usize)> {
     groups
 }
 
-pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
-    let plan = &story.result.plan;
-    let estimator = shown_estimator(story);
+pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
+    let plan = &input.result.plan;
+    let estimator = shown_estimator(input);
     let score = |family: &FamilyPlan| {
-        let scores = story.result.findings().families.iter();
+        let scores = input.result.findings().families.iter();
         scores.filter(|score| score.estimator == estimator).find(|score| score.family == family.name)
     };
     let (mut rows, mut columns) = (Vec::new(), Vec::new());

@@ -1,18 +1,18 @@
 //! Trajectories against limits.
 
-use armid::study::{LimitExample, StudyStory};
+use armid::study::{LimitExample, ReportInput};
 
 use crate::{Cell, Column, DocumentError, Heading, Section, Table, TimeSeriesFigure, limits_figure};
 
 /// Designs that are drawn: of a grid the first few.
 const EXAMPLES: usize = 12;
 
-pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
-    let result = &story.result;
+pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
+    let result = &input.result;
     let mut section = Section::new("Trajectories and limits").text(
         "Position, velocity, acceleration and the torque of the nominal parameters, each over its limit: at 1 a limit is reached. Limits hold between samples too.",
     );
-    for figure in story.examples.limits.iter().take(EXAMPLES).filter_map(|example| figure(example, story)) {
+    for figure in input.examples.limits.iter().take(EXAMPLES).filter_map(|example| figure(example, input)) {
         section = section.figure(&figure)?;
     }
     let mut table = Table::new(
@@ -53,8 +53,8 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
     Ok(section.table(table))
 }
 
-fn figure(example: &LimitExample, story: &StudyStory) -> Option<TimeSeriesFigure> {
-    let joints: Vec<String> = story.result.joints.iter().map(|joint| joint.name.clone()).collect();
+fn figure(example: &LimitExample, input: &ReportInput) -> Option<TimeSeriesFigure> {
+    let joints: Vec<String> = input.result.joints.iter().map(|joint| joint.name.clone()).collect();
     let name = format!("limits-{}", stem(&example.family));
     let heading = Heading::new(name, format!("A {} design against its limits", example.family))
         .subtitle(format!("design {} of the study", example.design));

@@ -1,6 +1,6 @@
 //! The report of a study: from its stored result to a page, one file per section.
 
-mod atlas;
+mod effect_sensitivity;
 mod conditions;
 mod convergence;
 mod criteria;
@@ -8,9 +8,9 @@ mod grid;
 mod limits;
 mod overview;
 mod page;
-mod paper;
 mod parameters;
 mod prediction;
+mod radkhah2007;
 mod rounds;
 
 pub use page::study_document;

@@ -1,16 +1,16 @@
 //! What the study found, in words and two tables.
 
-use armid::study::{Comparison, StudyStory};
+use armid::study::{Comparison, ReportInput};
 
 use super::page::shown_estimator;
 use crate::{Cell, Column, Section, Table};
 
 /// One sentence per deciding comparison, the first metric first.
-pub(super) fn summary(story: &StudyStory) -> Vec<String> {
-    let result = &story.result;
-    let estimator = shown_estimator(story);
+pub(super) fn summary(input: &ReportInput) -> Vec<String> {
+    let result = &input.result;
+    let estimator = shown_estimator(input);
     let mut paragraphs = vec![format!("**{}**", result.plan.question)];
-    let pair = story.result.findings().comparisons.iter().filter(|c| c.estimator == estimator);
+    let pair = input.result.findings().comparisons.iter().filter(|c| c.estimator == estimator);
     let headline: Vec<&Comparison> = pair
         .filter(|c| [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str())))
         .collect();
@@ -44,8 +44,8 @@ pub(super) fn sentence(c: &Comparison) -> String {
 }
 
 /// The values of every family, and every pairwise difference.
-pub(super) fn section(story: &StudyStory) -> Section {
-    let findings = story.result.findings();
+pub(super) fn section(input: &ReportInput) -> Section {
+    let findings = input.result.findings();
     let columns = vec![
         Column::text("family"),
         Column::text("estimator"),

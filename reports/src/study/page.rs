@@ -1,8 +1,11 @@
 //! The page of a study.
 
-use armid::study::StudyStory;
+use armid::study::ReportInput;
 
-use super::{atlas, conditions, convergence, criteria, grid, limits, overview, paper, parameters, prediction, rounds};
+use super::{
+    conditions, convergence, criteria, effect_sensitivity, grid, limits, overview, parameters, prediction, radkhah2007,
+    rounds,
+};
 use crate::{Document, DocumentError};
 
 /// Families of designs that a figure tells apart by their colours.
@@ -12,8 +15,8 @@ pub(super) const GROUPS: usize = 8;
 ///
 /// # Errors
 /// [`DocumentError`] where a figure cannot be drawn from what is stored.
-pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
-    let result = &story.result;
+pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
+    let result = &input.result;
     let plan = &result.plan;
     let runs: usize = result.findings().families.iter().filter(|f| is_first(result, f)).map(|f| f.runs).sum();
     let mut document = Document::new(&plan.question)
@@ -25,37 +28,37 @@ pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
             runs,
             plan.seed.value()
         ))
-        .section(overview::section(story));
-    if let Some(rounds) = rounds::section(story)? {
+        .section(overview::section(input));
+    if let Some(rounds) = rounds::section(input)? {
         document = document.section(rounds);
     }
     let is_crowded = plan.designs.len() > GROUPS;
-    if grid::is_grid(story) {
-        document = document.section(grid::section(story)?);
+    if grid::is_grid(input) {
+        document = document.section(grid::section(input)?);
     } else if !is_crowded {
-        document = document.section(criteria::section(story)?);
+        document = document.section(criteria::section(input)?);
     }
-    if let Some(found) = &result.atlas {
-        document = document.section(atlas::section(story, found)?);
+    if let Some(found) = &result.effect_sensitivity {
+        document = document.section(effect_sensitivity::section(input, found)?);
     }
-    for paragraph in overview::summary(story) {
+    for paragraph in overview::summary(input) {
         document = document.summary(paragraph);
     }
-    if let Some(section) = conditions::section(story)? {
+    if let Some(section) = conditions::section(input)? {
         document = document.section(section);
     }
-    if let Some(paper) = &result.paper {
-        document = document.section(paper::claims(paper)).section(paper::table(paper));
+    if let Some(found) = &result.radkhah2007 {
+        document = document.section(radkhah2007::claims(found)).section(radkhah2007::table(found));
     }
-    document = document.section(limits::section(story)?);
+    document = document.section(limits::section(input)?);
     // Hundreds of lines and boxes show nothing: a grid has its tables.
-    if !grid::is_grid(story) {
-        document = document.section(convergence::section(story)?);
+    if !grid::is_grid(input) {
+        document = document.section(convergence::section(input)?);
     }
     if !is_crowded {
-        document = document.section(parameters::section(story)?);
+        document = document.section(parameters::section(input)?);
     }
-    document = document.section(prediction::section(story)?);
+    document = document.section(prediction::section(input)?);
     Ok(document
         .provenance("armid", &result.provenance.version)
         .provenance(
@@ -83,8 +86,8 @@ pub fn study_document(story: &StudyStory) -> Result<Document, DocumentError> {
 }
 
 /// The estimator that figures show: the last of the plan, which is the one that knows most.
-pub(super) fn shown_estimator(story: &StudyStory) -> &str {
-    story.result.plan.identification.estimators.last().map_or("", String::as_str)
+pub(super) fn shown_estimator(input: &ReportInput) -> &str {
+    input.result.plan.identification.estimators.last().map_or("", String::as_str)
 }
 
 /// The simulated arms, in words.

@@ -1,6 +1,6 @@
 //! Parameter by parameter: bias, spread against its bound, coverage.
 
-use armid::study::{FamilyScore, StudyStory};
+use armid::study::{FamilyScore, ReportInput};
 
 use super::page::shown_estimator;
 use crate::{
@@ -8,9 +8,9 @@ use crate::{
     IntervalRow, Level, Section, Table,
 };
 
-pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
-    let result = &story.result;
-    let estimator = shown_estimator(story);
+pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
+    let result = &input.result;
+    let estimator = shown_estimator(input);
     let families: Vec<&FamilyScore> =
         result.findings().families.iter().filter(|f| f.estimator == estimator && f.runs > 1).collect();
     let section = Section::new("Parameters");
@@ -68,10 +68,10 @@ pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
         nominal_percent: 95.0,
         band: Band::new(93.0, 97.0, "93 to 97 %"),
     };
-    Ok(section.figure(&bias)?.figure(&coverage)?.table(table(story, &families)))
+    Ok(section.figure(&bias)?.figure(&coverage)?.table(table(input, &families)))
 }
 
-fn table(story: &StudyStory, families: &[&FamilyScore]) -> Table {
+fn table(input: &ReportInput, families: &[&FamilyScore]) -> Table {
     let mut table = Table::new(
         "Every base parameter of every family. Bound: the Cramér–Rao standard deviation at the noise-free motion, all raw samples of all periods.",
         vec![
@@ -88,7 +88,7 @@ fn table(story: &StudyStory, families: &[&FamilyScore]) -> Table {
             Column::number("coverage", "%"),
         ],
     );
-    for (i, parameter) in story.result.parameters.iter().enumerate() {
+    for (i, parameter) in input.result.parameters.iter().enumerate() {
         for family in families {
             let s = &family.parameters[i];
             table = table.row(vec![

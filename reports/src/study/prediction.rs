@@ -1,15 +1,15 @@
 //! Measured against predicted torque.
 
-use armid::study::StudyStory;
+use armid::study::ReportInput;
 
 use crate::{Axis, DocumentError, GroupStyle, Heading, Line, Section, TimePanel, TimeSeriesFigure};
 
-pub(super) fn section(story: &StudyStory) -> Result<Section, DocumentError> {
+pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let section = Section::new("Measured and predicted torque");
-    let Some(example) = &story.examples.prediction else {
+    let Some(example) = &input.examples.prediction else {
         return Ok(section.text("No run gave an estimate to predict with."));
     };
-    let panels = story
+    let panels = input
         .result
         .joints
         .iter()

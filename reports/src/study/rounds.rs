@@ -1,6 +1,6 @@
 //! Experiments one after the other: what each round buys.
 
-use armid::study::{FamilyScore, StudyStory};
+use armid::study::{FamilyScore, ReportInput};
 
 use super::page::shown_estimator;
 use crate::{
@@ -15,35 +15,35 @@ type Panel = (&'static str, Axis, fn(&FamilyScore, usize) -> Option<ScatterValue
 type ScatterValue = (f64, Option<(f64, f64)>);
 
 /// The families from the first experiment to this one.
-fn chain(story: &StudyStory, family: usize) -> Vec<usize> {
-    let designs = &story.result.plan.designs;
-    let mut chain = vec![family];
-    while let Some(before) = designs[chain[chain.len() - 1]].after.as_ref() {
+fn sequence(input: &ReportInput, family: usize) -> Vec<usize> {
+    let designs = &input.result.plan.designs;
+    let mut sequence = vec![family];
+    while let Some(before) = designs[sequence[sequence.len() - 1]].after.as_ref() {
         let Some(index) = designs.iter().position(|other| other.name == *before) else { break };
-        chain.push(index);
+        sequence.push(index);
     }
-    chain.reverse();
-    chain
+    sequence.reverse();
+    sequence
 }
 
-/// The chains that nothing continues in the same way: one line of the figure each.
-fn chains(story: &StudyStory) -> Vec<Vec<usize>> {
-    let designs = &story.result.plan.designs;
+/// The sequences that nothing continues in the same way: one line of the figure each.
+fn sequences(input: &ReportInput) -> Vec<Vec<usize>> {
+    let designs = &input.result.plan.designs;
     let continued = |name: &str| designs.iter().any(|other| other.after.as_deref() == Some(name));
     let last = (0..designs.len()).filter(|&family| !continued(&designs[family].name));
-    last.map(|family| chain(story, family)).filter(|chain| chain.len() > 1).collect()
+    last.map(|family| sequence(input, family)).filter(|sequence| sequence.len() > 1).collect()
 }
 
 /// The section, where the study has experiments one after the other.
-pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentError> {
-    let chains = chains(story);
-    if chains.is_empty() {
+pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentError> {
+    let sequences = sequences(input);
+    if sequences.is_empty() {
         return Ok(None);
     }
-    let estimator = shown_estimator(story);
-    let designs = &story.result.plan.designs;
+    let estimator = shown_estimator(input);
+    let designs = &input.result.plan.designs;
     let score = |family: usize| {
-        let scores = story.result.findings().families.iter();
+        let scores = input.result.findings().families.iter();
         scores.filter(|score| score.estimator == estimator).find(|score| score.family == designs[family].name)
     };
     let panels: [Panel; 5] = [
@@ -66,13 +66,13 @@ pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentErr
                 title: title.to_owned(),
                 x: Axis::linear("experiments", ""),
                 y: axis,
-                groups: chains
+                groups: sequences
                     .iter()
                     .enumerate()
-                    .map(|(index, chain)| ScatterGroup {
-                        label: designs[chain[chain.len() - 1]].name.clone(),
+                    .map(|(index, sequence)| ScatterGroup {
+                        label: designs[sequence[sequence.len() - 1]].name.clone(),
                         style: GroupStyle::nth(index),
-                        points: chain
+                        points: sequence
                             .iter()
                             .enumerate()
                             .filter_map(|(round, &family)| {
@@ -91,7 +91,7 @@ pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentErr
             .collect(),
     };
     let mut table = Table::new(
-        "Each round of each chain, with 95 % intervals; the last columns: median over parameters of the bound, the same of one experiment, and median of the standard deviation over its bound.",
+        "Each round of each sequence, with 95 % intervals; the last columns: median over parameters of the bound, the same of one experiment, and median of the standard deviation over its bound.",
         vec![
             Column::text("chain"),
             Column::number("experiments", ""),
@@ -106,12 +106,12 @@ pub(super) fn section(story: &StudyStory) -> Result<Option<Section>, DocumentErr
             Column::number("std / bound", ""),
         ],
     );
-    for chain in &chains {
-        for (round, &family) in chain.iter().enumerate() {
+    for sequence in &sequences {
+        for (round, &family) in sequence.iter().enumerate() {
             let Some(score) = score(family) else { continue };
             let interval = score.intervals[0];
             table = table.row(vec![
-                Cell::text(&designs[chain[chain.len() - 1]].name),
+                Cell::text(&designs[sequence[sequence.len() - 1]].name),
                 Cell::count(round + 1),
                 Cell::text(&score.family),
                 score.values[0].map_or(Cell::Missing, |value| Cell::number(value, 3)),

@@ -1,7 +1,7 @@
 //! A motion for robots that no paper gave one.
 
 use armid::dynamics::Dynamics;
-use armid::excitation::{ExcitationError, FourierTrajectory, paper_start};
+use armid::excitation::{ExcitationError, FourierTrajectory, radkhah2007_start};
 use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
 
@@ -15,7 +15,7 @@ const PERIOD: f64 = 10.0;
 const DOUBLINGS: i32 = 3;
 
 /// A periodic motion within the limits of position, speed and acceleration, for which the torque that these parameters
-/// ask for stays below nine tenths of the ratings where that can be had: the paper's first guess, the first that is
+/// ask for stays below nine tenths of the ratings where that can be had: `radkhah2007`'s first guess, the first that is
 /// good enough, else the one that uses its ratings least.
 ///
 /// # Errors
@@ -29,7 +29,7 @@ pub fn safe_motion(
     for doubling in 0..=DOUBLINGS {
         let period = PERIOD * f64::from(1 << doubling);
         for index in 0..TRIES {
-            let motion = paper_start(robot, period, 5, seed, index)?;
+            let motion = radkhah2007_start(robot, period, 5, seed, index)?;
             let used = torque_use(robot, parameters, &motion);
             if used <= TORQUE_USE {
                 return Ok(motion);

@@ -1,9 +1,10 @@
-//! The CRS A460 against the paper.
+//! The CRS A460 against `radkhah2007`.
 
 use super::chains::a460;
-use crate::base::{Category, Method, reduce, table_two};
+use crate::base::{Category, Method, reduce};
 use crate::model::Columns;
 use crate::seed::Seed;
+use crate::study::radkhah2007::table_two;
 
 #[test]
 fn published_counts_by_every_method() {

@@ -86,7 +86,7 @@ fn identity_the_recursion_and_a_robot_on_more_joints_agree() {
 
 #[test]
 fn published_claim_a_mobile_base_reveals_all_of_link_one_holds_in_part() {
-    // The paper, section IV.C: "If we install the robot on a mobile base, we might be able to identify also the 9
+    // `radkhah2007` section IV.C: "If we install the robot on a mobile base, we might be able to identify also the 9
     // unidentifiable parameters of axis 1". Six directions reveal six of the nine, a platform two.
     let arm = a460();
     let on = |motion, method| reduce_with_base(&arm, Columns::Rigid, motion, method, Seed::new(2)).unwrap();

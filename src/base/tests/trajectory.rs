@@ -31,7 +31,7 @@ fn states(robot: &Robot, moves: impl Fn(usize) -> bool, still: bool) -> States {
 fn analytic_a_planar_arm_at_rest_shows_its_gravity_moments_only() {
     // Two moments in the plane for each link: X1 + a1 m2, Y1, X2, Y2.
     let arm = planar_2r();
-    for method in [Method::Paper, Method::Qr] {
+    for method in [Method::Radkhah2007, Method::Qr] {
         let base = reduce_on(&arm, Columns::Rigid, method, &states(&arm, |_| true, true)).unwrap();
         assert_eq!(base.rank(), 4, "{}", method.name());
     }
@@ -56,7 +56,7 @@ fn identity_a_motion_degrades_categories_and_never_upgrades_them() {
     assert!((&by_states.k - &full.k).amax() < 1e-8);
 
     let first_three = states(&arm, |i| i < 3, false);
-    let [paper, qr] = [Method::Paper, Method::Qr]
+    let [paper, qr] = [Method::Radkhah2007, Method::Qr]
         .map(|method| reduce_on(&arm, Columns::RigidRotorFriction, method, &first_three).unwrap());
     assert_eq!((&paper.kept, &paper.categories), (&qr.kept, &qr.categories));
     assert!(qr.rank() < full.rank());
@@ -92,5 +92,5 @@ fn errors_say_what_was_found() {
     assert_eq!(reduce(Method::Qr, &States::with_len(2, 4)), BaseError::TooFewSamples { found: 4, expected: 10 });
     let mut bad = good;
     bad.qdd[2 * 7] = f64::NAN;
-    assert!(matches!(reduce(Method::Paper, &bad), BaseError::NotFinite { sample: 7, .. }));
+    assert!(matches!(reduce(Method::Radkhah2007, &bad), BaseError::NotFinite { sample: 7, .. }));
 }

@@ -1,4 +1,4 @@
-//! Equations to test with: a small well-conditioned regressor, and the A460's on the paper's Table I.
+//! Equations to test with: a small well-conditioned regressor, and the A460's on `radkhah2007` Table I.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 use rand::{Rng, RngExt};
@@ -6,16 +6,16 @@ use rand_distr::{Distribution, StandardNormal};
 
 use crate::base::{BaseReduction, Method, reduce};
 use crate::estimation::Observation;
-use crate::excitation::table_one;
 use crate::model::format::{parse_nominal, parse_robot};
 use crate::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters, bundled};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::Samples;
+use crate::study::radkhah2007::table_one;
 
 /// The A460 and its nominal parameters.
 pub(super) fn a460() -> (Robot, StandardParameters) {
-    let entry = bundled().iter().find(|entry| entry.name == "crs-a460").expect("the paper's arm is bundled");
+    let entry = bundled().iter().find(|entry| entry.name == "crs-a460").expect("the A460 is bundled");
     let robot = parse_robot(entry.robot).unwrap();
     let nominal = parse_nominal(entry.nominal, &robot).unwrap();
     (robot, nominal.parameters)

@@ -115,7 +115,7 @@ impl Look<'_> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{fixtures, paper_start};
+    use crate::excitation::{fixtures, radkhah2007_start};
     use crate::seed::Seed;
 
     #[test]
@@ -123,7 +123,7 @@ mod tests {
         let robot = fixtures::crs_a460();
         let mut scene = Scene::new(&robot);
         for index in 0..4 {
-            let motion = paper_start(&robot, 10.0, 5, Seed::new(9), index).unwrap();
+            let motion = radkhah2007_start(&robot, 10.0, 5, Seed::new(9), index).unwrap();
             let found = smallest_clearance(&mut scene, &motion, &[12.566; 6], 500).unwrap();
             let states = motion.sample(20_011);
             let mut least = f64::INFINITY;

@@ -7,7 +7,7 @@ use super::{Criterion, CriterionKind, Score};
 /// `−ln det M`, with `S = −M⁻¹`.
 ///
 /// It changes by a constant when parameters are scaled or others stand for the same base, so its minimiser depends on
-/// neither. Reference: J. Swevers et al., IEEE T-RA 13(5), 1997, eq. 15; the paper's II.D for the sign.
+/// neither. Reference: J. Swevers et al., IEEE T-RA 13(5), 1997, eq. 15; `radkhah2007` II.D for the sign.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct DOptimal;
 

@@ -3,7 +3,7 @@
 //! ```text
 //! M = (1/rows) Σ_k Y_b(k)ᵀ Σ⁻¹ Y_b(k) + M_prior        (b × b, per torque row)
 //! ```
-//! Every criterion is a value to be *minimised*. The paper writes the d-optimality criterion as −log det M with M "the
+//! Every criterion is a value to be *minimised*. `radkhah2007` writes the d-optimality criterion as −log det M with M "the
 //! covariance matrix or its Cramér–Rao lower bound", and says neither whether it is minimised nor maximised. Here M is
 //! the information, and −ln det M is minimised, which makes the confidence volume of the estimate small.
 //!

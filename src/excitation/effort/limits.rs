@@ -187,7 +187,7 @@ impl SmoothLimits for EffortLimits {
 mod tests {
     use super::*;
     use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
-    use crate::excitation::{Family, fixtures, paper_start};
+    use crate::excitation::{Family, fixtures, radkhah2007_start};
     use crate::model::bundled;
     use crate::model::format::parse_nominal;
     use crate::seed::Seed;
@@ -199,7 +199,7 @@ mod tests {
         let spread = ParameterSpread::of(&robot, &nominal.parameters, &nominal.relative_uncertainty, CONFIDENCE_95);
         let model = EffortModel::new(&robot, &nominal.parameters, Some(&spread));
         let basis = MotionBasis::new(&robot, Family::Fourier, 10.0, &[5; 6], &[None; 6]).unwrap();
-        let start = paper_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
+        let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
         let x = basis.coefficients(&start).unwrap();
         let course = Course { period_s: 10.0, ramp_s: Some(1.0) };
         let mut limits = EffortLimits::new(model, &Channel::all(&robot), &basis, course, 200, 0.9);

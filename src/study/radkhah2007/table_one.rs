@@ -1,4 +1,4 @@
-//! The paper's Table I: the trajectory of its experiments, as printed and as it must have been.
+//! `radkhah2007` Table I: the trajectory of its experiments, as printed and as it must have been.
 //!
 //! The printed start angles (IV.C) follow from the printed coefficients with ω = 2π/10 s for five joints, and for
 //! joint 1 once its b5 is read as −0.150 (printed +0.150). The table's angles are Denavit–Hartenberg angles, while
@@ -12,7 +12,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{FourierJoint, FourierTrajectory};
+use crate::excitation::{FourierJoint, FourierTrajectory};
 
 /// Velocity amplitudes a of joints 1 to 6, rad/s, harmonics 1 to 5.
 const A: [[f64; 5]; 6] = [

@@ -18,7 +18,7 @@ use crate::regressor::JointTorqueRegressor;
 
 /// Knows the truth and says how far an estimate is from it.
 #[derive(Clone, Debug)]
-pub struct Referee {
+pub struct Scorer {
     truths: Vec<DVector<f64>>,
     units: DVector<f64>,
     ratings: Vec<f64>,
@@ -39,8 +39,8 @@ pub struct Score {
     pub reference_rmse: f64,
 }
 
-impl Referee {
-    /// A referee for the base parameters `base` of `robot`, predicting on `validation`.
+impl Scorer {
+    /// A scorer for the base parameters `base` of `robot`, predicting on `validation`.
     #[must_use]
     pub fn new(
         robot: &Robot,

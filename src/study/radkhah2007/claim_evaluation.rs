@@ -1,9 +1,9 @@
-//! The examination of the claims.
+//! The evaluation of the claims.
 
 use nalgebra::DVector;
 
 use super::claim::{Claim, Quantity, Verdict};
-use super::table::{MAX_LINK_MASS, TableLine, compare_with_table_two};
+use super::table_two_comparison::{MAX_LINK_MASS, TableLine, compare_with_table_two};
 use crate::base::{BaseMotion, BaseReduction, Method, reduce, reduce_with_base};
 use crate::dynamics::Dynamics;
 use crate::estimation::{EstimationProblem, EstimatorKind, Observation};
@@ -14,78 +14,80 @@ use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::Samples;
 use crate::study::statistics::{Interval, mean, quantile, rank_correlation, root_mean_square, t_interval};
-use crate::study::{FamilyScore, Findings, Making, Metric, Stage, StudyDesign, StudyError, Truth, feasible_ranges};
+use crate::study::{
+    DesignMethod, FamilyScore, Findings, Metric, StudyDesign, StudyError, StudySetup, Truth, feasible_ranges,
+};
 
 /// Makes an arm with these sensors for one run.
-pub type Performer<'a> = &'a (dyn Fn(&Sensing, Seed, u64) -> Result<Box<dyn Arm>, String> + Sync);
+pub type ArmFactory<'a> = &'a (dyn Fn(&Sensing, Seed, u64) -> Result<Box<dyn Arm>, String> + Sync);
 
-/// Runs of every comparison that an examination performs itself.
+/// Runs of every comparison that an evaluation performs itself.
 const RUNS: u64 = 10;
 
-/// Iterations after which the paper's optimisation was done.
-const PAPER_ITERATIONS: usize = 3;
+/// Iterations after which the optimisation of `radkhah2007` was done.
+const ITERATIONS: usize = 3;
 
-/// Examines every claim; `designs` and `findings` are the study's own.
+/// Evaluates every claim; `designs` and `findings` are the study's own.
 ///
 /// # Errors
 /// [`StudyError`] where the rigid columns cannot be reduced.
-pub fn examine(
-    stage: &Stage,
+pub fn evaluate_claims(
+    setup: &StudySetup,
     truth: &Truth,
     designs: &[StudyDesign],
     findings: &Findings,
-    performer: Performer<'_>,
+    arm_factory: ArmFactory<'_>,
 ) -> Result<(Vec<Claim>, Vec<TableLine>), StudyError> {
-    let base = reduce(&stage.robot, Columns::Rigid, Method::Structural, stage.plan.seed)?;
-    let examination = Examination {
-        regressor: JointTorqueRegressor::new(&stage.robot, Columns::Rigid),
-        feasible: feasible_ranges(&stage.robot, &base, MAX_LINK_MASS),
+    let base = reduce(&setup.robot, Columns::Rigid, Method::Structural, setup.plan.seed)?;
+    let evaluation = ClaimEvaluation {
+        regressor: JointTorqueRegressor::new(&setup.robot, Columns::Rigid),
+        feasible: feasible_ranges(&setup.robot, &base, MAX_LINK_MASS),
         base,
-        stage,
-        performer,
+        setup,
+        arm_factory,
     };
-    let rigid = examination.rigid_fits(designs);
-    let table = examination.table(truth, designs, &rigid);
+    let rigid = evaluation.rigid_fits(designs);
+    let table = evaluation.table(truth, designs, &rigid);
     let claims = vec![
-        criterion_claim(stage, findings),
-        examination.validity_claim(designs, &rigid),
-        examination.printed_claim(&table),
-        iterations_claim(stage, designs),
-        examination.position_claim(designs),
-        examination.mass_claim(),
-        examination.moving_base_claim()?,
+        criterion_claim(setup, findings),
+        evaluation.validity_claim(designs, &rigid),
+        evaluation.printed_claim(&table),
+        iterations_claim(setup, designs),
+        evaluation.position_claim(designs),
+        evaluation.mass_claim(),
+        evaluation.moving_base_claim()?,
     ];
     Ok((claims, table))
 }
 
-struct Examination<'a> {
-    stage: &'a Stage,
+struct ClaimEvaluation<'a> {
+    setup: &'a StudySetup,
     regressor: JointTorqueRegressor,
     base: BaseReduction,
     feasible: Vec<Interval>,
-    performer: Performer<'a>,
+    arm_factory: ArmFactory<'a>,
 }
 
-impl Examination<'_> {
+impl ClaimEvaluation<'_> {
     fn samples(&self, design: &StudyDesign, index: usize, sensing: &Sensing, run: u64) -> Option<Samples> {
-        let (seed, stream) = self.stage.stream(index, run);
-        let mut arm = (self.performer)(sensing, seed, stream).ok()?;
-        self.stage.samples(&design.trajectory, &mut *arm).ok()
+        let (seed, stream) = self.setup.stream(index, run);
+        let mut arm = (self.arm_factory)(sensing, seed, stream).ok()?;
+        self.setup.samples(&design.trajectory, &mut *arm).ok()
     }
 
-    /// Weighted least squares of the rigid columns alone, as the paper did: design → run → β̂.
+    /// Weighted least squares of the rigid columns alone, as `radkhah2007` did: design → run → β̂.
     fn rigid_fits(&self, designs: &[StudyDesign]) -> Vec<Vec<DVector<f64>>> {
         use rayon::prelude::*;
         let fit = |index: usize, design: &StudyDesign, run: u64| -> Option<DVector<f64>> {
             let samples = self.samples(design, index, &Sensing::default(), run)?;
-            let observation = Observation::new(&self.stage.robot, &self.regressor, &self.base, &samples).ok()?;
+            let observation = Observation::new(&self.setup.robot, &self.regressor, &self.base, &samples).ok()?;
             Some(EstimatorKind::Wls.estimator().estimate(&EstimationProblem::new(&observation)).ok()?.beta())
         };
         designs
             .par_iter()
             .enumerate()
             .map(|(index, design)| {
-                let table_one = self.stage.plan.designs[design.family].making == Making::TableOne;
+                let table_one = self.setup.plan.designs[design.family].method == DesignMethod::TableOne;
                 (0..if table_one { RUNS } else { 1 }).filter_map(|run| fit(index, design, run)).collect()
             })
             .collect()
@@ -96,10 +98,10 @@ impl Examination<'_> {
     }
 
     fn table(&self, truth: &Truth, designs: &[StudyDesign], rigid: &[Vec<DVector<f64>>]) -> Vec<TableLine> {
-        let table_one = designs.iter().position(|d| self.stage.plan.designs[d.family].making == Making::TableOne);
+        let table_one = designs.iter().position(|d| self.setup.plan.designs[d.family].method == DesignMethod::TableOne);
         let fits = table_one.map_or(&[][..], |index| &rigid[index]);
-        let beta = self.base.beta(&truth.vector(&self.stage.robot, Columns::Rigid));
-        compare_with_table_two(&self.base, &self.base.expressions(&self.stage.robot), &beta, fits, &self.feasible)
+        let beta = self.base.beta(&truth.vector(&self.setup.robot, Columns::Rigid));
+        compare_with_table_two(&self.base, &self.base.expressions(&self.setup.robot), &beta, fits, &self.feasible)
     }
 
     fn validity_claim(&self, designs: &[StudyDesign], rigid: &[Vec<DVector<f64>>]) -> Claim {
@@ -159,11 +161,11 @@ impl Examination<'_> {
     /// With the encoders' counts against exact positions, everything else equal.
     fn position_claim(&self, designs: &[StudyDesign]) -> Claim {
         let exact = Sensing { encoders: false, ..Sensing::default() };
-        let table_one = designs.iter().position(|d| self.stage.plan.designs[d.family].making == Making::TableOne);
+        let table_one = designs.iter().position(|d| self.setup.plan.designs[d.family].method == DesignMethod::TableOne);
         let index = table_one.unwrap_or(0);
         let rmse = |sensing: &Sensing, run: u64| -> Option<f64> {
             let samples = self.samples(&designs[index], index, sensing, run)?;
-            let estimates = self.stage.estimates(&samples, 0);
+            let estimates = self.setup.estimates(&samples, 0);
             let weighted = estimates.iter().find(|e| e.estimator == EstimatorKind::Wls.name()).or(estimates.first())?;
             Some(weighted.score.as_ref()?.prediction_rmse_nm)
         };
@@ -194,25 +196,25 @@ impl Examination<'_> {
 
     /// What happens to the torque when a controller leaves out the masses of the last three links.
     fn mass_claim(&self) -> Claim {
-        let stage = self.stage;
-        let last = (stage.robot.dof().saturating_sub(3))..stage.robot.dof();
-        let mut without = stage.nominal.clone();
+        let setup = self.setup;
+        let last = (setup.robot.dof().saturating_sub(3))..setup.robot.dof();
+        let mut without = setup.nominal.clone();
         for index in last.clone() {
             without.set(ParameterId { kind: ParameterKind::M, index }, 0.0);
         }
         // The same, but the combinations that hold them are kept: the loss goes into the parameter that stands for them.
         let mut regrouped = without.clone();
-        let phi = stage.nominal.vector(&stage.robot, Columns::Rigid);
-        let lost = self.base.beta(&phi) - self.base.beta(&without.vector(&stage.robot, Columns::Rigid));
+        let phi = setup.nominal.vector(&setup.robot, Columns::Rigid);
+        let lost = self.base.beta(&phi) - self.base.beta(&without.vector(&setup.robot, Columns::Rigid));
         for (i, &column) in self.base.kept.iter().enumerate() {
             let id = self.base.parameters[column];
             regrouped.set(id, regrouped.get(id) + lost[i]);
         }
         let torque = |parameters| -> Vec<f64> {
-            let mut dynamics = Dynamics::new(&stage.robot, parameters);
+            let mut dynamics = Dynamics::new(&setup.robot, parameters);
             let mut all = Vec::new();
-            let mut tau = vec![0.0; stage.robot.dof()];
-            for states in stage.validation() {
+            let mut tau = vec![0.0; setup.robot.dof()];
+            for states in setup.validation() {
                 for k in 0..states.len() {
                     dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut tau);
                     all.extend_from_slice(&tau);
@@ -220,13 +222,13 @@ impl Examination<'_> {
             }
             all
         };
-        let full = torque(&stage.nominal);
+        let full = torque(&setup.nominal);
         let share = |other: Vec<f64>| {
             let difference: Vec<f64> = full.iter().zip(&other).map(|(a, b)| a - b).collect();
             root_mean_square(&difference) / root_mean_square(&full)
         };
         let (dropped, kept) = (share(torque(&without)), share(torque(&regrouped)));
-        let samples = full.len() / stage.robot.dof();
+        let samples = full.len() / setup.robot.dof();
         let verdict = match (kept < 1e-9, dropped < 0.01) {
             (true, true) => Verdict::Holds,
             (true, false) => Verdict::HoldsInPart,
@@ -249,7 +251,7 @@ impl Examination<'_> {
     }
 
     fn moving_base_claim(&self) -> Result<Claim, StudyError> {
-        let (robot, seed) = (&self.stage.robot, self.stage.plan.seed);
+        let (robot, seed) = (&self.setup.robot, self.setup.plan.seed);
         let moving = reduce_with_base(robot, Columns::Rigid, BaseMotion::Free, Method::Structural, seed)?;
         let hidden = self.base.parameters.len() - self.base.rank();
         let gained = moving.rank() - self.base.rank();
@@ -277,13 +279,13 @@ impl Examination<'_> {
     }
 }
 
-fn criterion_claim(stage: &Stage, findings: &Findings) -> Claim {
+fn criterion_claim(setup: &StudySetup, findings: &Findings) -> Claim {
     let family = |kind: CriterionKind| {
-        stage
+        setup
             .plan
             .designs
             .iter()
-            .find(|f| f.making == Making::Optimised && f.criterion.as_deref() == Some(kind.name()))
+            .find(|f| f.method == DesignMethod::Optimised && f.criterion.as_deref() == Some(kind.name()))
             .map(|f| f.name.clone())
     };
     let pair = family(CriterionKind::Condition).zip(family(CriterionKind::DOptimal));
@@ -325,18 +327,18 @@ fn criterion_claim(stage: &Stage, findings: &Findings) -> Claim {
     }
 }
 
-/// How much of its whole gain an optimisation has made after three iterations from the paper's start.
-fn iterations_claim(stage: &Stage, designs: &[StudyDesign]) -> Claim {
+/// How much of its whole gain an optimisation has made after three iterations from the start of `radkhah2007`.
+fn iterations_claim(setup: &StudySetup, designs: &[StudyDesign]) -> Claim {
     let shares: Vec<f64> = designs
         .iter()
-        .filter(|design| stage.plan.designs[design.family].making == Making::Optimised)
+        .filter(|design| setup.plan.designs[design.family].method == DesignMethod::Optimised)
         .filter_map(|design| {
             let of = |value: f64| match design.criterion {
                 Some(CriterionKind::DOptimal) => value,
                 _ => -libm::log(value),
             };
             let first = of(design.history.first()?.value);
-            let third = of(design.history.get(PAPER_ITERATIONS)?.value);
+            let third = of(design.history.get(ITERATIONS)?.value);
             let last = design.history.iter().map(|p| of(p.value)).fold(f64::NEG_INFINITY, f64::max);
             (last > first).then(|| (third - first) / (last - first))
         })

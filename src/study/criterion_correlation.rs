@@ -5,7 +5,7 @@ use super::statistics::{Spread, rank_correlation};
 
 /// Whether a design's own criterion value tells the error that it achieves.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Foretelling {
+pub struct CriterionCorrelation {
     /// Which value of the design.
     pub value: String,
     /// With which estimator.
@@ -17,7 +17,11 @@ pub struct Foretelling {
 }
 
 impl Evidence<'_> {
-    pub(super) fn foretelling(&self, estimator: &str, spread: &[Option<Spread>]) -> Vec<Foretelling> {
+    pub(super) fn criterion_correlations(
+        &self,
+        estimator: &str,
+        spread: &[Option<Spread>],
+    ) -> Vec<CriterionCorrelation> {
         let Some(first) = self.designs.first() else { return Vec::new() };
         (0..first.values.len())
             .map(|v| {
@@ -27,7 +31,7 @@ impl Evidence<'_> {
                     .zip(spread)
                     .filter_map(|(design, spread)| Some((design.values[v].1, spread.as_ref()?.median)))
                     .unzip();
-                Foretelling {
+                CriterionCorrelation {
                     value: first.values[v].0.to_owned(),
                     estimator: estimator.to_owned(),
                     rank_correlation: rank_correlation(&x, &y),

@@ -1,6 +1,7 @@
-//! Table II of the paper beside the truth of the simulation and what armid estimates.
+//! Table II of `radkhah2007` beside the truth of the simulation and what armid estimates.
 
-use crate::base::{BaseReduction, table_two};
+use super::table_two;
+use crate::base::BaseReduction;
 use crate::study::statistics::Interval;
 use nalgebra::DVector;
 
@@ -13,13 +14,13 @@ pub struct TableLine {
     pub expression: String,
     /// Its unit.
     pub unit: String,
-    /// What the paper printed; `None` for the four that it leaves out.
+    /// What `radkhah2007` printed; `None` for the four that it leaves out.
     pub printed: Option<f64>,
     /// Whether any arm of this shape can have the printed value.
     pub printed_valid: Option<bool>,
     /// The truth of the simulation.
     pub truth: f64,
-    /// Mean of the estimates of the rigid columns alone, as in the paper.
+    /// Mean of the estimates of the rigid columns alone, as in `radkhah2007`.
     pub rigid: f64,
     /// In how many of the runs no arm of this shape can have the estimate.
     pub rigid_invalid: usize,

@@ -35,7 +35,7 @@ const LEAST_VARIANCE: f64 = 0.2;
 const FEW_PERIODS: usize = 4;
 
 /// A solved problem on its way to an estimate.
-pub(super) struct Appraisal<'a> {
+pub(super) struct Inference<'a> {
     pub(super) estimator: &'static str,
     pub(super) problem: &'a EstimationProblem<'a>,
     pub(super) fit: &'a LeastSquares,
@@ -46,7 +46,7 @@ pub(super) struct Appraisal<'a> {
     pub(super) termination: Termination,
 }
 
-impl Appraisal<'_> {
+impl Inference<'_> {
     pub(super) fn estimate(self) -> Result<Estimate, EstimationError> {
         let observation = self.problem.observation;
         let beta = self.fit.solution();
@@ -214,14 +214,14 @@ struct ExpectedResidual {
 
 impl ExpectedResidual {
     /// `spread` is C P W.
-    fn new(appraisal: &Appraisal<'_>, spread: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Self {
-        let observation = appraisal.problem.observation;
+    fn new(inference: &Inference<'_>, spread: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Self {
+        let observation = inference.problem.observation;
         let (n, w) = (observation.dof, &observation.regressor);
         // Rows in turn, so work on transposes: column k of each is what belongs to equation k.
-        let gain = product(&appraisal.fit.inverse_information(), &w.transpose());
+        let gain = product(&inference.fit.inverse_information(), &w.transpose());
         let fitted = product(covariance, &w.transpose());
         let (w, spread) = (w.transpose(), spread.transpose());
-        let noise = appraisal.noise;
+        let noise = inference.noise;
         let (mut power, mut neighbours, mut counts) = (vec![0.0; n], vec![0.0; n], vec![0_u32; n]);
         for row in 0..observation.y.len() {
             let i = row % n;

@@ -16,22 +16,22 @@ use super::condition::ConditionResult;
 use super::family_score::{FamilyScore, ParameterScore};
 use super::outcome::Outcome;
 use super::statistics::{Interval, mean, t_interval};
-use super::{Stage, StudyDesign};
+use super::{StudyDesign, StudySetup};
 use crate::experiment::Level;
 use crate::model::ParameterKind;
 
 /// All effects of a study by what they do.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Atlas {
+pub struct EffectSensitivity {
     /// The kinds of parameters that error ratios are given for.
     pub kinds: Vec<String>,
     /// One entry per condition with effects, family and estimator.
-    pub entries: Vec<AtlasEntry>,
+    pub entries: Vec<SensitivityEntry>,
 }
 
 /// What one condition does to one family of designs with one estimator.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct AtlasEntry {
+pub struct SensitivityEntry {
     /// Name of the condition.
     pub condition: String,
     /// Name of the effect, where there is one alone.
@@ -54,17 +54,17 @@ pub struct AtlasEntry {
     pub prediction_ratio: Option<f64>,
     /// Its 95 % interval.
     pub prediction_interval: Option<Interval>,
-    /// Error ratio of each kind of parameter, in the order of [`Atlas::kinds`]; `None` where the base has none.
+    /// Error ratio of each kind of parameter, in the order of [`EffectSensitivity::kinds`]; `None` where the base has none.
     pub kind_ratios: Vec<Option<f64>>,
     /// One entry per base parameter.
-    pub parameters: Vec<AtlasBias>,
+    pub parameters: Vec<ParameterBias>,
     /// Indices of the base parameters, those with the largest bias over its standard deviation first.
     pub worst: Vec<usize>,
 }
 
 /// Bias of one base parameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct AtlasBias {
+pub struct ParameterBias {
     /// Over the standard deviation that the estimator states.
     pub in_std: f64,
     /// Its 95 % interval.
@@ -92,7 +92,7 @@ fn scaled(interval: Option<Interval>, unit: f64) -> Option<Interval> {
     interval.map(|i| Interval { low: i.low / unit, high: i.high / unit })
 }
 
-impl AtlasBias {
+impl ParameterBias {
     fn of(score: &ParameterScore, unit: f64) -> Self {
         Self {
             in_std: score.bias / score.stated_std,
@@ -103,15 +103,15 @@ impl AtlasBias {
     }
 }
 
-impl Stage {
-    /// The atlas of a study whose first condition has no effects and some other has; `None` of another.
+impl StudySetup {
+    /// The effect sensitivity of a study whose first condition has no effects and some other has; `None` of another.
     #[must_use]
-    pub fn atlas(
+    pub fn effect_sensitivity(
         &self,
         designs: &[StudyDesign],
         conditions: &[ConditionResult],
         outcomes: &[Outcome],
-    ) -> Option<Atlas> {
+    ) -> Option<EffectSensitivity> {
         let first = conditions.first()?;
         if !first.condition.effects.is_none() {
             return None;
@@ -133,7 +133,8 @@ impl Stage {
                 entries.push(self.entry(result, score, plain, &pairs, (&names, &kinds)));
             }
         }
-        (!entries.is_empty()).then(|| Atlas { kinds: names.into_iter().map(str::to_owned).collect(), entries })
+        (!entries.is_empty())
+            .then(|| EffectSensitivity { kinds: names.into_iter().map(str::to_owned).collect(), entries })
     }
 
     /// The kind of each base parameter, in words.
@@ -176,7 +177,7 @@ impl Stage {
         plain: &FamilyScore,
         pairs: &BTreeMap<usize, Vec<f64>>,
         (names, kinds): (&[&'static str], &[&'static str]),
-    ) -> AtlasEntry {
+    ) -> SensitivityEntry {
         let effects = &result.condition.effects;
         let mut alone = effects.iter();
         let only = match (alone.next(), alone.next()) {
@@ -201,14 +202,14 @@ impl Stage {
                 .collect();
             (!squares.is_empty() && score.runs > 0).then(|| mean(&squares).sqrt())
         });
-        let parameters: Vec<AtlasBias> = if score.runs > 0 {
-            score.parameters.iter().zip(self.referee().units()).map(|(p, &unit)| AtlasBias::of(p, unit)).collect()
+        let parameters: Vec<ParameterBias> = if score.runs > 0 {
+            score.parameters.iter().zip(self.scorer().units()).map(|(p, &unit)| ParameterBias::of(p, unit)).collect()
         } else {
             Vec::new()
         };
         let mut worst: Vec<usize> = (0..parameters.len()).collect();
         worst.sort_by(|&a, &b| parameters[b].in_std.abs().total_cmp(&parameters[a].in_std.abs()));
-        AtlasEntry {
+        SensitivityEntry {
             condition: result.condition.name.clone(),
             effect: only.map(|(kind, _)| kind.name().to_owned()),
             level: only.and_then(|(kind, magnitude)| kind.level(magnitude)),

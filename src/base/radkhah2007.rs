@@ -1,4 +1,4 @@
-//! Steps 3–5 of the paper's model reduction (section II.B), on a stacked regressor.
+//! Steps 3–5 of `radkhah2007`'s model reduction (section II.B), on a stacked regressor.
 
 use nalgebra::DMatrix;
 
@@ -6,7 +6,7 @@ use super::{BaseReduction, Method};
 use crate::linalg::{LeftToRight, RankRevealingQr, RankTolerance, triangular_factor};
 use crate::model::ParameterId;
 
-/// The sets that the paper's procedure fills, as column indices of φ_tot, and its coefficients α.
+/// The sets that `radkhah2007`'s procedure fills, as column indices of φ_tot, and its coefficients α.
 ///
 /// ```text
 /// 3  r = rank φ_tot                            5  for each remaining column f_i:
@@ -16,17 +16,17 @@ use crate::model::ParameterId;
 /// ```
 /// Ranks are those of columns scaled to unit length, by QR with column exchange. They are taken from the triangular
 /// factor of φ_tot, which has the dependencies of φ_tot and some fifty rows instead of thousands; α_i solves the least
-/// squares problem of the paper's normal equations by QR.
+/// squares problem of `radkhah2007`'s normal equations by QR.
 ///
 /// ```
-/// use armid::base::PaperSets;
+/// use armid::base::Radkhah2007Sets;
 /// use nalgebra::dmatrix;
-/// let sets = PaperSets::of(&dmatrix![1.0, 0.0, 2.0, 0.0; 1.0, 0.0, 2.0, 1.0; 0.0, 0.0, 0.0, 1.0]);
+/// let sets = Radkhah2007Sets::of(&dmatrix![1.0, 0.0, 2.0, 0.0; 1.0, 0.0, 2.0, 1.0; 0.0, 0.0, 0.0, 1.0]);
 /// assert_eq!((sets.unidentifiable, sets.alone, sets.base), (vec![1], vec![3], vec![0, 3]));
 /// assert!(sets.dependent[0].0 == 2 && (sets.dependent[0].1[0] - 2.0).abs() < 1e-15);
 /// ```
 #[derive(Clone, Debug, PartialEq)]
-pub struct PaperSets {
+pub struct Radkhah2007Sets {
     /// U: columns that are zero.
     pub unidentifiable: Vec<usize>,
     /// S: columns without which the rank falls.
@@ -37,7 +37,7 @@ pub struct PaperSets {
     pub dependent: Vec<(usize, Vec<f64>)>,
 }
 
-impl PaperSets {
+impl Radkhah2007Sets {
     /// Runs steps 3–5 on φ_tot (rows × columns).
     #[must_use]
     pub fn of(phi_tot: &DMatrix<f64>) -> Self {
@@ -85,7 +85,7 @@ impl PaperSets {
                 k[(row, *i)] = value;
             }
         }
-        BaseReduction::from_echelon(parameters, self.base.clone(), k, Method::Paper)
+        BaseReduction::from_echelon(parameters, self.base.clone(), k, Method::Radkhah2007)
     }
 }
 
@@ -116,7 +116,7 @@ mod tests {
         let c4 = a.column(0) * 2.0 - a.column(3) * 1e-3;
         a.set_column(4, &c4);
         let ids = [0, 1, 2, 3, 4, 5].map(|k| ParameterId { kind: ParameterKind::LINK[k], index: 0 });
-        let paper = PaperSets::of(&a);
+        let paper = Radkhah2007Sets::of(&a);
         assert_eq!(
             (&paper.unidentifiable[..], &paper.alone[..], &paper.base[..]),
             (&[1][..], &[5][..], &[0, 3, 5][..])

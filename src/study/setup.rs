@@ -1,7 +1,7 @@
-//! Everything of a study that is fixed before its first run: the robot, its reduction, the referee, the settings.
+//! Everything of a study that is fixed before its first run: the robot, its reduction, the scorer, the settings.
 //!
 //! ```text
-//! Stage::new → Stage::design(family, start) → Stage::bound → Stage::trial(design, condition, run) → Stage::conditions
+//! StudySetup::new → StudySetup::design(family, start) → StudySetup::bound → StudySetup::trial(design, condition, run) → StudySetup::conditions
 //! ```
 //! Each step is a function of the plan and its seed alone, so that any of them can be done again, in any order, on any
 //! number of threads, and give the same bytes. Who performs the experiment is the caller's choice: an [`Arm`].
@@ -14,11 +14,11 @@ use super::bound::{cramer_rao_std, torque_covariance};
 use super::evidence::{DesignRow, Evidence, Findings};
 use super::outcome::{Outcome, ScoredEstimate};
 use super::plan::{PlanFault, StudyPlan};
-use super::{Centre, ConditionResult, Failure, Referee, StatusCount, StudyDesign, Truth, TruthFault};
+use super::{Centre, ConditionResult, Failure, Scorer, StatusCount, StudyDesign, Truth, TruthFault};
 use crate::base::{BaseError, BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{Estimate, EstimationProblem, EstimatorKind, Observation};
-use crate::excitation::{ExcitationError, PeriodicTrajectory, paper_start};
+use crate::excitation::{ExcitationError, PeriodicTrajectory, radkhah2007_start};
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
@@ -44,7 +44,7 @@ pub enum StudyError {
 
 /// One run of a study: which design, under which condition, and its number.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct Slot {
+pub struct RunId {
     /// Index of the design.
     pub design: usize,
     /// Index of the condition.
@@ -55,7 +55,7 @@ pub struct Slot {
 
 /// A study that is ready to run.
 #[derive(Debug)]
-pub struct Stage {
+pub struct StudySetup {
     pub(super) plan: StudyPlan,
     pub(super) robot: Robot,
     pub(super) nominal: StandardParameters,
@@ -63,14 +63,14 @@ pub struct Stage {
     pub(super) base: BaseReduction,
     pub(super) noise: DMatrix<f64>,
     truths: Vec<Truth>,
-    referee: Referee,
+    scorer: Scorer,
     estimators: Vec<EstimatorKind>,
     processing: Processing,
     validation: Vec<States>,
 }
 
-impl Stage {
-    /// Reduces the robot, draws the validation trajectories, and puts the referee in place.
+impl StudySetup {
+    /// Reduces the robot, draws the validation trajectories, and puts the scorer in place.
     ///
     /// # Errors
     /// [`StudyError`] where the plan, the robot or the validation trajectories do not allow it.
@@ -83,7 +83,7 @@ impl Stage {
             .map(|index| Ok(validation_trajectory(&plan, &robot, index)?.sample(plan.validation.samples)))
             .collect::<Result<Vec<_>, ExcitationError>>()?;
         let truths = draw_truths(&plan, truth, &nominal)?;
-        let referee = Referee::new(&robot, &truths, &regressor, &base, &validation, &plan.reference);
+        let scorer = Scorer::new(&robot, &truths, &regressor, &base, &validation, &plan.reference);
         let processing = Processing {
             derivatives: plan.derivatives()?,
             samples_per_period: plan.identification.samples_per_period,
@@ -98,7 +98,7 @@ impl Stage {
             regressor,
             base,
             truths,
-            referee,
+            scorer,
             processing,
             validation,
         })
@@ -130,8 +130,8 @@ impl Stage {
 
     /// Who knows the truth.
     #[must_use]
-    pub const fn referee(&self) -> &Referee {
-        &self.referee
+    pub const fn scorer(&self) -> &Scorer {
+        &self.scorer
     }
 
     /// How recordings are processed.
@@ -175,15 +175,15 @@ impl Stage {
 
     /// Every run of a study with these conditions, design by design.
     #[must_use]
-    pub fn slots(&self) -> Vec<Slot> {
+    pub fn run_ids(&self) -> Vec<RunId> {
         let conditions = self.plan.conditions().len();
-        let mut slots = Vec::new();
+        let mut ids = Vec::new();
         for (design, (family, _)) in self.designs().into_iter().enumerate() {
             for condition in 0..conditions {
-                slots.extend((0..self.plan.runs_of(family) as u64).map(|run| Slot { design, condition, run }));
+                ids.extend((0..self.plan.runs_of(family) as u64).map(|run| RunId { design, condition, run }));
             }
         }
-        slots
+        ids
     }
 
     /// Seed and run number of the random streams of one run: the same under every condition.
@@ -214,13 +214,13 @@ impl Stage {
     /// One run: performs the experiment on `arm`, processes what it recorded, estimates and scores. Whatever goes wrong
     /// is a reason in the outcome.
     #[must_use]
-    pub fn trial(&self, slot: Slot, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
-        let truth = self.plan.truth_of(slot.run);
+    pub fn trial(&self, id: RunId, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
+        let truth = self.plan.truth_of(id.run);
         let (failure, estimates) = match self.samples(&design.trajectory, arm) {
             Ok(samples) => (None, self.estimates(&samples, truth)),
             Err(failure) => (Some(failure), Vec::new()),
         };
-        Outcome { design: slot.design, condition: slot.condition, truth, run: slot.run, failure, estimates }
+        Outcome { design: id.design, condition: id.condition, truth, run: id.run, failure, estimates }
     }
 
     /// Performs the experiment and processes the recording.
@@ -244,7 +244,7 @@ impl Stage {
             .into_iter()
             .zip(&self.estimators)
             .map(|(made, kind)| match made {
-                Ok(estimate) => ScoredEstimate::new(&estimate, self.referee.score(&estimate.beta(), truth)),
+                Ok(estimate) => ScoredEstimate::new(&estimate, self.scorer.score(&estimate.beta(), truth)),
                 Err(failure) => ScoredEstimate::failed(kind.name(), failure),
             })
             .collect()
@@ -286,9 +286,9 @@ impl Stage {
 
     /// What the outcomes under one condition say.
     fn findings(&self, designs: &[StudyDesign], bounds: &[Vec<f64>], outcomes: &[Outcome]) -> Findings {
-        let mut sorted: BTreeMap<Slot, &Outcome> = BTreeMap::new();
+        let mut sorted: BTreeMap<RunId, &Outcome> = BTreeMap::new();
         for outcome in outcomes {
-            sorted.insert(outcome.slot(), outcome);
+            sorted.insert(outcome.id(), outcome);
         }
         let outcomes: Vec<Outcome> = sorted.into_values().cloned().collect();
         let families: Vec<String> = self.plan.designs.iter().map(|family| family.name.clone()).collect();
@@ -303,8 +303,8 @@ impl Stage {
             families: &families,
             designs: &rows,
             estimators: &self.plan.identification.estimators,
-            truths: self.referee.truths(),
-            units: self.referee.units(),
+            truths: self.scorer.truths(),
+            units: self.scorer.units(),
             outcomes: &outcomes,
             compare_with: &self.plan.compare_with,
             seed: self.plan.seed.child("bootstrap", 0),
@@ -328,7 +328,8 @@ fn draw_truths(plan: &StudyPlan, own: &Truth, nominal: &StandardParameters) -> R
 
 fn validation_trajectory(plan: &StudyPlan, robot: &Robot, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {
     let settings = &plan.experiment;
-    paper_start(robot, settings.period_s, settings.harmonics, plan.seed.child("validation", 0), index).map(Into::into)
+    radkhah2007_start(robot, settings.period_s, settings.harmonics, plan.seed.child("validation", 0), index)
+        .map(Into::into)
 }
 
 impl StudyPlan {

@@ -1,13 +1,13 @@
-//! The paper's claims, and its Table II beside what is found here.
+//! The claims of `radkhah2007`, and its Table II beside what is found here.
 
-use armid::study::PaperResult;
+use armid::study::radkhah2007::Reproduction;
 
 use crate::{Cell, Column, Section, Table};
 
 /// One table row per number behind each claim.
-pub(super) fn claims(paper: &PaperResult) -> Section {
+pub(super) fn claims(found: &Reproduction) -> Section {
     let mut table = Table::new(
-        "Each claim of the paper and what the simulation says of it.",
+        "Each claim of Radkhah et al. (2007) and what the simulation says of it.",
         vec![
             Column::text("claim"),
             Column::text("verdict"),
@@ -18,8 +18,8 @@ pub(super) fn claims(paper: &PaperResult) -> Section {
             Column::number("n", ""),
         ],
     );
-    let mut section = Section::new("The paper's claims");
-    for claim in &paper.claims {
+    let mut section = Section::new("Claims of Radkhah et al. (2007)");
+    for claim in &found.claims {
         for (i, q) in claim.quantities.iter().enumerate() {
             let first = |text: &str| if i == 0 { Cell::text(text) } else { Cell::text("") };
             table = table.row(vec![
@@ -38,9 +38,9 @@ pub(super) fn claims(paper: &PaperResult) -> Section {
 }
 
 /// Table II.
-pub(super) fn table(paper: &PaperResult) -> Section {
+pub(super) fn table(found: &Reproduction) -> Section {
     let mut table = Table::new(
-        "The 36 base parameters: what the paper printed for its arm, the truth of this simulation (another arm of the same shape), the mean estimate of the rigid columns alone as in the paper, and the range that links of at most 10 kg inside their shapes can have.",
+        "The 36 base parameters: what Radkhah et al. (2007) printed for their arm, the truth of this simulation (another arm of the same shape), the mean estimate of the rigid columns alone as in the paper, and the range that links of at most 10 kg inside their shapes can have.",
         vec![
             Column::text("parameter"),
             Column::text("combination"),
@@ -54,7 +54,7 @@ pub(super) fn table(paper: &PaperResult) -> Section {
             Column::number("most", ""),
         ],
     );
-    for line in &paper.table {
+    for line in &found.table {
         table = table.row(vec![
             Cell::text(&line.name),
             Cell::text(&line.expression),
@@ -69,6 +69,6 @@ pub(super) fn table(paper: &PaperResult) -> Section {
         ]);
     }
     Section::new("Table II")
-        .text("The paper's `m4*rcy4` reads as a misprint for `m4*rcz4`: with standard DH y4 lies along joint axis 4, so `mcy4` goes into `mcz3`, while `mcz4` is a base parameter that the table lacks. The four that remain without a printed value are `Ixx2`, `Iyy4`, `Ixx5` and `Iyy5`.")
+        .text("The printed `m4*rcy4` reads as a misprint for `m4*rcz4`: with standard DH y4 lies along joint axis 4, so `mcy4` goes into `mcz3`, while `mcz4` is a base parameter that the table lacks. The four that remain without a printed value are `Ixx2`, `Iyy4`, `Ixx5` and `Iyy5`.")
         .table(table)
 }

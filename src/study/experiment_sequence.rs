@@ -4,23 +4,23 @@
 //! M = Σ_k C_k⁻¹        β̂ = M⁻¹ Σ_k C_k⁻¹ β̂_k        cov β̂ = M⁻¹          C_k covariance of the estimate of experiment k
 //! ```
 //! A family of designs that names another in `after` continues it: its designs have the information of that family's
-//! designs as their prior, and its runs put the estimates of all experiments of the chain together. For Gaussian noise
+//! designs as their prior, and its runs put the estimates of all experiments of the sequence together. For Gaussian noise
 //! and a linear model the sum loses nothing against one fit of all data.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::outcome::{Outcome, ScoredEstimate};
-use super::plan::{Making, PlanFault, name_of, number};
-use super::{Failure, Slot, Stage, StudyDesign, StudyError, StudyPlan};
+use super::plan::{DesignMethod, PlanFault, name_of, number};
+use super::{Failure, RunId, StudyDesign, StudyError, StudyPlan, StudySetup};
 use crate::dynamics::States;
 use crate::estimation::Estimate;
 use crate::excitation::CriterionKind;
 use crate::experiment::Arm;
 
-/// Why no estimate came of a chain.
+/// Why no estimate came of a sequence.
 const NOT_DEFINITE: &str = "the covariance of an estimate is not positive definite";
 
-/// One experiment of a chain.
+/// One experiment of a sequence.
 pub struct Experiment<'a> {
     /// The design.
     pub design: &'a StudyDesign,
@@ -28,31 +28,31 @@ pub struct Experiment<'a> {
     pub arm: &'a mut dyn Arm,
 }
 
-impl Stage {
+impl StudySetup {
     /// The family that `family` continues.
     fn predecessor(&self, family: usize) -> Option<usize> {
         let name = self.plan.designs[family].after.as_ref()?;
         self.plan.designs[..family].iter().position(|other| other.name == *name)
     }
 
-    /// Families from the first experiment of a chain to `family` itself.
+    /// Families from the first experiment of a sequence to `family` itself.
     #[must_use]
-    pub(super) fn families_of_chain(&self, family: usize) -> Vec<usize> {
-        let mut chain = vec![family];
-        while let Some(before) = self.predecessor(chain[chain.len() - 1]) {
-            chain.push(before);
+    pub(super) fn families_of_sequence(&self, family: usize) -> Vec<usize> {
+        let mut sequence = vec![family];
+        while let Some(before) = self.predecessor(sequence[sequence.len() - 1]) {
+            sequence.push(before);
         }
-        chain.reverse();
-        chain
+        sequence.reverse();
+        sequence
     }
 
-    /// Indices of the designs from the first experiment of a chain to design `index` itself: those of one start.
+    /// Indices of the designs from the first experiment of a sequence to design `index` itself: those of one start.
     #[must_use]
-    pub fn chain(&self, index: usize) -> Vec<usize> {
+    pub fn sequence(&self, index: usize) -> Vec<usize> {
         let designs = self.designs();
         let (family, start) = designs[index];
         let of = |family: usize| designs.iter().position(|&design| design == (family, start));
-        self.families_of_chain(family).into_iter().filter_map(of).collect()
+        self.families_of_sequence(family).into_iter().filter_map(of).collect()
     }
 
     /// The information of experiments with these designs, per torque row of one more of the same length; `None` of none.
@@ -69,9 +69,9 @@ impl Stage {
         Ok(sum)
     }
 
-    /// Cramér–Rao standard deviations after all experiments of a chain, from the exact motion of one period of each.
+    /// Cramér–Rao standard deviations after all experiments of a sequence, from the exact motion of one period of each.
     #[must_use]
-    pub fn bound_of_chain(&self, exact: &[States]) -> Vec<f64> {
+    pub fn bound_of_sequence(&self, exact: &[States]) -> Vec<f64> {
         let Some(first) = exact.first() else { return vec![f64::INFINITY; self.base.rank()] };
         let mut all = States::new(first.dof);
         for states in exact {
@@ -82,19 +82,19 @@ impl Stage {
         self.bound_with_weight(&all, self.raw_samples() / first.len() as f64)
     }
 
-    /// One run of a chain: every experiment performed, every estimate made, all put together; the outcome is that of the
+    /// One run of a sequence: every experiment performed, every estimate made, all put together; the outcome is that of the
     /// last design.
     #[must_use]
-    pub fn trial_of_chain(&self, slot: Slot, experiments: &mut [Experiment<'_>]) -> Outcome {
+    pub fn trial_of_sequence(&self, id: RunId, experiments: &mut [Experiment<'_>]) -> Outcome {
         if let [only] = experiments {
-            return self.trial(slot, only.design, only.arm);
+            return self.trial(id, only.design, only.arm);
         }
-        let truth = self.plan.truth_of(slot.run);
+        let truth = self.plan.truth_of(id.run);
         let outcome = |failure, estimates| Outcome {
-            design: slot.design,
-            condition: slot.condition,
+            design: id.design,
+            condition: id.condition,
             truth,
-            run: slot.run,
+            run: id.run,
             failure,
             estimates,
         };
@@ -110,7 +110,7 @@ impl Stage {
                 made.iter().map(|estimates| estimates[e].as_ref().map_err(Clone::clone)).collect();
             match each.and_then(|each| together(&each).map_err(|fault| Failure::estimator(&fault))) {
                 Ok(mut scored) => {
-                    scored.score = Some(self.referee().score(&DVector::from_column_slice(&scored.beta), truth));
+                    scored.score = Some(self.scorer().score(&DVector::from_column_slice(&scored.beta), truth));
                     scored
                 }
                 Err(failure) => ScoredEstimate::failed(name, failure),
@@ -122,7 +122,7 @@ impl Stage {
 
 impl StudyPlan {
     /// Every `after` names an earlier family of as many starts.
-    pub(super) fn check_chains(&self) -> Result<(), PlanFault> {
+    pub(super) fn check_sequences(&self) -> Result<(), PlanFault> {
         for (index, family) in self.designs.iter().enumerate() {
             let earlier = &self.designs[..index];
             match &family.after {
@@ -134,7 +134,7 @@ impl StudyPlan {
                     Some(_) => {}
                     None => return Err(name_of("after", found, earlier.iter().map(|other| other.name.as_str()))),
                 },
-                None if family.making == Making::Repeated => {
+                None if family.method == DesignMethod::Repeated => {
                     return Err(name_of("after", "", earlier.iter().map(|other| other.name.as_str())));
                 }
                 None => {}

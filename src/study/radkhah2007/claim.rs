@@ -57,10 +57,10 @@ impl Quantity {
     }
 }
 
-/// A claim of the paper and what armid finds.
+/// A claim of `radkhah2007` and what armid finds.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Claim {
-    /// The claim, in our words, with the place in the paper.
+    /// The claim, in our words, with the place in `radkhah2007`.
     pub claim: String,
     /// What the numbers say.
     pub verdict: Verdict,

@@ -1,4 +1,4 @@
-//! Table II of the paper: the 32 parameters of the CRS A460 that its authors printed.
+//! Table II of `radkhah2007`: the 32 parameters of the CRS A460 that its authors printed.
 //!
 //! The names read `m2*rcx_2` for the first moment `mcx2`. 31 of the 32 lie in the base set of the arm's standard-DH
 //! model, walked link by link from left to right. The 32nd, `m4*rcy_4`, does not: with standard DH, y4 lies along

@@ -1,7 +1,7 @@
-//! The atlas: what every effect of the real arm does to the estimates.
+//! The sensitivity: what every effect of the real arm does to the estimates.
 
 use armid::experiment::Level;
-use armid::study::{Atlas, AtlasEntry, StudyStory};
+use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry};
 
 use super::page::shown_estimator;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
@@ -9,23 +9,26 @@ use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, S
 /// Biases below this many standard deviations are drawn as this many: nobody sees them.
 const LEAST_STD: f64 = 0.3;
 
-/// The figures and tables of an atlas.
-pub(super) fn section(story: &StudyStory, atlas: &Atlas) -> Result<Section, DocumentError> {
-    let of = |estimator: &str| -> Vec<&AtlasEntry> {
-        atlas.entries.iter().filter(|entry| entry.estimator == estimator && entry.runs > 0).collect()
+/// The figures and tables of the effects.
+pub(super) fn section(input: &ReportInput, sensitivity: &EffectSensitivity) -> Result<Section, DocumentError> {
+    let of = |estimator: &str| -> Vec<&SensitivityEntry> {
+        sensitivity.entries.iter().filter(|entry| entry.estimator == estimator && entry.runs > 0).collect()
     };
-    let mut section = Section::new("Atlas of effects")
+    let mut section = Section::new("Effect sensitivity")
         .text("Every effect alone, on otherwise the same arm, with the same designs and the same random numbers. The true parameters are those of the arm without the effect. An error ratio of 1 means that the effect is lost in the noise of the measurement.");
     // The estimator that figures show comes first.
-    for estimator in story.result.plan.identification.estimators.iter().rev() {
-        section = section.figure(&glance(atlas, &of(estimator), estimator))?;
+    for estimator in input.result.plan.identification.estimators.iter().rev() {
+        section = section.figure(&glance(sensitivity, &of(estimator), estimator))?;
     }
-    let estimator = shown_estimator(story);
-    Ok(section.figure(&biases(story, &of(estimator), estimator))?.table(predictions(atlas)).table(worst(story, atlas)))
+    let estimator = shown_estimator(input);
+    Ok(section
+        .figure(&biases(input, &of(estimator), estimator))?
+        .table(predictions(sensitivity))
+        .table(worst(input, sensitivity)))
 }
 
 /// The effects, each once, what ruins prediction most at its first level first.
-fn effects<'a>(shown: &[&'a AtlasEntry]) -> Vec<&'a str> {
+fn effects<'a>(shown: &[&'a SensitivityEntry]) -> Vec<&'a str> {
     let mut found: Vec<(&str, f64)> = Vec::new();
     for entry in shown {
         let name = entry.effect.as_deref().unwrap_or(&entry.condition);
@@ -38,7 +41,7 @@ fn effects<'a>(shown: &[&'a AtlasEntry]) -> Vec<&'a str> {
 }
 
 /// One row per effect: the error of prediction and of each kind of parameter at each level.
-fn glance(atlas: &Atlas, shown: &[&AtlasEntry], estimator: &str) -> HeatFigure {
+fn glance(sensitivity: &EffectSensitivity, shown: &[&SensitivityEntry], estimator: &str) -> HeatFigure {
     let rows = effects(shown);
     let find = |effect: &str, level: Option<Level>| {
         shown.iter().find(|entry| match level {
@@ -49,12 +52,12 @@ fn glance(atlas: &Atlas, shown: &[&AtlasEntry], estimator: &str) -> HeatFigure {
     let mut levels: Vec<Option<Level>> = Level::ALL.into_iter().map(Some).chain([None]).collect();
     levels.retain(|&level| shown.iter().any(|entry| entry.level == level));
     let names: Vec<String> =
-        std::iter::once("prediction").chain(atlas.kinds.iter().map(String::as_str)).map(str::to_owned).collect();
+        std::iter::once("prediction").chain(sensitivity.kinds.iter().map(String::as_str)).map(str::to_owned).collect();
     let values = rows.iter().flat_map(|effect| {
         levels.iter().flat_map(|&level| {
             let entry = find(effect, level);
             let prediction = entry.and_then(|entry| entry.prediction_ratio);
-            let kinds = (0..atlas.kinds.len()).map(move |kind| entry.and_then(|entry| entry.kind_ratios[kind]));
+            let kinds = (0..sensitivity.kinds.len()).map(move |kind| entry.and_then(|entry| entry.kind_ratios[kind]));
             std::iter::once(prediction).chain(kinds).collect::<Vec<_>>()
         })
     });
@@ -75,13 +78,13 @@ fn glance(atlas: &Atlas, shown: &[&AtlasEntry], estimator: &str) -> HeatFigure {
 }
 
 /// One row per condition, one column per base parameter.
-fn biases(story: &StudyStory, shown: &[&AtlasEntry], estimator: &str) -> HeatFigure {
+fn biases(input: &ReportInput, shown: &[&SensitivityEntry], estimator: &str) -> HeatFigure {
     HeatFigure {
         heading: Heading::new("atlas-parameters", "Which parameter each effect biases")
             .subtitle(format!("size of the bias in standard deviations that the estimator states, estimator {estimator}"))
             .caption(format!("One column per base parameter. A bias of 1 is as large as the error bar beside the estimate; {LEAST_STD} stands for everything below it.")),
         rows: shown.iter().map(|entry| entry.condition.clone()).collect(),
-        columns: story.result.parameters.iter().map(|parameter| parameter.name.clone()).collect(),
+        columns: input.result.parameters.iter().map(|parameter| parameter.name.clone()).collect(),
         groups: Vec::new(),
         values: shown
             .iter()
@@ -94,7 +97,7 @@ fn biases(story: &StudyStory, shown: &[&AtlasEntry], estimator: &str) -> HeatFig
 }
 
 /// Prediction and kinds of parameters, for every estimator.
-fn predictions(atlas: &Atlas) -> Table {
+fn predictions(sensitivity: &EffectSensitivity) -> Table {
     let mut columns = vec![
         Column::text("condition"),
         Column::text("estimator"),
@@ -106,11 +109,11 @@ fn predictions(atlas: &Atlas) -> Table {
         Column::number("low", ""),
         Column::number("high", ""),
     ];
-    columns.extend(atlas.kinds.iter().map(|kind| Column::number(kind, "ratio")));
+    columns.extend(sensitivity.kinds.iter().map(|kind| Column::number(kind, "ratio")));
     let caption = "Every effect with every estimator: torque prediction RMSE (geometric mean over runs), its ratio to the error without the effect with a 95 % interval from runs in pairs, and the error ratio of each kind of parameter.";
     let number = |value: Option<f64>, digits| value.map_or(Cell::Missing, |value| Cell::number(value, digits));
     let mut table = Table::new(caption, columns);
-    for entry in &atlas.entries {
+    for entry in &sensitivity.entries {
         let mut row = vec![
             Cell::text(&entry.condition),
             Cell::text(&entry.estimator),
@@ -129,7 +132,7 @@ fn predictions(atlas: &Atlas) -> Table {
 }
 
 /// The three parameters that each effect biases most.
-fn worst(story: &StudyStory, atlas: &Atlas) -> Table {
+fn worst(input: &ReportInput, sensitivity: &EffectSensitivity) -> Table {
     let mut table = Table::new(
         "The three base parameters that each effect biases most, with 95 % intervals: in standard deviations that the estimator states, and in reference units.",
         vec![
@@ -144,14 +147,14 @@ fn worst(story: &StudyStory, atlas: &Atlas) -> Table {
             Column::number("high", ""),
         ],
     );
-    for entry in &atlas.entries {
+    for entry in &sensitivity.entries {
         for &i in entry.worst.iter().take(3) {
             let bias = &entry.parameters[i];
             let end = |value: Option<f64>| value.map_or(Cell::Missing, |value| Cell::number(value, 3));
             table = table.row(vec![
                 Cell::text(&entry.condition),
                 Cell::text(&entry.estimator),
-                Cell::text(&story.result.parameters[i].name),
+                Cell::text(&input.result.parameters[i].name),
                 Cell::number(bias.in_std, 3),
                 end(bias.in_std_interval.map(|i| i.low)),
                 end(bias.in_std_interval.map(|i| i.high)),
