@@ -15,6 +15,7 @@
 pub mod seed;
 pub mod provenance;
 pub mod linalg;
+pub mod statistics;
 pub mod spatial;
 pub mod model;
 pub mod dynamics;

@@ -74,7 +74,7 @@ fn assert_none(faults: &[String]) {
 
 #[test]
 fn modules_of_the_core_stand_in_the_order_of_the_method() {
-    let expected = "seed provenance linalg spatial model dynamics regressor base excitation experiment signal \
+    let expected = "seed provenance linalg statistics spatial model dynamics regressor base excitation experiment signal \
                     estimation calibration study conformance";
     assert_eq!(module_order().join(" "), expected);
 }

@@ -95,7 +95,7 @@ fn residuals(input: &ComparisonInput) -> Result<Section, DocumentError> {
 }
 
 fn predictions(input: &ComparisonInput) -> Result<Section, DocumentError> {
-    let section = Section::new("Prediction of a recording that no fit has seen");
+    let section = Section::new("Prediction of a held-out recording");
     if input.predictions.iter().all(Option::is_none) {
         return Ok(section.text("No `validation.json` stands beside the estimates."));
     }

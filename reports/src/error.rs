@@ -79,7 +79,7 @@ pub enum FigureError {
     Backend {
         /// Name of the figure.
         figure: String,
-        /// What it said.
+        /// Its message.
         reason: String,
     },
 }

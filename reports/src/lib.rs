@@ -13,6 +13,7 @@
 #![forbid(unsafe_code)]
 
 mod error;
+mod heading;
 mod style;
 mod drawing;
 pub mod figures;
@@ -28,5 +29,6 @@ pub use drawing::axis::{Axis, Scale};
 pub use drawing::rows::{Band, Level};
 pub use error::{DocumentError, FigureError};
 pub use figures::*;
+pub use heading::Heading;
 pub use study::study_document;
 pub use style::{Dash, Group, GroupStyle, Marker};

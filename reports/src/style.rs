@@ -1,10 +1,10 @@
-//! How one group of data is told from another: by colour, and without colour by marker and dashes.
+//! How groups of data are distinguished: by colour, and without colour by marker and dashes.
 //!
 //! Colours are the eight of Okabe and Ito ("Color universal design", 2008), which stay apart for readers with any common
 //! colour-vision deficiency. A name that the project knows (a design criterion, an estimator) has one style for ever, so
 //! that a colour means the same in every figure of every report; other names get the next style that is free.
 
-use crate::drawing::canvas::Colour;
+use crate::drawing::colour::Colour;
 
 /// Shape of a point.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -69,7 +69,7 @@ pub struct BackEmf {
 ///
 /// # Errors
 /// [`CalibrationError`] where the recording has no voltages, no currents or no whole period, or where the motion does not
-/// tell the constants apart.
+/// separate the constants.
 pub fn back_emf(
     recording: &Recording,
     robot: &Robot,

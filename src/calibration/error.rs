@@ -22,9 +22,9 @@ pub enum CalibrationError {
         expected: &'static str,
     },
     /// The equations do not have an answer.
-    #[error("the motion does not tell {parameter} from the others: {fault}")]
+    #[error("the motion does not separate {parameter} from the others: {fault}")]
     NotExcited {
-        /// What cannot be told.
+        /// What cannot be separated.
         parameter: &'static str,
         /// Why.
         fault: LeastSquaresError,

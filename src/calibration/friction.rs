@@ -9,7 +9,7 @@
 //! difference, which looks like a viscous friction too small by some tenths of a per cent.
 //!
 //! The half sum is gravity and the offset together, and is given for what it shows: it must not depend on
-//! the speed. Where friction falls as a joint sets off (Stribeck), the slowest speeds lie above the line through the
+//! the speed. Where friction falls as a joint starts to move (Stribeck), the slowest speeds lie above the line through the
 //! faster half.
 
 use nalgebra::{DMatrix, DVector};
@@ -43,7 +43,7 @@ pub struct Friction {
     /// Coulomb friction Fc, N·m (N).
     pub coulomb: Measured,
     /// How far the slowest speed lies above the line through the faster half, N·m (N): above zero by more than its
-    /// interval, friction falls as the joint sets off. `None` with fewer than four speeds.
+    /// interval, friction falls as the joint starts to move. `None` with fewer than four speeds.
     pub stribeck: Option<Measured>,
     /// RMS of the distance of the points from the line, N·m (N).
     pub residual_rms: f64,

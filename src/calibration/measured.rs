@@ -1,6 +1,6 @@
 //! A number with its uncertainty.
 
-use crate::estimation::student_quantile_975;
+use crate::statistics::student_quantile;
 
 /// A measured number.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -17,7 +17,7 @@ impl Measured {
     /// A value whose standard deviation was estimated with some degrees of freedom.
     #[must_use]
     pub fn new(value: f64, std: f64, freedom: f64) -> Self {
-        let half = student_quantile_975(freedom) * std;
+        let half = student_quantile(0.975, freedom) * std;
         Self { value, std, ci95: [value - half, value + half] }
     }
 

@@ -58,7 +58,7 @@ pub fn check<A: Arm>(plan: &ExperimentPlan, tolerance: &ArmTolerance, make: impl
     refusal(plan, &make)
 }
 
-/// Hears everything and judges nothing.
+/// Receives everything and judges nothing.
 struct Witness {
     announced: usize,
     early: bool,
@@ -94,7 +94,7 @@ impl Sink for Witness {
     }
 }
 
-struct Heard {
+struct Received {
     layout: Layout,
     ending: Ending,
     recording: Recording,
@@ -108,7 +108,7 @@ fn witness(until: usize) -> Witness {
     Witness { announced: 0, early: false, recording: None, phases, indices, tracking: 0.0, until }
 }
 
-fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: usize) -> Result<Heard, BrokenLaw> {
+fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: usize) -> Result<Received, BrokenLaw> {
     let fault = |found: String, expected: &str| BrokenLaw { law, found, expected: expected.to_owned() };
     let layout = plan.layout().map_err(|e| fault(e.to_string(), "a plan that can be performed"))?;
     let mut witness = witness(until);
@@ -122,17 +122,17 @@ fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: u
     )?;
     let Witness { recording, phases, indices, tracking, .. } = witness;
     let recording = recording.ok_or_else(|| fault("none".to_owned(), "a recording"))?;
-    Ok(Heard { layout, ending, recording, phases, indices, tracking })
+    Ok(Received { layout, ending, recording, phases, indices, tracking })
 }
 
-fn announcement(plan: &ExperimentPlan, heard: &Heard) -> Result<(), BrokenLaw> {
+fn announcement(plan: &ExperimentPlan, received: &Received) -> Result<(), BrokenLaw> {
     let law = "a recording says what the plan says";
-    let recording = &heard.recording;
+    let recording = &received.recording;
     let n = plan.trajectory.dof();
     BrokenLaw::unless(law, recording.dof == n, recording.dof.to_string(), format!("{n} joints"))?;
     BrokenLaw::unless(law, recording.joints.len() == n, format!("{:?}", recording.joints), format!("{n} names"))?;
     BrokenLaw::unless_at_most(law, (recording.rate_hz - plan.rate_hz).abs(), 1e-9 * plan.rate_hz)?;
-    let (found, expected) = (recording.period_samples, heard.layout.period_samples);
+    let (found, expected) = (recording.period_samples, received.layout.period_samples);
     BrokenLaw::unless(law, found == expected, format!("{found} samples"), format!("{expected} in a period"))?;
     BrokenLaw::unless(
         law,
@@ -143,33 +143,33 @@ fn announcement(plan: &ExperimentPlan, heard: &Heard) -> Result<(), BrokenLaw> {
     BrokenLaw::unless(law, recording.trajectory == plan.trajectory, "another trajectory", "the plan's")
 }
 
-fn samples(plan: &ExperimentPlan, tolerance: &ArmTolerance, heard: &Heard) -> Result<(), BrokenLaw> {
+fn samples(plan: &ExperimentPlan, tolerance: &ArmTolerance, received: &Received) -> Result<(), BrokenLaw> {
     let law = "samples come one per tick in the plan's phases";
-    let recording = &heard.recording;
+    let recording = &received.recording;
     let total = recording.len();
     let lengths = (recording.q.len(), recording.effort.len());
     let expected = total * recording.dof;
     BrokenLaw::unless(law, lengths == (expected, expected), format!("{lengths:?} values"), expected.to_string())?;
     for k in 0..total {
-        BrokenLaw::unless(law, heard.indices[k] == k, format!("index {}", heard.indices[k]), k.to_string())?;
+        BrokenLaw::unless(law, received.indices[k] == k, format!("index {}", received.indices[k]), k.to_string())?;
         let tick = (recording.t[k] * plan.rate_hz - k as f64).abs();
         BrokenLaw::unless_at_most(law, tick, tolerance.jitter.max(1e-12 * k as f64))?;
-        let (found, expected) = (heard.phases[k], heard.layout.phase(k));
+        let (found, expected) = (received.phases[k], received.layout.phase(k));
         BrokenLaw::unless(law, found == expected, found.name(), expected.name())?;
     }
     let finite = recording.q.iter().chain(&recording.effort).all(|x| x.is_finite());
     BrokenLaw::unless("every value is finite", finite, "one that is not", "finite numbers")?;
-    BrokenLaw::unless_at_most("the arm follows its command", heard.tracking, tolerance.tracking)
+    BrokenLaw::unless_at_most("the arm follows its command", received.tracking, tolerance.tracking)
 }
 
 fn stopping<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), BrokenLaw> {
     let law = "when the sink says stop no sample follows";
     let until = plan.layout().map_or(1, |layout| layout.samples() / 2).max(1);
-    let heard = perform(law, &mut make(), plan, until)?;
-    let found = heard.recording.len();
+    let received = perform(law, &mut make(), plan, until)?;
+    let found = received.recording.len();
     BrokenLaw::unless(law, found == until, format!("{found} samples"), until.to_string())?;
-    let said = matches!(&heard.ending, Ending::Stopped { phase, .. } if *phase == heard.layout.phase(until - 1));
-    BrokenLaw::unless(law, said, format!("{:?}", heard.ending), "Stopped in the phase of the last sample")
+    let said = matches!(&received.ending, Ending::Stopped { phase, .. } if *phase == received.layout.phase(until - 1));
+    BrokenLaw::unless(law, said, format!("{:?}", received.ending), "Stopped in the phase of the last sample")
 }
 
 fn refusal<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), BrokenLaw> {

@@ -2,6 +2,7 @@
 
 pub mod arm_laws;
 pub mod chains;
+pub mod estimator_laws;
 pub mod plant_laws;
 mod broken_law;
 

@@ -1,6 +1,6 @@
-//! What every plant obeys, whatever engine is behind it.
+//! What every plant obeys, with any engine.
 //!
-//! - a reset state is the state; equal torques from equal states give equal bits, whatever happened before;
+//! - a reset state is the state; equal torques from equal states give equal bits after any history;
 //! - at rest under the torque that Newton–Euler asks for, an arm stays at rest;
 //! - velocity grows at the rate that the core's forward dynamics give, position at the rate of the velocity;
 //! - one step and two of half its length arrive at the same state, as far as the engine's order allows;
@@ -134,7 +134,7 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
     }
 
     fn determinism(&self) -> Result<(), BrokenLaw> {
-        let law = "equal states and torques give equal bits, whatever happened before";
+        let law = "equal states and torques give equal bits after any history";
         let mut plant = self.plant();
         for run in 0..3 {
             let (q, qd, tau) = draw(self.robot, self.parameters, run);
@@ -305,7 +305,7 @@ mod tests {
         let lax = PlantTolerance { reset: 1e-9, ..exact };
         for (flaw, tolerance, law) in [
             (Flaw::ForgetsVelocity, exact, "a reset state is the state"),
-            (Flaw::Remembers, lax, "equal states and torques give equal bits, whatever happened before"),
+            (Flaw::Remembers, lax, "equal states and torques give equal bits after any history"),
             (Flaw::Heavy, exact, "velocity grows as forward dynamics say, position as the velocity says"),
             (Flaw::Drifts, exact, "under the torque that holds it an arm stays at rest"),
         ] {

@@ -47,11 +47,12 @@ pub struct Comparison {
 /// Compares two estimates of one robot.
 ///
 /// # Errors
-/// [`EstimationError::Mismatch`] where they are of two robots or share no parameter.
+/// [`EstimationError::OtherRobot`] where they are of two robots, [`EstimationError::NothingShared`] where they share no
+/// parameter.
 pub fn compare(first: &Estimate, second: &Estimate) -> Result<Comparison, EstimationError> {
     if first.robot != second.robot {
-        let (found, expected) = (second.robot.clone(), first.robot.clone());
-        return Err(EstimationError::Mismatch { quantity: "robot of the second estimate", found, expected });
+        let (first, second) = (first.robot.clone(), second.robot.clone());
+        return Err(EstimationError::OtherRobot { first, second });
     }
     let mut parameters = Vec::new();
     for a in &first.base {
@@ -66,8 +67,7 @@ pub fn compare(first: &Estimate, second: &Estimate) -> Result<Comparison, Estima
         });
     }
     if parameters.is_empty() {
-        let (found, expected) = ("none in both".to_owned(), "the same base parameters".to_owned());
-        return Err(EstimationError::Mismatch { quantity: "parameters", found, expected });
+        return Err(EstimationError::NothingShared);
     }
     let count = parameters.len() as f64;
     let beyond = parameters.iter().filter(|p| p.difference_std.abs() > 1.96).count() as f64 / count;

@@ -27,20 +27,19 @@ pub struct Completion {
 /// Completes base parameters β̂ (b) with a nominal set.
 ///
 /// # Errors
-/// [`EstimationError::Mismatch`] where β̂ has not one value per base parameter or the nominal set is of another arm.
+/// [`EstimationError::Count`] where β̂ has not one value per base parameter or the nominal set is of another arm.
 pub fn complete(
     base: &BaseReduction,
     beta: &DVector<f64>,
     nominal: &StandardParameters,
 ) -> Result<Completion, EstimationError> {
     if beta.len() != base.rank() {
-        let (found, expected) = (beta.len().to_string(), base.rank().to_string());
-        return Err(EstimationError::Mismatch { quantity: "base parameters", found, expected });
+        return Err(EstimationError::Count { quantity: "base parameters", found: beta.len(), expected: base.rank() });
     }
     let links = base.parameters.iter().map(|id| id.index + 1).max().unwrap_or(0);
     if nominal.links.len() != links || nominal.drives.len() != links {
-        let (found, expected) = (nominal.links.len().to_string(), links.to_string());
-        return Err(EstimationError::Mismatch { quantity: "links of the nominal set", found, expected });
+        let found = nominal.links.len();
+        return Err(EstimationError::Count { quantity: "links of the nominal set", found, expected: links });
     }
     let p = base.parameters.len();
     let phi = DVector::from_iterator(p, base.parameters.iter().map(|&id| nominal.get(id)));

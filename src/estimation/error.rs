@@ -1,5 +1,7 @@
 //! What can keep an estimator from an answer.
 
+use std::fmt;
+
 use crate::linalg::LeastSquaresError;
 
 /// Why there is no estimate.
@@ -13,7 +15,7 @@ pub enum EstimationError {
         /// Base parameters.
         parameters: usize,
     },
-    /// The trajectory does not tell a base parameter from those before it.
+    /// The trajectory does not separate a base parameter from those before it.
     #[error(
         "base parameter {parameter} is not excited: {independent:.1e} of its column is independent of those before \
          it, expected more than {least:.1e}; use another trajectory, or reduce for this one"
@@ -26,25 +28,82 @@ pub enum EstimationError {
         /// The least fraction that counts.
         least: f64,
     },
-    /// Two inputs do not belong together.
+    /// Two inputs that belong together differ in size.
     #[error("{quantity}: {found}, expected {expected}")]
-    Mismatch {
-        /// What does not fit.
+    Count {
+        /// What is counted.
         quantity: &'static str,
         /// What was found.
-        found: String,
+        found: usize,
         /// What was expected.
-        expected: String,
+        expected: usize,
     },
+    /// The reduction is not one of the regressor's parameters.
+    #[error("the {found} parameters of the reduction are not the regressor's {expected}")]
+    OtherParameters {
+        /// Parameters of the reduction.
+        found: usize,
+        /// Parameters of the regressor.
+        expected: usize,
+    },
+    /// The regressor lacks a parameter of the estimate.
+    #[error("parameter of the estimate: {parameter}, expected one of the regressor's")]
+    UnknownParameter {
+        /// Its name.
+        parameter: String,
+    },
+    /// The estimate is of another base.
+    #[error("base parameters: {}, expected {}", found.join(" "), expected.join(" "))]
+    OtherBase {
+        /// Names of the estimate.
+        found: Vec<String>,
+        /// Names of the base.
+        expected: Vec<String>,
+    },
+    /// Two estimates are of two robots.
+    #[error("robot of the second estimate: {second}, expected {first}")]
+    OtherRobot {
+        /// Robot of the first.
+        first: String,
+        /// Robot of the second.
+        second: String,
+    },
+    /// Two estimates share no base parameter.
+    #[error("parameters: none in both estimates, expected the same base parameters")]
+    NothingShared,
+    /// The covariance of an estimate is none.
+    #[error("covariance: one that is not positive definite, expected a positive definite one")]
+    NotDefinite,
     /// The estimator needs something that the problem does not hold.
-    #[error("estimator \"{estimator}\" needs {missing}, and the problem holds none")]
+    #[error("estimator \"{estimator}\" needs {part}, and the problem holds none")]
     Missing {
         /// Name of the estimator.
         estimator: &'static str,
         /// What it needs.
-        missing: &'static str,
+        part: ProblemPart,
     },
     /// The equations themselves are at fault.
     #[error("least squares: {0}")]
     LeastSquares(#[from] LeastSquaresError),
+}
+
+/// What a problem may hold beside its equations.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum ProblemPart {
+    /// The robot.
+    Robot,
+    /// The samples that the equations were made from.
+    Samples,
+    /// A nominal set of parameters.
+    Nominal,
+}
+
+impl fmt::Display for ProblemPart {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(match self {
+            Self::Robot => "the robot",
+            Self::Samples => "the samples",
+            Self::Nominal => "a nominal set of parameters",
+        })
+    }
 }

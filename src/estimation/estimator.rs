@@ -1,9 +1,14 @@
 //! The list of estimators.
 
-use super::{Estimate, EstimationError, EstimationProblem, OrdinaryLeastSquares, WeightedLeastSquares};
+use std::fmt;
+
+use super::{Estimate, EstimationError, EstimationProblem, LawException, OrdinaryLeastSquares, WeightedLeastSquares};
 
 /// A rule that turns measurements into parameters.
-pub trait Estimator: Send + Sync {
+///
+/// It obeys every [`EstimatorLaw`](super::EstimatorLaw) but those that it names in [`Estimator::exceptions`];
+/// [`crate::conformance::estimator_laws`] shows it.
+pub trait Estimator: fmt::Debug + Send + Sync {
     /// Its name on the command line and in files.
     fn name(&self) -> &'static str;
 
@@ -15,6 +20,11 @@ pub trait Estimator: Send + Sync {
     /// # Errors
     /// [`EstimationError`] where the equations have no answer or something that it needs is missing.
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError>;
+
+    /// The laws that it does not obey, each with the reason.
+    fn exceptions(&self) -> &[LawException] {
+        &[]
+    }
 }
 
 /// Makes the enum, and everything that enumerates it, from one list.
@@ -65,5 +75,24 @@ impl EstimatorKind {
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
+    }
+}
+
+/// A listed estimator is the one that it names.
+impl Estimator for EstimatorKind {
+    fn name(&self) -> &'static str {
+        self.estimator().name()
+    }
+
+    fn summary(&self) -> &'static str {
+        self.estimator().summary()
+    }
+
+    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+        self.estimator().estimate(problem)
+    }
+
+    fn exceptions(&self) -> &[LawException] {
+        self.estimator().exceptions()
     }
 }

@@ -58,7 +58,7 @@ pub enum Finding {
     },
     /// Nothing was repeated: the noise was taken from the residual, and model errors with it.
     NoiseFromResidual,
-    /// The completed standard parameters of a link are those of no real body.
+    /// The completed standard parameters of a link are physically inconsistent.
     InconsistentLink {
         /// Link, from one.
         link: usize,
@@ -80,7 +80,7 @@ impl Finding {
     pub const fn advice(&self) -> &'static str {
         match self {
             Self::PoorlyDetermined { .. } => {
-                "record more periods or excite this parameter more; do not read it by itself"
+                "record more periods or excite this parameter more; do not interpret it alone"
             }
             Self::LargeCondition { .. } => "design a trajectory that excites the parameters more evenly",
             Self::ResidualAboveNoise { .. } => {
@@ -89,7 +89,7 @@ impl Finding {
             }
             Self::ResidualCorrelated { .. } => "look at the residual over time and over velocity for what is missing",
             Self::FewPeriods { .. } => "record at least 4 periods",
-            Self::NoiseFromResidual => "record a periodic motion at least 4 times to tell noise from model errors",
+            Self::NoiseFromResidual => "record a periodic motion at least 4 times to separate noise from model errors",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
                 "use an estimator that enforces physical consistency before simulating with this model"
             }
@@ -115,10 +115,13 @@ impl fmt::Display for Finding {
                 f,
                 "joint {joint}: neighbouring residuals correlate by {correlation:.2}, the noise by {expected:.2}"
             ),
-            Self::FewPeriods { periods } => write!(f, "{periods} periods tell little about the noise"),
+            Self::FewPeriods { periods } => write!(f, "{periods} periods are too few to estimate the noise"),
             Self::NoiseFromResidual => write!(f, "no repeated periods: the noise is taken from the residual"),
             Self::InconsistentLink { link, eigenvalue } => {
-                write!(f, "link {link} is no real body: its pseudo-inertia has the eigenvalue {eigenvalue:.3e}")
+                write!(
+                    f,
+                    "link {link} is physically inconsistent: its pseudo-inertia has the eigenvalue {eigenvalue:.3e}"
+                )
             }
             Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
         }

@@ -12,42 +12,58 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
-use super::residual::{joint_rms, neighbour_correlation, residual_noise};
+use super::residual::{joint_rms, neighbour_correlation};
 use super::{
     BaseEstimate, Estimate, EstimationError, EstimationProblem, Finding, IntervalBasis, Observation, StandardEstimate,
-    Termination, complete, student_quantile_975,
+    Termination, complete, residual_noise,
 };
 use crate::linalg::{LeastSquares, LeastSquaresError, product, transpose_product};
 use crate::signal::NoiseModel;
+use crate::statistics::student_quantile;
 
-/// A condition number with unit columns above this is worth telling: a relative error of a hundredth in the data can
+/// A condition number with unit columns above this is reported: a relative error of a hundredth in the data can
 /// then become one of the size of the parameters.
 const LARGE_CONDITION: f64 = 100.0;
-/// Residuals above this multiple of what noise explains are worth telling. Below two, the residual of a quiet joint in
+/// Residuals above this multiple of what noise explains are reported. Below two, the residual of a quiet joint in
 /// an ordinary fit gets there by chance: few directions of the others' noise leak into it.
 const LARGE_RESIDUAL: f64 = 2.0;
-/// Correlation of neighbouring residuals beyond that of the noise that is worth telling.
+/// Correlation of neighbouring residuals beyond that of the noise that is reported.
 const LARGE_CORRELATION: f64 = 0.3;
 /// Smallest variance of a parameter, and of a combination of parameters, as a part of that under white noise, that lag
 /// covariances may lead to.
 const LEAST_VARIANCE: f64 = 0.2;
-/// Fewer periods than this are worth telling.
+/// Fewer periods than this are reported.
 const FEW_PERIODS: usize = 4;
 
-/// A solved problem on its way to an estimate.
-pub(super) struct Inference<'a> {
-    pub(super) estimator: &'static str,
-    pub(super) problem: &'a EstimationProblem<'a>,
-    pub(super) fit: &'a LeastSquares,
-    /// P W, (n·M) × b.
-    pub(super) weighted: &'a DMatrix<f64>,
-    pub(super) noise: &'a NoiseModel,
-    pub(super) basis: IntervalBasis,
-    pub(super) termination: Termination,
+/// From a solution to an [`Estimate`]: covariance, intervals, completed standard parameters, findings. An estimator fills the
+/// fields and calls [`Inference::estimate`].
+///
+/// A solution that is no least-squares fit comes in by [`LeastSquares::from_factors`], with B in place of P W.
+#[derive(Clone, Copy, Debug)]
+pub struct Inference<'a> {
+    /// Name of the estimator.
+    pub estimator: &'static str,
+    /// What it was given.
+    pub problem: &'a EstimationProblem<'a>,
+    /// β̂ and A⁻¹, with the condition of the equations.
+    pub fit: &'a LeastSquares,
+    /// P W, or B, (n·M) × b; zero in rows that are no equation.
+    pub weighted: &'a DMatrix<f64>,
+    /// Noise of the equations: of [`scatter_noise`](super::scatter_noise) where there is one, else of
+    /// [`residual_noise`](super::residual_noise).
+    pub noise: &'a NoiseModel,
+    /// Which of the two it is.
+    pub basis: IntervalBasis,
+    /// How the estimator ended.
+    pub termination: Termination,
 }
 
 impl Inference<'_> {
-    pub(super) fn estimate(self) -> Result<Estimate, EstimationError> {
+    /// The estimate.
+    ///
+    /// # Errors
+    /// [`EstimationError`] where the nominal set of the problem is of another arm.
+    pub fn estimate(self) -> Result<Estimate, EstimationError> {
         let observation = self.problem.observation;
         let beta = self.fit.solution();
         let residual = observation.residual(beta);
@@ -61,7 +77,7 @@ impl Inference<'_> {
             let seen = residual_noise(observation, &residual);
             (self.covariance(&seen).1, seen.degrees_of_freedom(), IntervalBasis::Residual)
         };
-        let t = student_quantile_975(freedom);
+        let t = student_quantile(0.975, freedom);
         let base: Vec<BaseEstimate> = observation
             .base
             .names()
@@ -181,7 +197,7 @@ impl Inference<'_> {
 }
 
 /// A covariance whose variance in no direction is below [`LEAST_VARIANCE`] of that under white noise, so that it is
-/// positive definite whatever lags were measured: with `least = L Lᵀ`, the eigenvalues of `L⁻¹ C L⁻ᵀ` are raised.
+/// positive definite for any measured lags: with `least = L Lᵀ`, the eigenvalues of `L⁻¹ C L⁻ᵀ` are raised.
 fn raised(covariance: DMatrix<f64>, least: &DMatrix<f64>) -> DMatrix<f64> {
     let Some(factor) = Cholesky::new(least.clone()).map(|cholesky| cholesky.l()) else {
         return covariance;
@@ -218,7 +234,7 @@ impl ExpectedResidual {
         let observation = inference.problem.observation;
         let (n, w) = (observation.dof, &observation.regressor);
         // Rows in turn, so work on transposes: column k of each is what belongs to equation k.
-        let gain = product(&inference.fit.inverse_information(), &w.transpose());
+        let gain = product(&inference.fit.inverse_information().transpose(), &w.transpose());
         let fitted = product(covariance, &w.transpose());
         let (w, spread) = (w.transpose(), spread.transpose());
         let noise = inference.noise;
@@ -244,12 +260,13 @@ impl ExpectedResidual {
     }
 }
 
-/// Solves the equations and names a column that the trajectory does not excite.
-pub(super) fn solve(
-    observation: &Observation,
-    w: &DMatrix<f64>,
-    y: &DVector<f64>,
-) -> Result<LeastSquares, EstimationError> {
+/// Solves `min ‖y − W β‖` for weighted equations of an observation, (n·M) × b, and names a column that the trajectory does
+/// not excite.
+///
+/// # Errors
+/// [`EstimationError::NotExcited`] with the parameter's name; [`EstimationError::LeastSquares`] for what else can be wrong with
+/// the equations.
+pub fn solve(observation: &Observation, w: &DMatrix<f64>, y: &DVector<f64>) -> Result<LeastSquares, EstimationError> {
     LeastSquares::solve(w, y).map_err(|error| match error {
         LeastSquaresError::Dependent { column, independent, least } => {
             let parameter = observation.base.names()[column].clone();

@@ -5,12 +5,12 @@
 //! ```
 //! [`Observation`] holds the equations, [`EstimationProblem`] adds what else an estimator may look at, and an
 //! [`Estimator`] turns it into an [`Estimate`]: base parameters with covariance, intervals, residuals, and the
-//! [`Finding`]s a reader must know. Each estimator is one file and one line in [`EstimatorKind`].
+//! [`Finding`]s a reader must know. Each estimator is one file and one line in [`EstimatorKind`]; one from outside implements
+//! [`Estimator`] with [`solve`], [`scatter_noise`] and [`Inference`], and passes [`crate::conformance::estimator_laws`].
 //!
 //! The equations' error bars come from the noise that scattered over periods, with its correlation in time; where no
 //! period was repeated, from the residual. No estimator sees the truth: the types that hold it come after this module.
 
-mod inference;
 mod comparison;
 mod completion;
 mod consistent_set;
@@ -18,8 +18,8 @@ mod error;
 mod estimate;
 mod estimator;
 mod finding;
-mod interval;
-mod noise_basis;
+mod inference;
+mod law;
 mod observation;
 mod ordinary;
 mod prediction;
@@ -33,14 +33,16 @@ mod tests;
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
 pub use consistent_set::{ConsistentSet, consistent_set};
-pub use error::EstimationError;
+pub use error::{EstimationError, ProblemPart};
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::{Estimator, EstimatorKind};
 pub use finding::Finding;
-pub use interval::student_quantile_975;
+pub use inference::{Inference, solve};
+pub use law::{EstimatorLaw, LawException};
 pub use observation::Observation;
 pub use ordinary::OrdinaryLeastSquares;
 pub use prediction::{Validation, predict, validate};
 pub use problem::EstimationProblem;
+pub use residual::{residual_noise, scatter_noise};
 pub use termination::Termination;
 pub use weighted::WeightedLeastSquares;

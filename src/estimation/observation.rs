@@ -46,8 +46,8 @@ impl Observation {
     /// Evaluates the regressor at the samples' states and keeps the base columns.
     ///
     /// # Errors
-    /// [`EstimationError::Mismatch`] where robot, regressor, reduction and samples do not belong together;
-    /// [`EstimationError::TooFewEquations`]: where there are fewer equations than parameters.
+    /// [`EstimationError::Count`] or [`EstimationError::OtherParameters`] where robot, regressor, reduction and samples do
+    /// not belong together; [`EstimationError::TooFewEquations`] where there are fewer equations than parameters.
     pub fn new(
         robot: &Robot,
         regressor: &JointTorqueRegressor,
@@ -55,23 +55,24 @@ impl Observation {
         samples: &Samples,
     ) -> Result<Self, EstimationError> {
         let (n, b) = (robot.dof(), base.rank());
-        let mismatch =
-            |quantity, found: String, expected: String| Err(EstimationError::Mismatch { quantity, found, expected });
-        if regressor.rows() != n || samples.dof() != n {
-            let found = format!("{} in the regressor, {} in the samples", regressor.rows(), samples.dof());
-            return mismatch("joints", found, format!("the robot's {n}"));
+        for (quantity, found) in
+            [("joints of the regressor", regressor.rows()), ("joints of the samples", samples.dof())]
+        {
+            if found != n {
+                return Err(EstimationError::Count { quantity, found, expected: n });
+            }
         }
         if base.parameters != regressor.parameters() {
-            let found = format!("{} of the reduction", base.parameters.len());
-            return mismatch("parameters", found, format!("the regressor's {}", regressor.cols()));
+            let (found, expected) = (base.parameters.len(), regressor.cols());
+            return Err(EstimationError::OtherParameters { found, expected });
         }
         let equations = samples.used.iter().filter(|used| **used).count();
         if equations < b {
             return Err(EstimationError::TooFewEquations { equations, parameters: b });
         }
         if samples.used.len() != samples.blocks() * n {
-            let (found, expected) = (samples.used.len().to_string(), (samples.blocks() * n).to_string());
-            return mismatch("marks of used equations", found, expected);
+            let (found, expected) = (samples.used.len(), samples.blocks() * n);
+            return Err(EstimationError::Count { quantity: "marks of used equations", found, expected });
         }
         let mut w = block_regressor(regressor, base, samples);
         let mut y = DVector::from_vec(samples.block_means(&samples.tau, n));

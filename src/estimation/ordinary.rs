@@ -3,12 +3,13 @@
 //! ```text
 //! β̂ = (WᵀW)⁻¹ Wᵀ y        cov β̂ = (WᵀW)⁻¹ Wᵀ C W (WᵀW)⁻¹
 //! ```
-//! Every joint's residual counts the same in N·m, whatever its noise. Unbiased where the states are exact; its
+//! Every joint's residual counts the same in N·m, at any noise. Unbiased where the states are exact; its
 //! covariance is that of the measured noise, not of an assumed equal one.
 
-use super::inference::{Inference, solve};
-use super::noise_basis::{noise_of_fit, scatter_noise};
-use super::{Estimate, EstimationError, EstimationProblem, Estimator, IntervalBasis, Termination};
+use super::{
+    Estimate, EstimationError, EstimationProblem, Estimator, Inference, IntervalBasis, Termination, residual_noise,
+    scatter_noise, solve,
+};
 
 /// Ordinary least squares on the base columns.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,7 +29,7 @@ impl Estimator for OrdinaryLeastSquares {
         let fit = solve(observation, &observation.regressor, &observation.y)?;
         let (noise, basis) = match scatter_noise(observation) {
             Some(noise) => (noise, IntervalBasis::Scatter),
-            None => (noise_of_fit(observation, fit.solution()), IntervalBasis::Residual),
+            None => (residual_noise(observation, &observation.residual(fit.solution())), IntervalBasis::Residual),
         };
         Inference {
             estimator: self.name(),

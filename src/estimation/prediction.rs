@@ -11,8 +11,8 @@ use crate::signal::Samples;
 /// Columns are found by the names of the base parameters, so the reduction itself is not needed.
 ///
 /// # Errors
-/// [`EstimationError::Mismatch`] where the regressor lacks a parameter of the estimate or the states are of another
-/// arm.
+/// [`EstimationError::UnknownParameter`] where the regressor lacks a parameter of the estimate; [`EstimationError::Count`]
+/// where the states are of another arm.
 pub fn predict(
     estimate: &Estimate,
     regressor: &JointTorqueRegressor,
@@ -20,18 +20,15 @@ pub fn predict(
 ) -> Result<Vec<f64>, EstimationError> {
     let (n, p) = (regressor.rows(), regressor.cols());
     if states.dof != n {
-        let (found, expected) = (states.dof.to_string(), format!("the regressor's {n}"));
-        return Err(EstimationError::Mismatch { quantity: "joints of the states", found, expected });
+        return Err(EstimationError::Count { quantity: "joints of the states", found: states.dof, expected: n });
     }
     let names: Vec<String> = regressor.parameters().iter().map(ToString::to_string).collect();
     let mut columns = Vec::with_capacity(estimate.base.len());
     for parameter in &estimate.base {
-        let column =
-            names.iter().position(|name| *name == parameter.name).ok_or_else(|| EstimationError::Mismatch {
-                quantity: "parameter of the estimate",
-                found: parameter.name.clone(),
-                expected: "one of the regressor's".to_owned(),
-            })?;
+        let column = names
+            .iter()
+            .position(|name| *name == parameter.name)
+            .ok_or_else(|| EstimationError::UnknownParameter { parameter: parameter.name.clone() })?;
         columns.push((column, parameter.value));
     }
     let mut rows = vec![0.0; n * p];

@@ -1,10 +1,15 @@
 //! Everything an estimator may look at.
 
-use super::Observation;
+use super::{EstimationError, Observation, ProblemPart};
 use crate::model::{Robot, StandardParameters};
 use crate::signal::Samples;
 
-/// The equations, and what else is known; estimators that iterate, simulate or regularise need more than the equations.
+/// The equations, and what else is known.
+///
+/// Linear estimators need the equations alone. One that simulates the arm (direct and inverse identification, say) or makes
+/// instruments from simulated states needs the robot; one that corrects the states, or differentiates them again, needs the
+/// samples; one that regularises needs the nominal set. [`EstimationProblem::robot_for`] and its like give what is there, or
+/// the error that names what is missing.
 ///
 /// ```
 /// # use armid::estimation::{EstimationProblem, Observation};
@@ -44,6 +49,30 @@ impl<'a> EstimationProblem<'a> {
     pub const fn with_samples(mut self, samples: &'a Samples) -> Self {
         self.samples = Some(samples);
         self
+    }
+
+    /// The robot, for an estimator that cannot do without.
+    ///
+    /// # Errors
+    /// [`EstimationError::Missing`] where the problem holds none.
+    pub fn robot_for(&self, estimator: &'static str) -> Result<&'a Robot, EstimationError> {
+        self.robot.ok_or(EstimationError::Missing { estimator, part: ProblemPart::Robot })
+    }
+
+    /// The samples, for an estimator that cannot do without.
+    ///
+    /// # Errors
+    /// [`EstimationError::Missing`] where the problem holds none.
+    pub fn samples_for(&self, estimator: &'static str) -> Result<&'a Samples, EstimationError> {
+        self.samples.ok_or(EstimationError::Missing { estimator, part: ProblemPart::Samples })
+    }
+
+    /// The nominal set, for an estimator that cannot do without.
+    ///
+    /// # Errors
+    /// [`EstimationError::Missing`] where the problem holds none.
+    pub fn nominal_for(&self, estimator: &'static str) -> Result<&'a StandardParameters, EstimationError> {
+        self.nominal.ok_or(EstimationError::Missing { estimator, part: ProblemPart::Nominal })
     }
 
     /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].

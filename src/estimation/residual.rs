@@ -1,9 +1,16 @@
-//! Noise seen in the residual of a fit, where nothing was repeated.
+//! The noise behind an estimate's error bars: of the scatter over periods, or of the residual of a fit.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::Observation;
+use crate::linalg::BlockWhitening;
 use crate::signal::NoiseModel;
+
+/// The noise that scattered over periods; `None` where nothing was repeated or some joint did not scatter at all.
+#[must_use]
+pub fn scatter_noise(observation: &Observation) -> Option<NoiseModel> {
+    observation.noise.clone().filter(|noise| BlockWhitening::new(noise.covariance()).is_ok())
+}
 
 /// Lag covariances of the residual `r` (n·M), corrected for the b parameters that were fitted:
 ///
@@ -12,7 +19,8 @@ use crate::signal::NoiseModel;
 /// ```
 /// over all k that have a partner; in a period the last instant is followed by the first. With this divisor R(0) is
 /// never indefinite.
-pub(super) fn residual_noise(observation: &Observation, r: &DVector<f64>) -> NoiseModel {
+#[must_use]
+pub fn residual_noise(observation: &Observation, r: &DVector<f64>) -> NoiseModel {
     let (dof, wraps, count) = (observation.dof, observation.periodic, observation.samples());
     let used = |k: usize, i: usize| observation.used[k * dof + i];
     let left = (1.0 - observation.base.rank() as f64 / observation.equations().max(1) as f64).max(f64::EPSILON);

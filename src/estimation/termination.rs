@@ -1,6 +1,8 @@
-//! How an estimator ended.
+//! How an iteration ended.
 
-/// How an estimator came to its result; the last iterate is the estimate in every case.
+use std::fmt;
+
+/// How an iteration came to its result; the last iterate is the result in every case.
 ///
 /// ```
 /// use armid::estimation::Termination;
@@ -26,12 +28,42 @@ pub enum Termination {
         /// Length of the last step, relative to the iterate.
         last_step: f64,
     },
+    /// No step lowered the objective any more, short of the minimum.
+    Stalled {
+        /// Iterations.
+        iterations: usize,
+        /// Length of the last step, relative to the iterate.
+        last_step: f64,
+    },
+    /// The equations of a step had no solution.
+    Singular {
+        /// Iterations before.
+        iterations: usize,
+    },
 }
 
 impl Termination {
-    /// Whether the result is what the estimator was after.
+    /// Whether the result is what was sought.
     #[must_use]
     pub const fn was_successful(self) -> bool {
-        !matches!(self, Self::IterationLimit { .. })
+        matches!(self, Self::Direct | Self::Converged { .. })
+    }
+}
+
+impl fmt::Display for Termination {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::Direct => write!(f, "solved in closed form"),
+            Self::Converged { iterations, .. } => write!(f, "converged after {iterations} iterations"),
+            Self::IterationLimit { iterations, last_step } => {
+                write!(f, "stopped after {iterations} iterations, the last step {last_step:.1e} of the iterate")
+            }
+            Self::Stalled { iterations, last_step } => {
+                write!(f, "stalled after {iterations} iterations, the last step {last_step:.1e} of the iterate")
+            }
+            Self::Singular { iterations } => {
+                write!(f, "stopped after {iterations} iterations: the equations of the next step have no solution")
+            }
+        }
     }
 }

@@ -10,9 +10,10 @@
 
 use nalgebra::DMatrix;
 
-use super::inference::{Inference, solve};
-use super::noise_basis::{noise_of_fit, scatter_noise};
-use super::{Estimate, EstimationError, EstimationProblem, Estimator, IntervalBasis, Termination};
+use super::{
+    Estimate, EstimationError, EstimationProblem, Estimator, Inference, IntervalBasis, Termination, residual_noise,
+    scatter_noise, solve,
+};
 use crate::linalg::BlockWhitening;
 
 /// Least squares weighted with the inverse noise covariance of each sample.
@@ -34,7 +35,7 @@ impl Estimator for WeightedLeastSquares {
             Some(noise) => (noise, IntervalBasis::Scatter),
             None => {
                 let start = solve(observation, &observation.regressor, &observation.y)?;
-                (noise_of_fit(observation, start.solution()), IntervalBasis::Residual)
+                (residual_noise(observation, &observation.residual(start.solution())), IntervalBasis::Residual)
             }
         };
         let mut whitening = BlockWhitening::new(seen.covariance())?;
@@ -45,7 +46,7 @@ impl Estimator for WeightedLeastSquares {
         let weighted = whitening.whiten_transposed(&w, &observation.used)?;
         let noise = match basis {
             IntervalBasis::Scatter => seen,
-            IntervalBasis::Residual => noise_of_fit(observation, fit.solution()),
+            IntervalBasis::Residual => residual_noise(observation, &observation.residual(fit.solution())),
         };
         Inference {
             estimator: self.name(),

@@ -13,6 +13,7 @@ use super::basis::{MotionBasis, Quantity};
 use super::limits::permitted;
 use super::optimiser::{LinearLimits, Row, RowSource};
 use super::sampled::ShapeTable;
+use crate::linalg::dot;
 use crate::model::Robot;
 
 /// The limits of a robot as a source of rows around the current variables.
@@ -107,10 +108,6 @@ impl LimitRows {
         }
         phase
     }
-}
-
-fn dot(row: &[f64], x: &[f64]) -> f64 {
-    row.iter().zip(x).map(|(a, x)| a * x).sum()
 }
 
 impl RowSource for LimitRows {

@@ -12,6 +12,7 @@ use super::extremum::climb;
 use super::limits::WorstUse;
 use super::optimiser::{LinearLimits, Row, RowSource};
 use super::{Margins, PeriodicTrajectory};
+use crate::linalg::dot;
 use crate::model::{Limits, Robot};
 
 /// Grid points of a period for each variable of the joint with the most, and of the ramps as densely.
@@ -107,10 +108,6 @@ impl LinearLimits for PathRows {
     fn recenter(&mut self, x: &[f64]) {
         self.center.copy_from_slice(x);
     }
-}
-
-fn dot(row: &[f64], x: &[f64]) -> f64 {
-    row.iter().zip(x).map(|(a, x)| a * x).sum()
 }
 
 impl RowSource for PathRows {

@@ -119,7 +119,7 @@ mod tests {
     fn identity_row_scaling_with_the_matching_weight_changes_nothing() {
         let (w, y) = (random(40, 5, 3), random(40, 1, 4));
         let plain = LeastSquares::solve(&w, &y.column(0).into_owned()).unwrap();
-        // Rows of joint 0 times 10 and of joint 1 times 0.1, told so by Σ.
+        // Rows of joint 0 times 10 and of joint 1 times 0.1, with Σ to match.
         let mut whitening = BlockWhitening::new(&nalgebra::dmatrix![100.0, 0.0; 0.0, 0.01]).unwrap();
         let mut scale = |m: &DMatrix<f64>| {
             let mut m = m.clone();

@@ -11,6 +11,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::dot::dot_of_columns;
 use super::{RankTolerance, condition, product, solve_upper};
 
 /// Why a least-squares problem has no answer.
@@ -82,8 +83,10 @@ pub enum LeastSquaresError {
 #[derive(Clone, Debug, PartialEq)]
 pub struct LeastSquares {
     solution: DVector<f64>,
-    /// R⁻¹ of the scaled problem, with the scales divided out of its rows: D⁻¹ R⁻¹.
-    root: DMatrix<f64>,
+    /// L and R of `A⁻¹ = L Rᵀ`; by [`LeastSquares::solve`] both are R⁻¹ of the scaled problem, with the scales divided out
+    /// of its rows: D⁻¹ R⁻¹.
+    left: DMatrix<f64>,
+    right: DMatrix<f64>,
     condition: f64,
     condition_scaled: f64,
 }
@@ -127,7 +130,43 @@ impl LeastSquares {
             root.row_mut(j).unscale_mut(scale);
         }
         let raw = DMatrix::from_fn(columns, columns, |i, j| r[(i, j)] * scales[j]);
-        Ok(Self { solution, root, condition: condition(&raw), condition_scaled: condition(&r) })
+        Ok(Self {
+            solution,
+            right: root.clone(),
+            left: root,
+            condition: condition(&raw),
+            condition_scaled: condition(&r),
+        })
+    }
+
+    /// A solution that was found another way: by an iteration, by total least squares, with instruments.
+    ///
+    /// ```text
+    /// β̂ − β = A⁻¹ Bᵀ ε        A⁻¹ = L Rᵀ        to first order in the noise ε of y
+    /// ```
+    /// Least squares has `A = WᵀW, B = W`; weighted least squares `A = WᵀPW, B = PW`; instruments Z have `A = ZᵀW, B = Z`. L
+    /// and R (b × b) are any factors of A⁻¹: the inverse itself and the identity, say. The condition numbers are those of the
+    /// matrix that was solved with, as it stands and with columns of unit length.
+    ///
+    /// # Errors
+    /// [`LeastSquaresError::Shape`] where a factor is not b × b, [`LeastSquaresError::NotFinite`] where a number of the solution
+    /// is not finite.
+    pub fn from_factors(
+        solution: DVector<f64>,
+        [left, right]: [DMatrix<f64>; 2],
+        condition: f64,
+        condition_scaled: f64,
+    ) -> Result<Self, LeastSquaresError> {
+        let b = solution.len();
+        for factor in [&left, &right] {
+            if factor.shape() != (b, b) {
+                return Err(LeastSquaresError::Shape { found: factor.len(), expected: b * b });
+            }
+        }
+        if let Some(row) = solution.iter().position(|value| !value.is_finite()) {
+            return Err(LeastSquaresError::NotFinite { row, value: solution[row] });
+        }
+        Ok(Self { solution, left, right, condition, condition_scaled })
     }
 
     /// β̂, length b.
@@ -148,18 +187,17 @@ impl LeastSquares {
         self.condition_scaled
     }
 
-    /// `(WᵀW)⁻¹`, b × b: the covariance of β̂ where y has unit covariance.
+    /// `(WᵀW)⁻¹`, or A⁻¹, b × b: the covariance of β̂ by [`LeastSquares::solve`] where y has unit covariance.
     #[must_use]
     pub fn inverse_information(&self) -> DMatrix<f64> {
-        product(&self.root, &self.root.transpose())
+        product(&self.left, &self.right.transpose())
     }
 
-    /// `(WᵀW)⁻¹ V (WᵀW)⁻¹` for a symmetric V (b × b): the covariance of β̂ where `V = Wᵀ (cov y) W`.
+    /// `A⁻¹ V A⁻ᵀ` for a symmetric V (b × b): the covariance of β̂ where `V = Bᵀ (cov y) B`.
     #[must_use]
     pub fn sandwich(&self, v: &DMatrix<f64>) -> DMatrix<f64> {
-        let root_t = self.root.transpose();
-        let middle = product(&product(&root_t, v), &self.root);
-        product(&product(&self.root, &middle), &root_t)
+        let middle = product(&product(&self.right.transpose(), v), &self.right);
+        product(&product(&self.left, &middle), &self.left.transpose())
     }
 }
 
@@ -185,24 +223,8 @@ pub fn transpose_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     assert_eq!(a.nrows(), b.nrows(), "as many rows in both");
     let rows = a.nrows();
     DMatrix::from_fn(a.ncols(), b.ncols(), |i, j| {
-        dot(&a.as_slice()[i * rows..(i + 1) * rows], &b.as_slice()[j * rows..(j + 1) * rows])
+        dot_of_columns(&a.as_slice()[i * rows..(i + 1) * rows], &b.as_slice()[j * rows..(j + 1) * rows])
     })
-}
-
-/// Eight partial sums, so that the sum is fast where the order is fixed.
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sums = [0.0; 8];
-    let (a8, a_rest) = a.as_chunks::<8>();
-    let (b8, b_rest) = b.as_chunks::<8>();
-    for (a, b) in a8.iter().zip(b8) {
-        for l in 0..8 {
-            sums[l] += a[l] * b[l];
-        }
-    }
-    for (l, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
-        sums[l] += a * b;
-    }
-    ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]))
 }
 
 #[cfg(test)]
@@ -267,5 +289,18 @@ mod tests {
             LeastSquares::solve(&random(4, 3, 9), &DVector::zeros(2)),
             Err(LeastSquaresError::Shape { found: 2, expected: 4 })
         ));
+    }
+    #[test]
+    fn identity_factors_of_another_kind_give_the_same_covariance() {
+        let (w, y) = (random(40, 4, 3), random(40, 1, 4).column(0).into_owned());
+        let fit = LeastSquares::solve(&w, &y).unwrap();
+        let factors = [fit.inverse_information(), DMatrix::identity(4, 4)];
+        let other = LeastSquares::from_factors(fit.solution().clone(), factors, 1.0, 1.0).unwrap();
+        let v = random(4, 4, 5);
+        let v = &v * v.transpose();
+        assert!((fit.sandwich(&v) - other.sandwich(&v)).norm() < 1e-14 * fit.sandwich(&v).norm());
+        assert!((fit.inverse_information() - other.inverse_information()).norm() < 1e-16);
+        let wrong = LeastSquares::from_factors(y, [DMatrix::identity(4, 4), DMatrix::identity(4, 4)], 1.0, 1.0);
+        assert!(matches!(wrong, Err(LeastSquaresError::Shape { found: 16, expected: 1600 })));
     }
 }

@@ -4,7 +4,8 @@ use nalgebra::DMatrix;
 
 use super::RankTolerance;
 use super::condition::normalised_columns;
-use super::reflection::{Reflection, dot, norm};
+use super::dot;
+use super::reflection::{Reflection, norm};
 
 /// QR that walks the columns of A from left to right and keeps a column if and only if it is independent of those kept
 /// before it; the others are combinations of the kept ones.

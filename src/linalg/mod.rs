@@ -14,6 +14,7 @@
 
 mod block_whitening;
 mod condition;
+mod dot;
 mod gram;
 mod least_squares;
 mod left_to_right;
@@ -24,6 +25,7 @@ mod triangular;
 
 pub use block_whitening::BlockWhitening;
 pub use condition::{condition, condition_scaled, normalised_columns, singular_values};
+pub use dot::dot;
 pub use gram::{Gram, product};
 pub use least_squares::{LeastSquares, LeastSquaresError, transpose_product};
 pub use left_to_right::LeftToRight;

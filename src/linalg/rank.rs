@@ -13,7 +13,7 @@ use super::reflection::{Reflection, norm};
 /// ```
 /// use armid::linalg::{RankRevealingQr, RankTolerance};
 /// use nalgebra::dmatrix;
-/// // The third column is the sum of the others, whatever unit it is given in.
+/// // The third column is the sum of the others, in any unit.
 /// let a = dmatrix![1.0, 2.0, 3e6; 0.0, 1.0, 1e6; 1.0, 1.0, 2e6; 2.0, 0.0, 2e6];
 /// assert_eq!(RankRevealingQr::new(&a, RankTolerance::default()).rank(), 2);
 /// ```

@@ -1,19 +1,12 @@
 //! One Householder reflection.
 
+use super::dot;
+
 /// `H = 1 − 2 v vᵀ / (vᵀ v)`, acting on the entries from `start` on.
 pub(super) struct Reflection {
     start: usize,
     v: Vec<f64>,
     two_over_vv: f64,
-}
-
-/// Sum of products in the order of the entries.
-pub(super) fn dot(a: &[f64], b: &[f64]) -> f64 {
-    let mut sum = 0.0;
-    for (x, y) in a.iter().zip(b) {
-        sum += x * y;
-    }
-    sum
 }
 
 /// Euclidean length.

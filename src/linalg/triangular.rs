@@ -6,7 +6,7 @@ use super::reflection::{Reflection, norm};
 
 /// Upper triangular (trapezoidal) factor R of `A = Q R`, min(m, n) × n, for A of m × n.
 ///
-/// R has the singular values and the linear dependencies of A, so whatever asks only for those may work on R. No
+/// R has the singular values and the linear dependencies of A, so anything that needs only those may work on R. No
 /// column is exchanged. Householder reflections, `2 m n²` operations; the signs of R's rows are not normalised.
 #[must_use]
 pub fn triangular_factor(a: &DMatrix<f64>) -> DMatrix<f64> {

@@ -16,7 +16,7 @@ pub struct AperiodicRecord<'a> {
     pub rate_hz: f64,
     /// Positions, rad or m.
     pub q: &'a [f64],
-    /// Efforts, in whatever unit the arm reports.
+    /// Efforts, in the unit that the arm reports.
     pub effort: &'a [f64],
 }
 
@@ -42,12 +42,12 @@ pub fn process_aperiodic(
     }
     let len = record.q.len() / n;
     if len < 8 || !record.q.len().is_multiple_of(n) {
-        let expected = format!("a multiple of {n} joints, at least {}", 8 * n);
-        return Err(SignalError::Length { quantity: "positions", found: record.q.len(), expected });
+        let (found, least) = (record.q.len(), 8 * n);
+        return Err(SignalError::Length { quantity: "positions", found, block: n, of: "joints", least });
     }
     if record.effort.len() != record.q.len() {
-        let expected = format!("{}, as many as positions", record.q.len());
-        return Err(SignalError::Length { quantity: "efforts", found: record.effort.len(), expected });
+        let (found, expected) = (record.effort.len(), record.q.len());
+        return Err(SignalError::Unequal { quantity: "efforts", found, other: "positions", expected });
     }
     check_finite("position", record.q, n)?;
     check_finite("effort", record.effort, n)?;

@@ -4,14 +4,30 @@
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum SignalError {
     /// A series has another length than the layout of the record asks for.
-    #[error("{quantity}: {found} values, expected {expected}")]
+    #[error("{quantity}: {found} values, expected a multiple of {block} ({of}), at least {least}")]
     Length {
         /// Which series.
         quantity: &'static str,
         /// What was found.
         found: usize,
-        /// What the layout asks for.
-        expected: String,
+        /// What the layout asks for whole multiples of.
+        block: usize,
+        /// What such a block is.
+        of: &'static str,
+        /// Fewest values that can be processed.
+        least: usize,
+    },
+    /// A series has not as many values as another.
+    #[error("{quantity}: {found} values, expected {expected}, as many as {other}")]
+    Unequal {
+        /// Which series.
+        quantity: &'static str,
+        /// What was found.
+        found: usize,
+        /// Which other series.
+        other: &'static str,
+        /// Its values.
+        expected: usize,
     },
     /// A value is NaN or infinite.
     #[error("{quantity} of joint {joint}: sample {sample} is {value}, expected a finite number")]
@@ -37,13 +53,25 @@ pub enum SignalError {
         /// Fewest samples that can be processed.
         least: usize,
     },
+    /// Too few samples per period are wanted.
+    #[error("{found} samples per period wanted, expected at least {least}")]
+    TooFewSamples {
+        /// What was wanted.
+        found: usize,
+        /// The fewest that can be processed.
+        least: usize,
+    },
     /// The record cannot be thinned to the wanted number of samples.
-    #[error("{found} samples per period wanted, expected {expected}")]
+    #[error(
+        "{found} samples per period wanted, expected at least {least} for the commanded harmonics, from a divisor of {of}"
+    )]
     Decimation {
         /// What was wanted.
         found: usize,
-        /// What is possible.
-        expected: String,
+        /// Fewest samples that show the commanded harmonics.
+        least: usize,
+        /// Samples of one recorded period.
+        of: usize,
     },
     /// A cut-off frequency outside what the sampling rate allows.
     #[error("cut-off frequency is {found} Hz, expected above 0 and below half the sampling rate, {nyquist} Hz")]

@@ -25,7 +25,7 @@ pub struct PeriodicRecord<'a> {
     pub period_samples: usize,
     /// Positions, rad or m.
     pub q: &'a [f64],
-    /// Efforts, in whatever unit the arm reports.
+    /// Efforts, in the unit that the arm reports.
     pub effort: &'a [f64],
 }
 
@@ -55,12 +55,12 @@ impl PeriodicRecord<'_> {
         }
         let block = self.dof * self.period_samples;
         if self.q.is_empty() || !self.q.len().is_multiple_of(block) {
-            let expected = format!("a multiple of {block} (joints × samples per period)");
-            return Err(SignalError::Length { quantity: "positions", found: self.q.len(), expected });
+            let (found, of) = (self.q.len(), "joints × samples per period");
+            return Err(SignalError::Length { quantity: "positions", found, block, of, least: block });
         }
         if self.effort.len() != self.q.len() {
-            let expected = format!("{}, as many as positions", self.q.len());
-            return Err(SignalError::Length { quantity: "efforts", found: self.effort.len(), expected });
+            let (found, expected) = (self.effort.len(), self.q.len());
+            return Err(SignalError::Unequal { quantity: "efforts", found, other: "positions", expected });
         }
         check_finite("position", self.q, self.dof)?;
         check_finite("effort", self.effort, self.dof)

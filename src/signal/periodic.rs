@@ -82,10 +82,7 @@ fn block(len: usize, count: usize, highest: f64) -> Result<usize, SignalError> {
     let least = 2 * highest.round() as usize + 1;
     let found = (1..=count.min(len)).rev().find(|&count| len.is_multiple_of(count)).unwrap_or(1);
     if found < least {
-        return Err(SignalError::Decimation {
-            found,
-            expected: format!("at least {least} for the commanded harmonics, from a divisor of {len}"),
-        });
+        return Err(SignalError::Decimation { found, least, of: len });
     }
     Ok(len / found)
 }

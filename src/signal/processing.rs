@@ -112,7 +112,7 @@ impl Processing {
     /// Checks the settings that make sense only within bounds.
     pub(super) fn check(&self) -> Result<(), SignalError> {
         if self.samples_per_period < 8 {
-            return Err(SignalError::Decimation { found: self.samples_per_period, expected: "at least 8".to_owned() });
+            return Err(SignalError::TooFewSamples { found: self.samples_per_period, least: 8 });
         }
         if !(0.0..0.5).contains(&self.reversal_fraction) {
             return Err(SignalError::Setting {

@@ -20,8 +20,8 @@ pub fn process(recording: &Recording, robot: &Robot, processing: &Processing) ->
     let n = recording.dof;
     for (quantity, series) in [("positions", &recording.q), ("efforts", &recording.effort)] {
         if series.len() != recording.len() * n {
-            let expected = format!("{} ({} samples of {n} joints)", recording.len() * n, recording.len());
-            return Err(SignalError::Length { quantity, found: series.len(), expected });
+            let (found, expected) = (series.len(), recording.len() * n);
+            return Err(SignalError::Unequal { quantity, found, other: "times of all joints", expected });
         }
     }
     let first = recording.recorded().start;

@@ -12,7 +12,7 @@ use crate::provenance::Provenance;
 /// τ_k = Y(q_k, q̇_k, q̈_k) φ + ε_k        mean of D of them: one equation        E[ε̄_m ε̄_{m+l}ᵀ] = R(l)
 /// ```
 /// Estimators see the means over blocks of D consecutive samples, on both sides: exactly as true as the equations
-/// themselves, whatever the torque does within a block, and white noise stays white.
+/// themselves, for any torque within a block, and white noise stays white.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Samples {
     /// Positions, velocities, accelerations, N × n each.

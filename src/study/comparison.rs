@@ -4,7 +4,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
 use super::metric::Metric;
-use super::statistics::{Interval, bootstrap_interval, mean};
+use crate::statistics::{Interval, bootstrap_interval, mean};
 
 /// Two families by one metric.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

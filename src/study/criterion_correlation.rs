@@ -1,9 +1,9 @@
-//! Whether a design's own criterion value tells the error that it achieves.
+//! How well a design's own criterion value predicts the error that it achieves.
 
 use super::evidence::Evidence;
-use super::statistics::{Spread, rank_correlation};
+use crate::statistics::{Spread, rank_correlation};
 
-/// Whether a design's own criterion value tells the error that it achieves.
+/// How well a design's own criterion value predicts the error that it achieves.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CriterionCorrelation {
     /// Which value of the design.

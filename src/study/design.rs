@@ -2,7 +2,7 @@
 
 use super::plan::{DesignMethod, HarmonicsPlan};
 use super::radkhah2007::table_one;
-use super::{PlanFault, StudyError, StudySetup};
+use super::{StudyError, StudySetup, plan_error};
 use crate::excitation::{
     Certificate, CriterionKind, Design, DesignProblem, ExcitationError, HistoryPoint, PeriodicTrajectory, Termination,
     design, random_design,
@@ -139,11 +139,10 @@ impl StudySetup {
         problem.samples = problem.samples.max(4 * problem.harmonics.iter().copied().max().unwrap_or(0));
         for (found, place) in &plan.freeze {
             let names: Vec<&str> = self.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
-            let index = names.iter().position(|known| known == found).ok_or_else(|| PlanFault::Name {
-                key: "design.freeze",
-                found: found.clone(),
-                expected: names.join(", "),
-            })?;
+            let index = names
+                .iter()
+                .position(|known| known == found)
+                .ok_or_else(|| plan_error::name("design.freeze", found, names.iter().copied()))?;
             problem.freeze(index, *place)?;
         }
         problem.prior = self.collected(before)?;

@@ -15,10 +15,10 @@ use std::collections::BTreeMap;
 use super::condition::ConditionResult;
 use super::family_score::{FamilyScore, ParameterScore};
 use super::outcome::Outcome;
-use super::statistics::{Interval, mean, t_interval};
 use super::{StudyDesign, StudySetup};
 use crate::experiment::Level;
 use crate::model::ParameterKind;
+use crate::statistics::{Interval, mean, t_interval};
 
 /// All effects of a study by what they do.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

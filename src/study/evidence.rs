@@ -16,9 +16,9 @@ use super::criterion_correlation::CriterionCorrelation;
 use super::family_score::FamilyScore;
 use super::metric::Metric;
 use super::outcome::{Outcome, ScoredEstimate};
-use super::statistics::Spread;
 use super::truth_comparison::TruthComparison;
 use crate::seed::Seed;
+use crate::statistics::Spread;
 
 /// Confidence of every interval.
 pub(super) const LEVEL: f64 = 0.95;
@@ -67,7 +67,7 @@ pub struct Findings {
     pub over_truths: Vec<TruthComparison>,
     /// Median over runs of the prediction RMSE of each design (outer: estimator, inner: design), N·m.
     pub design_prediction: Vec<Vec<Option<Spread>>>,
-    /// Whether criterion values tell the error.
+    /// How well criterion values predict the error.
     #[serde(rename = "foretelling")]
     pub criterion_correlations: Vec<CriterionCorrelation>,
 }
@@ -196,7 +196,7 @@ mod tests {
                         }
                     })
                     .collect();
-                let rmse = crate::study::statistics::root_mean_square(&error);
+                let rmse = crate::statistics::root_mean_square(&error);
                 outcomes.push(Outcome {
                     design,
                     condition: 0,

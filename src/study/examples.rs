@@ -69,7 +69,7 @@ impl LimitExample {
     }
 }
 
-/// Torque along a trajectory that no fit has seen.
+/// Torque along a held-out trajectory.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PredictionExample {
     /// Name of the family whose design gave the estimate.
@@ -114,7 +114,7 @@ impl StudySetup {
             .zip(&predicted)
             .map(|(m, p)| {
                 let difference: Vec<f64> = m.iter().zip(p).map(|(a, b)| a - b).collect();
-                super::statistics::root_mean_square(&difference)
+                crate::statistics::root_mean_square(&difference)
             })
             .collect();
         PredictionExample {
@@ -157,7 +157,7 @@ mod tests {
         let robot = fixtures::crs_a460().with_joints(|joint| joint.limits.velocity = f64::INFINITY).unwrap();
         let trajectory: PeriodicTrajectory = table_one::corrected().into();
         let example = LimitExample::of(&robot, None, &trajectory);
-        // What nobody limits has no share, and torques nobody can tell without parameters.
+        // What nobody limits has no share, and torques are unknown without parameters.
         assert!(example.velocity.iter().chain(&example.torque).all(Vec::is_empty));
         for (j, joint) in robot.joints().iter().enumerate() {
             let (low, high) = joint.limits.position;

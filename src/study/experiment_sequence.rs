@@ -10,7 +10,8 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::outcome::{Outcome, ScoredEstimate};
-use super::plan::{DesignMethod, PlanFault, name_of, number};
+use super::plan::DesignMethod;
+use super::plan_error::{StudyPlanError, family_name, number};
 use super::{Failure, RunId, StudyDesign, StudyError, StudyPlan, StudySetup};
 use crate::dynamics::States;
 use crate::estimation::Estimate;
@@ -122,7 +123,7 @@ impl StudySetup {
 
 impl StudyPlan {
     /// Every `after` names an earlier family of as many starts.
-    pub(super) fn check_sequences(&self) -> Result<(), PlanFault> {
+    pub(super) fn check_sequences(&self) -> Result<(), StudyPlanError> {
         for (index, family) in self.designs.iter().enumerate() {
             let earlier = &self.designs[..index];
             match &family.after {
@@ -132,10 +133,10 @@ impl StudyPlan {
                         return Err(number("design.starts", family.starts, expected));
                     }
                     Some(_) => {}
-                    None => return Err(name_of("after", found, earlier.iter().map(|other| other.name.as_str()))),
+                    None => return Err(family_name("after", found, earlier.iter().map(|other| other.name.as_str()))),
                 },
                 None if family.method == DesignMethod::Repeated => {
-                    return Err(name_of("after", "", earlier.iter().map(|other| other.name.as_str())));
+                    return Err(family_name("after", "", earlier.iter().map(|other| other.name.as_str())));
                 }
                 None => {}
             }

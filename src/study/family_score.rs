@@ -2,7 +2,7 @@
 
 use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
 use super::metric::Metric;
-use super::statistics::{
+use crate::statistics::{
     Interval, Spread, bootstrap_interval, mean, quantile, root_mean_square, t_interval, variance, wilson_interval,
 };
 

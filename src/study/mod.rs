@@ -11,6 +11,7 @@ mod experiment_sequence;
 mod comparison;
 mod condition;
 mod design;
+mod error;
 mod evidence;
 mod examples;
 mod failure;
@@ -20,15 +21,16 @@ mod grid;
 mod metric;
 mod outcome;
 mod plan;
+mod plan_error;
 pub mod radkhah2007;
 mod random_truth;
-mod scorer;
 mod result;
+mod run_id;
+mod scorer;
 mod setup;
 mod truth;
 mod truth_comparison;
 mod truth_files;
-pub mod statistics;
 mod units;
 mod validity;
 
@@ -38,6 +40,7 @@ pub use condition::{Condition, ConditionResult, StatusCount};
 pub use criterion_correlation::CriterionCorrelation;
 pub use design::StudyDesign;
 pub use effect_sensitivity::{EffectSensitivity, ParameterBias, SensitivityEntry};
+pub use error::StudyError;
 pub use evidence::{DesignRow, Evidence, Findings};
 pub use examples::{Examples, LimitExample, PredictionExample, exact_states};
 pub use experiment_sequence::Experiment;
@@ -47,13 +50,14 @@ pub use grid::GridPlan;
 pub use metric::Metric;
 pub use outcome::{Outcome, ScoredEstimate};
 pub use plan::{
-    DesignMethod, ExperimentSettings, FamilyPlan, HarmonicsPlan, IdentificationSettings, PlanFault, StudyPlan,
-    ValidationSettings,
+    DesignMethod, ExperimentSettings, FamilyPlan, HarmonicsPlan, IdentificationSettings, StudyPlan, ValidationSettings,
 };
-pub use random_truth::{Centre, RandomTruths, TruthFault};
+pub use plan_error::StudyPlanError;
+pub use random_truth::{Centre, RandomTruths, TruthError};
 pub use result::{JointLine, ParameterLine, ReportInput, StudyResult};
+pub use run_id::RunId;
 pub use scorer::{Score, Scorer};
-pub use setup::{RunId, StudyError, StudySetup};
+pub use setup::StudySetup;
 pub use truth::Truth;
 pub use truth_comparison::TruthComparison;
 pub use truth_files::truth_text;

@@ -1,8 +1,8 @@
 //! What one run of a study leaves behind: small, whole, and enough for every figure.
 
 use super::Failure;
+use super::run_id::RunId;
 use super::scorer::Score;
-use super::setup::RunId;
 use crate::estimation::Estimate;
 
 /// One run of one design under one condition: what every estimator made of it, or why there is nothing.

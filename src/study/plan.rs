@@ -1,11 +1,13 @@
 //! What a study does: robot, experiment, families of designs, estimators, metrics. The text of `study.toml`.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use super::grid::GridPlan;
+use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
 use super::units::ReferenceUnits;
-use crate::estimation::EstimatorKind;
+use crate::estimation::{Estimator, EstimatorKind};
 use crate::excitation::{CriterionKind, Family};
 use crate::experiment::Effects;
 use crate::model::Columns;
@@ -159,66 +161,6 @@ pub struct FamilyPlan {
     pub runs: Option<usize>,
 }
 
-impl PlanFault {
-    /// The fault at its place in the plan's text.
-    #[must_use]
-    pub fn in_text(&self, text: &str) -> FormatError {
-        FormatError::at(text, self.place(text), self.to_string())
-    }
-
-    /// Where in the text the fault's key stands: the first line with that key and the value that was found.
-    fn place(&self, text: &str) -> std::ops::Range<usize> {
-        let (key, found) = match self {
-            Self::Name { key, found, .. } => (*key, found),
-            Self::Number { key, found, .. } => (key.as_str(), found),
-            Self::Twice { key, found } => (*key, found),
-        };
-        let key = key.rsplit('.').next().unwrap_or(key);
-        let mut begin = 0;
-        for line in text.split_inclusive('\n') {
-            if line.trim_start().starts_with(key) && line.contains(found.as_str()) {
-                let start = begin + line.find(found.as_str()).unwrap_or(0);
-                return start..start + found.len();
-            }
-            begin += line.len();
-        }
-        0..0
-    }
-}
-
-/// Why a plan cannot be carried out.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PlanFault {
-    /// A name that is not in the list.
-    #[error("{key} is \"{found}\", expected one of {expected}")]
-    Name {
-        /// The key.
-        key: &'static str,
-        /// What was found.
-        found: String,
-        /// The names that there are.
-        expected: String,
-    },
-    /// An entry that is in its list already.
-    #[error("{key} has \"{found}\" twice, expected each once")]
-    Twice {
-        /// The key.
-        key: &'static str,
-        /// The entry.
-        found: String,
-    },
-    /// A number out of range.
-    #[error("{key} is {found}, expected {expected}")]
-    Number {
-        /// The key.
-        key: String,
-        /// What was found.
-        found: String,
-        /// What is possible.
-        expected: &'static str,
-    },
-}
-
 impl StudyPlan {
     /// Reads a `study.toml`.
     ///
@@ -237,10 +179,18 @@ impl StudyPlan {
     /// Checks what the types leave open: names, and numbers that must be positive.
     ///
     /// # Errors
-    /// [`PlanFault`] with the key, what was found and what was expected.
-    pub fn check(&self) -> Result<(), PlanFault> {
+    /// [`StudyPlanError`] with the key, what was found and what was expected.
+    pub fn check(&self) -> Result<(), StudyPlanError> {
+        self.check_with(&[])
+    }
+
+    /// The same where the plan may also name the estimators `own`, which come from outside.
+    ///
+    /// # Errors
+    /// As [`StudyPlan::check`].
+    pub fn check_with(&self, own: &[Arc<dyn Estimator>]) -> Result<(), StudyPlanError> {
         self.columns()?;
-        self.estimators()?;
+        self.estimators(own)?;
         let counts = [
             ("runs", self.runs),
             ("experiment.harmonics", self.experiment.harmonics),
@@ -264,12 +214,12 @@ impl StudyPlan {
         }
         for (i, engine) in self.engines.iter().enumerate() {
             if self.engines[..i].contains(engine) {
-                return Err(PlanFault::Twice { key: "engines", found: engine.clone() });
+                return Err(StudyPlanError::Twice { key: "engines", found: engine.clone() });
             }
         }
         for (i, effects) in self.effect_sets.iter().enumerate() {
             if self.effect_sets[..i].contains(effects) {
-                return Err(PlanFault::Twice { key: "conditions", found: effects.to_string() });
+                return Err(StudyPlanError::Twice { key: "conditions", found: effects.to_string() });
             }
         }
         let units = &self.reference;
@@ -305,13 +255,13 @@ impl StudyPlan {
         self.check_sequences()?;
         for found in &self.compare_with {
             if !self.designs.iter().any(|family| family.name == *found) {
-                return Err(name_of("compare_with", found, self.designs.iter().map(|family| family.name.as_str())));
+                return Err(family_name("compare_with", found, self.designs.iter().map(|family| family.name.as_str())));
             }
         }
         Ok(())
     }
 
-    fn check_truths(&self) -> Result<(), PlanFault> {
+    fn check_truths(&self) -> Result<(), StudyPlanError> {
         let Some(truths) = &self.truths else { return Ok(()) };
         if truths.count == 0 {
             return Err(number("truths.count", truths.count, "at least 1"));
@@ -339,8 +289,8 @@ impl StudyPlan {
     /// Checks the names of engines against those that there are, which the core does not know.
     ///
     /// # Errors
-    /// [`PlanFault::Name`].
-    pub fn check_engines(&self, engines: &[&'static str]) -> Result<(), PlanFault> {
+    /// [`StudyPlanError::Name`].
+    pub fn check_engines(&self, engines: &[&'static str]) -> Result<(), StudyPlanError> {
         match self.engines.iter().find(|found| !engines.contains(&found.as_str())) {
             Some(found) => Err(name("engines", found, engines.iter().copied())),
             None => Ok(()),
@@ -350,20 +300,24 @@ impl StudyPlan {
     /// The columns that are estimated.
     ///
     /// # Errors
-    /// [`PlanFault::Name`].
-    pub fn columns(&self) -> Result<Columns, PlanFault> {
+    /// [`StudyPlanError::Name`].
+    pub fn columns(&self) -> Result<Columns, StudyPlanError> {
         let found = &self.identification.columns;
         Columns::parse(found).ok_or_else(|| name("identification.columns", found, Columns::ALL.map(Columns::name)))
     }
 
-    /// The estimators that are compared.
+    /// The estimators that are compared: of those from outside, and of [`EstimatorKind`].
     ///
     /// # Errors
-    /// [`PlanFault::Name`].
-    pub fn estimators(&self) -> Result<Vec<EstimatorKind>, PlanFault> {
+    /// [`StudyPlanError::Name`].
+    pub fn estimators(&self, own: &[Arc<dyn Estimator>]) -> Result<Vec<Arc<dyn Estimator>>, StudyPlanError> {
+        let names = own.iter().map(|e| e.name()).chain(EstimatorKind::ALL.iter().map(|e| e.name()));
+        let names: Vec<&str> = names.collect();
         let named = |found: &String| {
-            EstimatorKind::parse(found)
-                .ok_or_else(|| name("identification.estimators", found, EstimatorKind::ALL.iter().map(|e| e.name())))
+            let outside = own.iter().find(|estimator| estimator.name() == found).cloned();
+            outside
+                .or_else(|| Some(Arc::new(EstimatorKind::parse(found)?) as Arc<dyn Estimator>))
+                .ok_or_else(|| name("identification.estimators", found, names.iter().copied()))
         };
         self.identification.estimators.iter().map(named).collect()
     }
@@ -387,8 +341,8 @@ impl FamilyPlan {
     /// The criterion of an optimised or random family.
     ///
     /// # Errors
-    /// [`PlanFault::Name`] where it is absent or unknown.
-    pub fn criterion(&self) -> Result<CriterionKind, PlanFault> {
+    /// [`StudyPlanError::Name`] where it is absent or unknown.
+    pub fn criterion(&self) -> Result<CriterionKind, StudyPlanError> {
         let found = self.criterion.as_deref().unwrap_or("");
         CriterionKind::parse(found)
             .ok_or_else(|| name("design.criterion", found, CriterionKind::ALL.iter().map(|c| c.name())))
@@ -397,8 +351,8 @@ impl FamilyPlan {
     /// The family of trajectories.
     ///
     /// # Errors
-    /// [`PlanFault::Name`] where it is unknown.
-    pub fn family(&self) -> Result<Family, PlanFault> {
+    /// [`StudyPlanError::Name`] where it is unknown.
+    pub fn family(&self) -> Result<Family, StudyPlanError> {
         let found = self.family.as_deref().unwrap_or(Family::Fourier.name());
         Family::parse(found).ok_or_else(|| name("design.family", found, Family::ALL.map(Family::name)))
     }
@@ -407,17 +361,4 @@ impl FamilyPlan {
 /// A study that names no engine.
 fn default_engines() -> Vec<String> {
     vec!["analytic".to_owned()]
-}
-
-pub(super) fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) -> PlanFault {
-    PlanFault::Number { key: key.into(), found: found.to_string(), expected }
-}
-
-pub(super) fn name_of<'a>(key: &'static str, found: &str, names: impl Iterator<Item = &'a str>) -> PlanFault {
-    let expected = format!("the families: {}", names.collect::<Vec<_>>().join(", "));
-    PlanFault::Name { key, found: found.to_owned(), expected }
-}
-
-pub(super) fn name(key: &'static str, found: &str, names: impl IntoIterator<Item = &'static str>) -> PlanFault {
-    PlanFault::Name { key, found: found.to_owned(), expected: names.into_iter().collect::<Vec<_>>().join(", ") }
 }

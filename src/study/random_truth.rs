@@ -68,7 +68,7 @@ const fn friction_spread() -> f64 {
 /// A link around which nothing can be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("no truth can be drawn around link {link}: {fault}")]
-pub struct TruthFault {
+pub struct TruthError {
     /// Number of the link, from one.
     pub link: usize,
     /// What is wrong with it.
@@ -92,15 +92,15 @@ impl RandomTruths {
     /// Every truth of a study with this seed. A draw depends on the seed and its own number alone.
     ///
     /// # Errors
-    /// [`TruthFault`] where a link of `centre` is no body that can exist.
-    pub fn draw(&self, centre: &Truth, seed: Seed) -> Result<Vec<Truth>, TruthFault> {
+    /// [`TruthError`] where a link of `centre` is no body that can exist.
+    pub fn draw(&self, centre: &Truth, seed: Seed) -> Result<Vec<Truth>, TruthError> {
         (0..self.count as u64).map(|index| self.one(centre, &mut seed.stream("truth", index))).collect()
     }
 
-    fn one(&self, centre: &Truth, rng: &mut impl Rng) -> Result<Truth, TruthFault> {
+    fn one(&self, centre: &Truth, rng: &mut impl Rng) -> Result<Truth, TruthError> {
         let mut parameters = centre.parameters.clone();
         for (index, link) in parameters.links.iter_mut().enumerate() {
-            *link = self.link(link, rng).map_err(|fault| TruthFault { link: index + 1, fault })?;
+            *link = self.link(link, rng).map_err(|fault| TruthError { link: index + 1, fault })?;
         }
         for drive in &mut parameters.drives {
             drive.rotor *= libm::exp(self.rotor_spread * normal(rng));
@@ -137,7 +137,7 @@ mod tests {
     use crate::model::StandardParameters;
     use crate::model::bundled;
     use crate::model::format::{parse_parameters, parse_robot};
-    use crate::study::statistics::{mean, variance};
+    use crate::statistics::{mean, variance};
     use crate::study::truth_text;
 
     fn a460() -> StandardParameters {

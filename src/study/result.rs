@@ -76,7 +76,7 @@ pub struct ParameterLine {
     pub reference_unit: f64,
 }
 
-/// A study with the single cases that its figures show.
+/// What the report of a study is made from: the result, and the single cases that its figures show.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ReportInput {
     /// The summary.

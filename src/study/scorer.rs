@@ -16,7 +16,7 @@ use crate::dynamics::States;
 use crate::model::Robot;
 use crate::regressor::JointTorqueRegressor;
 
-/// Knows the truth and says how far an estimate is from it.
+/// Knows the truth and scores estimates against it.
 #[derive(Clone, Debug)]
 pub struct Scorer {
     truths: Vec<DVector<f64>>,

@@ -7,51 +7,25 @@
 //! number of threads, and give the same bytes. Who performs the experiment is the caller's choice: an [`Arm`].
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
 use super::bound::{cramer_rao_std, torque_covariance};
 use super::evidence::{DesignRow, Evidence, Findings};
 use super::outcome::{Outcome, ScoredEstimate};
-use super::plan::{PlanFault, StudyPlan};
-use super::{Centre, ConditionResult, Failure, Scorer, StatusCount, StudyDesign, Truth, TruthFault};
-use crate::base::{BaseError, BaseReduction, Method, reduce};
+use super::plan::StudyPlan;
+use super::plan_error::StudyPlanError;
+use super::{Centre, ConditionResult, Failure, RunId, Scorer, StatusCount, StudyDesign, StudyError, Truth, TruthError};
+use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
-use crate::estimation::{Estimate, EstimationProblem, EstimatorKind, Observation};
+use crate::estimation::{Estimate, EstimationProblem, Estimator, Observation};
 use crate::excitation::{ExcitationError, PeriodicTrajectory, radkhah2007_start};
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::{Derivatives, Processing, Samples, process};
-
-/// Why a study cannot begin.
-#[derive(Debug, thiserror::Error)]
-pub enum StudyError {
-    /// The plan asks for something that is not there.
-    #[error(transparent)]
-    Plan(#[from] PlanFault),
-    /// The robot cannot be reduced.
-    #[error(transparent)]
-    Base(#[from] BaseError),
-    /// A truth cannot be drawn.
-    #[error(transparent)]
-    Truth(#[from] TruthFault),
-    /// A trajectory cannot be made.
-    #[error(transparent)]
-    Excitation(#[from] ExcitationError),
-}
-
-/// One run of a study: which design, under which condition, and its number.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
-pub struct RunId {
-    /// Index of the design.
-    pub design: usize,
-    /// Index of the condition.
-    pub condition: usize,
-    /// Number of the run within the design.
-    pub run: u64,
-}
 
 /// A study that is ready to run.
 #[derive(Debug)]
@@ -64,7 +38,7 @@ pub struct StudySetup {
     pub(super) noise: DMatrix<f64>,
     truths: Vec<Truth>,
     scorer: Scorer,
-    estimators: Vec<EstimatorKind>,
+    estimators: Vec<Arc<dyn Estimator>>,
     processing: Processing,
     validation: Vec<States>,
 }
@@ -75,7 +49,22 @@ impl StudySetup {
     /// # Errors
     /// [`StudyError`] where the plan, the robot or the validation trajectories do not allow it.
     pub fn new(plan: StudyPlan, robot: Robot, nominal: StandardParameters, truth: &Truth) -> Result<Self, StudyError> {
-        plan.check()?;
+        Self::with_estimators(plan, robot, nominal, truth, &[])
+    }
+
+    /// The same with estimators from outside, which the plan may name beside those of
+    /// [`EstimatorKind`](crate::estimation::EstimatorKind).
+    ///
+    /// # Errors
+    /// As [`StudySetup::new`].
+    pub fn with_estimators(
+        plan: StudyPlan,
+        robot: Robot,
+        nominal: StandardParameters,
+        truth: &Truth,
+        own: &[Arc<dyn Estimator>],
+    ) -> Result<Self, StudyError> {
+        plan.check_with(own)?;
         let columns = plan.columns()?;
         let regressor = JointTorqueRegressor::new(&robot, columns);
         let base = reduce(&robot, columns, Method::Structural, plan.seed)?;
@@ -91,7 +80,7 @@ impl StudySetup {
         };
         Ok(Self {
             noise: torque_covariance(&robot),
-            estimators: plan.estimators()?,
+            estimators: plan.estimators(own)?,
             plan,
             robot,
             nominal,
@@ -243,9 +232,9 @@ impl StudySetup {
         self.unscored(samples)
             .into_iter()
             .zip(&self.estimators)
-            .map(|(made, kind)| match made {
+            .map(|(made, estimator)| match made {
                 Ok(estimate) => ScoredEstimate::new(&estimate, self.scorer.score(&estimate.beta(), truth)),
-                Err(failure) => ScoredEstimate::failed(kind.name(), failure),
+                Err(failure) => ScoredEstimate::failed(estimator.name(), failure),
             })
             .collect()
     }
@@ -258,7 +247,7 @@ impl StudySetup {
         };
         let problem = EstimationProblem::new(&observation).with_robot(&self.robot).with_samples(samples);
         let estimate =
-            |kind: &EstimatorKind| kind.estimator().estimate(&problem).map_err(|fault| Failure::estimator(&fault));
+            |estimator: &Arc<dyn Estimator>| estimator.estimate(&problem).map_err(|fault| Failure::estimator(&fault));
         self.estimators.iter().map(estimate).collect()
     }
 
@@ -314,7 +303,7 @@ impl StudySetup {
 }
 
 /// Every truth of the study: the robot's own, then those that are drawn.
-fn draw_truths(plan: &StudyPlan, own: &Truth, nominal: &StandardParameters) -> Result<Vec<Truth>, TruthFault> {
+fn draw_truths(plan: &StudyPlan, own: &Truth, nominal: &StandardParameters) -> Result<Vec<Truth>, TruthError> {
     let mut truths = vec![own.clone()];
     if let Some(random) = &plan.truths {
         let centre = match random.around {
@@ -336,11 +325,11 @@ impl StudyPlan {
     /// The derivative route.
     ///
     /// # Errors
-    /// [`PlanFault::Name`].
-    pub fn derivatives(&self) -> Result<Derivatives, PlanFault> {
+    /// [`StudyPlanError::Name`].
+    pub fn derivatives(&self) -> Result<Derivatives, StudyPlanError> {
         let found = &self.identification.derivatives;
         Derivatives::parse(found).ok_or_else(|| {
-            super::plan::name("identification.derivatives", found, Derivatives::ALL.map(Derivatives::name))
+            super::plan_error::name("identification.derivatives", found, Derivatives::ALL.map(Derivatives::name))
         })
     }
 }

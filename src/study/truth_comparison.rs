@@ -1,4 +1,4 @@
-//! Two families over random truths: does the better one stay the better one, whatever the arm is?
+//! Two families over random truths: does the better one stay the better one on every arm?
 //!
 //! ```text
 //! d_k = ln( value of the first / value of the second )    over the runs with truth k, k = 1 … K
@@ -8,7 +8,7 @@
 
 use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
 use super::metric::Metric;
-use super::statistics::{Interval, mean, t_interval, wilson_interval};
+use crate::statistics::{Interval, mean, t_interval, wilson_interval};
 
 /// Two families by one metric over random truths.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -13,9 +13,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::statistics::Interval;
 use crate::base::BaseReduction;
 use crate::model::{Capsule, ParameterKind, Robot};
+use crate::statistics::Interval;
 
 /// For every base parameter the interval of values that links of at most `max_mass` kg inside their shapes can have.
 ///

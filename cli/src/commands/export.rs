@@ -21,8 +21,9 @@ Torque shows base parameters, and other tools ask for every link's mass, centre 
 The set that is written has the estimated base parameters and, among those that have, is the nearest
 to the nominal one whose links real bodies can have (positive definite pseudo-inertia, friction above
 zero). Where no such set has exactly the estimated values, every base parameter stays inside its 95 %
-interval; where that is impossible too, those outside are named and the exit status is 1. The file is
-read back, and its torque is compared with that of the regressor.
+interval; where that is impossible too, those outside are named and the exit status is 1. It is 1 as
+well where the search did not converge. The file is read back, and its torque is compared with that
+of the regressor.
 
 URDF has no place for rotor inertia and torque offset, MJCF none for the offset: they are in the
 comment at the top.
@@ -64,7 +65,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         Path::to_path_buf,
     );
     output::write_text(&path, &written)?;
-    let sound = set.outside.is_empty() && reloaded.is_sound();
+    let sound = set.outside.is_empty() && set.termination.was_successful() && reloaded.is_sound();
     let done = Done { estimate: &estimate, format: arguments.to, set, reloaded, path };
     console.show(&Answer { text: done.text(), json: done.json() })?;
     Ok(if sound { Ending::Done } else { Ending::Negative })
@@ -139,6 +140,7 @@ impl Done<'_> {
             "exact": self.set.is_exact,
             "largest_deviation_std": worst(&self.set),
             "outside": self.set.outside,
+            "termination": self.set.termination,
             "reload": {
                 "states": self.reloaded.states,
                 "largest_relative_difference": self.reloaded.difference,
@@ -148,6 +150,7 @@ impl Done<'_> {
 
     fn text(&self) -> String {
         let mut text = format!("{}\n{}: {}\n", self.path.display(), self.estimate.robot, verdict(&self.set));
+        let _ = writeln!(text, "the search for the nearest consistent set {}", self.set.termination);
         let _ = writeln!(
             text,
             "read back, its rigid torque is that of the regressor to {} of the largest, over {} random states",

@@ -3,7 +3,7 @@
 use super::axis::{Axis, Scale};
 use super::rows::Background;
 use crate::FigureError;
-use crate::figures::Heading;
+use crate::heading::Heading;
 
 /// Numbers beyond this size have no place on an axis: the span between two of them would overflow.
 const LARGEST: f64 = 1e100;

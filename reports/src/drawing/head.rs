@@ -1,8 +1,9 @@
 //! Title, line under the title, and legend: everything above the data.
 
-use super::canvas::{Align, Canvas, Colour, Ink, Rect};
+use super::canvas::{Align, Canvas, Ink, Rect};
+use super::colour::Colour;
 use super::typeface::Font;
-use crate::figures::Heading;
+use crate::heading::Heading;
 use crate::style::{Dash, GroupStyle};
 
 /// Width of every figure, px.

@@ -1,11 +1,12 @@
 //! Panels with two axes each, in rows and columns, with aligned plot areas.
 
 use super::axis::{Axis, Span};
-use super::canvas::{Align, Canvas, Colour, Ink, Rect};
+use super::canvas::{Align, Canvas, Ink, Rect};
+use super::colour::Colour;
 use super::head::{Entry, Head, MARGIN, WIDTH};
 use super::ticks::{Tick, minor_ticks, ticks};
 use super::typeface::Font;
-use crate::figures::Heading;
+use crate::heading::Heading;
 
 /// What is known about a panel before it has a place.
 pub(crate) struct Panel<'a> {

@@ -3,6 +3,7 @@
 pub(crate) mod axis;
 pub(crate) mod canvas;
 pub(crate) mod check;
+pub(crate) mod colour;
 pub(crate) mod head;
 pub(crate) mod lattice;
 pub(crate) mod path;

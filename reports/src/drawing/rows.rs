@@ -3,11 +3,12 @@
 //! Box plots, forest plots and coverage share it: names stand at the left and never overlap, however many there are.
 
 use super::axis::{Axis, Span};
-use super::canvas::{Align, Canvas, Colour, Ink, Rect};
+use super::canvas::{Align, Canvas, Ink, Rect};
+use super::colour::Colour;
 use super::head::{self, Entry, Head, MARGIN, Swatch, WIDTH};
 use super::lattice::x_ticks;
 use super::typeface::Font;
-use crate::figures::Heading;
+use crate::heading::Heading;
 use crate::style::Dash;
 
 /// A shaded range of the value axis.

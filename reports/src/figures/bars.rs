@@ -1,14 +1,16 @@
 //! Bars from zero, per row and group: shares, counts, anything whose length is the message.
 
-use super::{Figure, Heading};
+use super::Figure;
 use crate::FigureError;
 use crate::drawing::axis::{Axis, Scale, Span};
-use crate::drawing::canvas::{Align, Colour, Ink, Rect};
+use crate::drawing::canvas::{Align, Ink, Rect};
 use crate::drawing::check::Check;
+use crate::drawing::colour::Colour;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Level, Rows};
 use crate::drawing::ticks::compact;
 use crate::drawing::typeface::Font;
+use crate::heading::Heading;
 use crate::style::Group;
 
 /// Rows of bars.
@@ -144,7 +146,7 @@ impl Figure for BarFigure {
                 let case = Rect { left: zero.min(end), top: y - half, right: zero.max(end), bottom: y + half };
                 rows.canvas.rectangle(&case, Ink::new(group.style.colour, 0.0).faint(0.75));
                 rows.canvas.outline(&case, Ink::new(group.style.colour, 1.0));
-                // The marker tells groups apart without colour.
+                // The marker distinguishes groups without colour.
                 let inside = if bar.value < 0.0 { zero - 9.0 } else { zero + 9.0 };
                 if case.width() > 18.0 && self.groups.len() > 1 {
                     rows.canvas.marker(group.style.marker, (inside, y), 3.0, Colour::WHITE, 1.0);

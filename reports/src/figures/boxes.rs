@@ -1,12 +1,14 @@
 //! Box plots and strips of points: the spread of something per row and group.
 
-use super::{Figure, Heading};
+use super::Figure;
 use crate::FigureError;
 use crate::drawing::axis::{Axis, Span};
-use crate::drawing::canvas::{Colour, Ink, Rect};
+use crate::drawing::canvas::{Ink, Rect};
 use crate::drawing::check::Check;
+use crate::drawing::colour::Colour;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Level, Rows};
+use crate::heading::Heading;
 use crate::style::Group;
 
 /// Rows of boxes, strips of points, or both.

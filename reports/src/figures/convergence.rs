@@ -1,6 +1,6 @@
 //! How an objective falls with the number of evaluations, one step line per start.
 
-use super::{Figure, Heading};
+use super::Figure;
 use crate::FigureError;
 use crate::drawing::axis::{Axis, Scale, Span};
 use crate::drawing::canvas::Ink;
@@ -8,6 +8,7 @@ use crate::drawing::check::Check;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::lattice::{Arrangement, Panel, lattice};
 use crate::drawing::path::visible;
+use crate::heading::Heading;
 use crate::style::GroupStyle;
 
 /// Step lines in one or more panels, one panel per objective.

@@ -1,21 +1,23 @@
 //! A matrix of numbers as coloured cells: correlations, or what a wrong model does to every parameter.
 
-use super::{Figure, Heading};
+use super::Figure;
 use crate::FigureError;
 use crate::drawing::axis::{Axis, Scale, Span};
-use crate::drawing::canvas::{Align, Canvas, Colour, Ink, Rect};
+use crate::drawing::canvas::{Align, Canvas, Ink, Rect};
 use crate::drawing::check::Check;
+use crate::drawing::colour::Colour;
 use crate::drawing::head::{Head, MARGIN, WIDTH};
 use crate::drawing::lattice::x_ticks;
 use crate::drawing::ticks::{compact, powered};
 use crate::drawing::typeface::Font;
+use crate::heading::Heading;
 
 /// Coloured cells with row and column names and a colour bar.
 ///
 /// ```
 /// use armid_reports::{Axis, ColourMap, Figure, HeatFigure, Heading};
 /// let figure = HeatFigure {
-///     heading: Heading::new("correlation", "m5 and m6 cannot be told apart"),
+///     heading: Heading::new("correlation", "m5 and m6 are not identifiable one by one"),
 ///     rows: vec!["m5".into(), "m6".into()],
 ///     columns: vec!["m5".into(), "m6".into()],
 ///     groups: Vec::new(),

@@ -1,12 +1,13 @@
 //! A forest plot: a point with its interval per row and group, such as the bias of every parameter.
 
-use super::{Figure, Heading};
+use super::Figure;
 use crate::FigureError;
 use crate::drawing::axis::{Axis, Scale, Span};
 use crate::drawing::canvas::Ink;
 use crate::drawing::check::Check;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::rows::{Background, Band, Level, Rows};
+use crate::heading::Heading;
 use crate::style::Group;
 
 /// Rows of points with intervals.

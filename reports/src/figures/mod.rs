@@ -12,7 +12,7 @@ mod time_series;
 pub use bars::{Bar, BarFigure, BarRow};
 pub use boxes::{BoxFigure, BoxRow, Distribution, Quantiles};
 pub use convergence::{ConvergenceFigure, ConvergencePanel, Curve};
-pub use figure::{Figure, Heading};
+pub use figure::Figure;
 pub use heat::{ColourMap, HeatFigure};
 pub use interval::{CoverageFigure, CoverageRow, Interval, IntervalFigure, IntervalRow};
 pub use scatter::{Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};

@@ -1,13 +1,15 @@
 //! One quantity against another, such as a criterion's value against the error achieved with it.
 
-use super::{Figure, Heading};
+use super::Figure;
 use crate::FigureError;
 use crate::drawing::axis::{Axis, Span};
-use crate::drawing::canvas::{Canvas, Colour, Ink, Rect};
+use crate::drawing::canvas::{Canvas, Ink, Rect};
 use crate::drawing::check::Check;
+use crate::drawing::colour::Colour;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::lattice::{Arrangement, Panel, Plot, lattice};
 use crate::drawing::typeface::Font;
+use crate::heading::Heading;
 use crate::style::{Dash, GroupStyle};
 
 /// Points in one or more panels, grouped by colour and marker.

@@ -1,14 +1,16 @@
 //! Lines over time, one panel per joint: a trajectory against its limits, or a measured against a predicted torque.
 
-use super::{Figure, Heading};
+use super::Figure;
 use crate::FigureError;
 use crate::drawing::axis::{Axis, Scale, Span};
-use crate::drawing::canvas::{Align, Colour, Ink};
+use crate::drawing::canvas::{Align, Ink};
 use crate::drawing::check::Check;
+use crate::drawing::colour::Colour;
 use crate::drawing::head::{self, Swatch};
 use crate::drawing::lattice::{Arrangement, Panel, lattice};
 use crate::drawing::path::visible;
 use crate::drawing::typeface::Font;
+use crate::heading::Heading;
 use crate::style::{Dash, GroupStyle};
 
 /// Panels of lines over one common time axis.

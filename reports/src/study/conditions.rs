@@ -1,13 +1,13 @@
-//! Do the differences between families hold under every condition, and whatever the arm is made of?
+//! Do the differences between families hold under every condition, and on every arm?
 
 use armid::study::{Comparison, ConditionResult, Metric, ReportInput, TruthComparison};
 
-use super::page::shown_estimator;
+use super::selection::shown_estimator;
 use crate::{
     Axis, Cell, Column, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow, Level, Section, Table,
 };
 
-/// More conditions than a figure of pairs can tell apart.
+/// More conditions than a figure of pairs can show apart.
 const MOST: usize = 8;
 
 /// A section on conditions where a study has several, and on truths where it draws them.

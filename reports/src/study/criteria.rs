@@ -1,9 +1,9 @@
 //! Criterion value against achieved error, and the spread of the error by criterion.
 
-use armid::study::statistics::Spread;
+use armid::statistics::Spread;
 use armid::study::{FamilyScore, ReportInput, StudyDesign};
 
-use super::page::shown_estimator;
+use super::selection::shown_estimator;
 use crate::{
     Axis, BoxFigure, BoxRow, Cell, Column, Distribution, DocumentError, Group, Heading, Quantiles, ScatterFigure,
     ScatterGroup, ScatterPanel, ScatterPoint, Section, Table,

@@ -3,7 +3,7 @@
 use armid::experiment::Level;
 use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry};
 
-use super::page::shown_estimator;
+use super::selection::shown_estimator;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
 /// Biases below this many standard deviations are drawn as this many: nobody sees them.
@@ -27,7 +27,7 @@ pub(super) fn section(input: &ReportInput, sensitivity: &EffectSensitivity) -> R
         .table(worst(input, sensitivity)))
 }
 
-/// The effects, each once, what ruins prediction most at its first level first.
+/// The effects, each once, those that raise the prediction error most at their first level first.
 fn effects<'a>(shown: &[&'a SensitivityEntry]) -> Vec<&'a str> {
     let mut found: Vec<(&str, f64)> = Vec::new();
     for entry in shown {
@@ -64,9 +64,9 @@ fn glance(sensitivity: &EffectSensitivity, shown: &[&SensitivityEntry], estimato
     let group =
         |level: &Option<Level>| level.map_or("other magnitudes".to_owned(), |level| format!("{} level", level.name()));
     HeatFigure {
-        heading: Heading::new(format!("atlas-{estimator}"), "What each effect of the real arm ruins")
+        heading: Heading::new(format!("atlas-{estimator}"), "Error increase per unmodelled effect")
             .subtitle(format!("how many times the error without the effect, estimator {estimator}"))
-            .caption("Rows: one effect alone, what ruins prediction most at the top. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a run that gave no estimate."),
+            .caption("Rows: one effect alone, the largest increase of the prediction error at the top. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a run that gave no estimate."),
         values: values.collect(),
         rows: rows.into_iter().map(str::to_owned).collect(),
         columns: levels.iter().flat_map(|_| names.clone()).collect(),

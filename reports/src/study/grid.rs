@@ -2,7 +2,7 @@
 
 use armid::study::{FamilyPlan, FamilyScore, HarmonicsPlan, Metric, ReportInput};
 
-use super::page::{GROUPS, shown_estimator};
+use super::selection::{GROUPS, shown_estimator};
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Figure, Heading, HeatFigure, Section, Table};
 
 /// Whether a study is drawn as a grid: one with more families of designs than colours can show.

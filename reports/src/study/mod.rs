@@ -12,5 +12,6 @@ mod parameters;
 mod prediction;
 mod radkhah2007;
 mod rounds;
+mod selection;
 
 pub use page::study_document;

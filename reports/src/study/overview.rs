@@ -2,7 +2,7 @@
 
 use armid::study::{Comparison, ReportInput};
 
-use super::page::shown_estimator;
+use super::selection::shown_estimator;
 use crate::{Cell, Column, Section, Table};
 
 /// One sentence per deciding comparison, the first metric first.
@@ -19,12 +19,10 @@ pub(super) fn summary(input: &ReportInput) -> Vec<String> {
         paragraphs.push(sentences.join(" "));
         let winners: std::collections::BTreeSet<&str> = headline.iter().filter_map(|c| c.better.as_deref()).collect();
         paragraphs.push(match winners.len() {
-            0 => "No metric tells the two apart.".to_owned(),
+            0 => "No metric shows a significant difference.".to_owned(),
             1 if headline.iter().all(|c| c.better.is_some()) => "The ranking is the same by every metric.".to_owned(),
             1 => "Where a metric decides, it decides the same way.".to_owned(),
-            _ => {
-                "The ranking turns with the metric: no single winner may be named without naming the metric.".to_owned()
-            }
+            _ => "The metrics disagree: the ranking depends on the metric.".to_owned(),
         });
     }
     paragraphs
@@ -100,7 +98,7 @@ pub(super) fn section(input: &ReportInput) -> Section {
         ]);
     }
     Section::new("What was found")
-        .text("Families are judged by what they achieve, never by their own criterion: first by the torque that an estimate predicts on random trajectories that no design and no fit has seen, then by the volume of the parameter error, then by its size in declared units. Nothing is divided by a true value, which may be zero.")
+        .text("Families are ranked by achieved error, never by their own criterion: first by the torque that an estimate predicts on random trajectories that no design and no fit has seen, then by the volume of the parameter error, then by its size in declared units. Nothing is divided by a true value, which may be zero.")
         .table(values)
         .table(differences)
 }

@@ -2,14 +2,12 @@
 
 use armid::study::ReportInput;
 
+use super::selection::GROUPS;
 use super::{
     conditions, convergence, criteria, effect_sensitivity, grid, limits, overview, parameters, prediction, radkhah2007,
     rounds,
 };
 use crate::{Document, DocumentError};
-
-/// Families of designs that a figure tells apart by their colours.
-pub(super) const GROUPS: usize = 8;
 
 /// The page of a study with every figure and table.
 ///
@@ -83,11 +81,6 @@ pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
                 plan.identification.columns, plan.identification.derivatives, plan.identification.samples_per_period
             ),
         ))
-}
-
-/// The estimator that figures show: the last of the plan, which is the one that knows most.
-pub(super) fn shown_estimator(input: &ReportInput) -> &str {
-    input.result.plan.identification.estimators.last().map_or("", String::as_str)
 }
 
 /// The simulated arms, in words.

@@ -2,7 +2,7 @@
 
 use armid::study::{FamilyScore, ReportInput};
 
-use super::page::shown_estimator;
+use super::selection::shown_estimator;
 use crate::{
     Axis, Band, Cell, Column, CoverageFigure, CoverageRow, DocumentError, Group, Heading, Interval, IntervalFigure,
     IntervalRow, Level, Section, Table,
@@ -15,7 +15,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         result.findings().families.iter().filter(|f| f.estimator == estimator && f.runs > 1).collect();
     let section = Section::new("Parameters");
     if families.is_empty() {
-        return Ok(section.text("No family has runs enough to tell."));
+        return Ok(section.text("No family has enough runs."));
     }
     let groups = Group::assign(families.iter().map(|f| f.family.clone()));
     let bias = IntervalFigure {

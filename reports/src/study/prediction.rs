@@ -31,7 +31,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         })
         .collect();
     let figure = TimeSeriesFigure {
-        heading: Heading::new("prediction", "Torque along a trajectory that no fit has seen")
+        heading: Heading::new("prediction", "Torque along a held-out trajectory")
             .subtitle(format!("estimate: {} from a {} design", example.estimator, example.family))
             .caption("Measured: mean over the recorded periods of a validation experiment. Predicted: the estimate, at the measured positions and their derivatives."),
         time: Axis::linear("time", "s"),

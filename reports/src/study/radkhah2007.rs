@@ -7,7 +7,7 @@ use crate::{Cell, Column, Section, Table};
 /// One table row per number behind each claim.
 pub(super) fn claims(found: &Reproduction) -> Section {
     let mut table = Table::new(
-        "Each claim of Radkhah et al. (2007) and what the simulation says of it.",
+        "Each claim of Radkhah et al. (2007) and what the simulation shows.",
         vec![
             Column::text("claim"),
             Column::text("verdict"),

@@ -2,7 +2,7 @@
 
 use armid::study::{FamilyScore, ReportInput};
 
-use super::page::shown_estimator;
+use super::selection::shown_estimator;
 use crate::{
     Axis, Cell, Column, DocumentError, GroupStyle, Heading, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint,
     Section, Table,

@@ -184,7 +184,7 @@ fn settings_that_do_not_fit_are_refused() {
     let few = Processing { samples_per_period: 9, ..Processing::default() };
     assert!(matches!(refused(&few), SignalError::Decimation { found: 8, .. }));
     let none = Processing { samples_per_period: 2, ..Processing::default() };
-    assert!(matches!(refused(&none), SignalError::Decimation { found: 2, .. }));
+    assert!(matches!(refused(&none), SignalError::TooFewSamples { found: 2, .. }));
     let fast = Processing { reversal_fraction: 0.7, ..Processing::default() };
     assert!(matches!(refused(&fast), SignalError::Setting { .. }));
     let record = PeriodicRecord { dof: 3, rate_hz: RATE_HZ, period_samples: LEN, q: &arm.q, effort: &arm.current };

@@ -188,7 +188,7 @@ fn identity_completion_keeps_the_base_parameters_and_the_nominal_set_where_it_ag
     assert!((inside - &change).norm() < 1e-11 * change.norm());
     assert!(matches!(
         complete(&base, &DVector::zeros(3), &nominal),
-        Err(EstimationError::Mismatch { quantity: "base parameters", .. })
+        Err(EstimationError::Count { quantity: "base parameters", .. })
     ));
 }
 

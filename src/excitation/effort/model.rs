@@ -15,6 +15,7 @@ use crate::model::{Columns, Robot, StandardParameters};
 use crate::provenance::sha256;
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
+use crate::statistics::{Interval, wilson_interval};
 
 /// Efforts of a robot by parameters that are known with an uncertainty.
 #[derive(Clone, Debug)]
@@ -53,12 +54,10 @@ pub struct InsideShare {
 
 impl InsideShare {
     fn new(share: f64, draws: usize) -> Self {
-        const Z: f64 = 1.959_963_984_540_054;
-        let n = draws as f64;
-        let denominator = 1.0 + Z * Z / n;
-        let centre = (share + 0.5 * Z * Z / n) / denominator;
-        let half = Z / denominator * (share * (1.0 - share) / n + 0.25 * Z * Z / (n * n)).sqrt();
-        Self { share, draws, ci95: [(centre - half).max(0.0), (centre + half).min(1.0)] }
+        let hits = (share * draws as f64).round() as usize;
+        let whole = Interval { low: 0.0, high: 1.0 };
+        let Interval { low, high } = wilson_interval(hits, draws, 0.95).unwrap_or(whole);
+        Self { share, draws, ci95: [low, high] }
     }
 }
 

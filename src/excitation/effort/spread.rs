@@ -20,8 +20,7 @@ impl ParameterSpread {
     /// this probability (at least one half): its quantile.
     #[must_use]
     pub fn multiple_of(confidence: f64) -> f64 {
-        use statrs::distribution::{ContinuousCDF, Normal};
-        Normal::standard().inverse_cdf(confidence)
+        crate::statistics::normal_quantile(confidence)
     }
 
     /// From the shares that a `nominal.toml` states: of the mass, of the length of the first moment, of the trace of

@@ -1,6 +1,6 @@
 //! One claim and what was found.
 
-use crate::study::statistics::Interval;
+use crate::statistics::Interval;
 
 /// What the numbers say of a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -13,7 +13,7 @@ use crate::model::{Columns, ParameterId, ParameterKind};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::Samples;
-use crate::study::statistics::{Interval, mean, quantile, rank_correlation, root_mean_square, t_interval};
+use crate::statistics::{Interval, mean, quantile, rank_correlation, root_mean_square, t_interval};
 use crate::study::{
     DesignMethod, FamilyScore, Findings, Metric, StudyDesign, StudyError, StudySetup, Truth, feasible_ranges,
 };

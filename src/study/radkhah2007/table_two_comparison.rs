@@ -2,7 +2,7 @@
 
 use super::table_two;
 use crate::base::BaseReduction;
-use crate::study::statistics::Interval;
+use crate::statistics::Interval;
 use nalgebra::DVector;
 
 /// One of the 36 base parameters of the rigid arm.

@@ -1,0 +1,43 @@
+//! Name and words of a figure.
+
+/// Name and words of a figure.
+///
+/// ```
+/// use armid_reports::Heading;
+/// let heading = Heading::new("bias", "Bias stays inside its interval").caption("Points: mean over 25 runs.");
+/// assert_eq!(heading.name, "bias");
+/// ```
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Heading {
+    /// Stem of the SVG file and prefix of HTML ids: lower-case letters, digits and hyphens.
+    pub name: String,
+    /// What one sees, as a statement.
+    pub title: String,
+    /// A line under the title: conditions, sample sizes. May be empty.
+    pub subtitle: String,
+    /// What each mark means and what follows from it: printed under the figure on the page, and read out by screen
+    /// readers. May be empty.
+    pub caption: String,
+}
+
+impl Heading {
+    /// A heading without subtitle and caption.
+    #[must_use]
+    pub fn new(name: impl Into<String>, title: impl Into<String>) -> Self {
+        Self { name: name.into(), title: title.into(), subtitle: String::new(), caption: String::new() }
+    }
+
+    /// The same heading with a line under the title.
+    #[must_use]
+    pub fn subtitle(mut self, subtitle: impl Into<String>) -> Self {
+        self.subtitle = subtitle.into();
+        self
+    }
+
+    /// The same heading with a caption.
+    #[must_use]
+    pub fn caption(mut self, caption: impl Into<String>) -> Self {
+        self.caption = caption.into();
+        self
+    }
+}

@@ -1,0 +1,69 @@
+//! What an estimator promises.
+
+use std::fmt;
+
+/// A law that an estimator obeys unless it declares an exception; [`crate::conformance::estimator_laws`] checks it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+pub enum EstimatorLaw {
+    /// From exact equations it returns the true base parameters.
+    Recovery,
+    /// Torque in a unit `s` times smaller gives parameters and standard deviations `s` times larger.
+    TorqueUnits,
+    /// A column of the regressor `d` times larger gives a parameter and a standard deviation `d` times smaller.
+    ParameterUnits,
+    /// Fewer equations than parameters are refused.
+    TooFewEquations,
+    /// Equal input gives equal bits.
+    Determinism,
+    /// The estimate names every base parameter, every number of it is finite, its covariance is symmetric with the stated
+    /// standard deviations, each interval holds its value, and its termination is a successful one.
+    Report,
+    /// A residual far above the stated noise is reported as a finding.
+    Misfit,
+    /// 95 % intervals cover the truth about as often as they say, for white Gaussian noise of the stated covariance.
+    Coverage,
+}
+
+impl EstimatorLaw {
+    /// Every law.
+    pub const ALL: [Self; 8] = [
+        Self::Recovery,
+        Self::TorqueUnits,
+        Self::ParameterUnits,
+        Self::TooFewEquations,
+        Self::Determinism,
+        Self::Report,
+        Self::Misfit,
+        Self::Coverage,
+    ];
+
+    /// In one sentence.
+    #[must_use]
+    pub const fn sentence(self) -> &'static str {
+        match self {
+            Self::Recovery => "exact equations give the true parameters",
+            Self::TorqueUnits => "the unit of torque scales parameters and standard deviations",
+            Self::ParameterUnits => "the unit of a parameter scales its value and standard deviation",
+            Self::TooFewEquations => "fewer equations than parameters are refused",
+            Self::Determinism => "equal input gives equal bits",
+            Self::Report => "the estimate is complete and consistent in itself",
+            Self::Misfit => "a residual far above the noise is reported",
+            Self::Coverage => "95 % intervals cover the truth in about 95 % of cases",
+        }
+    }
+}
+
+impl fmt::Display for EstimatorLaw {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.write_str(self.sentence())
+    }
+}
+
+/// A law that an estimator does not obey, and why.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct LawException {
+    /// The law.
+    pub law: EstimatorLaw,
+    /// Why the estimator cannot or does not want to obey it.
+    pub reason: &'static str,
+}

@@ -1,0 +1,71 @@
+//! Intervals by drawing the sample again.
+
+use rand::RngExt;
+
+use super::{Interval, quantile};
+use crate::seed::Seed;
+
+/// Percentile interval of a statistic by the two-layer bootstrap: designs are drawn with replacement, then runs within
+/// each design drawn (A. C. Davison and D. V. Hinkley, *Bootstrap Methods and their Application*, 1997, sec. 3.8).
+///
+/// `sizes` holds the number of runs of each design, one entry per design and one list per criterion; `statistic` gets,
+/// per criterion, the drawn (design, run) pairs. Where there is only one design, runs alone are drawn. A statistic of
+/// `None` (undefined on a draw) is left out; the interval is `None` where more than half are undefined.
+pub fn bootstrap_interval(
+    sizes: &[&[usize]],
+    resamples: usize,
+    level: f64,
+    seed: Seed,
+    mut statistic: impl FnMut(&[Vec<(usize, usize)>]) -> Option<f64>,
+) -> Option<Interval> {
+    let mut rng = seed.stream("bootstrap", 0);
+    let mut values = Vec::with_capacity(resamples);
+    let mut drawn: Vec<Vec<(usize, usize)>> = vec![Vec::new(); sizes.len()];
+    for _ in 0..resamples {
+        for (criterion, designs) in sizes.iter().enumerate() {
+            drawn[criterion].clear();
+            for _ in 0..designs.len() {
+                let design = rng.random_range(0..designs.len());
+                for _ in 0..designs[design] {
+                    drawn[criterion].push((design, rng.random_range(0..designs[design])));
+                }
+            }
+        }
+        values.extend(statistic(&drawn));
+    }
+    if 2 * values.len() < resamples {
+        return None;
+    }
+    let tail = 0.5 * (1.0 - level);
+    Some(Interval { low: quantile(&values, tail)?, high: quantile(&values, 1.0 - tail)? })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::statistics::mean;
+    use rand_distr::{Distribution, StandardNormal};
+
+    #[test]
+    fn statistics_bootstrap_covers_a_known_mean() {
+        // 200 data sets of 20 designs × 5 runs, design effect and run noise both unit normal: a 90 % interval of the
+        // grand mean must cover 0 in 90 % of them. With 200 trials, 83 to 96 % holds but for a chance of 0.1 %.
+        let mut covered = 0;
+        for set in 0..200 {
+            let mut rng = Seed::new(5).stream("data", set);
+            let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
+            let data: Vec<Vec<f64>> = (0..20)
+                .map(|_| {
+                    let design = normal();
+                    (0..5).map(|_| design + normal()).collect()
+                })
+                .collect();
+            let sizes = vec![5; 20];
+            let interval = bootstrap_interval(&[&sizes], 300, 0.9, Seed::new(set), |drawn| {
+                Some(mean(&drawn[0].iter().map(|&(d, r)| data[d][r]).collect::<Vec<_>>()))
+            });
+            covered += usize::from(interval.unwrap().contains(0.0));
+        }
+        assert!((166..=192).contains(&covered), "covered {covered} of 200");
+    }
+}

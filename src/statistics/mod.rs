@@ -1,0 +1,20 @@
+//! The few statistics that estimates and studies report.
+//!
+//! ```text
+//! x̄ ± t_{n−1} s/√n        Wilson's interval of a proportion        Spearman's ρ        two-layer bootstrap
+//! ```
+//! Distributions, intervals and resampling stand here once, for every module below. Everything that is summed is summed
+//! in the order in which it is given, and every function of a distribution comes from `libm`, so that a result depends
+//! neither on the number of threads nor on the CPU.
+
+mod bootstrap;
+mod distribution;
+mod interval;
+mod rank_correlation;
+mod sample;
+
+pub use bootstrap::bootstrap_interval;
+pub use distribution::{normal_quantile, student_quantile};
+pub use interval::{Interval, t_interval, wilson_interval};
+pub use rank_correlation::rank_correlation;
+pub use sample::{Spread, mean, quantile, root_mean_square, variance};

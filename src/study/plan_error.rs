@@ -1,0 +1,85 @@
+//! What a plan can ask for that is not there.
+
+use crate::model::format::FormatError;
+
+/// Why a plan cannot be carried out.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum StudyPlanError {
+    /// A name that is not in the list.
+    #[error("{key} is \"{found}\", expected one of {}", names.join(", "))]
+    Name {
+        /// The key.
+        key: &'static str,
+        /// What was found.
+        found: String,
+        /// The names that there are.
+        names: Vec<String>,
+    },
+    /// A name that no family has that could be meant.
+    #[error("{key} is \"{found}\", expected one of the families: {}", families.join(", "))]
+    Family {
+        /// The key.
+        key: &'static str,
+        /// What was found.
+        found: String,
+        /// The families that could be meant.
+        families: Vec<String>,
+    },
+    /// An entry that is in its list already.
+    #[error("{key} has \"{found}\" twice, expected each once")]
+    Twice {
+        /// The key.
+        key: &'static str,
+        /// The entry.
+        found: String,
+    },
+    /// A number out of range.
+    #[error("{key} is {found}, expected {expected}")]
+    Number {
+        /// The key.
+        key: String,
+        /// What was found.
+        found: String,
+        /// What is possible.
+        expected: &'static str,
+    },
+}
+
+impl StudyPlanError {
+    /// The fault at its place in the plan's text.
+    #[must_use]
+    pub fn in_text(&self, text: &str) -> FormatError {
+        FormatError::at(text, self.place(text), self.to_string())
+    }
+
+    /// Where in the text the fault's key stands: the first line with that key and the value that was found.
+    fn place(&self, text: &str) -> std::ops::Range<usize> {
+        let (key, found) = match self {
+            Self::Name { key, found, .. } | Self::Family { key, found, .. } => (*key, found),
+            Self::Number { key, found, .. } => (key.as_str(), found),
+            Self::Twice { key, found } => (*key, found),
+        };
+        let key = key.rsplit('.').next().unwrap_or(key);
+        let mut begin = 0;
+        for line in text.split_inclusive('\n') {
+            if line.trim_start().starts_with(key) && line.contains(found.as_str()) {
+                let start = begin + line.find(found.as_str()).unwrap_or(0);
+                return start..start + found.len();
+            }
+            begin += line.len();
+        }
+        0..0
+    }
+}
+
+pub(super) fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) -> StudyPlanError {
+    StudyPlanError::Number { key: key.into(), found: found.to_string(), expected }
+}
+
+pub(super) fn family_name<'a>(key: &'static str, found: &str, names: impl Iterator<Item = &'a str>) -> StudyPlanError {
+    StudyPlanError::Family { key, found: found.to_owned(), families: names.map(str::to_owned).collect() }
+}
+
+pub(super) fn name<'a>(key: &'static str, found: &str, names: impl IntoIterator<Item = &'a str>) -> StudyPlanError {
+    StudyPlanError::Name { key, found: found.to_owned(), names: names.into_iter().map(str::to_owned).collect() }
+}
