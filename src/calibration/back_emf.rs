@@ -26,7 +26,7 @@ const WINDOW_S: f64 = 0.05;
 /// Least current of a window in which the drop over the brushes is taken as constant, A.
 const LEAST_CURRENT: f64 = 5.0 * MotorCircuit::BRUSH_CURRENT;
 
-/// What is assumed of the armature's resistance.
+/// The assumed resistance of the armature.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Resistance {
     /// Estimated with the torque constant.
@@ -35,12 +35,12 @@ pub enum Resistance {
     Known(f64),
 }
 
-/// One window: what the motor's speed and its back-EMF were.
+/// Speed and back-EMF of a motor in one window.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct BackEmfPoint {
     /// Mean speed of the motor's shaft, rad/s.
     pub speed: f64,
-    /// Mean voltage less what resistance, inductance and brushes take, V.
+    /// Mean voltage minus the drops over resistance, inductance and brushes, V.
     pub voltage: f64,
 }
 
@@ -55,7 +55,7 @@ pub struct BackEmf {
     pub inductance: Measured,
     /// Drop over the brushes, V.
     pub brush_drop: Measured,
-    /// RMS of what the circuit leaves unexplained in a window, V.
+    /// RMS residual of the circuit equation in a window, V.
     pub residual_rms: f64,
     /// Condition number of the equations with columns of unit length.
     pub condition_scaled: f64,

@@ -1,4 +1,4 @@
-//! What can keep a calibration from an answer.
+//! Why a calibration has no result.
 
 use crate::linalg::LeastSquaresError;
 

@@ -21,10 +21,10 @@ use crate::linalg::LeastSquares;
 use crate::model::Robot;
 use crate::signal::torque_map;
 
-/// Left out at both ends of a stretch, s: what the servo takes to settle at a speed.
+/// Left out at both ends of a segment, s: the settling time of the servo.
 const SETTLING_S: f64 = 0.2;
 
-/// What one speed showed.
+/// Friction at one speed.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FrictionPoint {
     /// Speed, rad/s (m/s).

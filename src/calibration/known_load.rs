@@ -1,13 +1,13 @@
-//! Torque constants without motor voltages: from what a known payload adds.
+//! Torque constants without motor voltages: from the torque that a known payload adds.
 //!
 //! ```text
 //! τ̂_k = N_k Kt°_k i_k = (Kt°_k / Kt_k) (Y_k φ + s Y_load,k φ_load)        s = 0 without the payload, 1 with it
 //! ```
-//! `Kt°` is what the robot file says and `Y_k φ` is the arm's own torque, whose parameters are unknown and scaled alike.
+//! `Kt°` is that of the robot file and `Y_k φ` is the arm's own torque, whose parameters are unknown and scaled alike.
 //! Each joint is an equation of its own: its base columns, and one column that is known in N·m and whose coefficient is
 //! `Kt°/Kt`. Both recordings enter together, so that the arm need not follow its command alike in both.
 //!
-//! A joint with a vertical axis feels the payload through its inertia only: its interval is wider.
+//! A joint with a vertical axis shows the payload through its inertia only: its interval is wider.
 //!
 //! Reference: M. Gautier, S. Briot, "Global identification of joint drive gains and dynamic parameters of robots", ASME J.
 //! Dyn. Syst. Meas. Control 136(5), 2014.
@@ -24,18 +24,18 @@ use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;
 use crate::spatial::Inertia;
 
-/// What the payload shows of one joint.
+/// The result for one joint.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct KnownLoad {
     /// Name of the joint.
     pub joint: String,
     /// Torque constant of its motor, N·m/A.
     pub torque_constant: Measured,
-    /// What the robot file says, N·m/A.
+    /// The value in the robot file, N·m/A.
     pub assumed: f64,
     /// RMS of the torque that the payload adds, N·m (N).
     pub load_rms: f64,
-    /// RMS of what the equations leave unexplained, N·m (N) with the assumed constant.
+    /// RMS residual of the equations, N·m (N) with the assumed constant.
     pub residual_rms: f64,
 }
 
@@ -53,7 +53,7 @@ pub struct HiddenLoad {
 }
 
 impl HiddenLoad {
-    /// What to do about it.
+    /// Advice.
     #[must_use]
     pub const fn advice(&self) -> &'static str {
         "attach the payload further from this joint's axis, take a heavier one, or move the joint more; or measure the \
@@ -68,7 +68,7 @@ impl fmt::Display for HiddenLoad {
     }
 }
 
-/// What a payload shows of a robot's motors, joint by joint.
+/// The torque constants of a robot's motors from a known payload, joint by joint.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct KnownLoads {
     /// The joints whose torque constants it shows.

@@ -1,4 +1,4 @@
-//! What is measured joint by joint before an arm is identified: torque constants, and friction at constant speed.
+//! Measurements joint by joint before an arm is identified: torque constants, and friction at constant speed.
 //!
 //! ```text
 //! v = R i + L di/dt + Ke ω + V_b sgn(i)        Kt = Ke            from motor voltages: `back_emf`

@@ -1,4 +1,4 @@
-//! What can keep an estimator from an answer.
+//! Why there is no estimate.
 
 use std::fmt;
 

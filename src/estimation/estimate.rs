@@ -1,4 +1,4 @@
-//! What an estimator hands back.
+//! The result of an estimator.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -29,7 +29,7 @@ pub struct StandardEstimate {
     pub value: f64,
 }
 
-/// Where the noise behind the intervals was seen.
+/// The source of the noise behind the intervals.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum IntervalBasis {
@@ -67,7 +67,7 @@ pub struct Estimate {
     pub condition: f64,
     /// The same with columns of unit length.
     pub condition_scaled: f64,
-    /// Where the noise behind the intervals was seen.
+    /// The source of the noise behind the intervals.
     pub interval_basis: IntervalBasis,
     /// Degrees of freedom behind the intervals.
     pub degrees_of_freedom: f64,
@@ -75,11 +75,11 @@ pub struct Estimate {
     pub samples: usize,
     /// Periods that were averaged.
     pub periods: usize,
-    /// What a reader must know.
+    /// Findings about the estimate, each with advice.
     pub findings: Vec<Finding>,
     /// How the estimator ended.
     pub termination: Termination,
-    /// What produced it, where the recording says so.
+    /// Version, robot and seed that produced it, where the recording holds them.
     pub provenance: Option<Provenance>,
 }
 
@@ -108,7 +108,7 @@ impl Estimate {
         self.base.iter().map(|p| p.name.clone()).collect()
     }
 
-    /// What the estimate knows of β, `C⁻¹` (b × b), for the next experiment to build on; `None` where the covariance is
+    /// The information of the estimate on β, `C⁻¹` (b × b), as a prior for the next experiment; `None` where the covariance is
     /// not positive definite.
     #[must_use]
     pub fn information(&self) -> Option<DMatrix<f64>> {

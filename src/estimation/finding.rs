@@ -1,4 +1,4 @@
-//! What a reader of an estimate must know.
+//! Findings about an estimate: what limits its use, with the number measured and advice.
 
 use std::fmt;
 
@@ -42,7 +42,7 @@ pub enum Finding {
         /// Unit of both.
         unit: String,
     },
-    /// Neighbouring residuals of a joint are more alike than the noise is.
+    /// Neighbouring residuals of a joint are more correlated than the noise.
     ResidualCorrelated {
         /// Joint, from one.
         joint: usize,
@@ -75,7 +75,7 @@ pub enum Finding {
 }
 
 impl Finding {
-    /// What to do about it.
+    /// Advice.
     #[must_use]
     pub const fn advice(&self) -> &'static str {
         match self {

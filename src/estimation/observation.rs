@@ -30,7 +30,7 @@ pub struct Observation {
     pub base: BaseReduction,
     /// Unit of each base parameter, b.
     pub parameter_units: Vec<String>,
-    /// Noise of y, where it was seen in the scatter over periods.
+    /// Noise of y, where it was measured as scatter over periods.
     pub noise: Option<NoiseModel>,
     /// Covariance of one raw sample of torque, n × n; `None` as above.
     pub torque_covariance: Option<DMatrix<f64>>,
@@ -38,7 +38,7 @@ pub struct Observation {
     pub periodic: bool,
     /// Periods that were averaged.
     pub periods: usize,
-    /// What produced the samples.
+    /// Version, robot and seed that produced the samples.
     pub provenance: Option<Provenance>,
 }
 

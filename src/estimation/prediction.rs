@@ -1,4 +1,4 @@
-//! What an estimate predicts, and how well.
+//! Torque prediction by an estimate, and its validation.
 
 use super::residual::joint_rms;
 use super::{Estimate, EstimationError};

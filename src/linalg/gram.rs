@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-/// The sums `WᵀW` (b × b), `Wᵀy` (b) and `yᵀy` over the rows seen so far.
+/// The sums `WᵀW` (b × b), `Wᵀy` (b) and `yᵀy` over the rows added so far.
 ///
 /// A trajectory of any length is gathered in blocks without ever holding W. Rows are added one by one in the order in
 /// which they come, so the bits do not depend on how the rows were cut into blocks.
@@ -82,7 +82,7 @@ impl Gram {
         self.energy
     }
 
-    /// Number of rows seen.
+    /// Number of rows added.
     #[must_use]
     pub const fn rows(&self) -> usize {
         self.rows

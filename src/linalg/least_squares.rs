@@ -1,4 +1,4 @@
-//! Linear least squares with what is needed for error bars.
+//! Linear least squares with the factors of the covariance.
 //!
 //! ```text
 //! min ‖y − W β‖        W D⁻¹ = Q R, D = diag(‖w_j‖)        β̂ = D⁻¹ R⁻¹ Qᵀ y

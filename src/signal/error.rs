@@ -1,4 +1,4 @@
-//! What can be wrong with a record.
+//! Why a record cannot be processed.
 
 /// Why a record cannot be turned into samples.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -11,7 +11,7 @@ use crate::model::{EffortInterface, Robot};
 
 /// Processes whole periods: average, derivatives, torque, thinning, and the noise of the result.
 ///
-/// `effort` says what the record's efforts are; `highest_hz` is the highest commanded frequency, which is always kept.
+/// `effort` is the kind of the record's efforts; `highest_hz` is the highest commanded frequency, which is always kept.
 ///
 /// # Errors
 /// [`SignalError`] where the record is malformed or a setting does not fit it.

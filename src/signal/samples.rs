@@ -1,4 +1,4 @@
-//! What estimation starts from: states, torque, and the noise of both.
+//! The input of estimation: states, torque, and the noise of both.
 
 use nalgebra::DMatrix;
 
@@ -44,7 +44,7 @@ pub struct Samples {
     pub position_band_hz: Vec<f64>,
     /// Upper end of the band that torque was kept in, Hz; `None` where it was not filtered.
     pub torque_band_hz: Option<f64>,
-    /// What produced it, where the recording says so.
+    /// Version, robot and seed that produced it, where the recording holds them.
     pub provenance: Option<Provenance>,
 }
 

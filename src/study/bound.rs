@@ -15,7 +15,7 @@ use crate::model::Robot;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::torque_per_current;
 
-/// Covariance of the joint torques in one raw sample, as the robot's sensors make it, (N·m)², n × n.
+/// Covariance of the joint torques in one raw sample, from the noise of the robot's sensors, (N·m)², n × n.
 #[must_use]
 pub fn torque_covariance(robot: &Robot) -> DMatrix<f64> {
     let variance = DVector::from_iterator(

@@ -1,4 +1,4 @@
-//! Two families by one metric, with the interval of their difference.
+//! The difference between two families of designs in one metric, with its interval.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -6,16 +6,16 @@ use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
 use super::metric::Metric;
 use crate::statistics::{Interval, bootstrap_interval, mean};
 
-/// Two families by one metric.
+/// The difference between two families of designs in one metric.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Comparison {
-    /// By what.
+    /// The metric.
     pub metric: Metric,
-    /// With which estimator.
+    /// Name of the estimator.
     pub estimator: String,
-    /// The first family.
+    /// Name of the first family.
     pub first: String,
-    /// The second family.
+    /// Name of the second family.
     pub second: String,
     /// First over second; for a logarithmic metric first minus second. Below 1 (0): the first is better.
     pub difference: f64,

@@ -20,14 +20,14 @@ pub struct Condition {
     pub effects: Effects,
 }
 
-/// What the runs under one condition say.
+/// The results of all runs under one condition.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ConditionResult {
     /// The condition.
     pub condition: Condition,
     /// How the runs ended: every status that occurred, by name.
     pub statuses: Vec<StatusCount>,
-    /// What the runs together say.
+    /// Scores and comparisons over these runs.
     pub findings: Findings,
 }
 

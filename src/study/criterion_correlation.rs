@@ -6,9 +6,9 @@ use crate::statistics::{Spread, rank_correlation};
 /// How well a design's own criterion value predicts the error that it achieves.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct CriterionCorrelation {
-    /// Which value of the design.
+    /// Name of the design's value.
     pub value: String,
-    /// With which estimator.
+    /// Name of the estimator.
     pub estimator: String,
     /// Spearman's rank correlation over designs with the median prediction error.
     pub rank_correlation: Option<f64>,

@@ -17,9 +17,9 @@ pub struct StudyDesign {
     pub start: usize,
     /// The trajectory.
     pub trajectory: PeriodicTrajectory,
-    /// What was optimised or chosen by; `None` for a fixed trajectory.
+    /// The criterion that it was optimised for or chosen by; `None` for a fixed trajectory.
     pub criterion: Option<CriterionKind>,
-    /// What it is worth and how much of each limit it uses.
+    /// Its criterion values and its use of each limit.
     pub certificate: Certificate,
     /// Evaluations of the criterion that were spent.
     pub evaluations: usize,
@@ -27,7 +27,7 @@ pub struct StudyDesign {
     pub iterations: usize,
     /// How the optimisation ended; `None` for a fixed trajectory.
     pub termination: Option<Termination>,
-    /// How the value developed.
+    /// The criterion value over the iterations.
     pub history: Vec<HistoryPoint>,
 }
 

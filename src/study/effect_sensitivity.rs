@@ -1,4 +1,4 @@
-//! What each effect of the real arm does to each estimate: bias of every parameter, error of every kind of parameter, error
+//! Sensitivity of each estimate to each effect of the real arm: bias of every parameter, error of every kind of parameter, error
 //! of prediction.
 //!
 //! ```text
@@ -20,7 +20,7 @@ use crate::experiment::Level;
 use crate::model::ParameterKind;
 use crate::statistics::{Interval, mean, t_interval};
 
-/// All effects of a study by what they do.
+/// The sensitivity of the estimates to all effects of a study.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EffectSensitivity {
     /// The kinds of parameters that error ratios are given for.
@@ -29,7 +29,7 @@ pub struct EffectSensitivity {
     pub entries: Vec<SensitivityEntry>,
 }
 
-/// What one condition does to one family of designs with one estimator.
+/// The sensitivity to one condition of one family of designs with one estimator.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct SensitivityEntry {
     /// Name of the condition.

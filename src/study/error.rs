@@ -1,4 +1,4 @@
-//! What can keep a study from beginning.
+//! Why a study cannot begin.
 
 use super::plan_error::StudyPlanError;
 use super::random_truth::TruthError;

@@ -1,4 +1,4 @@
-//! From the outcomes of all runs to what a study says: per design, per family of designs, per parameter, and the
+//! From the outcomes of all runs to the findings of a study: per design, per family of designs, per parameter, and the
 //! differences between families with their intervals.
 //!
 //! ```text
@@ -23,7 +23,7 @@ use crate::statistics::Spread;
 /// Confidence of every interval.
 pub(super) const LEVEL: f64 = 0.95;
 
-/// One design, as the summary needs it.
+/// One design with the values that its runs are compared with.
 #[derive(Clone, Copy, Debug)]
 pub struct DesignRow<'a> {
     /// Index of its family.
@@ -34,12 +34,12 @@ pub struct DesignRow<'a> {
     pub values: &'a [(&'a str, f64)],
 }
 
-/// Everything that is summed up.
+/// The input of the findings: designs, truths and all outcomes.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence<'a> {
     /// Names of the families.
     pub families: &'a [String],
-    /// Families that every other is compared with; all pairs where there are none.
+    /// Families that every other is compared with; empty compares all pairs.
     pub compare_with: &'a [String],
     /// The designs of the study.
     pub designs: &'a [DesignRow<'a>],
@@ -55,12 +55,12 @@ pub struct Evidence<'a> {
     pub seed: Seed,
 }
 
-/// What all outcomes together say.
+/// Scores, comparisons and correlations over all outcomes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Findings {
-    /// Every family with every estimator.
+    /// The score of every family with every estimator.
     pub families: Vec<FamilyScore>,
-    /// Every pair of families, by every metric, with every estimator.
+    /// The comparison of every pair of families, in every metric, with every estimator.
     pub comparisons: Vec<Comparison>,
     /// The same over random truths, where the study draws them.
     #[serde(default)]
@@ -96,7 +96,7 @@ impl Run<'_> {
 pub(super) type FamilyRuns<'a> = Vec<Vec<Run<'a>>>;
 
 impl Evidence<'_> {
-    /// Sums up.
+    /// Computes the findings.
     #[must_use]
     pub fn findings(&self) -> Findings {
         let mut findings = Findings {

@@ -1,4 +1,4 @@
-//! Single cases that a reader wants to see: a design against its limits, a measured torque against its prediction.
+//! Examples that the figures of a report show: a design against its limits, a measured torque against its prediction.
 
 use super::{ScoredEstimate, StudyDesign, StudySetup};
 use crate::dynamics::{Dynamics, States};
@@ -10,7 +10,7 @@ use nalgebra::DVector;
 /// Samples of every example.
 const SAMPLES: usize = 250;
 
-/// The cases that the figures of a study show.
+/// The examples that the figures of a report show.
 #[derive(Clone, Debug, Default, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Examples {
     /// One design of each family against its limits.

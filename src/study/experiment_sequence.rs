@@ -1,10 +1,10 @@
-//! Experiments one after the other: what a later one adds to what the earlier ones have shown.
+//! Sequences of experiments: a later experiment adds its information to that of the earlier ones.
 //!
 //! ```text
 //! M = Σ_k C_k⁻¹        β̂ = M⁻¹ Σ_k C_k⁻¹ β̂_k        cov β̂ = M⁻¹          C_k covariance of the estimate of experiment k
 //! ```
 //! A family of designs that names another in `after` continues it: its designs have the information of that family's
-//! designs as their prior, and its runs put the estimates of all experiments of the sequence together. For Gaussian noise
+//! designs as their prior, and its runs combine the estimates of all experiments of the sequence. For Gaussian noise
 //! and a linear model the sum loses nothing against one fit of all data.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
@@ -25,7 +25,7 @@ const NOT_DEFINITE: &str = "the covariance of an estimate is not positive defini
 pub struct Experiment<'a> {
     /// The design.
     pub design: &'a StudyDesign,
-    /// Who performs it.
+    /// The arm that performs it.
     pub arm: &'a mut dyn Arm,
 }
 
@@ -83,7 +83,7 @@ impl StudySetup {
         self.bound_with_weight(&all, self.raw_samples() / first.len() as f64)
     }
 
-    /// One run of a sequence: every experiment performed, every estimate made, all put together; the outcome is that of the
+    /// One run of a sequence: every experiment performed, every estimate made, all combined; the outcome is that of the
     /// last design.
     #[must_use]
     pub fn trial_of_sequence(&self, id: RunId, experiments: &mut [Experiment<'_>]) -> Outcome {

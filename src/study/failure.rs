@@ -2,11 +2,11 @@
 
 use crate::experiment::{ArmError, Divergence, PlantError, TripReport};
 
-/// Why a run, or one estimator of it, gave nothing.
+/// Why a run, or one estimator of it, gave no estimate.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, thiserror::Error)]
 #[error("{reason}")]
 pub struct Failure {
-    /// Which kind.
+    /// Its kind.
     pub kind: FailureKind,
     /// What happened, with numbers.
     pub reason: String,
@@ -22,13 +22,13 @@ pub enum FailureKind {
     DivergedNotFinite,
     /// A joint was faster than ten times its limit.
     DivergedSpeed,
-    /// The engine gave up.
+    /// The engine failed.
     DivergedEngine,
     /// A guard ended the experiment.
     Tripped,
     /// The recording could not be processed.
     Signal,
-    /// The estimator gave nothing.
+    /// The estimator gave no estimate.
     Estimator,
 }
 

@@ -1,4 +1,4 @@
-//! What a family of designs achieved, in all and parameter by parameter.
+//! The score of a family of designs, in all and parameter by parameter.
 
 use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
 use super::metric::Metric;
@@ -9,7 +9,7 @@ use crate::statistics::{
 /// Runs for each parameter from which on a volume has an interval.
 const VOLUME_RUNS: usize = 4;
 
-/// What a family of designs achieved with one estimator.
+/// The score of a family of designs with one estimator.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct FamilyScore {
     /// Name of the family.
@@ -44,7 +44,7 @@ pub struct FamilyScore {
 
 impl FamilyScore {
     /// The bound of one experiment where `experiments` make up the whole, `bound √k`: as long as it falls, an experiment
-    /// buys more than the same number of samples of those before it; where it stands still, the design has nothing left
+    /// gains more than the same number of samples of those before it; where it stands still, the design has nothing left
     /// to add.
     #[must_use]
     pub fn bound_per_experiment(&self, experiments: usize) -> Option<f64> {
@@ -52,7 +52,7 @@ impl FamilyScore {
     }
 }
 
-/// What a family achieved on one base parameter.
+/// The score of a family on one base parameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ParameterScore {
     /// Mean error, in the parameter's unit.

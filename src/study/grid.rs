@@ -1,4 +1,4 @@
-//! Many families of designs in a few lines: every criterion × family of trajectories × number of harmonics.
+//! A grid of families of designs: every criterion × family of trajectories × number of harmonics.
 
 use super::plan::{DesignMethod, FamilyPlan, HarmonicsPlan};
 
@@ -19,7 +19,7 @@ pub struct GridPlan {
 }
 
 impl GridPlan {
-    /// The families of designs that it stands for, named `criterion family harmonics`.
+    /// The families of designs of the grid, named `criterion family harmonics`.
     pub(super) fn designs(&self) -> Vec<FamilyPlan> {
         let mut designs = Vec::new();
         for criterion in &self.criteria {

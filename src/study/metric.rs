@@ -1,4 +1,4 @@
-//! By what designs are compared.
+//! The metrics in which designs are compared.
 
 use super::outcome::ScoredEstimate;
 
@@ -7,7 +7,7 @@ const RESAMPLES: usize = 1000;
 /// Draws where the statistic is a determinant, which costs a thousand times more.
 const VOLUME_RESAMPLES: usize = 200;
 
-/// By what designs are compared, in the order in which it decides.
+/// A metric in which designs are compared; the first decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Metric {

@@ -1,4 +1,4 @@
-//! How good is a design, how good is an estimator: the truth, the scores, and what many runs together say.
+//! How good is a design, how good is an estimator: the truth, the scores, and the statistics of many runs.
 //!
 //! ```text
 //! StudyPlan → designs → (experiment → Samples → Observation → Estimate → Score) × conditions × runs → Findings

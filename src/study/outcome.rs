@@ -1,11 +1,11 @@
-//! What one run of a study leaves behind: small, whole, and enough for every figure.
+//! The outcome of one run of a study: small, and enough for every figure.
 
 use super::Failure;
 use super::run_id::RunId;
 use super::scorer::Score;
 use crate::estimation::Estimate;
 
-/// One run of one design under one condition: what every estimator made of it, or why there is nothing.
+/// One run of one design under one condition: the estimate of every estimator, or the reason why there is none.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Outcome {
     /// Index of the design in the study.
@@ -37,12 +37,12 @@ pub struct ScoredEstimate {
     pub half_width: Vec<f64>,
     /// RMS residual of each joint, N·m.
     pub residual_rms: Vec<f64>,
-    /// How far from the truth it is.
+    /// Its errors against the truth.
     pub score: Option<Score>,
 }
 
 impl Outcome {
-    /// Which run it is.
+    /// The run that it belongs to.
     #[must_use]
     pub const fn id(&self) -> RunId {
         RunId { design: self.design, condition: self.condition, run: self.run }
@@ -70,7 +70,7 @@ impl ScoredEstimate {
         }
     }
 
-    /// An estimator that gave nothing, and why.
+    /// An estimator that gave no estimate, and why.
     #[must_use]
     pub fn failed(estimator: &str, failure: Failure) -> Self {
         Self {

@@ -1,4 +1,4 @@
-//! What a plan can ask for that is not there.
+//! Why a plan cannot be carried out.
 
 use crate::model::format::FormatError;
 

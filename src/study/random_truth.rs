@@ -1,4 +1,4 @@
-//! Truths drawn at random around one guess of the arm, so that no conclusion hangs on that guess.
+//! Truths drawn at random around one guess of the arm, so that no conclusion depends on that guess.
 //!
 //! ```text
 //! U' = U E            each link: U the log-Cholesky factor of its pseudo-inertia, E that of
@@ -92,7 +92,7 @@ impl RandomTruths {
     /// Every truth of a study with this seed. A draw depends on the seed and its own number alone.
     ///
     /// # Errors
-    /// [`TruthError`] where a link of `centre` is no body that can exist.
+    /// [`TruthError`] where a link of `centre` is physically inconsistent.
     pub fn draw(&self, centre: &Truth, seed: Seed) -> Result<Vec<Truth>, TruthError> {
         (0..self.count as u64).map(|index| self.one(centre, &mut seed.stream("truth", index))).collect()
     }

@@ -1,4 +1,4 @@
-//! What a study stores beside its rows: enough to print and draw every part of its report again.
+//! The stored summary of a study: everything that its report is made from, beside the rows.
 
 use super::radkhah2007::Reproduction;
 use super::{ConditionResult, EffectSensitivity, Examples, Findings, StudyDesign, StudyPlan, StudySetup};
@@ -9,7 +9,7 @@ use crate::provenance::Provenance;
 pub struct StudyResult {
     /// The plan as run.
     pub plan: StudyPlan,
-    /// What produced it.
+    /// Version, robot and seed that produced it.
     pub provenance: Provenance,
     /// The robot's joints.
     pub joints: Vec<JointLine>,
@@ -23,9 +23,9 @@ pub struct StudyResult {
     /// True base parameters of each truth that was drawn, in the order of the parameters.
     #[serde(default)]
     pub drawn_truths: Vec<Vec<f64>>,
-    /// What the runs under each condition say, the first being the one that figures show.
+    /// The results under each condition, the first being the one that figures show.
     pub conditions: Vec<ConditionResult>,
-    /// What each effect does, where there are conditions with and without.
+    /// The sensitivity to each effect, where there are conditions with and without.
     #[serde(default, rename = "atlas", skip_serializing_if = "Option::is_none")]
     pub effect_sensitivity: Option<EffectSensitivity>,
     /// The claims of `radkhah2007` evaluated, and its Table II, where the plan asks for them.
@@ -43,7 +43,7 @@ impl StudyResult {
         }
     }
 
-    /// What the runs under the first condition say.
+    /// The findings under the first condition.
     #[must_use]
     pub fn findings(&self) -> &Findings {
         &self.conditions[0].findings
@@ -72,7 +72,7 @@ pub struct ParameterLine {
     pub unit: String,
     /// Its true value.
     pub truth: f64,
-    /// The error that counts as one.
+    /// The reference unit of its error.
     pub reference_unit: f64,
 }
 
@@ -86,7 +86,7 @@ pub struct ReportInput {
 }
 
 impl StudySetup {
-    /// Puts together what is stored.
+    /// Assembles the stored summary.
     #[must_use]
     pub fn result(
         &self,

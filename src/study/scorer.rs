@@ -26,7 +26,7 @@ pub struct Scorer {
     samples: usize,
 }
 
-/// How far one estimate is from the truth.
+/// The errors of one estimate against the truth.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Score {
     /// Torque prediction RMSE over all joints and validation samples, N·m.

@@ -44,7 +44,7 @@ pub struct StudySetup {
 }
 
 impl StudySetup {
-    /// Reduces the robot, draws the validation trajectories, and puts the scorer in place.
+    /// Reduces the robot, draws the truths and the validation trajectories, and makes the scorer.
     ///
     /// # Errors
     /// [`StudyError`] where the plan, the robot or the validation trajectories do not allow it.
@@ -111,13 +111,13 @@ impl StudySetup {
         &self.base
     }
 
-    /// What the arm is made of in this run.
+    /// The true parameters of the arm in this run.
     #[must_use]
     pub fn truth(&self, run: u64) -> &Truth {
         &self.truths[self.plan.truth_of(run)]
     }
 
-    /// Who knows the truth.
+    /// The scorer, which knows the truth.
     #[must_use]
     pub const fn scorer(&self) -> &Scorer {
         &self.scorer
@@ -200,7 +200,7 @@ impl StudySetup {
         self.plan.experiment.period_s * self.plan.experiment.rate_hz
     }
 
-    /// One run: performs the experiment on `arm`, processes what it recorded, estimates and scores. Whatever goes wrong
+    /// One run: performs the experiment on `arm`, processes what it recorded, estimates and scores. Any failure
     /// is a reason in the outcome.
     #[must_use]
     pub fn trial(&self, id: RunId, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
@@ -251,7 +251,7 @@ impl StudySetup {
         self.estimators.iter().map(estimate).collect()
     }
 
-    /// What the outcomes under each condition say; `bounds` holds the Cramér–Rao standard deviations of each design.
+    /// The results under each condition; `bounds` holds the Cramér–Rao standard deviations of each design.
     #[must_use]
     pub fn conditions(
         &self,
@@ -273,7 +273,7 @@ impl StudySetup {
             .collect()
     }
 
-    /// What the outcomes under one condition say.
+    /// The findings under one condition.
     fn findings(&self, designs: &[StudyDesign], bounds: &[Vec<f64>], outcomes: &[Outcome]) -> Findings {
         let mut sorted: BTreeMap<RunId, &Outcome> = BTreeMap::new();
         for outcome in outcomes {

@@ -5,14 +5,14 @@ use crate::model::format::{FormatError, parse_parameters};
 use crate::model::{Columns, Drive, Robot, StandardParameters};
 use nalgebra::DVector;
 
-/// What a simulation is made of and an estimate is scored against.
+/// The arm that a simulation has and an estimate is scored against.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
     /// Inertia, rotor, friction and offset of every link and joint.
     pub parameters: StandardParameters,
-    /// What the arm does beside: no estimate has a parameter for it.
+    /// Effects of the real arm, for which no estimate has a parameter.
     pub effects: Effects,
-    /// What the motors really are, n; empty where they are what the robot file says.
+    /// The true motors, n; empty where they are those of the robot file.
     pub motors: Vec<Drive>,
 }
 
@@ -24,7 +24,7 @@ struct Beside {
 }
 
 impl Truth {
-    /// An arm that does what its parameters say, and nothing beside.
+    /// An arm without effects beside its parameters.
     #[must_use]
     pub const fn of(parameters: StandardParameters) -> Self {
         Self { parameters, effects: Effects::none(), motors: Vec::new() }

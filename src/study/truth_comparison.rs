@@ -10,7 +10,7 @@ use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
 use super::metric::Metric;
 use crate::statistics::{Interval, mean, t_interval, wilson_interval};
 
-/// Two families by one metric over random truths.
+/// The difference between two families in one metric over random truths.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct TruthComparison {
     /// By what.
