@@ -22,7 +22,7 @@ fn main() {
             if !name.contains(&filter) {
                 continue;
             }
-            let mut problem = DesignProblem::new(robot.clone(), Columns::RigidRotorFriction, criterion)
+            let mut problem = DesignProblem::new(robot.clone(), Columns::RIGID_ROTOR_FRICTION, criterion)
                 .expect("a bundled robot has a base");
             let shares = &nominal.relative_uncertainty;
             problem.spread = Some(ParameterSpread::of(&robot, &nominal.parameters, shares, CONFIDENCE_95));

@@ -60,15 +60,15 @@ fn main() {
     for columns in Columns::ALL {
         let regressor = JointTorqueRegressor::new(&robot, columns);
         let mut y = vec![0.0; regressor.rows() * regressor.cols()];
-        time(&format!("regressor, {}", columns.name()), 1, |k| {
+        time(&format!("regressor, {columns}"), 1, |k| {
             regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y);
             black_box(&y);
         });
-        time(&format!("stack, {}, per sample", columns.name()), STATES, |_| {
+        time(&format!("stack, {columns}, per sample"), STATES, |_| {
             black_box(regressor.stack(&states));
         });
     }
-    let regressor = JointTorqueRegressor::new(&robot, Columns::RigidRotorFriction);
+    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
     let g: Vec<f64> = (0..regressor.rows() * regressor.cols()).map(|k| (k % 7) as f64 - 3.0).collect();
     let (mut dq, mut dqd, mut dqdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
     time("regressor, adjoint", 1, |k| {

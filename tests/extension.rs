@@ -3,3 +3,7 @@
 
 #[path = "extension/estimator.rs"]
 mod estimator;
+#[path = "extension/plant.rs"]
+mod plant;
+#[path = "extension/term.rs"]
+mod term;

@@ -2,6 +2,7 @@
 
 use armid::dynamics::Dynamics;
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
+use armid::model::term::ROTOR;
 use armid::model::{
     Columns, DhConvention, DhRow, Drive, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters,
 };
@@ -50,7 +51,7 @@ fn answers<'a>(text: &'a str, robot: &'a str) -> impl Iterator<Item = Answer<'a>
 fn without_friction(parameters: &StandardParameters) -> StandardParameters {
     let mut bare = parameters.clone();
     for drive in &mut bare.drives {
-        *drive = armid::model::DriveParameters { rotor: drive.rotor, ..Default::default() };
+        *drive = drive.only(|term| term == ROTOR);
     }
     bare
 }
@@ -67,7 +68,7 @@ fn assert_equal(found: &[f64], expected: &[f64], what: &str) {
 fn compare(robot: &Robot, parameters: &StandardParameters, seed: u64, text: &str) -> [usize; 4] {
     let n = robot.dof();
     let mut dynamics = Dynamics::new(robot, parameters);
-    let regressor = JointTorqueRegressor::new(robot, Columns::Rigid);
+    let regressor = JointTorqueRegressor::new(robot, Columns::RIGID);
     let mut generator = Generator(seed);
     let (mut drawn, mut state) = (0, generator.state(n));
     let mut counts = [0; 4];
@@ -186,7 +187,7 @@ impl Chain {
         let mut parameters = StandardParameters::zero(robot.dof());
         parameters.links = self.links.iter().map(Inertia::from_array).collect();
         for (drive, &rotor) in parameters.drives.iter_mut().zip(&self.rotors_kg_m2) {
-            drive.rotor = rotor;
+            drive[ROTOR] = rotor;
         }
         (robot, parameters)
     }

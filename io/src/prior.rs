@@ -42,8 +42,9 @@ pub fn set_prior(problem: &mut DesignProblem, loaded: &LoadedRobot, paths: &[Pat
 /// The same robot, the same columns, the same base parameters in the same order.
 fn check(estimate: &Estimate, problem: &DesignProblem, loaded: &LoadedRobot, name: &str) -> Result<(), Error> {
     check_robot(estimate, name, loaded)?;
-    if estimate.columns != problem.columns.name() {
-        return Err(mismatch(name, "columns", &estimate.columns, problem.columns.name()));
+    let columns = problem.columns.to_string();
+    if estimate.columns != columns {
+        return Err(mismatch(name, "columns", &estimate.columns, &columns));
     }
     let (found, expected) = (estimate.names(), problem.base.names());
     if found.len() != expected.len() {

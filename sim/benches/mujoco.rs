@@ -5,12 +5,13 @@
 //! `scripts/get-mujoco`.
 #![allow(clippy::print_stdout, reason = "a benchmark prints")]
 
+use armid::model::term::ROTOR;
 use std::num::NonZeroU32;
 use std::time::Instant;
 
 use armid::experiment::{ExperimentPlan, Flow, Next, Plant, RawSample, Recording, Servo, Sink};
+use armid::model::bundled;
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
-use armid::model::{DriveParameters, bundled};
 use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
 use armid_sim::{AnalyticPlant, MujocoModel, MujocoPlant, MujocoScheme, MujocoStepper, RapierPlant};
@@ -92,7 +93,7 @@ fn main() {
     let truth = parse_parameters(truth_text(entry.name).expect("bundled"), &robot, true).expect("valid").parameters;
     let mut smooth = truth.clone();
     for drive in &mut smooth.drives {
-        *drive = DriveParameters { rotor: drive.rotor, ..DriveParameters::default() };
+        *drive = drive.only(|term| term == ROTOR);
     }
     let mujoco = |parameters| MujocoPlant::new(&robot, parameters).unwrap_or_else(|fault| panic!("{fault}"));
     let model = || MujocoModel::new(&robot, &truth).unwrap_or_else(|fault| panic!("{fault}"));

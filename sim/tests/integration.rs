@@ -1,6 +1,7 @@
 //! The simulator against closed forms, its own order, and energy.
 #![allow(clippy::unwrap_used, reason = "a test panics")]
 
+use armid::model::term::{COULOMB, OFFSET, ROTOR, VISCOUS};
 use std::f64::consts::{FRAC_PI_2, PI};
 
 use armid::conformance::chains::{self, ChainRecipe};
@@ -70,7 +71,7 @@ fn analytic_a_sliding_joint_under_viscous_friction() {
     let (robot, _) = pendulum();
     let robot = robot.with_gravity(Vector3::zeros());
     let mut parameters = StandardParameters::zero(1);
-    parameters.drives[0] = DriveParameters { rotor: 0.7, viscous: 3.0, offset: -0.5, ..DriveParameters::default() };
+    parameters.drives[0] = DriveParameters::of(&[(ROTOR, 0.7), (VISCOUS, 3.0), (OFFSET, -0.5)]);
     let mut plant = AnalyticPlant::new(&robot, &parameters).unwrap();
     for _ in 0..500 {
         plant.step(&[2.0], 1e-3).unwrap();
@@ -96,7 +97,7 @@ fn analytic_the_error_shrinks_with_the_fourth_power_of_the_step() {
         let mut rng = Seed::new(8).stream("chains", run);
         let (robot, mut parameters) = ChainRecipe::new(3 + run as usize).draw(&mut rng);
         for drive in &mut parameters.drives {
-            *drive = DriveParameters { rotor: drive.rotor, ..DriveParameters::default() };
+            *drive = drive.only(|term| term == ROTOR);
         }
         let mut plant = AnalyticPlant::new(&robot, &parameters).unwrap();
         let (q, qd, tau) = chains::random_state(&mut rng, robot.dof());
@@ -123,7 +124,7 @@ fn identity_energy_is_kept_without_friction_and_lost_at_its_rate_with_it() {
     let (robot, truth) = bundled_arm("crs-a460");
     let mut free = truth.clone();
     for drive in &mut free.drives {
-        *drive = DriveParameters { rotor: drive.rotor, ..DriveParameters::default() };
+        *drive = drive.only(|term| term == ROTOR);
     }
     let (q, qd) = ([0.3, 0.5, -0.4, 0.2, 0.7, 0.1], [0.5, -0.4, 0.8, 0.3, -0.6, 1.0]);
     let dynamics = Dynamics::new(&robot, &free);
@@ -151,7 +152,7 @@ fn identity_energy_is_kept_without_friction_and_lost_at_its_rate_with_it() {
             .zip(speeds)
             .map(|((joint, drive), &v)| {
                 let sign = smooth_sign(v, joint.drive.coulomb_velocity);
-                v * (drive.viscous * v + drive.coulomb * sign + drive.offset)
+                v * (drive[VISCOUS] * v + drive[COULOMB] * sign + drive[OFFSET])
             })
             .sum()
     };
@@ -176,7 +177,7 @@ fn analytic_below_its_coulomb_friction_a_joint_creeps_without_chatter() {
         let (robot, truth) = bundled_arm(name);
         let robot = robot.with_gravity(Vector3::zeros());
         let mut plant = AnalyticPlant::new(&robot, &truth).unwrap();
-        let tau: Vec<f64> = truth.drives.iter().map(|drive| 0.5 * drive.coulomb + drive.offset).collect();
+        let tau: Vec<f64> = truth.drives.iter().map(|drive| 0.5 * drive[COULOMB] + drive[OFFSET]).collect();
         plant.reset(&vec![0.4; robot.dof()], &vec![0.0; robot.dof()]);
         let mut before = vec![0.0; robot.dof()];
         for k in 0..400 {
@@ -194,8 +195,8 @@ fn analytic_below_its_coulomb_friction_a_joint_creeps_without_chatter() {
             for (i, drive) in truth.drives.iter().enumerate() {
                 let v_s = robot.joints()[i].drive.coulomb_velocity;
                 let v = plant.state().1[i];
-                let taken = drive.viscous * v + drive.coulomb * smooth_sign(v, v_s);
-                assert!((taken - 0.5 * drive.coulomb).abs() < 1e-4 * drive.coulomb, "{name} joint {}", i + 1);
+                let taken = drive[VISCOUS] * v + drive[COULOMB] * smooth_sign(v, v_s);
+                assert!((taken - 0.5 * drive[COULOMB]).abs() < 1e-4 * drive[COULOMB], "{name} joint {}", i + 1);
             }
         }
     }

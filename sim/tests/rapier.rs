@@ -1,12 +1,14 @@
 //! The engine rapier against the core's equations and the analytic plant.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
+use armid::dynamics::TermFault;
+use armid::model::term::ROTOR;
 use std::num::NonZeroU32;
 
 use armid::conformance::chains::{self, ChainRecipe};
 use armid::dynamics::Dynamics;
 use armid::experiment::Plant;
-use armid::model::{DriveParameters, Robot, StandardParameters};
+use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
 use armid::spatial::{Inertia, InertiaFault};
 use armid_sim::{AnalyticPlant, RapierError, RapierPlant};
@@ -88,7 +90,7 @@ fn identity_free_motion_converges_to_the_analytic_plant_with_order_one() {
     for run in 0..21 {
         let (robot, mut parameters) = chain(run);
         for drive in &mut parameters.drives {
-            *drive = DriveParameters { rotor: drive.rotor, ..DriveParameters::default() };
+            *drive = drive.only(|term| term == ROTOR);
         }
         let (order, error) = order(&robot, &parameters);
         // Measured 0.9988 to 1.0006, and 1.5e-4 at most: t/2 · h · 10 rad/s² is 1.25e-4.
@@ -124,8 +126,8 @@ fn what_cannot_be_simulated_is_named() {
         "link 2: its pseudo-inertia has the eigenvalue -5.000e-1, expected all four above zero"
     );
     let jumping = robot.clone().with_joints(|joint| joint.drive.coulomb_velocity = 0.0).unwrap();
-    assert!(matches!(RapierPlant::new(&jumping, &parameters), Err(RapierError::Jump { .. })));
+    assert!(matches!(RapierPlant::new(&jumping, &parameters), Err(RapierError::Term(TermFault::Jump { .. }))));
     let mut light = parameters.clone();
-    light.drives[0].rotor = -0.1;
+    light.drives[0][ROTOR] = -0.1;
     assert!(matches!(RapierPlant::new(&robot, &light), Err(RapierError::Rotor { .. })));
 }

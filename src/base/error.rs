@@ -31,6 +31,12 @@ pub enum BaseError {
         /// What was found.
         value: f64,
     },
+    /// A column depends on more than the motion.
+    #[error("{term} depends on the transmitted torque or on temperature, expected terms of the motion alone")]
+    BeyondMotion {
+        /// What the term is.
+        term: &'static str,
+    },
     /// The structural recursion knows no trajectory.
     #[error("method \"{}\" on a given trajectory, expected \"paper\" or \"qr\"", method.name())]
     NoTrajectory {

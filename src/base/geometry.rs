@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use crate::model::{DhConvention, DhRow, JointKind, ParameterId, ParameterKind, Robot};
+use crate::model::term::{Structure, Term};
+use crate::model::{DhConvention, DhRow, Drive, JointKind, ParameterId, ParameterKind, Robot};
 use crate::spatial::Placement;
 
 /// The geometry of a serial chain with lengths in units of [`Geometry::length`].
@@ -23,8 +24,8 @@ pub(super) struct Geometry {
     pub(super) gravity: Vector3<f64>,
     /// `q_motor = C q`, n × n; the identity where motors are not coupled.
     pub(super) coupling: DMatrix<f64>,
-    /// Velocity scale of each drive's smooth sign, rad/s or m/s.
-    pub(super) coulomb_velocity: Vec<f64>,
+    /// The drives, for the shape parameters of torque laws.
+    pub(super) drives: Vec<Drive>,
     /// Unit of length, m.
     pub(super) length: f64,
     /// Unit of frequency, rad/s: `√(g / length)`, so that gravity and motion weigh the same.
@@ -49,7 +50,7 @@ impl Geometry {
             dh: joints.iter().map(|joint| joint.dh).collect(),
             gravity: if g > 0.0 { robot.gravity() / g } else { Vector3::zeros() },
             coupling: robot.coupling().cloned().unwrap_or_else(|| DMatrix::identity(dof, dof)),
-            coulomb_velocity: joints.iter().map(|joint| joint.drive.coulomb_velocity).collect(),
+            drives: joints.iter().map(|joint| joint.drive.clone()).collect(),
             length,
             frequency: if g > 0.0 { (g / length).sqrt() } else { 1.0 },
         }
@@ -75,17 +76,33 @@ impl Geometry {
         })
     }
 
+    /// How the structural reduction sees a term at joint or motor `index`.
+    pub(super) fn structure(&self, term: Term, index: usize) -> Structure {
+        term.law().structure_at(&self.drives[index].shapes_of(term))
+    }
+
+    /// The shape parameters of a term at joint or motor `index`, in these units.
+    pub(super) fn scales(&self, term: Term, index: usize) -> Vec<f64> {
+        let shapes = term.entry().shapes.iter();
+        shapes.map(|parameter| self.drives[index].shape(parameter) / self.coordinate_unit(index)).collect()
+    }
+
     /// Size of a parameter of this robot in SI units, for a mass of 1 kg.
     pub(super) fn unit(&self, id: ParameterId) -> f64 {
-        use ParameterKind::{Fc, Fcm, Fo, Fv, Fvm, Ia, M, Mcx, Mcy, Mcz};
-        let inertia = self.length * self.length / (self.coordinate_unit(id.index) * self.coordinate_unit(id.index));
+        use ParameterKind::{Ixx, Ixy, Ixz, Iyy, Iyz, Izz, M, Mcx, Mcy, Mcz, Term};
         match id.kind {
             M => 1.0,
             Mcx | Mcy | Mcz => self.length,
-            Ia => inertia,
-            Fv | Fvm => inertia * self.frequency,
-            Fc | Fcm | Fo => inertia * self.coordinate_unit(id.index) * self.frequency * self.frequency,
-            _ => self.length * self.length,
+            Ixx | Ixy | Ixz | Iyy | Iyz | Izz => self.length * self.length,
+            Term(term) => {
+                let (coordinate, dimension) = (self.coordinate_unit(id.index), term.entry().dimension);
+                let inertia = self.length * self.length / (coordinate * coordinate);
+                // An effort is an inertia times a coordinate over s²; the law takes its own powers away.
+                let efforts = 1 - dimension.effort;
+                let size = times(1.0, inertia, efforts);
+                let size = times(size, coordinate, efforts - dimension.coordinate);
+                times(size, self.frequency, 2 * efforts - dimension.per_time)
+            }
         }
     }
 
@@ -98,6 +115,11 @@ impl Geometry {
     pub(super) fn effort_unit(&self, i: usize) -> f64 {
         self.length * self.length * self.frequency * self.frequency / self.coordinate_unit(i)
     }
+}
+
+/// `x · factorᵏ`, one multiplication or division after the other.
+fn times(x: f64, factor: f64, power: i32) -> f64 {
+    (0..power.unsigned_abs()).fold(x, |x, _| if power > 0 { x * factor } else { x / factor })
 }
 
 fn shrink(placement: &Placement, length: f64) -> Placement {

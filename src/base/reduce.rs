@@ -20,8 +20,8 @@ use crate::seed::Seed;
 /// use armid::model::Columns;
 /// use armid::seed::Seed;
 /// # let robot = armid::conformance::chains::planar_2r();
-/// let base = reduce(&robot, Columns::Rigid, Method::Structural, Seed::new(1))?;
-/// let qr = reduce(&robot, Columns::Rigid, Method::Qr, Seed::new(1))?;
+/// let base = reduce(&robot, Columns::RIGID, Method::Structural, Seed::new(1))?;
+/// let qr = reduce(&robot, Columns::RIGID, Method::Qr, Seed::new(1))?;
 /// assert_eq!(base.names(), qr.names());
 /// assert!((&base.k - &qr.k).amax() < 1e-9);
 /// # Ok::<(), armid::base::BaseError>(())
@@ -35,6 +35,7 @@ pub fn reduce(robot: &Robot, columns: Columns, method: Method, seed: Seed) -> Re
     if method == Method::Structural {
         return Ok(structural::reduce(&geometry, &parameters, BaseMotion::Fixed));
     }
+    check_motion(columns)?;
     let states = geometry.random_states(geometry.state_count(parameters.len()), &mut seed.stream("base reduction", 0));
     reduce_on(robot, columns, method, &states)
 }
@@ -47,7 +48,7 @@ pub fn reduce(robot: &Robot, columns: Columns, method: Method, seed: Seed) -> Re
 /// # Errors
 /// [`BaseError::NotFinite`] if the robot's geometry is not finite.
 pub fn reduce_moving_base(robot: &Robot, seed: Seed) -> Result<BaseReduction, BaseError> {
-    reduce_with_base(robot, Columns::Rigid, BaseMotion::Free, Method::Qr, seed)
+    reduce_with_base(robot, Columns::RIGID, BaseMotion::Free, Method::Qr, seed)
 }
 
 /// The base parameters of a robot whose base moves in a known way.
@@ -68,6 +69,7 @@ pub fn reduce_with_base(
     if method == Method::Structural {
         return Ok(structural::reduce(&geometry, &parameters, motion));
     }
+    check_motion(columns)?;
     let mut rng = seed.stream("base reduction with a moving base", 0);
     let states = geometry.random_states(geometry.state_count(parameters.len()), &mut rng);
     let regressor = JointTorqueRegressor::new(robot, columns);
@@ -90,6 +92,7 @@ pub fn reduce_with_base(
 /// [`BaseError::NoTrajectory`] for [`Method::Structural`], [`BaseError::Dof`] for states of another robot,
 /// [`BaseError::TooFewSamples`], and [`BaseError::NotFinite`] for states that are not finite.
 pub fn reduce_on(robot: &Robot, columns: Columns, method: Method, states: &States) -> Result<BaseReduction, BaseError> {
+    check_motion(columns)?;
     if states.dof != robot.dof() {
         return Err(BaseError::Dof { robot: robot.name().to_owned(), found: states.dof, expected: robot.dof() });
     }
@@ -123,4 +126,12 @@ fn reduce_stack(
         Method::Structural => return Err(BaseError::NoTrajectory { method }),
     };
     Ok(reduction.with_units(&units))
+}
+
+/// States alone say nothing of a term that depends on more than the motion.
+fn check_motion(columns: Columns) -> Result<(), BaseError> {
+    match columns.beyond_motion() {
+        Some(term) => Err(BaseError::BeyondMotion { term: term.entry().meaning }),
+        None => Ok(()),
+    }
 }

@@ -41,7 +41,8 @@ impl Category {
 /// use armid::base::{BaseReduction, Category, Method};
 /// use armid::model::{ParameterId, ParameterKind};
 /// use nalgebra::dmatrix;
-/// let ids = [ParameterKind::Izz, ParameterKind::M, ParameterKind::Ia].map(|kind| ParameterId { kind, index: 0 });
+/// use armid::model::term::ROTOR;
+/// let ids = [ParameterKind::Izz, ParameterKind::M, ParameterKind::Term(ROTOR)].map(|kind| ParameterId { kind, index: 0 });
 /// // A rotor on the joint of a link: only the sum of both inertias shows, and the mass never.
 /// let base = BaseReduction::from_stack(&ids, &dmatrix![1.0, 0.0, 1.0; 2.0, 0.0, 2.0], Method::Qr);
 /// assert_eq!(base.names(), ["Izz1"]);

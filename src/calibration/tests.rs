@@ -1,5 +1,6 @@
 //! Each calibration gives back the constants of a simulated arm within its own intervals.
 
+use crate::model::term;
 use nalgebra::Vector3;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
@@ -156,8 +157,8 @@ fn without_and_with(robot: &Robot, load: &Inertia, run: u64) -> [Samples; 2] {
     let mut truth = StandardParameters::zero(2);
     for (i, link) in truth.links.iter_mut().enumerate() {
         *link = payload(2.0 + i as f64, [-0.2, 0.01, 0.0], [0.01, 0.02, 0.03]);
-        truth.drives[i].viscous = 0.8;
-        truth.drives[i].coulomb = 0.6;
+        truth.drives[i][term::VISCOUS] = 0.8;
+        truth.drives[i][term::COULOMB] = 0.6;
     }
     let mut heavy = truth.clone();
     heavy.links[1].mass += load.mass;

@@ -5,6 +5,7 @@
 //! lengths are frequent, as on real arms, so that degenerate geometry is met. Each link is a sum of point masses, so
 //! its ten parameters are those of a body that exists.
 
+use crate::model::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, VISCOUS};
 use nalgebra::{DMatrix, Vector3};
 use rand::{Rng, RngExt};
 
@@ -150,14 +151,17 @@ pub fn random_inertia(rng: &mut impl Rng) -> Inertia {
 
 fn random_drive(rng: &mut impl Rng, coupled: bool) -> DriveParameters {
     let mut draw = |low: f64, high: f64| rng.random_range(low..high);
-    DriveParameters {
-        rotor: draw(0.05, 0.5),
-        viscous: draw(0.1, 5.0),
-        coulomb: draw(0.1, 5.0),
-        offset: draw(-1.0, 1.0),
-        motor_viscous: if coupled { draw(0.1, 2.0) } else { 0.0 },
-        motor_coulomb: if coupled { draw(0.1, 2.0) } else { 0.0 },
+    let mut drive = DriveParameters::of(&[
+        (ROTOR, draw(0.05, 0.5)),
+        (VISCOUS, draw(0.1, 5.0)),
+        (COULOMB, draw(0.1, 5.0)),
+        (OFFSET, draw(-1.0, 1.0)),
+    ]);
+    if coupled {
+        drive[MOTOR_VISCOUS] = draw(0.1, 2.0);
+        drive[MOTOR_COULOMB] = draw(0.1, 2.0);
     }
+    drive
 }
 
 /// Two revolute joints with parallel horizontal axes: a vertical plane, links of 0.4 m and 0.3 m, standard DH.

@@ -71,7 +71,7 @@ impl Setting {
         let seed = Seed::new(11);
         let mut rng = seed.stream("estimator laws", 0);
         let (robot, truth) = chains::random_robot(&mut rng, DOF);
-        let columns = Columns::RigidRotorFriction;
+        let columns = Columns::RIGID_ROTOR_FRICTION;
         let regressor = JointTorqueRegressor::new(&robot, columns);
         let base = reduce(&robot, columns, Method::Structural, seed).expect("a drawn chain can be reduced");
         let mut states = States::new(DOF);

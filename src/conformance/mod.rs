@@ -4,6 +4,7 @@ pub mod arm_laws;
 pub mod chains;
 pub mod estimator_laws;
 pub mod plant_laws;
+pub mod term_laws;
 mod broken_law;
 
 pub use broken_law::BrokenLaw;

@@ -10,7 +10,8 @@
 use super::BrokenLaw;
 use crate::dynamics::Dynamics;
 use crate::experiment::Plant;
-use crate::model::{DriveParameters, Robot, StandardParameters};
+use crate::model::term::Dissipation;
+use crate::model::{Robot, StandardParameters};
 use crate::seed::Seed;
 
 use rand::RngExt;
@@ -210,7 +211,7 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
         let law = "without friction the energy changes by the work of the torques";
         let mut parameters = self.parameters.clone();
         for drive in &mut parameters.drives {
-            *drive = DriveParameters { rotor: drive.rotor, ..DriveParameters::default() };
+            *drive = drive.only(|term| term.entry().dissipation == Dissipation::Stores);
         }
         let dynamics = Dynamics::new(self.robot, &parameters);
         let mut plant = (self.make)(self.robot, &parameters);

@@ -10,7 +10,7 @@ use crate::spatial::{Motion, Placement};
 pub struct Energy {
     /// Of the links and the rotors that move.
     pub kinetic: f64,
-    /// In the field of gravity, zero at the base's origin.
+    /// In the field of gravity, zero at the base's origin, and in springs.
     pub potential: f64,
 }
 
@@ -26,7 +26,7 @@ impl Dynamics {
     /// The energy at positions `q` (n, rad) and velocities `qd` (n, rad/s).
     ///
     /// ```text
-    /// T = ½ Σ v_iᵀ I_i v_i + ½ q̇ᵀ M_drive q̇        V = −Σ gᵀ (m_i p_i + R_i h_i)
+    /// T = ½ Σ v_iᵀ I_i v_i + ½ q̇ᵀ M_terms q̇        V = −Σ gᵀ (m_i p_i + R_i h_i) + Σ φ E_term(q)
     /// ```
     /// It is computed from poses and velocities in link frames, without the mass matrix.
     ///
@@ -47,9 +47,10 @@ impl Dynamics {
             kinetic += 0.5 * v.dot(&link.apply(&v));
             potential -= gravity.dot(&(pose.translation * link.mass + pose.rotation * link.first_moment));
             for j in 0..n {
-                kinetic += 0.5 * qd[i] * self.drive_inertia[i * n + j] * qd[j];
+                kinetic += 0.5 * qd[i] * self.term_inertia[i * n + j] * qd[j];
             }
         }
+        potential += self.terms.potential(&self.term_values, &q[..n]);
         Energy { kinetic, potential }
     }
 }

@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
 use super::{Dynamics, States};
 use crate::conformance::chains::{self, ChainRecipe};
+use crate::model::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, VISCOUS};
 use crate::model::{DhConvention, DhRow, JointKind, Robot, RobotSpec, StandardParameters};
 use crate::seed::{Seed, Stream};
 use crate::spatial::{Inertia, Placement};
@@ -23,7 +24,7 @@ fn chains_of_every_kind(count: u64) -> impl Iterator<Item = (Robot, StandardPara
 fn frictionless(parameters: &StandardParameters) -> StandardParameters {
     let mut bare = parameters.clone();
     for drive in &mut bare.drives {
-        *drive = crate::model::DriveParameters { rotor: drive.rotor, ..Default::default() };
+        *drive = drive.only(|term| term == ROTOR);
     }
     bare
 }
@@ -135,7 +136,7 @@ fn identity_coasting_arm_loses_what_friction_takes() {
             .map(|j| {
                 let drive = &parameters.drives[j];
                 let v_s = robot.joints()[j].drive.coulomb_velocity;
-                qd[j] * (drive.viscous * qd[j] + drive.coulomb * (qd[j] / v_s).tanh() + drive.offset)
+                qd[j] * (drive[VISCOUS] * qd[j] + drive[COULOMB] * (qd[j] / v_s).tanh() + drive[OFFSET])
             })
             .sum();
         // Short steps: accelerations of a coasting arm reach hundreds of rad/s².
@@ -162,11 +163,11 @@ fn analytic_drives_and_coupled_motors() {
         let sign = |v: f64, j: usize| (v / robot.joints()[j].drive.coulomb_velocity).tanh();
         let motor = DVector::from_fn(n, |j, _| {
             let d = &parameters.drives[j];
-            d.rotor * motor_qdd[j] + d.motor_viscous * motor_qd[j] + d.motor_coulomb * sign(motor_qd[j], j)
+            d[ROTOR] * motor_qdd[j] + d[MOTOR_VISCOUS] * motor_qd[j] + d[MOTOR_COULOMB] * sign(motor_qd[j], j)
         });
         let joint = DVector::from_fn(n, |j, _| {
             let d = &parameters.drives[j];
-            d.viscous * qd[j] + d.coulomb * sign(qd[j], j) + d.offset
+            d[VISCOUS] * qd[j] + d[COULOMB] * sign(qd[j], j) + d[OFFSET]
         });
         assert!((tau - (c.transpose() * motor + joint)).amax() < 1e-12);
     }

@@ -1,14 +1,15 @@
 //! The equations of motion of a serial arm: torque from motion, motion from torque, inertia and energy.
 //!
 //! ```text
-//! τ = M(q) q̈ + c(q, q̇) + g(q) + τ_drive(q̇, q̈)
+//! τ = M(q) q̈ + c(q, q̇) + g(q) + τ_terms(q, q̇, q̈)
 //! ```
 //! `radkhah2007`'s Newton–Euler recursions (its eqs. 2–4) in the frames in which the links' parameters are published.
 //! Spatial vectors are angular first, `γ = (n, f)`; `radkhah2007` writes force first, `γ = (f, n)`. With
 //! `P = [0 1; 1 0]` (3×3 blocks) that swaps the halves, `radkhah2007`'s `D` of eq. 4 is `P X* P` of ours: the permutation
 //! is stated here once and used nowhere. The base frame's acceleration is minus gravity, so weight needs no term.
 //!
-//! Drives (rotor inertia, friction, offset, coupled motors) are [`TorqueTerm`]s beside the recursion, never inside it.
+//! Everything else (rotor inertia, friction, offset, springs, coupled motors) is a
+//! [torque term](crate::model::term) beside the recursion, never inside it.
 //! Not modelled: elasticity, backlash, gyroscopic torque of fast rotors, contact.
 //!
 //! References: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, ch. 5 (RNEA), 6 (CRBA), 7 (ABA);
@@ -16,25 +17,23 @@
 
 mod articulated;
 mod composite;
-mod drive_term;
-mod drive_train;
 mod energy;
 mod joint_frames;
 #[cfg(test)]
 mod law_tests;
 mod link_pose;
 mod model;
+mod placed_term;
+mod simulable;
 mod states;
 mod symmetric;
-mod torque_term;
+mod torque_terms;
 
-pub use drive_term::DriveTerm;
-pub use drive_train::DriveTrain;
 pub use energy::Energy;
 pub(crate) use link_pose::LinkPose;
 pub use model::Dynamics;
+pub use placed_term::PlacedTerm;
+pub use simulable::{TermFault, check_simulable};
 pub use states::States;
 pub(crate) use symmetric::Symmetric3;
-pub use torque_term::{
-    CoulombFriction, MotorCoulomb, MotorViscous, Offset, RotorInertia, Side, TorqueTerm, ViscousFriction,
-};
+pub use torque_terms::{TermState, TorqueTerms};

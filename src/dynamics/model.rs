@@ -5,9 +5,12 @@ use nalgebra::{DMatrix, Vector3};
 use super::articulated::{self, ArticulatedJoint};
 use super::composite;
 use super::joint_frames::JointChain;
-use super::{DriveTrain, LinkPose};
+use super::{LinkPose, TermState, TorqueTerms};
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::spatial::{Force, Inertia, Motion, Placement};
+
+/// Repetitions after which an acceleration under load-dependent friction is given up.
+const MOST_REPETITIONS: usize = 200;
 
 /// The equations of motion of one robot with one set of parameters. Holds its workspace, so that no evaluation
 /// allocates; clone it to use it on several threads.
@@ -31,23 +34,25 @@ pub struct Dynamics {
     pub(super) poses: Vec<LinkPose>,
     pub(super) axes: Vec<Motion>,
     pub(super) links: Vec<Inertia>,
-    pub(super) drives: DriveTrain,
-    /// See [`DriveTrain::values`].
-    pub(super) drive_values: Vec<f64>,
+    pub(super) terms: TorqueTerms,
+    /// See [`TorqueTerms::values`].
+    pub(super) term_values: Vec<f64>,
     /// Acceleration of the base: minus gravity.
     pub(super) base_acceleration: Motion,
-    /// The drives' part in the mass matrix, row-major n × n.
-    pub(super) drive_inertia: Vec<f64>,
+    /// The terms' part in the mass matrix, row-major n × n.
+    pub(super) term_inertia: Vec<f64>,
     coupled: bool,
     chain: JointChain,
     placements: Vec<Placement>,
     forces: Vec<Force>,
     articulated: Vec<ArticulatedJoint>,
     composite: composite::Workspace,
-    /// Diagonal of `drive_inertia`.
+    /// Diagonal of `term_inertia`.
     rotors: Vec<f64>,
-    drive_torque: Vec<f64>,
+    term_torque: Vec<f64>,
     zeros: Vec<f64>,
+    load: Vec<f64>,
+    estimate: Vec<f64>,
 }
 
 impl Dynamics {
@@ -64,24 +69,26 @@ impl Dynamics {
             parameters.links.len(),
             parameters.drives.len()
         );
-        let drives = DriveTrain::new(robot, Columns::RigidRotorFriction);
-        let drive_values = drives.values(parameters);
-        let drive_inertia = drives.inertia(parameters);
+        let terms = TorqueTerms::new(robot, Columns::default().and_those_of(parameters));
+        let term_values = terms.values(parameters);
+        let term_inertia = terms.inertia(parameters);
         let chain = JointChain::new(robot, &parameters.links);
         Self {
             coupled: robot.coupling().is_some(),
-            rotors: drive_inertia.diagonal().iter().copied().collect(),
-            drive_inertia: drive_inertia.transpose().as_slice().to_vec(),
+            rotors: term_inertia.diagonal().iter().copied().collect(),
+            term_inertia: term_inertia.transpose().as_slice().to_vec(),
             articulated: articulated::workspace(&chain),
             composite: composite::Workspace::new(&chain),
             chain,
-            drive_torque: vec![0.0; n],
+            term_torque: vec![0.0; n],
             zeros: vec![0.0; n],
+            load: vec![0.0; n],
+            estimate: vec![0.0; n],
             poses: robot.joints().iter().map(LinkPose::new).collect(),
             axes: robot.axes().to_vec(),
             links: parameters.links.clone(),
-            drives,
-            drive_values,
+            terms,
+            term_values,
             base_acceleration: Motion::new(Vector3::zeros(), -robot.gravity()),
             placements: vec![Placement::identity(); n],
             forces: vec![Force::zero(); n],
@@ -99,7 +106,7 @@ impl Dynamics {
     /// ```text
     /// v_i = X_i v_{i-1} + S_i q̇_i                      a_i = X_i a_{i-1} + S_i q̈_i + v_i × S_i q̇_i
     /// f_i = I_i a_i + v_i ×* I_i v_i + X_{i+1}ᵀ f_{i+1}      (radkhah2007 eq. 3)
-    /// τ_i = S_iᵀ f_i + τ_drive,i                             (radkhah2007 eq. 2)
+    /// τ_i = S_iᵀ f_i + τ_terms,i                             (radkhah2007 eq. 2)
     /// ```
     /// `q`, `qd`, `qdd` in rad, rad/s, rad/s² and `tau` in N·m, n each (m and N for a prismatic joint). Featherstone,
     /// table 5.1, in link coordinates.
@@ -107,6 +114,13 @@ impl Dynamics {
     /// # Panics
     /// If a slice is shorter than n.
     pub fn inverse(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
+        self.inverse_of_links(q, qd, qdd, tau);
+        self.add_terms(q, qd, qdd, &mut tau[..self.poses.len()]);
+    }
+
+    /// The efforts that the links alone take, without any term.
+    #[inline]
+    fn inverse_of_links(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
         let n = self.dof();
         let (mut v, mut a) = (Motion::zero(), self.base_acceleration);
         for i in 0..n {
@@ -123,14 +137,28 @@ impl Dynamics {
             tau[i] = self.axes[i].dot(&f);
             f = self.placements[i].force_to_parent(&f);
         }
-        self.drives.add_torque(&self.drive_values, &qd[..n], &qdd[..n], &mut tau[..n]);
     }
 
-    /// Joint accelerations that efforts produce: `M(q) q̈ = τ − c(q, q̇) − g(q) − τ_friction`.
+    /// Adds the terms to the torque `tau` that the links take.
+    #[inline]
+    fn add_terms(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
+        let n = self.dof();
+        let load: &[f64] = if self.terms.needs_load() {
+            self.load.copy_from_slice(tau);
+            &self.load
+        } else {
+            &[]
+        };
+        let state = TermState { q: &q[..n], qd: &qd[..n], qdd: &qdd[..n], load };
+        self.terms.add_torque(&self.term_values, &state, tau);
+    }
+
+    /// Joint accelerations that efforts produce: `M(q) q̈ = τ − c(q, q̇) − g(q) − τ_terms`.
     ///
     /// By [`forward_composite`](Self::forward_composite) up to eleven joints and where motors are coupled, else by
     /// [`forward_articulated`](Self::forward_articulated): the faster of the two (`benches/dynamics.rs`). `q`, `qd` in rad,
-    /// rad/s, `tau` in N·m, `qdd` in rad/s², n each.
+    /// rad/s, `tau` in N·m, `qdd` in rad/s², n each. Not a number where friction that depends on the load is so strong
+    /// that no acceleration is consistent with it.
     ///
     /// # Panics
     /// If a slice is shorter than n.
@@ -147,8 +175,9 @@ impl Dynamics {
     /// # Panics
     /// If a slice is shorter than n.
     pub fn forward_composite(&mut self, q: &[f64], qd: &[f64], tau: &[f64], qdd: &mut [f64]) {
-        self.subtract_drive_torque(qd, tau, qdd);
-        composite::accelerations(&self.chain, &mut self.composite, &self.drive_inertia, (q, qd), qdd);
+        self.solve(q, qd, tau, qdd, |this, qdd| {
+            composite::accelerations(&this.chain, &mut this.composite, &this.term_inertia, (q, qd), qdd);
+        });
     }
 
     /// The same accelerations by articulated bodies, `O(n)`.
@@ -162,18 +191,56 @@ impl Dynamics {
         if self.coupled {
             return self.forward_composite(q, qd, tau, qdd);
         }
-        self.subtract_drive_torque(qd, tau, qdd);
-        articulated::accelerations(&self.chain, &mut self.articulated, &self.rotors, (q, qd), qdd);
+        self.solve(q, qd, tau, qdd, |this, qdd| {
+            articulated::accelerations(&this.chain, &mut this.articulated, &this.rotors, (q, qd), qdd);
+        });
     }
 
-    /// What the drives leave of the efforts `tau` at zero acceleration.
+    /// Accelerations by `accelerate`, which turns the efforts that the terms leave into them.
+    ///
+    /// A term that depends on the torque that the links take depends on the acceleration that is sought. It is found by
+    /// repetition: each step multiplies the error by about the coefficients' sum, far below 1 for any gear.
     #[inline]
-    fn subtract_drive_torque(&mut self, qd: &[f64], tau: &[f64], rest: &mut [f64]) {
+    fn solve(
+        &mut self,
+        q: &[f64],
+        qd: &[f64],
+        tau: &[f64],
+        qdd: &mut [f64],
+        mut accelerate: impl FnMut(&mut Self, &mut [f64]),
+    ) {
+        self.load.fill(0.0);
+        self.subtract_term_torque(q, qd, tau, qdd);
+        accelerate(self, qdd);
+        if !self.terms.needs_load() {
+            return;
+        }
+        for _ in 0..MOST_REPETITIONS {
+            self.estimate.copy_from_slice(&qdd[..self.poses.len()]);
+            let mut load = std::mem::take(&mut self.load);
+            self.inverse_of_links(q, qd, qdd, &mut load);
+            self.load = load;
+            self.subtract_term_torque(q, qd, tau, qdd);
+            accelerate(self, qdd);
+            let size = qdd.iter().fold(0.0_f64, |most, x| most.max(x.abs()));
+            if self.estimate.iter().zip(qdd.iter()).all(|(before, now)| (before - now).abs() <= 1e-14 * size) {
+                return;
+            }
+        }
+        // What did not settle is no acceleration: a plant or a caller finds that it is not finite.
+        qdd[..self.poses.len()].fill(f64::NAN);
+    }
+
+    /// What the terms leave of the efforts `tau` at zero acceleration, under the transmitted torque found last.
+    #[inline]
+    fn subtract_term_torque(&mut self, q: &[f64], qd: &[f64], tau: &[f64], rest: &mut [f64]) {
         let n = self.dof();
-        self.drive_torque.fill(0.0);
-        self.drives.add_torque(&self.drive_values, &qd[..n], &self.zeros, &mut self.drive_torque);
-        for ((rest, tau), drive) in rest[..n].iter_mut().zip(&tau[..n]).zip(&self.drive_torque) {
-            *rest = tau - drive;
+        self.term_torque.fill(0.0);
+        let load: &[f64] = if self.terms.needs_load() { &self.load } else { &[] };
+        let state = TermState { q: &q[..n], qd: &qd[..n], qdd: &self.zeros, load };
+        self.terms.add_torque(&self.term_values, &state, &mut self.term_torque);
+        for ((rest, tau), term) in rest[..n].iter_mut().zip(&tau[..n]).zip(&self.term_torque) {
+            *rest = tau - term;
         }
     }
 
@@ -184,7 +251,7 @@ impl Dynamics {
     pub fn mass_matrix(&mut self, q: &[f64]) -> DMatrix<f64> {
         let n = self.dof();
         composite::mass_matrix_at(&self.chain, &mut self.composite, q);
-        DMatrix::from_fn(n, n, |i, j| self.composite.mass[i.max(j) * n + i.min(j)] + self.drive_inertia[i * n + j])
+        DMatrix::from_fn(n, n, |i, j| self.composite.mass[i.max(j) * n + i.min(j)] + self.term_inertia[i * n + j])
     }
 }
 

@@ -7,12 +7,13 @@
 //! torque does not show stays nominal. It predicts torque as β̂ does. Nothing forces it to be physically consistent:
 //! the findings say where it is not.
 
+use crate::model::term::Sign;
 use nalgebra::DVector;
 
 use super::{EstimationError, Finding};
 use crate::base::BaseReduction;
 use crate::linalg::{LeastSquares, product};
-use crate::model::{ParameterKind, StandardParameters};
+use crate::model::StandardParameters;
 use crate::spatial::InertiaFault;
 
 /// A full set of standard parameters, and where no real arm can have it.
@@ -65,10 +66,7 @@ pub fn complete(
     }
     for &id in &base.parameters {
         let value = parameters.get(id);
-        let never_negative = matches!(
-            id.kind,
-            ParameterKind::Ia | ParameterKind::Fv | ParameterKind::Fc | ParameterKind::Fvm | ParameterKind::Fcm
-        );
+        let never_negative = id.kind.term().is_some_and(|term| term.entry().sign == Sign::NotNegative);
         if never_negative && value < 0.0 {
             findings.push(Finding::NegativeDrive { parameter: id.to_string(), value });
         }

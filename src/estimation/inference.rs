@@ -102,7 +102,7 @@ impl Inference<'_> {
         Ok(Estimate {
             estimator: self.estimator.to_owned(),
             robot: observation.robot.clone(),
-            columns: observation.columns.name().to_owned(),
+            columns: observation.columns.to_string(),
             covariance: (0..b).map(|i| covariance.row(i).iter().copied().collect()).collect(),
             consistent: completion.as_ref().map(|c| c.findings.is_empty()),
             standard: completion.map(|c| {

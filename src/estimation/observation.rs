@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::EstimationError;
 use crate::base::BaseReduction;
-use crate::model::{Columns, JointKind, ParameterId, ParameterKind, Robot};
+use crate::model::{Columns, ParameterId, Robot};
 use crate::provenance::Provenance;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::{NoiseModel, Samples};
@@ -148,14 +148,7 @@ fn block_regressor(regressor: &JointTorqueRegressor, base: &BaseReduction, sampl
     w
 }
 
-/// Unit of a parameter, which for a drive depends on whether its joint turns or slides.
+/// Unit of a parameter, which for a term depends on whether its joint turns or slides.
 fn parameter_unit(robot: &Robot, id: ParameterId) -> String {
-    let slides = robot.joints()[id.index].kind == JointKind::Prismatic;
-    match id.kind {
-        ParameterKind::Ia if slides => "kg",
-        ParameterKind::Fv | ParameterKind::Fvm if slides => "N·s/m",
-        ParameterKind::Fc | ParameterKind::Fo | ParameterKind::Fcm if slides => "N",
-        kind => kind.unit(),
-    }
-    .to_owned()
+    id.kind.unit(robot.joints()[id.index].kind).to_owned()
 }

@@ -204,7 +204,7 @@ mod tests {
     fn published_figures_of_table_one() {
         // An independent computation (another rigid-body library, SciPy) found 210, 55 and 15.8 for the corrected
         // table on the 36 base columns, and at most 90 % of any limit (90.5 here).
-        let mut problem = problem(Columns::Rigid);
+        let mut problem = problem(Columns::RIGID);
         problem.certificate_samples = 1000;
         let certificate = Certificate::of(&problem, &table_one::corrected().into()).unwrap();
         assert!((certificate.condition - 210.5).abs() < 0.6, "{}", certificate.condition);
@@ -218,7 +218,7 @@ mod tests {
 
     #[test]
     fn identity_information_figures_equal_those_of_the_stacked_regressor() {
-        let mut problem = problem(Columns::RigidRotorFriction);
+        let mut problem = problem(Columns::RIGID_ROTOR_FRICTION);
         problem.certificate_samples = 400;
         let trajectory = table_one::corrected().into();
         let certificate = Certificate::of(&problem, &trajectory).unwrap();
@@ -237,7 +237,7 @@ mod tests {
 
     #[test]
     fn identity_no_grid_of_samples_uses_more_than_the_certificate_says() {
-        let problem = problem(Columns::Rigid);
+        let problem = problem(Columns::RIGID);
         let trajectory = table_one::corrected().into();
         let used = Certificate::of(&problem, &trajectory).unwrap().worst_limit_use;
         let states = trajectory.sample(7919);

@@ -52,7 +52,7 @@ mod tests {
     use crate::study::radkhah2007::table_one;
 
     fn certified() -> (DesignProblem, PeriodicTrajectory, Certificate) {
-        let mut problem = DesignProblem::new(fixtures::crs_a460(), Columns::Rigid, CriterionKind::Condition).unwrap();
+        let mut problem = DesignProblem::new(fixtures::crs_a460(), Columns::RIGID, CriterionKind::Condition).unwrap();
         problem.nominal = Some(fixtures::crs_a460_nominal());
         problem.certificate_samples = 500;
         problem.ramp_s = Some(2.0);

@@ -189,7 +189,7 @@ mod tests {
             (CriterionKind::ConditionScaled, 0, 16.9),
             (CriterionKind::DOptimal, 1, 121.5),
         ] {
-            let problem = problem(Columns::Rigid, criterion, 400);
+            let problem = problem(Columns::RIGID, criterion, 400);
             let design = design(&problem, Seed::new(7), start).unwrap();
             assert_inside(&design, &problem);
             let certificate = &design.certificate;
@@ -206,7 +206,7 @@ mod tests {
 
     #[test]
     fn identity_torque_stays_under_the_ratings() {
-        let mut problem = problem(Columns::RigidRotorFriction, CriterionKind::DOptimal, 120);
+        let mut problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, 120);
         let free = design(&problem, Seed::new(7), 0).unwrap();
         problem.nominal = Some(fixtures::crs_a460_nominal());
         let held = design(&problem, Seed::new(7), 0).unwrap();
@@ -221,7 +221,7 @@ mod tests {
     #[test]
     fn identity_a_small_budget_ends_inside_the_limits_and_far_from_its_start() {
         // Uncertain torques on ramps and period: within 60 evaluations no iterate comes inside by itself.
-        let mut problem = problem(Columns::RigidRotorFriction, CriterionKind::DOptimal, 60);
+        let mut problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, 60);
         let nominal = parse_nominal(bundled()[0].nominal, &problem.robot).unwrap();
         let shares = &nominal.relative_uncertainty;
         problem.spread = Some(ParameterSpread::of(&problem.robot, &nominal.parameters, shares, CONFIDENCE_95));
@@ -238,7 +238,7 @@ mod tests {
 
     #[test]
     fn identity_designs_do_not_depend_on_threads() {
-        let problem = problem(Columns::Rigid, CriterionKind::Condition, 30);
+        let problem = problem(Columns::RIGID, CriterionKind::Condition, 30);
         let run = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
             pool.install(|| multistart(&problem, Seed::new(5), 4)).unwrap()
@@ -251,7 +251,7 @@ mod tests {
 
     #[test]
     fn identity_random_baseline_keeps_the_budget_and_the_limits() {
-        let mut problem = problem(Columns::Rigid, CriterionKind::Condition, 40);
+        let mut problem = problem(Columns::RIGID, CriterionKind::Condition, 40);
         problem.nominal = Some(fixtures::crs_a460_nominal());
         let drawn = random_design(&problem, Seed::new(3), 0).unwrap();
         assert_inside(&drawn, &problem);
@@ -263,7 +263,7 @@ mod tests {
     #[test]
     fn impossible_ratings_are_said_to_be_exceeded() {
         // A shoulder that cannot hold the stretched arm, held at the horizontal.
-        let mut problem = problem(Columns::Rigid, CriterionKind::Condition, 20);
+        let mut problem = problem(Columns::RIGID, CriterionKind::Condition, 20);
         problem.robot = problem
             .robot
             .with_joints(|joint| {
@@ -286,7 +286,7 @@ mod tests {
 
     #[test]
     fn identity_polynomial_limits_are_touched_not_crossed() {
-        let problem = problem(Columns::Rigid, CriterionKind::DOptimal, 100);
+        let problem = problem(Columns::RIGID, CriterionKind::DOptimal, 100);
         let design = design(&problem, Seed::new(7), 2).unwrap();
         for quantity in [Quantity::Position, Quantity::Velocity] {
             let used = crate::excitation::limits::worst_use(&problem.robot, &design.trajectory, quantity).ratio;

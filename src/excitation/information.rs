@@ -176,7 +176,7 @@ mod tests {
 
     #[test]
     fn identity_information_equals_the_weighted_stack() {
-        let problem = problem(Columns::RigidRotorFriction, CriterionKind::DOptimal);
+        let problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal);
         let sigma = problem.sigma.clone().unwrap();
         let start = radkhah2007_start(&problem.robot, 10.0, 5, Seed::new(1), 3).unwrap();
         let regressor = JointTorqueRegressor::new(&problem.robot, problem.columns);

@@ -181,7 +181,7 @@ mod tests {
 
     #[test]
     fn analytic_the_same_experiment_again_brings_the_bound_down_by_the_root_of_their_number() {
-        let mut problem = problem(Columns::Rigid, CriterionKind::DOptimal);
+        let mut problem = problem(Columns::RIGID, CriterionKind::DOptimal);
         let motion = problem.start(Seed::new(1), 0).unwrap();
         assert_eq!(problem.bound_ratio(&motion).unwrap(), None);
         for experiments in [1.0, 4.0_f64] {
@@ -196,7 +196,7 @@ mod tests {
         for family in Family::ALL {
             for kind in CriterionKind::ALL {
                 // All columns with one family, the rigid ones with the others.
-                let columns = if family == Family::Fourier { Columns::RigidRotorFriction } else { Columns::Rigid };
+                let columns = if family == Family::Fourier { Columns::RIGID_ROTOR_FRICTION } else { Columns::RIGID };
                 let mut problem = problem(columns, kind);
                 problem.family = family;
                 problem.harmonics = vec![5, 5, 5, 3, 3, 4];

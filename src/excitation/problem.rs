@@ -12,7 +12,7 @@ use super::start::series_start;
 use super::{CriterionKind, ExcitationError, Family, PeriodicTrajectory};
 use crate::base::{BaseReduction, Method, reduce, reduce_on};
 use crate::dynamics::States;
-use crate::model::{Columns, ParameterKind, Robot, StandardParameters};
+use crate::model::{Columns, Robot, StandardParameters};
 use crate::seed::Seed;
 
 /// Which part of each limit a design may use.
@@ -54,7 +54,7 @@ impl Default for Margins {
 /// use armid::excitation::{CriterionKind, DesignProblem};
 /// use armid::model::{Columns, bundled, format::parse_robot};
 /// let robot = parse_robot(bundled()[0].robot).unwrap();
-/// let problem = DesignProblem::new(robot, Columns::Rigid, CriterionKind::Condition).unwrap();
+/// let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::Condition).unwrap();
 /// assert_eq!(problem.base.rank(), 36);
 /// assert_eq!((problem.period_s, problem.harmonics[0]), (10.0, 5));
 /// ```
@@ -197,7 +197,7 @@ impl DesignProblem {
     /// Position, among the kept columns, of those that belong to rigid bodies.
     #[must_use]
     pub fn rigid_positions(&self) -> Vec<usize> {
-        let rigid = |&(_, &column): &(usize, &usize)| self.base.parameters[column].kind <= ParameterKind::Izz;
+        let rigid = |&(_, &column): &(usize, &usize)| self.base.parameters[column].kind.term().is_none();
         self.base.kept.iter().enumerate().filter(rigid).map(|(position, _)| position).collect()
     }
 
@@ -263,7 +263,7 @@ impl DesignProblem {
             return fault("number of nominal links", nominal.links.len().to_string(), n.to_string());
         }
         if let Some(spread) = &self.spread {
-            let (found, p) = (spread.deviations.len(), Columns::RigidRotorFriction.parameters(&self.robot).len());
+            let (found, p) = (spread.deviations.len(), Columns::RIGID_ROTOR_FRICTION.parameters(&self.robot).len());
             if found != p {
                 return fault("number of uncertain parameters", found.to_string(), p.to_string());
             }
@@ -291,7 +291,7 @@ mod tests {
     use crate::excitation::{design, fixtures};
 
     fn problem(family: Family, evaluations: usize) -> DesignProblem {
-        let mut problem = DesignProblem::new(fixtures::crs_a460(), Columns::Rigid, CriterionKind::DOptimal).unwrap();
+        let mut problem = DesignProblem::new(fixtures::crs_a460(), Columns::RIGID, CriterionKind::DOptimal).unwrap();
         problem.family = family;
         problem.harmonics = vec![5, 5, 5, 3, 3, 3];
         problem.samples = 60;
@@ -322,7 +322,7 @@ mod tests {
     #[test]
     fn identity_a_frozen_joint_stands_still_and_the_rest_is_excited() {
         let robot = fixtures::crs_a460();
-        let mut problem = DesignProblem::new(robot, Columns::RigidRotorFriction, CriterionKind::DOptimal).unwrap();
+        let mut problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal).unwrap();
         (problem.samples, problem.max_evaluations) = (60, 40);
         let all = problem.base.rank();
         problem.freeze(3, 0.2).unwrap();

@@ -1,5 +1,6 @@
 //! Small robots for the tests of this module, and a plant whose motion has a closed form.
 
+use crate::model::term::ROTOR;
 use nalgebra::{DMatrix, Vector3};
 
 use super::{Plant, PlantError};
@@ -23,6 +24,7 @@ fn drive() -> Drive {
         adc_bits: 12,
         coulomb_velocity: 0.01,
         circuit: None,
+        shapes: Default::default(),
         voltage_noise: 0.0,
     }
 }
@@ -69,7 +71,7 @@ pub(crate) fn parameters(dof: usize) -> StandardParameters {
     let mut set = StandardParameters::zero(dof);
     for (link, drive) in set.links.iter_mut().zip(&mut set.drives) {
         *link = Inertia::zero();
-        drive.rotor = INERTIA;
+        drive[ROTOR] = INERTIA;
     }
     set
 }

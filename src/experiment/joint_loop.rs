@@ -20,7 +20,7 @@ use crate::seed::Seed;
 /// use armid::seed::Seed;
 /// let robot = planar_2r();
 /// let mut nominal = StandardParameters::zero(2);
-/// nominal.drives.iter_mut().for_each(|drive| drive.rotor = 2.0);
+/// nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 2.0);
 /// let mut joints = JointLoop::new(&robot, &nominal, &Sensing::ideal(), Seed::new(1), 0)?;
 /// joints.step(&[0.1, 0.0], &[0.0, 0.0], &[0.0, 0.0]);
 /// assert!(joints.tau()[0] > 0.0 && joints.tau()[1] == 0.0);

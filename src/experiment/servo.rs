@@ -47,7 +47,7 @@ use crate::seed::Seed;
 /// }
 /// let robot = planar_2r();
 /// let mut nominal = StandardParameters::zero(2);
-/// nominal.drives.iter_mut().for_each(|drive| drive.rotor = 2.0);
+/// nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 2.0);
 /// let series = |name: &str| FourierJoint { name: name.into(), a: vec![0.4], b: vec![0.1], q0: 0.3 };
 /// let trajectory = FourierTrajectory { period_s: 2.0, joints: vec![series("shoulder"), series("elbow")] };
 /// let plan = ExperimentPlan::new(trajectory).with_periods(2);
@@ -152,7 +152,7 @@ impl<P: Plant> Servo<P> {
     #[must_use]
     pub fn with_effects(mut self, actual: ActualArm) -> Self {
         assert_eq!(actual.robot().dof(), self.robot.dof(), "an arm of as many joints as the robot");
-        self.actual = (!actual.effects().is_none()).then_some(actual);
+        self.actual = (!actual.is_plain()).then_some(actual);
         self
     }
 

@@ -1,6 +1,9 @@
 //! The motor, gear, encoder and current sensor of one joint.
 
+use std::collections::BTreeMap;
+
 use super::MotorCircuit;
+use super::term::{Scale, ShapeParameter, Shapes, Term};
 
 /// One drive. Everything here is either on a data sheet or measured by an experiment of its own; where it is neither,
 /// the robot's README marks it as assumed.
@@ -26,6 +29,9 @@ pub struct Drive {
     pub adc_bits: u32,
     /// Velocity scale of the smooth sign in Coulomb friction, rad/s; see [`super::smooth_sign`].
     pub coulomb_velocity: f64,
+    /// Other shape parameters of torque laws that the robot file states, by their keys.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub shapes: BTreeMap<String, f64>,
     /// The motor's circuit, where the robot file has it.
     pub circuit: Option<MotorCircuit>,
     /// White noise of the voltage that the controller reports, standard deviation of one sample, V.
@@ -47,9 +53,27 @@ impl Drive {
             adc_range: f64::INFINITY,
             adc_bits: 0,
             coulomb_velocity: 0.0,
+            shapes: BTreeMap::new(),
             circuit: None,
             voltage_noise: 0.0,
         }
+    }
+
+    /// A shape parameter of a torque law: as the robot file states it, or its default.
+    #[must_use]
+    pub fn shape(&self, parameter: &ShapeParameter) -> f64 {
+        if *parameter == ShapeParameter::COULOMB_VELOCITY {
+            self.coulomb_velocity
+        } else {
+            self.shapes.get(parameter.key).copied().unwrap_or(parameter.default)
+        }
+    }
+
+    /// All shape parameters of a term's law, in the order of its entry.
+    #[must_use]
+    pub fn shapes_of(&self, term: Term) -> Shapes {
+        let shapes = term.entry().shapes;
+        std::array::from_fn(|k| Scale::new(shapes.get(k).map_or(0.0, |parameter| self.shape(parameter))))
     }
 
     /// Torque at the motor's own joint coordinate per ampere: gear × torque constant, N·m/A.

@@ -11,6 +11,7 @@
 //! a simulation are a type that only the last module can name.
 
 mod bundled;
+mod columns;
 mod drive;
 mod friction;
 mod joint;
@@ -20,13 +21,15 @@ mod robot;
 mod servo;
 mod shape;
 pub mod format;
+pub mod term;
 
 pub use bundled::{BundledRobot, bundled};
+pub use columns::{Columns, MOST_TERMS};
 pub use drive::Drive;
 pub use friction::smooth_sign;
 pub use joint::{DhConvention, DhRow, Joint, JointKind, Limits, exact_sincos};
 pub use motor_circuit::MotorCircuit;
-pub use parameters::{Columns, DriveParameters, ParameterId, ParameterKind, StandardParameters};
+pub use parameters::{DriveParameters, ParameterId, ParameterKind, StandardParameters};
 pub use robot::{Robot, RobotFault, RobotSpec};
 pub use servo::{EffortInterface, ServoTuning};
 pub use shape::{Capsule, Cuboid, Obstacle, Shape, Solid};

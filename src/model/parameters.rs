@@ -1,16 +1,16 @@
 //! The names, the order and the values of a robot's dynamic parameters φ.
 //!
-//! First the ten of each link in turn, then the drive parameters of each joint in turn:
+//! First the ten of each link in turn, then the coefficients of the [torque terms](super::term) of each joint in turn:
 //!
 //! ```text
 //! φ = (m1, mcx1, mcy1, mcz1, Ixx1, Ixy1, Ixz1, Iyy1, Iyz1, Izz1, m2, …, Izz_n, Ia1, Fv1, Fc1, Fo1, Ia2, …)
 //! ```
-//! A robot whose motors are coupled has two more columns for each coupled motor, `Fvm` and `Fcm`: friction of the
-//! motor itself, which acts on every joint that the motor drives.
 
 use std::fmt;
+use std::ops::{Index, IndexMut};
 
-use super::Robot;
+use super::term::Term;
+use super::{Columns, JointKind, Robot};
 use crate::spatial::Inertia;
 
 /// Which quantity a parameter is.
@@ -27,18 +27,8 @@ pub enum ParameterKind {
     Iyy,
     Iyz,
     Izz,
-    /// Rotor inertia at the joint, `J_m N²`, kg·m².
-    Ia,
-    /// Viscous friction, N·m·s/rad.
-    Fv,
-    /// Coulomb friction, N·m.
-    Fc,
-    /// Torque offset, N·m.
-    Fo,
-    /// Viscous friction of a coupled motor, N·m·s/rad.
-    Fvm,
-    /// Coulomb friction of a coupled motor, N·m.
-    Fcm,
+    /// The coefficient of a torque term.
+    Term(Term),
 }
 
 impl ParameterKind {
@@ -48,7 +38,7 @@ impl ParameterKind {
 
     /// The symbol, without the number.
     #[must_use]
-    pub const fn symbol(self) -> &'static str {
+    pub fn symbol(self) -> &'static str {
         match self {
             Self::M => "m",
             Self::Mcx => "mcx",
@@ -60,24 +50,33 @@ impl ParameterKind {
             Self::Iyy => "Iyy",
             Self::Iyz => "Iyz",
             Self::Izz => "Izz",
-            Self::Ia => "Ia",
-            Self::Fv => "Fv",
-            Self::Fc => "Fc",
-            Self::Fo => "Fo",
-            Self::Fvm => "Fvm",
-            Self::Fcm => "Fcm",
+            Self::Term(term) => term.symbol(),
         }
     }
 
-    /// Unit on a revolute joint.
+    /// Unit where its joint is of this kind.
     #[must_use]
-    pub const fn unit(self) -> &'static str {
+    pub fn unit(self, kind: JointKind) -> &'static str {
         match self {
             Self::M => "kg",
             Self::Mcx | Self::Mcy | Self::Mcz => "kg·m",
-            Self::Ixx | Self::Ixy | Self::Ixz | Self::Iyy | Self::Iyz | Self::Izz | Self::Ia => "kg·m²",
-            Self::Fv | Self::Fvm => "N·m·s/rad",
-            Self::Fc | Self::Fo | Self::Fcm => "N·m",
+            Self::Ixx | Self::Ixy | Self::Ixz | Self::Iyy | Self::Iyz | Self::Izz => "kg·m²",
+            Self::Term(term) => term.unit(kind),
+        }
+    }
+
+    /// Its place among the ten of a link; `None` for the coefficient of a term.
+    #[must_use]
+    pub fn link_place(self) -> Option<usize> {
+        Self::LINK.iter().position(|&kind| kind == self)
+    }
+
+    /// The torque term that it is the coefficient of; `None` for a link's.
+    #[must_use]
+    pub const fn term(self) -> Option<Term> {
+        match self {
+            Self::Term(term) => Some(term),
+            _ => None,
         }
     }
 }
@@ -97,75 +96,75 @@ impl fmt::Display for ParameterId {
     }
 }
 
-/// Which columns a model has: rigid bodies alone, with rotors, or with rotors and friction.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default)]
-pub enum Columns {
-    /// The ten parameters of each link.
-    Rigid,
-    /// And the rotor inertia of each drive.
-    RigidRotor,
-    /// And viscous friction, Coulomb friction and offset of each joint.
-    #[default]
-    RigidRotorFriction,
-}
-
-impl Columns {
-    /// Every choice.
-    pub const ALL: [Self; 3] = [Self::Rigid, Self::RigidRotor, Self::RigidRotorFriction];
-
-    /// Its name on the command line and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Rigid => "rigid",
-            Self::RigidRotor => "rigid+rotor",
-            Self::RigidRotorFriction => "rigid+rotor+friction",
-        }
-    }
-
-    /// The choice with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|columns| columns.name() == name)
-    }
-
-    /// The drive quantities of one joint; a coupled motor has two more.
-    fn drive_kinds(self, coupled: bool) -> &'static [ParameterKind] {
-        use ParameterKind::{Fc, Fcm, Fo, Fv, Fvm, Ia};
-        match (self, coupled) {
-            (Self::Rigid, _) => &[],
-            (Self::RigidRotor, _) => &[Ia],
-            (Self::RigidRotorFriction, false) => &[Ia, Fv, Fc, Fo],
-            (Self::RigidRotorFriction, true) => &[Ia, Fv, Fc, Fo, Fvm, Fcm],
-        }
-    }
-
-    /// The parameters of a robot in order: length p, the columns of its regressor.
-    #[must_use]
-    pub fn parameters(self, robot: &Robot) -> Vec<ParameterId> {
-        let links = (0..robot.dof()).flat_map(|index| ParameterKind::LINK.map(|kind| ParameterId { kind, index }));
-        let drives = (0..robot.dof()).flat_map(|index| {
-            self.drive_kinds(robot.is_coupled(index)).iter().map(move |&kind| ParameterId { kind, index })
-        });
-        links.chain(drives).collect()
-    }
-}
-
-/// What the drive of one joint adds to the torque.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
+/// The coefficients of the torque terms of one joint or motor. One that was never set is zero.
+///
+/// ```
+/// use armid::model::DriveParameters;
+/// use armid::model::term::{COULOMB, ROTOR};
+/// let mut drive = DriveParameters::of(&[(ROTOR, 0.5)]);
+/// drive[COULOMB] = 4.0;
+/// assert_eq!((drive[ROTOR], drive[COULOMB]), (0.5, 4.0));
+/// ```
+#[derive(Clone, Default)]
 pub struct DriveParameters {
-    /// Rotor inertia at the joint, kg·m².
-    pub rotor: f64,
-    /// Viscous friction, N·m·s/rad.
-    pub viscous: f64,
-    /// Coulomb friction, N·m.
-    pub coulomb: f64,
-    /// Torque offset, N·m.
-    pub offset: f64,
-    /// Viscous friction of a coupled motor, N·m·s/rad.
-    pub motor_viscous: f64,
-    /// Coulomb friction of a coupled motor, N·m.
-    pub motor_coulomb: f64,
+    /// In the order of the terms, none twice.
+    values: Vec<(Term, f64)>,
+}
+
+impl DriveParameters {
+    /// These coefficients, all others zero.
+    #[must_use]
+    pub fn of(values: &[(Term, f64)]) -> Self {
+        let mut drive = Self::default();
+        for &(term, value) in values {
+            drive[term] = value;
+        }
+        drive
+    }
+
+    /// The coefficients of `terms` alone, all others zero.
+    #[must_use]
+    pub fn only(&self, terms: impl Fn(Term) -> bool) -> Self {
+        Self { values: self.values.iter().copied().filter(|&(term, _)| terms(term)).collect() }
+    }
+
+    /// Every coefficient that is not zero, in the order of the terms.
+    pub fn iter(&self) -> impl Iterator<Item = (Term, f64)> + '_ {
+        self.values.iter().copied().filter(|&(_, value)| value != 0.0)
+    }
+}
+
+impl Index<Term> for DriveParameters {
+    type Output = f64;
+
+    fn index(&self, term: Term) -> &f64 {
+        self.values.iter().find(|(own, _)| *own == term).map_or(&0.0, |(_, value)| value)
+    }
+}
+
+impl IndexMut<Term> for DriveParameters {
+    fn index_mut(&mut self, term: Term) -> &mut f64 {
+        let at = match self.values.binary_search_by_key(&term, |&(own, _)| own) {
+            Ok(at) => at,
+            Err(at) => {
+                self.values.insert(at, (term, 0.0));
+                at
+            }
+        };
+        &mut self.values[at].1
+    }
+}
+
+impl PartialEq for DriveParameters {
+    fn eq(&self, other: &Self) -> bool {
+        self.iter().eq(other.iter())
+    }
+}
+
+impl fmt::Debug for DriveParameters {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        f.debug_map().entries(self.iter()).finish()
+    }
 }
 
 /// A full set of values for the parameters of a robot: a guess, an estimate or the truth of a simulation.
@@ -187,34 +186,28 @@ impl StandardParameters {
     /// The value of one parameter.
     #[must_use]
     pub fn get(&self, id: ParameterId) -> f64 {
-        let drive = &self.drives[id.index];
         match id.kind {
-            ParameterKind::Ia => drive.rotor,
-            ParameterKind::Fv => drive.viscous,
-            ParameterKind::Fc => drive.coulomb,
-            ParameterKind::Fo => drive.offset,
-            ParameterKind::Fvm => drive.motor_viscous,
-            ParameterKind::Fcm => drive.motor_coulomb,
-            link => self.links[id.index].to_array()[link as usize],
+            ParameterKind::Term(term) => self.drives[id.index][term],
+            link => self.links[id.index].to_array()[place(link)],
         }
     }
 
     /// Sets one parameter.
     pub fn set(&mut self, id: ParameterId, value: f64) {
-        let drive = &mut self.drives[id.index];
         match id.kind {
-            ParameterKind::Ia => drive.rotor = value,
-            ParameterKind::Fv => drive.viscous = value,
-            ParameterKind::Fc => drive.coulomb = value,
-            ParameterKind::Fo => drive.offset = value,
-            ParameterKind::Fvm => drive.motor_viscous = value,
-            ParameterKind::Fcm => drive.motor_coulomb = value,
+            ParameterKind::Term(term) => self.drives[id.index][term] = value,
             link => {
                 let mut ten = self.links[id.index].to_array();
-                ten[link as usize] = value;
+                ten[place(link)] = value;
                 self.links[id.index] = Inertia::from_array(&ten);
             }
         }
+    }
+
+    /// The links without any term.
+    #[must_use]
+    pub fn links_alone(&self) -> Self {
+        Self { links: self.links.clone(), drives: vec![DriveParameters::default(); self.drives.len()] }
     }
 
     /// The vector φ for these columns of a robot, length p.
@@ -240,4 +233,8 @@ impl StandardParameters {
         }
         set
     }
+}
+
+fn place(kind: ParameterKind) -> usize {
+    kind.link_place().expect("what is no term is one of a link's ten")
 }

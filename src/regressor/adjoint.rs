@@ -1,7 +1,7 @@
 //! Gradients of a weighted sum of regressor entries, in one sweep outwards and one inwards.
 //!
 //! ```text
-//! L = Σ_ic g_ic Y_ic = Σ_k Σ_{i≤k} s_ikᵀ K(v_k, a_k) g_ik + drives        s_ik = X_ki S_i
+//! L = Σ_ic g_ic Y_ic = Σ_k Σ_{i≤k} s_ikᵀ K(v_k, a_k) g_ik + terms        s_ik = X_ki S_i
 //! ```
 //! where `g_ik` are the ten weights of row i, link k, and K is the [regressor of one body](super::BodyRegressor). The
 //! partial derivatives are
@@ -16,10 +16,12 @@
 //! ∂L/∂q_k = −S_k · (v' ×* v̄_k + a' ×* ā_k + Σ_{i<k} s_ik ×* s̄_ik)        v' = X_k v_{k-1},  a' = X_k a_{k-1}
 //! ∂L/∂q̇_k = S_k · v̄_k + (v_k × S_k) · ā_k        ∂L/∂q̈_k = S_k · ā_k
 //! ```
-//! The cost is that of about four evaluations, whatever the number of columns.
+//! The cost is that of about four evaluations, whatever the number of columns. A term that depends on the torque that the
+//! links take, `τ_t = Y_links φ_links`, adds its slope by it, times `φ_links`, to the weights of the links' columns.
 
 use super::body::Weights;
 use super::{BodyRegressor, JointTorqueRegressor};
+use crate::dynamics::TermState;
 use crate::spatial::{Force, Motion, Placement};
 
 /// What the outward sweep leaves for one link.
@@ -43,7 +45,7 @@ impl JointTorqueRegressor {
     /// use armid::model::Columns;
     /// use armid::regressor::JointTorqueRegressor;
     /// // The effort of a body with the parameters g_i is linear in acceleration: the gradient is a mass matrix's row.
-    /// let regressor = JointTorqueRegressor::new(&chains::planar_2r(), Columns::Rigid);
+    /// let regressor = JointTorqueRegressor::new(&chains::planar_2r(), Columns::RIGID);
     /// let mut g = vec![0.0; 2 * regressor.cols()];
     /// g[10] = 1.0; // row 1, m2: a unit mass at the tip, seen by the shoulder
     /// let (mut dq, mut dqd, mut dqdd) = ([0.0; 2], [0.0; 2], [0.0; 2]);
@@ -64,6 +66,10 @@ impl JointTorqueRegressor {
         dqdd: &mut [f64],
     ) {
         let (n, p) = (self.rows(), self.cols());
+        let load = self.load_at(q, qd, qdd);
+        let state = TermState { q: &q[..n], qd: &qd[..n], qdd: &qdd[..n], load: &load };
+        let through_load = self.weights_through_load(&state, g);
+        let link_weights = through_load.as_deref().unwrap_or(g);
         let mut links = Vec::with_capacity(n);
         // s_ik for i ≤ k, row k of a triangle.
         let mut axes: Vec<Motion> = Vec::with_capacity(n * (n + 1) / 2);
@@ -91,7 +97,7 @@ impl JointTorqueRegressor {
             let body = BodyRegressor::new(v, a);
             let mut weights = Weights::default();
             for i in 0..=k {
-                let row = g[i * p + 10 * k..].first_chunk().expect("a row holds ten columns per link");
+                let row = link_weights[i * p + 10 * k..].first_chunk().expect("a row holds ten columns per link");
                 s_bar[i] += body.wrench(row);
                 weights.add(&s[i], row);
             }
@@ -112,7 +118,35 @@ impl JointTorqueRegressor {
             v_bar = placement.force_to_parent(&v_bar);
             a_bar = placement.force_to_parent(&a_bar);
         }
-        self.drives.add_gradient((qd, qdd), 10 * n, p, g, dqd, dqdd);
+        self.terms.add_gradient(&state, 10 * n, p, g, [dq, dqd, dqdd, &mut vec![0.0; n]]);
+    }
+
+    /// The torque that the links take, where a term depends on it; else empty.
+    fn load_at(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
+        if self.links.is_empty() {
+            return Vec::new();
+        }
+        let mut y = vec![0.0; self.rows() * self.cols()];
+        self.evaluate(q, qd, qdd, &mut y);
+        self.load(0..self.rows(), &y)
+    }
+
+    /// The weights with what the terms' slopes by the links' torque add to those of the links' columns; `None` where no term
+    /// depends on it.
+    fn weights_through_load(&self, state: &TermState<'_>, g: &[f64]) -> Option<Vec<f64>> {
+        if self.links.is_empty() {
+            return None;
+        }
+        let (n, p) = (self.rows(), self.cols());
+        let [mut dq, mut dqd, mut dqdd, mut by_load] = std::array::from_fn(|_| vec![0.0; n]);
+        self.terms.add_gradient(state, 10 * n, p, g, [&mut dq, &mut dqd, &mut dqdd, &mut by_load]);
+        let mut weights = g[..n * p].to_vec();
+        for (row, slope) in weights.chunks_exact_mut(p).zip(&by_load) {
+            for (weight, phi) in row.iter_mut().zip(&self.links) {
+                *weight += slope * phi;
+            }
+        }
+        Some(weights)
     }
 }
 
@@ -154,8 +188,8 @@ mod tests {
 
     #[test]
     fn identity_gradient_is_central_differences_of_the_regressor() {
-        for (case, _) in cases(Columns::RigidRotorFriction) {
-            let regressor = JointTorqueRegressor::new(&case.robot, Columns::RigidRotorFriction);
+        for (case, _) in cases(Columns::RIGID_ROTOR_FRICTION) {
+            let regressor = JointTorqueRegressor::new(&case.robot, Columns::RIGID_ROTOR_FRICTION);
             let found = gradient(&regressor, &case.state, &case.g);
             let mut y = vec![0.0; case.g.len()];
             let mut value = |state: &[Vec<f64>; 3]| -> f64 {
@@ -183,8 +217,8 @@ mod tests {
 
     #[test]
     fn identity_directional_derivative_is_forward_mode_in_the_base_frame() {
-        for (case, mut rng) in cases(Columns::Rigid) {
-            let regressor = JointTorqueRegressor::new(&case.robot, Columns::Rigid);
+        for (case, mut rng) in cases(Columns::RIGID) {
+            let regressor = JointTorqueRegressor::new(&case.robot, Columns::RIGID);
             let found = gradient(&regressor, &case.state, &case.g);
             let n = case.robot.dof();
             let direction: [Vec<f64>; 3] =

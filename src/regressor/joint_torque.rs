@@ -5,8 +5,8 @@ use std::ops::Range;
 use nalgebra::{DMatrix, Vector3};
 
 use super::BodyRegressor;
-use crate::dynamics::{DriveTrain, LinkPose, States};
-use crate::model::{Columns, ParameterId, Robot};
+use crate::dynamics::{LinkPose, States, TermState, TorqueTerms};
+use crate::model::{Columns, ParameterId, Robot, StandardParameters};
 use crate::spatial::Motion;
 
 /// Up to this many joints no evaluation allocates.
@@ -23,7 +23,7 @@ const INLINE_JOINTS: usize = 8;
 /// let mut rng = Seed::new(1).stream("doc", 0);
 /// let (robot, parameters) = chains::random_robot(&mut rng, 6);
 /// let (q, qd, qdd) = chains::random_state(&mut rng, 6);
-/// let regressor = JointTorqueRegressor::new(&robot, Columns::RigidRotorFriction);
+/// let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
 /// let mut y = vec![0.0; regressor.rows() * regressor.cols()];
 /// regressor.evaluate(&q, &qd, &qdd, &mut y);
 /// let mut tau = [0.0; 6];
@@ -39,20 +39,49 @@ pub struct JointTorqueRegressor {
     pub(super) poses: Vec<LinkPose>,
     pub(super) axes: Vec<Motion>,
     gravity: Vector3<f64>,
-    pub(super) drives: DriveTrain,
+    pub(super) terms: TorqueTerms,
+    /// The links' parameters by which the torque is found that terms may depend on, 10 n; empty where none does.
+    pub(super) links: Vec<f64>,
     columns: Columns,
     parameters: Vec<ParameterId>,
 }
 
 impl JointTorqueRegressor {
     /// The regressor of `robot` with these columns.
+    ///
+    /// # Panics
+    /// If a term among them depends on more than the motion: on the torque that the links take (see
+    /// [`JointTorqueRegressor::with_load`]) or on a temperature. [`Columns::beyond_motion`] finds it.
     #[must_use]
     pub fn new(robot: &Robot, columns: Columns) -> Self {
+        if let Some(term) = columns.beyond_motion() {
+            panic!("columns {columns}: {} depends on more than the motion", term.entry().meaning);
+        }
+        Self::without_load(robot, columns)
+    }
+
+    /// The regressor of `robot` with these columns, the torque that the links take, where a term depends on it, being
+    /// `Y_links φ_links` by these parameters of the links. A term of temperature is that of a cold gear.
+    ///
+    /// # Panics
+    /// If the parameters are not those of as many links as the robot has.
+    #[must_use]
+    pub fn with_load(robot: &Robot, columns: Columns, parameters: &StandardParameters) -> Self {
+        assert_eq!(parameters.links.len(), robot.dof(), "parameters of one link for each joint");
+        let mut regressor = Self::without_load(robot, columns);
+        if regressor.terms.needs_load() {
+            regressor.links = parameters.vector(robot, Columns::RIGID).as_slice().to_vec();
+        }
+        regressor
+    }
+
+    fn without_load(robot: &Robot, columns: Columns) -> Self {
         Self {
             poses: robot.joints().iter().map(LinkPose::new).collect(),
             axes: robot.axes().to_vec(),
             gravity: robot.gravity(),
-            drives: DriveTrain::new(robot, columns),
+            terms: TorqueTerms::new(robot, columns),
+            links: Vec::new(),
             columns,
             parameters: columns.parameters(robot),
         }
@@ -95,7 +124,9 @@ impl JointTorqueRegressor {
     /// One sample of joint `row` alone, at a fraction of the cost: its row of [`evaluate`](Self::evaluate), in its place in
     /// `out` (n × p). What else of `out` is overwritten means nothing.
     pub(crate) fn evaluate_row(&self, row: usize, q: &[f64], qd: &[f64], qdd: &[f64], out: &mut [f64]) {
-        self.evaluate_from(self.base_at_rest(), row..row + 1, q, qd, qdd, out);
+        // A motor's load is that of all joints that it drives.
+        let rows = if self.links.is_empty() { row..row + 1 } else { 0..self.rows() };
+        self.evaluate_from(self.base_at_rest(), rows, q, qd, qdd, out);
     }
 
     /// Velocity and acceleration of a base at rest, gravity subtracted.
@@ -145,7 +176,21 @@ impl JointTorqueRegressor {
         for row in out[rows.start * p..].chunks_exact_mut(p).take(rows.len()) {
             row[10 * n..].fill(0.0);
         }
-        self.drives.write_columns(&qd[..n], &qdd[..n], 10 * n, p, out);
+        let load = self.load(rows, out);
+        let state = TermState { q: &q[..n], qd: &qd[..n], qdd: &qdd[..n], load: &load };
+        self.terms.write_columns(&state, 10 * n, p, out);
+    }
+
+    /// The torque that the links take of the joints `rows`, by what stands in their columns; empty where no term needs it.
+    pub(super) fn load(&self, rows: Range<usize>, out: &[f64]) -> Vec<f64> {
+        if self.links.is_empty() {
+            return Vec::new();
+        }
+        let mut load = vec![0.0; self.rows()];
+        for (load, row) in load[rows.clone()].iter_mut().zip(out.chunks_exact(self.cols()).skip(rows.start)) {
+            *load = row.iter().zip(&self.links).fold(0.0, |sum, (y, phi)| sum + y * phi);
+        }
+        load
     }
 
     /// All samples: `W`, (n·N) × p, where row `k n + i` is joint i at sample k.
@@ -188,7 +233,7 @@ mod tests {
             let mut rng = Seed::new(12).stream("chains", run);
             let dof = 1 + usize::try_from(run % 9).unwrap();
             let (robot, _) = ChainRecipe { coupled: run % 2 == 0, ..ChainRecipe::new(dof) }.draw(&mut rng);
-            let regressor = JointTorqueRegressor::new(&robot, Columns::RigidRotorFriction);
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
             let (q, qd, qdd) = chains::random_state(&mut rng, dof);
             let p = regressor.cols();
             let mut whole = vec![0.0; dof * p];
@@ -210,8 +255,8 @@ mod tests {
             let dof = 1 + usize::try_from(run % 9).unwrap();
             let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
             let (robot, parameters) = recipe.draw(&mut rng);
-            let regressor = JointTorqueRegressor::new(&robot, Columns::RigidRotorFriction);
-            let phi = parameters.vector(&robot, Columns::RigidRotorFriction);
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let phi = parameters.vector(&robot, Columns::RIGID_ROTOR_FRICTION);
             let mut dynamics = Dynamics::new(&robot, &parameters);
             let mut states = States::new(dof);
             for _ in 0..10 {

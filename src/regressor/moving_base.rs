@@ -42,7 +42,7 @@ impl JointTorqueRegressor {
     /// use armid::model::Columns;
     /// use armid::regressor::{BaseState, JointTorqueRegressor};
     /// let robot = chains::planar_2r();
-    /// let regressor = JointTorqueRegressor::new(&robot, Columns::Rigid);
+    /// let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID);
     /// let (mut fixed, mut moving) = (vec![0.0; 40], vec![0.0; 40]);
     /// let (q, qd, qdd) = ([0.1, 0.2], [0.3, -0.4], [0.5, 0.6]);
     /// regressor.evaluate(&q, &qd, &qdd, &mut fixed);
@@ -75,7 +75,7 @@ mod tests {
 
     /// `W` over random states of the arm, with the base's state drawn by `base`.
     fn stacked(robot: &Robot, mut base: impl FnMut(&mut dyn FnMut() -> f64) -> BaseState) -> DMatrix<f64> {
-        let regressor = JointTorqueRegressor::new(robot, Columns::Rigid);
+        let regressor = JointTorqueRegressor::new(robot, Columns::RIGID);
         let (n, p, samples) = (regressor.rows(), regressor.cols(), 60);
         let mut rng = Seed::new(31).stream("moving base", 0);
         let mut rows = Vec::new();
@@ -108,7 +108,7 @@ mod tests {
         let robot = a460();
         let w = stacked(&robot, free);
         assert_eq!(rank(&w), 42);
-        for (c, id) in Columns::Rigid.parameters(&robot).iter().enumerate().take(10) {
+        for (c, id) in Columns::RIGID.parameters(&robot).iter().enumerate().take(10) {
             let vanishes = w.column(c).amax() == 0.0;
             assert_eq!(vanishes, ["m1", "mcy1"].contains(&id.to_string().as_str()), "{id}");
         }
@@ -130,7 +130,7 @@ mod tests {
         for _ in 0..20 {
             let (robot, _) = ChainRecipe { tilted: true, ..ChainRecipe::new(6) }.draw(&mut rng);
             let (q, qd, qdd) = chains::random_state(&mut rng, 6);
-            let whole = JointTorqueRegressor::new(&robot, Columns::Rigid);
+            let whole = JointTorqueRegressor::new(&robot, Columns::RIGID);
             let mut y = vec![0.0; 6 * 60];
             whole.evaluate(&q, &qd, &qdd, &mut y);
             let (mut velocity, mut acceleration) = (Motion::zero(), Motion::zero());
@@ -153,7 +153,7 @@ mod tests {
                 may_touch: Vec::new(),
             })
             .unwrap();
-            let short = JointTorqueRegressor::new(&carried, Columns::Rigid);
+            let short = JointTorqueRegressor::new(&carried, Columns::RIGID);
             let mut found = vec![0.0; 4 * 40];
             let base = BaseState { velocity, acceleration, gravity };
             short.with_base_motion(&base, &q[2..], &qd[2..], &qdd[2..], &mut found);

@@ -80,11 +80,13 @@ fn kind_name(kind: ParameterKind) -> &'static str {
     match kind {
         ParameterKind::M => "masses",
         ParameterKind::Mcx | ParameterKind::Mcy | ParameterKind::Mcz => "first moments",
-        ParameterKind::Ia => "rotors",
-        ParameterKind::Fv | ParameterKind::Fvm => "viscous",
-        ParameterKind::Fc | ParameterKind::Fcm => "Coulomb",
-        ParameterKind::Fo => "offsets",
-        _ => "inertias",
+        ParameterKind::Term(term) => term.entry().group,
+        ParameterKind::Ixx
+        | ParameterKind::Ixy
+        | ParameterKind::Ixz
+        | ParameterKind::Iyy
+        | ParameterKind::Iyz
+        | ParameterKind::Izz => "inertias",
     }
 }
 

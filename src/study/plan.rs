@@ -303,7 +303,9 @@ impl StudyPlan {
     /// [`StudyPlanError::Name`].
     pub fn columns(&self) -> Result<Columns, StudyPlanError> {
         let found = &self.identification.columns;
-        Columns::parse(found).ok_or_else(|| name("identification.columns", found, Columns::ALL.map(Columns::name)))
+        let known = || ["rigid"].into_iter().chain(Columns::words());
+        let columns = Columns::parse(found).filter(|columns| columns.beyond_motion().is_none());
+        columns.ok_or_else(|| name("identification.columns", found, known()))
     }
 
     /// The estimators that are compared: of those from outside, and of [`EstimatorKind`].

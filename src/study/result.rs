@@ -106,7 +106,10 @@ impl StudySetup {
             .map(|(i, (name, expression))| ParameterLine {
                 name,
                 expression,
-                unit: self.base.parameters[self.base.kept[i]].kind.unit().to_owned(),
+                unit: {
+                    let id = self.base.parameters[self.base.kept[i]];
+                    id.kind.unit(self.robot.joints()[id.index].kind).to_owned()
+                },
                 truth: truth[i],
                 reference_unit: units[i],
             })

@@ -25,6 +25,7 @@ mod tests {
     use crate::conformance::chains::random_state;
     use crate::dynamics::{Dynamics, States};
     use crate::model::format::{parse_nominal, parse_parameters, parse_robot};
+    use crate::model::term::{COULOMB, OFFSET, ROTOR};
     use crate::model::{Columns, Robot, StandardParameters, bundled};
     use crate::regressor::JointTorqueRegressor;
     use crate::seed::Seed;
@@ -91,7 +92,7 @@ mod tests {
             let (q, qd, qdd) = random_state(&mut rng, 6);
             states.push(&q, &qd, &qdd);
         }
-        let columns = Columns::RigidRotorFriction;
+        let columns = Columns::RIGID_ROTOR_FRICTION;
         let regressor = JointTorqueRegressor::new(&robot, columns);
         let base = BaseReduction::from_stack(regressor.parameters(), &regressor.stack(&states), Method::Qr);
         assert_eq!(base.rank(), 58);
@@ -110,7 +111,7 @@ mod tests {
         let published = parse_parameters(text, &robot, false).unwrap().parameters;
         assert!(published.links[2].check().is_err());
         assert_eq!(published.drives, truth.drives);
-        let columns = Columns::RigidRotorFriction;
+        let columns = Columns::RIGID_ROTOR_FRICTION;
         for method in Method::ALL {
             let base = reduce(&robot, columns, method, Seed::new(1)).unwrap();
             let (a, b) = (base.beta(&published.vector(&robot, columns)), base.beta(&truth.vector(&robot, columns)));
@@ -135,10 +136,10 @@ mod tests {
     fn published_puma_friction_comes_from_the_motor() {
         // Corke and Armstrong-Hélouvry: motor 1 turns against its joint and meets 0.395 N·m one way, 0.435 the other.
         let (robot, truth) = simulated("puma-560");
-        let (drive, gear) = (truth.drives[0], 62.6111);
-        assert!((drive.coulomb + drive.offset - gear * 0.435).abs() < 1e-9);
-        assert!((drive.coulomb - drive.offset - gear * 0.395).abs() < 1e-9);
-        assert!((drive.rotor - 200e-6 * gear * gear).abs() < 1e-9);
+        let (drive, gear) = (&truth.drives[0], 62.6111);
+        assert!((drive[COULOMB] + drive[OFFSET] - gear * 0.435).abs() < 1e-9);
+        assert!((drive[COULOMB] - drive[OFFSET] - gear * 0.395).abs() < 1e-9);
+        assert!((drive[ROTOR] - 200e-6 * gear * gear).abs() < 1e-9);
         assert!((robot.joints()[0].drive.gear - gear).abs() < 1e-12);
     }
 
@@ -147,7 +148,7 @@ mod tests {
         let (robot, truth) = simulated("staubli-tx40");
         assert!((0..6).map(|i| robot.is_coupled(i)).eq([false, false, false, false, false, true]));
         // Joint 5 carries its own rotor and that of motor 6.
-        assert!((truth.drives[4].rotor + truth.drives[5].rotor - 0.0361).abs() < 1e-15);
+        assert!((truth.drives[4][ROTOR] + truth.drives[5][ROTOR] - 0.0361).abs() < 1e-15);
         for (joint, gain) in robot.joints().iter().zip([35.24, 32.04, 23.94, 9.05, 15.5, 6.56]) {
             assert!((joint.drive.torque_per_ampere() - gain).abs() < 1e-12, "{}", joint.name);
             assert!((joint.drive.current_noise * gain - 0.05).abs() < 2e-5, "{}", joint.name);

@@ -1,6 +1,7 @@
 //! Units in which errors of unlike parameters are added: declared by a study, never derived from the truth.
 
 use crate::model::ParameterKind;
+use crate::model::term::Structure;
 
 /// The error that counts as one, for each kind of parameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -19,15 +20,23 @@ pub struct ReferenceUnits {
 }
 
 impl ReferenceUnits {
-    /// The unit of one kind of parameter.
+    /// The unit of one kind of parameter. For a term with none of its own: what makes the unit of torque with a law of 1.
     #[must_use]
-    pub const fn of(&self, kind: ParameterKind) -> f64 {
+    pub fn of(&self, kind: ParameterKind) -> f64 {
         match kind {
             ParameterKind::M => self.mass_kg,
             ParameterKind::Mcx | ParameterKind::Mcy | ParameterKind::Mcz => self.first_moment_kg_m,
-            ParameterKind::Fv | ParameterKind::Fvm => self.viscous_nm_s_rad,
-            ParameterKind::Fc | ParameterKind::Fo | ParameterKind::Fcm => self.torque_nm,
-            _ => self.inertia_kg_m2,
+            ParameterKind::Term(term) => match term.entry().structure {
+                Structure::Inertia => self.inertia_kg_m2,
+                Structure::Viscous => self.viscous_nm_s_rad,
+                Structure::Constant | Structure::Function { .. } => self.torque_nm,
+            },
+            ParameterKind::Ixx
+            | ParameterKind::Ixy
+            | ParameterKind::Ixz
+            | ParameterKind::Iyy
+            | ParameterKind::Iyz
+            | ParameterKind::Izz => self.inertia_kg_m2,
         }
     }
 }

@@ -11,10 +11,11 @@
 //! be wrong: parameters are tested one at a time. Rotor inertia and friction are only bounded below, by zero; offsets
 //! not at all.
 
+use crate::model::term::Sign;
 use nalgebra::{Matrix3, Vector3};
 
 use crate::base::BaseReduction;
-use crate::model::{Capsule, ParameterKind, Robot};
+use crate::model::{Capsule, Robot};
 use crate::statistics::Interval;
 
 /// For every base parameter the interval of values that links of at most `max_mass` kg inside their shapes can have.
@@ -33,20 +34,13 @@ pub fn feasible_ranges(robot: &Robot, base: &BaseReduction, max_mass: f64) -> Ve
                     if id.index != link || k == 0.0 {
                         continue;
                     }
-                    match id.kind {
-                        ParameterKind::Fo => range = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY },
-                        ParameterKind::Ia
-                        | ParameterKind::Fv
-                        | ParameterKind::Fc
-                        | ParameterKind::Fvm
-                        | ParameterKind::Fcm => {
-                            if k > 0.0 {
-                                range.high = f64::INFINITY;
-                            } else {
-                                range.low = f64::NEG_INFINITY;
-                            }
+                    match (id.kind.link_place(), id.kind.term().map(|term| term.entry().sign)) {
+                        (Some(place), _) => ten[place] = k,
+                        (None, Some(Sign::NotNegative)) if k > 0.0 => range.high = f64::INFINITY,
+                        (None, Some(Sign::NotNegative)) => range.low = f64::NEG_INFINITY,
+                        (None, Some(Sign::Any) | None) => {
+                            range = Interval { low: f64::NEG_INFINITY, high: f64::INFINITY };
                         }
-                        rigid => ten[rigid as usize] = k,
                     }
                 }
                 let unit_mass = Quadratic::of_point_mass(&ten);

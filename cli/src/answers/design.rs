@@ -141,7 +141,7 @@ impl DesignAnswer<'_> {
         json!({
             "robot": self.problem.robot.name(),
             "criterion": best.criterion.name(),
-            "columns": self.problem.columns.name(),
+            "columns": self.problem.columns.to_string(),
             "family": self.problem.family.name(),
             "seed": self.seed,
             "value": best.value,
@@ -187,7 +187,7 @@ impl DesignAnswer<'_> {
             self.problem.robot.name(),
             best.criterion.name(),
             self.problem.base.rank(),
-            self.problem.columns.name(),
+            self.problem.columns,
             self.designs.len(),
             self.seconds,
             best.termination.name(),

@@ -56,7 +56,7 @@ impl Exchange {
                 .map_err(|error| Error::new(error.to_string()))?,
             Self::Toml => write_parameters(robot, parameters, header),
             Self::Json => {
-                let ids = Columns::RigidRotorFriction.parameters(robot);
+                let ids = Columns::RIGID_ROTOR_FRICTION.parameters(robot);
                 let map: Map<String, Value> =
                     ids.into_iter().map(|id| (id.to_string(), parameters.get(id).into())).collect();
                 pretty(&Value::Object(map))
@@ -99,8 +99,8 @@ impl Reloaded {
             .read(text, robot)
             .map_err(|fault| Error::new(format!("the file does not read back: {}", fault.message)))?;
         found.drives.fill(DriveParameters::default());
-        let (n, regressor) = (robot.dof(), JointTorqueRegressor::new(robot, Columns::Rigid));
-        let phi = parameters.vector(robot, Columns::Rigid);
+        let (n, regressor) = (robot.dof(), JointTorqueRegressor::new(robot, Columns::RIGID));
+        let phi = parameters.vector(robot, Columns::RIGID);
         let mut dynamics = Dynamics::new(&read, &found);
         let mut y = vec![0.0; n * phi.len()];
         let mut tau = vec![0.0; n];

@@ -1,5 +1,6 @@
 //! Options whose values are a list that the library keeps: one place for names, completions and errors.
 
+use armid::model::Columns;
 use clap::builder::{PossibleValuesParser, TypedValueParser};
 
 /// A parser for the values with these names.
@@ -11,5 +12,13 @@ pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(
     let names: Vec<&'static str> = named.iter().map(|(name, _)| *name).collect();
     PossibleValuesParser::new(names).try_map(move |found| {
         named.iter().find(|(name, _)| *name == found).map(|(_, value)| *value).ok_or("not in the list")
+    })
+}
+
+/// Reads a set of columns: `rigid`, or `rigid` and words of torque terms joined by `+`.
+pub(crate) fn columns(text: &str) -> Result<Columns, String> {
+    let found = Columns::parse(text).filter(|columns| columns.beyond_motion().is_none());
+    found.ok_or_else(|| {
+        format!("expected rigid, or rigid and any of these joined by +: {}", Columns::words().join(", "))
     })
 }

@@ -6,7 +6,7 @@ mod limit_arguments;
 mod log_arguments;
 mod robot_arguments;
 
-pub(crate) use choices::one_of;
+pub(crate) use choices::{columns, one_of};
 pub(crate) use guard_arguments::GuardArguments;
 pub(crate) use limit_arguments::LimitArguments;
 pub(crate) use log_arguments::LogArguments;

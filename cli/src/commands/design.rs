@@ -17,7 +17,7 @@ use miette::Result;
 use rayon::prelude::*;
 
 use crate::answers::design::{DesignAnswer, Gain};
-use crate::arguments::{LimitArguments, RobotArguments, one_of};
+use crate::arguments::{LimitArguments, RobotArguments, columns, one_of};
 use crate::interrupt;
 use crate::terminal::{Answer, Console, Ending, progress};
 
@@ -50,7 +50,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_parser = one_of(&CriterionKind::ALL, CriterionKind::name))]
     criterion: CriterionKind,
     /// Which parameters are to be estimated
-    #[arg(long, default_value = "rigid+rotor+friction", value_parser = one_of(&Columns::ALL, Columns::name))]
+    #[arg(long, default_value = "rigid+rotor+friction", value_parser = columns)]
     columns: Columns,
     /// Short for --columns rigid
     #[arg(long, conflicts_with = "columns")]
@@ -175,7 +175,7 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
     if arguments.starts == 0 && arguments.from.is_empty() {
         return Err(Error::new("--starts is 0, expected at least 1, or a trajectory --from which to start").into());
     }
-    let columns = if arguments.no_friction { Columns::Rigid } else { arguments.columns };
+    let columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
     let mut problem = DesignProblem::new(robot, columns, arguments.criterion).map_err(|error| impossible(&error))?;
     problem.period_s = arguments.period;
     problem.family = arguments.family;

@@ -12,7 +12,7 @@ use armid_io::{Error, LoadedRobot, Text};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::arguments::{RobotArguments, one_of};
+use crate::arguments::{RobotArguments, columns, one_of};
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
@@ -71,7 +71,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "P")]
     parameters: Option<PathBuf>,
     /// Columns of the regressor
-    #[arg(long, default_value = "rigid", value_parser = one_of(&Columns::ALL, Columns::name))]
+    #[arg(long, default_value = "rigid", value_parser = columns)]
     columns: Columns,
 }
 

@@ -76,7 +76,7 @@ fn consistent(text: &Text, estimate: &Estimate, loaded: &LoadedRobot) -> Result<
     let robot = &loaded.robot;
     check_robot(estimate, &text.name, loaded)?;
     let Some(columns) = Columns::parse(&estimate.columns) else {
-        let expected = Columns::ALL.map(Columns::name).join(", ");
+        let expected = Columns::ALL.map(|columns| columns.to_string()).join(", ");
         let found = &estimate.columns;
         let message = format!("{}: the set of columns is \"{found}\", expected one of {expected}", text.name);
         return Err(Error::new(message).into());

@@ -13,7 +13,7 @@ use armid_io::{Error, ProcessedLog, output};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::arguments::{LogArguments, one_of};
+use crate::arguments::{LogArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table, number};
 
 const AFTER_HELP: &str = "\
@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
     #[arg(long, value_delimiter = ',', default_value = "wls", value_parser = one_of(EstimatorKind::ALL, EstimatorKind::name))]
     estimator: Vec<EstimatorKind>,
     /// What is estimated
-    #[arg(long, default_value = "rigid+rotor+friction", value_parser = one_of(&Columns::ALL, Columns::name))]
+    #[arg(long, default_value = "rigid+rotor+friction", value_parser = columns)]
     columns: Columns,
     /// Short for --columns rigid
     #[arg(long, conflicts_with = "columns")]
@@ -54,7 +54,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         console.answer(&list())?;
         return Ok(Ending::Done);
     };
-    let columns = if arguments.no_friction { Columns::Rigid } else { arguments.columns };
+    let columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
     let prepared = arguments.log.process(path)?;
     let estimates = estimate(&prepared, columns, &arguments.estimator)?;
     let json = match estimates.as_slice() {

@@ -9,7 +9,7 @@ use armid_io::{Error, trajectory};
 use miette::Result;
 use serde_json::json;
 
-use crate::arguments::{RobotArguments, one_of};
+use crate::arguments::{RobotArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
@@ -42,7 +42,7 @@ pub(crate) struct Arguments {
     #[arg(long, default_value = "fixed", value_parser = one_of(&BaseMotion::ALL, BaseMotion::name))]
     base: BaseMotion,
     /// Which parameters there are
-    #[arg(long, default_value = "rigid", value_parser = one_of(&Columns::ALL, Columns::name))]
+    #[arg(long, default_value = "rigid", value_parser = columns)]
     columns: Columns,
     /// Seed of the random states of `paper` and `qr`
     #[arg(long, default_value_t = 1)]
@@ -95,7 +95,7 @@ fn answer(robot: &Robot, columns: Columns, base: &BaseReduction, trajectory: Opt
         .collect();
     let json = json!({
         "robot": robot.name(),
-        "columns": columns.name(),
+        "columns": columns.to_string(),
         "method": base.method.name(),
         "base_motion": base.base_motion.name(),
         "trajectory": trajectory,
@@ -119,7 +119,7 @@ fn text(
         robot.name(),
         base.rank(),
         base.parameters.len(),
-        columns.name(),
+        columns,
         base.method.name(),
         base.base_motion.name(),
         trajectory.map_or_else(String::new, |name| format!(", on {name}")),

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 
 use armid::model::format::parse_robot;
+use armid::model::term::Term;
 use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, Solid, bundled};
 use armid::provenance::Provenance;
 use armid_io::LoadedRobot;
@@ -50,7 +51,7 @@ fn list() -> Answer {
     ]);
     for robot in &robots {
         let kinds: String = robot.joints().iter().map(|joint| kind_letter(joint.kind)).collect();
-        let parameters = Columns::RigidRotorFriction.parameters(robot).len();
+        let parameters = Columns::RIGID_ROTOR_FRICTION.parameters(robot).len();
         let cells = [robot.name(), &robot.dof().to_string(), &kinds, robot.effort().name(), &parameters.to_string()];
         table.row(cells);
     }
@@ -93,25 +94,18 @@ fn describe(loaded: &LoadedRobot) -> Answer {
     }
     for (heading, parameters) in [("Nominal parameters", &loaded.nominal), ("Parameters of the file", &loaded.own)] {
         if let Some(parameters) = parameters {
-            let mut table = Table::new(&[
-                ("link", Align::Left),
-                ("m kg", Align::Right),
-                ("centre of mass m", Align::Left),
-                ("rotor kg·m²", Align::Right),
-                ("viscous N·m·s/rad", Align::Right),
-                ("Coulomb N·m", Align::Right),
-            ]);
+            // Every torque term of which some joint has a coefficient, in the units of a revolute joint.
+            let terms: Vec<Term> = Columns::RIGID.and_those_of(parameters).terms().collect();
+            let headings: Vec<String> =
+                terms.iter().map(|term| format!("{} {}", term.entry().name, term.unit(JointKind::Revolute))).collect();
+            let mut columns = vec![("link", Align::Left), ("m kg", Align::Right), ("centre of mass m", Align::Left)];
+            columns.extend(headings.iter().map(|heading| (heading.as_str(), Align::Right)));
+            let mut table = Table::new(&columns);
             for ((joint, link), drive) in robot.joints().iter().zip(&parameters.links).zip(&parameters.drives) {
                 let com = if link.mass > 0.0 { link.first_moment / link.mass } else { link.first_moment };
                 let com: Vec<String> = com.iter().map(|&c| format!("{c:>8.4}")).collect();
-                table.row([
-                    joint.name.clone(),
-                    number(link.mass),
-                    com.join(""),
-                    number(drive.rotor),
-                    number(drive.viscous),
-                    number(drive.coulomb),
-                ]);
+                let own = [joint.name.clone(), number(link.mass), com.join("")];
+                table.row(own.into_iter().chain(terms.iter().map(|&term| number(drive[term]))));
             }
             let _ = write!(text, "\n{heading}\n{}", table.render(2));
         }
@@ -261,7 +255,7 @@ fn as_json(loaded: &LoadedRobot, provenance: &Provenance) -> Value {
         .collect();
     let parameters = |set: &Option<armid::model::StandardParameters>| {
         set.as_ref().map(|set| {
-            let ids = Columns::RigidRotorFriction.parameters(robot);
+            let ids = Columns::RIGID_ROTOR_FRICTION.parameters(robot);
             ids.into_iter().map(|id| (id.to_string(), json!(set.get(id)))).collect::<serde_json::Map<_, _>>()
         })
     };

@@ -71,7 +71,7 @@ impl<'a> Verdict<'a> {
             return Err(Error::new(message).into());
         }
         let columns = Columns::parse(&estimate.columns).ok_or_else(|| {
-            let names = Columns::ALL.map(Columns::name).join(", ");
+            let names = Columns::ALL.map(|columns| columns.to_string()).join(", ");
             Error::new(format!("{}: columns is \"{}\", expected one of {names}", text.name, estimate.columns))
         })?;
         let regressor = JointTorqueRegressor::new(robot, columns);

@@ -1,5 +1,6 @@
 //! The link and the robot's computer across a real wire, on this machine alone.
 
+use armid::model::term::ROTOR;
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
@@ -43,7 +44,7 @@ impl Plant for FlyWheels {
 
 fn nominal() -> StandardParameters {
     let mut nominal = StandardParameters::zero(2);
-    nominal.drives.iter_mut().for_each(|drive| drive.rotor = 1.0);
+    nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 1.0);
     nominal
 }
 

@@ -129,7 +129,7 @@ impl LoadedRobot {
         Ok(Self {
             robot,
             text,
-            uncertainty: nominal.as_ref().map(|nominal| nominal.relative_uncertainty),
+            uncertainty: nominal.as_ref().map(|nominal| nominal.relative_uncertainty.clone()),
             nominal: nominal.map(|nominal| nominal.parameters),
             nominal_text,
             own: None,

@@ -1,7 +1,8 @@
 //! The certificate: what was measured, and whether it is enough.
 
 use armid::experiment::ExperimentPlan;
-use armid::model::{DriveParameters, Robot, StandardParameters};
+use armid::model::term::ROTOR;
+use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
 
 use super::free_motion::{CERTIFIED, FreeMotion, StepError, distance, order};
@@ -118,7 +119,7 @@ pub struct Breach {
 pub fn agree(case: &Case<'_>, engines: &[Engine]) -> Agreement {
     let mut smooth = case.truth.clone();
     for drive in &mut smooth.drives {
-        *drive = DriveParameters { rotor: drive.rotor, ..DriveParameters::default() };
+        *drive = drive.only(|term| term == ROTOR);
     }
     let motion = FreeMotion::new(case.robot, &smooth, case.seed);
     let (mut absent, mut failed) = (Vec::new(), Vec::new());

@@ -10,12 +10,12 @@
 //! as mass, first moment and second moments `Σ = ∫ x xᵀ dm` (upper left of the pseudo-inertia), which shift by sums
 //! of products and rotate in planes.
 
-use armid::dynamics::DriveTrain;
+use armid::dynamics::TorqueTerms;
 use armid::model::{Columns, JointKind, Robot, StandardParameters};
 use armid::spatial::Placement;
 use nalgebra::{Matrix3, Vector3};
 
-use super::friction::Friction;
+use super::forces::Forces;
 
 /// The angle between two joint axes, where it saves work.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -48,7 +48,7 @@ pub(crate) struct Link {
     pub(crate) outboard: f64,
 }
 
-/// All links, motors and friction of a robot with N joints.
+/// All links, motors and torque terms of a robot with N joints.
 #[derive(Clone, Debug)]
 pub(crate) struct Chain<const N: usize> {
     pub(crate) links: [Link; N],
@@ -56,7 +56,7 @@ pub(crate) struct Chain<const N: usize> {
     pub(crate) lift: [f64; 3],
     /// Inertia of the rotors.
     pub(crate) rotors: [[f64; N]; N],
-    pub(crate) friction: Friction<N>,
+    pub(crate) forces: Forces<N>,
 }
 
 /// `R = Rz(γ) Rx(α) Rz(β)`: sine and cosine of γ and α, and β.
@@ -132,12 +132,12 @@ impl<const N: usize> Chain<N> {
         }
         let (sin_gamma, cos_gamma) = splits[0].1.0;
         let lift: Vector3<f64> = Placement::rotation_z(-sin_gamma, cos_gamma).rotation * -robot.gravity();
-        let rotors = DriveTrain::new(robot, Columns::RigidRotor).inertia(parameters);
+        let rotors = TorqueTerms::new(robot, Columns::RIGID_ROTOR).inertia(parameters);
         Self {
             links: std::array::from_fn(|i| links[i]),
             lift: lift.into(),
             rotors: std::array::from_fn(|i| std::array::from_fn(|j| rotors[(i, j)])),
-            friction: Friction::new(robot, parameters),
+            forces: Forces::new(robot, parameters),
         }
     }
 }

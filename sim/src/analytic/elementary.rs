@@ -1,4 +1,4 @@
-//! Sine, cosine and the hyperbolic tangent without branches, so that several runs can share one evaluation.
+//! Sine, cosine, the exponential and the hyperbolic tangent without branches, so that several runs can share one evaluation.
 //!
 //! ```text
 //! x = k π/2 + r, |r| ≤ π/4:       sin r = r + r³ S(r²)       cos r = 1 − r²/2 + r⁴ C(r²)
@@ -66,6 +66,20 @@ pub(crate) fn tanh<V: Lane>(x: V) -> V {
     x.less(c(0.0), -size, size)
 }
 
+/// `eˣ`, within 4 units in the last place for |x| < 690; beyond, as at ±690.
+#[inline(always)]
+pub(crate) fn exp<V: Lane>(x: V) -> V {
+    let c = |value: f64| x.splat(value);
+    // In this order NaN stays NaN.
+    let w = -c(690.0).smaller(-c(690.0).smaller(x));
+    let k = (w * c(std::f64::consts::LOG2_E)).nearest();
+    let r = (w - k * c(LN_2[0])) - k * c(LN_2[1]);
+    let z = r * r;
+    let a = c(1.0) + z * (c(5.0 / 44.0) + z * (c(1.0 / 792.0) + z * c(1.0 / 665_280.0)));
+    let b = r * (c(0.5) + z * (c(1.0 / 66.0) + z * c(1.0 / 15_840.0)));
+    (a + b).over(a - b) * k.power_of_two()
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -85,6 +99,16 @@ mod tests {
             assert!((s - libm::sin(k)).abs() + (c - libm::cos(k)).abs() < 5e-16);
         }
         assert!(sin_cos(f64::NAN).0.is_nan());
+    }
+
+    #[test]
+    fn analytic_exponential_agrees_with_libm() {
+        for k in -69_000..69_000 {
+            let x = f64::from(k) * 1e-2;
+            let expected = libm::exp(x);
+            assert!((exp(x) - expected).abs() <= 9e-16 * expected, "{x}");
+        }
+        assert!(exp(-1e300) < 1e-299 && exp(f64::NAN).is_nan() && (exp(0.0_f64) - 1.0).abs() < f64::MIN_POSITIVE);
     }
 
     #[test]

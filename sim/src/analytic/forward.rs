@@ -260,7 +260,7 @@ impl<const N: usize> Chain<N> {
                 Twist::Right => outward.next::<RIGHT>(link, pose, v[i]),
             };
         }
-        let friction = self.friction.torque(v);
+        let taken = self.forces.torque(q, v);
         let mut right = [zero; N];
         let mut matrix = [[zero; N]; N];
         let mut inward =
@@ -276,7 +276,7 @@ impl<const N: usize> Chain<N> {
                 ([-s[2], -s[4], s[0] + s[3]], [-h[1], h[0], zero])
             };
             let along = |n: &Three<V>, f: &Three<V>| if link.prismatic { f[2] } else { n[2] };
-            right[i] = tau[i] - friction[i] - along(&inward.n, &inward.f);
+            right[i] = tau[i] - taken[i] - along(&inward.n, &inward.f);
             for k in i..N {
                 matrix[k][i] = along(&inward.column_n[k], &inward.column_f[k]) + one.splat(self.rotors[k][i]);
             }

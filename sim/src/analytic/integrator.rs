@@ -64,11 +64,11 @@ fn parts<const N: usize, V: Lane>(chain: &Chain<N>, y: &State<N, V>, a: &[V; N],
     for i in 0..N {
         change[i] = a[i].magnitude() * one.splat(1.5 * dt);
     }
-    let turns = chain.friction.turns(&y.v, &change, REACH);
+    let turns = chain.forces.turns(&y.v, &change, REACH);
     if turns.most() < 0.5 {
         return one;
     }
-    let rate = chain.friction.decay(&y.v, &change, factor);
+    let rate = chain.forces.decay(&y.q, &y.v, &change, factor);
     let needed = (rate * one.splat(dt / STIFFNESS) + one.splat(0.5)).nearest().smaller(one.splat(MOST_PARTS));
     // One where the acceleration is not a number: the caller finds the state not finite.
     one.splat(0.5).less(turns, one.less(needed, needed, one), one)

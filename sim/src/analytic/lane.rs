@@ -38,22 +38,15 @@ pub(crate) trait Lane:
     /// `2^self` for whole numbers between −1000 and 1000.
     fn power_of_two(self) -> Self;
 
+    /// A function of single numbers, run by run.
+    fn each<const K: usize>(x: [Self; K], f: impl FnMut([f64; K]) -> f64) -> Self;
+
     /// Sines and cosines of N numbers.
     #[inline(always)]
     fn sines<const N: usize>(x: &[Self; N]) -> [(Self, Self); N] {
         let mut out = [(x[0], x[0]); N];
         for i in 0..N {
             out[i] = elementary::sin_cos(x[i]);
-        }
-        out
-    }
-
-    /// Hyperbolic tangents of N numbers.
-    #[inline(always)]
-    fn tangents<const N: usize>(x: &[Self; N]) -> [Self; N] {
-        let mut out = *x;
-        for i in 0..N {
-            out[i] = elementary::tanh(x[i]);
         }
         out
     }
@@ -101,6 +94,11 @@ impl Lane for f64 {
     #[inline(always)]
     fn most(self) -> f64 {
         self
+    }
+
+    #[inline(always)]
+    fn each<const K: usize>(x: [Self; K], mut f: impl FnMut([f64; K]) -> f64) -> Self {
+        f(x)
     }
 
     #[inline(always)]

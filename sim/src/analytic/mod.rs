@@ -12,9 +12,10 @@
 mod chain;
 mod elementary;
 mod forward;
-mod friction;
+mod forces;
 mod integrator;
 mod lane;
+mod law_numbers;
 mod plant;
 mod runs;
 mod team;

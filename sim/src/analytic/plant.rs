@@ -2,6 +2,7 @@
 
 use std::marker::PhantomData;
 
+use armid::dynamics::{TermFault, check_simulable};
 use armid::experiment::{Plant, PlantError};
 use armid::model::{Robot, StandardParameters};
 
@@ -51,16 +52,9 @@ pub enum AnalyticError {
         /// Number of joints of the robot.
         expected: usize,
     },
-    /// Coulomb friction that jumps at standstill.
-    #[error(
-        "joint \"{joint}\": Coulomb friction {coulomb} N·m with a Coulomb velocity of 0 rad/s, expected one above zero"
-    )]
-    Jump {
-        /// Name of the joint.
-        joint: String,
-        /// Its Coulomb friction, N·m.
-        coulomb: f64,
-    },
+    /// A torque term that the plant cannot simulate.
+    #[error(transparent)]
+    Term(#[from] TermFault),
 }
 
 /// The largest number of joints.
@@ -71,19 +65,14 @@ impl AnalyticPlant {
     ///
     /// # Errors
     /// [`AnalyticError`] where the robot has more than [`MOST_JOINTS`] joints, the parameters are not its own, or
-    /// Coulomb friction has no velocity scale.
+    /// a torque term is none that a plant can simulate.
     pub fn new(robot: &Robot, parameters: &StandardParameters) -> Result<Self, AnalyticError> {
         let dof = robot.dof();
         let found = parameters.links.len().min(parameters.drives.len());
         if found != dof {
             return Err(AnalyticError::Parameters { found, expected: dof });
         }
-        for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
-            let coulomb = if drive.coulomb == 0.0 { drive.motor_coulomb } else { drive.coulomb };
-            if coulomb != 0.0 && joint.drive.coulomb_velocity == 0.0 {
-                return Err(AnalyticError::Jump { joint: joint.name.clone(), coulomb });
-            }
-        }
+        check_simulable(robot, parameters)?;
         let arm: Box<dyn Arm> = match dof {
             1 => Box::new(Jointed::<1, InTurn>::new(robot, parameters)),
             2 => Box::new(Jointed::<2, InTurn>::new(robot, parameters)),

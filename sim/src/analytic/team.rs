@@ -8,7 +8,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::chain::Chain;
 use super::integrator::{self, State};
 use super::plant::AnalyticPlant;
-use super::wide::Wide;
+use super::wide::{MOST_LANES, Wide};
 
 /// Several runs of the same arm: equal equations, states and torques of their own, one step for all.
 ///
@@ -176,9 +176,6 @@ struct Step<'a, const N: usize> {
     side: &'a mut Side<N, OnLanes>,
     dt: f64,
 }
-
-/// More lanes than any processor has.
-const MOST_LANES: usize = 16;
 
 /// One number of each of a chunk's runs; lanes beyond the last run repeat it.
 #[inline(always)]

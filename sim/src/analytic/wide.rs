@@ -6,6 +6,9 @@ use pulp::Simd;
 
 use super::lane::{Lane, ROUND};
 
+/// More lanes than any processor has.
+pub(super) const MOST_LANES: usize = 16;
+
 /// A number of each of `S::F64_LANES` runs.
 #[derive(Clone, Copy)]
 pub(crate) struct Wide<S: Simd> {
@@ -92,6 +95,20 @@ impl<S: Simd> Lane for Wide<S> {
     #[inline(always)]
     fn most(self) -> f64 {
         self.simd.reduce_max_f64s(self.x)
+    }
+
+    #[inline(always)]
+    fn each<const K: usize>(x: [Self; K], mut f: impl FnMut([f64; K]) -> f64) -> Self {
+        let simd = x[0].simd;
+        let mut numbers = [[0.0; MOST_LANES]; K];
+        for (numbers, x) in numbers.iter_mut().zip(&x) {
+            simd.partial_store_f64s(&mut numbers[..S::F64_LANES], x.x);
+        }
+        let mut out = [0.0; MOST_LANES];
+        for (lane, out) in out.iter_mut().enumerate().take(S::F64_LANES) {
+            *out = f(std::array::from_fn(|k| numbers[k][lane]));
+        }
+        Self::new(simd, simd.partial_load_f64s(&out[..S::F64_LANES]))
     }
 
     #[inline(always)]

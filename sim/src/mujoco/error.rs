@@ -1,5 +1,6 @@
 //! Why there is no MuJoCo, or why it does not take a robot.
 
+use armid::dynamics::TermFault;
 use std::path::PathBuf;
 
 use super::places::{FILE, VERSION};
@@ -62,16 +63,9 @@ pub enum MujocoError {
         /// Number of joints of the robot.
         expected: usize,
     },
-    /// Coulomb friction that jumps at standstill.
-    #[error(
-        "joint \"{joint}\": Coulomb friction {coulomb} N·m with a Coulomb velocity of 0 rad/s, expected one above zero"
-    )]
-    Jump {
-        /// Name of the joint.
-        joint: String,
-        /// Its Coulomb friction, N·m.
-        coulomb: f64,
-    },
+    /// A torque term that the engine cannot simulate.
+    #[error(transparent)]
+    Term(#[from] TermFault),
     /// A number of the model that is NaN or infinite.
     #[error("joint \"{joint}\": {quantity} is {value}, expected a finite number")]
     NotFinite {

@@ -8,9 +8,10 @@
 //! MuJoCo would mend an inertia that no body can have if it were told to (`balanceinertia`); here it is refused, since a
 //! mended one is another robot. Friction is not written: the plant applies it.
 
+use armid::model::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, VISCOUS};
 use std::fmt::Write;
 
-use armid::model::{DriveParameters, Joint, JointKind, Robot, StandardParameters};
+use armid::model::{Columns, DriveParameters, Joint, JointKind, Robot, StandardParameters};
 use armid::spatial::{Inertia, Placement};
 use nalgebra::Vector3;
 
@@ -107,9 +108,13 @@ fn write_comment(text: &mut String, robot: &Robot, parameters: &StandardParamete
     }
     for (index, (joint, drive)) in robot.joints().iter().zip(&parameters.drives).enumerate() {
         let name = joint.name.replace("--", "- -");
-        line(text, 1, &format!("joint {name}: torque offset {:?} N m, which MJCF cannot say", drive.offset));
+        line(text, 1, &format!("joint {name}: torque offset {:?} N m, which MJCF cannot say", drive[OFFSET]));
+        for (term, value) in drive.iter().filter(|(term, _)| !Columns::default().has(*term)) {
+            let unit = term.unit(joint.kind).replace('·', " ").replace('²', "2");
+            line(text, 1, &format!("joint {name}: {} {value:?} {unit}, which MJCF cannot say", term.entry().meaning));
+        }
         if robot.is_coupled(index) {
-            let (viscous, coulomb) = (drive.motor_viscous, drive.motor_coulomb);
+            let (viscous, coulomb) = (drive[MOTOR_VISCOUS], drive[MOTOR_COULOMB]);
             let own = format!("viscous {viscous:?} N m s/rad, Coulomb {coulomb:?} N m");
             line(text, 1, &format!("motor {}: friction of its own: {own}", index + 1));
         }
@@ -119,7 +124,8 @@ fn write_comment(text: &mut String, robot: &Robot, parameters: &StandardParamete
 
 /// Attributes of a joint that another user of the file expects.
 fn friction_and_limits(joint: &Joint, drive: &DriveParameters) -> String {
-    let mut more = format!(" damping=\"{}\" frictionloss=\"{}\"", numbers(&[drive.viscous]), numbers(&[drive.coulomb]));
+    let mut more =
+        format!(" damping=\"{}\" frictionloss=\"{}\"", numbers(&[drive[VISCOUS]]), numbers(&[drive[COULOMB]]));
     let (low, high) = joint.limits.position;
     if low.is_finite() && high.is_finite() {
         more += &format!(" limited=\"true\" range=\"{}\"", numbers(&[low, high]));
@@ -174,7 +180,7 @@ fn write_link(text: &mut String, depth: usize, joint: &Joint, link: &Inertia, ro
 
 /// What the rotor of motor `index` adds to its own joint alone; 0 where a tendon carries it.
 fn rotor_of_joint(robot: &Robot, parameters: &StandardParameters, index: usize) -> Result<f64, MujocoError> {
-    let rotor = parameters.drives[index].rotor;
+    let rotor = parameters.drives[index][ROTOR];
     let joint = || robot.joints()[index].name.clone();
     if !rotor.is_finite() {
         return Err(MujocoError::NotFinite { joint: joint(), quantity: "inertia of its rotor", value: rotor });
@@ -189,13 +195,13 @@ fn rotor_of_joint(robot: &Robot, parameters: &StandardParameters, index: usize) 
 fn write_coupled_rotors(text: &mut String, robot: &Robot, parameters: &StandardParameters) {
     let Some(coupling) = robot.coupling() else { return };
     let coupled: Vec<usize> =
-        (0..robot.dof()).filter(|&i| robot.is_coupled(i) && parameters.drives[i].rotor > 0.0).collect();
+        (0..robot.dof()).filter(|&i| robot.is_coupled(i) && parameters.drives[i][ROTOR] > 0.0).collect();
     if coupled.is_empty() {
         return;
     }
     line(text, 1, "<tendon>");
     for motor in coupled {
-        let armature = numbers(&[parameters.drives[motor].rotor]);
+        let armature = numbers(&[parameters.drives[motor][ROTOR]]);
         line(text, 2, &format!("<fixed name=\"motor{}\" armature=\"{armature}\">", motor + 1));
         for (joint, coefficient) in robot.joints().iter().zip(&coupling.row(motor)) {
             if *coefficient != 0.0 {

@@ -17,7 +17,6 @@
 //!
 //! Reference: E. Todorov, T. Erez, Y. Tassa, "MuJoCo: A physics engine for model-based control", IROS 2012.
 
-mod drive_forces;
 mod error;
 mod functions;
 mod library;
@@ -27,6 +26,7 @@ mod places;
 mod plant;
 mod shared_object;
 mod status;
+mod term_forces;
 #[cfg(test)]
 mod tests;
 

@@ -1,9 +1,10 @@
 //! MuJoCo as a plant: its forward dynamics, the core's friction, and a choice of integrators.
 
+use armid::dynamics::check_simulable;
 use armid::experiment::{Plant, PlantError};
 use armid::model::{Robot, StandardParameters};
 
-use super::drive_forces::DriveForces;
+use super::term_forces::TermForces;
 use super::{MujocoError, MujocoModel, MujocoStepper};
 
 /// Largest `λ h` of a part of a step, `λ` the rate at which friction makes velocities decay; explicit Runge–Kutta is
@@ -48,7 +49,7 @@ pub enum MujocoScheme {
 #[derive(Clone, Debug)]
 pub struct MujocoPlant {
     model: MujocoModel,
-    forces: DriveForces,
+    forces: TermForces,
     scheme: MujocoScheme,
     substeps: usize,
     work: Workspace,
@@ -98,18 +99,13 @@ impl MujocoPlant {
     /// The arm with these, true, parameters; at rest at zero.
     ///
     /// # Errors
-    /// [`MujocoError`] where there is no library, MuJoCo cannot simulate these parameters, or Coulomb friction has no
-    /// velocity scale.
+    /// [`MujocoError`] where there is no library, MuJoCo cannot simulate these parameters, or has no way to
+    /// simulate one of the torque terms.
     pub fn new(robot: &Robot, parameters: &StandardParameters) -> Result<Self, MujocoError> {
-        for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
-            let coulomb = if drive.coulomb == 0.0 { drive.motor_coulomb } else { drive.coulomb };
-            if coulomb != 0.0 && joint.drive.coulomb_velocity == 0.0 {
-                return Err(MujocoError::Jump { joint: joint.name.clone(), coulomb });
-            }
-        }
+        check_simulable(robot, parameters)?;
         Ok(Self {
             model: MujocoModel::new(robot, parameters)?,
-            forces: DriveForces::new(robot, parameters),
+            forces: TermForces::new(robot, parameters),
             scheme: MujocoScheme::default(),
             substeps: 1,
             work: Workspace::new(robot.dof()),
@@ -135,7 +131,8 @@ impl MujocoPlant {
     /// # Panics
     /// If a slice has another length than n.
     pub fn acceleration(&mut self, tau: &[f64], qdd: &mut [f64]) {
-        self.forces.apply(tau, self.model.state().1, &mut self.work.applied);
+        let (q, qd) = self.model.state();
+        self.forces.apply(tau, q, qd, &mut self.work.applied);
         self.model.apply(&self.work.applied);
         qdd.copy_from_slice(self.model.forward());
     }
@@ -159,7 +156,8 @@ impl MujocoPlant {
 
     /// Forward dynamics of the present state.
     fn accelerate(&mut self, tau: &[f64]) {
-        self.forces.apply(tau, self.model.state().1, &mut self.work.applied);
+        let (q, qd) = self.model.state();
+        self.forces.apply(tau, q, qd, &mut self.work.applied);
         self.model.apply(&self.work.applied);
         self.model.forward();
     }
@@ -171,11 +169,13 @@ impl MujocoPlant {
         for (change, a) in work.change.iter_mut().zip(self.model.acceleration()) {
             *change = 1.5 * a.abs() * h;
         }
-        if self.forces.coarse_decay(self.model.state().1, &work.change) * h <= STIFFNESS {
+        let (q, qd) = self.model.state();
+        if self.forces.coarse_decay(q, qd, &work.change) * h <= STIFFNESS {
             return 1;
         }
         self.model.solve_mass(&work.identity, &mut work.inverse);
-        let rate = self.forces.decay(self.model.state().1, &work.change, &work.inverse);
+        let (q, qd) = self.model.state();
+        let rate = self.forces.decay(q, qd, &work.change, &work.inverse);
         // NaN becomes one part; the caller finds the state not finite.
         ((rate * h / STIFFNESS).ceil().min(MOST_PARTS as f64) as usize).max(1)
     }

@@ -1,5 +1,6 @@
 //! Why a robot cannot be simulated by this engine.
 
+use armid::dynamics::TermFault;
 use armid::spatial::InertiaFault;
 
 /// Why a robot cannot be simulated by this engine.
@@ -29,14 +30,7 @@ pub enum RapierError {
         /// What was found.
         rotor: f64,
     },
-    /// Coulomb friction that jumps at standstill.
-    #[error(
-        "joint \"{joint}\": Coulomb friction {coulomb} N·m with a Coulomb velocity of 0 rad/s, expected one above zero"
-    )]
-    Jump {
-        /// Name of the joint.
-        joint: String,
-        /// Its Coulomb friction, N·m.
-        coulomb: f64,
-    },
+    /// A torque term that the engine cannot simulate.
+    #[error(transparent)]
+    Term(#[from] TermFault),
 }

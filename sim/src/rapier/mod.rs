@@ -10,18 +10,18 @@
 //! engine's armature. Its default damping is zeroed, and there is no contact and no sleep.
 //!
 //! Friction is the law of the core ([`armid::dynamics::DriveTrain`]), made implicit through the engine's damping `D`
-//! (see `drives`), and coupled rotors, which the engine does not know, are a torque in every step (see `rotors`).
+//! (see `term_forces`), and coupled rotors, which the engine does not know, are a torque in every step (see `rotors`).
 //!
 //! The method is of order 1: an error halves with the step. Within a step the engine treats Coriolis forces
 //! implicitly, and explicitly where it finds that the former adds energy.
 //!
 //! Reference: rapier3d-f64 0.36, `Multibody::update_mass_matrix` and `Multibody::update_acceleration`.
 
-mod drives;
 mod engine;
 mod error;
 mod plant;
 mod rotors;
+mod term_forces;
 
 pub use error::RapierError;
 pub use plant::{DEFAULT_SUBSTEPS, RapierPlant};

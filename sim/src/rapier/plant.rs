@@ -1,16 +1,17 @@
 //! The engine behind the trait that every plant has.
 
+use armid::model::term::ROTOR;
 use std::num::NonZeroU32;
 
-use armid::dynamics::DriveTrain;
+use armid::dynamics::TorqueTerms;
 use armid::experiment::{Plant, PlantError};
 use armid::model::{Columns, Robot, StandardParameters};
 use nalgebra::DMatrix;
 
 use super::RapierError;
-use super::drives::Drives;
 use super::engine::Engine;
 use super::rotors::CoupledRotors;
+use super::term_forces::TermForces;
 
 /// Steps of the engine in one step of the plant, unless told otherwise: the engine's own default.
 pub const DEFAULT_SUBSTEPS: NonZeroU32 = NonZeroU32::new(4).expect("four is not zero");
@@ -40,13 +41,13 @@ const INSTANT: f64 = 1.0 / (1_u64 << 40) as f64;
 #[derive(Debug)]
 pub struct RapierPlant {
     engine: Engine,
-    drives: Drives,
+    terms: TermForces,
     rotors: Option<CoupledRotors>,
     substeps: NonZeroU32,
     q: Vec<f64>,
     qd: Vec<f64>,
     qdd: Vec<f64>,
-    friction: Vec<f64>,
+    taken: Vec<f64>,
     damping: Vec<f64>,
     applied: Vec<f64>,
     torque: Vec<f64>,
@@ -74,7 +75,7 @@ impl RapierPlant {
     ///
     /// # Errors
     /// [`RapierError`] where the parameters are not the robot's own, a link's inertia is not that of a body, a rotor's
-    /// is negative, or Coulomb friction has no velocity scale.
+    /// is negative, or a torque term is none that a plant can simulate.
     pub fn new(robot: &Robot, parameters: &StandardParameters) -> Result<Self, RapierError> {
         let n = robot.dof();
         let found = parameters.links.len().min(parameters.drives.len());
@@ -82,23 +83,23 @@ impl RapierPlant {
             return Err(RapierError::Parameters { found, expected: n });
         }
         for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
-            if drive.rotor.is_nan() || drive.rotor < 0.0 {
-                return Err(RapierError::Rotor { joint: joint.name.clone(), rotor: drive.rotor });
+            if drive[ROTOR].is_nan() || drive[ROTOR] < 0.0 {
+                return Err(RapierError::Rotor { joint: joint.name.clone(), rotor: drive[ROTOR] });
             }
         }
-        let rotors = DriveTrain::new(robot, Columns::RigidRotor).inertia(parameters);
+        let rotors = TorqueTerms::new(robot, Columns::RIGID_ROTOR).inertia(parameters);
         let armature = rotors.diagonal().iter().copied().collect();
         let model = Model { robot: robot.clone(), parameters: parameters.clone(), armature };
         let zeros = || vec![0.0; n];
         let mut plant = Self {
             engine: model.engine()?,
-            drives: Drives::new(robot, parameters)?,
+            terms: TermForces::new(robot, parameters)?,
             rotors: CoupledRotors::new(&rotors),
             substeps: DEFAULT_SUBSTEPS,
             q: zeros(),
             qd: zeros(),
             qdd: zeros(),
-            friction: zeros(),
+            taken: zeros(),
             damping: zeros(),
             applied: zeros(),
             torque: zeros(),
@@ -151,10 +152,10 @@ impl RapierPlant {
     }
 
     fn push(&mut self, tau: &[f64], h: f64) {
-        self.drives.evaluate(&self.qd, &mut self.friction, &mut self.damping);
+        self.terms.evaluate(&self.q, &self.qd, &mut self.taken, &mut self.damping);
         for i in 0..self.q.len() {
             // What acts at the present velocity, and what the engine is told besides its damping.
-            self.applied[i] = tau[i] - self.friction[i];
+            self.applied[i] = tau[i] - self.taken[i];
             self.torque[i] = self.applied[i] + self.damping[i] * self.qd[i];
         }
         let mass = self.rotors.as_mut().map(|rotors| {

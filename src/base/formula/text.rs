@@ -1,5 +1,6 @@
 //! A base parameter as text.
 
+use crate::model::term::Dimension;
 use std::fmt;
 
 use super::family::Family;
@@ -48,7 +49,7 @@ impl BaseReduction {
     /// ```
     /// # use armid::{base::{Method, reduce}, model::Columns, seed::Seed};
     /// # let robot = armid::conformance::chains::planar_2r();
-    /// let base = reduce(&robot, Columns::RigidRotor, Method::Structural, Seed::new(1))?;
+    /// let base = reduce(&robot, Columns::RIGID_ROTOR, Method::Structural, Seed::new(1))?;
     /// assert_eq!(base.expressions(&robot)[0], "m1 − Izz1/a1² + Izz2/a2² − Ia1/a1²");
     /// # Ok::<(), armid::base::BaseError>(())
     /// ```
@@ -67,9 +68,17 @@ fn degree(robot: &Robot, id: ParameterId) -> i32 {
     match id.kind {
         ParameterKind::M => 0,
         ParameterKind::Mcx | ParameterKind::Mcy | ParameterKind::Mcz => 1,
-        ParameterKind::Ia | ParameterKind::Fv | ParameterKind::Fvm => 2 * i32::from(!prismatic),
-        ParameterKind::Fc | ParameterKind::Fcm | ParameterKind::Fo => 1 + i32::from(!prismatic),
-        _ => 2,
+        // An effort is mass · length / s² where the joint slides, one length more where it turns; so is its coordinate.
+        ParameterKind::Term(term) => {
+            let Dimension { effort, coordinate, .. } = term.entry().dimension;
+            (1 - effort) * (1 + i32::from(!prismatic)) - coordinate * i32::from(prismatic)
+        }
+        ParameterKind::Ixx
+        | ParameterKind::Ixy
+        | ParameterKind::Ixz
+        | ParameterKind::Iyy
+        | ParameterKind::Iyz
+        | ParameterKind::Izz => 2,
     }
 }
 
@@ -161,6 +170,7 @@ fn digits(value: f64) -> String {
 mod tests {
     use super::*;
     use crate::base::formula::{Quantity, Symbol};
+    use crate::model::term::ROTOR;
 
     #[test]
     fn analytic_texts() {
@@ -183,7 +193,7 @@ mod tests {
                     Coefficient::Sum(vec![product(-1, 1, &[(a2, 2)]), product(-3, 1, &[(d4, 10)])]),
                 ),
                 (id(ParameterKind::M, 5), Coefficient::Sum(vec![Product::constant(1, 1), product(-1, 1, &[(d4, 1)])])),
-                (id(ParameterKind::Ia, 5), Coefficient::Number(-1.0 / 3.0)),
+                (id(ParameterKind::Term(ROTOR), 5), Coefficient::Number(-1.0 / 3.0)),
             ],
         };
         assert_eq!(

@@ -14,15 +14,14 @@
 //! bases of these finite-dimensional spaces gives the row space of every stacked regressor that excites the robot
 //! fully; its echelon form is K.
 //!
-//! Drives enter where they belong: a rotor adds a constant to an entry of H, so it regroups exactly with what the
-//! links contribute to that constant; friction is walked separately, being the only part that is linear, or
-//! sign-like, in velocity.
+//! Torque terms enter where they belong: a rotor adds a constant to an entry of H, so it regroups exactly with what the
+//! links contribute to that constant; every other term is walked separately, being a function that the links do not have.
 //!
 //! The idea of propagating attainable motion and revealed functionals joint by joint is that of P. M. Wensing,
 //! G. Niemeyer, J.-J. E. Slotine, "A geometric characterization of observability in inertial parameter
 //! identification", arXiv:1711.03896; the split into constant and moving parts is what carries drives along.
 
-mod friction;
+mod functions;
 mod harmonics;
 mod motion;
 mod recursion;

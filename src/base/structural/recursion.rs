@@ -1,16 +1,15 @@
 //! The walk from the base to the last link.
 
-use std::collections::HashMap;
-
 use nalgebra::{DMatrix, Vector3};
 
-use super::friction;
+use super::functions;
 use super::harmonics::{Functional, Harmonics, inner_product};
 use super::motion::{Attainable, BaseMotion};
 use super::span::{basis, echelon};
 use crate::base::geometry::Geometry;
 use crate::base::{BaseReduction, Method};
-use crate::model::{JointKind, ParameterId, ParameterKind};
+use crate::model::term::Structure;
+use crate::model::{JointKind, ParameterId};
 use crate::spatial::Motion;
 
 /// Parameters of a link.
@@ -21,8 +20,10 @@ const TEN: usize = 10;
 /// A functional is a row over the base's own ten parameters and φ. Those of the base are nuisances: it pushes back on
 /// a moving base with a force that nobody measures, so only functionals without them are revealed.
 pub(in crate::base) fn reduce(geometry: &Geometry, parameters: &[ParameterId], motion: BaseMotion) -> BaseReduction {
-    let columns: HashMap<ParameterId, usize> =
-        parameters.iter().enumerate().map(|(column, &id)| (id, TEN + column)).collect();
+    let terms: Vec<(usize, usize, Structure)> = (TEN..)
+        .zip(parameters)
+        .filter_map(|(column, id)| Some((column, id.index, geometry.structure(id.kind.term()?, id.index))))
+        .collect();
     let width = TEN + parameters.len();
     let coupling = geometry.scaled_coupling();
 
@@ -43,20 +44,18 @@ pub(in crate::base) fn reduce(geometry: &Geometry, parameters: &[ParameterId], m
             let mut row = row_at(width, j + 1, &inner_product(&v, &axis));
             let (gravity, joints) = labels.split_last().expect("there is a label for gravity");
             for (i, &label) in joints.iter().enumerate() {
-                for k in 0..geometry.dof() {
-                    if let Some(&column) = columns.get(&ParameterId { kind: ParameterKind::Ia, index: k }) {
-                        row[column] += label * coupling[(k, i)] * coupling[(k, j)];
-                    }
+                for &(column, k, _) in terms.iter().filter(|&&(_, _, structure)| structure == Structure::Inertia) {
+                    row[column] += label * coupling[(k, i)] * coupling[(k, j)];
                 }
             }
-            if let Some(&column) = columns.get(&ParameterId { kind: ParameterKind::Fo, index: j }) {
-                row[column] += gravity;
+            for &(column, k, _) in terms.iter().filter(|&&(_, _, structure)| structure == Structure::Constant) {
+                row[column] += if k == j { *gravity } else { 0.0 };
             }
             rows.push(row);
         }
         rows = basis(&rows, width);
     }
-    for functional in friction::functionals(geometry, parameters) {
+    for functional in functions::functionals(geometry, parameters) {
         let mut row = vec![0.0; TEN];
         row.extend(functional);
         rows.push(row);

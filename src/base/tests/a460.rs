@@ -10,7 +10,7 @@ use crate::study::radkhah2007::table_two;
 fn published_counts_by_every_method() {
     // Section IV.C: 9 not identifiable, 15 in linear combinations only, 36 identifiable. 21 of the 36 alone.
     for method in Method::ALL {
-        let base = reduce(&a460(), Columns::Rigid, method, Seed::new(1)).unwrap();
+        let base = reduce(&a460(), Columns::RIGID, method, Seed::new(1)).unwrap();
         assert_eq!(base.rank(), 36);
         assert_eq!(Category::ALL.map(|category| base.count(category)), [9, 21, 15, 15], "{}", method.name());
         for (id, category) in base.parameters.iter().zip(&base.categories) {
@@ -25,7 +25,7 @@ fn analytic_drive_columns() {
     // Axes 1 and 2 carry constants into the mass matrix that the links reach too; every other rotor, and all friction,
     // stands alone: 36 + 4, then three more for each joint.
     let arm = a460();
-    for (columns, rank) in [(Columns::RigidRotor, 40), (Columns::RigidRotorFriction, 58)] {
+    for (columns, rank) in [(Columns::RIGID_ROTOR, 40), (Columns::RIGID_ROTOR_FRICTION, 58)] {
         let base = reduce(&arm, columns, Method::Structural, Seed::new(1)).unwrap();
         assert_eq!(base.rank(), rank);
         let regrouped: Vec<String> = (60..base.parameters.len())
@@ -38,7 +38,7 @@ fn analytic_drive_columns() {
 
 #[test]
 fn published_table_two_is_the_base_set_but_for_a_misprint() {
-    let base = reduce(&a460(), Columns::Rigid, Method::Structural, Seed::new(1)).unwrap();
+    let base = reduce(&a460(), Columns::RIGID, Method::Structural, Seed::new(1)).unwrap();
     let names = base.names();
     let table = table_two();
     assert_eq!(table.len(), 32);
@@ -57,7 +57,7 @@ fn analytic_tilting_the_base_reveals_two_moments_of_the_first_link() {
     // Gravity along axis 1 exerts no torque about it; across it, the two first moments of link 1 across the axis show.
     let base = reduce(
         &a460().with_gravity(nalgebra::Vector3::new(6.0, 0.0, -7.7)),
-        Columns::Rigid,
+        Columns::RIGID,
         Method::Structural,
         Seed::new(1),
     )
@@ -71,7 +71,7 @@ fn analytic_formulas_of_the_regrouping() {
     // The wrist by hand: with d5 = a5 = 0 link 6 stands on link 5 turned by q6 about z5, so what is symmetric about that
     // axis goes over: m6 at d6, its moment along z, and the part of its inertia that turning does not change.
     let arm = a460();
-    let base = reduce(&arm, Columns::RigidRotor, Method::Structural, Seed::new(1)).unwrap();
+    let base = reduce(&arm, Columns::RIGID_ROTOR, Method::Structural, Seed::new(1)).unwrap();
     let texts = base.expressions(&arm);
     for expected in [
         "Iyy1 + Iyy2 − Izz2 + Izz3 + Ia1 − Ia2",

@@ -58,7 +58,7 @@ fn analytic_a_differential_gear_regroups_friction_and_rotors() {
         joint.drive.coulomb_velocity = 0.0;
     }
     let robot = Robot::new(spec).unwrap();
-    let [paper, qr, structural] = three(&robot, Columns::RigidRotorFriction);
+    let [paper, qr, structural] = three(&robot, Columns::RIGID_ROTOR_FRICTION);
     assert_eq!((structural.parameters.len(), structural.rank()), (32, 16));
     assert_same(&paper, &structural, &robot);
     assert_same(&qr, &structural, &robot);
@@ -72,7 +72,7 @@ fn analytic_a_differential_gear_regroups_friction_and_rotors() {
 #[test]
 fn identity_base_regressor_gives_the_same_torque() {
     let mut rng = Seed::new(8).stream("torques", 0);
-    let bundled = bundled_robots().into_iter().map(|robot| (robot, Columns::RigidRotorFriction));
+    let bundled = bundled_robots().into_iter().map(|robot| (robot, Columns::RIGID_ROTOR_FRICTION));
     for (robot, columns) in bundled.chain(random_chains(42)) {
         let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
         let regressor = JointTorqueRegressor::new(&robot, columns);
@@ -97,13 +97,13 @@ fn identity_base_regressor_gives_the_same_torque() {
 #[test]
 fn identity_neither_the_seed_nor_the_unit_of_length_matters() {
     let arm = a460();
-    let [_, first, structural] = three(&arm, Columns::RigidRotorFriction);
-    let second = reduce(&arm, Columns::RigidRotorFriction, Method::Qr, Seed::new(4)).unwrap();
+    let [_, first, structural] = three(&arm, Columns::RIGID_ROTOR_FRICTION);
+    let second = reduce(&arm, Columns::RIGID_ROTOR_FRICTION, Method::Qr, Seed::new(4)).unwrap();
     assert_same(&first, &second, &arm);
     // An arm of half a millimetre, and one of a kilometre.
     for factor in [5e-4, 1e3] {
         let other = relengthened(&arm, || factor);
-        for reduction in three(&other, Columns::RigidRotorFriction) {
+        for reduction in three(&other, Columns::RIGID_ROTOR_FRICTION) {
             assert_eq!(reduction.names(), structural.names());
             assert_eq!(reduction.categories, structural.categories);
         }

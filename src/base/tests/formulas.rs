@@ -38,11 +38,11 @@ fn assert_hold(formulas: &[Formula], robot: &Robot, base: &BaseReduction) {
 fn identity_formulas_of_bundled_robots_hold_on_other_lengths() {
     let mut rng = Seed::new(12).stream("lengths", 0);
     for robot in bundled_robots() {
-        let formulas = structural(&robot, Columns::RigidRotorFriction).formulas(&robot);
+        let formulas = structural(&robot, Columns::RIGID_ROTOR_FRICTION).formulas(&robot);
         assert_eq!(numbers(&formulas), 0, "{}", robot.name());
         for _ in 0..3 {
             let other = relengthened(&robot, || rng.random_range(0.3..3.0));
-            assert_hold(&formulas, &other, &structural(&other, Columns::RigidRotorFriction));
+            assert_hold(&formulas, &other, &structural(&other, Columns::RIGID_ROTOR_FRICTION));
         }
     }
 }
@@ -70,7 +70,7 @@ fn identity_formulas_of_random_chains_evaluate_to_their_coefficients() {
 #[test]
 fn identity_printed_texts_read_back() {
     let mut rng = Seed::new(14).stream("parameters", 0);
-    let bundled = bundled_robots().into_iter().map(|robot| (robot, Columns::RigidRotorFriction));
+    let bundled = bundled_robots().into_iter().map(|robot| (robot, Columns::RIGID_ROTOR_FRICTION));
     for (robot, columns) in bundled.chain(random_chains(35)) {
         let base = structural(&robot, columns);
         let phi = DVector::from_fn(base.parameters.len(), |_, _| rng.random_range(0.5..1.5));

@@ -20,11 +20,11 @@ fn regroup(robot: &Robot, phi: &DVector<f64>) -> DVector<f64> {
         let (_, row) = robot.joints()[j].dh.unwrap();
         let (d, r) = (row.a, row.d);
         let (s, c) = row.alpha_deg.to_radians().sin_cos();
-        let here = |kind: ParameterKind| 10 * j + kind as usize;
+        let here = |kind: ParameterKind| 10 * j + kind.link_place().unwrap();
         let (yy, mz, m) = (b[here(Iyy)], b[here(Mcz)], b[here(M)]);
         b[here(Ixx)] -= yy;
         if j > 0 {
-            let before = |kind: ParameterKind| 10 * (j - 1) + kind as usize;
+            let before = |kind: ParameterKind| 10 * (j - 1) + kind.link_place().unwrap();
             b[before(Ixx)] += yy + 2.0 * r * mz + r * r * m;
             b[before(Ixy)] += d * s * mz + d * r * s * m;
             b[before(Ixz)] += -d * c * mz - d * r * c * m;
@@ -42,7 +42,7 @@ fn regroup(robot: &Robot, phi: &DVector<f64>) -> DVector<f64> {
 
 fn assert_regrouped(robot: &Robot, expected_rank: usize) {
     let mut rng = Seed::new(4).stream("parameters", 0);
-    let base = reduce(robot, Columns::Rigid, Method::Structural, Seed::new(1)).unwrap();
+    let base = reduce(robot, Columns::RIGID, Method::Structural, Seed::new(1)).unwrap();
     let phi = DVector::from_fn(10 * robot.dof(), |_, _| rng.random_range(-1.0..1.0));
     let (beta, regrouped) = (base.beta(&phi), regroup(robot, &phi));
     assert_eq!(base.rank(), expected_rank, "{:?}", base.names());

@@ -66,7 +66,7 @@ fn own_regressor(robot: &Robot, columns: Columns, motion: BaseMotion) -> (DMatri
 #[test]
 fn identity_the_recursion_and_a_robot_on_more_joints_agree() {
     let chains = random_chains(30).into_iter().filter(|(robot, _)| robot.dof() < 6);
-    for (robot, columns) in chains.chain([(a460(), Columns::RigidRotorFriction)]) {
+    for (robot, columns) in chains.chain([(a460(), Columns::RIGID_ROTOR_FRICTION)]) {
         for motion in BaseMotion::ALL {
             let base = reduce_with_base(&robot, columns, motion, Method::Structural, Seed::new(1)).unwrap();
             let (w, units) = own_regressor(&robot, columns, motion);
@@ -89,7 +89,7 @@ fn published_claim_a_mobile_base_reveals_all_of_link_one_holds_in_part() {
     // `radkhah2007` section IV.C: "If we install the robot on a mobile base, we might be able to identify also the 9
     // unidentifiable parameters of axis 1". Six directions reveal six of the nine, a platform two.
     let arm = a460();
-    let on = |motion, method| reduce_with_base(&arm, Columns::Rigid, motion, method, Seed::new(2)).unwrap();
+    let on = |motion, method| reduce_with_base(&arm, Columns::RIGID, motion, method, Seed::new(2)).unwrap();
     let free = on(BaseMotion::Free, Method::Structural);
     assert_eq!(free.rank(), 42);
     let invisible: Vec<String> = (0..60)
@@ -127,10 +127,10 @@ fn identity_three_methods_agree_on_a_moving_base() {
 #[test]
 fn identity_a_base_at_rest_is_a_fixed_base() {
     let arm = a460();
-    let fixed = reduce(&arm, Columns::RigidRotorFriction, Method::Structural, Seed::new(1)).unwrap();
+    let fixed = reduce(&arm, Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(1)).unwrap();
     for method in Method::ALL {
         let other =
-            reduce_with_base(&arm, Columns::RigidRotorFriction, BaseMotion::Fixed, method, Seed::new(1)).unwrap();
+            reduce_with_base(&arm, Columns::RIGID_ROTOR_FRICTION, BaseMotion::Fixed, method, Seed::new(1)).unwrap();
         assert_eq!((&other.kept, &other.categories), (&fixed.kept, &fixed.categories));
     }
 }

@@ -32,7 +32,7 @@ fn analytic_a_planar_arm_at_rest_shows_its_gravity_moments_only() {
     // Two moments in the plane for each link: X1 + a1 m2, Y1, X2, Y2.
     let arm = planar_2r();
     for method in [Method::Radkhah2007, Method::Qr] {
-        let base = reduce_on(&arm, Columns::Rigid, method, &states(&arm, |_| true, true)).unwrap();
+        let base = reduce_on(&arm, Columns::RIGID, method, &states(&arm, |_| true, true)).unwrap();
         assert_eq!(base.rank(), 4, "{}", method.name());
     }
 }
@@ -42,22 +42,22 @@ fn analytic_a_planar_arm_without_gravity_and_with_its_elbow_held() {
     // τ1 = (J1 + J2 + 2 a1 A) q̈1, τ2 = (J2 + a1 A) q̈1 + a1 B q̇1² with A, B the moments of link 2 along and across
     // link 1: three numbers.
     let arm = planar_2r().with_gravity(nalgebra::Vector3::zeros());
-    let base = reduce_on(&arm, Columns::Rigid, Method::Qr, &states(&arm, |i| i == 0, false)).unwrap();
+    let base = reduce_on(&arm, Columns::RIGID, Method::Qr, &states(&arm, |i| i == 0, false)).unwrap();
     assert_eq!(base.rank(), 3);
 }
 
 #[test]
 fn identity_a_motion_degrades_categories_and_never_upgrades_them() {
     let arm = a460();
-    let full = reduce(&arm, Columns::RigidRotorFriction, Method::Structural, Seed::new(1)).unwrap();
+    let full = reduce(&arm, Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(1)).unwrap();
     let rich = states(&arm, |_| true, false);
-    let by_states = reduce_on(&arm, Columns::RigidRotorFriction, Method::Qr, &rich).unwrap();
+    let by_states = reduce_on(&arm, Columns::RIGID_ROTOR_FRICTION, Method::Qr, &rich).unwrap();
     assert_eq!((&by_states.kept, &by_states.categories), (&full.kept, &full.categories));
     assert!((&by_states.k - &full.k).amax() < 1e-8);
 
     let first_three = states(&arm, |i| i < 3, false);
     let [paper, qr] = [Method::Radkhah2007, Method::Qr]
-        .map(|method| reduce_on(&arm, Columns::RigidRotorFriction, method, &first_three).unwrap());
+        .map(|method| reduce_on(&arm, Columns::RIGID_ROTOR_FRICTION, method, &first_three).unwrap());
     assert_eq!((&paper.kept, &paper.categories), (&qr.kept, &qr.categories));
     assert!(qr.rank() < full.rank());
     for (now, before) in qr.categories.iter().zip(&full.categories) {
@@ -65,7 +65,7 @@ fn identity_a_motion_degrades_categories_and_never_upgrades_them() {
         assert!(!alone || *before == Category::Identifiable, "found alone only where it was");
         assert!(*before != Category::Unidentifiable || *now == Category::Unidentifiable);
     }
-    let w = JointTorqueRegressor::new(&arm, Columns::RigidRotorFriction).stack(&first_three);
+    let w = JointTorqueRegressor::new(&arm, Columns::RIGID_ROTOR_FRICTION).stack(&first_three);
     let rebuilt = product(&qr.select_columns(&w), &qr.k);
     assert!((&w - rebuilt).norm() < 1e-12 * w.norm());
     // Formulas that still hold are printed as such, the others as numbers; both evaluate to K.
@@ -80,7 +80,7 @@ fn identity_a_motion_degrades_categories_and_never_upgrades_them() {
 fn errors_say_what_was_found() {
     let arm = planar_2r();
     let good = states(&arm, |_| true, false);
-    let reduce = |method, states: &States| reduce_on(&arm, Columns::Rigid, method, states).unwrap_err();
+    let reduce = |method, states: &States| reduce_on(&arm, Columns::RIGID, method, states).unwrap_err();
     assert_eq!(
         reduce(Method::Structural, &good).to_string(),
         "method \"structural\" on a given trajectory, expected \"paper\" or \"qr\""

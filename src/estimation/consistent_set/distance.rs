@@ -3,6 +3,7 @@
 use nalgebra::{DMatrix, DVector, Matrix4};
 
 use crate::base::BaseReduction;
+use crate::model::term::Sign;
 use crate::model::{ParameterId, ParameterKind, StandardParameters};
 use crate::spatial::{Inertia, PseudoInertia};
 
@@ -42,9 +43,20 @@ impl Distance {
                     let inverse = p0.try_inverse().unwrap_or_else(Matrix4::identity);
                     links.push((c, p0, inverse));
                 }
-                kind if kind <= ParameterKind::Izz => {}
-                ParameterKind::Fo => offsets.push((c, value, value.abs().max(1.0))),
-                _ => drives.push((c, if value > 0.0 { value } else { UNKNOWN_DRIVE })),
+                ParameterKind::Term(term) => match term.entry().sign {
+                    Sign::Any => offsets.push((c, value, value.abs().max(1.0))),
+                    Sign::NotNegative => drives.push((c, if value > 0.0 { value } else { UNKNOWN_DRIVE })),
+                },
+                // The other nine stand beside their mass.
+                ParameterKind::Mcx
+                | ParameterKind::Mcy
+                | ParameterKind::Mcz
+                | ParameterKind::Ixx
+                | ParameterKind::Ixy
+                | ParameterKind::Ixz
+                | ParameterKind::Iyy
+                | ParameterKind::Iyz
+                | ParameterKind::Izz => {}
             }
         }
         Self { parameters, links, drives, offsets, units }
@@ -139,7 +151,7 @@ mod tests {
     #[test]
     fn analytic_derivatives_of_the_distance_are_its_differences() {
         let guess = crs_a460_nominal();
-        let base = reduce(&crs_a460(), Columns::RigidRotorFriction, Method::Structural, Seed::new(0)).unwrap();
+        let base = reduce(&crs_a460(), Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(0)).unwrap();
         let distance = Distance::of(&base, &guess);
         let mut rng = Seed::new(51).stream("consistent set", 0);
         let phi = distance.centre().map(|x| x * (1.0 + 0.01 * rng.random_range(-1.0..1.0)));

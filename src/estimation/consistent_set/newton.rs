@@ -135,9 +135,9 @@ mod tests {
     /// Ends of the search on the A460 for a data term with this information on every base parameter.
     fn ends(information: f64) -> Termination {
         let (robot, guess) = (crs_a460(), crs_a460_nominal());
-        let base = reduce(&robot, Columns::RigidRotorFriction, Method::Structural, Seed::new(0)).unwrap();
+        let base = reduce(&robot, Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(0)).unwrap();
         let distance = Distance::of(&base, &guess);
-        let beta = base.beta(&guess.vector(&robot, Columns::RigidRotorFriction)) * 1.1;
+        let beta = base.beta(&guess.vector(&robot, Columns::RIGID_ROTOR_FRICTION)) * 1.1;
         let data = DataTerm { k: &base.k, beta: &beta, information: DMatrix::identity(58, 58) * information };
         newton(distance.centre(), &distance, &data).termination
     }

@@ -88,6 +88,7 @@ mod tests {
     use crate::estimation::IntervalBasis;
     use crate::excitation::fixtures::{crs_a460, crs_a460_nominal};
     use crate::model::Columns;
+    use crate::model::term::{COULOMB, ROTOR, VISCOUS};
     use crate::seed::Seed;
     use crate::spatial::Inertia;
 
@@ -125,16 +126,16 @@ mod tests {
 
     fn setting() -> (BaseReduction, StandardParameters, DVector<f64>, DVector<f64>) {
         let robot = crs_a460();
-        let base = reduce(&robot, Columns::RigidRotorFriction, Method::Structural, Seed::new(0)).unwrap();
+        let base = reduce(&robot, Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(0)).unwrap();
         let guess = crs_a460_nominal();
-        let beta = base.beta(&guess.vector(&robot, Columns::RigidRotorFriction));
+        let beta = base.beta(&guess.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         let std = beta.map(|value| 0.02 * value.abs() + 1e-3);
         (base, guess, beta, std)
     }
 
     fn is_consistent(set: &StandardParameters) -> bool {
         set.links.iter().all(|link| link.check().is_ok())
-            && set.drives.iter().all(|d| d.rotor > 0.0 && d.viscous > 0.0 && d.coulomb > 0.0)
+            && set.drives.iter().all(|d| d[ROTOR] > 0.0 && d[VISCOUS] > 0.0 && d[COULOMB] > 0.0)
     }
 
     #[test]
@@ -158,15 +159,15 @@ mod tests {
         for link in &mut other.links {
             *link = Inertia::from_array(&link.to_array().map(|x| 2.0 * x));
         }
-        let beta = base.beta(&other.vector(&robot, Columns::RigidRotorFriction));
+        let beta = base.beta(&other.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         let set = consistent_set(&base, &estimate(&base, &beta, &std), &guess).unwrap();
         assert!(set.is_exact && is_consistent(&set.parameters));
         assert!(matches!(set.termination, Termination::Converged { .. }), "{:?}", set.termination);
-        let found = base.beta(&set.parameters.vector(&robot, Columns::RigidRotorFriction));
+        let found = base.beta(&set.parameters.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         assert!((&found - &beta).amax() < 1e-9 * beta.amax(), "{}", (found - beta).amax());
         // Nearer to the guess than the other arm is, by the distance itself.
         let distance = Distance::of(&base, &guess);
-        let value = |set: &StandardParameters| distance.value(&set.vector(&robot, Columns::RigidRotorFriction));
+        let value = |set: &StandardParameters| distance.value(&set.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         assert!(value(&set.parameters) < value(&other));
     }
 

@@ -3,6 +3,7 @@
 //! No servo stands in between, so the motion holds the commanded harmonics alone, and what is measured here is what
 //! processing adds: nothing on exact data, a stated tolerance on encoder counts, and error bars that hold under noise.
 
+use crate::model::term::COULOMB;
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
@@ -146,7 +147,7 @@ fn analytic_coverage_of_the_chain_with_counts_and_noisy_currents() {
 fn analytic_coverage_behind_a_low_pass_on_torque() {
     // Without Coulomb friction a low pass on torque biases nothing, and what it does to the noise is seen alone: white
     // error bars would be too short by half.
-    let arm = Arm::of(|parameters| parameters.drives.iter_mut().for_each(|drive| drive.coulomb = 0.0));
+    let arm = Arm::of(|parameters| parameters.drives.iter_mut().for_each(|drive| drive[COULOMB] = 0.0));
     let processing = Processing {
         torque_filter: TorqueFilter::SameAsPositions,
         samples_per_period: 500,

@@ -168,7 +168,7 @@ fn findings_carry_what_was_measured() {
 #[test]
 fn identity_completion_keeps_the_base_parameters_and_the_nominal_set_where_it_agrees() {
     let (robot, nominal) = a460();
-    let columns = Columns::RigidRotorFriction;
+    let columns = Columns::RIGID_ROTOR_FRICTION;
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
     let phi = nominal.vector(&robot, columns);
     let same = complete(&base, &base.beta(&phi), &nominal).unwrap();

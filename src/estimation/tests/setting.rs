@@ -33,7 +33,7 @@ pub(super) fn a460_samples_of(
 ) -> (Robot, StandardParameters, JointTorqueRegressor, BaseReduction, Samples) {
     let (robot, mut parameters) = a460();
     change(&mut parameters);
-    let columns = Columns::RigidRotorFriction;
+    let columns = Columns::RIGID_ROTOR_FRICTION;
     let regressor = JointTorqueRegressor::new(&robot, columns);
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
     let states = table_one::corrected().sample(count);
@@ -57,7 +57,7 @@ pub(super) fn synthetic(count: usize, b: usize, rng: &mut impl Rng) -> (Observat
         dof: 2,
         robot: "synthetic".to_owned(),
         units: vec!["N·m".to_owned(); 2],
-        columns: Columns::Rigid,
+        columns: Columns::RIGID,
         base: BaseReduction::from_stack(&ids, &DMatrix::identity(b, b), Method::Qr),
         parameter_units: vec!["kg".to_owned(); b],
         noise: None,

@@ -85,8 +85,8 @@ impl EffortModel {
     #[must_use]
     pub fn new(robot: &Robot, nominal: &StandardParameters, spread: Option<&ParameterSpread>) -> Self {
         let n = robot.dof();
-        let columns = Columns::RigidRotorFriction;
-        let regressor = JointTorqueRegressor::new(robot, columns);
+        let columns = Columns::default().and_those_of(nominal);
+        let regressor = JointTorqueRegressor::with_load(robot, columns, nominal);
         let phi: Vec<f64> = nominal.vector(robot, columns).iter().copied().collect();
         let p = phi.len();
         let variance = spread.map_or_else(|| vec![0.0; p], |s| s.deviations.iter().map(|x| x * x).collect());

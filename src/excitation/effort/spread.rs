@@ -1,6 +1,7 @@
 //! How far the true parameters may be from the nominal ones.
 
 use crate::model::format::RelativeUncertainty;
+use crate::model::term::PriorOf;
 use crate::model::{Columns, ParameterKind, Robot, StandardParameters};
 
 /// Standard deviations that one side of a normal distribution keeps within in 95 % of cases.
@@ -9,7 +10,7 @@ pub const CONFIDENCE_95: f64 = 1.644_853_626_951_472_2;
 /// Independent normal uncertainty of every parameter, and how many standard deviations a limit must leave.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterSpread {
-    /// Standard deviation of each parameter of `rigid+rotor+friction` (p), in its own unit.
+    /// Standard deviation of each parameter of the nominal model's columns (p), in its own unit.
     pub deviations: Vec<f64>,
     /// Standard deviations k that a limit must leave.
     pub multiple: f64,
@@ -28,7 +29,8 @@ impl ParameterSpread {
     #[must_use]
     pub fn of(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
         use ParameterKind as Kind;
-        let deviations = Columns::RigidRotorFriction
+        let deviations = Columns::default()
+            .and_those_of(nominal)
             .parameters(robot)
             .into_iter()
             .map(|id| {
@@ -44,10 +46,10 @@ impl ParameterSpread {
                         let ten = nominal.links[id.index].to_array();
                         shares.inertia * (ten[4] + ten[7] + ten[9])
                     }
-                    Kind::Ia => shares.rotor * value,
-                    Kind::Fv | Kind::Fvm => shares.viscous * value,
-                    Kind::Fc | Kind::Fcm => shares.coulomb * value,
-                    Kind::Fo => shares.offset_nm,
+                    Kind::Term(term) => match term.entry().prior.of {
+                        PriorOf::Value => shares.of(term) * value,
+                        PriorOf::Unit => shares.of(term),
+                    },
                 }
             })
             .collect();

@@ -2,12 +2,17 @@
 
 use super::EffectKind as Kind;
 use super::Effects;
+use super::drive_friction::DriveFriction;
 use super::eccentricity::Eccentricity;
 use super::elasticity::Spring;
-use super::gear_friction::GearFriction;
+use super::warming::Warming;
 use super::{base_tilt, coloured_noise, draw, kinematics, sample_clock, tool};
 use crate::dynamics::Dynamics;
 use crate::experiment::{Transmission, gain_pose};
+use crate::model::term::{
+    COULOMB, Carrier, LOAD_FRICTION, MOTOR_COULOMB, MOTOR_LOAD_FRICTION, MOTOR_STRIBECK, MOTOR_VISCOUS,
+    MOTOR_WARM_VISCOUS, ROTOR, STRIBECK, Term, VISCOUS, WARM_VISCOUS,
+};
 use crate::model::{DriveParameters, JointKind, Robot, StandardParameters};
 use crate::seed::Seed;
 
@@ -32,7 +37,7 @@ const STIFFNESS: f64 = 0.5;
 /// assert_eq!(plain.parameters(), &truth);
 /// ```
 /// Where a drive is elastic, the plant's parameters have no rotor inertia and no drive friction of that joint: the servo
-/// turns the rotor.
+/// turns the rotor. Terms that depend on the transmitted torque or on temperature are the servo's everywhere.
 #[derive(Clone, Debug)]
 pub struct ActualArm {
     pub(super) effects: Effects,
@@ -74,11 +79,16 @@ impl ActualArm {
         if effects.has(Kind::Tool) {
             tool::add(&mut parameters, effects.magnitude(Kind::Tool));
         }
+        let mut drives = truth.drives.clone();
+        drives.iter_mut().for_each(|drive| add_terms(effects, drive));
+        for (own, drive) in parameters.drives.iter_mut().zip(&drives) {
+            *own = drive.only(|term| term.entry().needs.is_motion());
+        }
         let mut arm = Self {
             effects: effects.clone(),
             robot: actual,
             parameters,
-            drives: truth.drives.clone(),
+            drives,
             couplings: vec![Coupling::Rigid; robot.dof()],
             parts: 1,
         };
@@ -105,12 +115,6 @@ impl ActualArm {
         &self.effects
     }
 
-    /// The links without drives: what a drive's spring moves.
-    pub(super) fn links(&self) -> StandardParameters {
-        let drives = vec![DriveParameters::default(); self.drives.len()];
-        StandardParameters { links: self.parameters.links.clone(), drives }
-    }
-
     /// Torque rating of each motor, N·m: the joint's, or what its largest current gives.
     pub(super) fn ratings(&self) -> Vec<f64> {
         let rating = |joint: &crate::model::Joint| {
@@ -121,24 +125,33 @@ impl ActualArm {
         self.robot.joints().iter().map(rating).collect()
     }
 
-    /// Friction of each joint, and of each motor that drives several.
-    pub(super) fn frictions(&self) -> (Vec<GearFriction>, Vec<GearFriction>) {
-        let of = |i: usize, friction: (f64, f64)| {
-            let joint = &self.robot.joints()[i];
-            GearFriction::new(&self.effects, friction, (joint.drive.coulomb_velocity, joint.limits.velocity))
+    /// What the drive of each joint carries at the joint, and at the motor.
+    pub(super) fn frictions(&self) -> (Vec<DriveFriction>, Vec<DriveFriction>) {
+        let of = |i: usize, at_motor: bool| {
+            let (joint, drive) = (&self.robot.joints()[i], &self.drives[i]);
+            let (viscous, coulomb) = if at_motor { (MOTOR_VISCOUS, MOTOR_COULOMB) } else { (VISCOUS, COULOMB) };
+            let warming = Warming::new(drive[viscous], drive[coulomb], joint.limits.velocity);
+            DriveFriction::new(joint, drive, at_motor, warming)
         };
         let n = self.drives.len();
-        let joints = (0..n).map(|i| of(i, (self.drives[i].coulomb, self.drives[i].viscous)));
-        let motors = (0..n).map(|i| of(i, (self.drives[i].motor_coulomb, self.drives[i].motor_viscous)));
-        (joints.collect(), motors.collect())
+        ((0..n).map(|i| of(i, false)).collect(), (0..n).map(|i| of(i, true)).collect())
+    }
+
+    /// Whether a torque term depends on what the links take.
+    pub(super) fn needs_load(&self) -> bool {
+        self.drives.iter().any(|drive| drive.iter().any(|(term, _)| term.entry().needs.load))
+    }
+
+    /// Whether the servo has nothing to do around the plant.
+    #[must_use]
+    pub fn is_plain(&self) -> bool {
+        self.effects.is_none() && !self.acts_on_drives()
     }
 
     /// Whether something around the plant acts on torques or on where the motors are.
     pub(super) fn acts_on_drives(&self) -> bool {
-        [
-            Kind::Stribeck,
-            Kind::LoadFriction,
-            Kind::Warming,
+        let held = |drive: &DriveParameters| drive.iter().any(|(term, _)| !term.entry().needs.is_motion());
+        let effects = [
             Kind::Elasticity,
             Kind::Hysteresis,
             Kind::Backlash,
@@ -147,9 +160,8 @@ impl ActualArm {
             Kind::TorqueConstant,
             Kind::CurrentLag,
             Kind::CurrentDelay,
-        ]
-        .into_iter()
-        .any(|kind| self.effects.has(kind))
+        ];
+        self.drives.iter().any(held) || effects.into_iter().any(|kind| self.effects.has(kind))
     }
 
     /// Mobility of each motor against links and, where `rotors`, rotors: diagonal of `C M⁻¹ Cᵀ`, 1/(kg·m²).
@@ -174,25 +186,21 @@ impl ActualArm {
         let realistic = 1e-3 * Kind::Elasticity.entry().realistic;
         let wind_up = if elasticity > 0.0 { elasticity } else { realistic };
         let h = 1.0 / (self.robot.servo().rate_hz * FINE_PARTS as f64);
-        let mobility = self.mobility(&self.links());
+        let mobility = self.mobility(&self.parameters.links_alone());
         for (i, rating) in self.ratings().into_iter().enumerate() {
             if !rating.is_finite() {
                 continue;
             }
             let spring = Spring::new(rating / wind_up, backlash, hysteresis);
-            let rotor = self.drives[i].rotor;
+            let rotor = self.drives[i][ROTOR];
             if !spring.is_followed(rotor, mobility[i], h) {
                 self.couplings[i] = Coupling::QuasiStatic(spring);
                 continue;
             }
             self.couplings[i] = Coupling::TwoMasses(spring.between(rotor, mobility[i]));
-            let drive = &mut self.parameters.drives[i];
-            drive.rotor = 0.0;
-            if self.robot.is_coupled(i) {
-                (drive.motor_viscous, drive.motor_coulomb) = (0.0, 0.0);
-            } else {
-                (drive.viscous, drive.coulomb) = (0.0, 0.0);
-            }
+            let coupled = self.robot.is_coupled(i);
+            let stays = |term: Term| term.entry().carrier == Carrier::Link || (coupled && !term.is_motors());
+            self.parameters.drives[i] = self.parameters.drives[i].only(stays);
         }
     }
 
@@ -208,7 +216,7 @@ impl ActualArm {
         let (mobility, ratings) = (self.mobility(&whole), self.ratings());
         let (joints, motors) = self.frictions();
         let rate = (0..self.drives.len())
-            .map(|i| (joints[i].excess_slope(ratings[i]) + motors[i].excess_slope(ratings[i])) * mobility[i])
+            .map(|i| (joints[i].held_slope(ratings[i]) + motors[i].held_slope(ratings[i])) * mobility[i])
             .fold(0.0, f64::max);
         let needed = (rate / self.robot.servo().rate_hz / STIFFNESS).ceil().clamp(1.0, MOST_PARTS) as usize;
         needed.max(least)
@@ -249,6 +257,26 @@ impl ActualArm {
         start: &[f64],
     ) -> Option<super::drives::ActualDrives> {
         self.acts_on_drives().then(|| super::drives::ActualDrives::new(self, transmission, per_ampere, start))
+    }
+}
+
+/// Adds to the coefficients of a drive's terms what effects make of them.
+fn add_terms(effects: &Effects, drive: &mut DriveParameters) {
+    let [stribeck, load, warming] =
+        [Kind::Stribeck, Kind::LoadFriction, Kind::Warming].map(|kind| effects.magnitude(kind));
+    for [coulomb, viscous, above, per_load, warm] in [
+        [COULOMB, VISCOUS, STRIBECK, LOAD_FRICTION, WARM_VISCOUS],
+        [MOTOR_COULOMB, MOTOR_VISCOUS, MOTOR_STRIBECK, MOTOR_LOAD_FRICTION, MOTOR_WARM_VISCOUS],
+    ] {
+        // Load makes friction where there is any.
+        let per_torque = if drive[coulomb] > 0.0 { load } else { 0.0 };
+        for (term, change) in
+            [(above, stribeck * drive[coulomb]), (per_load, per_torque), (warm, -warming * drive[viscous])]
+        {
+            if change != 0.0 {
+                drive[term] += change;
+            }
+        }
     }
 }
 

@@ -8,12 +8,13 @@
 use super::EffectKind as Kind;
 use super::actual_arm::{ActualArm, Coupling};
 use super::current_loop::CurrentLoop;
+use super::drive_friction::DriveFriction;
 use super::elasticity::{MotorSide, Spring};
-use super::gear_friction::GearFriction;
 use super::ripple::Ripple;
 use super::torque_constant;
 use crate::dynamics::Dynamics;
 use crate::experiment::Transmission;
+use crate::model::term::ROTOR;
 
 /// The drives of one run.
 #[derive(Clone, Debug)]
@@ -26,8 +27,8 @@ pub(in crate::experiment) struct ActualDrives {
     /// True torque of each motor per ampere, N·m/A.
     per_ampere: Vec<f64>,
     ripple: Vec<Ripple>,
-    joints: Vec<GearFriction>,
-    motors: Vec<GearFriction>,
+    joints: Vec<DriveFriction>,
+    motors: Vec<DriveFriction>,
     coupled: Vec<bool>,
     sides: Vec<Side>,
     /// The links alone, where the torque that they take is asked for.
@@ -70,11 +71,11 @@ impl ActualDrives {
             Coupling::TwoMasses(spring) => {
                 let friction = if coupled[i] { &motors[i] } else { &joints[i] };
                 let slope = friction.slope(ratings[i]);
-                Side::TwoMasses(MotorSide::new(spring, arm.drives[i].rotor, slope, h, q_motor[i]))
+                Side::TwoMasses(MotorSide::new(spring, arm.drives[i][ROTOR], slope, h, q_motor[i]))
             }
         };
         let sides: Vec<Side> = arm.couplings.iter().enumerate().map(side).collect();
-        let asked = arm.effects.has(Kind::LoadFriction) || sides.iter().any(|s| matches!(s, Side::QuasiStatic(..)));
+        let asked = arm.needs_load() || sides.iter().any(|s| matches!(s, Side::QuasiStatic(..)));
         Self {
             parts: arm.parts,
             h,
@@ -90,7 +91,7 @@ impl ActualDrives {
             motors,
             coupled,
             sides,
-            links: asked.then(|| Box::new(Dynamics::new(arm.robot(), &arm.links()))),
+            links: asked.then(|| Box::new(Dynamics::new(arm.robot(), &arm.parameters().links_alone()))),
             qd_motor: vec![0.0; n],
             last_qd: vec![0.0; n],
             qdd: vec![0.0; n],
@@ -152,7 +153,7 @@ impl ActualDrives {
         for i in 0..tau.len() {
             let inside = matches!(self.sides[i], Side::TwoMasses(_)) && !self.coupled[i];
             if !inside {
-                tau[i] -= self.joints[i].excess(qd[i], self.load[i]);
+                tau[i] -= self.joints[i].held(q[i], qd[i], self.load[i]);
                 self.joints[i].turn(qd[i], h);
             }
         }
@@ -165,8 +166,8 @@ impl ActualDrives {
         let friction = if self.coupled[i] { &mut self.motors[i] } else { &mut self.joints[i] };
         match &mut self.sides[i] {
             Side::TwoMasses(motor) => {
-                let law = *friction;
-                let spring = motor.step(h, torque, (q, qd), |v| law.whole(v, load));
+                let at = motor.q;
+                let spring = motor.step(h, torque, (q, qd), |v| friction.whole(at, v, load));
                 friction.turn(motor.qd, h);
                 self.load_motor[i] = spring;
                 spring
@@ -176,9 +177,9 @@ impl ActualDrives {
                     *ahead = spring.angle(load);
                 }
                 if self.coupled[i] {
-                    let excess = friction.excess(qd, load);
+                    let held = friction.held(q, qd, load);
                     friction.turn(qd, h);
-                    torque - excess
+                    torque - held
                 } else {
                     torque
                 }

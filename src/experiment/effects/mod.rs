@@ -10,7 +10,8 @@
 //!
 //! They live around a [`Plant`](super::Plant), not in an engine, so that every engine has them alike: an [`ActualArm`]
 //! changes what the plant is built from, and a [`Servo`](super::Servo) with it changes torques, encoders and samples.
-//! Friction and springs need more than one step of the plant in a servo step; how many follows from their stiffness.
+//! Effects on friction are coefficients of [torque terms](crate::model::term) that the truth has and the identification
+//! model lacks; only their sizes stand here. Load, warmth and springs need more than one step of the plant in a servo step; how many follows from their stiffness.
 //! Without any effect the servo computes what it always did, to the last bit.
 //!
 //! What belongs to one arm (signs, phases) is drawn from the seed of its effects; what belongs to one run (jitter, losses,
@@ -22,19 +23,17 @@ mod base_tilt;
 mod coloured_noise;
 mod current_loop;
 mod draw;
+mod drive_friction;
 mod drives;
 mod eccentricity;
 mod elasticity;
-mod gear_friction;
 mod hysteresis;
 mod kind;
 mod kinematics;
 mod level;
-mod load_friction;
 mod ripple;
 mod sample_clock;
 mod selection;
-mod stribeck;
 mod tool;
 mod torque_constant;
 mod warming;

@@ -1,7 +1,7 @@
-//! Viscous friction that falls as the gear warms up.
+//! How warm a gear is.
 //!
 //! ```text
-//! T ẇ = P/P_w − w       P = |τ_friction q̇|       P_w = (Fc + Fv v_w) v_w       Fv(w) = Fv (1 − s min(w, 1))
+//! T ẇ = P/P_w − w       P = |τ_friction q̇|       P_w = (Fc + Fv v_w) v_w
 //! ```
 //! `w` is warmth, 0 at the beginning of the experiment and 1 for a gear that has long turned at `v_w`, a quarter of its
 //! speed limit. T = 300 s. Viscosity of grease falls with temperature; share, speed and time constant are assumed, of the
@@ -13,7 +13,6 @@ const TIME_S: f64 = 300.0;
 /// Warmth of one gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Warming {
-    share: f64,
     viscous: f64,
     coulomb: f64,
     per_power: f64,
@@ -22,16 +21,16 @@ pub(super) struct Warming {
 
 impl Warming {
     /// A cold gear with this friction (N·m·s/rad, N·m) and speed limit.
-    pub(super) fn new(share: f64, viscous: f64, coulomb: f64, speed_limit: f64) -> Self {
+    pub(super) fn new(viscous: f64, coulomb: f64, speed_limit: f64) -> Self {
         let v = if speed_limit.is_finite() { 0.25 * speed_limit } else { 1.0 };
         let power = (coulomb + viscous * v) * v;
-        let per_power = if share > 0.0 && power > 0.0 { 1.0 / power } else { 0.0 };
-        Self { share, viscous, coulomb, per_power, warmth: 0.0 }
+        let per_power = if power > 0.0 { 1.0 / power } else { 0.0 };
+        Self { viscous, coulomb, per_power, warmth: 0.0 }
     }
 
-    /// What warmth adds to the viscous friction at speed `v`, N·m: never along `v`.
-    pub(super) fn excess(&self, v: f64) -> f64 {
-        -self.share * self.warmth.min(1.0) * self.viscous * v
+    /// Its warmth, 0 cold to 1.
+    pub(super) fn warmth(&self) -> f64 {
+        self.warmth.min(1.0)
     }
 
     /// Turns at speed `v` for `dt` s.
@@ -50,17 +49,17 @@ mod tests {
 
     #[test]
     fn analytic_warmth_rises_exponentially_at_constant_speed() {
-        let mut gear = Warming::new(0.4, 5.0, 4.0, 4.0);
+        let mut gear = Warming::new(5.0, 4.0, 4.0);
         for _ in 0..300_000 {
             gear.turn(1.0, 1e-3);
         }
         // After one time constant 1 − 1/e; Euler's error is dt/2T of it.
-        let expected = 0.4 * 5.0 * (1.0 - (-1.0_f64).exp());
-        assert!((gear.excess(1.0) + expected).abs() < 1e-5, "{}", gear.excess(1.0));
+        let expected = 1.0 - (-1.0_f64).exp();
+        assert!((gear.warmth() - expected).abs() < 5e-6, "{}", gear.warmth());
         // Long at rest it is cold again.
         for _ in 0..10_000 {
             gear.turn(0.0, 1.0);
         }
-        assert!(gear.excess(1.0).abs() < 1e-12);
+        assert!(gear.warmth() < 1e-12);
     }
 }

@@ -1,6 +1,7 @@
 //! Every fault of `robot.toml` and of the parameter files, each with the line and the column that it must name.
 
 use super::{FormatError, parse_nominal, parse_parameters, parse_robot, write_parameters};
+use crate::model::term::{MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR};
 use crate::model::{EffortInterface, JointKind, Obstacle, ServoTuning};
 use crate::spatial::Inertia;
 
@@ -211,13 +212,13 @@ fn analytic_both_forms_of_a_link_are_read() {
     // Steiner on the first: 0.02 + 2 · 0.5² about x and y; the second form is as written.
     assert_eq!(file.parameters.links[0].to_array(), [2.0, 0.0, 0.0, 1.0, 0.52, 0.0, 0.001, 0.52, 0.0, 0.01]);
     assert_eq!(file.parameters.links[1], Inertia::from_array(&[1.0, 0.1, 0.0, 0.0, 0.02, 0.0, 0.0, 0.03, 0.0, 0.03]));
-    assert_eq!(file.parameters.drives[0].offset, -0.5);
-    assert_eq!((file.parameters.drives[1].rotor, file.parameters.drives[1].motor_viscous), (3.0, 0.7));
+    assert_eq!(file.parameters.drives[0][OFFSET], -0.5);
+    assert_eq!((file.parameters.drives[1][ROTOR], file.parameters.drives[1][MOTOR_VISCOUS]), (3.0, 0.7));
     let subjects: Vec<&str> = file.notes.iter().map(|note| note.subject.as_str()).collect();
     assert_eq!(subjects, ["link turn", "drive slide"]);
     let nominal = parse_nominal(&format!("{UNCERTAINTY}{PARAMETERS}"), &robot).unwrap();
     assert_eq!(nominal.parameters, file.parameters);
-    assert_eq!((nominal.relative_uncertainty.rotor, nominal.relative_uncertainty.offset_nm), (0.2, 1.0));
+    assert_eq!((nominal.relative_uncertainty.of(ROTOR), nominal.relative_uncertainty.of(OFFSET)), (0.2, 1.0));
 }
 
 #[test]
@@ -278,8 +279,8 @@ fn identity_what_is_written_is_read_back_to_the_last_bit() {
     // Numbers whose shortest decimal form is long.
     parameters.links[0].first_moment.x = 1.0 / 3.0;
     parameters.links[0].rotational[(2, 2)] = 1e-17;
-    parameters.drives[1].motor_coulomb = 2.0_f64.sqrt();
-    parameters.drives[0].offset = -1e-300;
+    parameters.drives[1][MOTOR_COULOMB] = 2.0_f64.sqrt();
+    parameters.drives[0][OFFSET] = -1e-300;
     let text = write_parameters(&robot, &parameters, "two lines\nof header");
     assert!(text.starts_with("# two lines\n# of header\n"));
     assert_eq!(parse_parameters(&text, &robot, false).unwrap().parameters, parameters);

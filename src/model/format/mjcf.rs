@@ -11,6 +11,7 @@
 //! refused by name (springs, balls, tendons, equalities, includes, frames, inertia from shapes, …); shapes, assets,
 //! sensors and actuators are passed over. Reference: the MuJoCo XML reference, version 3.
 
+use crate::model::term::{COULOMB, ROTOR, VISCOUS};
 use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, Vector3};
@@ -38,7 +39,7 @@ const PASSED_OVER: [&str; 6] = ["geom", "site", "camera", "light", "body", "iner
 ///   <inertial pos="0 0 -0.5" mass="2" diaginertia="0.1 0.1 0.01"/></body></worldbody></mujoco>"#;
 /// let model = parse_mjcf(text, &ChainEnds::default()).unwrap();
 /// assert_eq!(model.robot.joints()[0].limits.position.1, std::f64::consts::FRAC_PI_2);
-/// assert_eq!(model.parameters.drives[0].rotor, 0.01);
+/// assert_eq!(model.parameters.drives[0][ROTOR], 0.01);
 /// assert_eq!(model.parameters.links[0].to_array(), [2.0, 0.0, 0.0, -1.0, 0.6, 0.0, 0.0, 0.6, 0.0, 0.01]);
 /// ```
 ///
@@ -211,12 +212,11 @@ impl JointReader<'_, '_> {
             kind,
             axis: Placement::new(turn_z_to(&axis), position),
             limits: self.limits(kind)?,
-            drive: DriveParameters {
-                rotor: not_negative("armature")?,
-                viscous: not_negative("damping")?,
-                coulomb: not_negative("frictionloss")?,
-                ..DriveParameters::default()
-            },
+            drive: DriveParameters::of(&[
+                (ROTOR, not_negative("armature")?),
+                (VISCOUS, not_negative("damping")?),
+                (COULOMB, not_negative("frictionloss")?),
+            ]),
         }))
     }
 

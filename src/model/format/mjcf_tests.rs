@@ -1,5 +1,6 @@
 //! MJCF against MuJoCo, against closed forms, and against the same robot as URDF and as a DH table.
 
+use crate::model::term::{COULOMB, ROTOR, VISCOUS};
 use std::fmt::Write;
 
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
@@ -81,9 +82,9 @@ fn mujoco_inverse_dynamics_and_kinematics_of_the_same_text() {
     assert_eq!((second.kind, second.limits.position), (JointKind::Prismatic, (-0.3, 0.4)));
     assert_eq!((third.limits.torque, third.limits.position.1), (12.0, f64::INFINITY));
     // Classes: the first joint is heavy by its body, the third is called back to the main class.
-    let rotors: Vec<f64> = model.parameters.drives.iter().map(|drive| drive.rotor).collect();
+    let rotors: Vec<f64> = model.parameters.drives.iter().map(|drive| drive[ROTOR]).collect();
     assert_eq!(rotors, [0.5, 0.5, 0.02]);
-    let damping: Vec<f64> = model.parameters.drives.iter().map(|drive| drive.viscous).collect();
+    let damping: Vec<f64> = model.parameters.drives.iter().map(|drive| drive[VISCOUS]).collect();
     assert_eq!(damping, [0.3, 7.0, 0.3]);
 }
 
@@ -187,9 +188,9 @@ fn to_mjcf(robot: &Robot, parameters: &StandardParameters) -> String {
             axis[2],
             limits.position.0,
             limits.position.1,
-            drive.rotor,
-            drive.viscous,
-            drive.coulomb,
+            drive[ROTOR],
+            drive[VISCOUS],
+            drive[COULOMB],
             com.x,
             com.y,
             com.z,
@@ -231,7 +232,7 @@ fn identity_a_dh_robot_comes_back_from_mjcf_and_agrees_with_its_urdf() {
 
     // URDF has no rotors; its link frames are turned at random, so only torques can be compared.
     for drive in &mut parameters.drives {
-        (drive.rotor, drive.coulomb) = (0.0, 0.0);
+        (drive[ROTOR], drive[COULOMB]) = (0.0, 0.0);
     }
     let by_mjcf = parse(&to_mjcf(&robot, &parameters)).unwrap();
     let by_urdf = super::urdf_tests::as_urdf(&robot, &parameters);

@@ -14,6 +14,7 @@
 //! Keys carry their unit as a suffix. A link is called after the joint that moves it, the one that stands still is
 //! `base`. Every fault is a [`FormatError`] that says what was found, what was expected, and the line and column.
 
+mod drive_table;
 mod element;
 mod error;
 mod mjcf;
@@ -22,6 +23,7 @@ mod parameter_file;
 mod parameter_map;
 mod parameter_writer;
 mod reading;
+mod relative_uncertainty;
 mod robot_file;
 mod shape_tables;
 mod tree;
@@ -41,11 +43,10 @@ mod urdf_tests;
 
 pub use error::FormatError;
 pub use mjcf::parse_mjcf;
-pub use parameter_file::{
-    NominalParameters, Note, ParameterFile, RelativeUncertainty, parse_nominal, parse_parameters,
-};
+pub use parameter_file::{NominalParameters, Note, ParameterFile, parse_nominal, parse_parameters};
 pub use parameter_map::parse_parameter_map;
 pub use parameter_writer::write_parameters;
+pub use relative_uncertainty::RelativeUncertainty;
 pub use robot_file::parse_robot;
 pub use tree::{ChainEnds, ImportedModel};
 pub use urdf::parse_urdf;

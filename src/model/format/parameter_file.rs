@@ -5,9 +5,12 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::FormatError;
+use super::drive_table::{CIRCUIT, DriveTable, TORQUE_CONSTANT};
 use super::reading::{Check, Number, Row, read};
+use super::relative_uncertainty::{RelativeUncertainty, UncertaintyTable};
 use super::robot_file::quoted;
-use crate::model::{Drive, DriveParameters, JointKind, Robot, StandardParameters};
+use crate::model::term::{Sign, Term};
+use crate::model::{Drive, DriveParameters, Robot, StandardParameters};
 use crate::spatial::Inertia;
 
 /// Where a group of numbers comes from.
@@ -29,25 +32,6 @@ pub struct ParameterFile {
     pub motors: Vec<Drive>,
     /// Where they come from.
     pub notes: Vec<Note>,
-}
-
-/// How far the truth may be from a guess: one standard deviation per group of parameters.
-#[derive(Clone, Copy, Debug, PartialEq, Deserialize, serde::Serialize)]
-pub struct RelativeUncertainty {
-    /// Of the mass.
-    pub mass: f64,
-    /// Of the first moment, as a share of its length.
-    pub first_moment: f64,
-    /// Of the rotational inertia, as a share of its trace.
-    pub inertia: f64,
-    /// Of the rotor inertia.
-    pub rotor: f64,
-    /// Of viscous friction.
-    pub viscous: f64,
-    /// Of Coulomb friction.
-    pub coulomb: f64,
-    /// Of the offset, which is guessed as zero: absolute, N·m (N for a prismatic joint).
-    pub offset_nm: f64,
 }
 
 /// What an experimenter knows before measuring.
@@ -74,21 +58,9 @@ struct ParametersTable {
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
 struct NominalTable {
-    relative_uncertainty: UncertaintyTable,
+    relative_uncertainty: Spanned<UncertaintyTable>,
     link: Spanned<Vec<Spanned<LinkTable>>>,
     drive: Option<Spanned<Vec<Spanned<DriveTable>>>>,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct UncertaintyTable {
-    mass: Number,
-    first_moment: Number,
-    inertia: Number,
-    rotor: Number,
-    viscous: Number,
-    coulomb: Number,
-    offset_nm: Number,
 }
 
 #[derive(Deserialize)]
@@ -112,29 +84,6 @@ struct InertiaTable {
     yy: Number,
     yz: Number,
     zz: Number,
-}
-
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct DriveTable {
-    joint: Spanned<String>,
-    source: Option<String>,
-    rotor_kg_m2: Option<Number>,
-    viscous_nm_s_rad: Option<Number>,
-    coulomb_nm: Option<Number>,
-    offset_nm: Option<Number>,
-    motor_viscous_nm_s_rad: Option<Number>,
-    motor_coulomb_nm: Option<Number>,
-    rotor_kg: Option<Number>,
-    viscous_n_s_m: Option<Number>,
-    coulomb_n: Option<Number>,
-    offset_n: Option<Number>,
-    motor_viscous_n_s_m: Option<Number>,
-    motor_coulomb_n: Option<Number>,
-    torque_constant_nm_a: Option<Number>,
-    resistance_ohm: Option<Number>,
-    inductance_h: Option<Number>,
-    brush_drop_v: Option<Number>,
 }
 
 /// Reads a set of parameters for a robot.
@@ -161,16 +110,7 @@ pub fn parse_parameters(text: &str, robot: &Robot, require_consistent: bool) -> 
 pub fn parse_nominal(text: &str, robot: &Robot) -> Result<NominalParameters, FormatError> {
     let file: NominalTable = read(text)?;
     let check = Check::new(text);
-    let table = &file.relative_uncertainty;
-    let relative_uncertainty = RelativeUncertainty {
-        mass: check.not_negative("mass", &table.mass)?,
-        first_moment: check.not_negative("first_moment", &table.first_moment)?,
-        inertia: check.not_negative("inertia", &table.inertia)?,
-        rotor: check.not_negative("rotor", &table.rotor)?,
-        viscous: check.not_negative("viscous", &table.viscous)?,
-        coulomb: check.not_negative("coulomb", &table.coulomb)?,
-        offset_nm: check.not_negative("offset_nm", &table.offset_nm)?,
-    };
+    let relative_uncertainty = file.relative_uncertainty.get_ref().read(check, file.relative_uncertainty.span())?;
     let reader = ParameterReader { check, robot, require_consistent: true };
     let ParameterFile { parameters, notes, .. } = reader.parameters(&file.link, file.drive.as_ref())?;
     Ok(NominalParameters { parameters, relative_uncertainty, notes })
@@ -209,12 +149,12 @@ impl ParameterReader<'_> {
         }
         let mut seen = vec![false; self.robot.dof()];
         for table in drives.map(|drives| drives.get_ref().as_slice()).unwrap_or_default() {
-            let index = self.index("joint", &table.get_ref().joint, &mut seen)?;
+            let index = self.index("joint", table.get_ref().joint(), &mut seen)?;
             parameters.drives[index] = self.drive(index, table.get_ref())?;
             self.motor(table.get_ref(), &mut motors[index])?;
-            if let Some(source) = &table.get_ref().source {
-                let subject = format!("drive {}", table.get_ref().joint.get_ref());
-                notes.push(Note { subject, source: source.clone() });
+            if let Some(source) = table.get_ref().source() {
+                let subject = format!("drive {}", table.get_ref().joint().get_ref());
+                notes.push(Note { subject, source: source.to_owned() });
             }
         }
         Ok(ParameterFile { parameters, motors, notes })
@@ -280,16 +220,12 @@ impl ParameterReader<'_> {
 
     /// Puts what the file says of a motor in place of what the robot file says.
     fn motor(&self, table: &DriveTable, drive: &mut Drive) -> Result<(), FormatError> {
-        if let Some(x) = &table.torque_constant_nm_a {
-            drive.torque_constant = self.check.positive("torque_constant_nm_a", x)?;
+        if let Some(x) = table.number(TORQUE_CONSTANT) {
+            drive.torque_constant = self.check.positive(TORQUE_CONSTANT, x)?;
         }
-        let keys = [
-            ("resistance_ohm", &table.resistance_ohm),
-            ("inductance_h", &table.inductance_h),
-            ("brush_drop_v", &table.brush_drop_v),
-        ];
+        let keys = CIRCUIT.map(|key| (key, table.number(key)));
         let Some(circuit) = &mut drive.circuit else {
-            return match keys.iter().find_map(|(key, x)| x.as_ref().map(|x| (key, x))) {
+            return match keys.iter().find_map(|(key, x)| x.map(|x| (key, x))) {
                 Some((key, x)) => self.check.fault(
                     x.span(),
                     format!("{key} is given for a motor whose circuit the robot file does not have, expected neither"),
@@ -312,54 +248,25 @@ impl ParameterReader<'_> {
     }
 
     fn drive(&self, index: usize, table: &DriveTable) -> Result<DriveParameters, FormatError> {
-        let coupled = self.robot.is_coupled(index);
-        for (key, number) in [
-            ("motor_viscous_nm_s_rad", &table.motor_viscous_nm_s_rad),
-            ("motor_coulomb_nm", &table.motor_coulomb_nm),
-            ("motor_viscous_n_s_m", &table.motor_viscous_n_s_m),
-            ("motor_coulomb_n", &table.motor_coulomb_n),
-        ] {
-            if let (Some(number), false) = (number, coupled) {
+        let kind = self.robot.joints()[index].kind;
+        let mut drive = DriveParameters::default();
+        for (key, number) in table.numbers() {
+            let Some(term) = Term::ALL.iter().copied().find(|term| term.entry().key.is(key)) else { continue };
+            let expected = term.entry().key.of(kind);
+            if key != expected {
+                let unit = kind.unit();
+                let message = format!("{key} is given for a joint measured in {unit}, expected {expected}");
+                return self.check.fault(number.span(), message);
+            }
+            if !term.is_at(self.robot, index) {
                 let message = format!("{key} is given, expected it only where the robot's coupling drives more joints");
                 return self.check.fault(number.span(), message);
             }
-        }
-        let kind = self.robot.joints()[index].kind;
-        let value = |revolute: (&str, &Option<Number>), prismatic: (&str, &Option<Number>), signed: bool| {
-            let ((key, number), (wrong_key, wrong)) = match kind {
-                JointKind::Revolute => (revolute, prismatic),
-                JointKind::Prismatic => (prismatic, revolute),
+            drive[term] = match term.entry().sign {
+                Sign::NotNegative if self.require_consistent => self.check.not_negative(key, number)?,
+                Sign::NotNegative | Sign::Any => self.check.finite(key, number)?,
             };
-            if let Some(wrong) = wrong {
-                let unit = kind.unit();
-                let message = format!("{wrong_key} is given for a joint measured in {unit}, expected {key}");
-                return self.check.fault(wrong.span(), message);
-            }
-            match number {
-                Some(number) if signed || !self.require_consistent => self.check.finite(key, number),
-                Some(number) => self.check.not_negative(key, number),
-                None => Ok(0.0),
-            }
-        };
-        Ok(DriveParameters {
-            rotor: value(("rotor_kg_m2", &table.rotor_kg_m2), ("rotor_kg", &table.rotor_kg), false)?,
-            viscous: value(
-                ("viscous_nm_s_rad", &table.viscous_nm_s_rad),
-                ("viscous_n_s_m", &table.viscous_n_s_m),
-                false,
-            )?,
-            coulomb: value(("coulomb_nm", &table.coulomb_nm), ("coulomb_n", &table.coulomb_n), false)?,
-            offset: value(("offset_nm", &table.offset_nm), ("offset_n", &table.offset_n), true)?,
-            motor_viscous: value(
-                ("motor_viscous_nm_s_rad", &table.motor_viscous_nm_s_rad),
-                ("motor_viscous_n_s_m", &table.motor_viscous_n_s_m),
-                false,
-            )?,
-            motor_coulomb: value(
-                ("motor_coulomb_nm", &table.motor_coulomb_nm),
-                ("motor_coulomb_n", &table.motor_coulomb_n),
-                false,
-            )?,
-        })
+        }
+        Ok(drive)
     }
 }

@@ -7,6 +7,7 @@ use toml::Spanned;
 
 use super::FormatError;
 use super::reading::Check;
+use crate::model::term::Term;
 use crate::model::{Columns, ParameterId, Robot, StandardParameters};
 
 /// Reads a map of parameter name → value, such as `mcx2 = 0.1` in TOML or `{"mcx2": 0.1}` in JSON.
@@ -17,7 +18,7 @@ use crate::model::{Columns, ParameterId, Robot, StandardParameters};
 /// [`FormatError`] with line and column: a name that the robot does not have (with those most like it), one that is
 /// there twice, a value that is no finite number.
 pub fn parse_parameter_map(text: &str, robot: &Robot) -> Result<StandardParameters, FormatError> {
-    let ids = Columns::RigidRotorFriction.parameters(robot);
+    let ids = Term::ALL.iter().fold(Columns::RIGID, |columns, &term| columns.with(term)).parameters(robot);
     let named: Vec<(String, ParameterId)> = ids.into_iter().map(|id| (id.to_string(), id)).collect();
     let mut parameters = StandardParameters::zero(robot.dof());
     let check = Check::new(text);
@@ -111,6 +112,7 @@ mod tests {
     use super::*;
     use crate::model::format::fault_tests::{TWO_JOINTS, expect_fault};
     use crate::model::format::parse_robot;
+    use crate::model::term::OFFSET;
 
     #[test]
     fn analytic_toml_and_json_give_the_same_set() {
@@ -120,7 +122,7 @@ mod tests {
         assert_eq!(toml, json);
         assert_eq!(toml.links[1].first_moment.x, 0.1);
         assert_eq!(toml.links[0].rotational[(1, 1)], 2.0);
-        assert_eq!(toml.drives[0].offset, -0.3);
+        assert_eq!(toml.drives[0][OFFSET], -0.3);
     }
 
     #[test]

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use crate::model::{JointKind, Robot, StandardParameters};
+use crate::model::{Columns, Robot, StandardParameters};
 
 /// Writes a set of parameters as TOML that [`parse_parameters`](super::parse_parameters) reads back to the last bit.
 ///
@@ -23,22 +23,10 @@ pub fn write_parameters(robot: &Robot, parameters: &StandardParameters, header: 
     }
     for (index, (joint, drive)) in robot.joints().iter().zip(&parameters.drives).enumerate() {
         let name = toml::Value::from(joint.name.as_str());
-        let (inertia, viscous, force) = match joint.kind {
-            JointKind::Revolute => ("kg_m2", "nm_s_rad", "nm"),
-            JointKind::Prismatic => ("kg", "n_s_m", "n"),
-        };
-        let _ = write!(
-            out,
-            "\n[[drive]]\njoint = {name}\nrotor_{inertia} = {:?}\nviscous_{viscous} = {:?}\ncoulomb_{force} = \
-             {:?}\noffset_{force} = {:?}\n",
-            drive.rotor, drive.viscous, drive.coulomb, drive.offset
-        );
-        if robot.is_coupled(index) {
-            let _ = write!(
-                out,
-                "motor_viscous_{viscous} = {:?}\nmotor_coulomb_{force} = {:?}\n",
-                drive.motor_viscous, drive.motor_coulomb
-            );
+        let _ = write!(out, "\n[[drive]]\njoint = {name}\n");
+        let stated = Columns::default().and_those_of(parameters);
+        for term in stated.terms().filter(|term| term.is_at(robot, index)) {
+            let _ = writeln!(out, "{} = {:?}", term.entry().key.of(joint.kind), drive[term]);
         }
     }
     out

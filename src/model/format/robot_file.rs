@@ -1,5 +1,6 @@
 //! `robot.toml`: kinematics, limits, drives and shapes of an arm.
 
+use std::collections::BTreeMap;
 use std::ops::Range;
 
 use nalgebra::{DMatrix, Vector3};
@@ -9,6 +10,7 @@ use toml::Spanned;
 use super::FormatError;
 use super::reading::{Check, Number, Row, STANDARD_GRAVITY, read, roll_pitch_yaw};
 use super::shape_tables::{FloorTable, ObstacleTable, ShapeTable, TouchTable, read_obstacles, read_shape, read_touch};
+use crate::model::term::{ShapeParameter, Term};
 use crate::model::{
     DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, MotorCircuit, Robot, RobotSpec, ServoTuning,
 };
@@ -110,6 +112,9 @@ struct DriveTable {
     brush_drop_v: Option<Number>,
     supply_v: Option<Number>,
     voltage_noise_v: Option<Number>,
+    /// Shape parameters of torque laws, by their keys.
+    #[serde(default)]
+    shape: BTreeMap<Spanned<String>, Number>,
 }
 
 #[derive(Deserialize)]
@@ -366,11 +371,32 @@ impl JointReader<'_> {
         )? {
             drive.coulomb_velocity = check.not_negative(key, x)?;
         }
+        for (key, number) in &table.shape {
+            drive.shapes.insert(self.shape_key(key)?.to_owned(), check.finite(key.get_ref(), number)?);
+        }
         drive.circuit = self.circuit(table, drive.torque_constant)?;
         if let Some(x) = &table.voltage_noise_v {
             drive.voltage_noise = check.not_negative("voltage_noise_v", x)?;
         }
         Ok(drive)
+    }
+
+    /// The key of a shape parameter of some term; the Coulomb velocity has a place of its own.
+    fn shape_key(&self, key: &Spanned<String>) -> Result<&'static str, FormatError> {
+        let mut known: Vec<&str> = Vec::new();
+        for shape in Term::ALL.iter().flat_map(|term| term.entry().shapes) {
+            if *shape != ShapeParameter::COULOMB_VELOCITY && !known.contains(&shape.key) {
+                known.push(shape.key);
+            }
+        }
+        match known.iter().find(|known| *known == key.get_ref()) {
+            Some(known) => Ok(known),
+            None => {
+                let message =
+                    format!("shape parameter \"{}\" is no term's, expected one of {}", key.get_ref(), quoted(&known));
+                self.check.fault(key.span(), message)
+            }
+        }
     }
 
     /// The motor's circuit, where its resistance is given.

@@ -175,7 +175,7 @@ impl Tree<'_> {
             let (link, pose) = match (&body.connection, chain_index) {
                 (Connection::Moving(joint), Some(index)) => {
                     joints.push(joint.on_chain(&pose));
-                    parameters.drives[index] = joint.drive;
+                    parameters.drives[index].clone_from(&joint.drive);
                     (index + 1, Placement::identity())
                 }
                 (Connection::Unsupported(name, what), Some(_)) => {

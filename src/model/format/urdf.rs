@@ -9,6 +9,7 @@
 //! Not read: meshes, collision shapes, transmissions, sensors, simulator extensions.
 //! Reference: the URDF/XML specification of the Robot Operating System.
 
+use crate::model::term::{COULOMB, VISCOUS};
 use nalgebra::{Matrix3, Vector3};
 
 use super::FormatError;
@@ -230,8 +231,8 @@ impl<'a> UrdfJoint<'a> {
     fn friction(&self) -> Result<DriveParameters, FormatError> {
         let mut drive = DriveParameters::default();
         if let Some(dynamics) = self.element.only("dynamics")? {
-            drive.viscous = dynamics.number("damping")?.unwrap_or(0.0);
-            drive.coulomb = dynamics.number("friction")?.unwrap_or(0.0);
+            drive[VISCOUS] = dynamics.number("damping")?.unwrap_or(0.0);
+            drive[COULOMB] = dynamics.number("friction")?.unwrap_or(0.0);
         }
         Ok(drive)
     }

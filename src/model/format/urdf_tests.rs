@@ -1,5 +1,6 @@
 //! URDF against closed forms, against a robot given by a DH table, and against another reader.
 
+use crate::model::term::{COULOMB, OFFSET, ROTOR, VISCOUS};
 use std::fmt::Write;
 
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, Vector3};
@@ -63,7 +64,7 @@ fn analytic_fixed_links_become_one() {
     assert_near(&model.parameters.links[0], [3.0, 0.0, 1.0, 1.0, 1.7, -0.01, 0.0, 0.6, 0.0, 1.25]);
     // Tool: 3 kg at x = 1.
     assert_near(&model.parameters.links[1], [3.0, 3.0, 0.0, 0.0, 0.3, 0.0, 0.0, 3.4, 0.0, 3.5]);
-    assert_eq!((model.parameters.drives[0].viscous, model.parameters.drives[0].coulomb), (3.0, 4.0));
+    assert_eq!((model.parameters.drives[0][VISCOUS], model.parameters.drives[0][COULOMB]), (3.0, 4.0));
     assert_eq!(model.remarks, ["joint \"slide\": the effort limit 0 is read as no limit"]);
     assert!(model.locked.is_empty());
 }
@@ -194,8 +195,8 @@ fn to_urdf(robot: &Robot, parameters: &StandardParameters, turn: impl Fn(usize) 
             axis.z,
             joint.limits.position.0,
             joint.limits.position.1,
-            parameters.drives[i].viscous,
-            parameters.drives[i].coulomb,
+            parameters.drives[i][VISCOUS],
+            parameters.drives[i][COULOMB],
         )
         .unwrap();
         parent.clone_from(name);
@@ -232,7 +233,7 @@ fn identity_torques_of_a_dh_robot_and_of_its_urdf_are_equal() {
         parse_parameters(&entry.nominal[entry.nominal.find("[[link]]").unwrap()..], &robot, true).unwrap().parameters;
     for (i, drive) in parameters.drives.iter_mut().enumerate() {
         // URDF has no rotor inertia and no offset; products of inertia make the test sharper.
-        (drive.rotor, drive.offset) = (0.0, 0.0);
+        (drive[ROTOR], drive[OFFSET]) = (0.0, 0.0);
         parameters.links[i].first_moment += Vector3::new(0.02, -0.01, 0.03);
         parameters.links[i].rotational[(0, 1)] = 0.004;
         parameters.links[i].rotational[(1, 0)] = 0.004;

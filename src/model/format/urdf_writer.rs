@@ -7,12 +7,13 @@
 //! `flange`, stands where the chain ends. URDF knows viscous and Coulomb friction, but no rotor inertia and no torque
 //! offset: those are in the comment at the top.
 
+use crate::model::term::{COULOMB, OFFSET, ROTOR, VISCOUS};
 use std::fmt::Write;
 
 use nalgebra::Matrix3;
 
 use super::tree::moved;
-use crate::model::{Joint, JointKind, Robot, StandardParameters};
+use crate::model::{Columns, Joint, JointKind, Robot, StandardParameters};
 use crate::spatial::{Inertia, Placement};
 
 /// What is written for a limit that nobody states: URDF asks for a number.
@@ -37,17 +38,22 @@ pub fn write_urdf(robot: &Robot, parameters: &StandardParameters, header: &str) 
         let _ = writeln!(out, "  {}", line.replace("--", "- -"));
     }
     for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
-        let (inertia, effort) = match joint.kind {
-            JointKind::Revolute => ("kg m2", "N m"),
-            JointKind::Prismatic => ("kg", "N"),
-        };
-        let _ = writeln!(
-            out,
-            "  joint {}: rotor inertia {:?} {inertia}, offset {:?} {effort}, which URDF cannot say",
-            joint.name.replace("--", "- -"),
-            drive.rotor,
-            drive.offset
-        );
+        // Every term that has no place in the format, the usual ones even where they are zero.
+        let columns = Columns::default().and_those_of(parameters);
+        let left_out = columns.terms().filter(|&term| ![VISCOUS, COULOMB].contains(&term));
+        let left_out: Vec<String> = left_out
+            .filter(|&term| drive[term] != 0.0 || [ROTOR, OFFSET].contains(&term))
+            .map(|term| {
+                format!(
+                    "{} {:?} {}",
+                    term.entry().meaning,
+                    drive[term],
+                    term.unit(joint.kind).replace('·', " ").replace('²', "2")
+                )
+            })
+            .collect();
+        let name = joint.name.replace("--", "- -");
+        let _ = writeln!(out, "  joint {name}: {}, which URDF cannot say", left_out.join(", "));
     }
     let _ = write!(out, "-->\n<robot name=\"{}\">\n  <link name=\"base\"/>\n", escaped(robot.name()));
     let (mut parent, mut end) = ("base".to_owned(), *robot.base());
@@ -99,8 +105,8 @@ fn write_joint(
         origin(place),
         stated(limits.torque),
         stated(limits.velocity),
-        drive.viscous,
-        drive.coulomb
+        drive[VISCOUS],
+        drive[COULOMB]
     );
 }
 
@@ -152,7 +158,6 @@ mod tests {
     use super::*;
     use crate::conformance::chains::random_robot;
     use crate::dynamics::Dynamics;
-    use crate::model::DriveParameters;
     use crate::seed::Seed;
     use rand::RngExt;
 
@@ -180,10 +185,10 @@ mod tests {
             let mut expected = parameters.clone();
             let mut found = read.parameters.clone();
             for (drive, read) in expected.drives.iter_mut().zip(&mut found.drives) {
-                assert_eq!((drive.viscous, drive.coulomb), (read.viscous, read.coulomb));
+                assert_eq!((drive[VISCOUS], drive[COULOMB]), (read[VISCOUS], read[COULOMB]));
                 // How sharply Coulomb friction turns is the simulator's own affair.
-                *drive = DriveParameters { viscous: drive.viscous, ..DriveParameters::default() };
-                read.coulomb = 0.0;
+                *drive = drive.only(|term| term == VISCOUS);
+                read[COULOMB] = 0.0;
             }
             let (mut ours, mut theirs) = (Dynamics::new(&robot, &expected), Dynamics::new(&read.robot, &found));
             for _ in 0..20 {

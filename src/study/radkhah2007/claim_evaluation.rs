@@ -38,9 +38,9 @@ pub fn evaluate_claims(
     findings: &Findings,
     arm_factory: ArmFactory<'_>,
 ) -> Result<(Vec<Claim>, Vec<TableLine>), StudyError> {
-    let base = reduce(&setup.robot, Columns::Rigid, Method::Structural, setup.plan.seed)?;
+    let base = reduce(&setup.robot, Columns::RIGID, Method::Structural, setup.plan.seed)?;
     let evaluation = ClaimEvaluation {
-        regressor: JointTorqueRegressor::new(&setup.robot, Columns::Rigid),
+        regressor: JointTorqueRegressor::new(&setup.robot, Columns::RIGID),
         feasible: feasible_ranges(&setup.robot, &base, MAX_LINK_MASS),
         base,
         setup,
@@ -100,7 +100,7 @@ impl ClaimEvaluation<'_> {
     fn table(&self, truth: &Truth, designs: &[StudyDesign], rigid: &[Vec<DVector<f64>>]) -> Vec<TableLine> {
         let table_one = designs.iter().position(|d| self.setup.plan.designs[d.family].method == DesignMethod::TableOne);
         let fits = table_one.map_or(&[][..], |index| &rigid[index]);
-        let beta = self.base.beta(&truth.vector(&self.setup.robot, Columns::Rigid));
+        let beta = self.base.beta(&truth.vector(&self.setup.robot, Columns::RIGID));
         compare_with_table_two(&self.base, &self.base.expressions(&self.setup.robot), &beta, fits, &self.feasible)
     }
 
@@ -204,8 +204,8 @@ impl ClaimEvaluation<'_> {
         }
         // The same, but the combinations that hold them are kept: the loss goes into the parameter that stands for them.
         let mut regrouped = without.clone();
-        let phi = setup.nominal.vector(&setup.robot, Columns::Rigid);
-        let lost = self.base.beta(&phi) - self.base.beta(&without.vector(&setup.robot, Columns::Rigid));
+        let phi = setup.nominal.vector(&setup.robot, Columns::RIGID);
+        let lost = self.base.beta(&phi) - self.base.beta(&without.vector(&setup.robot, Columns::RIGID));
         for (i, &column) in self.base.kept.iter().enumerate() {
             let id = self.base.parameters[column];
             regrouped.set(id, regrouped.get(id) + lost[i]);
@@ -252,7 +252,7 @@ impl ClaimEvaluation<'_> {
 
     fn moving_base_claim(&self) -> Result<Claim, StudyError> {
         let (robot, seed) = (&self.setup.robot, self.setup.plan.seed);
-        let moving = reduce_with_base(robot, Columns::Rigid, BaseMotion::Free, Method::Structural, seed)?;
+        let moving = reduce_with_base(robot, Columns::RIGID, BaseMotion::Free, Method::Structural, seed)?;
         let hidden = self.base.parameters.len() - self.base.rank();
         let gained = moving.rank() - self.base.rank();
         Ok(Claim {

@@ -2,6 +2,7 @@
 
 use super::table_two;
 use crate::base::BaseReduction;
+use crate::model::JointKind;
 use crate::statistics::Interval;
 use nalgebra::DVector;
 
@@ -52,7 +53,7 @@ pub fn compare_with_table_two(
             TableLine {
                 name: id.to_string(),
                 expression: expressions[i].clone(),
-                unit: id.kind.unit().to_owned(),
+                unit: id.kind.unit(JointKind::Revolute).to_owned(),
                 printed: row.map(|row| row.value),
                 printed_valid: row.map(|row| feasible[i].contains(row.value)),
                 truth: truth[i],

@@ -1,4 +1,5 @@
 use armid::experiment::{Plant, PlantError};
+use armid::model::term::ROTOR;
 
 use super::*;
 use crate::link::{JointMap, LinkSettings};
@@ -30,7 +31,7 @@ impl Plant for FlyWheels {
 fn computer(fault: Option<&str>) -> Computer<FlyWheels> {
     let robot = armid::conformance::chains::planar_2r();
     let mut nominal = StandardParameters::zero(2);
-    nominal.drives.iter_mut().for_each(|drive| drive.rotor = 1.0);
+    nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 1.0);
     let plant = FlyWheels(vec![0.2, -0.1], vec![0.0; 2]);
     let fault = fault.map(|text| Fault::parse(text).unwrap());
     let seed = (Seed::new(1), 0);
@@ -157,7 +158,7 @@ fn what_does_not_fit_is_refused() {
     let made = Computer::new(&robot, &wrong, plant, &Sensing::ideal(), (Seed::new(1), 0), (500.0, 0));
     assert!(matches!(made, Err(ComputerError::Servo(_))));
     let mut nominal = StandardParameters::zero(2);
-    nominal.drives.iter_mut().for_each(|drive| drive.rotor = 1.0);
+    nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 1.0);
     for rate in [300.0, 2000.0, 0.0, f64::NAN] {
         let plant = FlyWheels(vec![0.0; 2], vec![0.0; 2]);
         let made = Computer::new(&robot, &nominal, plant, &Sensing::ideal(), (Seed::new(1), 0), (rate, 0));

@@ -3,6 +3,7 @@
 use armid::conformance::arm_laws::{self, ArmTolerance};
 use armid::experiment::{ExperimentPlan, Plant, PlantError, Servo, record};
 use armid::model::StandardParameters;
+use armid::model::term::ROTOR;
 use armid::seed::Seed;
 use armid::spatial::Inertia;
 
@@ -45,7 +46,7 @@ fn servo() -> Servo<Rotors> {
     let mut rotors = StandardParameters::zero(6);
     for (link, drive) in rotors.links.iter_mut().zip(&mut rotors.drives) {
         *link = Inertia::zero();
-        drive.rotor = 2.0;
+        drive[ROTOR] = 2.0;
     }
     Servo::new(&robot, &rotors, Rotors { q: vec![0.0; 6], qd: vec![0.0; 6] }).unwrap().with_seed(Seed::new(3), 0)
 }

@@ -2,6 +2,7 @@
 
 use armid::conformance::plant_laws::{self, PlantTolerance};
 use armid::experiment::{Plant, PlantError};
+use armid::model::term::{COULOMB, OFFSET, VISCOUS};
 use armid::model::{Robot, StandardParameters};
 
 use super::robots::{self, bundled_robots, distance, frictionless};
@@ -116,7 +117,7 @@ fn identity_two_seconds_through_standstill_are_those_of_the_analytic_plant() {
         let shake = |t: f64| {
             let t = 1e-3 * (1e3 * t + 1e-6).floor();
             let swing = |i: usize| libm::sin(9.0 * t + i as f64);
-            let rub = |i: usize| 3.0 * (parameters.drives[i].coulomb + parameters.drives[i].viscous);
+            let rub = |i: usize| 3.0 * (parameters.drives[i][COULOMB] + parameters.drives[i][VISCOUS]);
             (0..robot.dof()).map(|i| rub(i) * swing(i)).collect()
         };
         let (whole, moved) = apart(&robot, &parameters, 1e-3, &shake);
@@ -150,7 +151,7 @@ fn a_step_too_long_for_friction_is_divided() {
     let robot = robot.with_joints(|joint| joint.drive.coulomb_velocity = 1e-3).unwrap().with_gravity(nalgebra::zero());
     for scheme in [MujocoScheme::Stages, MujocoScheme::HeldRungeKutta, MujocoScheme::HeldEuler] {
         let mut parameters = parameters.clone();
-        parameters.drives.iter_mut().for_each(|drive| drive.offset = 0.0);
+        parameters.drives.iter_mut().for_each(|drive| drive[OFFSET] = 0.0);
         let mut plant = robots::plant(&robot, &parameters).with_scheme(scheme);
         let end = fall(&mut plant, 2.0, 1e-3);
         assert!(end[robot.dof()..].iter().all(|v| v.abs() < 1e-9), "{scheme:?}: {end:?}");

@@ -1,7 +1,9 @@
 //! What cannot be simulated is refused with its reason, and it is what MuJoCo itself refuses.
 
 use armid::conformance::chains;
+use armid::dynamics::TermFault;
 use armid::model::StandardParameters;
+use armid::model::term::{COULOMB, ROTOR};
 use armid::seed::Seed;
 use armid::spatial::Inertia;
 use nalgebra::{Matrix3, Rotation3, Vector3};
@@ -99,14 +101,20 @@ fn what_is_refused_is_named() {
     );
     let mut parameters = StandardParameters::zero(2);
     parameters.links = vec![ball(1.0); 2];
-    parameters.drives[1].rotor = -0.1;
+    parameters.drives[1][ROTOR] = -0.1;
     assert_eq!(mjcf(&robot, &parameters).unwrap_err(), MujocoError::Rotor { joint: "elbow".to_owned(), rotor: -0.1 });
-    parameters.drives[1].rotor = 0.1;
-    parameters.drives[0].coulomb = 2.0;
+    parameters.drives[1][ROTOR] = 0.1;
+    parameters.drives[0][COULOMB] = 2.0;
     let plain = robot.with_joints(|joint| joint.drive.coulomb_velocity = 0.0).unwrap();
     assert_eq!(
         MujocoPlant::new(&plain, &parameters).unwrap_err(),
-        MujocoError::Jump { joint: "shoulder".to_owned(), coulomb: 2.0 }
+        MujocoError::Term(TermFault::Jump {
+            joint: "shoulder".to_owned(),
+            term: "Coulomb friction",
+            value: 2.0,
+            unit: "N·m",
+            key: "coulomb_velocity_rad_s",
+        })
     );
 }
 

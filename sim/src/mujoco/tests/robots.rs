@@ -2,7 +2,8 @@
 
 use armid::conformance::chains::ChainRecipe;
 use armid::model::format::{parse_parameters, parse_robot};
-use armid::model::{DriveParameters, Robot, StandardParameters, bundled};
+use armid::model::term::ROTOR;
+use armid::model::{Robot, StandardParameters, bundled};
 use armid::seed::Seed;
 use armid::study::truth_text;
 
@@ -33,7 +34,7 @@ pub(super) fn chains(count: u64) -> impl Iterator<Item = (Robot, StandardParamet
 pub(super) fn frictionless(parameters: &StandardParameters) -> StandardParameters {
     let mut out = parameters.clone();
     for drive in &mut out.drives {
-        *drive = DriveParameters { rotor: drive.rotor, ..DriveParameters::default() };
+        *drive = drive.only(|term| term == ROTOR);
     }
     out
 }

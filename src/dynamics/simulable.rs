@@ -1,0 +1,57 @@
+//! Which terms a plant can simulate by itself.
+
+use crate::model::{Robot, StandardParameters};
+
+/// Why a plant cannot simulate a set of parameters.
+#[derive(Clone, Debug, PartialEq, thiserror::Error)]
+pub enum TermFault {
+    /// The law jumps: its velocity scale is zero.
+    #[error(
+        "joint \"{joint}\": {term} {value} {unit} with a velocity scale of 0 in {key}, expected one above zero, since a \
+         law that jumps is not simulated"
+    )]
+    Jump {
+        /// Name of the joint.
+        joint: String,
+        /// What the term is.
+        term: &'static str,
+        /// Its coefficient.
+        value: f64,
+        /// Unit of the coefficient.
+        unit: &'static str,
+        /// Key of the velocity scale in the robot file.
+        key: &'static str,
+    },
+    /// The law depends on what a plant does not have.
+    #[error(
+        "joint \"{joint}\": {term} depends on the transmitted torque or the temperature, expected an arm around the plant \
+         that has them"
+    )]
+    Channel {
+        /// Name of the joint.
+        joint: String,
+        /// What the term is.
+        term: &'static str,
+    },
+}
+
+/// Checks that a plant can simulate every term of which a set of parameters has a coefficient.
+///
+/// # Errors
+/// [`TermFault`] for the first that it cannot.
+pub fn check_simulable(robot: &Robot, parameters: &StandardParameters) -> Result<(), TermFault> {
+    for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
+        for (term, value) in drive.iter() {
+            let entry = term.entry();
+            let (joint_name, meaning) = (joint.name.clone(), entry.meaning);
+            if !entry.needs.is_motion() {
+                return Err(TermFault::Channel { joint: joint_name, term: meaning });
+            }
+            if let Some(shape) = entry.shapes.iter().find(|shape| shape.smooths && joint.drive.shape(shape) == 0.0) {
+                let unit = term.unit(joint.kind);
+                return Err(TermFault::Jump { joint: joint_name, term: meaning, value, unit, key: shape.key });
+            }
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,58 @@
+//! The list of terms. A new one is its file, its `mod` line, and its line here.
+
+use super::{Runs, Term, TermInput, TermLaw};
+
+macro_rules! terms {
+    ($($(#[$doc:meta])* $name:ident: $law:ident;)*) => {
+        /// A term of the list.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq)]
+        pub(super) enum Listed {
+            $($law,)*
+        }
+
+        $($(#[$doc])* pub const $name: Term = Term { law: &super::$law, listed: Some(Listed::$law) };)*
+
+        impl Term {
+            /// Every term of the list, in the order of the columns of a joint.
+            pub const ALL: &'static [Self] = &[$($name,)*];
+
+            /// The law of N coordinates in several runs at once.
+            #[inline(always)]
+            #[must_use]
+            pub fn torques_of_runs<R: Runs, const N: usize>(self, input: impl Fn(usize) -> TermInput<R>) -> [R; N] {
+                match self.listed {
+                    $(Some(Listed::$law) => std::array::from_fn(|i| super::$law.law(&input(i))),)*
+                    None => std::array::from_fn(|i| R::apart(&input(i), |x| self.torque(x))),
+                }
+            }
+        }
+    };
+}
+
+// The order is that of a joint's columns: in stored results it may only be added to.
+terms! {
+    /// Inertia of the rotor.
+    ROTOR: RotorInertia;
+    /// Viscous friction of the joint.
+    VISCOUS: ViscousFriction;
+    /// Coulomb friction of the joint.
+    COULOMB: CoulombFriction;
+    /// Constant torque, or offset of the current sensor.
+    OFFSET: Offset;
+    /// Viscous friction of a coupled motor.
+    MOTOR_VISCOUS: MotorViscousFriction;
+    /// Coulomb friction of a coupled motor.
+    MOTOR_COULOMB: MotorCoulombFriction;
+    /// Friction that falls as a joint sets off.
+    STRIBECK: Stribeck;
+    /// The same of a coupled motor.
+    MOTOR_STRIBECK: MotorStribeck;
+    /// Coulomb friction that grows with the transmitted torque.
+    LOAD_FRICTION: LoadFriction;
+    /// The same of a coupled motor.
+    MOTOR_LOAD_FRICTION: MotorLoadFriction;
+    /// Viscous friction that changes as the gear warms up.
+    WARM_VISCOUS: WarmViscousFriction;
+    /// The same of a coupled motor.
+    MOTOR_WARM_VISCOUS: MotorWarmViscousFriction;
+}

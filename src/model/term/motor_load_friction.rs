@@ -1,0 +1,29 @@
+//! Coulomb friction that grows with the transmitted torque, of a motor that drives several joints.
+
+use super::{ByJoint, LoadFriction, Number, Place, TermEntry, TermInput, TermLaw};
+
+/// The law of [`LoadFriction`] in the motor's coordinate.
+#[derive(Debug)]
+pub struct MotorLoadFriction;
+
+impl MotorLoadFriction {
+    /// Everything but the law.
+    pub const ENTRY: TermEntry = TermEntry {
+        symbol: "Flm",
+        meaning: "Coulomb friction of the motor per transmitted torque",
+        place: Place::CoupledMotor,
+        key: ByJoint { revolute: "motor_load_friction", prismatic: "motor_load_friction" },
+        ..LoadFriction::ENTRY
+    };
+}
+
+impl TermLaw for MotorLoadFriction {
+    fn entry(&self) -> &'static TermEntry {
+        &Self::ENTRY
+    }
+
+    #[inline]
+    fn law<R: Number>(&self, x: &TermInput<R>) -> R {
+        LoadFriction.law(x)
+    }
+}
