@@ -25,8 +25,8 @@ mod tests {
     use crate::conformance::chains::random_state;
     use crate::dynamics::{Dynamics, States};
     use crate::model::format::{parse_nominal, parse_parameters, parse_robot};
-    use crate::model::term::{COULOMB, OFFSET, ROTOR};
-    use crate::model::{Columns, Robot, StandardParameters, bundled};
+    use crate::model::term::{COULOMB, COULOMB_DIRECTION, OFFSET, ROTOR};
+    use crate::model::{Columns, DriveParameters, Robot, StandardParameters, bundled};
     use crate::regressor::JointTorqueRegressor;
     use crate::seed::Seed;
     use crate::study::radkhah2007::table_one;
@@ -139,6 +139,18 @@ mod tests {
         let (drive, gear) = (&truth.drives[0], 62.6111);
         assert!((drive[COULOMB] + drive[OFFSET] - gear * 0.435).abs() < 1e-9);
         assert!((drive[COULOMB] - drive[OFFSET] - gear * 0.395).abs() < 1e-9);
+        // As a term of its own: what the offset stands for in the file is half the difference between the directions.
+        let mut directed = DriveParameters::of(&[(COULOMB, drive[COULOMB])]);
+        directed[COULOMB_DIRECTION] = drive[OFFSET];
+        for (speed, expected) in [(1.0, gear * 0.435), (-1.0, -gear * 0.395), (0.0, 0.0)] {
+            let mut arm = StandardParameters::zero(6);
+            arm.drives[0] = directed.clone();
+            let (mut tau, mut qd) = ([0.0; 6], [0.0; 6]);
+            qd[0] = speed;
+            Dynamics::new(&robot.clone().with_gravity(nalgebra::Vector3::zeros()), &arm)
+                .inverse(&[0.0; 6], &qd, &[0.0; 6], &mut tau);
+            assert!((tau[0] - expected).abs() < 1e-9, "{speed} rad/s: {} N·m", tau[0]);
+        }
         assert!((drive[ROTOR] - 200e-6 * gear * gear).abs() < 1e-9);
         assert!((robot.joints()[0].drive.gear - gear).abs() < 1e-12);
     }

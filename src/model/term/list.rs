@@ -55,4 +55,6 @@ terms! {
     WARM_VISCOUS: WarmViscousFriction;
     /// The same of a coupled motor.
     MOTOR_WARM_VISCOUS: MotorWarmViscousFriction;
+    /// Coulomb friction that differs between the two directions.
+    COULOMB_DIRECTION: CoulombDirection;
 }

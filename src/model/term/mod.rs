@@ -11,6 +11,7 @@
 //! the simulated arm around the plant; a law may depend on what that state does (`load`, `warmth`).
 
 mod coulomb;
+mod coulomb_direction;
 mod entry;
 mod handle;
 mod input;
@@ -30,6 +31,7 @@ mod viscous;
 mod warm_viscous;
 
 pub use coulomb::CoulombFriction;
+pub use coulomb_direction::CoulombDirection;
 pub use entry::{
     ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
 };
