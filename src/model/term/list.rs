@@ -57,4 +57,6 @@ terms! {
     MOTOR_WARM_VISCOUS: MotorWarmViscousFriction;
     /// Coulomb friction that differs between the two directions.
     COULOMB_DIRECTION: CoulombDirection;
+    /// A spring to a joint.
+    SPRING: JointSpring;
 }

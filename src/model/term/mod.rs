@@ -15,6 +15,7 @@ mod coulomb_direction;
 mod entry;
 mod handle;
 mod input;
+mod joint_spring;
 mod law;
 mod list;
 mod load_friction;
@@ -37,6 +38,7 @@ pub use entry::{
 };
 pub use handle::Term;
 pub use input::{MOST_SHAPES, Shapes, TermBlock, TermInput};
+pub use joint_spring::JointSpring;
 pub use law::{TermLaw, TorqueTerm};
 pub use list::*;
 pub use load_friction::LoadFriction;
