@@ -5,6 +5,7 @@
 
 use std::path::Path;
 
+use armid::cdr::{FloatArray, JointState};
 use armid::excitation::PeriodicTrajectory;
 use armid::model::Robot;
 use armid::model::bundled;
@@ -15,8 +16,6 @@ use armid_hardware::message::{
     Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointState as WireState, JointTrajectory, Text as Word,
 };
 use armid_io::log::{parse_csv, parse_mcap};
-use armid_io::message::float_array;
-use armid_io::message::joint_state::JointState;
 use armid_io::table::{Third, parse_states};
 use armid_io::{Text, experiment};
 
@@ -25,10 +24,10 @@ use armid_io::{Text, experiment};
 /// # Panics
 /// Where a message that was read is not the same after writing and reading: a fault that fuzzing looks for.
 pub fn cdr(bytes: &[u8]) {
-    let _ = float_array::decode(bytes);
+    let _ = FloatArray::decode(bytes);
     if let Ok(state) = JointState::decode(bytes) {
-        let written = state.encode();
-        let again = JointState::decode(&written).map(|state| state.encode());
+        let written = state.encode().expect("what was read has lists that can be written");
+        let again = JointState::decode(&written).and_then(|state| state.encode());
         assert_eq!(again.as_deref(), Ok(written.as_slice()), "a message changes when it is written and read");
     }
     // Bytes, not messages, are compared: a number that is none equals nothing.

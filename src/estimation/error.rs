@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use crate::base::BaseError;
 use crate::linalg::LeastSquaresError;
 
 /// Why there is no estimate.
@@ -82,6 +83,9 @@ pub enum EstimationError {
         /// What it needs.
         part: ProblemPart,
     },
+    /// The robot has no base parameters.
+    #[error("base parameters: {0}")]
+    Base(#[from] BaseError),
     /// The equations themselves are at fault.
     #[error("least squares: {0}")]
     LeastSquares(#[from] LeastSquaresError),

@@ -2,6 +2,9 @@
 
 use std::ops::Range;
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use super::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, PhaseSpan, RawSample, Sink};
 use crate::excitation::PeriodicTrajectory;
 use crate::model::EffortInterface;
@@ -11,7 +14,8 @@ use crate::provenance::Provenance;
 ///
 /// There are no gaps: where an arm loses a sample, the values of the one before stand at its place, under the stamp that
 /// it should have had.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct Recording {
     /// Name of the robot.
     pub robot: String,
@@ -43,7 +47,42 @@ pub struct Recording {
     pub provenance: Provenance,
 }
 
+impl Serialize for Recording {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses what does not fit together.
+impl<'de> Deserialize<'de> for Recording {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Self::deserialize(deserializer)?;
+        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
+    }
+}
+
 impl Recording {
+    /// Tables that have the size that they say.
+    fn check(&self) -> Result<(), String> {
+        let (n, samples) = (self.dof, self.t.len());
+        let sizes = [
+            ("joints", self.joints.len(), n),
+            ("q", self.q.len(), samples * n),
+            ("effort", self.effort.len(), samples * n),
+        ];
+        if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
+            return Err(format!("{what} has {found} entries, expected {expected} for {samples} samples of {n} joints"));
+        }
+        if !self.voltage.is_empty() && self.voltage.len() != samples * n {
+            return Err(format!("voltage has {} entries, expected none or {}", self.voltage.len(), samples * n));
+        }
+        if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) || self.period_samples == 0 {
+            let (rate, period) = (self.rate_hz, self.period_samples);
+            return Err(format!("rate_hz is {rate} and period_samples {period}, expected both above zero"));
+        }
+        Ok(())
+    }
+
     /// Number of samples N.
     #[must_use]
     pub fn len(&self) -> usize {

@@ -13,6 +13,8 @@
 //! Reference: D. N. Politis, "Adaptive bandwidth choice", J. Nonparametric Statistics 15(4-5), 2003.
 
 use nalgebra::DMatrix;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::noise_spectrum::NoiseSpectrum;
 
@@ -28,15 +30,43 @@ const FEW_LAGS: usize = 16;
 /// assert_eq!(white.apply(&dmatrix![1.0; 2.0]), dmatrix![4.0; 8.0]);
 /// assert_eq!((white.std(), white.length()), (vec![2.0], 0));
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct NoiseModel {
+    #[serde(with = "crate::linalg::rows::list")]
     lags: Vec<DMatrix<f64>>,
     weights: Vec<f64>,
     wraps: bool,
     degrees_of_freedom: f64,
 }
 
+impl Serialize for NoiseModel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses what does not fit together.
+impl<'de> Deserialize<'de> for NoiseModel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Self::deserialize(deserializer)?;
+        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
+    }
+}
+
 impl NoiseModel {
+    /// One weight for each lag, and square covariances of one size.
+    fn check(&self) -> Result<(), String> {
+        let n = self.lags.first().map_or(0, DMatrix::nrows);
+        if n == 0 || self.lags.iter().any(|lag| lag.shape() != (n, n)) {
+            return Err("lags of a noise model, expected one square matrix or more, of one size".to_owned());
+        }
+        if self.weights.len() != self.lags.len() {
+            return Err(format!("{} weights of {} lags, expected as many", self.weights.len(), self.lags.len()));
+        }
+        Ok(())
+    }
+
     /// Noise without correlation in time, covariance `covariance` (n × n) known to `degrees_of_freedom`; `wraps` where
     /// the samples are one period.
     #[must_use]

@@ -1,6 +1,8 @@
 //! The input of estimation: states, torque, and the noise of both.
 
 use nalgebra::DMatrix;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Derivatives, NoiseModel};
 use crate::dynamics::States;
@@ -13,7 +15,8 @@ use crate::provenance::Provenance;
 /// ```
 /// Estimators see the means over blocks of D consecutive samples, on both sides: exactly as true as the equations
 /// themselves, for any torque within a block, and white noise stays white.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct Samples {
     /// Positions, velocities, accelerations, N × n each.
     pub states: States,
@@ -33,6 +36,7 @@ pub struct Samples {
     pub periods: usize,
     /// Covariance of one raw sample of torque, neither averaged nor filtered, n × n, (N·m)²; `None` where fewer than
     /// two periods show no scatter.
+    #[serde(with = "crate::linalg::rows::option")]
     pub torque_covariance: Option<DMatrix<f64>>,
     /// Standard deviation of one raw sample of position, per joint, rad (m); `None` as above.
     pub position_noise: Option<Vec<f64>>,
@@ -48,7 +52,49 @@ pub struct Samples {
     pub provenance: Option<Provenance>,
 }
 
+impl Serialize for Samples {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses what does not fit together.
+impl<'de> Deserialize<'de> for Samples {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Self::deserialize(deserializer)?;
+        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
+    }
+}
+
 impl Samples {
+    /// Tables that have the size that they say.
+    fn check(&self) -> Result<(), String> {
+        let (n, samples) = (self.states.dof, self.states.len());
+        if n == 0 || self.block == 0 || !(self.rate_hz.is_finite() && self.rate_hz > 0.0) {
+            let (block, rate) = (self.block, self.rate_hz);
+            return Err(format!("{n} joints, blocks of {block}, rate_hz {rate}, expected all above zero"));
+        }
+        let sizes = [
+            ("states.q", self.states.q.len(), samples * n),
+            ("states.qd", self.states.qd.len(), samples * n),
+            ("states.qdd", self.states.qdd.len(), samples * n),
+            ("tau", self.tau.len(), samples * n),
+            ("units", self.units.len(), n),
+            ("used", self.used.len(), self.blocks() * n),
+            ("position_band_hz", self.position_band_hz.len(), n),
+            ("position_noise", self.position_noise.as_ref().map_or(n, Vec::len), n),
+            ("rows of torque_covariance", self.torque_covariance.as_ref().map_or(n, DMatrix::nrows), n),
+            ("columns of torque_covariance", self.torque_covariance.as_ref().map_or(n, DMatrix::ncols), n),
+            ("joints of noise", self.noise.as_ref().map_or(n, NoiseModel::dof), n),
+        ];
+        match sizes.into_iter().find(|(_, found, expected)| found != expected) {
+            Some((what, found, expected)) => {
+                Err(format!("{what} has {found} entries, expected {expected} for {samples} samples of {n} joints"))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// Number of joints n.
     #[must_use]
     pub fn dof(&self) -> usize {

@@ -3,13 +3,10 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use armid::base::{Method, reduce};
-use armid::estimation::{Estimate, EstimationError, EstimationProblem, EstimatorKind, Observation};
+use armid::estimation::{Estimate, EstimatorKind};
 use armid::model::Columns;
-use armid::regressor::JointTorqueRegressor;
-use armid::seed::Seed;
 use armid_io::output::pretty;
-use armid_io::{Error, ProcessedLog, output};
+use armid_io::{ProcessedLog, output};
 use miette::Result;
 use serde_json::{Value, json};
 
@@ -56,7 +53,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     };
     let columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
     let prepared = arguments.log.process(path)?;
-    let estimates = estimate(&prepared, columns, &arguments.estimator)?;
+    let estimates = prepared.identify_by(columns, &arguments.estimator)?;
     let json = match estimates.as_slice() {
         [one] => as_json(one, &prepared),
         several => several.iter().map(|estimate| as_json(estimate, &prepared)).collect(),
@@ -81,30 +78,6 @@ fn list() -> Answer {
         .map(|kind| json!({ "name": kind.name(), "summary": kind.estimator().summary() }))
         .collect();
     Answer { text: table.render(0), json }
-}
-
-fn estimate(prepared: &ProcessedLog, columns: Columns, estimators: &[EstimatorKind]) -> Result<Vec<Estimate>> {
-    let robot = &prepared.robot.robot;
-    let fault = |error: EstimationError| -> miette::Report {
-        let shown = Error::new(format!("{}: {error}", prepared.log.name));
-        match error {
-            EstimationError::NotExcited { .. } => {
-                let help = "`armid reduce ROBOT --trajectory T.toml` shows what a motion reveals; \
-                            `armid design` finds one that reveals all";
-                shown.help(help).into()
-            }
-            _ => shown.into(),
-        }
-    };
-    let base = reduce(robot, columns, Method::Structural, Seed::new(0))
-        .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
-    let regressor = JointTorqueRegressor::new(robot, columns);
-    let observation = Observation::new(robot, &regressor, &base, &prepared.samples).map_err(fault)?;
-    let mut problem = EstimationProblem::new(&observation).with_robot(robot).with_samples(&prepared.samples);
-    if let Some(guess) = prepared.robot.nominal.as_ref().or(prepared.robot.own.as_ref()) {
-        problem = problem.with_nominal(guess);
-    }
-    estimators.iter().map(|kind| kind.estimator().estimate(&problem).map_err(fault)).collect()
 }
 
 /// The estimate's own keys, with each finding's sentence and advice beside its numbers.

@@ -3,9 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use armid::estimation::{Estimate, Validation, validate};
-use armid::model::Columns;
-use armid::regressor::JointTorqueRegressor;
+use armid::estimation::{Estimate, Validation};
 use armid_io::{Error, ProcessedLog, Text, estimate};
 use miette::Result;
 use serde_json::{Value, json};
@@ -65,18 +63,7 @@ struct Verdict<'a> {
 
 impl<'a> Verdict<'a> {
     fn of(estimate: &'a Estimate, prepared: &'a ProcessedLog, limit: f64, text: &Text) -> Result<Self> {
-        let robot = &prepared.robot.robot;
-        if estimate.robot != robot.name() {
-            let message = format!("{} is of robot \"{}\", expected \"{}\"", text.name, estimate.robot, robot.name());
-            return Err(Error::new(message).into());
-        }
-        let columns = Columns::parse(&estimate.columns).ok_or_else(|| {
-            let names = Columns::ALL.map(|columns| columns.to_string()).join(", ");
-            Error::new(format!("{}: columns is \"{}\", expected one of {names}", text.name, estimate.columns))
-        })?;
-        let regressor = JointTorqueRegressor::new(robot, columns);
-        let validation = validate(estimate, &regressor, &prepared.samples)
-            .map_err(|error| Error::new(format!("{}: {error}", text.name)))?;
+        let validation = prepared.validate(estimate, &text.name)?;
         Ok(Self { estimate, prepared, validation, limit })
     }
 

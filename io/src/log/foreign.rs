@@ -2,10 +2,11 @@
 
 use std::collections::BTreeMap;
 
+use armid::cdr::JointState;
+
 use super::joint_log::Log;
 use super::state_table::columns;
 use crate::error::Error;
-use crate::message::joint_state::JointState;
 
 /// A log whose rate comes from the stamps.
 pub(super) fn log(name: &str, states: &[JointState]) -> Result<Log, Error> {
@@ -15,7 +16,7 @@ pub(super) fn log(name: &str, states: &[JointState]) -> Result<Log, Error> {
     if n < 2 {
         return Err(Error::new(format!("{name} has {n} sample, expected at least 2")));
     }
-    let (first, last) = (states[0].stamp_ns, states[n - 1].stamp_ns);
+    let (first, last) = (states[0].stamp.ns(), states[n - 1].stamp.ns());
     if last <= first {
         return Err(Error::new(format!("{name}: time goes from {first} to {last} ns, expected it to rise")));
     }

@@ -5,13 +5,12 @@ use std::path::Path;
 
 use ::mcap::McapError;
 use ::mcap::records::Record;
+use armid::cdr::{FloatArray, JointState};
 
 use super::joint_log::Log;
 use super::mcap_records::Records;
 use super::{foreign, recorded};
 use crate::error::Error;
-use crate::message::float_array;
-use crate::message::joint_state::{JointState, NAME};
 use crate::recording::{ENDING, METADATA, STATES, VOLTAGE};
 
 /// What a file holds.
@@ -38,7 +37,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
     let name = path.display().to_string();
     let contents = contents(&name, bytes)?;
     if !contents.whole && path.extension().is_none_or(|extension| extension != "part") {
-        let last = contents.states.last().map_or(0.0, |state| state.stamp_ns as f64 / 1e9);
+        let last = contents.states.last().map_or(0.0, |state| state.stamp.seconds());
         let message = format!(
             "{name} is cut off: it ends after {} samples, at t = {last:.3} s, without the footer of an MCAP file",
             contents.states.len()
@@ -47,7 +46,8 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
         return Err(Error::new(message).help(help));
     }
     if contents.states.is_empty() {
-        let message = format!("{name} holds no message of type {NAME} on {STATES}, expected one per sample");
+        let message =
+            format!("{name} holds no message of type {} on {STATES}, expected one per sample", JointState::NAME);
         return Err(Error::new(message));
     }
     let whole = contents.whole;
@@ -76,14 +76,15 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
     let mut undecodable: Option<Error> = None;
     for record in Records::new(bytes, true).map_err(|error| fault(&error))? {
         match record {
-            Ok(Record::Schema { header, .. }) if header.name == NAME => schema = Some(header.id),
-            Ok(Record::Schema { header, .. }) if header.name == float_array::NAME => arrays = Some(header.id),
+            Ok(Record::Schema { header, .. }) if header.name == JointState::NAME => schema = Some(header.id),
+            Ok(Record::Schema { header, .. }) if header.name == FloatArray::NAME => arrays = Some(header.id),
             Ok(Record::Channel(found)) if found.topic == VOLTAGE && Some(found.schema_id) == arrays => {
                 voltage = Some(found.id);
             }
             Ok(Record::Channel(found)) if found.topic == STATES => {
                 if Some(found.schema_id) != schema || found.message_encoding != "cdr" {
-                    let message = format!("{name}: {STATES} is no {NAME} in CDR, as a recording of ROS 2 is");
+                    let message =
+                        format!("{name}: {STATES} is no {} in CDR, as a recording of ROS 2 is", JointState::NAME);
                     return Err(Error::new(message));
                 }
                 channel = Some(found.id);
@@ -100,8 +101,8 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
             }
             Ok(Record::Message { header, data }) if Some(header.channel_id) == voltage => {
                 let number = contents.voltages.len() + 1;
-                match float_array::decode(&data) {
-                    Ok(values) => contents.voltages.push((header.log_time, values)),
+                match FloatArray::decode(&data) {
+                    Ok(values) => contents.voltages.push((header.log_time, values.data)),
                     Err(error) => {
                         let message = format!("{name}: message {number} on {VOLTAGE}: {error}");
                         undecodable.get_or_insert_with(|| Error::new(message));

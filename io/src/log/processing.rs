@@ -1,6 +1,7 @@
 //! From a log to samples of a robot.
 
-use armid::model::Robot;
+use armid::estimation::{Estimate, EstimationError, EstimatorKind, Identification, Validation};
+use armid::model::{Columns, Robot};
 use armid::signal::{
     AperiodicRecord, PeriodicRecord, Processing, Samples, SignalError, process, process_aperiodic, process_periods,
 };
@@ -52,6 +53,59 @@ impl Log {
         let gaps = Gaps::leave_out(&mut log)?;
         let samples = samples(&log, &robot.robot, settings)?;
         Ok(ProcessedLog { log, robot, samples, gaps })
+    }
+}
+
+impl ProcessedLog {
+    /// Estimates the base parameters of these columns.
+    ///
+    /// # Errors
+    /// [`Error`] where the motion does not reveal them or the equations have no answer.
+    pub fn identify(&self, columns: Columns, estimator: EstimatorKind) -> Result<Estimate, Error> {
+        let mut estimates = self.identify_by(columns, &[estimator])?;
+        estimates.pop().ok_or_else(|| Error::new("no estimator is named, expected one"))
+    }
+
+    /// The same by several estimators.
+    ///
+    /// # Errors
+    /// As [`Self::identify`].
+    pub fn identify_by(&self, columns: Columns, estimators: &[EstimatorKind]) -> Result<Vec<Estimate>, Error> {
+        let named = |error: EstimationError| self.unestimated(&error);
+        let mut identification = Identification::new(&self.robot.robot, columns).map_err(named)?;
+        if let Some(guess) = self.robot.guess() {
+            identification = identification.with_nominal(guess);
+        }
+        estimators.iter().map(|kind| identification.estimate(&self.samples, kind.estimator()).map_err(named)).collect()
+    }
+
+    /// Compares what an estimate predicts with this log. `name` is what errors call the estimate.
+    ///
+    /// # Errors
+    /// [`Error`] where the estimate is of another robot or of other parameters.
+    pub fn validate(&self, estimate: &Estimate, name: &str) -> Result<Validation, Error> {
+        let robot = &self.robot.robot;
+        if estimate.robot != robot.name() {
+            let message = format!("{name} is of robot \"{}\", expected \"{}\"", estimate.robot, robot.name());
+            return Err(Error::mismatch(message));
+        }
+        let columns = Columns::parse(&estimate.columns).ok_or_else(|| {
+            let names = Columns::ALL.map(|columns| columns.to_string()).join(", ");
+            Error::new(format!("{name}: columns is \"{}\", expected one of {names}", estimate.columns))
+        })?;
+        let named = |error: EstimationError| Error::mismatch(format!("{name}: {error}"));
+        Identification::new(robot, columns).and_then(|of| of.validate(estimate, &self.samples)).map_err(named)
+    }
+
+    fn unestimated(&self, error: &EstimationError) -> Error {
+        let shown = Error::new(format!("{}: {error}", self.log.name));
+        match error {
+            EstimationError::NotExcited { .. } => shown.help(
+                "`armid reduce ROBOT --trajectory T.toml` shows what a motion reveals; `armid design` finds one that \
+                 reveals all",
+            ),
+            _ => shown,
+        }
     }
 }
 

@@ -60,7 +60,7 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         phases,
         trajectory,
         period_samples,
-        t: states.iter().map(|state| state.stamp_ns as f64 / 1e9).collect(),
+        t: states.iter().map(|state| state.stamp.ns() as f64 / 1e9).collect(),
         q: q.clone(),
         effort: effort.clone(),
         voltage,
@@ -90,7 +90,7 @@ fn voltages(name: &str, dof: usize, contents: &Contents) -> Result<Vec<f64>, Err
     let mut all = Vec::with_capacity(contents.states.len() * dof);
     let mut rest = contents.voltages.iter().peekable();
     for (k, state) in contents.states.iter().enumerate() {
-        match rest.next_if(|(time, _)| *time == state.stamp_ns) {
+        match rest.next_if(|(time, _)| i128::from(*time) == i128::from(state.stamp.ns())) {
             Some((_, values)) if values.len() == dof => all.extend_from_slice(values),
             None if k > 0 && k + 1 == contents.states.len() => all.extend_from_within(all.len() - dof..),
             found => {

@@ -1,7 +1,8 @@
 //! Joint states as a table.
 
+use armid::cdr::JointState;
+
 use crate::error::Error;
-use crate::message::joint_state::JointState;
 
 /// Positions and efforts in the order of `joints`, whatever the order in each message.
 pub(super) fn columns(name: &str, joints: &[String], states: &[JointState]) -> Result<(Vec<f64>, Vec<f64>), Error> {

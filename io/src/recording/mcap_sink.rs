@@ -16,14 +16,13 @@ use std::fs::{self, File};
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
+use armid::cdr::{FloatArray, JointState, Time};
 use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
 use armid::model::EffortInterface;
 use mcap::records::{MessageHeader, Metadata};
 
 use super::{FileSink, part_of};
 use crate::error::Error;
-use crate::message::float_array;
-use crate::message::joint_state::{DEFINITION, JointState, NAME};
 
 /// Topic of the measured states.
 pub(crate) const STATES: &str = "/joint_states";
@@ -151,7 +150,7 @@ impl<'a> McapSink<'a> {
         let start = || -> mcap::McapResult<Open> {
             let mut writer = options.create(BufWriter::new(file))?;
             writer.write_metadata(&Metadata { name: METADATA.to_owned(), metadata: self.metadata(recording) })?;
-            let schema = writer.add_schema(NAME, "ros2msg", DEFINITION.as_bytes())?;
+            let schema = writer.add_schema(JointState::NAME, "ros2msg", JointState::DEFINITION.as_bytes())?;
             let states = writer.add_channel(schema, STATES, "cdr", &BTreeMap::new())?;
             let commands = writer.add_channel(schema, COMMANDS, "cdr", &BTreeMap::new())?;
             writer.flush()?;
@@ -238,24 +237,25 @@ impl Sink for McapSink<'_> {
 }
 
 impl Open {
-    fn write(&mut self, sample: &RawSample<'_>) -> mcap::McapResult<()> {
-        let stamp_ns = (sample.t * 1e9).round() as u64;
+    fn write(&mut self, sample: &RawSample<'_>) -> Result<(), Box<dyn std::error::Error>> {
+        let stamp = Time::from_s(sample.t)?;
+        let stamp_ns = stamp.ns().cast_unsigned();
         let state = JointState {
-            stamp_ns,
+            stamp,
             frame_id: String::new(),
             name: self.joints.clone(),
             position: sample.q.to_vec(),
             velocity: Vec::new(),
             effort: sample.effort.to_vec(),
         };
-        self.message(self.states, sample.index, stamp_ns, &state.encode())?;
+        self.message(self.states, sample.index, stamp_ns, &state.encode()?)?;
         if !sample.voltage.is_empty() {
             let channel = self.voltage_channel()?;
-            self.message(channel, sample.index, stamp_ns, &float_array::encode(sample.voltage))?;
+            self.message(channel, sample.index, stamp_ns, &FloatArray { data: sample.voltage.to_vec() }.encode()?)?;
         }
         if sample.index.is_multiple_of(self.command_every) {
             let command = JointState { position: sample.command.to_vec(), effort: Vec::new(), ..state };
-            self.message(self.commands, sample.index / self.command_every, stamp_ns, &command.encode())?;
+            self.message(self.commands, sample.index / self.command_every, stamp_ns, &command.encode()?)?;
         }
         self.samples += 1;
         if self.samples.is_multiple_of(self.chunk_samples) {
@@ -268,7 +268,7 @@ impl Open {
         if let Some(channel) = self.voltage {
             return Ok(channel);
         }
-        let schema = self.writer.add_schema(float_array::NAME, "ros2msg", float_array::DEFINITION.as_bytes())?;
+        let schema = self.writer.add_schema(FloatArray::NAME, "ros2msg", FloatArray::DEFINITION.as_bytes())?;
         let channel = self.writer.add_channel(schema, VOLTAGE, "cdr", &BTreeMap::new())?;
         self.voltage = Some(channel);
         Ok(channel)

@@ -10,6 +10,14 @@ use crate::error::Error;
 use crate::suggestion;
 use crate::text::Text;
 
+/// Finds and reads a robot by what it is called: [`load`] for what is a chain already, from the current folder.
+///
+/// # Errors
+/// As [`load`].
+pub fn named(name: &str) -> Result<LoadedRobot, Error> {
+    load(name, &ChainEnds::default(), None)
+}
+
 /// Finds and reads a robot: a bundled name, a folder with `robot.toml`, or a file that ends in `.toml`, `.urdf` or
 /// `.xml`. Relative paths begin at `beside`, the folder of the file that names the robot. `chain` chooses the chain in
 /// a tree.

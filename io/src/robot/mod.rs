@@ -4,5 +4,5 @@ mod find;
 mod loaded_robot;
 mod tree;
 
-pub use find::load;
+pub use find::{load, named};
 pub use loaded_robot::LoadedRobot;

@@ -12,7 +12,8 @@ use crate::model::JointKind;
 use crate::spatial::{Motion, Placement};
 
 /// How the base of the robot moves; its motion is prescribed and known, the force on it is not measured.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum BaseMotion {
     /// It stands.
     #[default]

@@ -1,0 +1,44 @@
+//! Why a message has no bytes, or bytes are no message.
+
+/// Why a message has no bytes, or bytes are no message.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum CdrError {
+    /// The bytes end too early.
+    #[error("byte {at}: {needed} more bytes are needed for {what}, {left} are left")]
+    Short {
+        /// What was to be read.
+        what: &'static str,
+        /// Where, bytes from the beginning.
+        at: usize,
+        /// Bytes that it takes.
+        needed: usize,
+        /// Bytes that are there.
+        left: usize,
+    },
+    /// The four bytes in front name another encoding.
+    #[error("encapsulation is {found:#06x}, expected 0x0000 or 0x0001 (plain CDR)")]
+    Encapsulation {
+        /// The first two bytes.
+        found: u16,
+    },
+    /// A text is none.
+    #[error("{what} is no UTF-8 text")]
+    Text {
+        /// Which one.
+        what: &'static str,
+    },
+    /// A time that `builtin_interfaces/msg/Time` cannot hold: its seconds have 32 bits and a sign.
+    #[error("time is {seconds} s after the clock's zero, expected -2147483648 to 2147483647 (for dates: up to 2038)")]
+    Time {
+        /// Whole seconds.
+        seconds: i64,
+    },
+    /// A list or a text is longer than its 32-bit length can say.
+    #[error("{what} has {length} entries, expected at most 4294967295")]
+    Long {
+        /// Which one.
+        what: &'static str,
+        /// How many there are.
+        length: usize,
+    },
+}

@@ -1,0 +1,22 @@
+//! Which bytes carry a message?
+//!
+//! Plain CDR, in which ROS 2 sends and stores its messages: four bytes that name the byte order, then each number at a
+//! multiple of its own size (counted after those four), texts and lists with a 32-bit length before them, texts with a
+//! zero at the end. Little endian is written, both orders are read.
+//!
+//! Only the messages that armid stores are here; bytes that are none are refused with their place, whatever they are.
+//!
+//! Reference: OMG, *Common Object Request Broker Architecture*, part 2, section 9.3 (CDR transfer syntax), and *DDS
+//! Interoperability Wire Protocol (DDSI-RTPS)* 2.5, section 10 (the encapsulation).
+
+mod decoder;
+mod encoder;
+mod error;
+mod float_array;
+mod joint_state;
+mod time;
+
+pub use error::CdrError;
+pub use float_array::FloatArray;
+pub use joint_state::JointState;
+pub use time::Time;

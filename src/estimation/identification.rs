@@ -1,0 +1,91 @@
+//! The method in one value: what is estimated of which robot, ready for the samples of any experiment.
+//!
+//! ```text
+//! robot, columns → Y, K        samples → W_b, y        W_b β = y + ε → β̂, cov β̂
+//! ```
+
+use super::{Estimate, EstimationError, EstimationProblem, Estimator, Observation, Validation, validate};
+use crate::base::{BaseReduction, Method, reduce};
+use crate::model::{Columns, Robot, StandardParameters};
+use crate::regressor::JointTorqueRegressor;
+use crate::seed::Seed;
+use crate::signal::Samples;
+
+/// Regressor and base parameters of a robot, which every experiment on it shares.
+///
+/// ```
+/// use armid::conformance::chains;
+/// use armid::dynamics::{Dynamics, States};
+/// use armid::estimation::{EstimatorKind, Identification};
+/// use armid::model::{Columns, DriveParameters, StandardParameters};
+/// use armid::seed::Seed;
+/// use armid::signal::Samples;
+/// let mut rng = Seed::new(1).stream("example", 0);
+/// let (robot, truth) = chains::random_robot(&mut rng, 3);
+/// // Random states, and the torque that gives them.
+/// let (mut states, mut tau) = (States::new(3), Vec::new());
+/// for _ in 0..200 {
+///     let (q, qd, qdd) = chains::random_state(&mut rng, 3);
+///     let mut one = [0.0; 3];
+///     Dynamics::new(&robot, &truth).inverse(&q, &qd, &qdd, &mut one);
+///     states.push(&q, &qd, &qdd);
+///     tau.extend(one);
+/// }
+/// let samples = Samples::exact(states, tau, vec!["N·m".to_owned(); 3], 100.0);
+///
+/// let identification = Identification::new(&robot, Columns::RIGID_ROTOR_FRICTION)?;
+/// let estimate = identification.estimate(&samples, EstimatorKind::Ols.estimator())?;
+/// let exact = identification.base().beta(&truth.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
+/// assert!((estimate.beta() - exact).amax() < 1e-6);
+/// # Ok::<(), armid::estimation::EstimationError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Identification<'a> {
+    robot: &'a Robot,
+    nominal: Option<&'a StandardParameters>,
+    regressor: JointTorqueRegressor,
+    base: BaseReduction,
+}
+
+impl<'a> Identification<'a> {
+    /// What is estimated: the base of these columns, by the structural reduction.
+    ///
+    /// # Errors
+    /// [`EstimationError::Base`] where the robot's geometry is not finite.
+    pub fn new(robot: &'a Robot, columns: Columns) -> Result<Self, EstimationError> {
+        // The structural reduction draws nothing: any seed gives the same.
+        let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
+        Ok(Self { robot, nominal: None, regressor: JointTorqueRegressor::new(robot, columns), base })
+    }
+
+    /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].
+    #[must_use]
+    pub fn with_nominal(self, nominal: &'a StandardParameters) -> Self {
+        Self { nominal: Some(nominal), ..self }
+    }
+
+    /// The base parameters.
+    #[must_use]
+    pub const fn base(&self) -> &BaseReduction {
+        &self.base
+    }
+
+    /// Estimates them from the samples of one experiment.
+    ///
+    /// # Errors
+    /// [`EstimationError`] where the samples are of another robot or the equations have no answer.
+    pub fn estimate(&self, samples: &Samples, estimator: &dyn Estimator) -> Result<Estimate, EstimationError> {
+        let observation = Observation::new(self.robot, &self.regressor, &self.base, samples)?;
+        let mut problem = EstimationProblem::new(&observation).with_robot(self.robot).with_samples(samples);
+        problem.nominal = self.nominal;
+        estimator.estimate(&problem)
+    }
+
+    /// Compares what an estimate predicts with samples that it was not made from.
+    ///
+    /// # Errors
+    /// [`EstimationError::Mismatch`] where the estimate is of other base parameters.
+    pub fn validate(&self, estimate: &Estimate, samples: &Samples) -> Result<Validation, EstimationError> {
+        validate(estimate, &self.regressor, samples)
+    }
+}
