@@ -38,7 +38,7 @@ pub fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> std::io::Resul
 /// Writes a text.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
     write(path, |file| file.write_all(text.as_bytes()))
 }
@@ -46,7 +46,7 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
 /// Writes a value as JSON, one key per line, with a final newline.
 ///
 /// # Errors
-/// As [`write`].
+/// As [`write()`].
 pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), Error> {
     write_text(path, &pretty(value))
 }

@@ -84,7 +84,7 @@ impl<'a> Identification<'a> {
     /// Compares what an estimate predicts with samples that it was not made from.
     ///
     /// # Errors
-    /// [`EstimationError::Mismatch`] where the estimate is of other base parameters.
+    /// [`EstimationError`] where estimate, samples and robot do not belong together.
     pub fn validate(&self, estimate: &Estimate, samples: &Samples) -> Result<Validation, EstimationError> {
         validate(estimate, &self.regressor, samples)
     }

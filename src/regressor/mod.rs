@@ -6,7 +6,7 @@
 //! `radkhah2007` eq. 1 with `Γ_k = K_k θ_k`: row i, block k is the part of link k in the effort of joint i, where `X_ki`
 //! takes motions from frame i to frame k. It is computed with the axis `S_i` carried outwards, `X_ki S_i`, which
 //! costs six numbers per pair where carrying `K_k` inwards would cost sixty. After the links' columns come those of
-//! the drives, from the same [`TorqueTerm`](crate::dynamics::TorqueTerm)s that inverse and forward dynamics use.
+//! the drives, from the same [`TorqueTerms`](crate::dynamics::TorqueTerms) that inverse and forward dynamics use.
 //!
 //! Columns are in the order of [`Columns::parameters`](crate::model::Columns::parameters), in link frames, and none is
 //! dropped: finding out which the torque reveals is the next module's.
