@@ -17,6 +17,7 @@ use crate::seed::Seed;
 /// use armid::conformance::chains::planar_2r;
 /// use armid::experiment::{JointLoop, Sensing};
 /// use armid::model::StandardParameters;
+/// use armid::model::term::ROTOR;
 /// use armid::seed::Seed;
 /// let robot = planar_2r();
 /// let mut nominal = StandardParameters::zero(2);

@@ -27,6 +27,7 @@ use crate::seed::Seed;
 /// use armid::excitation::{FourierJoint, FourierTrajectory};
 /// use armid::experiment::{ExperimentPlan, Plant, PlantError, Servo, record};
 /// use armid::model::StandardParameters;
+/// use armid::model::term::ROTOR;
 /// use armid::seed::Seed;
 /// /// Two flywheels of 2 kg·m².
 /// struct FlyWheels([f64; 2], [f64; 2]);

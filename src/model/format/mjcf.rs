@@ -34,6 +34,7 @@ const PASSED_OVER: [&str; 6] = ["geom", "site", "camera", "light", "body", "iner
 ///
 /// ```
 /// use armid::model::format::{ChainEnds, parse_mjcf};
+/// use armid::model::term::ROTOR;
 /// let text = r#"<mujoco model="pendulum"><worldbody><body name="rod">
 ///   <joint name="swing" axis="0 1 0" armature="0.01" range="-90 90"/>
 ///   <inertial pos="0 0 -0.5" mass="2" diaginertia="0.1 0.1 0.01"/></body></worldbody></mujoco>"#;
