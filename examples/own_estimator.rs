@@ -56,15 +56,16 @@ impl Estimator for Huber {
 }
 
 fn main() -> Result<(), Box<dyn Error>> {
-    // An experiment on a simulated arm, and one reading in a hundred of its torque wrong.
+    // An experiment on a simulated arm, and a dozen readings of its torque that are far off. An equation is a mean over many
+    // samples: what is to be told from the rest must be rare among the means.
     let loaded = robot::named("crs-a460")?;
     let (arm, nominal) = (&loaded.robot, loaded.nominal.as_ref().expect("bundled robots have a nominal file"));
     let truth = loaded.truth()?.parameters;
     let plan = ExperimentPlan::new(trajectory::load("table-one", None, arm)?);
     let mut servo = Servo::new(arm, nominal, Engine::Analytic.plant(arm, &truth)?)?.with_seed(Seed::new(1), 0);
     let mut samples = process(&record(&mut servo, &plan)?.0, arm, &Processing::default())?;
-    for tau in samples.tau.iter_mut().step_by(97) {
-        *tau += 2.0;
+    for tau in samples.tau.iter_mut().step_by(4999) {
+        *tau += 200.0;
     }
 
     let identification = Identification::new(arm, Columns::RIGID_ROTOR_FRICTION)?.with_nominal(nominal);
