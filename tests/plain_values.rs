@@ -32,7 +32,7 @@ fn recording() -> Recording {
         joints: vec!["hinge".to_owned()],
         effort_unit: EffortInterface::Current,
         phases: vec![PhaseSpan { phase: Phase::Record, samples: 0..3 }],
-        trajectory: armid::excitation::PeriodicTrajectory::from_toml(
+        trajectory: armid::trajectory::PeriodicTrajectory::from_toml(
             "period_s = 1.0\nharmonics = 1\n[[joint]]\nname = \"hinge\"\na = [0.2]\nb = [0.1]\nq0 = 0.1\n",
         )
         .expect("a trajectory"),

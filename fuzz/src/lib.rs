@@ -6,11 +6,10 @@
 use std::path::Path;
 
 use armid::cdr::{FloatArray, JointState};
-use armid::excitation::PeriodicTrajectory;
-use armid::model::Robot;
-use armid::model::bundled;
 use armid::model::format::{parse_nominal, parse_parameter_map, parse_parameters, parse_robot};
+use armid::model::{Robot, bundled};
 use armid::study::StudyPlan;
+use armid::trajectory::PeriodicTrajectory;
 use armid_hardware::message::cdr::{decode, encode};
 use armid_hardware::message::{
     Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointState as WireState, JointTrajectory, Text as Word,

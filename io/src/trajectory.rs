@@ -2,9 +2,10 @@
 
 use std::path::Path;
 
-use armid::excitation::{Certificate, ExcitationError, PeriodicTrajectory};
+use armid::excitation::Certificate;
 use armid::model::Robot;
 use armid::study::radkhah2007::table_one;
+use armid::trajectory::{PeriodicTrajectory, TrajectoryError};
 
 use crate::error::Error;
 use crate::suggestion;
@@ -61,7 +62,7 @@ pub fn certificate(name: &str, beside: Option<&Path>) -> Result<Option<Certifica
 /// [`Error`] with line and column where the text is no trajectory, or it moves other joints.
 pub fn parse(text: &Text, robot: &Robot) -> Result<PeriodicTrajectory, Error> {
     let trajectory = PeriodicTrajectory::from_toml(&text.content).map_err(|fault| match fault {
-        ExcitationError::File { line, column, message } => {
+        TrajectoryError::File { line, column, message } => {
             let help = suggestion::from_list_in(&message);
             Error::new(message).at_line(text, line, column).maybe_help(help)
         }

@@ -6,13 +6,13 @@
 use std::num::NonZeroU32;
 use std::time::Instant;
 
-use armid::excitation::FourierTrajectory;
 use armid::experiment::{ExperimentPlan, Flow, Next, Plant, RawSample, Recording, Servo, Sink, record};
 use armid::model::bundled;
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::seed::Seed;
 use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
+use armid::trajectory::FourierTrajectory;
 use armid_sim::{AnalyticPlant, RapierPlant, record_runs};
 
 struct Nowhere;

@@ -20,7 +20,7 @@ fn robot(name: &str) -> (Robot, StandardParameters, StandardParameters) {
 }
 
 /// The experiment without what does not count, so that the test is short.
-fn plan(trajectory: armid::excitation::FourierTrajectory) -> ExperimentPlan {
+fn plan(trajectory: armid::trajectory::FourierTrajectory) -> ExperimentPlan {
     ExperimentPlan { settle_s: 0.1, discarded_periods: 0, ..ExperimentPlan::new(trajectory) }
 }
 

@@ -5,7 +5,6 @@ use armid::base::{Method, reduce};
 use armid::conformance::arm_laws::{self, ArmTolerance};
 use armid::dynamics::{Dynamics, States};
 use armid::estimation::{EstimationProblem, EstimatorKind, Observation};
-use armid::excitation::FourierTrajectory;
 use armid::experiment::{ExperimentPlan, Flow, Phase, RawSample, Recording, Sensing, Servo, Sink, Tracking, record};
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::model::{Columns, Robot, StandardParameters, bundled};
@@ -14,6 +13,7 @@ use armid::seed::Seed;
 use armid::signal::{Processing, process};
 use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
+use armid::trajectory::FourierTrajectory;
 use armid_sim::{AnalyticPlant, record_runs};
 
 fn arm(name: &str) -> (Robot, StandardParameters, Servo<AnalyticPlant>) {

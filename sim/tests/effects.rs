@@ -4,7 +4,6 @@
 
 use std::num::NonZeroU32;
 
-use armid::excitation::{FourierJoint, FourierTrajectory};
 use armid::experiment::{
     ActualArm, EffectKind, Effects, ExperimentPlan, Level, Phase, Plant, Recording, Sensing, Servo, record,
 };
@@ -12,6 +11,7 @@ use armid::model::format::{parse_nominal, parse_robot};
 use armid::model::{Joint, Robot, StandardParameters, bundled};
 use armid::seed::Seed;
 use armid::study::{Truth, truth_text};
+use armid::trajectory::{FourierJoint, FourierTrajectory};
 use armid_sim::{AnalyticPlant, Engine, RapierPlant, record_runs};
 
 fn planar() -> (Robot, StandardParameters, StandardParameters) {

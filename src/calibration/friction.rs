@@ -15,11 +15,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::{CalibrationError, Measured};
-use crate::excitation::{ConstantSpeedTrajectory, PeriodicTrajectory, Trajectory};
 use crate::experiment::Recording;
 use crate::linalg::LeastSquares;
 use crate::model::Robot;
 use crate::signal::torque_map;
+use crate::trajectory::{ConstantSpeedTrajectory, PeriodicTrajectory, Trajectory};
 
 /// Left out at both ends of a segment, s: the settling time of the servo.
 const SETTLING_S: f64 = 0.2;

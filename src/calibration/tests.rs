@@ -8,12 +8,12 @@ use rand_distr::{Distribution, StandardNormal};
 use super::{Measured, Resistance, back_emf, friction, known_load, payload};
 use crate::conformance::chains::planar_2r;
 use crate::dynamics::Dynamics;
-use crate::excitation::{ConstantSpeedTrajectory, FourierJoint, FourierTrajectory};
 use crate::experiment::{ExperimentPlan, Plant, PlantError, Recording, Sensing, Servo, hinges, record};
 use crate::model::{Drive, MotorCircuit, Robot, StandardParameters, smooth_sign};
 use crate::seed::Seed;
 use crate::signal::Samples;
 use crate::spatial::Inertia;
+use crate::trajectory::{ConstantSpeedTrajectory, FourierJoint, FourierTrajectory};
 
 /// What the motor really is: the robot file says 0.15 N·m/A and 1.5 Ω.
 const KT: f64 = 0.1437;

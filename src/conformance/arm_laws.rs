@@ -7,8 +7,8 @@
 //! - a plan that cannot be performed is refused before anything is announced.
 
 use super::BrokenLaw;
-use crate::excitation::{FourierJoint, FourierTrajectory};
 use crate::experiment::{Arm, Ending, ExperimentPlan, Flow, Layout, Phase, RawSample, Recording, Sink};
+use crate::trajectory::{FourierJoint, FourierTrajectory};
 
 /// What may be asked of an arm.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -3,8 +3,10 @@
 pub mod arm_laws;
 pub mod chains;
 pub mod estimator_laws;
+pub mod criterion_laws;
 pub mod plant_laws;
 pub mod term_laws;
+pub mod trajectory_laws;
 mod broken_law;
 
 pub use broken_law::BrokenLaw;

@@ -25,15 +25,14 @@ mod link_pose;
 mod model;
 mod placed_term;
 mod simulable;
-mod states;
 mod symmetric;
 mod torque_terms;
 
+pub use crate::trajectory::States;
 pub use energy::Energy;
 pub(crate) use link_pose::LinkPose;
 pub use model::Dynamics;
 pub use placed_term::PlacedTerm;
 pub use simulable::{TermFault, check_simulable};
-pub use states::States;
 pub(crate) use symmetric::Symmetric3;
 pub use torque_terms::{TermState, TorqueTerms};

@@ -13,25 +13,9 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::shape::Shape;
-use super::{ExcitationError, Family, FourierTrajectory, PeriodicTrajectory};
+use super::error::ExcitationError;
 use crate::model::{Limits, Robot};
-
-/// Which of the three derivatives a row belongs to.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Quantity {
-    /// q.
-    Position,
-    /// q̇.
-    Velocity,
-    /// q̈.
-    Acceleration,
-}
-
-impl Quantity {
-    /// All three.
-    pub const ALL: [Self; 3] = [Self::Position, Self::Velocity, Self::Acceleration];
-}
+use crate::trajectory::{Family, FourierTrajectory, PeriodicTrajectory, Quantity, Shape};
 
 /// How one joint moves.
 #[derive(Clone, Debug)]
@@ -62,7 +46,7 @@ impl MotionBasis {
     /// joints standing still where `frozen` (n, rad) says.
     ///
     /// # Errors
-    /// [`ExcitationError::Problem`] if the period is not a finite number above zero, a joint that moves has fewer
+    /// [`ExcitationError`] if the period is not a finite number above zero, a joint that moves has fewer
     /// harmonics than the family needs, no joint moves, or a frozen joint stands outside its limits.
     pub fn new(
         robot: &Robot,
@@ -71,16 +55,13 @@ impl MotionBasis {
         harmonics: &[usize],
         frozen: &[Option<f64>],
     ) -> Result<Self, ExcitationError> {
-        let fault = |quantity: String, found: String, expected: String| {
-            Err(ExcitationError::Problem { quantity, found, expected })
-        };
         if !(period_s.is_finite() && period_s > 0.0) {
-            return fault("period".into(), format!("{period_s} s"), "a finite number above zero".into());
+            return Err(ExcitationError::NotPositive { quantity: "period", found: period_s, unit: "s" });
         }
-        let n = robot.dof();
+        let expected = robot.dof();
         for (quantity, found) in [("numbers of harmonics", harmonics.len()), ("frozen positions", frozen.len())] {
-            if found != n {
-                return fault(format!("number of {quantity}"), found.to_string(), format!("{n}, one for each joint"));
+            if found != expected {
+                return Err(ExcitationError::Length { quantity, found, expected });
             }
         }
         let omega = TAU / period_s;
@@ -88,15 +69,13 @@ impl MotionBasis {
         for ((joint, &harmonics), &frozen) in robot.joints().iter().zip(harmonics).zip(frozen) {
             let least = family.least_harmonics();
             if let Some(place) = frozen {
-                let (low, high) = joint.limits.position;
-                if !(place >= low && place <= high) {
-                    let quantity = format!("frozen position of joint \"{}\"", joint.name);
-                    return fault(quantity, place.to_string(), format!("within {low} to {high}"));
+                let range = joint.limits.position;
+                if !(place >= range.0 && place <= range.1) {
+                    return Err(ExcitationError::FrozenOutside { joint: joint.name.clone(), found: place, range });
                 }
             } else if harmonics < least {
-                let quantity = format!("number of harmonics of joint \"{}\"", joint.name);
-                let expected = if least == 1 { "at least one".into() } else { format!("at least {least} for splines") };
-                return fault(quantity, harmonics.to_string(), expected);
+                let joint = joint.name.clone();
+                return Err(ExcitationError::TooFewHarmonics { joint, found: harmonics, least, family });
             }
             let shape = family.shape(period_s, harmonics.max(least));
             let index = shapes.iter().position(|known| *known == shape).unwrap_or_else(|| {
@@ -114,7 +93,7 @@ impl MotionBasis {
             next += count;
         }
         if next == 0 {
-            return fault("number of joints that move".into(), "0".into(), "at least one".into());
+            return Err(ExcitationError::TooFew { quantity: "joints that move", found: 0, least: 1 });
         }
         Ok(Self { family, period_s, shapes, joints })
     }
@@ -187,32 +166,28 @@ impl MotionBasis {
     /// The variables of a trajectory; harmonics that it lacks are zero, and what frozen joints do in it does not count.
     ///
     /// # Errors
-    /// [`ExcitationError::Trajectory`] if its joints, its period or its harmonics are not of this family.
+    /// [`ExcitationError`] if its joints, its period or its harmonics are not of this family.
     pub fn coefficients(&self, trajectory: &PeriodicTrajectory) -> Result<Vec<f64>, ExcitationError> {
-        let fault = |quantity: String, found: String, expected: String| {
-            Err(ExcitationError::Trajectory { quantity, found, expected })
-        };
         if trajectory.dof() != self.dof() {
-            return fault("number of joints".into(), trajectory.dof().to_string(), self.dof().to_string());
+            return Err(ExcitationError::Joints { found: trajectory.dof(), expected: self.dof() });
         }
         if (trajectory.period_s() - self.period_s).abs() > 1e-12 * self.period_s {
-            let found = format!("{} s", trajectory.period_s());
-            return fault("period".into(), found, format!("{} s", self.period_s));
+            return Err(ExcitationError::OtherPeriod { found: trajectory.period_s(), expected: self.period_s });
         }
         let Some(blocks) = self.family.coefficients(trajectory) else {
-            return fault("family".into(), "another one".into(), self.family.name().into());
+            return Err(ExcitationError::OtherFamily { expected: self.family });
         };
         let mut x = vec![0.0; self.variables()];
         for (joint, values) in self.joints.iter().zip(&blocks).filter(|(joint, _)| joint.frozen.is_none()) {
             let shape = &self.shapes[joint.shape];
             let block = &mut x[joint.variables.clone()];
             let (count, found) = (block.len(), values.len());
-            let quantity = || format!("number of harmonics of joint \"{}\"", joint.name);
-            match shape {
+            let name = || joint.name.clone();
+            match *shape {
                 Shape::Series { harmonics, .. } => {
                     let pairs = &values[..found - 1];
                     if pairs.iter().skip(2 * harmonics).any(|&amplitude| amplitude != 0.0) {
-                        return fault(quantity(), (found / 2).to_string(), format!("at most {harmonics}"));
+                        return Err(ExcitationError::Harmonics { joint: name(), found: found / 2, most: harmonics });
                     }
                     for ((x, value), scale) in block[..count - 1].iter_mut().zip(pairs).zip(&joint.scales) {
                         *x = value / scale;
@@ -220,8 +195,8 @@ impl MotionBasis {
                     block[count - 1] = values[found - 1] / joint.scales[count - 1];
                 }
                 Shape::Spline { knots, .. } => {
-                    if found != *knots {
-                        return fault(quantity(), format!("that of {found} knots"), format!("that of {knots}"));
+                    if found != knots {
+                        return Err(ExcitationError::Knots { joint: name(), found, expected: knots });
                     }
                     for ((x, value), scale) in block.iter_mut().zip(values).zip(&joint.scales) {
                         *x = value / scale;
@@ -236,7 +211,7 @@ impl MotionBasis {
     /// family has them, else least squares of its positions.
     ///
     /// # Errors
-    /// [`ExcitationError::Trajectory`] if the joints, the period or the harmonics of the series are not this basis's.
+    /// [`ExcitationError`] if the joints, the period or the harmonics of the series are not this basis's.
     pub fn nearest(&self, series: &FourierTrajectory) -> Result<Vec<f64>, ExcitationError> {
         match self.family {
             Family::Fourier => self.coefficients(&series.clone().into()),
@@ -323,7 +298,7 @@ fn scales(shape: &Shape, limits: &Limits, omega: f64) -> Vec<f64> {
 }
 
 /// Coefficients whose positions come nearest to a curve on eight samples for each of them.
-fn fit(shape: &Shape, curve: &super::TrigonometricPolynomial) -> Vec<f64> {
+fn fit(shape: &Shape, curve: &crate::trajectory::TrigonometricPolynomial) -> Vec<f64> {
     let samples = 8 * shape.len();
     let phase = |k: usize| TAU * k as f64 / samples as f64;
     let mut system = DMatrix::zeros(samples, shape.len());

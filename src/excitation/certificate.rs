@@ -11,11 +11,13 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::criterion::CriterionKind;
 use super::effort::{Channel, EffortModel, InsideShare};
+use super::error::ExcitationError;
 use super::information::Information;
 use super::limit_survey::{LimitSurvey, WorstCases, WorstLimitUse};
-use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
+use super::problem::DesignProblem;
 use crate::provenance::sha256;
 use crate::regressor::JointTorqueRegressor;
+use crate::trajectory::PeriodicTrajectory;
 
 /// A base parameter that a trajectory shows badly.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -86,15 +88,11 @@ impl Certificate {
     /// The certificate of any trajectory for the robot, the columns and the nominal parameters of a problem.
     ///
     /// # Errors
-    /// [`ExcitationError::Trajectory`] if the trajectory is not one of as many joints as the robot has.
+    /// [`ExcitationError::Joints`] if the trajectory is not one of as many joints as the robot has.
     pub fn of(problem: &DesignProblem, trajectory: &PeriodicTrajectory) -> Result<Self, ExcitationError> {
         let n = problem.robot.dof();
         if trajectory.dof() != n {
-            return Err(ExcitationError::Trajectory {
-                quantity: "number of joints".into(),
-                found: trajectory.dof().to_string(),
-                expected: n.to_string(),
-            });
+            return Err(ExcitationError::Joints { found: trajectory.dof(), expected: n });
         }
         let samples = problem.certificate_samples;
         let regressor = JointTorqueRegressor::new(&problem.robot, problem.columns);
@@ -103,13 +101,14 @@ impl Certificate {
         let rigid = problem.rigid_positions();
         let m_rigid = m.select_rows(&rigid).select_columns(&rigid);
         let report = |kind: CriterionKind, m: &DMatrix<f64>| kind.report(kind.criterion().evaluate(m, None).exact);
-        let course = problem.course(trajectory.period_s());
+        let timeline = problem.timeline(trajectory.period_s());
         let mut model = problem.efforts();
-        let LimitSurvey { used, worst } = LimitSurvey::of(&problem.robot, trajectory, course, samples, model.as_mut());
+        let LimitSurvey { used, worst } =
+            LimitSurvey::of(&problem.robot, trajectory, timeline, samples, model.as_mut());
         let efforts_inside = match (&mut model, &problem.spread) {
             (Some(model), Some(_)) => {
                 let channels = Channel::all(&problem.robot);
-                Some(model.inside(trajectory, course, &Channel::binding(&channels)))
+                Some(model.inside(trajectory, timeline, &Channel::binding(&channels)))
             }
             _ => None,
         };

@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Certificate, ExcitationError, PeriodicTrajectory};
+use super::certificate::Certificate;
+use super::error::ExcitationError;
+use crate::trajectory::PeriodicTrajectory;
 
 #[derive(Serialize)]
 struct Out<'a> {
@@ -46,7 +48,7 @@ impl Certificate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{AdmissionFault, CriterionKind, DesignProblem, check, fixtures};
+    use crate::excitation::{CriterionKind, DesignProblem, LimitKind, VerificationError, fixtures, verify_certificate};
     use crate::model::{Columns, Obstacle};
     use crate::spatial::Inertia;
     use crate::study::radkhah2007::table_one;
@@ -77,46 +79,53 @@ mod tests {
     }
 
     #[test]
-    fn admission_refuses_what_does_not_fit() {
+    fn verification_refuses_what_does_not_fit() {
         let (problem, motion, certificate) = certified();
         let robot = &problem.robot;
-        assert_eq!(check(robot, &motion, &certificate, None), Ok(()));
+        assert_eq!(verify_certificate(robot, &motion, &certificate, None), Ok(()));
         let mut other = motion.clone();
         other.adjust(2, 0.9, 0.0);
-        assert!(matches!(check(robot, &other, &certificate, None), Err(AdmissionFault::OtherTrajectory { .. })));
+        assert!(matches!(
+            verify_certificate(robot, &other, &certificate, None),
+            Err(VerificationError::OtherTrajectory { .. })
+        ));
         let elsewhere = robot.clone().read_from("another file");
-        assert!(matches!(check(&elsewhere, &motion, &certificate, None), Err(AdmissionFault::OtherRobot { .. })));
+        assert!(matches!(
+            verify_certificate(&elsewhere, &motion, &certificate, None),
+            Err(VerificationError::OtherRobot { .. })
+        ));
         let slow = robot.clone().with_joints(|joint| joint.limits.velocity = 1.0).unwrap();
-        let fault = check(&slow, &motion, &certificate, None).unwrap_err();
-        assert!(matches!(fault, AdmissionFault::Limit { quantity: "velocity", .. }), "{fault}");
+        let fault = verify_certificate(&slow, &motion, &certificate, None).unwrap_err();
+        assert!(matches!(fault, VerificationError::Limit { limit: LimitKind::Velocity, .. }), "{fault}");
         assert!(fault.to_string().contains("exceeds its limit") && fault.to_string().contains("rad/s"), "{fault}");
         let smooth = robot.clone().with_joints(|joint| joint.limits.jerk = 1.0).unwrap();
         assert!(matches!(
-            check(&smooth, &motion, &certificate, None),
-            Err(AdmissionFault::Limit { quantity: "jerk", .. })
+            verify_certificate(&smooth, &motion, &certificate, None),
+            Err(VerificationError::Limit { limit: LimitKind::Jerk, .. })
         ));
         let low = robot.clone().with_obstacle(Obstacle::above("table", 0.8));
-        let fault = check(&low, &motion, &certificate, None).unwrap_err();
-        assert!(matches!(fault, AdmissionFault::Contact(_)) && fault.to_string().contains("\"table\""), "{fault}");
+        let fault = verify_certificate(&low, &motion, &certificate, None).unwrap_err();
+        assert!(matches!(fault, VerificationError::Contact(_)) && fault.to_string().contains("\"table\""), "{fault}");
         let mut strained = certificate.clone();
         strained.worst.torque.as_mut().unwrap().ratio = 1.2;
         // Whoever changes a figure breaks the checksum; a certificate that was made that way says what it asks.
-        assert_eq!(check(robot, &motion, &strained, None), Err(AdmissionFault::Changed));
+        assert_eq!(verify_certificate(robot, &motion, &strained, None), Err(VerificationError::Changed));
         let strained = strained.with_checksum();
-        let fault = check(robot, &motion, &strained, None).unwrap_err();
-        assert!(matches!(fault, AdmissionFault::Limit { quantity: "torque", .. }), "{fault}");
+        let fault = verify_certificate(robot, &motion, &strained, None).unwrap_err();
+        assert!(matches!(fault, VerificationError::Limit { limit: LimitKind::Torque, .. }), "{fault}");
     }
 
     #[test]
-    fn admission_computes_torque_anew_by_the_parameters_at_hand() {
+    fn verification_computes_torque_anew_by_the_parameters_at_hand() {
         let (problem, motion, certificate) = certified();
         let mut model = problem.efforts().unwrap();
-        assert_eq!(check(&problem.robot, &motion, &certificate, Some(&mut model)), Ok(()));
+        assert_eq!(verify_certificate(&problem.robot, &motion, &certificate, Some(&mut model)), Ok(()));
         // A certificate with a valid checksum that states less than the parameters ask is refused all the same.
         let mut flattering = certificate.clone();
         flattering.worst_limit_use.torque = Some(0.1);
-        let fault = check(&problem.robot, &motion, &flattering.with_checksum(), Some(&mut model)).unwrap_err();
-        assert!(matches!(fault, AdmissionFault::Stale { quantity: "torque", .. }), "{fault}");
+        let fault =
+            verify_certificate(&problem.robot, &motion, &flattering.with_checksum(), Some(&mut model)).unwrap_err();
+        assert!(matches!(fault, VerificationError::Stale { limit: LimitKind::Torque, .. }), "{fault}");
         // So is one that was made for lighter links.
         let heavier = |factor: f64| {
             let mut problem = problem.clone();
@@ -125,9 +134,9 @@ mod tests {
             }
             problem.efforts().unwrap()
         };
-        let fault = check(&problem.robot, &motion, &certificate, Some(&mut heavier(1.01))).unwrap_err();
-        assert!(matches!(fault, AdmissionFault::OtherParameters { .. }), "{fault}");
-        let fault = check(&problem.robot, &motion, &certificate, Some(&mut heavier(3.0))).unwrap_err();
-        assert!(matches!(fault, AdmissionFault::Limit { quantity: "torque", .. }), "{fault}");
+        let fault = verify_certificate(&problem.robot, &motion, &certificate, Some(&mut heavier(1.01))).unwrap_err();
+        assert!(matches!(fault, VerificationError::OtherParameters { .. }), "{fault}");
+        let fault = verify_certificate(&problem.robot, &motion, &certificate, Some(&mut heavier(3.0))).unwrap_err();
+        assert!(matches!(fault, VerificationError::Limit { limit: LimitKind::Torque, .. }), "{fault}");
     }
 }

@@ -11,11 +11,12 @@
 //! nearly inside promises much, the last evaluation is kept for the nearest point to it that is.
 
 use super::criterion::CriterionKind;
+use super::error::ExcitationError;
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::objective::InformationObjective;
-use super::optimiser::{Progress, Sequential, SequentialSettings};
+use super::problem::DesignProblem;
 use super::termination::{HistoryPoint, Termination};
-use super::{DesignProblem, ExcitationError};
+use crate::optimiser::{Progress, Sequential, SequentialSettings};
 use crate::seed::Seed;
 
 /// Sharpnesses p of the smoothed criteria, one after the other.

@@ -12,11 +12,13 @@ use rayon::prelude::*;
 use super::certificate::Certificate;
 use super::criterion::CriterionKind;
 use super::descent::{Found, SHARPNESS, cost, optimise};
+use super::error::ExcitationError;
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::objective::InformationObjective;
+use super::problem::DesignProblem;
 use super::termination::{HistoryPoint, Termination};
-use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
 use crate::seed::Seed;
+use crate::trajectory::PeriodicTrajectory;
 
 /// A designed trajectory.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -157,8 +159,9 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
 mod tests {
     use super::*;
     use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
-    use crate::excitation::{Quantity, fixtures};
+    use crate::excitation::{LimitKind, fixtures};
     use crate::model::{Columns, bundled, format::parse_nominal};
+    use crate::trajectory::Quantity;
 
     fn problem(columns: Columns, criterion: CriterionKind, evaluations: usize) -> DesignProblem {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), columns, criterion).unwrap();
@@ -281,7 +284,7 @@ mod tests {
         let Termination::Infeasible { limit, joint, worst } = &design.termination else {
             panic!("{:?}", design.termination)
         };
-        assert!(limit == "torque" && joint == "shoulder" && worst.ratio > 5.0, "{:?}", design.termination);
+        assert!(*limit == LimitKind::Torque && joint == "shoulder" && worst.ratio > 5.0, "{:?}", design.termination);
     }
 
     #[test]

@@ -2,45 +2,133 @@
 
 use crate::base::BaseError;
 use crate::model::RobotFault;
+use crate::trajectory::{Family, TrajectoryError};
 
 /// Why a trajectory or a design problem cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum ExcitationError {
-    /// A trajectory file is not TOML, or a key or a value is not what the format has.
-    #[error("line {line}, column {column}: {message}")]
-    File {
-        /// Line of the fault, from one.
-        line: usize,
-        /// Column of the fault, from one, in characters.
-        column: usize,
-        /// What was found and what was expected.
-        message: String,
-    },
+    /// A trajectory cannot be as specified.
+    #[error(transparent)]
+    Motion(#[from] TrajectoryError),
     /// A trajectory file has a table `[certificate]` that is none.
     #[error("certificate: {message}")]
     Certificate {
         /// What was found and what was expected.
         message: String,
     },
-    /// A trajectory cannot be as specified.
-    #[error("trajectory: {quantity} is {found}, expected {expected}")]
-    Trajectory {
-        /// Which quantity.
-        quantity: String,
-        /// What was found.
-        found: String,
-        /// What is possible.
-        expected: String,
+    /// A trajectory moves another number of joints than the robot has.
+    #[error("trajectory: number of joints is {found}, expected {expected}")]
+    Joints {
+        /// Joints of the trajectory.
+        found: usize,
+        /// Joints of the robot.
+        expected: usize,
     },
-    /// A setting of the design problem is outside what is possible.
-    #[error("design: {quantity} is {found}, expected {expected}")]
-    Problem {
-        /// Which quantity.
-        quantity: String,
+    /// A trajectory has another period than the problem.
+    #[error("trajectory: period is {found} s, expected {expected} s")]
+    OtherPeriod {
+        /// Period of the trajectory, s.
+        found: f64,
+        /// Period of the problem, s.
+        expected: f64,
+    },
+    /// A trajectory is of another family than the problem.
+    #[error("trajectory: family is another one, expected {}", expected.name())]
+    OtherFamily {
+        /// The problem's.
+        expected: Family,
+    },
+    /// A joint's series has more harmonics than the problem.
+    #[error("trajectory: number of harmonics of joint \"{joint}\" is {found}, expected at most {most}")]
+    Harmonics {
+        /// Name of the joint.
+        joint: String,
+        /// Harmonics of the trajectory.
+        found: usize,
+        /// Harmonics of the problem.
+        most: usize,
+    },
+    /// A joint's spline has another number of knots than the problem.
+    #[error("trajectory: number of knots of joint \"{joint}\" is {found}, expected {expected}")]
+    Knots {
+        /// Name of the joint.
+        joint: String,
+        /// Knots of the trajectory.
+        found: usize,
+        /// Knots of the problem.
+        expected: usize,
+    },
+    /// A setting that must be above zero is not.
+    #[error("design: {quantity} is {found} {unit}, expected a finite number above zero")]
+    NotPositive {
+        /// Which setting.
+        quantity: &'static str,
         /// What was found.
-        found: String,
-        /// What is possible.
-        expected: String,
+        found: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A setting that must be finite is not.
+    #[error("design: {quantity} is {found} {unit}, expected a finite number")]
+    NotFinite {
+        /// Which setting.
+        quantity: &'static str,
+        /// What was found.
+        found: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A list has another length than the robot asks for.
+    #[error("design: number of {quantity} is {found}, expected {expected}")]
+    Length {
+        /// What the list holds.
+        quantity: &'static str,
+        /// Its length.
+        found: usize,
+        /// What it must be.
+        expected: usize,
+    },
+    /// There are too few of something.
+    #[error("design: number of {quantity} is {found}, expected at least {least}")]
+    TooFew {
+        /// Of what.
+        quantity: &'static str,
+        /// How many there are.
+        found: usize,
+        /// How many there must be.
+        least: usize,
+    },
+    /// A joint that moves has too few harmonics for the family.
+    #[error("design: number of harmonics of joint \"{joint}\" is {found}, expected at least {least} for family {}", family.name())]
+    TooFewHarmonics {
+        /// Name of the joint.
+        joint: String,
+        /// Its harmonics.
+        found: usize,
+        /// What the family needs.
+        least: usize,
+        /// The family.
+        family: Family,
+    },
+    /// A joint is to stand still outside its range.
+    #[error("design: frozen position of joint \"{joint}\" is {found}, expected within {} to {}", range.0, range.1)]
+    FrozenOutside {
+        /// Name of the joint.
+        joint: String,
+        /// Where it is to stand, rad (m).
+        found: f64,
+        /// Its range, rad (m).
+        range: (f64, f64),
+    },
+    /// The prior information is not that of the base parameters.
+    #[error("design: size of the prior information is {rows} × {columns}, expected {expected} × {expected}")]
+    PriorSize {
+        /// Its rows.
+        rows: usize,
+        /// Its columns.
+        columns: usize,
+        /// Number of base parameters.
+        expected: usize,
     },
     /// The base parameters could not be found.
     #[error(transparent)]

@@ -1,17 +1,21 @@
 //! All limits of a problem in one place: as rows for the optimiser, and exactly at the end.
 
+use super::basis::MotionBasis;
 use super::certificate::Certificate;
 use super::clearance::{ClearanceLimits, Scene};
-use super::course::Course;
 use super::effort::{Channel, EffortLimits};
+use super::error::ExcitationError;
+use super::limit_kind::LimitKind;
 use super::limit_rows::LimitRows;
 use super::limits::{WorstUse, shrink_into_limits};
-use super::optimiser::{LinearLimits, Row, RowSource, SmoothLimits, Together};
+use super::margins::Margins;
 use super::path_rows::{PathRows, use_on_ramps};
+use super::problem::DesignProblem;
 use super::termination::Termination;
-use super::{DesignProblem, ExcitationError, Margins, MotionBasis, PeriodicTrajectory};
 use crate::model::Robot;
+use crate::optimiser::{CombinedLimits, LinearLimits, Row, RowSource, SmoothLimits};
 use crate::seed::Seed;
+use crate::trajectory::{PeriodicTrajectory, Timeline};
 
 /// Excess over the permitted torque, already a little below the allowed one, that counts as none.
 pub(crate) const EXCESS_TOLERANCE: f64 = 1e-4;
@@ -66,8 +70,8 @@ pub(crate) struct Feasibility {
     basis: MotionBasis,
     margins: Margins,
     linear: AllRows,
-    course: Course,
-    smooth: Together,
+    timeline: Timeline,
+    smooth: CombinedLimits,
     effort: Option<EffortLimits>,
     samples: usize,
 }
@@ -85,10 +89,10 @@ impl Feasibility {
         };
         let samples = TORQUE_SAMPLES * problem.samples;
         let effort = problem.efforts().map(|model| {
-            let course = problem.course(basis.period_s());
-            EffortLimits::new(model, &Channel::all(&robot), &basis, course, samples, margins.torque)
+            let timeline = problem.timeline(basis.period_s());
+            EffortLimits::new(model, &Channel::all(&robot), &basis, timeline, samples, margins.torque)
         });
-        let mut smooth = Together::default();
+        let mut smooth = CombinedLimits::default();
         if let Some(effort) = &effort {
             smooth.limits.push(Box::new(effort.clone()));
         }
@@ -98,12 +102,12 @@ impl Feasibility {
                 smooth.limits.push(Box::new(ClearanceLimits::new(scene, &basis, samples, clearance)));
             }
         }
-        let course = problem.course(basis.period_s());
+        let timeline = problem.timeline(basis.period_s());
         let linear = AllRows {
             period: LimitRows::new(&robot, &basis, &margins, ROW_TOLERANCE),
-            paths: PathRows::new(&robot, &basis, course, &margins, ROW_TOLERANCE),
+            paths: PathRows::new(&robot, &basis, timeline, &margins, ROW_TOLERANCE),
         };
-        Ok(Self { robot, basis, margins, course, linear, smooth, effort, samples })
+        Ok(Self { robot, basis, margins, timeline, linear, smooth, effort, samples })
     }
 
     pub(crate) fn basis(&self) -> &MotionBasis {
@@ -162,7 +166,7 @@ impl Feasibility {
     fn shrink_for_motion(&self, trajectory: &mut PeriodicTrajectory) {
         shrink_into_limits(&self.robot, trajectory, &self.margins);
         for (j, joint) in self.robot.joints().iter().enumerate() {
-            let uses = use_on_ramps(&joint.limits, trajectory, j, self.course, RAMP_SAMPLES);
+            let uses = use_on_ramps(&joint.limits, trajectory, j, self.timeline, RAMP_SAMPLES);
             let most =
                 uses.into_iter().flatten().map(|used| used.ratio / self.margins.acceleration).fold(0.0, f64::max);
             if most > 1.0 {
@@ -210,20 +214,11 @@ impl Feasibility {
     pub(crate) fn verdict(&self, problem: &DesignProblem, certificate: &Certificate) -> Option<Termination> {
         let worst = &certificate.worst;
         let margins = &problem.margins;
-        let cases: [(&str, Option<WorstUse>, f64); 8] = [
-            ("position", Some(worst.position), margins.position),
-            ("velocity", Some(worst.velocity), margins.velocity),
-            ("acceleration", Some(worst.acceleration), margins.acceleration),
-            ("jerk", worst.jerk, margins.acceleration),
-            ("torque", worst.torque, margins.torque),
-            ("torque-rms", worst.torque_rms, margins.torque),
-            ("current", worst.current, margins.torque),
-            ("current-rms", worst.current_rms, margins.torque),
-        ];
-        let efforts_and_motion = cases.into_iter().filter_map(|(limit, worst, part)| {
-            let worst = worst.filter(|worst| worst.ratio > part)?;
+        let efforts_and_motion = LimitKind::ALL.into_iter().filter_map(|limit| {
+            let part = limit.permitted(margins);
+            let worst = worst.of(limit).filter(|worst| worst.ratio > part)?;
             let joint = self.robot.joints()[worst.joint].name.clone();
-            Some((worst.ratio / part, Termination::Infeasible { limit: limit.into(), joint, worst }))
+            Some((worst.ratio / part, Termination::Infeasible { limit, joint, worst }))
         });
         let clearance = worst.clearance.as_ref().zip(problem.clearance_m).and_then(|(nearest, required)| {
             let short = required - nearest.distance_m;
@@ -235,7 +230,8 @@ impl Feasibility {
                 limit: required,
             };
             let joint = nearest.pair.join(" to ");
-            (short > 0.0).then(|| (1.0 + short, Termination::Infeasible { limit: "clearance".into(), joint, worst }))
+            (short > 0.0)
+                .then_some((1.0 + short, Termination::Infeasible { limit: LimitKind::Clearance, joint, worst }))
         });
         // What the problem lacks most: a design that cannot hold one limit often lets others slip a little as well.
         let exceeded = efforts_and_motion.chain(clearance).max_by(|x, y| x.0.total_cmp(&y.0));

@@ -8,13 +8,14 @@
 
 use std::f64::consts::TAU;
 
-use super::Margins;
-use super::basis::{MotionBasis, Quantity};
+use super::basis::MotionBasis;
 use super::limits::permitted;
-use super::optimiser::{LinearLimits, Row, RowSource};
+use super::margins::Margins;
 use super::sampled::ShapeTable;
 use crate::linalg::dot;
 use crate::model::Robot;
+use crate::optimiser::{LinearLimits, Row, RowSource};
+use crate::trajectory::Quantity;
 
 /// The limits of a robot as a source of rows around the current variables.
 #[derive(Clone, Debug)]

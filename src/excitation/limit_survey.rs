@@ -4,14 +4,13 @@
 //! Position, velocity, acceleration and jerk are held against their limits at the true extrema of the motion, what the
 //! ramps ask and the efforts at the refined peaks of a grid, and clearances by a bound that holds between samples.
 
-use super::PeriodicTrajectory;
-use super::basis::Quantity;
 use super::clearance::{Scene, WorstClearance, smallest_clearance};
-use super::course::Course;
 use super::effort::{Channel, EffortModel, WorstEfforts};
+use super::limit_kind::LimitKind;
 use super::limits::{WorstUse, worst_jerk, worst_use};
 use super::path_rows::worst_on_ramps;
 use crate::model::Robot;
+use crate::trajectory::{PeriodicTrajectory, Quantity, Timeline};
 
 /// Samples of one period on which the search for the smallest clearance begins.
 const CLEARANCE_SAMPLES: usize = 1000;
@@ -38,7 +37,7 @@ pub struct WorstLimitUse {
     pub current: Option<f64>,
     /// Of the continuous current, as `torque_rms`.
     pub current_rms: Option<f64>,
-    /// Smallest distance between the robot's shapes and between them and obstacles, m: never undercut at any instant.
+    /// Smallest distance between the robot's shapes and between them and obstacles, m: never undercut at any point.
     /// `None` where no two of them can meet.
     pub clearance_m: Option<f64>,
 }
@@ -47,9 +46,25 @@ impl WorstLimitUse {
     /// The largest ratio of all.
     #[must_use]
     pub fn largest(&self) -> f64 {
-        let all = [self.jerk, self.torque, self.torque_rms, self.current, self.current_rms];
-        let kinematic = self.position.max(self.velocity).max(self.acceleration);
-        all.into_iter().flatten().fold(kinematic, f64::max)
+        LimitKind::ALL.into_iter().filter_map(|kind| self.of(kind)).fold(0.0, f64::max)
+    }
+}
+
+impl WorstLimitUse {
+    /// Of one kind of limit; `None` where nothing has such a limit, and for clearances, which are distances.
+    #[must_use]
+    pub const fn of(&self, kind: LimitKind) -> Option<f64> {
+        match kind {
+            LimitKind::Position => Some(self.position),
+            LimitKind::Velocity => Some(self.velocity),
+            LimitKind::Acceleration => Some(self.acceleration),
+            LimitKind::Jerk => self.jerk,
+            LimitKind::Torque => self.torque,
+            LimitKind::TorqueRms => self.torque_rms,
+            LimitKind::Current => self.current,
+            LimitKind::CurrentRms => self.current_rms,
+            LimitKind::Clearance => None,
+        }
     }
 }
 
@@ -76,6 +91,25 @@ pub struct WorstCases {
     pub clearance: Option<WorstClearance>,
 }
 
+impl WorstCases {
+    /// Where one kind of limit is used most; `None` where nothing has such a limit, and for clearances, which are
+    /// distances between two bodies ([`Self::clearance`]).
+    #[must_use]
+    pub const fn of(&self, kind: LimitKind) -> Option<WorstUse> {
+        match kind {
+            LimitKind::Position => Some(self.position),
+            LimitKind::Velocity => Some(self.velocity),
+            LimitKind::Acceleration => Some(self.acceleration),
+            LimitKind::Jerk => self.jerk,
+            LimitKind::Torque => self.torque,
+            LimitKind::TorqueRms => self.torque_rms,
+            LimitKind::Current => self.current,
+            LimitKind::CurrentRms => self.current_rms,
+            LimitKind::Clearance => None,
+        }
+    }
+}
+
 /// The largest use of every limit.
 pub(crate) struct LimitSurvey {
     /// How much.
@@ -85,24 +119,24 @@ pub(crate) struct LimitSurvey {
 }
 
 impl LimitSurvey {
-    /// Of the limits of `robot` by a trajectory of as many joints, over its period and the ramps of `course`, with
+    /// Of the limits of `robot` by a trajectory of as many joints, over its period and the ramps of `timeline`, with
     /// `samples` of a period; of torque and current where their model is given.
     pub(crate) fn of(
         robot: &Robot,
         trajectory: &PeriodicTrajectory,
-        course: Course,
+        timeline: Timeline,
         samples: usize,
         efforts: Option<&mut EffortModel>,
     ) -> Self {
         let [position, velocity, acceleration] = Quantity::ALL.map(|quantity| worst_use(robot, trajectory, quantity));
-        let [ramp_acceleration, ramp_jerk] = worst_on_ramps(robot, trajectory, course, samples);
+        let [ramp_acceleration, ramp_jerk] = worst_on_ramps(robot, trajectory, timeline, samples);
         let acceleration = ramp_acceleration.map_or(acceleration, |ramp| acceleration.worst_of(ramp));
         let jerk = match (worst_jerk(robot, trajectory), ramp_jerk) {
             (Some(period), Some(ramp)) => Some(period.worst_of(ramp)),
             (period, ramp) => period.or(ramp),
         };
         let WorstEfforts { torque, current } = efforts.map_or_else(WorstEfforts::default, |model| {
-            WorstEfforts::of(model, &Channel::all(robot), trajectory, course, samples)
+            WorstEfforts::of(model, &Channel::all(robot), trajectory, timeline, samples)
         });
         let accelerations: Vec<f64> = (0..robot.dof())
             .map(|j| {

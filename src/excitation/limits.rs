@@ -5,9 +5,9 @@
 //! ```
 //! A use of 1 touches the limit. Where only one end of a range is finite, the distance to it counts in rad above 1.
 
-use super::basis::Quantity;
-use super::{Margins, PeriodicTrajectory};
+use super::margins::Margins;
 use crate::model::{Limits, Robot};
+use crate::trajectory::{PeriodicTrajectory, Quantity};
 
 /// The worst use of one kind of limit over all joints and all times.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -142,8 +142,8 @@ pub(crate) fn shrink_into_limits(robot: &Robot, trajectory: &mut PeriodicTraject
 mod tests {
     use super::*;
     use crate::conformance::chains;
-    use crate::excitation::{FourierJoint, FourierTrajectory};
     use crate::seed::Seed;
+    use crate::trajectory::{FourierJoint, FourierTrajectory};
     use rand::RngExt;
 
     #[test]

@@ -7,12 +7,14 @@
 use nalgebra::DMatrix;
 
 use super::criterion::Criterion;
+use super::error::ExcitationError;
 use super::information::Information;
-use super::optimiser::Objective;
+use super::problem::DesignProblem;
 use super::sampled::SampledBasis;
-use super::{DesignProblem, ExcitationError, PeriodicTrajectory};
 use crate::dynamics::States;
+use crate::optimiser::Objective;
 use crate::regressor::JointTorqueRegressor;
+use crate::trajectory::PeriodicTrajectory;
 
 /// A criterion of the information as a function of the variables.
 pub struct InformationObjective {
@@ -100,15 +102,11 @@ impl DesignProblem {
     /// and without its prior: what a later problem takes as prior, times how much longer this experiment was.
     ///
     /// # Errors
-    /// [`ExcitationError::Trajectory`] if the trajectory is of another number of joints than the robot.
+    /// [`ExcitationError::Joints`] if the trajectory is of another number of joints than the robot.
     pub fn information(&self, trajectory: &PeriodicTrajectory) -> Result<DMatrix<f64>, ExcitationError> {
         let n = self.robot.dof();
         if trajectory.dof() != n {
-            return Err(ExcitationError::Trajectory {
-                quantity: "number of joints".into(),
-                found: trajectory.dof().to_string(),
-                expected: n.to_string(),
-            });
+            return Err(ExcitationError::Joints { found: trajectory.dof(), expected: n });
         }
         let noise = self.sigma.clone().unwrap_or_else(|| vec![1.0; n]);
         let mut information = Information::new(smoothed_regressor(self)?, &self.base.kept, self.samples, &noise, None);
@@ -168,9 +166,10 @@ impl InformationObjective {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{CriterionKind, Family, fixtures};
+    use crate::excitation::{CriterionKind, fixtures};
     use crate::model::Columns;
     use crate::seed::Seed;
+    use crate::trajectory::Family;
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), columns, kind).unwrap();

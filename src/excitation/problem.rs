@@ -5,48 +5,17 @@ use std::f64::consts::PI;
 use nalgebra::DMatrix;
 use rand::RngExt;
 
-use super::basis::{MotionBasis, Quantity};
-use super::course::Course;
+use super::basis::MotionBasis;
+use super::criterion::CriterionKind;
 use super::effort::{EffortModel, ParameterSpread};
+use super::error::ExcitationError;
+use super::margins::Margins;
 use super::start::series_start;
-use super::{CriterionKind, ExcitationError, Family, PeriodicTrajectory};
 use crate::base::{BaseReduction, Method, reduce, reduce_on};
 use crate::dynamics::States;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::seed::Seed;
-
-/// Which part of each limit a design may use.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-pub struct Margins {
-    /// Of half the position range, about its middle.
-    pub position: f64,
-    /// Of the speed limit.
-    pub velocity: f64,
-    /// Of the acceleration limit.
-    pub acceleration: f64,
-    /// Of the torque rating.
-    pub torque: f64,
-}
-
-impl Margins {
-    /// The part for one quantity.
-    #[must_use]
-    pub const fn of(&self, quantity: Quantity) -> f64 {
-        match quantity {
-            Quantity::Position => self.position,
-            Quantity::Velocity => self.velocity,
-            Quantity::Acceleration => self.acceleration,
-        }
-    }
-}
-
-impl Default for Margins {
-    /// All of the limits that are known exactly, and nine tenths of the torque ratings: the parameters that torque is
-    /// computed with are a guess.
-    fn default() -> Self {
-        Self { position: 1.0, velocity: 1.0, acceleration: 1.0, torque: 0.9 }
-    }
-}
+use crate::trajectory::{Family, PeriodicTrajectory, Timeline};
 
 /// A design problem: robot, columns, criterion, limits and budget.
 ///
@@ -74,8 +43,9 @@ pub struct DesignProblem {
     pub family: Family,
     /// Number of harmonics H of each joint, n; splines have 2H + 1 knots.
     pub harmonics: Vec<usize>,
-    /// Where joints stand still, rad, n; `None` for those that move. Set by [`Self::freeze`].
-    pub frozen: Vec<Option<f64>>,
+    /// Where joints stand still, rad, n; `None` for those that move. Changed by [`Self::freeze`] alone, as the base is that
+    /// of the joints that move.
+    frozen: Vec<Option<f64>>,
     /// Samples of one period in the criterion.
     pub samples: usize,
     /// Parameters that torque limits are computed with; without them torque is not limited.
@@ -141,12 +111,26 @@ impl DesignProblem {
     /// Lets joint `index` stand still at `place` (rad). What it no longer reveals is taken out of the base.
     ///
     /// # Errors
-    /// [`ExcitationError::Base`] if the base parameters of the remaining motion cannot be found.
+    /// [`ExcitationError::FrozenOutside`] if the joint cannot stand there, [`ExcitationError::Base`] if the base parameters
+    /// of the remaining motion cannot be found. The problem is then as it was.
     pub fn freeze(&mut self, index: usize, place: f64) -> Result<(), ExcitationError> {
-        self.frozen[index] = Some(place);
-        let states = self.random_states();
+        let joint = &self.robot.joints()[index];
+        let range = joint.limits.position;
+        if !(place >= range.0 && place <= range.1) {
+            return Err(ExcitationError::FrozenOutside { joint: joint.name.clone(), found: place, range });
+        }
+        let mut frozen = self.frozen.clone();
+        frozen[index] = Some(place);
+        let states = self.random_states(&frozen);
         self.base = reduce_on(&self.robot, self.columns, Method::Qr, &states)?;
+        self.frozen = frozen;
         Ok(())
+    }
+
+    /// Where joints stand still, rad, n; `None` for those that move.
+    #[must_use]
+    pub fn frozen(&self) -> &[Option<f64>] {
+        &self.frozen
     }
 
     /// Takes what earlier experiments have shown as known: their `information` of the base parameters (b × b, Σ of the
@@ -164,7 +148,7 @@ impl DesignProblem {
     }
 
     /// Random states of the joints that move, the others where they stand.
-    fn random_states(&self) -> States {
+    fn random_states(&self, frozen: &[Option<f64>]) -> States {
         let n = self.robot.dof();
         let count = RANDOM_STATES.max(3 * self.base.parameters.len() / n);
         let mut rng = Seed::new(0).stream("frozen joints", 0);
@@ -173,8 +157,8 @@ impl DesignProblem {
             let mut draw = |still: &dyn Fn(usize) -> Option<f64>| -> Vec<f64> {
                 (0..n).map(|j| (rng.random_range(-PI..PI), still(j))).map(|(x, still)| still.unwrap_or(x)).collect()
             };
-            let resting = |j: usize| self.frozen[j].map(|_| 0.0);
-            let (q, qd, qdd) = (draw(&|j| self.frozen[j]), draw(&resting), draw(&resting));
+            let resting = |j: usize| frozen[j].map(|_| 0.0);
+            let (q, qd, qdd) = (draw(&|j| frozen[j]), draw(&resting), draw(&resting));
             // Rates at which the arm's own motion weighs as much as gravity.
             let (qd, qdd) =
                 (qd.iter().map(|x| 2.0 * x).collect::<Vec<_>>(), qdd.iter().map(|x| 5.0 * x).collect::<Vec<_>>());
@@ -187,7 +171,7 @@ impl DesignProblem {
     /// family that comes nearest to it. Families share their starts.
     ///
     /// # Errors
-    /// [`ExcitationError::Problem`] if the settings are impossible.
+    /// [`ExcitationError`] if the settings are impossible.
     pub fn start(&self, seed: Seed, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {
         let basis = self.basis()?;
         let series = series_start(&self.robot, self.period_s, &self.harmonics, seed, index)?;
@@ -201,10 +185,10 @@ impl DesignProblem {
         self.base.kept.iter().enumerate().filter(rigid).map(|(position, _)| position).collect()
     }
 
-    /// The stretches of the experiment in which limits hold, around a motion of this period (s).
+    /// The segments of the experiment in which limits hold, around a motion of this period (s).
     #[must_use]
-    pub fn course(&self, period_s: f64) -> Course {
-        Course { period_s, ramp_s: self.ramp_s }
+    pub fn timeline(&self, period_s: f64) -> Timeline {
+        Timeline { period_s, ramp_s: self.ramp_s }
     }
 
     /// The efforts by the nominal parameters; `None` without them.
@@ -223,63 +207,52 @@ impl DesignProblem {
 
     /// Checks the settings and makes the family of trajectories.
     pub(crate) fn basis(&self) -> Result<MotionBasis, ExcitationError> {
-        let fault = |quantity: &str, found: String, expected: String| {
-            Err(ExcitationError::Problem { quantity: quantity.into(), found, expected })
-        };
         let n = self.robot.dof();
         let least = 4 * self.harmonics.iter().copied().max().unwrap_or(0);
         if self.samples < least {
-            let expected = format!("at least {least}, four for each period of the highest harmonic");
-            return fault("number of samples", self.samples.to_string(), expected);
+            // Four for each period of the highest harmonic.
+            return Err(ExcitationError::TooFew { quantity: "samples", found: self.samples, least });
         }
-        for (quantity, part) in [
-            ("part of the position range", self.margins.position),
-            ("part of the speed limit", self.margins.velocity),
-            ("part of the acceleration limit", self.margins.acceleration),
-            ("part of the torque rating", self.margins.torque),
-        ] {
-            if !(part > 0.0 && part.is_finite()) {
-                return fault(quantity, part.to_string(), "a finite number above zero".into());
-            }
-        }
+        let above_zero = |quantity, found: f64, unit| {
+            let holds = found.is_finite() && found > 0.0;
+            if holds { Ok(()) } else { Err(ExcitationError::NotPositive { quantity, found, unit }) }
+        };
+        let length = |quantity, found, expected| {
+            if found == expected { Ok(()) } else { Err(ExcitationError::Length { quantity, found, expected }) }
+        };
+        above_zero("part of the position range", self.margins.position, "")?;
+        above_zero("part of the speed limit", self.margins.velocity, "")?;
+        above_zero("part of the acceleration limit", self.margins.acceleration, "")?;
+        above_zero("part of the torque rating", self.margins.torque, "")?;
         if let Some(sigma) = &self.sigma {
-            if sigma.len() != n {
-                return fault("number of noise levels", sigma.len().to_string(), format!("{n}, one for each joint"));
-            }
-            if let Some(bad) = sigma.iter().find(|x| !(x.is_finite() && **x > 0.0)) {
-                return fault("a noise level", format!("{bad} N·m"), "a finite number above zero".into());
+            length("noise levels", sigma.len(), n)?;
+            for &level in sigma {
+                above_zero("a noise level", level, "N·m")?;
             }
         }
         if let Some(prior) = &self.prior {
-            let b = self.base.rank();
-            if prior.shape() != (b, b) {
-                let found = format!("{} × {}", prior.nrows(), prior.ncols());
-                return fault("size of the prior information", found, format!("{b} × {b}"));
+            let (expected, (rows, columns)) = (self.base.rank(), prior.shape());
+            if (rows, columns) != (expected, expected) {
+                return Err(ExcitationError::PriorSize { rows, columns, expected });
             }
         }
-        if let Some(nominal) = &self.nominal
-            && nominal.links.len() != n
-        {
-            return fault("number of nominal links", nominal.links.len().to_string(), n.to_string());
+        if let Some(nominal) = &self.nominal {
+            length("nominal links", nominal.links.len(), n)?;
         }
         if let Some(spread) = &self.spread {
-            let (found, p) = (spread.deviations.len(), Columns::RIGID_ROTOR_FRICTION.parameters(&self.robot).len());
-            if found != p {
-                return fault("number of uncertain parameters", found.to_string(), p.to_string());
-            }
+            // As many as the effort model has, which takes in what terms the nominal parameters have.
+            let columns =
+                self.nominal.as_ref().map_or_else(Columns::default, |set| Columns::default().and_those_of(set));
+            length("uncertain parameters", spread.deviations.len(), columns.parameters(&self.robot).len())?;
         }
-        if let Some(ramp) = self.ramp_s
-            && !(ramp.is_finite() && ramp > 0.0)
-        {
-            return fault("length of the ramps", format!("{ramp} s"), "a finite number above zero".into());
+        if let Some(ramp) = self.ramp_s {
+            above_zero("length of the ramps", ramp, "s")?;
         }
-        if let Some(clearance) = self.clearance_m
-            && !clearance.is_finite()
-        {
-            return fault("clearance", format!("{clearance} m"), "a finite number".into());
+        if let Some(found) = self.clearance_m.filter(|clearance| !clearance.is_finite()) {
+            return Err(ExcitationError::NotFinite { quantity: "clearance", found, unit: "m" });
         }
         if self.max_evaluations == 0 {
-            return fault("number of evaluations", "0".into(), "at least one".into());
+            return Err(ExcitationError::TooFew { quantity: "evaluations", found: 0, least: 1 });
         }
         MotionBasis::new(&self.robot, self.family, self.period_s, &self.harmonics, &self.frozen)
     }
@@ -334,8 +307,9 @@ mod tests {
         assert!(made.value.is_finite() && made.termination.is_feasible());
         let states = made.trajectory.sample(50);
         assert!((0..50).all(|k| states.q(k)[3] == 0.2 && states.q(k)[5] == -0.1 && states.qd(k)[3] == 0.0));
-        problem.frozen[3] = Some(9.0);
-        assert!(design(&problem, Seed::new(7), 0).unwrap_err().to_string().contains("frozen position of joint"));
+        let error = problem.freeze(3, 9.0).unwrap_err();
+        assert!(error.to_string().contains("frozen position of joint"), "{error}");
+        assert_eq!(problem.frozen()[3], Some(0.2));
     }
 
     #[test]

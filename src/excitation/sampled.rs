@@ -3,9 +3,9 @@
 use std::f64::consts::TAU;
 
 use super::basis::MotionBasis;
-use super::optimiser::dot;
-use super::shape::Shape;
 use crate::dynamics::States;
+use crate::optimiser::dot;
+use crate::trajectory::Shape;
 
 /// The shape functions of one joint and their first two derivatives at `θ_k = 2π k / N`.
 #[derive(Clone, Debug)]
@@ -127,8 +127,8 @@ impl SampledBasis {
 mod tests {
     use super::*;
     use crate::conformance::chains;
-    use crate::excitation::{Family, Quantity, Trajectory};
     use crate::seed::Seed;
+    use crate::trajectory::{Family, Quantity, Trajectory};
     use rand::RngExt;
 
     /// Four joints of 3, 4 and 3 harmonics, of which the third stands still.
@@ -209,13 +209,13 @@ mod tests {
     #[test]
     fn analytic_nearest_of_a_slow_series_is_that_series() {
         for (basis, _) in families() {
-            let joint = |j: usize| crate::excitation::FourierJoint {
+            let joint = |j: usize| crate::trajectory::FourierJoint {
                 name: basis.trajectory(&vec![0.0; basis.variables()]).names()[j].to_owned(),
                 a: vec![0.3, 0.0],
                 b: vec![0.1, 0.0],
                 q0: 0.2 * j as f64,
             };
-            let series = crate::excitation::FourierTrajectory { period_s: 7.0, joints: (0..4).map(joint).collect() };
+            let series = crate::trajectory::FourierTrajectory { period_s: 7.0, joints: (0..4).map(joint).collect() };
             let near = basis.trajectory(&basis.nearest(&series).unwrap()).sample(50);
             let far = series.sample(50);
             let error = (0..50).map(|k| (near.q(k)[1] - far.q(k)[1]).abs()).fold(0.0, f64::max);

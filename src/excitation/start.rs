@@ -13,12 +13,12 @@
 use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 
-use super::basis::Quantity;
+use super::error::ExcitationError;
 use super::limits::interval;
-use super::{ExcitationError, FourierJoint, FourierTrajectory, PeriodicMotion};
 use crate::linalg::{solve_upper, triangular_factor};
 use crate::model::Robot;
 use crate::seed::Seed;
+use crate::trajectory::{FourierJoint, FourierTrajectory, PeriodicMotion, Quantity};
 
 /// How many random velocities `radkhah2007` fits.
 pub const START_VELOCITIES: usize = 100;
@@ -30,7 +30,7 @@ const START_USE: f64 = 0.999;
 /// and acceleration.
 ///
 /// # Errors
-/// [`ExcitationError::Problem`] if the period is not positive or there is no harmonic.
+/// [`ExcitationError`] if the period is not positive or there is no harmonic.
 pub fn radkhah2007_start(
     robot: &Robot,
     period_s: f64,
@@ -49,15 +49,12 @@ pub(super) fn series_start(
     seed: Seed,
     index: u64,
 ) -> Result<FourierTrajectory, ExcitationError> {
-    let fault = |quantity: &str, found: String, expected: &str| {
-        Err(ExcitationError::Problem { quantity: quantity.into(), found, expected: expected.into() })
-    };
     if !(period_s.is_finite() && period_s > 0.0) {
-        return fault("period", format!("{period_s} s"), "a finite number above zero");
+        return Err(ExcitationError::NotPositive { quantity: "period", found: period_s, unit: "s" });
     }
     let highest = harmonics.iter().copied().max().unwrap_or(0);
     if highest == 0 {
-        return fault("number of harmonics", "0".into(), "at least one");
+        return Err(ExcitationError::TooFew { quantity: "harmonics", found: 0, least: 1 });
     }
     let mut rng = seed.stream("paper start", index);
     let count = START_VELOCITIES.max(4 * highest);
@@ -140,8 +137,7 @@ fn scale_to_limits(robot: &Robot, trajectory: &mut FourierTrajectory, joint: usi
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::fixtures;
-    use crate::excitation::limits::worst_use;
+    use crate::excitation::{fixtures, limits::worst_use};
 
     #[test]
     fn analytic_fit_recovers_a_series_and_projects_the_rest() {

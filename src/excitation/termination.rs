@@ -1,5 +1,6 @@
 //! How an optimisation ended, and how its value developed.
 
+use super::limit_kind::LimitKind;
 use super::limits::WorstUse;
 
 /// How an optimisation ended.
@@ -17,7 +18,7 @@ pub enum Termination {
     /// No trajectory inside the limits was found.
     Infeasible {
         /// Which kind of limit.
-        limit: String,
+        limit: LimitKind,
         /// Name of the joint.
         joint: String,
         /// The worst case of the last iterate.

@@ -1,6 +1,13 @@
 //! What performs an experiment, simulated or real, and where its samples go.
 
-use super::{ExperimentPlan, Phase, PlanError, PlantError, Recording, SafeAction, TripReport};
+use super::phase::Phase;
+use super::plan::ExperimentPlan;
+use super::plan_error::PlanError;
+use super::plan_mismatch::PlanMismatch;
+use super::plant::PlantError;
+use super::raw_sample::RawSample;
+use super::recording::Recording;
+use super::trip::{SafeAction, TripReport};
 
 /// An arm that performs experiments: a servo around a simulated plant, a real robot, or a stored recording.
 ///
@@ -72,25 +79,6 @@ impl Flow {
     pub const fn ends(self) -> bool {
         !matches!(self, Self::Continue)
     }
-}
-
-/// What the sensors say at one moment, and what was asked for. All slices have length n.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct RawSample<'a> {
-    /// Position in the experiment, from zero.
-    pub index: usize,
-    /// Time since the beginning of the experiment, s.
-    pub t: f64,
-    /// What the arm is doing.
-    pub phase: Phase,
-    /// Joint coordinates from the encoders, rad (m).
-    pub q: &'a [f64],
-    /// What the robot reports as effort: motor currents, A, or joint torques, N·m (N).
-    pub effort: &'a [f64],
-    /// Voltages at the motors' terminals, V; empty where the interface gives none.
-    pub voltage: &'a [f64],
-    /// Commanded joint coordinates, rad (m).
-    pub command: &'a [f64],
 }
 
 /// How an experiment ended.
@@ -166,15 +154,8 @@ pub enum ArmError {
         rate_hz: f64,
     },
     /// A stored recording is of another experiment.
-    #[error("the recording's {quantity} is {found}, expected the plan's {expected}")]
-    Mismatch {
-        /// Which quantity differs.
-        quantity: &'static str,
-        /// What the recording has.
-        found: String,
-        /// What the plan has.
-        expected: String,
-    },
+    #[error(transparent)]
+    Mismatch(#[from] PlanMismatch),
     /// A check before the first motion did not pass.
     #[error("preflight, {check}: found {found}, expected {expected}")]
     Refused {

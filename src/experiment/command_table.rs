@@ -1,6 +1,9 @@
 //! The commanded motion of one experiment at every servo step, computed once.
 
-use super::{Command, ExperimentPlan, Layout, Phase};
+use super::command::Command;
+use super::layout::Layout;
+use super::phase::Phase;
+use super::plan::ExperimentPlan;
 
 /// Commanded joint coordinates at every servo step: the ramps row by row, and one period for all of them.
 #[derive(Clone, Debug, PartialEq)]

@@ -9,7 +9,15 @@
 //! periods; that second approach is performed and not kept. The joined recording has the phases and the times of the
 //! whole plan.
 
-use super::{Arm, ArmError, Command, Ending, ExperimentPlan, Flow, Layout, Phase, RawSample, Recording, Sink};
+use super::arm::{Arm, ArmError, Ending, Flow, Sink};
+use super::command::Command;
+use super::layout::Layout;
+use super::phase::Phase;
+use super::plan::ExperimentPlan;
+use super::plan_error::PlanError;
+use super::plan_mismatch::PlanMismatch;
+use super::raw_sample::RawSample;
+use super::recording::Recording;
 
 /// What is kept of a recording that was cut short, and what is still missing of its plan.
 #[derive(Clone, Debug)]
@@ -25,17 +33,10 @@ pub struct Continuation {
 pub enum ContinuationError {
     /// The plan cannot be performed at all.
     #[error(transparent)]
-    Plan(#[from] super::PlanError),
+    Plan(#[from] PlanError),
     /// The recording is of another experiment.
-    #[error("the recording's {quantity} is {found}, expected the experiment's {expected}")]
-    Mismatch {
-        /// Which quantity differs.
-        quantity: &'static str,
-        /// What the recording has.
-        found: String,
-        /// What the experiment has.
-        expected: String,
-    },
+    #[error(transparent)]
+    Mismatch(#[from] PlanMismatch),
 }
 
 impl Continuation {
@@ -46,19 +47,17 @@ impl Continuation {
     /// phases ahead of its periods.
     pub fn new(plan: &ExperimentPlan, mut cut: Recording) -> Result<Self, ContinuationError> {
         let layout = plan.check(cut.dof)?;
-        let mismatch =
-            |quantity, found: String, expected: String| Err(ContinuationError::Mismatch { quantity, found, expected });
         if (cut.rate_hz - plan.rate_hz).abs() > 1e-9 * plan.rate_hz {
-            return mismatch("rate_hz", cut.rate_hz.to_string(), plan.rate_hz.to_string());
+            return Err(PlanMismatch::Rate { found: cut.rate_hz, planned: plan.rate_hz }.into());
         }
         if cut.trajectory != plan.trajectory {
-            return mismatch("trajectory", "another motion".to_owned(), "motion".to_owned());
+            return Err(PlanMismatch::Trajectory.into());
         }
         for span in layout.spans.iter().filter(|span| span.phase < Phase::Record) {
             let found = cut.phases.iter().find(|found| found.phase == span.phase).map_or(0..0, |s| s.samples.clone());
-            if found != span.samples {
-                let shown = |range: &std::ops::Range<usize>| format!("samples {} to {}", range.start, range.end);
-                return mismatch(span.phase.name(), shown(&found), shown(&span.samples));
+            let planned = span.samples.clone();
+            if found != planned {
+                return Err(PlanMismatch::Span { phase: span.phase, found, planned }.into());
             }
         }
         cut.phases.clone_from(&layout.spans);

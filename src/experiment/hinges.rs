@@ -4,9 +4,9 @@ use crate::model::term::ROTOR;
 use nalgebra::{DMatrix, Vector3};
 
 use super::{Plant, PlantError};
-use crate::excitation::{FourierJoint, FourierTrajectory};
 use crate::model::{DhConvention, DhRow, Drive, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters};
 use crate::spatial::{Inertia, Placement};
+use crate::trajectory::{FourierJoint, FourierTrajectory};
 
 /// Inertia of every hinge, kg·m².
 pub(crate) const INERTIA: f64 = 2.0;

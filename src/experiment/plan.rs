@@ -14,17 +14,16 @@
 //! trajectory's; speed limits because `σ̇ ≤ 1`; acceleration may exceed the trajectory's by `15/8 · |r′| / T_ramp` at
 //! most, where `σ̇² = 1/4`, which [`ExperimentPlan::check_limits`] looks at sample by sample.
 
-use std::ops::Range;
-
-use super::{Phase, PhaseSpan};
-use crate::excitation::PeriodicTrajectory;
-use crate::model::Robot;
+use super::layout::Layout;
+use super::phase::{Phase, PhaseSpan};
+use super::plan_error::PlanError;
+use crate::trajectory::{PeriodicTrajectory, Timeline};
 
 /// An experiment: which motion, how often, how it begins and ends, and how fast it is sampled.
 ///
 /// ```
 /// use armid::experiment::{ExperimentPlan, Phase};
-/// use armid::excitation::{FourierJoint, FourierTrajectory};
+/// use armid::trajectory::{FourierJoint, FourierTrajectory};
 /// let joint = FourierJoint { name: "hinge".into(), a: vec![0.3], b: vec![0.1], q0: 0.2 };
 /// let plan = ExperimentPlan::new(FourierTrajectory { period_s: 2.0, joints: vec![joint] });
 /// let layout = plan.layout().unwrap();
@@ -45,86 +44,6 @@ pub struct ExperimentPlan {
     pub discarded_periods: usize,
     /// Periods that count.
     pub periods: usize,
-}
-
-/// Why a plan cannot be performed.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PlanError {
-    /// A number is outside what is possible.
-    #[error("{quantity} is {found}, expected {expected}")]
-    Quantity {
-        /// Which quantity, with its unit.
-        quantity: &'static str,
-        /// What was found.
-        found: f64,
-        /// What is possible.
-        expected: &'static str,
-    },
-    /// A period does not hold a whole number of samples.
-    #[error("a period of {period_s} s holds {samples} samples at {rate_hz} Hz, expected a whole number")]
-    PeriodNotWhole {
-        /// Length of the period, s.
-        period_s: f64,
-        /// Sampling rate, Hz.
-        rate_hz: f64,
-        /// Samples in a period.
-        samples: f64,
-    },
-    /// The trajectory has another number of joints than the robot.
-    #[error("the trajectory moves {found} joints, expected the robot's {expected}")]
-    Dof {
-        /// Joints of the trajectory.
-        found: usize,
-        /// Joints of the robot.
-        expected: usize,
-    },
-    /// The commanded motion leaves a limit of the robot.
-    #[error("joint \"{joint}\": {quantity} {found:.4} {unit} exceeds its limit {limit:.4} {unit} at t = {t:.3} s ({})", phase.name())]
-    Limit {
-        /// Name of the joint.
-        joint: String,
-        /// Position, speed or acceleration.
-        quantity: &'static str,
-        /// What is commanded.
-        found: f64,
-        /// What is allowed.
-        limit: f64,
-        /// Unit of both.
-        unit: String,
-        /// Time since the beginning of the experiment, s.
-        t: f64,
-        /// In which phase.
-        phase: Phase,
-    },
-}
-
-/// Which samples belong to which phase of a plan.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Layout {
-    /// All five phases in order; the first begins at sample 0, each begins where the one before ends.
-    pub spans: Vec<PhaseSpan>,
-    /// Samples in one period of the motion.
-    pub period_samples: usize,
-}
-
-impl Layout {
-    /// The samples of one phase.
-    #[must_use]
-    pub fn span(&self, phase: Phase) -> Range<usize> {
-        self.spans.iter().find(|span| span.phase == phase).map_or(0..0, |span| span.samples.clone())
-    }
-
-    /// All samples.
-    #[must_use]
-    pub fn samples(&self) -> usize {
-        self.spans.last().map_or(0, |span| span.samples.end)
-    }
-
-    /// The phase of one sample; beyond the last one it is the last phase.
-    #[must_use]
-    pub fn phase(&self, sample: usize) -> Phase {
-        self.spans.iter().find(|span| span.samples.contains(&sample)).map_or(Phase::RampOut, |span| span.phase)
-    }
 }
 
 impl ExperimentPlan {
@@ -205,6 +124,15 @@ impl ExperimentPlan {
         Ok(Layout { spans, period_samples })
     }
 
+    /// The ramps and the period as they are performed: what the commanded motion is evaluated on, and its limits verified.
+    /// The ramps are those of the layout, in whole samples.
+    #[must_use]
+    pub fn timeline(&self, layout: &Layout) -> Timeline {
+        let ramp = layout.span(Phase::RampIn);
+        let at = |sample: usize| sample as f64 / self.rate_hz;
+        Timeline { period_s: self.trajectory.period_s(), ramp_s: Some(at(ramp.end) - at(ramp.start)) }
+    }
+
     /// How long the whole experiment takes, s.
     ///
     /// # Errors
@@ -224,52 +152,12 @@ impl ExperimentPlan {
         }
         self.layout()
     }
-
-    /// Checks that the commanded motion, ramps included, stays inside the robot's position, speed and acceleration
-    /// limits at every sample.
-    ///
-    /// # Errors
-    /// [`PlanError::Limit`] for the first sample that leaves one, or as [`ExperimentPlan::check`].
-    pub fn check_limits(&self, robot: &Robot) -> Result<(), PlanError> {
-        let layout = self.check(robot.dof())?;
-        let command = super::Command::new(self, &layout);
-        let (ramp_in, ramp_out) = (layout.span(Phase::RampIn), layout.span(Phase::RampOut));
-        // One period stands for all of them.
-        let periodic = ramp_in.end..ramp_in.end + layout.period_samples;
-        let n = robot.dof();
-        let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
-        for k in ramp_in.chain(periodic).chain(ramp_out) {
-            let t = k as f64 / self.rate_hz;
-            command.evaluate(t, &mut q, &mut qd, &mut qdd);
-            for (i, joint) in robot.joints().iter().enumerate() {
-                let limits = &joint.limits;
-                let (low, high) = limits.position;
-                let unit = joint.kind.unit();
-                let broken = if q[i] < low {
-                    Some(("position", q[i], low, unit.to_owned()))
-                } else if q[i] > high {
-                    Some(("position", q[i], high, unit.to_owned()))
-                } else if qd[i].abs() > limits.velocity {
-                    Some(("speed", qd[i].abs(), limits.velocity, format!("{unit}/s")))
-                } else if qdd[i].abs() > limits.acceleration {
-                    Some(("acceleration", qdd[i].abs(), limits.acceleration, format!("{unit}/s²")))
-                } else {
-                    None
-                };
-                if let Some((quantity, found, limit, unit)) = broken {
-                    let joint = joint.name.clone();
-                    return Err(PlanError::Limit { joint, quantity, found, limit, unit, t, phase: layout.phase(k) });
-                }
-            }
-        }
-        Ok(())
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::{Command, hinges};
+    use crate::experiment::hinges;
 
     fn plan() -> ExperimentPlan {
         ExperimentPlan { settle_s: 0.3, ramp_s: 0.8, periods: 2, ..ExperimentPlan::new(hinges::trajectory(2)) }
@@ -300,57 +188,5 @@ mod tests {
             assert!(message.contains(word), "{message}");
         }
         assert!(matches!(plan().check(3), Err(PlanError::Dof { found: 2, expected: 3 })));
-    }
-
-    #[test]
-    fn analytic_command_is_continuous_to_the_second_derivative_and_starts_and_ends_at_rest() {
-        let plan = plan();
-        let layout = plan.layout().unwrap();
-        let command = Command::new(&plan, &layout);
-        let at = |t: f64| {
-            let mut state = [[0.0; 2]; 3];
-            let [q, qd, qdd] = &mut state;
-            command.evaluate(t, q, qd, qdd);
-            state
-        };
-        let joints =
-            [layout.span(Phase::RampIn).start, layout.span(Phase::Discard).start, layout.span(Phase::RampOut).start];
-        for seam in joints.iter().map(|&k| k as f64 * 1e-3).chain([layout.samples() as f64 * 1e-3]) {
-            let (before, after) = (at(seam - 1e-7), at(seam + 1e-7));
-            for (x, y) in before.iter().flatten().zip(after.iter().flatten()) {
-                // 2e-7 s of a motion whose jerk stays below 100 rad/s³.
-                assert!((x - y).abs() < 2e-5, "{x} {y} at {seam}");
-            }
-        }
-        for end in [at(0.0), at(1e9)] {
-            assert_eq!((end[1], end[2]), ([0.0; 2], [0.0; 2]));
-        }
-        // Inside the ramps, velocity and acceleration are the derivatives of position.
-        for t in [0.35, 0.6, 0.93, 7.2, 7.6] {
-            let h = 1e-4;
-            let (low, mid, high) = (at(t - h), at(t), at(t + h));
-            for i in 0..2 {
-                assert!(((high[0][i] - low[0][i]) / (2.0 * h) - mid[1][i]).abs() < 1e-6);
-                assert!(((high[1][i] - low[1][i]) / (2.0 * h) - mid[2][i]).abs() < 1e-5);
-            }
-        }
-    }
-
-    #[test]
-    fn limits_hold_or_the_first_break_is_named() {
-        let robot = hinges::coupled();
-        assert_eq!(plan().check_limits(&robot), Ok(()));
-        let mut series = hinges::trajectory(2);
-        series.joints[1].a[0] = 4.0;
-        let fast = ExperimentPlan { trajectory: series.into(), ..plan() };
-        let message = fast.check_limits(&robot).unwrap_err().to_string();
-        assert!(
-            message.contains("hinge2") && message.contains("exceeds its limit 12.0000 rad/s² at t = 0.8"),
-            "{message}"
-        );
-        // A hurried ramp asks for more acceleration than the motion itself.
-        let hurried = ExperimentPlan { ramp_s: 0.05, ..plan() };
-        let fault = hurried.check_limits(&robot).unwrap_err();
-        assert!(matches!(fault, PlanError::Limit { quantity: "acceleration", phase: Phase::RampIn, .. }), "{fault}");
     }
 }

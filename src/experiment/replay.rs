@@ -1,6 +1,13 @@
 //! A stored recording as an arm.
 
-use super::{Arm, ArmError, Command, Ending, ExperimentPlan, Layout, Phase, RawSample, Recording, Sink};
+use super::arm::{Arm, ArmError, Ending, Sink};
+use super::command::Command;
+use super::layout::Layout;
+use super::phase::Phase;
+use super::plan::ExperimentPlan;
+use super::plan_mismatch::PlanMismatch;
+use super::raw_sample::RawSample;
+use super::recording::Recording;
 
 /// Performs an experiment by playing what another arm once recorded.
 #[derive(Clone, Debug)]
@@ -11,23 +18,18 @@ impl Replay {
     fn check(&self, plan: &ExperimentPlan) -> Result<(), ArmError> {
         let recording = &self.0;
         let layout = plan.check(recording.dof)?;
-        let mismatch =
-            |quantity, found: String, expected: String| Err(ArmError::Mismatch { quantity, found, expected });
         if (recording.rate_hz - plan.rate_hz).abs() > 1e-9 * plan.rate_hz {
-            return mismatch("rate_hz", recording.rate_hz.to_string(), plan.rate_hz.to_string());
+            return Err(PlanMismatch::Rate { found: recording.rate_hz, planned: plan.rate_hz }.into());
         }
         if recording.period_samples != layout.period_samples {
-            return mismatch(
-                "samples per period",
-                recording.period_samples.to_string(),
-                layout.period_samples.to_string(),
-            );
+            let (found, planned) = (recording.period_samples, layout.period_samples);
+            return Err(PlanMismatch::PeriodSamples { found, planned }.into());
         }
         if recording.trajectory != plan.trajectory {
-            return mismatch("trajectory", "another motion".to_owned(), "motion".to_owned());
+            return Err(PlanMismatch::Trajectory.into());
         }
         if recording.periods() < plan.periods {
-            return mismatch("number of recorded periods", recording.periods().to_string(), plan.periods.to_string());
+            return Err(PlanMismatch::Periods { found: recording.periods(), planned: plan.periods }.into());
         }
         Ok(())
     }

@@ -24,7 +24,7 @@ use crate::seed::Seed;
 ///
 /// ```
 /// use armid::conformance::chains::planar_2r;
-/// use armid::excitation::{FourierJoint, FourierTrajectory};
+/// use armid::trajectory::{FourierJoint, FourierTrajectory};
 /// use armid::experiment::{ExperimentPlan, Plant, PlantError, Servo, record};
 /// use armid::model::StandardParameters;
 /// use armid::model::term::ROTOR;

@@ -4,9 +4,10 @@ use super::plan::{DesignMethod, HarmonicsPlan};
 use super::radkhah2007::table_one;
 use super::{StudyError, StudySetup, plan_error};
 use crate::excitation::{
-    Certificate, CriterionKind, Design, DesignProblem, ExcitationError, HistoryPoint, PeriodicTrajectory, Termination,
-    design, random_design,
+    Certificate, CriterionKind, Design, DesignProblem, ExcitationError, HistoryPoint, Termination, design,
+    random_design,
 };
+use crate::trajectory::PeriodicTrajectory;
 
 /// One design of a study.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -157,13 +158,12 @@ impl StudySetup {
         evaluations: usize,
     ) -> Result<DesignProblem, ExcitationError> {
         let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();
-        Ok(DesignProblem {
-            period_s: self.plan.experiment.period_s,
-            harmonics: vec![self.plan.experiment.harmonics; self.robot.dof()],
-            nominal: Some(self.nominal.clone()),
-            sigma: Some(sigma),
-            max_evaluations: evaluations,
-            ..DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion)?
-        })
+        let mut problem = DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion)?;
+        problem.period_s = self.plan.experiment.period_s;
+        problem.harmonics = vec![self.plan.experiment.harmonics; self.robot.dof()];
+        problem.nominal = Some(self.nominal.clone());
+        problem.sigma = Some(sigma);
+        problem.max_evaluations = evaluations;
+        Ok(problem)
     }
 }

@@ -2,9 +2,9 @@
 
 use super::{ScoredEstimate, StudyDesign, StudySetup};
 use crate::dynamics::{Dynamics, States};
-use crate::excitation::PeriodicTrajectory;
 use crate::model::{Robot, StandardParameters};
 use crate::signal::Samples;
+use crate::trajectory::PeriodicTrajectory;
 use nalgebra::DVector;
 
 /// Samples of every example.

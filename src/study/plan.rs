@@ -8,11 +8,11 @@ use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
 use super::units::ReferenceUnits;
 use crate::estimation::{Estimator, EstimatorKind};
-use crate::excitation::{CriterionKind, Family};
+use crate::excitation::CriterionKind;
 use crate::experiment::Effects;
-use crate::model::Columns;
-use crate::model::format::FormatError;
+use crate::model::{Columns, format::FormatError};
 use crate::seed::Seed;
+use crate::trajectory::Family;
 
 /// A whole study. Two runs of one plan give the same bytes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

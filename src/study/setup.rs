@@ -20,12 +20,13 @@ use super::{Centre, ConditionResult, Failure, RunId, Scorer, StatusCount, StudyD
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{Estimate, EstimationProblem, Estimator, Observation};
-use crate::excitation::{ExcitationError, PeriodicTrajectory, radkhah2007_start};
+use crate::excitation::{ExcitationError, radkhah2007_start};
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::{Derivatives, Processing, Samples, process};
+use crate::trajectory::PeriodicTrajectory;
 
 /// A study that is ready to run.
 #[derive(Debug)]

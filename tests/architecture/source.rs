@@ -1,277 +1,239 @@
-//! Rust source as a list of words with line numbers: comments, texts and everything compiled only for tests left out.
+//! What a source file says to the compiler of the library itself: everything compiled only for tests is left out.
 
-/// A word, a number or a single punctuation mark, and the line it stands on.
+use proc_macro2::{TokenStream, TokenTree};
+use syn::ext::IdentExt;
+use syn::visit::{self, Visit};
+
+/// A path that a file names, `["crate", "model", "Robot"]`, each `use` expanded to one path for each name.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub(crate) struct NamedPath {
+    pub(crate) segments: Vec<String>,
+    pub(crate) line: usize,
+    /// Inline modules around it.
+    pub(crate) inline: usize,
+}
+
+/// A word with the line it stands on.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) struct Word {
     pub(crate) text: String,
     pub(crate) line: usize,
 }
 
-/// What a file says to the compiler of the library itself.
+/// A file of the library, as far as its invariants are concerned.
+#[derive(Default)]
 pub(crate) struct Source {
-    /// Its words, those under `#[cfg(test)]` left out.
-    pub(crate) words: Vec<Word>,
+    /// Every path, those inside macros too.
+    pub(crate) paths: Vec<NamedPath>,
+    /// Every method that is called.
+    pub(crate) methods: Vec<Word>,
+    /// Every macro that is called, without its `!`.
+    pub(crate) macros: Vec<Word>,
+    /// Every module that is declared.
+    pub(crate) modules: Vec<Word>,
     /// Modules in files of their own that exist only in tests: `#[cfg(test)] mod name;`.
     pub(crate) test_modules: Vec<String>,
+    /// Where anything but a `mod` or a `use` stands at the top of the file.
+    pub(crate) logic: Vec<usize>,
+    /// Names that the file hands on: the path after `pub use`, and the name it has from then on.
+    pub(crate) exports: Vec<(Vec<String>, String)>,
+    /// Attributes of the whole file, as text.
+    pub(crate) attributes: Vec<String>,
+    inline: usize,
 }
 
 impl Source {
-    pub(crate) fn read(text: &str) -> Self {
-        let mut source = Self { words: Vec::new(), test_modules: Vec::new() };
-        let all = words(text);
-        let mut at = 0;
-        while at < all.len() {
-            match attribute_end(&all, at) {
-                Some(end) if is_test_only(&all[at..end]) => {
-                    let item_end = item_end(&all, end);
-                    let item = &all[end..item_end];
-                    if item.last().is_some_and(|word| word.text == ";")
-                        && let Some(module) = item.iter().position(|word| word.text == "mod")
-                    {
-                        source.test_modules.push(item[module + 1].text.clone());
-                    }
-                    at = item_end;
-                }
-                Some(end) => {
-                    source.words.extend_from_slice(&all[at..end]);
-                    at = end;
-                }
-                None => {
-                    source.words.push(all[at].clone());
-                    at += 1;
-                }
+    /// Reads the text of a file.
+    ///
+    /// # Errors
+    /// [`syn::Error`] if it is not Rust.
+    pub(crate) fn read(text: &str) -> syn::Result<Self> {
+        let file = syn::parse_file(text)?;
+        let mut source = Self::default();
+        for item in file.items.iter().filter(|item| !is_test_only(attributes(item))) {
+            if !matches!(item, syn::Item::Mod(module) if module.content.is_none()) && !matches!(item, syn::Item::Use(_))
+            {
+                source.logic.push(line(syn::spanned::Spanned::span(item)));
             }
         }
-        source
-    }
-
-    /// Does this sequence of words stand somewhere, and on which lines?
-    pub(crate) fn lines_of(&self, sequence: &[&str]) -> Vec<usize> {
-        self.words
-            .windows(sequence.len())
-            .filter(|window| window.iter().zip(sequence).all(|(word, wanted)| word.text == *wanted))
-            .map(|window| window[0].line)
-            .collect()
+        for attribute in &file.attrs {
+            source.attributes.push(quote_free(&attribute.meta));
+        }
+        source.visit_file(&file);
+        Ok(source)
     }
 
     /// The first names below a root, as in `root::name` and `root::{name, other::deeper}`, with their lines.
     pub(crate) fn names_below(&self, root: &str) -> Vec<Word> {
-        let mut names = Vec::new();
-        for at in 0..self.words.len() {
-            let is_root = self.words[at].text == root && (at == 0 || self.words[at - 1].text != ":" || root == "crate");
-            if is_root && self.text(at + 1) == ":" && self.text(at + 2) == ":" {
-                names.extend(self.group(at + 3));
-            }
-        }
-        names
+        let below = |path: &NamedPath| match path.segments.as_slice() {
+            [first, name, ..] if first == root => Some(Word { text: name.clone(), line: path.line }),
+            _ => None,
+        };
+        self.paths.iter().filter_map(below).collect()
     }
 
     /// Paths of `super`s that are long enough to reach the root of the crate from a file `depth` modules below it.
     pub(crate) fn climbs_to_root(&self, depth: usize) -> Vec<usize> {
-        let (mut lines, mut inline, mut braces) = (Vec::new(), Vec::new(), 0_usize);
-        for at in 0..self.words.len() {
-            match self.text(at) {
-                "{" => {
-                    if at >= 2 && self.text(at - 2) == "mod" {
-                        inline.push(braces);
-                    }
-                    braces += 1;
-                }
-                "}" => {
-                    braces = braces.saturating_sub(1);
-                    if inline.last() == Some(&braces) {
-                        inline.pop();
-                    }
-                }
-                "super" if at < 3 || self.text(at - 3) != "super" => {
-                    let climb = (0..).take_while(|k| self.text(at + 3 * k) == "super").count();
-                    if climb >= depth + inline.len() {
-                        lines.push(self.words[at].line);
-                    }
-                }
-                _ => {}
-            }
-        }
-        lines
+        let climb = |path: &NamedPath| path.segments.iter().take_while(|segment| *segment == "super").count();
+        let reaching = self.paths.iter().filter(|path| climb(path) > 0 && climb(path) >= depth + path.inline);
+        reaching.map(|path| path.line).collect()
     }
 
-    fn text(&self, at: usize) -> &str {
-        self.words.get(at).map_or("", |word| &word.text)
+    fn add(&mut self, segments: Vec<String>, line: usize) {
+        self.paths.push(NamedPath { segments, line, inline: self.inline });
     }
 
-    fn group(&self, at: usize) -> Vec<Word> {
-        if self.text(at) != "{" {
-            return self.words.get(at).cloned().into_iter().collect();
-        }
-        let (mut names, mut depth, mut fresh) = (Vec::new(), 0, false);
-        for word in &self.words[at..] {
-            match word.text.as_str() {
-                "{" => {
-                    depth += 1;
-                    fresh = depth == 1;
+    /// Every path of a `use`.
+    fn add_tree(&mut self, tree: &syn::UseTree, before: &[String], is_exported: bool) {
+        let with = |ident: &syn::Ident| [before, &[ident.unraw().to_string()]].concat();
+        let mut add = |ident: &syn::Ident, name: &syn::Ident| {
+            let path = with(ident);
+            if is_exported {
+                self.exports.push((path.clone(), name.to_string()));
+            }
+            self.add(path, line(ident.span()));
+        };
+        match tree {
+            syn::UseTree::Name(leaf) => add(&leaf.ident, &leaf.ident),
+            syn::UseTree::Rename(leaf) => add(&leaf.ident, &leaf.rename),
+            syn::UseTree::Glob(star) => {
+                let line = line(star.star_token.spans[0]);
+                self.add([before, &["*".to_owned()]].concat(), line);
+            }
+            syn::UseTree::Path(path) => self.add_tree(&path.tree, &with(&path.ident), is_exported),
+            syn::UseTree::Group(group) => {
+                for tree in &group.items {
+                    self.add_tree(tree, before, is_exported);
                 }
-                "}" => {
-                    depth -= 1;
-                    if depth == 0 {
-                        break;
-                    }
-                }
-                "," => fresh = depth == 1,
-                _ if fresh => {
-                    names.push(word.clone());
-                    fresh = false;
-                }
-                _ => {}
             }
         }
-        names
+    }
+
+    /// What stands in the arguments of a macro, whose grammar is its own: paths, method calls and macros.
+    fn scan(&mut self, tokens: TokenStream) {
+        let tokens: Vec<TokenTree> = tokens.into_iter().collect();
+        let ident = |k: usize| match tokens.get(k) {
+            Some(TokenTree::Ident(ident)) => Some(ident),
+            _ => None,
+        };
+        let is = |k: usize, mark: char| matches!(tokens.get(k), Some(TokenTree::Punct(p)) if p.as_char() == mark);
+        let mut k = 0;
+        while k < tokens.len() {
+            if let TokenTree::Group(group) = &tokens[k] {
+                self.scan(group.stream());
+            }
+            let Some(first) = ident(k) else {
+                k += 1;
+                continue;
+            };
+            let (begin, mut segments) = (k, vec![first.to_string()]);
+            while is(k + 1, ':')
+                && is(k + 2, ':')
+                && let Some(next) = ident(k + 3)
+            {
+                segments.push(next.to_string());
+                k += 3;
+            }
+            let at = line(first.span());
+            if begin > 0 && is(begin - 1, '.') && matches!(tokens.get(k + 1), Some(TokenTree::Group(_))) {
+                self.methods.push(Word { text: segments[0].clone(), line: at });
+            } else if is(k + 1, '!') && matches!(tokens.get(k + 2), Some(TokenTree::Group(_))) {
+                self.macros.push(Word { text: segments[segments.len() - 1].clone(), line: at });
+            }
+            self.add(segments, at);
+            k += 1;
+        }
     }
 }
 
-/// The end of the attribute `#[…]` or `#![…]` that begins here.
-fn attribute_end(words: &[Word], at: usize) -> Option<usize> {
-    let text = |k: usize| words.get(k).map_or("", |word| word.text.as_str());
-    if text(at) != "#" {
-        return None;
+impl<'a> Visit<'a> for Source {
+    fn visit_item(&mut self, item: &'a syn::Item) {
+        if !is_test_only(attributes(item)) {
+            visit::visit_item(self, item);
+        } else if let syn::Item::Mod(module) = item
+            && module.content.is_none()
+        {
+            self.test_modules.push(module.ident.to_string());
+        }
     }
-    let open = if text(at + 1) == "!" { at + 2 } else { at + 1 };
-    (text(open) == "[").then(|| closing(words, open) + 1)
+
+    fn visit_impl_item(&mut self, item: &'a syn::ImplItem) {
+        let syn::ImplItem::Fn(function) = item else { return visit::visit_impl_item(self, item) };
+        if !is_test_only(&function.attrs) {
+            visit::visit_impl_item(self, item);
+        }
+    }
+
+    fn visit_item_mod(&mut self, module: &'a syn::ItemMod) {
+        self.modules.push(Word { text: module.ident.to_string(), line: line(module.ident.span()) });
+        let inner = usize::from(module.content.is_some());
+        self.inline += inner;
+        visit::visit_item_mod(self, module);
+        self.inline -= inner;
+    }
+
+    fn visit_item_use(&mut self, item: &'a syn::ItemUse) {
+        self.add_tree(&item.tree, &[], !matches!(item.vis, syn::Visibility::Inherited));
+    }
+
+    fn visit_path(&mut self, path: &'a syn::Path) {
+        let segments = path.segments.iter().map(|segment| segment.ident.to_string()).collect();
+        self.add(segments, line(syn::spanned::Spanned::span(path)));
+        visit::visit_path(self, path);
+    }
+
+    fn visit_expr_method_call(&mut self, call: &'a syn::ExprMethodCall) {
+        self.methods.push(Word { text: call.method.to_string(), line: line(call.method.span()) });
+        visit::visit_expr_method_call(self, call);
+    }
+
+    fn visit_macro(&mut self, call: &'a syn::Macro) {
+        if let Some(last) = call.path.segments.last() {
+            self.macros.push(Word { text: last.ident.to_string(), line: line(last.ident.span()) });
+        }
+        self.scan(call.tokens.clone());
+        visit::visit_macro(self, call);
+    }
+}
+
+fn line(span: proc_macro2::Span) -> usize {
+    span.start().line
 }
 
 /// `#[cfg(test)]`, `#[cfg(all(test, …))]`, `#[test]`: what follows is not in the library.
-fn is_test_only(attribute: &[Word]) -> bool {
-    let inner: Vec<&str> = attribute.iter().map(|word| word.text.as_str()).collect();
-    matches!(
-        inner.as_slice(),
-        ["#", "[", "test", "]"]
-            | ["#", "[", "cfg", "(", "test", ")", "]"]
-            | ["#", "[", "cfg", "(", "all", "(", "test", ..]
-    )
+fn is_test_only(attributes: &[syn::Attribute]) -> bool {
+    let texts = attributes.iter().map(|attribute| quote_free(&attribute.meta));
+    texts.into_iter().any(|text| text == "test" || text == "cfg(test)" || text.starts_with("cfg(all(test,"))
 }
 
-/// One past the item that begins here, its further attributes included.
-fn item_end(words: &[Word], mut at: usize) -> usize {
-    while let Some(end) = attribute_end(words, at) {
-        at = end;
+/// An attribute without its spaces.
+fn quote_free(meta: &syn::Meta) -> String {
+    let name = |path: &syn::Path| path.segments.iter().map(|segment| segment.ident.to_string()).collect::<String>();
+    match meta {
+        syn::Meta::Path(path) => name(path),
+        syn::Meta::List(list) => format!("{}({})", name(&list.path), list.tokens).replace(' ', ""),
+        syn::Meta::NameValue(pair) => name(&pair.path),
     }
-    let is_use = words[at..].iter().take(5).any(|word| word.text == "use");
-    while at < words.len() {
-        match words[at].text.as_str() {
-            ";" => return at + 1,
-            "{" if !is_use => return closing(words, at) + 1,
-            "{" | "(" | "[" => at = closing(words, at) + 1,
-            _ => at += 1,
-        }
-    }
-    at
 }
 
-/// The bracket that closes the one at `open`.
-fn closing(words: &[Word], open: usize) -> usize {
-    let mut depth = 0;
-    for (k, word) in words.iter().enumerate().skip(open) {
-        match word.text.as_str() {
-            "{" | "(" | "[" => depth += 1,
-            "}" | ")" | "]" => {
-                depth -= 1;
-                if depth == 0 {
-                    return k;
-                }
-            }
-            _ => {}
-        }
+/// The attributes of an item.
+fn attributes(item: &syn::Item) -> &[syn::Attribute] {
+    match item {
+        syn::Item::Const(item) => &item.attrs,
+        syn::Item::Enum(item) => &item.attrs,
+        syn::Item::ExternCrate(item) => &item.attrs,
+        syn::Item::Fn(item) => &item.attrs,
+        syn::Item::ForeignMod(item) => &item.attrs,
+        syn::Item::Impl(item) => &item.attrs,
+        syn::Item::Macro(item) => &item.attrs,
+        syn::Item::Mod(item) => &item.attrs,
+        syn::Item::Static(item) => &item.attrs,
+        syn::Item::Struct(item) => &item.attrs,
+        syn::Item::Trait(item) => &item.attrs,
+        syn::Item::TraitAlias(item) => &item.attrs,
+        syn::Item::Type(item) => &item.attrs,
+        syn::Item::Union(item) => &item.attrs,
+        syn::Item::Use(item) => &item.attrs,
+        _ => &[],
     }
-    words.len() - 1
-}
-
-fn words(text: &str) -> Vec<Word> {
-    let bytes: Vec<char> = text.chars().collect();
-    let (mut words, mut at, mut line) = (Vec::new(), 0, 1);
-    let starts = |at: usize, what: &str| what.chars().enumerate().all(|(k, c)| bytes.get(at + k) == Some(&c));
-    while at < bytes.len() {
-        let begin = at;
-        let c = bytes[at];
-        if starts(at, "//") {
-            while at < bytes.len() && bytes[at] != '\n' {
-                at += 1;
-            }
-        } else if starts(at, "/*") {
-            let mut depth = 0;
-            loop {
-                if starts(at, "/*") {
-                    depth += 1;
-                    at += 2;
-                } else if starts(at, "*/") {
-                    depth -= 1;
-                    at += 2;
-                } else {
-                    at += 1;
-                }
-                if depth == 0 || at >= bytes.len() {
-                    break;
-                }
-            }
-        } else if let Some(end) = raw_text_end(&bytes, at) {
-            at = end;
-        } else if c == '"' || starts(at, "b\"") || starts(at, "c\"") {
-            at += if c == '"' { 1 } else { 2 };
-            while at < bytes.len() && bytes[at] != '"' {
-                at += if bytes[at] == '\\' { 2 } else { 1 };
-            }
-            at += 1;
-        } else if c == '\'' {
-            // 'x' and '\n' are characters; 'a without a closing quote is a lifetime.
-            if bytes.get(at + 1) == Some(&'\\') {
-                at += 3;
-                while at < bytes.len() && bytes[at] != '\'' {
-                    at += 1;
-                }
-                at += 1;
-            } else if bytes.get(at + 2) == Some(&'\'') {
-                at += 3;
-            } else {
-                at += 1;
-                while at < bytes.len() && (bytes[at].is_alphanumeric() || bytes[at] == '_') {
-                    at += 1;
-                }
-            }
-        } else if c.is_alphanumeric() || c == '_' {
-            while at < bytes.len() && (bytes[at].is_alphanumeric() || bytes[at] == '_') {
-                at += 1;
-            }
-            words.push(Word { text: bytes[begin..at].iter().collect(), line });
-        } else {
-            at += 1;
-            if !c.is_whitespace() {
-                words.push(Word { text: c.to_string(), line });
-            }
-        }
-        line += bytes[begin..at.min(bytes.len())].iter().filter(|&&c| c == '\n').count();
-    }
-    words
-}
-
-/// One past `r"…"`, `r#"…"#`, `br#"…"#`, if one begins here.
-fn raw_text_end(bytes: &[char], at: usize) -> Option<usize> {
-    if at > 0 && (bytes[at - 1].is_alphanumeric() || bytes[at - 1] == '_') {
-        return None;
-    }
-    let mut k = at + usize::from(bytes[at] == 'b' || bytes[at] == 'c');
-    if bytes.get(k) != Some(&'r') {
-        return None;
-    }
-    k += 1;
-    let hashes = bytes[k..].iter().take_while(|&&c| c == '#').count();
-    k += hashes;
-    if bytes.get(k) != Some(&'"') {
-        return None;
-    }
-    k += 1;
-    while k < bytes.len() {
-        if bytes[k] == '"' && bytes[k + 1..].iter().take(hashes).filter(|&&c| c == '#').count() == hashes {
-            return Some(k + 1 + hashes);
-        }
-        k += 1;
-    }
-    Some(k)
 }

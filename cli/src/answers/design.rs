@@ -3,8 +3,9 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use armid::excitation::{Design, DesignProblem, ExcitationError, PeriodicTrajectory, Termination, WorstUse};
+use armid::excitation::{Design, DesignProblem, ExcitationError, LimitKind, Termination, WorstUse};
 use armid::model::Robot;
+use armid::trajectory::PeriodicTrajectory;
 use serde_json::{Value, json};
 
 use crate::terminal::{Align, Table, number};
@@ -12,31 +13,22 @@ use crate::terminal::{Align, Table, number};
 /// How a start ended, in words.
 fn ending(design: &Design, robot: &Robot) -> String {
     match &design.termination {
-        Termination::Infeasible { limit, joint, worst } if limit == "clearance" => {
+        Termination::Infeasible { limit, joint, worst } if *limit == LimitKind::Clearance => {
             let (found, required, t) = (number(worst.value), number(worst.limit), worst.t);
             format!("infeasible: {joint} {found} m apart at t = {t:.3} s, expected {required} m")
         }
-        Termination::Infeasible { limit, worst, .. } => format!("infeasible: {limit} {}", used(worst, limit, robot)),
+        Termination::Infeasible { limit, worst, .. } => format!("infeasible: {limit} {}", used(worst, *limit, robot)),
         other => other.name().to_owned(),
     }
 }
 
 /// Where a limit is used most.
-fn used(worst: &WorstUse, quantity: &str, robot: &Robot) -> String {
+fn used(worst: &WorstUse, limit: LimitKind, robot: &Robot) -> String {
     let joint = &robot.joints()[worst.joint];
-    let unit = match quantity {
-        "torque" | "torque-rms" => joint.kind.effort_unit().to_owned(),
-        "current" | "current-rms" => "A".to_owned(),
-        "velocity" => format!("{}/s", joint.kind.unit()),
-        "acceleration" => format!("{}/s²", joint.kind.unit()),
-        "jerk" => format!("{}/s³", joint.kind.unit()),
-        "clearance" => "m".to_owned(),
-        _ => joint.kind.unit().to_owned(),
-    };
-    let (value, limit) = (number(worst.value), number(worst.limit));
-    // A root mean square belongs to no time.
-    let time = if quantity.ends_with("rms") { String::new() } else { format!(", t = {:.3} s", worst.t) };
-    format!("{value} of {limit} {unit} at joint \"{}\"{time}", joint.name)
+    let unit = limit.unit(joint.kind);
+    let (value, most) = (number(worst.value), number(worst.limit));
+    let time = if limit.has_time() { format!(", t = {:.3} s", worst.t) } else { String::new() };
+    format!("{value} of {most} {unit} at joint \"{}\"{time}", joint.name)
 }
 
 /// Which limit is exceeded, where and by how much.
@@ -216,20 +208,10 @@ impl DesignAnswer<'_> {
         text.push_str(&worth.render(2));
         let mut limits = Table::new(&[("limit", Align::Left), ("used", Align::Right), ("most", Align::Left)]);
         let worst = &certificate.worst;
-        let cases = [
-            ("position", Some(worst.position)),
-            ("velocity", Some(worst.velocity)),
-            ("acceleration", Some(worst.acceleration)),
-            ("jerk", worst.jerk),
-            ("torque", worst.torque),
-            ("torque-rms", worst.torque_rms),
-            ("current", worst.current),
-            ("current-rms", worst.current_rms),
-        ];
-        for (quantity, case) in cases {
-            let Some(case) = case else { continue };
+        for limit in LimitKind::ALL {
+            let Some(case) = worst.of(limit) else { continue };
             let share = format!("{:.1} %", 100.0 * case.ratio);
-            limits.row([quantity.to_owned(), share, used(&case, quantity, &self.problem.robot)]);
+            limits.row([limit.name().to_owned(), share, used(&case, limit, &self.problem.robot)]);
         }
         let _ = write!(text, "\n{}", limits.render(2));
         if let Some(nearest) = &worst.clearance {

@@ -3,10 +3,10 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
-use armid::excitation::PeriodicTrajectory;
 use armid::experiment::ExperimentPlan;
 use armid::model::JointKind;
 use armid::seed::Seed;
+use armid::trajectory::PeriodicTrajectory;
 use armid_io::output::pretty;
 use armid_io::{Error, LoadedRobot, output, trajectory};
 use armid_reports::{Axis, Figure, Group, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};

@@ -4,12 +4,13 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use armid::excitation::{
-    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, Family, PeriodicTrajectory, best_of,
-    design, design_from, nearest_of, random_design,
+    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, best_of, design, design_from,
+    nearest_of, random_design,
 };
 use armid::model::{Columns, Robot};
 use armid::seed::Seed;
 use armid::study::LimitExample;
+use armid::trajectory::{Family, PeriodicTrajectory};
 use armid_io::prior::set_prior;
 use armid_io::{Error, LoadedRobot, output, trajectory};
 use armid_reports::{Figure, Heading, design_convergence, limits_figure};

@@ -4,8 +4,8 @@ use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 use std::sync::atomic::{AtomicUsize, Ordering};
 
-use armid::excitation::check;
 use armid::excitation::effort::{EffortModel, ParameterSpread};
+use armid::excitation::{Certificate, VerificationError, verify_certificate, verify_performance};
 use armid::experiment::{Ending as PlanEnding, Sink};
 use armid_io::Error as Fault;
 use armid_io::recording::{CsvSink, FileSink, McapSink, beside, part_of};
@@ -91,8 +91,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     experiment.arm = arguments.arm.unwrap_or(experiment.arm);
     experiment.plan.periods = arguments.periods.unwrap_or(experiment.plan.periods);
     experiment.guarded = arguments.guarding.guard;
-    // The certificate is for the motion at full speed; slower, it is inside the same limits.
-    admit(&experiment)?;
+    verify(&experiment)?;
     let path = console
         .output()
         .map_or_else(|| Path::new("reports").join(&experiment.name).join("recording.mcap"), Path::to_path_buf);
@@ -155,11 +154,17 @@ fn at_speed(experiment: &Experiment, speed: Speed, first_run: bool) -> Experimen
 
 /// The plan can be performed and stays inside the robot's limits.
 fn fits(experiment: &Experiment) -> Result<()> {
-    experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    let layout = experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
     experiment.plan.check_limits(&experiment.robot.robot).map_err(|error| {
         let help = "nothing has moved; another trajectory, a longer period or longer ramps stay inside";
-        Fault::new(format!("{}: {error}", experiment.text.name)).help(help).into()
-    })
+        miette::Report::from(Fault::new(format!("{}: {error}", experiment.text.name)).help(help))
+    })?;
+    // What the certificate holds must hold on the plan's own ramps and at its own speed, too.
+    let Some(certificate) = &experiment.certificate else { return Ok(()) };
+    let (plan, mut efforts) = (&experiment.plan, efforts(experiment, certificate));
+    let timeline = plan.timeline(&layout);
+    verify_performance(&experiment.robot.robot, &plan.trajectory, timeline, certificate, efforts.as_mut())
+        .map_err(|error| refused(experiment, &error))
 }
 
 fn is_csv(path: &Path) -> bool {
@@ -222,28 +227,28 @@ fn perform(
     Ok(Done { experiment: experiment.clone(), performed, samples: taken.into_inner(), written, speed })
 }
 
-/// The last look at the certificate, before anything moves.
-fn admit(experiment: &Experiment) -> Result<()> {
-    let Some(certificate) = &experiment.certificate else { return Ok(()) };
-    let (name, help) = (&experiment.text.name, "nothing has moved; `armid design` writes a certificate that fits");
+/// The efforts by the nominal parameters at hand, with the uncertainty that the certificate includes.
+fn efforts(experiment: &Experiment, certificate: &Certificate) -> Option<EffortModel> {
     let loaded = &experiment.robot;
-    let mut efforts = loaded.nominal.as_ref().or(loaded.own.as_ref()).map(|nominal| {
-        let multiple = certificate.uncertainty_multiple;
-        let spread = loaded.uncertainty.as_ref().filter(|_| multiple > 0.0);
-        let spread = spread.map(|shares| ParameterSpread::of(&loaded.robot, nominal, shares, multiple));
-        EffortModel::new(&loaded.robot, nominal, spread.as_ref())
-    });
-    check(&loaded.robot, &experiment.plan.trajectory, certificate, efforts.as_mut())
-        .map_err(|fault| Fault::new(format!("{name}: {fault}")).help(help))?;
-    match certificate.ramp_s {
-        Some(certified) if experiment.plan.ramp_s < certified - 1e-9 => {
-            let found = experiment.plan.ramp_s;
-            let message =
-                format!("{name}: ramp_s is {found}, expected {certified} or more, as the certificate holds for");
-            Err(Fault::new(message).help(help).into())
-        }
-        _ => Ok(()),
-    }
+    let nominal = loaded.nominal.as_ref().or(loaded.own.as_ref())?;
+    let multiple = certificate.uncertainty_multiple;
+    let spread = loaded.uncertainty.as_ref().filter(|_| multiple > 0.0);
+    let spread = spread.map(|shares| ParameterSpread::of(&loaded.robot, nominal, shares, multiple));
+    Some(EffortModel::new(&loaded.robot, nominal, spread.as_ref()))
+}
+
+/// Why nothing moves.
+fn refused(experiment: &Experiment, error: &VerificationError) -> miette::Report {
+    let help = "nothing has moved; `armid design` writes a certificate that fits";
+    Fault::new(format!("{}: {error}", experiment.text.name)).help(help).into()
+}
+
+/// The last look at the certificate, before anything moves.
+fn verify(experiment: &Experiment) -> Result<()> {
+    let Some(certificate) = &experiment.certificate else { return Ok(()) };
+    let mut efforts = efforts(experiment, certificate);
+    verify_certificate(&experiment.robot.robot, &experiment.plan.trajectory, certificate, efforts.as_mut())
+        .map_err(|error| refused(experiment, &error))
 }
 
 /// What goes into the recording beside what the arm says of it.

@@ -2,6 +2,7 @@
 //! and what becomes of them when nobody cares any more.
 
 use armid::model::Robot;
+use armid::trajectory::QuinticStep;
 
 use super::Spline;
 
@@ -298,8 +299,7 @@ impl Follow {
         };
         let mut qd = vec![0.0; q.len()];
         self.spline.at(on_path.clamp(0.0, self.spline.duration_s()), q, &mut qd);
-        let u = (on_path / FADE_S).clamp(0.0, 1.0);
-        let fade = 1.0 - u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
+        let fade = 1.0 - QuinticStep::at(on_path / FADE_S).value;
         for (q, offset) in q.iter_mut().zip(&self.offset) {
             *q += fade * offset;
         }

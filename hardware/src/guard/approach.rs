@@ -1,13 +1,14 @@
 //! From where the arm stands to the start pose, at low speed.
 
 use armid::model::Robot;
+use armid::trajectory::QuinticStep;
 
 use super::GuardSettings;
 
 /// A straight line in joint space, run with zero velocity and acceleration at both ends:
 ///
 /// ```text
-/// q(t) = q_from + (q_to − q_from) s(t/T)      s(u) = 10u³ − 15u⁴ + 6u⁵
+/// q(t) = q_from + (q_to − q_from) S(t/T)      S the quintic step
 /// max |q̇| = 15/8 |Δ|/T      max |q̈| = 10/√3 |Δ|/T²
 /// T = max_j max(15/8 |Δ_j| / (f q̇_max,j), √(10/√3 |Δ_j| / (f q̈_max,j)), T_min)
 /// ```
@@ -45,15 +46,12 @@ impl Approach {
 
     /// Position, velocity and acceleration at time `t` (s), n each; at rest before and after.
     pub fn evaluate(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
-        let u = (t / self.duration_s).clamp(0.0, 1.0);
-        let s = u * u * u * (10.0 - 15.0 * u + 6.0 * u * u);
-        let rate = 30.0 * u * u * (1.0 - u) * (1.0 - u) / self.duration_s;
-        let growth = 60.0 * u * (1.0 - u) * (1.0 - 2.0 * u) / (self.duration_s * self.duration_s);
+        let step = QuinticStep::at(t / self.duration_s);
         for j in 0..q.len() {
             let way = self.to[j] - self.from[j];
-            q[j] = self.from[j] + way * s;
-            qd[j] = way * rate;
-            qdd[j] = way * growth;
+            q[j] = self.from[j] + way * step.value;
+            qd[j] = way * (step.slope / self.duration_s);
+            qdd[j] = way * (step.curvature / (self.duration_s * self.duration_s));
         }
     }
 }

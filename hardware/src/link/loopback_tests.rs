@@ -6,13 +6,13 @@ use std::sync::atomic::{AtomicBool, Ordering};
 use std::thread::JoinHandle;
 
 use armid::conformance::chains::planar_2r;
-use armid::excitation::{FourierJoint, FourierTrajectory};
 use armid::experiment::{
     Arm, Ending, ExperimentPlan, Flow, Plant, PlantError, RawSample, Recorder, Recording, SafeAction, Sensing, Servo,
     Sink, record,
 };
 use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
+use armid::trajectory::{FourierJoint, FourierTrajectory};
 
 use super::{LinkSettings, Mode, Ros2Arm, look};
 use crate::computer::{Computer, Fault, ServeOptions, Watchdog, serve};

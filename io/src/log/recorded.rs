@@ -2,11 +2,10 @@
 
 use std::collections::BTreeMap;
 
-use armid::excitation::PeriodicTrajectory;
 use armid::experiment::{PhaseSpan, Recording};
-use armid::model::EffortInterface;
-use armid::model::format::ChainEnds;
+use armid::model::{EffortInterface, format::ChainEnds};
 use armid::provenance::Provenance;
+use armid::trajectory::PeriodicTrajectory;
 
 use super::joint_log::{Log, RecordedRobot};
 use super::mcap::Contents;

@@ -1,9 +1,10 @@
 //! A motion for robots that no paper gave one.
 
 use armid::dynamics::Dynamics;
-use armid::excitation::{ExcitationError, FourierTrajectory, radkhah2007_start};
+use armid::excitation::{ExcitationError, radkhah2007_start};
 use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
+use armid::trajectory::FourierTrajectory;
 
 /// Starts that are tried at one period.
 const TRIES: u64 = 20;

@@ -9,11 +9,9 @@ use std::f64::consts::TAU;
 use super::scene::Scene;
 use super::sweep::CLEARANCE_TOLERANCE;
 use crate::dynamics::States;
-use crate::excitation::Trajectory;
-use crate::excitation::basis::MotionBasis;
-use crate::excitation::extremum::climb;
-use crate::excitation::optimiser::{Row, SmoothLimits, SmoothRow};
-use crate::excitation::sampled::SampledBasis;
+use crate::excitation::{basis::MotionBasis, sampled::SampledBasis};
+use crate::optimiser::{Row, SmoothLimits, SmoothRow, climb};
+use crate::trajectory::Trajectory;
 
 /// Distance that counts as one unit of excess, m.
 const UNIT: f64 = 0.1;
@@ -151,8 +149,9 @@ impl SmoothLimits for ClearanceLimits {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{Family, fixtures, radkhah2007_start};
+    use crate::excitation::{fixtures, radkhah2007_start};
     use crate::seed::Seed;
+    use crate::trajectory::Family;
 
     #[test]
     fn identity_rows_are_the_slopes_of_the_dips() {

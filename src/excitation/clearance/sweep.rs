@@ -1,12 +1,12 @@
 //! The smallest clearance over a whole motion, bounded between samples.
 
 use super::scene::Scene;
-use crate::excitation::Trajectory;
+use crate::trajectory::Trajectory;
 
 /// How far the certified clearance may lie below the true one, m.
 pub const CLEARANCE_TOLERANCE: f64 = 1e-4;
 
-/// Halvings after which a stretch of time counts by its middle: 2⁻²⁰ of a sample is below a microsecond.
+/// Halvings after which a segment of time counts by its middle: 2⁻²⁰ of a sample is below a microsecond.
 const DEEPEST: u32 = 20;
 
 /// Where two bodies come nearest.
@@ -20,8 +20,8 @@ pub struct WorstClearance {
     pub t: f64,
 }
 
-/// A pair during a stretch of time about its middle.
-struct Stretch {
+/// A pair during a segment of time about its middle.
+struct Segment {
     pair: usize,
     middle: f64,
     half: f64,
@@ -64,26 +64,26 @@ pub fn smallest_clearance(
             if distance < nearest.0 {
                 nearest = (distance, pair, middle);
             }
-            open.push(Stretch { pair, middle, half, at_least: distance - closing, depth: 0 });
+            open.push(Segment { pair, middle, half, at_least: distance - closing, depth: 0 });
         }
     }
     // A lower bound by balls may have stood for a distance above; it is never the smallest, since it is refined.
-    open.retain(|stretch| stretch.at_least < nearest.0 - CLEARANCE_TOLERANCE);
+    open.retain(|segment| segment.at_least < nearest.0 - CLEARANCE_TOLERANCE);
     open.sort_by(|x, y| y.at_least.total_cmp(&x.at_least));
-    while let Some(stretch) = open.pop() {
-        if stretch.at_least >= nearest.0 - CLEARANCE_TOLERANCE {
+    while let Some(segment) = open.pop() {
+        if segment.at_least >= nearest.0 - CLEARANCE_TOLERANCE {
             continue;
         }
-        let half = 0.5 * stretch.half;
-        for middle in [stretch.middle - half, stretch.middle + half] {
+        let half = 0.5 * segment.half;
+        for middle in [segment.middle - half, segment.middle + half] {
             look.go(middle, half);
-            let distance = look.scene.separation(stretch.pair).distance;
+            let distance = look.scene.separation(segment.pair).distance;
             if distance < nearest.0 {
-                nearest = (distance, stretch.pair, middle);
+                nearest = (distance, segment.pair, middle);
             }
-            let at_least = distance - look.scene.closing(stretch.pair, &look.moved);
-            if at_least < nearest.0 - CLEARANCE_TOLERANCE && stretch.depth < DEEPEST {
-                open.push(Stretch { pair: stretch.pair, middle, half, at_least, depth: stretch.depth + 1 });
+            let at_least = distance - look.scene.closing(segment.pair, &look.moved);
+            if at_least < nearest.0 - CLEARANCE_TOLERANCE && segment.depth < DEEPEST {
+                open.push(Segment { pair: segment.pair, middle, half, at_least, depth: segment.depth + 1 });
             }
         }
     }

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{Criterion, CriterionKind, Score};
+use super::definition::{Criterion, Score};
 
 /// `ln tr M⁻¹`, with `S = −M⁻² / tr M⁻¹`.
 ///
@@ -13,10 +13,6 @@ use super::{Criterion, CriterionKind, Score};
 pub struct AOptimal;
 
 impl Criterion for AOptimal {
-    fn kind(&self) -> CriterionKind {
-        CriterionKind::AOptimal
-    }
-
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         let Some(factor) = m.clone().cholesky() else {
             if let Some(s) = sensitivity {
@@ -37,5 +33,17 @@ impl Criterion for AOptimal {
             }
         }
         Score::exact(libm::log(trace))
+    }
+
+    fn report(&self, value: f64) -> f64 {
+        libm::exp(value)
+    }
+
+    fn is_weighted(&self) -> bool {
+        true
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
+use super::definition::{Criterion, Score};
 use super::spectrum::{log_condition, log_condition_smooth};
-use super::{Criterion, CriterionKind, Score};
 
 /// `ln κ(W_b) = ½ (ln λ_max − ln λ_min)` of the information M = W_bᵀ W_b, or its smooth upper bound.
 ///
@@ -35,14 +35,18 @@ impl Condition {
 }
 
 impl Criterion for Condition {
-    fn kind(&self) -> CriterionKind {
-        CriterionKind::Condition
-    }
-
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         match self.sharpness {
             None => log_condition(m, sensitivity),
             Some(p) => log_condition_smooth(m, p, sensitivity),
         }
+    }
+
+    fn report(&self, value: f64) -> f64 {
+        libm::exp(value)
+    }
+
+    fn is_smooth(&self) -> bool {
+        self.sharpness.is_some()
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
+use super::definition::{Criterion, Score};
 use super::spectrum::{Powers, extremes, spectral};
-use super::{Criterion, CriterionKind, Score};
 
 /// `κ(W_b) − ln det M` with equal weights, M per row; exact, or with the smooth bound of κ.
 ///
@@ -29,10 +29,6 @@ impl ConditionPlusD {
 }
 
 impl Criterion for ConditionPlusD {
-    fn kind(&self) -> CriterionKind {
-        CriterionKind::ConditionPlusD
-    }
-
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         spectral(m, sensitivity, |values, weights| {
             let (low, high) = extremes(values);
@@ -59,5 +55,13 @@ impl Criterion for ConditionPlusD {
             }
             Score { value, exact }
         })
+    }
+
+    fn report(&self, value: f64) -> f64 {
+        value
+    }
+
+    fn is_smooth(&self) -> bool {
+        self.sharpness.is_some()
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
+use super::definition::{Criterion, Score};
 use super::spectrum::{Powers, extremes, spectral};
-use super::{Criterion, CriterionKind, Score};
 
 /// `ln( κ + 1/σ_min )` of W_b per row: `κ = √(λ_max/λ_min)`, `σ_min = √λ_min` of M; exact, or with the smooth bounds of
 /// both.
@@ -31,10 +31,6 @@ impl ConditionPlusSigma {
 }
 
 impl Criterion for ConditionPlusSigma {
-    fn kind(&self) -> CriterionKind {
-        CriterionKind::ConditionPlusSigma
-    }
-
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         spectral(m, sensitivity, |values, weights| {
             let (low, high) = extremes(values);
@@ -53,5 +49,13 @@ impl Criterion for ConditionPlusSigma {
             }
             Score { value: libm::log(smooth), exact }
         })
+    }
+
+    fn report(&self, value: f64) -> f64 {
+        libm::exp(value)
+    }
+
+    fn is_smooth(&self) -> bool {
+        self.sharpness.is_some()
     }
 }

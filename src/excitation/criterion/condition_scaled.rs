@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
+use super::definition::{Criterion, Score};
 use super::spectrum::{log_condition, log_condition_smooth};
-use super::{Criterion, CriterionKind, Score};
 
 /// `ln κ(W_b D)` with D = diag(M)^−½, which does not depend on the parameters' units; exact or smooth as
 /// [`Condition`](super::Condition).
@@ -33,10 +33,6 @@ impl ConditionScaled {
 }
 
 impl Criterion for ConditionScaled {
-    fn kind(&self) -> CriterionKind {
-        CriterionKind::ConditionScaled
-    }
-
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         let b = m.nrows();
         if m.diagonal().iter().any(|&x| x.is_nan() || x <= 0.0) {
@@ -61,5 +57,13 @@ impl Criterion for ConditionScaled {
             s[(j, j)] -= turned / m[(j, j)];
         }
         value
+    }
+
+    fn report(&self, value: f64) -> f64 {
+        libm::exp(value)
+    }
+
+    fn is_smooth(&self) -> bool {
+        self.sharpness.is_some()
     }
 }

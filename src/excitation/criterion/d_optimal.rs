@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::{Criterion, CriterionKind, Score};
+use super::definition::{Criterion, Score};
 
 /// `−ln det M`, with `S = −M⁻¹`.
 ///
@@ -12,10 +12,6 @@ use super::{Criterion, CriterionKind, Score};
 pub struct DOptimal;
 
 impl Criterion for DOptimal {
-    fn kind(&self) -> CriterionKind {
-        CriterionKind::DOptimal
-    }
-
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         let Some(factor) = m.clone().cholesky() else {
             if let Some(s) = sensitivity {
@@ -35,5 +31,21 @@ impl Criterion for DOptimal {
             }
         }
         Score::exact(value)
+    }
+
+    fn report(&self, value: f64) -> f64 {
+        -value
+    }
+
+    fn is_larger_better(&self) -> bool {
+        true
+    }
+
+    fn is_weighted(&self) -> bool {
+        true
+    }
+
+    fn is_smooth(&self) -> bool {
+        true
     }
 }

@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
+use super::definition::{Criterion, Score};
 use super::spectrum::{Powers, extremes, spectral};
-use super::{Criterion, CriterionKind, Score};
 
 /// `−ln λ_min(M)`, or its smooth upper bound `1/p ln Σ λ_i^−p`, which exceeds it by at most `ln(b)/p`.
 ///
@@ -30,10 +30,6 @@ impl EOptimal {
 }
 
 impl Criterion for EOptimal {
-    fn kind(&self) -> CriterionKind {
-        CriterionKind::EOptimal
-    }
-
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         spectral(m, sensitivity, |values, weights| {
             let (low, _) = extremes(values);
@@ -48,5 +44,21 @@ impl Criterion for EOptimal {
             }
             Score { value: powers.inverse_smallest(), exact }
         })
+    }
+
+    fn report(&self, value: f64) -> f64 {
+        libm::exp(-value)
+    }
+
+    fn is_larger_better(&self) -> bool {
+        true
+    }
+
+    fn is_weighted(&self) -> bool {
+        true
+    }
+
+    fn is_smooth(&self) -> bool {
+        self.sharpness.is_some()
     }
 }

@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
-use super::Score;
+use super::definition::Score;
 
 /// `½ (ln λ_max − ln λ_min)` and one subgradient.
 pub(super) fn log_condition(m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {

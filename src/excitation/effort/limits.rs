@@ -9,10 +9,9 @@
 use super::channel::Channel;
 use super::model::EffortModel;
 use super::worst::{Peak, Place, Survey, refine};
-use crate::excitation::Trajectory;
 use crate::excitation::basis::MotionBasis;
-use crate::excitation::course::{Course, Stretch};
-use crate::excitation::optimiser::{Row, SmoothLimits, SmoothRow};
+use crate::optimiser::{Row, SmoothLimits, SmoothRow};
+use crate::trajectory::{PathPoint, Segment, Timeline, Trajectory};
 
 /// Local peaks below this part of the permitted effort get no row.
 const NEAR: f64 = 0.75;
@@ -24,7 +23,7 @@ pub struct EffortLimits {
     /// With the permitted part of each limit.
     channels: Vec<Channel>,
     basis: MotionBasis,
-    course: Course,
+    timeline: Timeline,
     samples: usize,
     /// The point of the last evaluation, its peaks and root mean squares over what is permitted.
     at: Vec<f64>,
@@ -42,7 +41,7 @@ impl EffortLimits {
         model: EffortModel,
         channels: &[Channel],
         basis: &MotionBasis,
-        course: Course,
+        timeline: Timeline,
         samples: usize,
         use_at_most: f64,
     ) -> Self {
@@ -55,7 +54,7 @@ impl EffortLimits {
             model,
             channels,
             basis: basis.clone(),
-            course,
+            timeline,
             samples,
             at: Vec::new(),
             peaks: Vec::new(),
@@ -70,14 +69,14 @@ impl EffortLimits {
     ///
     /// Where the motion asked about before failed, this one is looked at first: one that differs little fails there too.
     pub fn holds(&mut self, motion: &dyn Trajectory, samples: usize, most: f64) -> bool {
-        if let Some((stretch, part)) = self.failed {
-            self.model.move_to(motion, self.basis.omega(), &self.course.instant(stretch, part));
+        if let Some((segment, part)) = self.failed {
+            self.model.move_to(motion, self.basis.omega(), &self.timeline.point(segment, part));
             if self.channels.iter().any(|channel| self.model.load(channel).largest() > most * channel.peak) {
                 return false;
             }
         }
         let (model, channels) = (&mut self.model, &self.channels);
-        match Survey::below(model, channels, motion, self.course, samples, most) {
+        match Survey::below(model, channels, motion, self.timeline, samples, most) {
             Err(place) => {
                 self.failed = Some(place);
                 false
@@ -87,7 +86,7 @@ impl EffortLimits {
                     && survey
                         .peaks(c, f64::NEG_INFINITY)
                         .into_iter()
-                        .all(|peak| refine(model, channels, motion, self.course, peak, &survey).ratio <= most)
+                        .all(|peak| refine(model, channels, motion, self.timeline, peak, &survey).ratio <= most)
             }),
         }
     }
@@ -97,13 +96,13 @@ impl EffortLimits {
             return;
         }
         let trajectory = self.basis.trajectory(x);
-        let survey = Survey::of(&mut self.model, &self.channels, &trajectory, self.course, self.samples);
+        let survey = Survey::of(&mut self.model, &self.channels, &trajectory, self.timeline, self.samples);
         self.peaks.clear();
         self.mean_squares.clear();
         for c in 0..self.channels.len() {
             if self.channels[c].peak.is_finite() {
                 for peak in survey.peaks(c, NEAR) {
-                    let peak = refine(&mut self.model, &self.channels, &trajectory, self.course, peak, &survey);
+                    let peak = refine(&mut self.model, &self.channels, &trajectory, self.timeline, peak, &survey);
                     self.peaks.push(peak);
                 }
             }
@@ -123,23 +122,23 @@ impl EffortLimits {
         let rms = self.mean_squares[c] * limit;
         let mut normal = vec![0.0; x.len()];
         for k in 0..count {
-            let instant = self.course.instant(Stretch::Period, k as f64 / count as f64);
-            self.model.move_to(&trajectory, self.basis.omega(), &instant);
+            let point = self.timeline.point(Segment::Period, k as f64 / count as f64);
+            self.model.move_to(&trajectory, self.basis.omega(), &point);
             let (value, spread) = self.loads[k * width + c];
             let scale = (value.abs() + spread) / (count as f64 * rms * limit);
             let mut slopes = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
             self.model.slopes(&self.channels[c], value.signum(), scale, &mut slopes);
-            self.add_row(&slopes, &instant, &mut normal);
+            self.add_row(&slopes, &point, &mut normal);
         }
         Row { start: 0, normal, bound: 1.0 - self.mean_squares[c] }
     }
 
-    fn add_row(&self, slopes: &[Vec<f64>; 3], instant: &crate::excitation::course::Instant, normal: &mut [f64]) {
+    fn add_row(&self, slopes: &[Vec<f64>; 3], point: &PathPoint, normal: &mut [f64]) {
         let [dq, dqd, dqdd] = slopes;
         let mut row = Vec::new();
         for j in 0..self.model.dof() {
-            let weights = instant.weights([dq[j], dqd[j], dqdd[j]]);
-            self.basis.add_combined_row(j, instant.phase, weights, &mut row, normal);
+            let weights = point.weights([dq[j], dqd[j], dqdd[j]]);
+            self.basis.add_combined_row(j, point.phase, weights, &mut row, normal);
         }
     }
 }
@@ -162,17 +161,17 @@ impl SmoothLimits for EffortLimits {
         let trajectory = self.basis.trajectory(x);
         let n = self.model.dof();
         for peak in self.peaks.clone() {
-            let instant = self.course.instant(peak.stretch, peak.part);
-            self.model.move_to(&trajectory, self.basis.omega(), &instant);
+            let point = self.timeline.point(peak.segment, peak.part);
+            self.model.move_to(&trajectory, self.basis.omega(), &point);
             let channel = &self.channels[peak.channel];
             let mut slopes = [vec![0.0; n], vec![0.0; n], vec![0.0; n]];
             self.model.slopes(channel, peak.sign, 1.0 / channel.peak, &mut slopes);
             let mut normal = vec![0.0; x.len()];
-            self.add_row(&slopes, &instant, &mut normal);
+            self.add_row(&slopes, &point, &mut normal);
             rows.push(SmoothRow {
                 row: Row { start: 0, normal, bound: 1.0 - peak.ratio },
                 limit: 3 * peak.channel + usize::from(peak.sign > 0.0),
-                at: self.course.time_s(peak.stretch, peak.part) / self.course.period_s,
+                at: self.timeline.time_s(peak.segment, peak.part) / self.timeline.period_s,
             });
         }
         for c in 0..self.channels.len() {
@@ -187,10 +186,10 @@ impl SmoothLimits for EffortLimits {
 mod tests {
     use super::*;
     use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
-    use crate::excitation::{Family, fixtures, radkhah2007_start};
-    use crate::model::bundled;
-    use crate::model::format::parse_nominal;
+    use crate::excitation::{fixtures, radkhah2007_start};
+    use crate::model::{bundled, format::parse_nominal};
     use crate::seed::Seed;
+    use crate::trajectory::Family;
 
     #[test]
     fn identity_rows_are_the_slopes_of_peaks_and_mean_squares() {
@@ -201,13 +200,13 @@ mod tests {
         let basis = MotionBasis::new(&robot, Family::Fourier, 10.0, &[5; 6], &[None; 6]).unwrap();
         let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
         let x = basis.coefficients(&start).unwrap();
-        let course = Course { period_s: 10.0, ramp_s: Some(1.0) };
-        let mut limits = EffortLimits::new(model, &Channel::all(&robot), &basis, course, 200, 0.9);
+        let timeline = Timeline { period_s: 10.0, ramp_s: Some(1.0) };
+        let mut limits = EffortLimits::new(model, &Channel::all(&robot), &basis, timeline, 200, 0.9);
         let mut rows = Vec::new();
         limits.linearise(&x, &mut rows);
         let peaks = limits.peaks.clone();
         assert!(peaks.len() > 10 && rows.len() > peaks.len(), "{} {}", peaks.len(), rows.len());
-        assert!(peaks.iter().any(|peak| peak.stretch != Stretch::Period));
+        assert!(peaks.iter().any(|peak| peak.segment != Segment::Period));
         let squares: Vec<usize> = (0..limits.channels.len()).filter(|&c| limits.mean_squares[c] > NEAR).collect();
         for (r, SmoothRow { row, .. }) in rows.iter().enumerate() {
             for i in (0..x.len()).step_by(9) {
@@ -216,7 +215,7 @@ mod tests {
                     moved[i] += h;
                     if let Some(peak) = peaks.get(r) {
                         let trajectory = basis.trajectory(&moved);
-                        limits.model.move_to(&trajectory, basis.omega(), &course.instant(peak.stretch, peak.part));
+                        limits.model.move_to(&trajectory, basis.omega(), &timeline.point(peak.segment, peak.part));
                         let load = limits.model.load(&limits.channels[peak.channel]);
                         (peak.sign * load.value + load.spread) / limits.channels[peak.channel].peak
                     } else {

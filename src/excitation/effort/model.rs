@@ -7,15 +7,14 @@ use rand_distr::StandardNormal;
 
 use super::channel::Channel;
 use super::spread::ParameterSpread;
-use crate::excitation::Trajectory;
-use crate::excitation::course::{Course, Instant};
 use crate::excitation::information::pattern;
-use crate::excitation::optimiser::{dot, square};
 use crate::model::{Columns, Robot, StandardParameters};
+use crate::optimiser::{dot, square};
 use crate::provenance::sha256;
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::statistics::{Interval, wilson_interval};
+use crate::trajectory::{PathPoint, Timeline, Trajectory};
 
 /// Efforts of a robot by parameters that are known with an uncertainty.
 #[derive(Clone, Debug)]
@@ -61,7 +60,7 @@ impl InsideShare {
     }
 }
 
-/// An effort at one instant.
+/// An effort at one point.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Load {
     /// By the nominal parameters, `w · Y φ̄`.
@@ -113,8 +112,8 @@ impl EffortModel {
     }
 
     /// Evaluates the regressor at an instant of an experiment around a motion.
-    pub(super) fn move_to(&mut self, motion: &dyn Trajectory, omega: f64, instant: &Instant) {
-        self.move_state_to(motion, omega, instant);
+    pub(super) fn move_to(&mut self, motion: &dyn Trajectory, omega: f64, point: &PathPoint) {
+        self.move_state_to(motion, omega, point);
         let [q, qd, qdd] = &self.state;
         self.regressor.evaluate(q, qd, qdd, &mut self.y);
     }
@@ -125,26 +124,23 @@ impl EffortModel {
         channel: &Channel,
         motion: &dyn Trajectory,
         omega: f64,
-        instant: &Instant,
+        point: &PathPoint,
     ) -> Load {
         match channel.single() {
             Some((joint, _)) => {
-                self.move_state_to(motion, omega, instant);
+                self.move_state_to(motion, omega, point);
                 let [q, qd, qdd] = &self.state;
                 self.regressor.evaluate_row(joint, q, qd, qdd, &mut self.y);
             }
-            None => self.move_to(motion, omega, instant),
+            None => self.move_to(motion, omega, point),
         }
         self.load(channel)
     }
 
-    fn move_state_to(&mut self, motion: &dyn Trajectory, omega: f64, instant: &Instant) {
+    fn move_state_to(&mut self, motion: &dyn Trajectory, omega: f64, point: &PathPoint) {
         let [q, qd, qdd] = &mut self.state;
-        motion.evaluate(instant.phase / omega, q, qd, qdd);
-        for (qd, qdd) in qd.iter_mut().zip(qdd) {
-            *qdd = *qdd * instant.rate * instant.rate + *qd * instant.growth;
-            *qd *= instant.rate;
-        }
+        motion.evaluate(point.phase / omega, q, qd, qdd);
+        point.scale_motion(qd, qdd);
     }
 
     /// The effort of a channel where the model was last moved to.
@@ -197,8 +193,8 @@ impl EffortModel {
     }
 
     /// [`Self::share_inside`] with its usual sizes and its interval.
-    pub(crate) fn inside(&mut self, motion: &dyn Trajectory, course: Course, channels: &[Channel]) -> InsideShare {
-        let share = self.share_inside(motion, course, channels, INSIDE_SAMPLES, INSIDE_DRAWS, Seed::new(0));
+    pub(crate) fn inside(&mut self, motion: &dyn Trajectory, timeline: Timeline, channels: &[Channel]) -> InsideShare {
+        let share = self.share_inside(motion, timeline, channels, INSIDE_SAMPLES, INSIDE_DRAWS, Seed::new(0));
         InsideShare::new(share, INSIDE_DRAWS)
     }
 
@@ -209,7 +205,7 @@ impl EffortModel {
     pub fn share_inside(
         &mut self,
         motion: &dyn Trajectory,
-        course: Course,
+        timeline: Timeline,
         channels: &[Channel],
         samples: usize,
         draws: usize,
@@ -226,11 +222,11 @@ impl EffortModel {
         }
         let mut inside = vec![true; draws];
         let mut efforts = vec![0.0; draws];
-        let omega = std::f64::consts::TAU / course.period_s;
-        for &stretch in course.stretches() {
-            let count = course.samples(stretch, samples);
+        let omega = std::f64::consts::TAU / timeline.period_s;
+        for &segment in timeline.segments() {
+            let count = timeline.samples(segment, samples);
             for k in 0..count {
-                self.move_to(motion, omega, &course.instant(stretch, k as f64 / count as f64));
+                self.move_to(motion, omega, &timeline.point(segment, k as f64 / count as f64));
                 for channel in channels.iter().filter(|channel| channel.peak.is_finite()) {
                     self.fill_row(channel);
                     efforts.fill(0.0);
@@ -249,7 +245,7 @@ impl EffortModel {
     }
 }
 
-/// The stretches of a row that can differ from zero.
+/// The segments of a row that can differ from zero.
 fn ranges(row: &[bool]) -> Vec<Range<usize>> {
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for column in (0..row.len()).filter(|&column| row[column]) {

@@ -2,10 +2,9 @@
 
 use super::channel::{Channel, EffortKind};
 use super::model::EffortModel;
-use crate::excitation::Trajectory;
-use crate::excitation::course::{Course, Stretch};
-use crate::excitation::extremum::climb;
 use crate::excitation::limits::WorstUse;
+use crate::optimiser::climb;
+use crate::trajectory::{Segment, Timeline, Trajectory};
 
 /// A peak that may use more than this part of a limit between the samples is refined in time.
 const REFINE: f64 = 0.97;
@@ -13,13 +12,13 @@ const REFINE: f64 = 0.97;
 /// How well its time is then known, in steps of the grid.
 const REFINED: f64 = 1e-3;
 
-/// A peak of one channel on one stretch of an experiment.
+/// A peak of one channel on one segment of an experiment.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct Peak {
     pub(super) channel: usize,
     pub(super) sign: f64,
-    pub(super) stretch: Stretch,
-    /// Part of the stretch, from 0 to 1.
+    pub(super) segment: Segment,
+    /// Part of the segment, from 0 to 1.
     pub(super) part: f64,
     /// `sign · value + spread` over the channel's peak limit.
     pub(super) ratio: f64,
@@ -54,20 +53,20 @@ impl WorstEfforts {
         model: &mut EffortModel,
         channels: &[Channel],
         motion: &dyn Trajectory,
-        course: Course,
+        timeline: Timeline,
         samples: usize,
     ) -> Self {
-        let survey = Survey::of(model, channels, motion, course, samples);
+        let survey = Survey::of(model, channels, motion, timeline, samples);
         let mut found = Self::default();
         for (c, channel) in channels.iter().enumerate() {
             let mut peak = WorstUse::NONE;
             if channel.peak.is_finite() {
                 for best in survey.peaks(c, f64::NEG_INFINITY) {
-                    let best = refine(model, channels, motion, course, best, &survey);
+                    let best = refine(model, channels, motion, timeline, best, &survey);
                     peak = peak.worst_of(WorstUse {
                         ratio: best.ratio,
                         joint: channel.joint,
-                        t: course.time_s(best.stretch, best.part),
+                        t: timeline.time_s(best.segment, best.part),
                         value: best.sign * best.ratio * channel.peak,
                         limit: best.sign * channel.peak,
                     });
@@ -91,34 +90,34 @@ impl WorstEfforts {
     }
 }
 
-/// Efforts on the grid of one stretch.
+/// Efforts on the grid of one segment.
 struct Sampled {
-    stretch: Stretch,
+    segment: Segment,
     count: usize,
     /// Nominal value and spread of every sample and channel.
     loads: Vec<(f64, f64)>,
 }
 
-/// Efforts on a grid of all stretches.
+/// Efforts on a grid of all segments.
 pub(super) struct Survey {
     /// Peak limit of each channel.
     limits: Vec<f64>,
-    stretches: Vec<Sampled>,
+    segments: Vec<Sampled>,
 }
 
-/// An instant of an experiment: a stretch and the part of it.
-pub(super) type Place = (Stretch, f64);
+/// An instant of an experiment: a segment and the part of it.
+pub(super) type Place = (Segment, f64);
 
 impl Survey {
     pub(super) fn of(
         model: &mut EffortModel,
         channels: &[Channel],
         motion: &dyn Trajectory,
-        course: Course,
+        timeline: Timeline,
         samples: usize,
     ) -> Self {
-        Self::below(model, channels, motion, course, samples, f64::INFINITY)
-            .unwrap_or_else(|_| Self { limits: Vec::new(), stretches: Vec::new() })
+        Self::below(model, channels, motion, timeline, samples, f64::INFINITY)
+            .unwrap_or_else(|_| Self { limits: Vec::new(), segments: Vec::new() })
     }
 
     /// The same, where no sample uses more than `most` of a peak limit; else the first place that does.
@@ -126,36 +125,36 @@ impl Survey {
         model: &mut EffortModel,
         channels: &[Channel],
         motion: &dyn Trajectory,
-        course: Course,
+        timeline: Timeline,
         samples: usize,
         most: f64,
     ) -> Result<Self, Place> {
-        let omega = std::f64::consts::TAU / course.period_s;
-        let mut stretches = Vec::with_capacity(course.stretches().len());
-        for &stretch in course.stretches() {
-            let count = course.samples(stretch, samples);
+        let omega = std::f64::consts::TAU / timeline.period_s;
+        let mut segments = Vec::with_capacity(timeline.segments().len());
+        for &segment in timeline.segments() {
+            let count = timeline.samples(segment, samples);
             let mut loads = Vec::with_capacity(count * channels.len());
             for k in 0..count {
                 let part = k as f64 / count as f64;
-                model.move_to(motion, omega, &course.instant(stretch, part));
+                model.move_to(motion, omega, &timeline.point(segment, part));
                 for channel in channels {
                     let load = model.load(channel);
                     if load.largest() > most * channel.peak {
-                        return Err((stretch, part));
+                        return Err((segment, part));
                     }
                     loads.push((load.value, load.spread));
                 }
             }
-            stretches.push(Sampled { stretch, count, loads });
+            segments.push(Sampled { segment, count, loads });
         }
-        Ok(Self { limits: channels.iter().map(|channel| channel.peak).collect(), stretches })
+        Ok(Self { limits: channels.iter().map(|channel| channel.peak).collect(), segments })
     }
 
-    /// Local peaks of a channel above `threshold`, and the largest sample of every stretch.
+    /// Local peaks of a channel above `threshold`, and the largest sample of every segment.
     pub(super) fn peaks(&self, channel: usize, threshold: f64) -> Vec<Peak> {
         let (width, limit) = (self.limits.len(), self.limits[channel]);
         let mut peaks = Vec::new();
-        for Sampled { stretch, count, loads } in &self.stretches {
+        for Sampled { segment, count, loads } in &self.segments {
             for sign in [1.0, -1.0] {
                 let own = loads.iter().skip(channel).step_by(width);
                 let ratios: Vec<f64> = own.map(|(value, spread)| (sign * value + spread) / limit).collect();
@@ -163,7 +162,7 @@ impl Survey {
                 for k in 0..*count {
                     let here = ratios[k];
                     // The period closes on itself; a ramp does not.
-                    let closed = *stretch == Stretch::Period;
+                    let closed = *segment == Segment::Period;
                     let before = if k > 0 { Some(ratios[k - 1]) } else { ratios.last().copied().filter(|_| closed) };
                     let after = ratios.get(k + 1).or(ratios.first().filter(|_| closed)).copied();
                     let rises = before.is_some_and(|before| here >= before);
@@ -172,7 +171,7 @@ impl Survey {
                         let part = k as f64 / *count as f64;
                         let slopes = [before, after].into_iter().flatten().map(|beside| (here - beside).abs());
                         let reach = here + slopes.fold(f64::INFINITY, f64::min);
-                        peaks.push(Peak { channel, sign, stretch: *stretch, part, ratio: here, reach });
+                        peaks.push(Peak { channel, sign, segment: *segment, part, ratio: here, reach });
                     }
                 }
             }
@@ -180,15 +179,15 @@ impl Survey {
         peaks
     }
 
-    /// Step of the grid on a stretch, as a part of it.
-    pub(super) fn step(&self, stretch: Stretch) -> f64 {
-        self.stretches.iter().find(|known| known.stretch == stretch).map_or(1.0, |known| 1.0 / known.count as f64)
+    /// Step of the grid on a segment, as a part of it.
+    pub(super) fn step(&self, segment: Segment) -> f64 {
+        self.segments.iter().find(|known| known.segment == segment).map_or(1.0, |known| 1.0 / known.count as f64)
     }
 
     /// Root mean square over the period of what an effort may be.
     pub(super) fn root_mean_square(&self, channel: usize) -> f64 {
         let width = self.limits.len();
-        let Sampled { count, loads, .. } = &self.stretches[0];
+        let Sampled { count, loads, .. } = &self.segments[0];
         let square = |k: usize| {
             let (value, spread) = loads[k * width + channel];
             (value.abs() + spread) * (value.abs() + spread)
@@ -199,13 +198,13 @@ impl Survey {
     /// Largest use of the peak limit by the nominal parameters, on the grid.
     fn nominal_ratio(&self, channel: usize) -> f64 {
         let width = self.limits.len();
-        let values = self.stretches.iter().flat_map(|known| known.loads.iter().skip(channel).step_by(width));
+        let values = self.segments.iter().flat_map(|known| known.loads.iter().skip(channel).step_by(width));
         values.map(|(value, _)| value.abs()).fold(0.0, f64::max) / self.limits[channel]
     }
 
     /// Nominal value and spread of a channel at sample k of the period.
     pub(super) fn period_load(&self, k: usize, channel: usize) -> (f64, f64) {
-        self.stretches[0].loads[k * self.limits.len() + channel]
+        self.segments[0].loads[k * self.limits.len() + channel]
     }
 }
 
@@ -214,20 +213,20 @@ pub(super) fn refine(
     model: &mut EffortModel,
     channels: &[Channel],
     motion: &dyn Trajectory,
-    course: Course,
+    timeline: Timeline,
     peak: Peak,
     survey: &Survey,
 ) -> Peak {
     if peak.reach < REFINE {
         return peak;
     }
-    let omega = std::f64::consts::TAU / course.period_s;
+    let omega = std::f64::consts::TAU / timeline.period_s;
     let channel = &channels[peak.channel];
     let ratio = |part: f64| {
-        let load = model.load_at(channel, motion, omega, &course.instant(peak.stretch, part));
+        let load = model.load_at(channel, motion, omega, &timeline.point(peak.segment, part));
         (peak.sign * load.value + load.spread) / channel.peak
     };
-    let step = survey.step(peak.stretch);
+    let step = survey.step(peak.segment);
     let around = (peak.part - step, peak.part + step);
     let (part, ratio) = climb(ratio, (peak.part, peak.ratio), around, REFINED * step);
     Peak { part, ratio, ..peak }

@@ -12,7 +12,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use crate::excitation::{FourierJoint, FourierTrajectory};
+use crate::trajectory::{FourierJoint, FourierTrajectory};
 
 /// Velocity amplitudes a of joints 1 to 6, rad/s, harmonics 1 to 5.
 const A: [[f64; 5]; 6] = [
@@ -61,7 +61,7 @@ pub fn corrected() -> FourierTrajectory {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::Trajectory;
+    use crate::trajectory::Trajectory;
 
     fn start_deg(trajectory: &FourierTrajectory) -> [f64; 6] {
         let (mut q, mut qd, mut qdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);

@@ -2,9 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::excitation::{ConstantSpeedTrajectory, PeriodicTrajectory};
 use armid::experiment::Recording;
 use armid::model::Robot;
+use armid::trajectory::{ConstantSpeedTrajectory, PeriodicTrajectory};
 use armid_io::output::pretty;
 use armid_io::recording::{FileSink, McapSink};
 use armid_io::{Error, LoadedRobot, Log, output};

@@ -1,12 +1,11 @@
 //! An arm on a virtual clock that does what a test tells it, and writes down what it is told.
 
-use armid::excitation::{FourierJoint, FourierTrajectory};
 use armid::experiment::{
     Arm, ArmError, Command, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, SafeAction, Sink, TripReport,
 };
-use armid::model::format::parse_robot;
-use armid::model::{EffortInterface, Robot, bundled};
+use armid::model::{EffortInterface, Robot, bundled, format::parse_robot};
 use armid::provenance::Provenance;
+use armid::trajectory::{FourierJoint, FourierTrajectory};
 
 use crate::guard::{Approach, GuardSettings, Machine, Mode, Survey, Trip};
 

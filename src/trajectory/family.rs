@@ -1,0 +1,112 @@
+//! The families of trajectories in which a design is sought.
+
+use super::b_spline::{BSplineJoint, BSplineTrajectory};
+use super::fourier::{FourierJoint, FourierTrajectory};
+use super::fourier_quintic::FourierQuinticTrajectory;
+use super::periodic::PeriodicTrajectory;
+use super::shape::Shape;
+
+/// A family of trajectories, linear in its coefficients. All have 2H + 1 of them for a joint of H harmonics, so that
+/// they can be compared.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Family {
+    /// `radkhah2007`'s finite Fourier series.
+    #[default]
+    Fourier,
+    /// The series with a quintic polynomial, at rest at both ends of the period.
+    FourierQuintic,
+    /// Periodic cubic splines on 2H + 1 knots.
+    CubicBSpline,
+    /// Periodic quintic splines on 2H + 1 knots.
+    QuinticBSpline,
+}
+
+impl Family {
+    /// Every family.
+    pub const ALL: [Self; 4] = [Self::Fourier, Self::FourierQuintic, Self::CubicBSpline, Self::QuinticBSpline];
+
+    /// Its name on the command line and in files.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Fourier => "fourier",
+            Self::FourierQuintic => "fourier-quintic",
+            Self::CubicBSpline => "cubic-b-spline",
+            Self::QuinticBSpline => "quintic-b-spline",
+        }
+    }
+
+    /// The family with this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.into_iter().find(|family| family.name() == name)
+    }
+
+    /// Degree of the splines; `None` for a series.
+    const fn degree(self) -> Option<usize> {
+        match self {
+            Self::Fourier | Self::FourierQuintic => None,
+            Self::CubicBSpline => Some(3),
+            Self::QuinticBSpline => Some(5),
+        }
+    }
+
+    /// The least number of harmonics of a joint that moves: splines need a knot more than their degree.
+    #[must_use]
+    pub const fn least_harmonics(self) -> usize {
+        match self.degree() {
+            None => 1,
+            Some(degree) => degree.div_ceil(2),
+        }
+    }
+
+    /// The shape functions of a joint of `harmonics` harmonics.
+    pub(crate) const fn shape(self, period_s: f64, harmonics: usize) -> Shape {
+        match self.degree() {
+            None => Shape::Series { period_s, harmonics, at_rest: matches!(self, Self::FourierQuintic) },
+            Some(degree) => Shape::Spline { period_s, degree, knots: 2 * harmonics + 1 },
+        }
+    }
+
+    /// The trajectory of the coefficients of all joints, each of 2H + 1: `(a_1, b_1, …, a_H, b_H, q0)` or `c`.
+    pub(crate) fn trajectory(self, period_s: f64, joints: Vec<(String, Vec<f64>)>) -> PeriodicTrajectory {
+        let Some(degree) = self.degree() else {
+            // A file has one number of harmonics: joints with fewer have zeros.
+            let harmonics = joints.iter().map(|(_, values)| values.len() / 2).max().unwrap_or(0);
+            let joints = joints.into_iter().map(|(name, values)| {
+                let (pairs, q0) = values.split_at(values.len() - 1);
+                let padded = |first: usize| {
+                    let mut amplitudes: Vec<f64> = pairs.iter().skip(first).step_by(2).copied().collect();
+                    amplitudes.resize(harmonics, 0.0);
+                    amplitudes
+                };
+                FourierJoint { name, a: padded(0), b: padded(1), q0: q0[0] }
+            });
+            let series = FourierTrajectory { period_s, joints: joints.collect() };
+            return match self {
+                Self::FourierQuintic => FourierQuinticTrajectory::from(series).into(),
+                _ => series.into(),
+            };
+        };
+        let joints = joints.into_iter().map(|(name, c)| BSplineJoint { name, c });
+        BSplineTrajectory { period_s, degree, joints: joints.collect() }.into()
+    }
+
+    /// The coefficients of every joint of a trajectory of this family, as [`Self::trajectory`] takes them.
+    pub(crate) fn coefficients(self, trajectory: &PeriodicTrajectory) -> Option<Vec<Vec<f64>>> {
+        let series = match (self, trajectory) {
+            (Self::Fourier, PeriodicTrajectory::Fourier(series)) => series,
+            (Self::FourierQuintic, PeriodicTrajectory::FourierQuintic(motion)) => &motion.series,
+            (_, PeriodicTrajectory::BSpline(splines)) if Some(splines.degree) == self.degree() => {
+                return Some(splines.joints.iter().map(|joint| joint.c.clone()).collect());
+            }
+            _ => return None,
+        };
+        let block = |joint: &FourierJoint| {
+            let pairs = joint.a.iter().zip(&joint.b).flat_map(|(&a, &b)| [a, b]);
+            pairs.chain([joint.q0]).collect()
+        };
+        Some(series.joints.iter().map(block).collect())
+    }
+}
