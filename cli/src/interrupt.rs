@@ -1,23 +1,78 @@
-//! Ctrl-C: the first asks the work to end with what is finished, the second ends it at once.
+//! Signals: the first asks the work to end with what is finished, the second ends it at once, unless an arm moves.
+//!
+//! While an arm moves, no signal that can be caught ends the process before the arm is at rest, or nobody can do more for
+//! it. Signals are taken by a thread that waits for them and are blocked everywhere else, so that none interrupts the
+//! middleware in the middle of a call.
 
 use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Mutex, PoisonError};
 
 use armid_io::Error as Fault;
 use miette::Result;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
+/// How many motions are under way; held while the process ends, so that none begins then.
+static MOVING: Mutex<usize> = Mutex::new(0);
 
-/// Watches for Ctrl-C, and for the signal that a batch system sends before it kills.
+/// Watches for Ctrl-C, Ctrl-Z, a terminal that is closed, and what a batch system sends before it kills.
+#[cfg(unix)]
 pub(crate) fn watch() -> Result<()> {
-    let handler = || {
-        if ASKED.swap(true, Ordering::SeqCst) {
-            std::process::exit(130);
+    use nix::sys::signal::{SigSet, Signal};
+
+    let fault = |error: &dyn std::fmt::Display| Fault::new(format!("signals cannot be watched: {error}"));
+    let watched = SigSet::from_iter([Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP, Signal::SIGTSTP]);
+    // Every thread that begins later inherits it.
+    watched.thread_block().map_err(|error| fault(&error))?;
+    let wait = move || {
+        loop {
+            match watched.wait() {
+                Ok(Signal::SIGTSTP) if !is_moving() => {
+                    // What Ctrl-Z does where it is not caught.
+                    let _ = nix::sys::signal::raise(Signal::SIGSTOP);
+                }
+                Ok(_) => ask(),
+                Err(_) => {}
+            }
         }
     };
-    ctrlc::set_handler(handler).map_err(|error| Fault::new(format!("Ctrl-C cannot be watched: {error}")).into())
+    std::thread::Builder::new().name("signals".to_owned()).spawn(wait).map(|_| ()).map_err(|error| fault(&error).into())
+}
+
+/// Watches for Ctrl-C.
+#[cfg(not(unix))]
+pub(crate) fn watch() -> Result<()> {
+    ctrlc::set_handler(ask).map_err(|error| Fault::new(format!("Ctrl-C cannot be watched: {error}")).into())
+}
+
+#[cfg(unix)]
+fn is_moving() -> bool {
+    *MOVING.lock().unwrap_or_else(PoisonError::into_inner) > 0
+}
+
+fn ask() {
+    let moving = MOVING.lock().unwrap_or_else(PoisonError::into_inner);
+    if ASKED.swap(true, Ordering::SeqCst) && *moving == 0 {
+        std::process::exit(130);
+    }
 }
 
 /// Has somebody asked for the end?
 pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
+}
+
+/// An arm moves as long as this lives: signals ask, and none ends the process.
+#[must_use]
+pub(crate) struct Moving(());
+
+/// From here on an arm may move.
+pub(crate) fn moving() -> Moving {
+    *MOVING.lock().unwrap_or_else(PoisonError::into_inner) += 1;
+    Moving(())
+}
+
+impl Drop for Moving {
+    fn drop(&mut self) {
+        *MOVING.lock().unwrap_or_else(PoisonError::into_inner) -= 1;
+    }
 }

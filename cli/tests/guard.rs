@@ -41,7 +41,49 @@ fn a_trip_ends_with_status_1_a_reason_and_a_recording_that_is_whole() {
     let holds = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
     assert!(holds("tripped") && holds("following-error"));
     let shown = stdout(&armid(["run", &strict, "--guard", "-o", &recording]).code(1));
-    assert!(shown.contains("tripped at t = ") && shown.contains("cancel within 11 ms"), "{shown}");
+    assert!(
+        shown.contains("tripped at t = ") && shown.contains("cancel asked for within 11 ms, the simulation ended"),
+        "{shown}"
+    );
+}
+
+/// What `armid design` writes by default, the guard takes: on every robot that is bundled, wherever its limits are.
+#[test]
+fn designs_by_default_settings_pass_the_preflight() {
+    let folder = temporary();
+    let listed = json(&armid(["robot", "--json"]).success());
+    let robots: Vec<&str> = listed.as_array().unwrap().iter().map(|r| r["name"].as_str().unwrap()).collect();
+    assert!(robots.len() >= 4, "{listed}");
+    for robot in robots {
+        let (design, recording) = (path(folder.path(), "T.toml"), path(folder.path(), "R.mcap"));
+        let small = ["--starts", "1", "--evaluations", "60", "--no-baseline", "--period", "4", "--harmonics", "4"];
+        let arguments = ["design", robot, "--criterion", "d-optimal", "-o", &design, "--json"];
+        let found = json(&armid(arguments.iter().chain(&small)).success());
+        let used = found["worst_limit_use"]["position"].as_f64().unwrap();
+        assert!(used < 1.0, "{robot}: {used}");
+        let text = format!(
+            "robot = \"{robot}\"\ntrajectory = \"T.toml\"\nrate_hz = 500\nsettle_s = 0.2\ndiscarded_periods = 0\nperiods = 1\n"
+        );
+        let experiment = write(folder.path(), "experiment.toml", &text);
+        let done = json(&armid(["run", &experiment, "--guard", "-o", &recording, "--json"]).success());
+        let passed = done["guard"]["preflight"].as_array().unwrap();
+        assert!(passed.iter().any(|check| check["check"] == "soft-limits"), "{robot}: {passed:?}");
+    }
+}
+
+#[test]
+fn a_reduced_speed_slows_the_motion_and_watches_the_flange() {
+    let folder = temporary();
+    let experiment = experiment(folder.path(), 1);
+    let recording = path(folder.path(), "R.mcap");
+    let arguments = ["run", &experiment, "--guard", "--reduced-speed", "-o", &recording, "--json"];
+    let done = json(&armid(arguments).success());
+    assert!(done["speed"].as_f64().unwrap() < 1.0, "{}", done["speed"]);
+    let used = done["guard"]["used"]["reduced-speed"].as_f64().unwrap();
+    assert!(used > 0.7 && used < 1.0, "{used}");
+    assert_eq!(done["guard"]["settings"]["reduced_speed_mm_s"], 250.0);
+    let fault = stderr(&armid(["run", &experiment, "--reduced-speed", "5000"]).code(2));
+    assert!(fault.contains("expected more than 0 and at most 1000 mm/s"), "{fault}");
 }
 
 #[test]
@@ -67,7 +109,7 @@ fn a_wrong_line_of_the_guard_is_shown_with_its_place() {
     let folder = temporary();
     let base = "robot = \"crs-a460\"\ntrajectory = \"table-one\"\n";
     for (table, wanted) in [
-        ("[guard]\nstale_ms = 0\n", "stale_ms is 0, expected a finite number above zero"),
+        ("[guard]\nstale_ms = 0\n", "stale_ms is 0, expected more than 0, at most 1000"),
         ("[guard]\nstale = 3\n", "x.toml:4:1: unknown field `stale`"),
         ("[ros2]\ndomian = 3\n", "x.toml:4:1: unknown field `domian`"),
     ] {

@@ -25,26 +25,26 @@ pub struct Monitor {
     guard: Inbox<Text>,
     began: Instant,
     arrivals: VecDeque<Instant>,
-    /// Steps of the first stamps, ns: their median is the period by which gaps are told.
+    /// Steps of the first stamps, ns: their median is the period by which gaps are reported.
     steps: Vec<i64>,
     stamps: Option<StampWatch>,
-    sight: Sight,
+    sight: Snapshot,
     heard: Option<Instant>,
     guard_heard: Option<Instant>,
 }
 
 /// What a monitor sees.
 #[derive(Clone, Debug, Default, PartialEq)]
-pub struct Sight {
+pub struct Snapshot {
     /// The last joint state.
     pub row: Option<JointRow>,
     /// How long ago it arrived, s.
     pub age_s: f64,
     /// Joint states in the last second.
     pub rate_hz: f64,
-    /// What the stamps told so far.
+    /// What the stamps reported so far.
     pub stamps: StampFindings,
-    /// The state of the robot's computer in words, where it tells.
+    /// The state of the robot's computer in words, where it reports.
     pub computer: Option<String>,
     /// The last word of a guard, and how long ago it came, s.
     pub guard: Option<(GuardState, f64)>,
@@ -82,7 +82,7 @@ impl Monitor {
             arrivals: VecDeque::new(),
             steps: Vec::new(),
             stamps: None,
-            sight: Sight::default(),
+            sight: Snapshot::default(),
             heard: None,
             guard_heard: None,
         })
@@ -101,7 +101,7 @@ impl Monitor {
     }
 
     /// Listens for `patience`, and says what it saw.
-    pub fn look(&mut self, patience: Duration) -> &Sight {
+    pub fn look(&mut self, patience: Duration) -> &Snapshot {
         let until = Instant::now() + patience;
         while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
             let Some(heard) = self.states.next(left) else { break };

@@ -4,12 +4,10 @@ use armid::experiment::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawS
 use armid::model::Robot;
 
 use crate::guard::{Approach, Approached, Confirmation, GuardRecord, GuardSettings, Guarded, Machine, Mode, Survey};
-use crate::link::{
-    self, Followed, GridSample, JointRow, LinkError, LinkSettings, Listener, Motion, Ros2Arm, StampFindings,
-};
+use crate::link::{self, GridSample, JointRow, LinkError, LinkSettings, Listener, Motion, Ros2Arm, StampFindings};
 use crate::message::Text;
 
-/// Topic on which a guard tells its state, below the namespace of the link: JSON in `std_msgs/msg/String`.
+/// Topic on which a guard reports its state, below the namespace of the link: JSON in `std_msgs/msg/String`.
 pub const GUARD_STATE: &str = "armid/guard_state";
 
 /// A robot that speaks ROS 2, watched.
@@ -31,16 +29,18 @@ pub fn guarded_ros2(
     confirmation: Confirmation,
 ) -> Result<GuardedRos2, LinkError> {
     let mut arm = Ros2Arm::connect(settings, robot, robot_text)?;
-    let teller = arm.teller(&settings.full(GUARD_STATE))?;
+    let status_publisher = arm.status_publisher(&settings.full(GUARD_STATE))?;
+    let disables = arm.can_disable();
     let mode = match settings.mode {
         link::Mode::Trajectory | link::Mode::Topic => Mode::Trajectory,
         link::Mode::Stream => Mode::Stream,
     };
     let approached = Approached::new(arm, robot, guard, confirmation);
-    let guarded = Guarded::new(approached, robot, guard, mode).with_observer(Box::new(move |state| {
+    let guarded = Guarded::new(approached, robot, guard, mode).with_disable(disables);
+    let guarded = guarded.with_observer(Box::new(move |state| {
         // Whoever looks on misses one look; nothing else depends on it.
         if let Ok(data) = serde_json::to_string(state) {
-            let _ = teller.publish(Text { data });
+            let _ = status_publisher.publish(Text { data });
         }
     }));
     Ok(GuardedRos2 { guarded })
@@ -57,7 +57,7 @@ impl GuardedRos2 {
         record
     }
 
-    /// What the stamps of the last motion told.
+    /// What the stamps of the last motion reported.
     #[must_use]
     pub fn findings(&self) -> &StampFindings {
         self.guarded.arm().machine().findings()
@@ -93,13 +93,16 @@ impl Machine for Ros2Arm {
         let reading = self.reading().map_err(|error| unavailable(&error))?;
         // Whoever got this far has mapped every joint by its name.
         let joints = self.robot().joints().iter().map(|joint| joint.name.clone()).collect();
-        let says = |word: &str| reading.state.as_ref().is_some_and(|state| state.contains(word));
+        // What is on the list says all of it: homed, drives on, no emergency stop. Any other word says nothing that helps.
+        let ready = reading.state.as_ref().map(|state| self.ready_states().iter().any(|ready| ready == state.trim()));
         Ok(Survey {
             joints,
             q: reading.row.q.clone(),
             rate_hz: reading.rate_hz,
-            homed: if says("not homed") { Some(false) } else { says("homed").then_some(true) },
-            ready: reading.state.as_deref().map(link::is_enabled),
+            homed: ready.filter(|ready| *ready),
+            ready,
+            state: reading.state,
+            ready_states: self.ready_states().to_vec(),
         })
     }
 
@@ -112,11 +115,7 @@ impl Machine for Ros2Arm {
         let mut way = Way { sink, rate_hz, t: 0.0 };
         let followed = self.follow(approach, rate_hz, &mut way);
         let (t, phase) = (way.t, Phase::Settle);
-        Ok(match followed {
-            Ok(Followed::Whole) => Ending::Completed,
-            Ok(Followed::Stopped | Followed::Acted(_)) => Ending::Stopped { t, phase },
-            Err(error) => link::tripped(&error, t, phase),
-        })
+        Ok(link::ending(followed, t, phase))
     }
 }
 

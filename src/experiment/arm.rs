@@ -7,7 +7,7 @@ use super::plan_mismatch::PlanMismatch;
 use super::plant::PlantError;
 use super::raw_sample::RawSample;
 use super::recording::Recording;
-use super::trip::{SafeAction, TripReport};
+use super::trip::{Rest, SafeAction, TripReport};
 
 /// An arm that performs experiments: a servo around a simulated plant, a real robot, or a stored recording.
 ///
@@ -92,6 +92,8 @@ pub enum Ending {
         t: f64,
         /// Phase of the last sample.
         phase: Phase,
+        /// Whether the arm is known to stand.
+        rest: Rest,
     },
     /// The motion ran away.
     Diverged {
@@ -102,7 +104,7 @@ pub enum Ending {
         /// What went wrong.
         reason: Divergence,
     },
-    /// A guard, ours or the robot's own, tripped and took its safe action.
+    /// A guard, ours or the robot's own, tripped and asked for its safe action.
     Tripped {
         /// Time of the last sample, s.
         t: f64,
@@ -118,6 +120,16 @@ impl Ending {
     #[must_use]
     pub const fn is_complete(&self) -> bool {
         matches!(self, Self::Completed)
+    }
+
+    /// Whether the arm was asked to stop and nobody saw it at rest.
+    #[must_use]
+    pub const fn is_unconfirmed(&self) -> bool {
+        match self {
+            Self::Stopped { rest, .. } => rest.is_unconfirmed(),
+            Self::Tripped { trip, .. } => trip.rest.is_unconfirmed(),
+            Self::Completed | Self::Diverged { .. } => false,
+        }
     }
 }
 

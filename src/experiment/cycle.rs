@@ -6,7 +6,7 @@ use std::sync::Arc;
 use super::effects::{ActualDrives, SampleClock};
 use super::motors::Motors;
 use super::sensing::Sensors;
-use super::{CommandTable, Divergence, Ending, JointPid, Layout, Phase, RawSample, Sink, Tracking, Transmission};
+use super::{CommandTable, Divergence, Ending, JointPid, Layout, Phase, RawSample, Rest, Sink, Tracking, Transmission};
 use crate::model::{EffortInterface, Robot};
 
 /// The true state behind one sample, for tests, scoring and bounds; no sensor sees it. All slices have length n.
@@ -240,7 +240,7 @@ impl Cycle {
             let sample =
                 RawSample { index, t, phase, q: &self.q_sample, effort: &self.effort_sample, voltage, command };
             if sink.sample(&sample).ends() {
-                return self.end(Ending::Stopped { t, phase });
+                return self.end(Ending::Stopped { t, phase, rest: Rest::Simulated });
             }
         }
         Next::Step
@@ -328,7 +328,7 @@ mod tests {
         }
         let plan = ExperimentPlan { settle_s: 0.2, ramp_s: 0.5, ..ExperimentPlan::new(hinges::trajectory(1)) };
         let ending = servo(FlyWheels::new(1)).perform(&plan, &mut Until(0.5)).unwrap();
-        assert_eq!(ending, Ending::Stopped { t: 0.5, phase: Phase::RampIn });
+        assert_eq!(ending, Ending::Stopped { t: 0.5, phase: Phase::RampIn, rest: Rest::Simulated });
 
         /// A plant that sets off by itself.
         struct Runaway(FlyWheels, f64);

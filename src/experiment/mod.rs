@@ -64,4 +64,4 @@ pub use sensing::Sensing;
 pub use servo::{Servo, ServoError};
 pub use tracking::Tracking;
 pub use transmission::Transmission;
-pub use trip::{SafeAction, TripReport};
+pub use trip::{Rest, SafeAction, TripReport};

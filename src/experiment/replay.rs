@@ -8,6 +8,7 @@ use super::plan::ExperimentPlan;
 use super::plan_mismatch::PlanMismatch;
 use super::raw_sample::RawSample;
 use super::recording::Recording;
+use super::trip::Rest;
 
 /// Performs an experiment by playing what another arm once recorded.
 #[derive(Clone, Debug)]
@@ -59,7 +60,7 @@ impl Arm for Replay {
                 command: &command,
             };
             if sink.sample(&sample).ends() {
-                return Ok(Ending::Stopped { t, phase });
+                return Ok(Ending::Stopped { t, phase, rest: Rest::Simulated });
             }
         }
         Ok(Ending::Completed)

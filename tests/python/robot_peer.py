@@ -1,8 +1,10 @@
 """A robot's computer written by others: Cyclone DDS for the wire, Pinocchio for the torques.
 
-It takes one trajectory on the topic `joint_trajectory`, follows it exactly and reports joint states at 500 Hz, positions
-in whole encoder counts and motor currents with the noise of the robot file. Its joints are reported in another order
-than the robot file has them. No line of armid is in it.
+It takes trajectories on the topic `joint_trajectory`, each in place of the one before, as current `ros2_controllers` do: one
+that is past or has no points is refused, one whose first points are past is joined in its midst, and where its first point
+is still to come it is gone to from where the arm is. It follows them exactly and reports joint states at 500 Hz, positions
+in whole encoder counts and motor currents with the noise of the robot file. Its joints are reported in another order than
+the robot file has them. No line of armid is in it.
 """
 
 import math
@@ -10,84 +12,21 @@ import sys
 import threading
 import time
 import tomllib
-from dataclasses import dataclass
 from pathlib import Path
 
 import numpy as np
-from cyclonedds.core import Policy, Qos
 from cyclonedds.domain import Domain, DomainParticipant
-from cyclonedds.idl import IdlStruct
-from cyclonedds.idl.annotations import final
-from cyclonedds.idl.types import float64, int32, sequence, uint32
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
-from cyclonedds.util import duration
+
+from ros2_types import LOOPBACK, QOS, Header_, JointState_, JointTrajectory_, Time_
 
 ROOT = Path(__file__).resolve().parent.parent.parent
 sys.path.insert(0, str(ROOT / "tests" / "pinocchio"))
 import generate  # noqa: E402  the arms in Pinocchio, as the stored references were made
 
 RATE_HZ = 500
-LOOPBACK = """<CycloneDDS><Domain Id="any"><General><Interfaces>
-<NetworkInterface address="127.0.0.1" multicast="true"/></Interfaces></General></Domain></CycloneDDS>"""
-
-
-@dataclass
-@final
-class Time_(IdlStruct, typename="builtin_interfaces.msg.dds_.Time_"):
-    sec: int32
-    nanosec: uint32
-
-
-@dataclass
-@final
-class Duration_(IdlStruct, typename="builtin_interfaces.msg.dds_.Duration_"):
-    sec: int32
-    nanosec: uint32
-
-
-@dataclass
-@final
-class Header_(IdlStruct, typename="std_msgs.msg.dds_.Header_"):
-    stamp: Time_
-    frame_id: str
-
-
-@dataclass
-@final
-class JointState_(IdlStruct, typename="sensor_msgs.msg.dds_.JointState_"):
-    header: Header_
-    name: sequence[str]
-    position: sequence[float64]
-    velocity: sequence[float64]
-    effort: sequence[float64]
-
-
-@dataclass
-@final
-class JointTrajectoryPoint_(IdlStruct, typename="trajectory_msgs.msg.dds_.JointTrajectoryPoint_"):
-    positions: sequence[float64]
-    velocities: sequence[float64]
-    accelerations: sequence[float64]
-    effort: sequence[float64]
-    time_from_start: Duration_
-
-
-@dataclass
-@final
-class JointTrajectory_(IdlStruct, typename="trajectory_msgs.msg.dds_.JointTrajectory_"):
-    header: Header_
-    joint_names: sequence[str]
-    points: sequence[JointTrajectoryPoint_]
-
-
-QOS = Qos(
-    Policy.Reliability.Reliable(duration(milliseconds=100)),
-    Policy.Durability.Volatile,
-    Policy.History.KeepLast(1000),
-    Policy.DataRepresentation(use_cdrv0_representation=True, use_xcdrv2_representation=False),
-)
 
 
 class Motion:
@@ -99,6 +38,14 @@ class Motion:
         self.start_ns = message.header.stamp.sec * 10**9 + message.header.stamp.nanosec
         self.t = np.array([p.time_from_start.sec + 1e-9 * p.time_from_start.nanosec for p in message.points])
         self.q, self.v, self.a = take("positions"), take("velocities"), take("accelerations")
+
+    def entered(self, t, state):
+        """The same with a way to its first point, where that is still to come."""
+        if t < self.t[0]:
+            put = lambda first, rest: np.vstack([first, rest])  # noqa: E731
+            self.t = np.concatenate([[t], self.t])
+            self.q, self.v, self.a = put(state[0], self.q), put(state[1], self.v), put(state[2], self.a)
+        return self
 
     def at(self, t):
         """Position, velocity and acceleration: the polynomial that meets all three at both ends, by its equations."""
@@ -197,9 +144,11 @@ class Peer:
         for message in self.trajectories.take(4):
             if not isinstance(message, JointTrajectory_):
                 continue
+            if not message.points:
+                continue
+            motion = Motion(message, self.names)
+            now = 1e-9 * (stamp_ns - motion.start_ns)
+            if now > motion.t[-1]:
+                continue
             self.received.append(len(message.points))
-            if message.points:
-                self.motion = Motion(message, self.names)
-            elif self.motion is not None:
-                # Cancelled: it stands where it is.
-                self.pose, self.motion = self.now(stamp_ns)[0], None
+            self.motion = motion.entered(now, self.now(stamp_ns)) if self.motion else motion.entered(max(now, 0.0), self.now(stamp_ns))

@@ -79,8 +79,9 @@ class Experiment(unittest.TestCase):
         for what in ("lost", "gaps", "duplicates", "reordered", "clock_jumps"):
             self.assertEqual(stamps[what], 0, stamps)
         self.assertEqual((stamps["missing"], done["samples"]), ([], round(RATE_HZ * (0.5 + 1.0 + 4 * 4.0 + 1.0))))
-        # An approach and the experiment, each handed over whole.
-        self.assertEqual(len(peer.received), 2)
+        # An approach of a second and 19 s of the experiment, in pieces of half a second at most, each with its points.
+        self.assertGreater(len(peer.received), 2 * 20)
+        self.assertLess(max(peer.received), 30)
         # settle + ramp + 4 periods + ramp, ten times slower but for what is not the motion.
         armid("run", *run, "--arm", "analytic", "-o", str(simulated))
         rows = {}

@@ -35,7 +35,7 @@ impl Done {
         let at = |t: f64, phase: Phase| format!("at t = {t:.3} s ({})", phase.name());
         match &self.performed.ending {
             Ending::Completed => ("completed", String::new()),
-            Ending::Stopped { t, phase } => ("stopped", at(*t, *phase)),
+            Ending::Stopped { t, phase, rest } => ("stopped", format!("{}: {rest}", at(*t, *phase))),
             Ending::Diverged { t, phase, reason } => ("diverged", format!("{}: {reason}", at(*t, *phase))),
             Ending::Tripped { t, phase, trip } => ("tripped", format!("{}: {trip}", at(*t, *phase))),
         }
@@ -54,9 +54,19 @@ impl Done {
             "reason": trip.reason,
             "action": trip.action.name(),
             "bound_ms": trip.bound_ms,
+            "rest": trip.rest,
             "t_s": t,
             "phase": phase.name(),
         })
+    }
+
+    /// Whether an arm that was asked to stop was seen at rest; null where none was asked.
+    fn rest(&self) -> Value {
+        match &self.performed.ending {
+            Ending::Stopped { rest, .. } => json!(rest),
+            Ending::Tripped { trip, .. } => json!(trip.rest),
+            Ending::Completed | Ending::Diverged { .. } => Value::Null,
+        }
     }
 
     fn json(&self) -> Value {
@@ -71,6 +81,7 @@ impl Done {
             "ending": ending,
             "detail": detail,
             "trip": self.trip(),
+            "rest": self.rest(),
             "speed": self.speed.part(),
             "guard": self.performed.guard,
             "stamps": self.performed.stamps,

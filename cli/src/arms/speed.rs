@@ -8,6 +8,9 @@ use miette::Result;
 
 use super::Experiment;
 
+/// Part of a line that a slower motion uses: the rest is for the servo and the encoders.
+const REDUCED: f64 = 0.9;
+
 /// A part of the speed that a motion was designed for.
 #[derive(Clone, Copy, Debug, PartialEq, PartialOrd)]
 pub(crate) struct Speed(f64);
@@ -20,6 +23,11 @@ impl Speed {
 
     pub(crate) const fn part(self) -> f64 {
         self.0
+    }
+
+    /// The same speed, or as much of it as is needed to stay below a line where the designed speed is at `used` of it.
+    pub(crate) fn below(self, used: f64) -> Self {
+        if used * self.0 > REDUCED { Self(REDUCED / used) } else { self }
     }
 
     /// The speed up to which a real arm must have performed this motion before.
@@ -80,7 +88,7 @@ pub(crate) fn check_earlier(experiment: &Experiment, speed: Speed, motion: &str,
 /// Why a recording does not show that a real arm performed a motion at `needed` or more.
 fn objection(notes: &Notes, experiment: &Experiment, needed: Speed, motion: &str) -> Option<String> {
     let note = |key: &str| notes.beginning.get(key).map(String::as_str);
-    let speed = note("speed").and_then(|speed| speed.parse::<f64>().ok()).unwrap_or(1.0);
+    let speed = note("speed").and_then(|speed| speed.parse::<f64>().ok()).filter(|speed| speed.is_finite());
     if note("arm") != Some(experiment.arm.name()) {
         Some(format!("was recorded on arm {}", note("arm").unwrap_or("unknown")))
     } else if !notes.is_complete() {
@@ -89,10 +97,13 @@ fn objection(notes: &Notes, experiment: &Experiment, needed: Speed, motion: &str
         Some("is of another robot file".to_owned())
     } else if note("motion") != Some(motion) {
         Some("is of another motion".to_owned())
-    } else if speed < needed.part() - 1e-9 {
-        Some(format!("went at {} %", 100.0 * speed))
     } else {
-        None
+        match speed {
+            // What is not said is no permission.
+            None => Some("does not say how fast it went".to_owned()),
+            Some(speed) if speed < needed.part() - 1e-9 => Some(format!("went at {} %", 100.0 * speed)),
+            Some(_) => None,
+        }
     }
 }
 

@@ -6,7 +6,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use armid::experiment::{Plant, Sensing};
 use armid::seed::Seed;
-use armid_hardware::computer::{Computer, Fault as ComputerFault, Progress, ServeOptions, Watchdog, serve};
+use armid_hardware::computer::{
+    Fault as ControllerFault, Progress, Replacement, RobotController, ServeOptions, Watchdog, serve,
+};
 use armid_hardware::link::LinkSettings;
 use armid_io::Error as Fault;
 use miette::Result;
@@ -34,6 +36,10 @@ motion began (NAME@motion+SECONDS):
   die          the process dies at once
   order        the first two joints' values change places, their names do not
   nan          the first joint's position is not a number
+  late-answer  motions are taken at once, and said to be taken a second later
+  lost-result  how a motion ended is never said
+  strange-state  the state in words is one that nobody knows
+  oscillation  the first joint's current swings between its limit and zero
 
 Examples:
   armid controller crs-a460 --arm analytic
@@ -63,9 +69,12 @@ pub(crate) struct Arguments {
     /// The arm has not found its joints' zero positions: it says so and moves nothing
     #[arg(long)]
     not_homed: bool,
+    /// What becomes of a motion under way where another is handed over, as in versions of joint_trajectory_controller
+    #[arg(long, default_value = "at-once", value_parser = one_of(&Replacement::ALL, Replacement::name))]
+    replacement: Replacement,
     /// What goes wrong, and when
-    #[arg(long, value_name = "NAME@SECONDS", value_parser = ComputerFault::parse)]
-    fault: Option<ComputerFault>,
+    #[arg(long, value_name = "NAME@SECONDS", value_parser = ControllerFault::parse)]
+    fault: Option<ControllerFault>,
     /// Write every servo step here: time, command, current, position, events
     #[arg(long, value_name = "L.csv")]
     log: Option<PathBuf>,
@@ -100,11 +109,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let clock = (rate, i64::try_from(now).unwrap_or(0));
     let seed = (Seed::new(arguments.seed), 0);
     let watchdog = Watchdog { hold_s: 1e-3 * arguments.hold_ms, disable_s: 1e-3 * arguments.disable_ms };
-    let mut computer = Computer::new(simulation.robot(), &simulation.nominal, plant, &Sensing::default(), seed, clock)
-        .map_err(|error| fault(&error))?
-        .with_fault(arguments.fault)
-        .with_homed(!arguments.not_homed)
-        .with_watchdog(watchdog);
+    let mut computer =
+        RobotController::new(simulation.robot(), &simulation.nominal, plant, &Sensing::default(), seed, clock)
+            .map_err(|error| fault(&error))?
+            .with_fault(arguments.fault)
+            .with_homed(!arguments.not_homed)
+            .with_replacement(arguments.replacement)
+            .with_watchdog(watchdog);
     if !simulation.truth.motors.is_empty() {
         computer = computer.with_motors(&simulation.truth.motors);
     }

@@ -27,7 +27,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// The experiment whose `[ros2]` says where the robot is heard
+    /// The experiment whose `[ros2]` says where the robot is received
     experiment: String,
     /// ROS domain, in place of the file's
     #[arg(long)]

@@ -7,6 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use armid::excitation::effort::{EffortModel, ParameterSpread};
 use armid::excitation::{Certificate, VerificationError, verify_certificate, verify_performance};
 use armid::experiment::{Ending as PlanEnding, Sink};
+use armid_hardware::guard::flange_speed;
 use armid_io::Error as Fault;
 use armid_io::recording::{CsvSink, FileSink, McapSink, beside, part_of};
 use miette::Result;
@@ -53,7 +54,14 @@ Examples:
   armid run experiment.toml --resume -o R.mcap   # after a crash, at the next period
   armid run experiment.toml --arm replay --recording R.mcap -o again.mcap
   armid run experiment.toml --arm ros2 --first-run -o R.mcap     # 10 %, 50 %, 100 % of the speed
-  armid run experiment.toml --arm ros2 --earlier R.mcap -o next.mcap";
+  armid run experiment.toml --arm ros2 --earlier R.mcap -o next.mcap
+
+Exit status: 0 done, 1 a guard tripped and the arm was seen at rest, 2 refused before anything moved,
+3 NOT CONFIRMED: the arm was asked to stop and nobody saw it at rest, 130 interrupted, at rest.";
+
+/// What a person must hear where nobody saw the arm at rest.
+const NOT_CONFIRMED: &str = "NOT CONFIRMED: the arm was asked to stop and was not seen at rest. It may still be moving: \
+                             press the emergency stop and look.";
 
 /// Perform an experiment and write a recording
 #[derive(Debug, clap::Args)]
@@ -98,7 +106,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 
     let mut earlier = arguments.guarding.earlier.clone();
     let (mut steps, mut whole) = (Vec::new(), None);
+    let reduced = reduced_use(&mut experiment, arguments.guarding.reduced_speed)?;
     for speed in arguments.guarding.speeds() {
+        let speed = speed.below(reduced);
         let slowed = at_speed(&experiment, speed, arguments.guarding.first_run);
         fits(&slowed)?;
         let path = if arguments.guarding.first_run { speed::step_path(&path, speed) } else { path.clone() };
@@ -134,10 +144,25 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         _ => console.show(&answer(&steps))?,
     }
     Ok(steps.last().map_or(Ending::Done, |done| match done.performed.ending {
+        _ if done.performed.ending.is_unconfirmed() => {
+            console.alarm(NOT_CONFIRMED);
+            Ending::NotConfirmed
+        }
         PlanEnding::Completed => Ending::Done,
         PlanEnding::Stopped { .. } => Ending::Interrupted,
         PlanEnding::Diverged { .. } | PlanEnding::Tripped { .. } => Ending::Negative,
     }))
+}
+
+/// Sets the line of `--reduced-speed`, and says how much of it the flange uses at the designed speed.
+fn reduced_use(experiment: &mut Experiment, line_mm_s: Option<f64>) -> Result<f64> {
+    let Some(line) = line_mm_s else { return Ok(0.0) };
+    if !(line > 0.0 && line <= 1000.0) {
+        return Err(Fault::new(format!("--reduced-speed is {line}, expected more than 0 and at most 1000 mm/s")).into());
+    }
+    experiment.guard.reduced_speed_mm_s = line;
+    let layout = experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    Ok(1e3 * flange_speed(&experiment.robot.robot, &experiment.plan, &layout) / line)
 }
 
 /// The experiment at a part of its speed; before full speed, one period shows what there is to see.
@@ -220,8 +245,13 @@ fn perform(
         None => arms::perform(experiment.arm, experiment, arguments.recording.as_deref(), sink),
         Some(part) => part.perform(experiment, arguments.recording.as_deref(), sink),
     };
-    let performed =
-        if experiment.arm == ArmKind::Ros2 { beside(&mut *sink, interrupt::asked, work)? } else { work(&mut *sink)? };
+    let performed = if experiment.arm == ArmKind::Ros2 {
+        // No signal ends this process before the arm is at rest.
+        let _moving = interrupt::moving();
+        beside(&mut *sink, interrupt::asked, work)?
+    } else {
+        work(&mut *sink)?
+    };
     let written = sink.finish(&performed.ending, performed.remarks())?;
     bar.finish_and_clear();
     Ok(Done { experiment: experiment.clone(), performed, samples: taken.into_inner(), written, speed })

@@ -1,6 +1,6 @@
 //! A frame: pure, so that a test can look at it.
 
-use armid_hardware::guard::Doing;
+use armid_hardware::guard::Activity;
 use ratatui::Frame;
 use ratatui::Terminal;
 use ratatui::backend::TestBackend;
@@ -37,7 +37,7 @@ fn block(title: &str) -> Block<'static> {
     Block::new().borders(Borders::ALL).title(format!(" {title} "))
 }
 
-/// Rates, ages, and what the stamps told.
+/// Rates, ages, and what the stamps reported.
 fn link(view: &View) -> Paragraph<'_> {
     let sight = &view.sight;
     let age = if sight.age_s.is_finite() {
@@ -125,10 +125,10 @@ fn guard(view: &View) -> Paragraph<'_> {
     };
     let (word, style) = match (&state.trip, state.doing) {
         (Some(_), _) => ("TRIPPED", BAD),
-        (None, Doing::Ended) => ("ended", GOOD),
+        (None, Activity::Ended) => ("ended", GOOD),
         (None, _) if age_s > GONE_S => ("silent", BAD),
-        (None, Doing::Approach) => ("watching the approach", GOOD),
-        (None, Doing::Experiment) => ("watching", GOOD),
+        (None, Activity::Approach) => ("watching the approach", GOOD),
+        (None, Activity::Experiment) => ("watching", GOOD),
     };
     let at = format!(
         "   {} at t = {:.1} s, {} mode, told {:.1} s ago",
@@ -181,11 +181,11 @@ mod tests {
     use armid::model::{bundled, format::parse_robot};
     use armid_hardware::guard::{GuardSettings, GuardState, Mode};
     use armid_hardware::link::{JointRow, StampFindings};
-    use armid_hardware::monitor::Sight;
+    use armid_hardware::monitor::Snapshot;
 
     use super::*;
 
-    fn view(change: impl FnOnce(&mut Sight)) -> View {
+    fn view(change: impl FnOnce(&mut Snapshot)) -> View {
         let entry = bundled().iter().find(|entry| entry.name == "crs-a460").unwrap();
         let robot = parse_robot(entry.robot).unwrap();
         let q = [-20.0, 80.0, 0.0, 179.0, -50.0, 12.0].map(f64::to_radians).to_vec();
@@ -194,13 +194,13 @@ mod tests {
         let used: BTreeMap<String, f64> = used.into_iter().map(|(name, used)| (name.to_owned(), used)).collect();
         let state = GuardState {
             mode: Mode::Trajectory,
-            doing: Doing::Experiment,
+            doing: Activity::Experiment,
             phase: Phase::Record,
             t_s: 12.3,
             used,
             trip: None,
         };
-        let mut sight = Sight {
+        let mut sight = Snapshot {
             row: Some(row),
             age_s: 0.002,
             rate_hz: 499.6,

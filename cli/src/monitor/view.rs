@@ -2,7 +2,7 @@
 
 use armid::model::{EffortInterface, JointKind, Robot};
 use armid_hardware::guard::{GuardSettings, GuardState, JointBounds};
-use armid_hardware::monitor::Sight;
+use armid_hardware::monitor::Snapshot;
 
 /// Everything that a frame shows.
 #[derive(Clone, Debug)]
@@ -12,7 +12,7 @@ pub(crate) struct View {
     /// Where it is listened to.
     pub(crate) place: String,
     /// What was seen.
-    pub(crate) sight: Sight,
+    pub(crate) sight: Snapshot,
     /// One row for each joint.
     pub(crate) joints: Vec<JointView>,
 }
@@ -33,7 +33,7 @@ pub(crate) struct JointView {
 
 impl View {
     /// A frame of what was seen of a robot whose guard has these settings.
-    pub(crate) fn new(robot: &Robot, settings: &GuardSettings, place: &str, sight: &Sight) -> Self {
+    pub(crate) fn new(robot: &Robot, settings: &GuardSettings, place: &str, sight: &Snapshot) -> Self {
         let joint = |(j, (joint, bounds)): (usize, (&armid::model::Joint, JointBounds))| {
             let (unit, scale) = match joint.kind {
                 JointKind::Revolute => ("°", 180.0 / std::f64::consts::PI),

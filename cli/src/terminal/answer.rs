@@ -11,6 +11,8 @@ pub(crate) enum Ending {
     Negative,
     /// Interrupted; what was finished is kept.
     Interrupted,
+    /// An arm was asked to stop, and nobody saw it at rest.
+    NotConfirmed,
 }
 
 impl Ending {
@@ -19,6 +21,7 @@ impl Ending {
             Self::Done => 0,
             Self::Negative => 1,
             Self::Interrupted => 130,
+            Self::NotConfirmed => 3,
         })
     }
 }

@@ -47,6 +47,11 @@ impl Console {
         }
     }
 
+    /// A message that must be heard, whoever reads and however quiet it is to be.
+    pub(crate) fn alarm(&self, message: &str) {
+        let _ = writeln!(std::io::stderr(), "{message}");
+    }
+
     /// What went wrong.
     pub(crate) fn fault(&self, report: &miette::Report) {
         let _ = writeln!(std::io::stderr(), "{report:?}");

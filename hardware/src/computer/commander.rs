@@ -48,6 +48,39 @@ impl Default for Watchdog {
     }
 }
 
+/// What becomes of a motion under way where another one is handed over: versions of `joint_trajectory_controller` differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Replacement {
+    /// The old one is forgotten at once; where the new one's first points are past, it is joined in its midst (issue 896).
+    #[default]
+    AtOnce,
+    /// One that begins later waits until then (pull request 2401); otherwise as `AtOnce`.
+    Deferred,
+    /// One that begins later is spliced in where it begins; one whose stamp is past begins anew, now (pull request 2419).
+    Spliced,
+    /// It is refused.
+    Refused,
+    /// Both end (issue 1241).
+    BothCancelled,
+}
+
+impl Replacement {
+    /// All.
+    pub const ALL: [Self; 5] = [Self::AtOnce, Self::Deferred, Self::Spliced, Self::Refused, Self::BothCancelled];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::AtOnce => "at-once",
+            Self::Deferred => "deferred",
+            Self::Spliced => "spliced",
+            Self::Refused => "refused",
+            Self::BothCancelled => "both-cancelled",
+        }
+    }
+}
+
 /// How a motion that was handed over ended.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Outcome {
@@ -60,7 +93,7 @@ pub enum Outcome {
 }
 
 #[derive(Clone, Debug)]
-enum Doing {
+enum Activity {
     Hold,
     Follow(Box<Follow>),
     Stream(Stream),
@@ -75,6 +108,8 @@ struct Follow {
     offset: Vec<f64>,
     /// When it was cancelled, and how long coming to rest takes, s.
     brake: Option<(f64, f64)>,
+    /// What takes its place, and when, s.
+    next: Option<(Spline, f64)>,
 }
 
 #[derive(Clone, Debug)]
@@ -103,9 +138,10 @@ pub struct Commander {
     dt: f64,
     q: Vec<f64>,
     qd: Vec<f64>,
-    doing: Doing,
+    doing: Activity,
     outcome: Option<Outcome>,
     began_s: Option<f64>,
+    replacement: Replacement,
 }
 
 impl Commander {
@@ -113,7 +149,18 @@ impl Commander {
     #[must_use]
     pub fn new(limits: Vec<JointLimits>, watchdog: Watchdog, dt: f64, q: &[f64]) -> Self {
         let qd = vec![0.0; q.len()];
-        Self { limits, watchdog, dt, q: q.to_vec(), qd, doing: Doing::Hold, outcome: None, began_s: None }
+        let (q, replacement) = (q.to_vec(), Replacement::default());
+        Self { limits, watchdog, dt, q, qd, doing: Activity::Hold, outcome: None, began_s: None, replacement }
+    }
+
+    /// Treats a motion that comes while another is under way so.
+    pub fn set_replacement(&mut self, replacement: Replacement) {
+        self.replacement = replacement;
+    }
+
+    /// The watchdog of set-points.
+    pub fn set_watchdog(&mut self, watchdog: Watchdog) {
+        self.watchdog = watchdog;
     }
 
     /// The limits.
@@ -132,7 +179,7 @@ impl Commander {
     #[must_use]
     pub fn off(&self) -> Option<&str> {
         match &self.doing {
-            Doing::Off(reason) => Some(reason),
+            Activity::Off(reason) => Some(reason),
             _ => None,
         }
     }
@@ -141,10 +188,10 @@ impl Commander {
     #[must_use]
     pub fn doing(&self) -> &'static str {
         match &self.doing {
-            Doing::Hold => "hold",
-            Doing::Follow(_) => "follow",
-            Doing::Stream(_) => "stream",
-            Doing::Off(_) => "off",
+            Activity::Hold => "hold",
+            Activity::Follow(_) => "follow",
+            Activity::Stream(_) => "stream",
+            Activity::Off(_) => "off",
         }
     }
 
@@ -154,7 +201,7 @@ impl Commander {
         self.began_s
     }
 
-    /// How a motion that was handed over has ended, told once.
+    /// How a motion that was handed over has ended, reported once.
     pub fn outcome(&mut self) -> Option<Outcome> {
         self.outcome.take()
     }
@@ -164,29 +211,80 @@ impl Commander {
     /// # Errors
     /// Why it is refused.
     pub fn follow(&mut self, spline: Spline, start_s: f64, t: f64) -> Result<(), String> {
+        if start_s + spline.duration_s() < t - self.dt {
+            return Err(format!("it ended {:.3} s ago, expected an end to come", t - start_s - spline.duration_s()));
+        }
         match &self.doing {
-            Doing::Off(reason) => return Err(format!("the motors are off: {reason}")),
-            Doing::Follow(_) => return Err("another motion is under way".to_owned()),
-            Doing::Hold | Doing::Stream(_) => {}
+            Activity::Off(reason) => return Err(format!("the motors are off: {reason}")),
+            Activity::Follow(_) => return self.replace(spline, start_s, t),
+            Activity::Hold | Activity::Stream(_) => {}
         }
         if self.qd.iter().any(|qd| qd.abs() > REST) {
             return Err("the arm is not at rest".to_owned());
         }
-        if start_s < t - self.dt {
-            return Err(format!("it begins {:.3} s ago, expected now or later", t - start_s));
-        }
-        let (first_s, first) = spline.first();
-        let offset: Vec<f64> = self.q.iter().zip(first).map(|(q, first)| q - first).collect();
-        if let Some(j) = offset.iter().position(|offset| offset.abs() > START_TOLERANCE) {
-            let (name, found, expected) = (&self.limits[j].name, first[j], self.q[j]);
-            // A first point that is not at the beginning leaves time to go there; none of ours does.
-            let when = if first_s > 0.0 { format!(" at {first_s} s") } else { String::new() };
-            return Err(format!(
-                "joint \"{name}\": it begins at {found:.4}{when}, expected {expected:.4} within {START_TOLERANCE}, where the arm stands"
-            ));
-        }
-        self.doing = Doing::Follow(Box::new(Follow { spline, start_s, offset, brake: None }));
+        let spline = self.enter(spline, t - start_s)?;
+        let mut first = vec![0.0; self.q.len()];
+        spline.at((t - start_s).max(0.0), &mut first, &mut vec![0.0; self.q.len()]);
+        let offset = self.q.iter().zip(&first).map(|(q, first)| q - first).collect();
+        self.doing = Activity::Follow(Box::new(Follow { spline, start_s, offset, brake: None, next: None }));
         self.outcome = None;
+        Ok(())
+    }
+
+    /// The motion, entered at time `now` of its own: from where the joints are commanded to be, which must be close to it,
+    /// or on the way to its first point.
+    fn enter(&self, spline: Spline, now: f64) -> Result<Spline, String> {
+        let first_s = spline.first().0;
+        if first_s > now.max(0.0) {
+            let entered = spline.entered(now.max(0.0), &self.q, &self.qd, &self.limits);
+            return entered.map_err(|unfit| unfit.reason);
+        }
+        let mut q = vec![0.0; self.q.len()];
+        spline.at(now.max(0.0), &mut q, &mut vec![0.0; self.q.len()]);
+        match (0..q.len()).find(|&j| (q[j] - self.q[j]).abs() > START_TOLERANCE) {
+            None => Ok(spline),
+            Some(j) => {
+                let (name, found, expected) = (&self.limits[j].name, q[j], self.q[j]);
+                Err(format!(
+                    "joint \"{name}\": it is at {found:.4} now, expected {expected:.4} within {START_TOLERANCE}, where the arm is"
+                ))
+            }
+        }
+    }
+
+    /// Takes a motion while another is under way.
+    fn replace(&mut self, spline: Spline, start_s: f64, t: f64) -> Result<(), String> {
+        let later = start_s > t + self.dt;
+        match self.replacement {
+            Replacement::Refused => return Err("another motion is under way".to_owned()),
+            Replacement::BothCancelled => {
+                self.cancel(t);
+                return Ok(());
+            }
+            Replacement::Deferred | Replacement::Spliced if later => {
+                if let Activity::Follow(follow) = &mut self.doing {
+                    follow.next = Some((spline, start_s));
+                }
+                return Ok(());
+            }
+            Replacement::Spliced => {
+                // It forgets the stamp: what was to begin earlier begins now, with a way to its first point.
+                let entered = spline.clone().entered(0.0, &self.q, &self.qd, &self.limits);
+                return self.install(if spline.first().0 > 0.0 { entered.unwrap_or(spline) } else { spline }, t);
+            }
+            Replacement::AtOnce | Replacement::Deferred => {}
+        }
+        let spline = self.enter(spline, t - start_s)?;
+        self.install(spline, start_s)
+    }
+
+    fn install(&mut self, spline: Spline, start_s: f64) -> Result<(), String> {
+        if let Activity::Follow(follow) = &mut self.doing {
+            let same = (follow.start_s - start_s).abs() < 1e-9;
+            let offset = if same { follow.offset.clone() } else { vec![0.0; self.q.len()] };
+            **follow = Follow { spline, start_s, offset, brake: None, next: None };
+            self.outcome = None;
+        }
         Ok(())
     }
 
@@ -194,17 +292,18 @@ impl Commander {
     pub fn cancel(&mut self, t: f64) -> bool {
         let span = stopping_time(&self.limits, &self.qd);
         match &mut self.doing {
-            Doing::Follow(follow) => {
+            Activity::Follow(follow) => {
+                follow.next = None;
                 follow.brake.get_or_insert((t.max(follow.start_s), span));
                 true
             }
-            Doing::Stream(stream) => {
+            Activity::Stream(stream) => {
                 // As if no set-point had come for too long.
                 stream.arrived_s = stream.arrived_s.min(t - self.watchdog.hold_s - self.dt);
                 stream.moving = false;
                 true
             }
-            Doing::Hold | Doing::Off(_) => false,
+            Activity::Hold | Activity::Off(_) => false,
         }
     }
 
@@ -213,11 +312,11 @@ impl Commander {
     pub fn set_point(&mut self, goal: &[f64], t: f64) -> bool {
         let fits = goal.len() == self.q.len()
             && goal.iter().zip(&self.limits).all(|(q, joint)| *q >= joint.position.0 && *q <= joint.position.1);
-        if !fits || matches!(self.doing, Doing::Off(_) | Doing::Follow(_)) {
+        if !fits || matches!(self.doing, Activity::Off(_) | Activity::Follow(_)) {
             return false;
         }
         let before = match &self.doing {
-            Doing::Stream(stream) => Some(stream),
+            Activity::Stream(stream) => Some(stream),
             _ => None,
         };
         if before.is_none() && goal.iter().zip(&self.q).any(|(goal, q)| (goal - q).abs() > START_TOLERANCE) {
@@ -229,17 +328,17 @@ impl Commander {
         if moving {
             self.began_s.get_or_insert(t);
         }
-        self.doing = Doing::Stream(Stream { goal: goal.to_vec(), arrived_s: t, due_s: t + since, moving });
+        self.doing = Activity::Stream(Stream { goal: goal.to_vec(), arrived_s: t, due_s: t + since, moving });
         true
     }
 
     /// Switches the motors off, for good.
     pub fn switch_off(&mut self, reason: impl Into<String>) {
-        if matches!(self.doing, Doing::Follow(_)) {
+        if matches!(self.doing, Activity::Follow(_)) {
             self.outcome = Some(Outcome::Aborted);
         }
-        if !matches!(self.doing, Doing::Off(_)) {
-            self.doing = Doing::Off(reason.into());
+        if !matches!(self.doing, Activity::Off(_)) {
+            self.doing = Activity::Off(reason.into());
             self.qd.fill(0.0);
         }
     }
@@ -248,29 +347,33 @@ impl Commander {
     pub fn step(&mut self, t: f64) {
         let before = self.q.clone();
         match &mut self.doing {
-            Doing::Off(_) => return,
-            Doing::Hold => slow_down(&self.limits, self.dt, &mut self.q, &self.qd),
-            Doing::Follow(follow) => {
+            Activity::Off(_) => return,
+            Activity::Hold => slow_down(&self.limits, self.dt, &mut self.q, &self.qd),
+            Activity::Follow(follow) => {
                 if t >= follow.start_s {
                     self.began_s.get_or_insert(t);
                 }
+                if let Some((spline, start_s)) = follow.next.take_if(|(_, start_s)| t >= *start_s) {
+                    let offset = vec![0.0; self.q.len()];
+                    **follow = Follow { spline, start_s, offset, brake: None, next: None };
+                }
                 if let Some(outcome) = follow.step(t, &mut self.q) {
                     self.outcome = Some(outcome);
-                    self.doing = Doing::Hold;
+                    self.doing = Activity::Hold;
                 }
             }
-            Doing::Stream(stream) => {
+            Activity::Stream(stream) => {
                 let age = t - stream.arrived_s;
                 if age > self.watchdog.disable_s && stream.moving {
                     let reason = format!("disabled: no set-point for {:.0} ms", 1e3 * self.watchdog.disable_s);
-                    self.doing = Doing::Off(reason);
+                    self.doing = Activity::Off(reason);
                     self.qd.fill(0.0);
                     return;
                 }
                 if age > self.watchdog.hold_s {
                     slow_down(&self.limits, self.dt, &mut self.q, &self.qd);
                     if !stream.moving && self.qd.iter().all(|qd| qd.abs() < REST) {
-                        self.doing = Doing::Hold;
+                        self.doing = Activity::Hold;
                     }
                 } else {
                     stream.step(t, self.dt, &mut self.q);

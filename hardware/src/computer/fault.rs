@@ -3,7 +3,7 @@
 /// Every fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
-    /// The computer hangs: nothing is sent, heard or commanded any more. The drives miss their servo and brake.
+    /// The computer hangs: nothing is sent, received or commanded any more. The drives miss their servo and brake.
     Freeze,
     /// 98 of 100 joint states are lost on the way.
     Drop,
@@ -21,11 +21,19 @@ pub enum FaultKind {
     Order,
     /// The first joint's position is not a number.
     Nan,
+    /// Motions are taken at once, and said to be taken a second later.
+    LateAnswer,
+    /// How a motion ended is never said.
+    LostResult,
+    /// The state in words is one that nobody knows.
+    StrangeState,
+    /// Every second state says that the first joint draws all that its drive allows, and the others that it draws none.
+    Oscillation,
 }
 
 impl FaultKind {
     /// All.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 13] = [
         Self::Freeze,
         Self::Drop,
         Self::Jitter,
@@ -35,6 +43,10 @@ impl FaultKind {
         Self::Die,
         Self::Order,
         Self::Nan,
+        Self::LateAnswer,
+        Self::LostResult,
+        Self::StrangeState,
+        Self::Oscillation,
     ];
 
     /// Its name on the command line.
@@ -50,6 +62,10 @@ impl FaultKind {
             Self::Die => "die",
             Self::Order => "order",
             Self::Nan => "nan",
+            Self::LateAnswer => "late-answer",
+            Self::LostResult => "lost-result",
+            Self::StrangeState => "strange-state",
+            Self::Oscillation => "oscillation",
         }
     }
 }

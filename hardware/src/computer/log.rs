@@ -8,7 +8,7 @@ use std::path::Path;
 use super::Report;
 
 /// A CSV with one line for each servo step: `t,doing,command1..n,current1..n,q1..n,event`. Commands are empty while the
-/// motors are off. Each line is written at once, so that whatever kills the process leaves all lines before.
+/// motors are off. Each line is written at once, so that anything that kills the process leaves all lines before.
 pub struct StepLog {
     file: Option<File>,
     line: String,

@@ -2,19 +2,19 @@
 //! with faults on demand.
 //!
 //! ```text
-//!            ┌── Wire: action, topics ──┐          orders            ┌───── Computer: one step per servo period ─────┐
+//!            ┌── Wire: action, topics ──┐          orders            ┌───── RobotController: one step per servo period ─────┐
 //!  DDS ←───→ │ goals checked and joined │ ───────────────────────→  │ Commander ─ JointLoop ─ Plant     Fault       │ ─→ log
 //!            └──────────────────────────┘ ←──────────────────────── └────────────────────────────────────────────────┘
 //!                                            states, results
 //! ```
-//! [`Computer`] and everything in it have no clock and no network: time is the number of servo steps. [`serve`] paces
+//! [`RobotController`] and everything in it have no clock and no network: time is the number of servo steps. [`serve`] paces
 //! them by the wall clock and counts the deadlines that were missed.
 //!
 //! What it refuses and stops by itself, whoever commands it:
 //!
 //! | what | does |
 //! |---|---|
-//! | a motion with wrong joints, outside a limit, in the past, or that begins elsewhere | is refused |
+//! | a motion with wrong joints, no point, outside a limit, past, or that begins elsewhere | is refused |
 //! | a set-point outside the position limits or not finite | is not taken |
 //! | a set-point faster than the speed limit | is followed at the speed limit |
 //! | no set-point for 20 ms while moving | brings the arm to rest |
@@ -23,7 +23,7 @@
 //! | a current above the drive's limit | is clamped |
 
 mod commander;
-mod robot_computer;
+mod robot_controller;
 mod fault;
 mod log;
 mod pace;
@@ -32,10 +32,10 @@ mod serve;
 mod spline;
 mod wire;
 
-pub use commander::{Commander, JointLimits, Watchdog};
+pub use commander::{Commander, JointLimits, Replacement, Watchdog};
 pub use fault::{Fault, FaultKind};
 pub use log::StepLog;
 pub use pace::Deadlines;
-pub use robot_computer::{Computer, ComputerError, Output, Report};
+pub use robot_controller::{Output, Report, RobotController, RobotControllerError};
 pub use serve::{Progress, ServeError, ServeOptions, serve};
 pub use spline::{Spline, Unfit};

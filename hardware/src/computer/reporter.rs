@@ -27,12 +27,14 @@ pub(super) struct Reporter {
     last_q: Vec<f64>,
     late: Vec<Late>,
     chance: u64,
+    /// States so far.
+    count: u64,
 }
 
 impl Reporter {
     /// Reports every `span_s` seconds of an arm that stands at `q`; chance is that of `run`.
     pub(super) fn new(span_s: f64, q: &[f64], run: u64) -> Self {
-        Self { span_s, last_q: q.to_vec(), late: Vec::new(), chance: 0x9e37_79b9_7f4a_7c15 ^ run }
+        Self { span_s, last_q: q.to_vec(), late: Vec::new(), chance: 0x9e37_79b9_7f4a_7c15 ^ run, count: 0 }
     }
 
     /// A number in [0, 1): the middle bits of Vigna's splitmix64.
@@ -56,15 +58,15 @@ impl Reporter {
         let (mut position, mut effort) = (q.to_vec(), effort.to_vec());
         let velocity = position.iter().zip(&self.last_q).map(|(q, last)| (q - last) / self.span_s).collect();
         self.last_q.copy_from_slice(&position);
+        self.count += 1;
+        let drive = &robot.joints()[0].drive;
+        let most = match robot.effort() {
+            EffortInterface::Current => drive.current_limit,
+            EffortInterface::Torque => drive.current_limit * drive.torque_per_ampere(),
+        };
         match fault {
-            Some(FaultKind::Overcurrent) => {
-                let drive = &robot.joints()[0].drive;
-                effort[0] = 1.5
-                    * match robot.effort() {
-                        EffortInterface::Current => drive.current_limit,
-                        EffortInterface::Torque => drive.current_limit * drive.torque_per_ampere(),
-                    };
-            }
+            Some(FaultKind::Overcurrent) => effort[0] = 1.5 * most,
+            Some(FaultKind::Oscillation) => effort[0] = if self.count.is_multiple_of(2) { most } else { 0.0 },
             Some(FaultKind::Nan) => position[0] = f64::NAN,
             Some(FaultKind::Order) if position.len() > 1 => {
                 position.swap(0, 1);

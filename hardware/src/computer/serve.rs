@@ -1,13 +1,14 @@
 //! The robot's computer in real time: steps by the wall clock, orders from the network, news to it.
 
+use std::collections::VecDeque;
 use std::path::PathBuf;
 use std::time::Duration;
 
 use armid::experiment::{Plant, PlantError};
 
 use super::pace::Pace;
-use super::wire::{News, Order, Wire};
-use super::{Computer, Deadlines, Output, StepLog};
+use super::wire::{Event, Order, Wire};
+use super::{Deadlines, FaultKind, Output, RobotController, StepLog};
 use crate::link::{LinkError, LinkSettings};
 use crate::message::{FollowFeedback, TrajectoryPoint};
 
@@ -56,15 +57,17 @@ pub struct Progress {
 
 /// How often the state in words goes out, and feedback about a motion, in steps of the servo.
 const WORDS_S: f64 = 0.05;
+/// How late answers are in [`FaultKind::LateAnswer`], s.
+const LATE_S: f64 = 1.0;
 /// How long the network is given to take the last news.
 const FAREWELL: Duration = Duration::from_millis(50);
 
-/// Serves until `go_on` says no or the time is over. `go_on` hears how it goes ten times a second.
+/// Serves until `go_on` says no or the time is over. `go_on` receives how it goes ten times a second.
 ///
 /// # Errors
 /// [`ServeError`] where the network or the log cannot be opened, or the plant gives up.
 pub fn serve<P: Plant>(
-    computer: &mut Computer<P>,
+    computer: &mut RobotController<P>,
     options: &ServeOptions,
     go_on: &mut dyn FnMut(&Progress) -> bool,
 ) -> Result<Progress, ServeError> {
@@ -76,10 +79,17 @@ pub fn serve<P: Plant>(
     let every = (WORDS_S / computer.dt()).round().max(1.0) as u64;
     let mut output = Vec::new();
     let (mut steps, mut orders, mut last_state) = (0_u64, 0_u64, String::new());
+    let mut late: VecDeque<(f64, Event)> = VecDeque::new();
     loop {
         for order in wire.orders.try_iter() {
             orders += 1;
-            obey(computer, order, &wire);
+            if let Some(answer) = obey(computer, order) {
+                let due_s = if computer.struck() == Some(FaultKind::LateAnswer) { computer.t() + LATE_S } else { 0.0 };
+                late.push_back((due_s, answer));
+            }
+        }
+        while late.front().is_some_and(|(due_s, _)| *due_s <= computer.t()) {
+            late.drain(..1).for_each(|(_, answer)| send(&wire, answer));
         }
         let mut feedback = None;
         output.clear();
@@ -92,17 +102,18 @@ pub fn serve<P: Plant>(
         let state = computer.state();
         for out in output.drain(..) {
             match out {
-                Output::State(state) => send(&wire, News::State(state)),
-                Output::Ended(outcome, reason) => send(&wire, News::Ended(outcome, reason)),
+                Output::State(state) => send(&wire, Event::State(state)),
+                Output::Ended(..) if computer.struck() == Some(FaultKind::LostResult) => {}
+                Output::Ended(outcome, reason) => send(&wire, Event::Ended(outcome, reason)),
                 Output::Die => std::process::abort(),
             }
         }
         if !computer.is_frozen() {
             if state != last_state || steps.is_multiple_of(every) {
-                send(&wire, News::Words(state.clone()));
+                send(&wire, Event::Words(state.clone()));
             }
             if let Some((desired, actual)) = feedback {
-                send(&wire, News::Feedback(Box::new(feedback_of(computer, desired, actual))));
+                send(&wire, Event::Feedback(Box::new(feedback_of(computer, desired, actual))));
             }
         }
         last_state = state;
@@ -121,21 +132,20 @@ pub fn serve<P: Plant>(
     }
 }
 
-/// Hands news to the wire; where its thread is gone there is nobody to tell.
-fn send(wire: &Wire, news: News) {
+/// Hands news to the wire; where its thread is gone there is nobody to report.
+fn send(wire: &Wire, news: Event) {
     let _ = wire.news.send(news);
 }
 
-fn obey<P: Plant>(computer: &mut Computer<P>, order: Order, wire: &Wire) {
+/// Does what somebody wants; a goal has an answer.
+fn obey<P: Plant>(computer: &mut RobotController<P>, order: Order) -> Option<Event> {
     match order {
         Order::Goal(number, motion) => {
             let taken = motion.map_err(|unfit| unfit.reason).and_then(|motion| computer.follow(motion));
-            if !computer.is_frozen() {
-                send(wire, News::Taken(number, taken));
-            }
+            return (!computer.is_frozen()).then_some(Event::Taken(number, taken));
         }
         Order::Motion(motion) => {
-            // Nobody hears why it is refused but the log.
+            // Nobody receives why it is refused but the log.
             match motion {
                 Ok(motion) => drop(computer.follow(motion)),
                 Err(unfit) => computer.remark(&format!("motion refused: {}", unfit.reason)),
@@ -155,9 +165,10 @@ fn obey<P: Plant>(computer: &mut Computer<P>, order: Order, wire: &Wire) {
             }
         }
     }
+    None
 }
 
-fn feedback_of<P: Plant>(computer: &Computer<P>, desired: Vec<f64>, actual: Vec<f64>) -> FollowFeedback {
+fn feedback_of<P: Plant>(computer: &RobotController<P>, desired: Vec<f64>, actual: Vec<f64>) -> FollowFeedback {
     let point = |positions: Vec<f64>| TrajectoryPoint { positions, ..Default::default() };
     let error = desired.iter().zip(&actual).map(|(desired, actual)| desired - actual).collect();
     FollowFeedback {

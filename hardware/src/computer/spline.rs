@@ -38,7 +38,7 @@ const INSIDE: usize = 4;
 const SLACK: f64 = 1e-6;
 
 impl Spline {
-    /// Checks a motion for the joints of `map`, in whatever order it names them.
+    /// Checks a motion for the joints of `map`, in any order it names them.
     ///
     /// # Errors
     /// [`Unfit`] with what was found and what was expected.
@@ -102,6 +102,19 @@ impl Spline {
             }
         }
         Ok(())
+    }
+
+    /// The same motion with a way to its first point, from where the joints are at `t` s: positions, velocities; n each.
+    ///
+    /// # Errors
+    /// [`Unfit`] where that way leaves a limit.
+    pub fn entered(mut self, t: f64, q: &[f64], qd: &[f64], limits: &[JointLimits]) -> Result<Self, Unfit> {
+        let rates = |list: &[f64], like: &[f64]| if like.is_empty() { Vec::new() } else { list.to_vec() };
+        let first = &self.knots[0];
+        let (qd, qdd) = (rates(qd, &first.qd), rates(&vec![0.0; q.len()], &first.qdd));
+        self.knots.insert(0, Knot { t, q: q.to_vec(), qd, qdd });
+        self.check(limits)?;
+        Ok(self)
     }
 
     /// Where it begins: position at its first point.

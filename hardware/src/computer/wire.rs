@@ -33,7 +33,7 @@ pub(crate) enum Order {
 }
 
 /// What the network should hear.
-pub(crate) enum News {
+pub(crate) enum Event {
     State(JointState),
     Words(String),
     /// Whether a goal was taken, by its number.
@@ -51,7 +51,7 @@ type Server = ActionServer<FollowGoal, FollowResult, FollowFeedback>;
 /// The other end of the thread.
 pub(crate) struct Wire {
     pub(crate) orders: Receiver<Order>,
-    pub(crate) news: Sender<News>,
+    pub(crate) news: Sender<Event>,
 }
 
 impl Wire {
@@ -143,7 +143,7 @@ struct Thread {
 
 impl Thread {
     /// Runs until the computer is gone. What cannot be sent is lost, as on any network: who misses it will trip.
-    fn run(&mut self, news: &Receiver<News>) {
+    fn run(&mut self, news: &Receiver<Event>) {
         loop {
             match news.recv_timeout(NAP) {
                 Ok(first) => {
@@ -162,19 +162,19 @@ impl Thread {
         }
     }
 
-    fn tell(&mut self, news: News) {
+    fn tell(&mut self, news: Event) {
         match news {
-            News::State(state) => {
+            Event::State(state) => {
                 let _ = self.joint_states.publish(state);
             }
-            News::Words(data) => {
+            Event::Words(data) => {
                 if let Some(words) = &self.words {
                     let _ = words.publish(Text { data });
                 }
             }
-            News::Taken(number, taken) => self.taken(number, taken),
-            News::Ended(outcome, reason) => self.ended(outcome, reason),
-            News::Feedback(feedback) => {
+            Event::Taken(number, taken) => self.taken(number, taken),
+            Event::Ended(outcome, reason) => self.ended(outcome, reason),
+            Event::Feedback(feedback) => {
                 if let Some(goal) = self.under_way.and_then(|number| self.goals.get(&number)) {
                     let _ = self.server.send_feedback(goal.id, *feedback);
                 }
@@ -188,7 +188,12 @@ impl Thread {
         let _ = self.server.send_goal_response(goal.request, SendGoalResponse { accepted: taken.is_ok(), stamp });
         if taken.is_ok() {
             goal.status = GoalStatusEnum::Executing;
-            self.under_way = Some(number);
+            // The goal that it replaces has ended.
+            if let Some(old) = self.under_way.replace(number).and_then(|old| self.goals.get_mut(&old)) {
+                let error_string = "replaced by another goal".to_owned();
+                old.status = GoalStatusEnum::Aborted;
+                old.end = Some((old.status, FollowResult { error_code: FollowResult::INVALID_GOAL, error_string }));
+            }
             self.publish_statuses();
         } else {
             self.goals.remove(&number);
@@ -223,7 +228,7 @@ impl Thread {
             self.goals.insert(self.count, Goal { id: goal.goal_id, request, status, end: None });
             self.orders.send(Order::Goal(self.count, motion))?;
         }
-        // Only one goal is ever under way, so a cancel of whatever goal means that one.
+        // Only one goal is ever under way, so a cancel of any goal means that one.
         while let Ok(Some((request, _))) = self.server.receive_cancel_request() {
             let stamp = builtin_interfaces::Time::now();
             let goal = self.under_way.and_then(|number| self.goals.get(&number));
@@ -241,11 +246,8 @@ impl Thread {
             self.results.push((request, wanted.goal_id));
         }
         while let Ok(Some((trajectory, _))) = self.trajectories.take() {
-            self.orders.send(if trajectory.points.is_empty() {
-                Order::Cancel
-            } else {
-                Order::Motion(Spline::new(&trajectory, &self.map, &self.limits))
-            })?;
+            // One without points is refused, as by current controllers (ros2_controllers pull request 902).
+            self.orders.send(Order::Motion(Spline::new(&trajectory, &self.map, &self.limits)))?;
         }
         while let Ok(Some((command, _))) = self.commands.take() {
             self.orders.send(Order::SetPoint(command.data))?;

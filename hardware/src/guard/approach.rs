@@ -4,6 +4,7 @@ use armid::model::Robot;
 use armid::trajectory::QuinticStep;
 
 use super::GuardSettings;
+use super::flange::largest_speed;
 
 /// A straight line in joint space, run with zero velocity and acceleration at both ends:
 ///
@@ -13,7 +14,7 @@ use super::GuardSettings;
 /// T = max_j max(15/8 |Δ_j| / (f q̇_max,j), √(10/√3 |Δ_j| / (f q̈_max,j)), T_min)
 /// ```
 /// with the part `f` of the robot's limits. The line stays within position limits where both ends do. **Whether it is
-/// free of collisions is not known**: nobody has told the guard what stands around the arm, so a person watches.
+/// free of collisions is not known**: nobody has reported the guard what stands around the arm, so a person watches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Approach {
     /// Where it begins, rad (m).
@@ -41,7 +42,22 @@ impl Approach {
             let by_acceleration = libm::sqrt(10.0 / libm::sqrt(3.0) * way / (part * joint.limits.acceleration));
             by_speed.max(by_acceleration)
         });
-        Self { from: from.to_vec(), to: to.to_vec(), duration_s: duration.fold(SHORTEST_S, f64::max) }
+        let duration_s = duration.fold(SHORTEST_S, f64::max);
+        let mut approach = Self { from: from.to_vec(), to: to.to_vec(), duration_s };
+        if settings.reduced_speed_mm_s > 0.0 {
+            // The same line more slowly: the flange's speed is inverse to the duration. A tenth is left for the servo.
+            let line = 0.9e-3 * settings.reduced_speed_mm_s;
+            approach.duration_s *= (approach.flange_speed(robot) / line).max(1.0);
+        }
+        approach
+    }
+
+    /// Largest speed of the flange, m/s.
+    fn flange_speed(&self, robot: &Robot) -> f64 {
+        const STEPS: usize = 400;
+        let dt = self.duration_s / STEPS as f64;
+        let (mut qd, mut qdd) = (vec![0.0; self.from.len()], vec![0.0; self.from.len()]);
+        largest_speed(robot, STEPS, dt, &mut |k, q| self.evaluate(k as f64 * dt, q, &mut qd, &mut qdd))
     }
 
     /// Position, velocity and acceleration at time `t` (s), n each; at rest before and after.

@@ -17,6 +17,8 @@ pub struct JointBounds {
     pub soft: (f64, f64),
     /// Speed limit.
     pub velocity: f64,
+    /// Largest measured speed; infinite where no limit is known.
+    pub overspeed: f64,
     /// Acceleration limit.
     pub acceleration: f64,
     /// Largest distance from the command.
@@ -58,6 +60,7 @@ impl JointBounds {
                 hard: (low, high),
                 soft: (low + margin, high - margin),
                 velocity: joint.limits.velocity,
+                overspeed: settings.overspeed * joint.limits.velocity,
                 acceleration: joint.limits.acceleration,
                 following: pick(settings.following_error_deg, settings.following_error_m),
                 jump: pick(settings.jump_deg, settings.jump_m),

@@ -4,7 +4,7 @@ use armid::experiment::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawS
 use armid::model::Robot;
 
 use super::state::TELL_EVERY_S;
-use super::{Doing, GuardRecord, GuardSettings, GuardState, JointBounds, Mode, Observer, Watch, preflight};
+use super::{Activity, GuardRecord, GuardSettings, GuardState, JointBounds, Mode, Observer, Watch, preflight};
 
 /// An arm that is watched: it performs what the arm inside performs, and ends where a check trips.
 ///
@@ -22,6 +22,7 @@ pub struct Guarded<A> {
     settings: GuardSettings,
     mode: Mode,
     bounds: Vec<JointBounds>,
+    disables: bool,
     record: GuardRecord,
     observer: Option<Observer>,
 }
@@ -31,10 +32,19 @@ impl<A: Arm> Guarded<A> {
     pub fn new(arm: A, robot: &Robot, settings: &GuardSettings, mode: Mode) -> Self {
         let record = GuardRecord::new(settings, mode);
         let bounds = JointBounds::of_robot(robot, settings);
-        Self { arm, robot: robot.clone(), settings: settings.clone(), mode, bounds, record, observer: None }
+        let (robot, settings) = (robot.clone(), settings.clone());
+        Self { arm, robot, settings, mode, bounds, disables: true, record, observer: None }
     }
 
-    /// The same guard, which tells its state to an observer.
+    /// The same guard, which ends the motion instead where nobody `disables` the drives.
+    #[must_use]
+    pub fn with_disable(mut self, disables: bool) -> Self {
+        self.disables = disables;
+        self.record.disables = disables;
+        self
+    }
+
+    /// The same guard, which reports its state to an observer.
     #[must_use]
     pub fn with_observer(mut self, observer: Observer) -> Self {
         self.observer = Some(observer);
@@ -63,24 +73,35 @@ impl<A: Arm> Arm for Guarded<A> {
         self.record.rate_hz = plan.rate_hz;
         self.record.preflight = preflight::of_plan(&self.robot, &self.settings, &self.bounds, plan)?;
         let mut watched = Watched {
-            watch: Watch::new(&self.bounds, &self.settings, self.mode, plan.rate_hz),
+            watch: Watch::new(&self.robot, &self.bounds, &self.settings, self.mode, plan.rate_hz)
+                .with_disable(self.disables),
             sink,
             mode: self.mode,
             period_s: 1.0 / plan.rate_hz,
-            doing: Doing::Approach,
+            doing: Activity::Approach,
             observer: self.observer.as_mut(),
             told_s: f64::NEG_INFINITY,
             last: (0.0, Phase::Settle),
             ahead_s: None,
         };
         let ending = self.arm.perform(plan, &mut watched);
-        watched.tell(Doing::Ended);
+        watched.tell(Activity::Ended);
         let Watched { watch, last: (t, phase), .. } = watched;
         let ending = ending?;
         self.record.used = watch.used().into_iter().map(|(trip, used)| (trip.name(), used)).collect();
-        let ending = match watch.tripped() {
-            Some(trip) => Ending::Tripped { t, phase, trip: Box::new(trip.clone()) },
-            None => ending,
+        let ending = match (watch.tripped(), ending) {
+            // What was asked for is one thing, what came of it the arm inside has seen.
+            (Some(trip), Ending::Stopped { rest, .. }) => {
+                Ending::Tripped { t, phase, trip: Box::new(TripReport { rest, ..trip.clone() }) }
+            }
+            (Some(trip), Ending::Tripped { trip: inside, .. }) => {
+                let rest = inside.rest.clone();
+                Ending::Tripped { t, phase, trip: Box::new(TripReport { rest, ..trip.clone() }) }
+            }
+            (Some(trip), Ending::Completed | Ending::Diverged { .. }) => {
+                Ending::Tripped { t, phase, trip: Box::new(trip.clone()) }
+            }
+            (None, ending) => ending,
         };
         if let Ending::Tripped { trip, .. } = &ending {
             self.record.trip = Some(TripReport::clone(trip));
@@ -95,9 +116,9 @@ struct Watched<'a> {
     sink: &'a mut dyn Sink,
     mode: Mode,
     period_s: f64,
-    doing: Doing,
+    doing: Activity,
     observer: Option<&'a mut Observer>,
-    /// When the observer was told last, in the watch's time, s.
+    /// When the observer was reported last, in the watch's time, s.
     told_s: f64,
     /// Time and phase of the last sample.
     last: (f64, Phase),
@@ -119,14 +140,14 @@ impl Watched<'_> {
         self.watch.sample(&RawSample { t: sample.t + ahead_s, ..*sample });
     }
 
-    /// Tells the observer, where there is one.
-    fn tell(&mut self, doing: Doing) {
+    /// Reports the observer, where there is one.
+    fn tell(&mut self, doing: Activity) {
         if let Some(observer) = &mut self.observer {
             observer(&GuardState::new(self.mode, doing, self.last, &self.watch));
         }
     }
 
-    /// Tells the observer where it is time to; never before a safe action.
+    /// Reports the observer where it is time to; never before a safe action.
     fn tell_now_and_then(&mut self) {
         let now_s = self.last.0 + self.ahead_s.unwrap_or_default();
         if self.observer.is_some() && self.watch.tripped().is_none() && now_s >= self.told_s + TELL_EVERY_S {
@@ -146,7 +167,7 @@ impl Sink for Watched<'_> {
         if self.watch.tripped().is_none() {
             // The approach may have begun outside the soft limits: what counts is how close the experiment came.
             self.watch.forget_used();
-            self.doing = Doing::Experiment;
+            self.doing = Activity::Experiment;
         }
         self.sink.begin(recording);
     }

@@ -1,7 +1,7 @@
 //! An arm that stands somewhere before its experiment begins, and is brought to the start pose first.
 
 use armid::experiment::{
-    Arm, ArmError, Command, Ending, ExperimentPlan, Phase, Recording, SafeAction, Sink, TripReport,
+    Arm, ArmError, Command, Ending, ExperimentPlan, Phase, Recording, Rest, SafeAction, Sink, TripReport,
 };
 use armid::model::Robot;
 
@@ -14,7 +14,7 @@ pub trait Machine: Arm {
     /// Looks at the arm without moving it.
     ///
     /// # Errors
-    /// [`ArmError`] where nothing is heard of it.
+    /// [`ArmError`] where nothing is received of it.
     fn survey(&mut self) -> Result<Survey, ArmError>;
 
     /// What a recording of this plan is, before its first sample.
@@ -23,7 +23,7 @@ pub trait Machine: Arm {
     /// [`ArmError`] where the plan cannot be performed.
     fn announcement(&self, plan: &ExperimentPlan) -> Result<Recording, ArmError>;
 
-    /// Moves along an approach. The sink hears samples as no part of the experiment ([`Sink::unrecorded`]), silence and
+    /// Moves along an approach. The sink receives samples as no part of the experiment ([`Sink::unrecorded`]), silence and
     /// set-points, and no beginning.
     ///
     /// # Errors
@@ -72,7 +72,9 @@ impl<M: Machine> Approached<M> {
 /// The ending of an experiment that the robot gave up before its first sample.
 fn stopped(reason: String) -> Ending {
     let (trip, action) = (Trip::RobotStopped.name(), SafeAction::Cancel);
-    let trip = Box::new(TripReport { trip, action, bound_ms: REACTION_MS, reason });
+    // It stood at the start pose, and nothing was handed over since.
+    let rest = Rest::Confirmed { after_ms: 0.0 };
+    let trip = Box::new(TripReport { trip, action, bound_ms: REACTION_MS, reason, rest });
     Ending::Tripped { t: 0.0, phase: Phase::Settle, trip }
 }
 

@@ -7,13 +7,14 @@
 //! | [`Trip`], [`Check`], [`Watch`] | is something wrong, what is done about it, and how soon? |
 //! | [`Guarded`] | any arm, watched |
 //!
-//! It has no clock and does no input or output: time is that of the samples, silence is told by the arm. So the same
+//! It has no clock and does no input or output: time is that of the samples, silence is reported by the arm. So the same
 //! guard is tested on a virtual clock and works in real time.
 
 mod approach;
 mod bounds;
 mod check;
 mod confirmation;
+mod flange;
 mod guarded;
 mod machine;
 mod mode;
@@ -31,13 +32,15 @@ pub use approach::Approach;
 pub use bounds::JointBounds;
 pub use check::Check;
 pub use confirmation::Confirmation;
+pub use flange::flange_speed;
 pub use guarded::Guarded;
 pub use machine::{Approached, Machine};
 pub use mode::Mode;
 pub use preflight::{Preflight, Survey};
 pub use record::{ApproachRecord, GuardRecord, Passed};
 pub use settings::{GuardSettings, SettingError};
-pub use state::{Doing, GuardState, Observer};
+pub use state::{Activity, GuardState, Observer};
 pub use table::table;
-pub use trip::{REACTION_MS, Trip};
+pub(crate) use trip::OVERSPEED_WINDOW_S;
+pub use trip::{LOOK_MS, REACTION_MS, Trip};
 pub use watch::Watch;

@@ -3,7 +3,7 @@
 use armid::experiment::{ArmError, Command, ExperimentPlan};
 use armid::model::Robot;
 
-use super::{Confirmation, GuardSettings, JointBounds, Passed};
+use super::{Confirmation, GuardSettings, JointBounds, Passed, flange_speed};
 
 /// Every check before the first motion, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -76,6 +76,10 @@ pub struct Survey {
     pub homed: Option<bool>,
     /// Whether it is ready to move: drives on, no emergency stop; `None` where its interface does not say.
     pub ready: Option<bool>,
+    /// What it says of its state, in its own words; `None` where its interface does not say.
+    pub state: Option<String>,
+    /// The words with which it may move.
+    pub ready_states: Vec<String>,
 }
 
 /// What can be said of a plan before any arm is asked.
@@ -102,6 +106,13 @@ pub(super) fn of_plan(
             if joint.soft_use(q[j]) > worst.0 {
                 worst = (joint.soft_use(q[j]), j, q[j]);
             }
+        }
+    }
+    if settings.reduced_speed_mm_s > 0.0 {
+        let (found, line) = (1e3 * flange_speed(robot, plan, &layout), settings.reduced_speed_mm_s);
+        if found > line {
+            let found = format!("a flange at {found:.0} mm/s");
+            return Err(Preflight::Plan.refuse(found, format!("at most {line:.0} mm/s, as a slower --speed has it")));
         }
     }
     let (used, joint) = (worst.0, &bounds[worst.1]);
@@ -153,7 +164,11 @@ pub(super) fn of_survey(
     passed
         .push(Preflight::StartPose.passed("reachable in a straight line of the joints; free of collisions: not known"));
     if survey.ready == Some(false) {
-        return Err(Preflight::EmergencyStop.refuse("a robot that is stopped", "drives on and no emergency stop"));
+        let found = survey.state.as_ref().map_or("a robot that is stopped".to_owned(), |state| format!("\"{state}\""));
+        let words = survey.ready_states.iter().map(|state| format!("\"{state}\""));
+        let expected = words.reduce(|all, state| format!("{all} or {state}"));
+        let expected = expected.unwrap_or_else(|| "drives on and no emergency stop".to_owned());
+        return Err(Preflight::EmergencyStop.refuse(found, expected));
     }
     passed.push(Preflight::EmergencyStop.passed(confirmation.how()));
     match survey.homed {

@@ -11,6 +11,8 @@ use super::{GuardSettings, Mode};
 pub struct GuardRecord {
     /// How the motion reached the robot.
     pub mode: Mode,
+    /// Whether somebody listens to the word `disable`; otherwise such a trip ends the motion.
+    pub disables: bool,
     /// Where the lines were.
     pub settings: GuardSettings,
     /// States per second that the bounds of the checks count with, Hz.
@@ -48,6 +50,7 @@ pub struct ApproachRecord {
 impl GuardRecord {
     pub(super) fn new(settings: &GuardSettings, mode: Mode) -> Self {
         let (preflight, used) = (Vec::new(), BTreeMap::new());
-        Self { mode, settings: settings.clone(), rate_hz: 0.0, preflight, approach: None, used, trip: None }
+        let settings = settings.clone();
+        Self { mode, disables: true, settings, rate_hz: 0.0, preflight, approach: None, used, trip: None }
     }
 }

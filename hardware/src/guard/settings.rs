@@ -20,15 +20,19 @@ pub struct GuardSettings {
     pub jump_deg: f64,
     /// The same for sliding joints, m.
     pub jump_m: f64,
+    /// Largest measured speed, in parts of a joint's speed limit.
+    pub overspeed: f64,
+    /// Largest speed of the flange, mm/s; 0 sets no line. For people beside the arm, 250.
+    pub reduced_speed_mm_s: f64,
     /// Part of the current limit that may be used for longer than the window.
     pub current_clamp: f64,
-    /// How long the clamp may be exceeded, ms.
+    /// How long the clamp may be exceeded, in all, within eight times that long, ms.
     pub current_window_ms: f64,
     /// Silence after which the state is stale, ms.
     pub stale_ms: f64,
     /// Age at which a set-point is no longer sent, ms.
     pub command_age_ms: f64,
-    /// Time over which command and motion are compared to tell that the arm stands, ms.
+    /// Time over which command and motion are compared to report that the arm stands, ms.
     pub stop_window_ms: f64,
     /// Part of the speed and acceleration limits used on the way to the start pose.
     pub approach_speed: f64,
@@ -43,6 +47,8 @@ impl Default for GuardSettings {
             following_error_m: 0.02,
             jump_deg: 1.0,
             jump_m: 0.005,
+            overspeed: 1.1,
+            reduced_speed_mm_s: 0.0,
             current_clamp: 0.95,
             current_window_ms: 20.0,
             stale_ms: 50.0,
@@ -53,7 +59,7 @@ impl Default for GuardSettings {
     }
 }
 
-/// A setting that draws no line.
+/// A setting that draws no line, or one so far out that nothing would be held by it.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} is {found}, expected {expected}")]
 pub struct SettingError {
@@ -62,41 +68,46 @@ pub struct SettingError {
     /// What was found.
     pub found: f64,
     /// What is possible.
-    pub expected: &'static str,
+    pub expected: String,
 }
 
 impl GuardSettings {
-    /// Every setting draws a line.
+    /// Every setting with its key, and what is possible: above the first number (or equal to it where the third says so),
+    /// at most the second.
+    ///
+    /// The ceilings: a soft margin leaves a range; a following error of 20 degrees or a jump of 10 is no servo's; an
+    /// overspeed of half as much again is no overshoot; a window of current within the thermal time constant of a small
+    /// motor; half a second of silence is as long as a piece of a motion lasts, twice that for a machine that does other
+    /// work; an approach at a quarter of the speed is one that a person can still stop.
+    fn ranges(&self) -> [(&'static str, f64, f64, f64, bool); 14] {
+        [
+            ("soft_margin_deg", self.soft_margin_deg, 0.0, 45.0, true),
+            ("soft_margin_m", self.soft_margin_m, 0.0, 0.5, true),
+            ("following_error_deg", self.following_error_deg, 0.0, 20.0, false),
+            ("following_error_m", self.following_error_m, 0.0, 0.1, false),
+            ("jump_deg", self.jump_deg, 0.0, 10.0, false),
+            ("jump_m", self.jump_m, 0.0, 0.05, false),
+            ("overspeed", self.overspeed, 0.0, 1.5, false),
+            ("reduced_speed_mm_s", self.reduced_speed_mm_s, 0.0, 1000.0, true),
+            ("current_clamp", self.current_clamp, 0.0, 1.0, false),
+            ("current_window_ms", self.current_window_ms, 0.0, 200.0, false),
+            ("stale_ms", self.stale_ms, 0.0, 1000.0, false),
+            ("command_age_ms", self.command_age_ms, 0.0, 200.0, false),
+            ("stop_window_ms", self.stop_window_ms, 0.0, 2000.0, false),
+            ("approach_speed", self.approach_speed, 0.0, 0.25, false),
+        ]
+    }
+
+    /// Every setting draws a line that holds something.
     ///
     /// # Errors
     /// [`SettingError`] for the first that does not.
     pub fn check(&self) -> Result<(), SettingError> {
-        let above = [
-            ("following_error_deg", self.following_error_deg),
-            ("following_error_m", self.following_error_m),
-            ("jump_deg", self.jump_deg),
-            ("jump_m", self.jump_m),
-            ("current_window_ms", self.current_window_ms),
-            ("stale_ms", self.stale_ms),
-            ("command_age_ms", self.command_age_ms),
-            ("stop_window_ms", self.stop_window_ms),
-        ];
-        let parts = [("current_clamp", self.current_clamp), ("approach_speed", self.approach_speed)];
-        let margins = [("soft_margin_deg", self.soft_margin_deg), ("soft_margin_m", self.soft_margin_m)];
-        let fault = |key, found, expected| Err(SettingError { key, found, expected });
-        for (key, found) in above {
-            if !(found.is_finite() && found > 0.0) {
-                return fault(key, found, "a finite number above zero");
-            }
-        }
-        for (key, found) in parts {
-            if !(found > 0.0 && found <= 1.0) {
-                return fault(key, found, "a part above zero, at most 1");
-            }
-        }
-        for (key, found) in margins {
-            if !(found.is_finite() && found >= 0.0) {
-                return fault(key, found, "a finite number not below zero");
+        for (key, found, low, high, inclusive) in self.ranges() {
+            let above = found > low || (inclusive && found == low);
+            if !(above && found <= high) {
+                let from = if inclusive { format!("{low} or more") } else { format!("more than {low}") };
+                return Err(SettingError { key, found, expected: format!("{from}, at most {high}") });
             }
         }
         Ok(())
@@ -115,8 +126,22 @@ mod tests {
             (GuardSettings { jump_deg: f64::NAN, ..GuardSettings::default() }, "jump_deg"),
             (GuardSettings { current_clamp: 1.5, ..GuardSettings::default() }, "current_clamp"),
             (GuardSettings { soft_margin_deg: -1.0, ..GuardSettings::default() }, "soft_margin_deg"),
+            (GuardSettings { following_error_deg: 1e6, ..GuardSettings::default() }, "following_error_deg"),
+            (GuardSettings { jump_deg: 1e6, ..GuardSettings::default() }, "jump_deg"),
+            (GuardSettings { stop_window_ms: 1e9, ..GuardSettings::default() }, "stop_window_ms"),
+            (GuardSettings { approach_speed: 1.0, ..GuardSettings::default() }, "approach_speed"),
         ] {
             assert_eq!(broken.check().unwrap_err().key, key);
         }
+    }
+
+    #[test]
+    fn every_setting_has_a_ceiling() {
+        let keys = serde_json::to_value(GuardSettings::default()).unwrap();
+        let keys: Vec<&String> = keys.as_object().unwrap().keys().collect();
+        let ranges = GuardSettings::default().ranges();
+        assert_eq!(keys.len(), ranges.len());
+        assert!(keys.iter().all(|key| ranges.iter().any(|(named, ..)| named == key)));
+        assert!(ranges.iter().all(|(_, _, _, high, _)| high.is_finite()));
     }
 }

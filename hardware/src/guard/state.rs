@@ -9,7 +9,7 @@ use super::Mode;
 /// What a guard is doing.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum Doing {
+pub enum Activity {
     /// The arm is on its way to the start pose.
     Approach,
     /// The experiment is under way.
@@ -18,7 +18,7 @@ pub enum Doing {
     Ended,
 }
 
-impl Doing {
+impl Activity {
     /// Its name in files.
     #[must_use]
     pub const fn name(self) -> &'static str {
@@ -36,7 +36,7 @@ pub struct GuardState {
     /// How the motion reaches the robot.
     pub mode: Mode,
     /// What it is doing.
-    pub doing: Doing,
+    pub doing: Activity,
     /// Phase of the last sample.
     pub phase: Phase,
     /// Time of the last sample, s.
@@ -47,14 +47,14 @@ pub struct GuardState {
     pub trip: Option<String>,
 }
 
-/// Hears of a guard's state, at most every tenth of a second of the experiment's time, and once at the end.
+/// Receives of a guard's state, at most every tenth of a second of the experiment's time, and once at the end.
 pub type Observer = Box<dyn FnMut(&GuardState) + Send>;
 
-/// How often a guard tells its state, s.
+/// How often a guard reports its state, s.
 pub(super) const TELL_EVERY_S: f64 = 0.1;
 
 impl GuardState {
-    pub(super) fn new(mode: Mode, doing: Doing, (t_s, phase): (f64, Phase), watch: &super::Watch) -> Self {
+    pub(super) fn new(mode: Mode, doing: Activity, (t_s, phase): (f64, Phase), watch: &super::Watch) -> Self {
         let used = watch.used().into_iter().map(|(trip, used)| (trip.name().to_owned(), used)).collect();
         Self { mode, doing, phase, t_s, used, trip: watch.tripped().map(TripReport::to_string) }
     }

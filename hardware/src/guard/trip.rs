@@ -13,6 +13,10 @@ pub enum Trip {
     PositionJump,
     /// A position, or a set-point, is outside the soft limits.
     SoftLimit,
+    /// A joint is faster than it may be.
+    Overspeed,
+    /// The flange is faster than a line that was set for people beside the arm.
+    ReducedSpeed,
     /// The arm is too far from its command.
     FollowingError,
     /// The motor current stays above the clamp.
@@ -27,21 +31,39 @@ pub enum Trip {
     CommandStep,
     /// The robot's own computer ended the motion: emergency stop, abort, drives off.
     RobotStopped,
+    /// Somebody else commands the arm, or a second robot answers to its names.
+    Interference,
+    /// The robot's computer does not say whether it takes a motion.
+    NoAcceptance,
+    /// The robot's computer does not say how a motion has ended.
+    NoResult,
     /// The link failed: messages that make no sense, or a network that is gone.
     Link,
+    /// This program itself failed.
+    Panic,
 }
 
 /// Time that a guard has from the sample or the silence that shows a fault to the safe action, ms.
 ///
 /// A waiting arm looks at its guard at least every 5 ms; what follows is a comparison and one message.
 pub const REACTION_MS: f64 = 10.0;
+/// Time over which a joint's speed is measured, s.
+pub(crate) const OVERSPEED_WINDOW_S: f64 = 0.02;
+/// Time between two looks at who else is on the network, and at the middleware's threads, ms.
+pub const LOOK_MS: f64 = 100.0;
+/// Time that the robot's computer has to say whether it takes a motion, ms.
+const ACCEPTANCE_MS: f64 = 500.0;
+/// Time that it has, from the end of a motion, to say how it ended, ms.
+const RESULT_MS: f64 = 3000.0;
 
 impl Trip {
     /// All, in the order in which a sample is judged: the first that finds something wins.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 17] = [
         Self::NotFinite,
         Self::PositionJump,
         Self::SoftLimit,
+        Self::Overspeed,
+        Self::ReducedSpeed,
         Self::FollowingError,
         Self::CurrentClamp,
         Self::UnexpectedStop,
@@ -49,7 +71,11 @@ impl Trip {
         Self::CommandAge,
         Self::CommandStep,
         Self::RobotStopped,
+        Self::Interference,
+        Self::NoAcceptance,
+        Self::NoResult,
         Self::Link,
+        Self::Panic,
     ];
 
     /// Its name in files.
@@ -59,6 +85,8 @@ impl Trip {
             Self::NotFinite => "not-finite",
             Self::PositionJump => "position-jump",
             Self::SoftLimit => "soft-limit",
+            Self::Overspeed => "overspeed",
+            Self::ReducedSpeed => "reduced-speed",
             Self::FollowingError => "following-error",
             Self::CurrentClamp => "current-clamp",
             Self::UnexpectedStop => "unexpected-stop",
@@ -66,7 +94,11 @@ impl Trip {
             Self::CommandAge => "command-age",
             Self::CommandStep => "command-step",
             Self::RobotStopped => "robot-stopped",
+            Self::Interference => "interference",
+            Self::NoAcceptance => "no-acceptance",
+            Self::NoResult => "no-result",
             Self::Link => "link",
+            Self::Panic => "panic",
         }
     }
 
@@ -83,14 +115,20 @@ impl Trip {
             Self::NotFinite => "a position or an effort is no number",
             Self::PositionJump => "a position moved further between two samples than the joint can",
             Self::SoftLimit => "a position or a set-point is outside the soft limits",
+            Self::Overspeed => "a joint is faster than its limit allows",
+            Self::ReducedSpeed => "the flange is faster than --reduced-speed allows",
             Self::FollowingError => "the arm is too far from its command",
-            Self::CurrentClamp => "the motor current stays above the clamp",
+            Self::CurrentClamp => "the motor current is above the clamp for long, or again and again",
             Self::UnexpectedStop => "the command moves and the arm does not",
             Self::StaleState => "no state has come for too long, or one was too long on its way",
             Self::CommandAge => "a set-point is sent too late",
             Self::CommandStep => "a set-point is further from the one before than the joint can move",
             Self::RobotStopped => "the robot's computer ended the motion: emergency stop, abort, drives off",
-            Self::Link => "the link failed: messages that make no sense, or a network that is gone",
+            Self::Interference => "somebody else commands the arm, or a second robot answers to its names",
+            Self::NoAcceptance => "the robot's computer does not say whether it takes a motion",
+            Self::NoResult => "the robot's computer does not say how a motion has ended",
+            Self::Link => "the link failed: messages that make no sense, or middleware that has ended",
+            Self::Panic => "armid itself failed",
         }
     }
 
@@ -99,6 +137,7 @@ impl Trip {
     pub const fn exists_in(self, mode: Mode) -> bool {
         match self {
             Self::CommandAge | Self::CommandStep => matches!(mode, Mode::Stream),
+            Self::NoAcceptance | Self::NoResult => matches!(mode, Mode::Trajectory),
             _ => true,
         }
     }
@@ -109,17 +148,25 @@ impl Trip {
         matches!(self, Self::SoftLimit | Self::CurrentClamp | Self::CommandAge | Self::RobotStopped)
     }
 
-    /// What is done at once. Measured positions that cannot be trusted cannot be held: the drives go off.
+    /// What is asked for at once. Measured positions that cannot be trusted cannot be held: the drives go off.
     #[must_use]
     pub const fn action(self, mode: Mode) -> SafeAction {
-        match (self, mode) {
-            (Self::NotFinite | Self::PositionJump | Self::CurrentClamp, _) => SafeAction::Disable,
-            (_, Mode::Trajectory) => SafeAction::Cancel,
-            (_, Mode::Stream) => SafeAction::Hold,
+        match self {
+            Self::NotFinite | Self::PositionJump | Self::CurrentClamp => SafeAction::Disable,
+            _ => Self::mildest(mode),
         }
     }
 
-    /// Time from the first sign of the fault to the safe action at most, ms, where states come at `rate_hz`.
+    /// What is asked for where nobody listens to `disable`: the end of the motion.
+    #[must_use]
+    pub const fn mildest(mode: Mode) -> SafeAction {
+        match mode {
+            Mode::Trajectory => SafeAction::Cancel,
+            Mode::Stream => SafeAction::Hold,
+        }
+    }
+
+    /// Time from the first sign of the fault to the request for the safe action at most, ms, where states come at `rate_hz`.
     ///
     /// ```text
     /// bound = window of the check + one sample + reaction
@@ -129,11 +176,15 @@ impl Trip {
         let sample_ms = 1e3 / rate_hz;
         match self {
             Self::NotFinite | Self::PositionJump | Self::SoftLimit | Self::FollowingError => sample_ms + REACTION_MS,
+            Self::Overspeed | Self::ReducedSpeed => 1e3 * OVERSPEED_WINDOW_S + sample_ms + REACTION_MS,
             Self::CurrentClamp => settings.current_window_ms + sample_ms + REACTION_MS,
             Self::UnexpectedStop => settings.stop_window_ms + sample_ms + REACTION_MS,
             Self::StaleState => settings.stale_ms + sample_ms + REACTION_MS,
             Self::CommandAge => settings.command_age_ms + REACTION_MS,
-            Self::CommandStep | Self::RobotStopped | Self::Link => REACTION_MS,
+            Self::CommandStep | Self::RobotStopped | Self::Panic => REACTION_MS,
+            Self::Interference | Self::Link => LOOK_MS + REACTION_MS,
+            Self::NoAcceptance => ACCEPTANCE_MS + REACTION_MS,
+            Self::NoResult => RESULT_MS + REACTION_MS,
         }
     }
 }

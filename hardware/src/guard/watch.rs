@@ -1,6 +1,7 @@
 //! All checks of one run, and the latch behind them.
 
-use armid::experiment::{RawSample, TripReport};
+use armid::experiment::{RawSample, Rest, SafeAction, TripReport};
+use armid::model::Robot;
 
 use super::check::{self, Check};
 use super::{GuardSettings, JointBounds, Mode, Trip};
@@ -14,15 +15,24 @@ pub struct Watch {
     settings: GuardSettings,
     mode: Mode,
     rate_hz: f64,
+    disables: bool,
     tripped: Option<TripReport>,
 }
 
 impl Watch {
     /// A watch over motions whose states come at `rate_hz`.
     #[must_use]
-    pub fn new(bounds: &[JointBounds], settings: &GuardSettings, mode: Mode, rate_hz: f64) -> Self {
-        let checks = check::all(bounds, settings, mode, rate_hz);
-        Self { used: vec![0.0; checks.len()], checks, settings: settings.clone(), mode, rate_hz, tripped: None }
+    pub fn new(robot: &Robot, bounds: &[JointBounds], settings: &GuardSettings, mode: Mode, rate_hz: f64) -> Self {
+        let checks = check::all(robot, bounds, settings, mode, rate_hz);
+        let (used, settings) = (vec![0.0; checks.len()], settings.clone());
+        Self { used, checks, settings, mode, rate_hz, disables: true, tripped: None }
+    }
+
+    /// The same watch, which asks nobody to switch the drives off where nobody `disables`: it ends the motion then.
+    #[must_use]
+    pub(super) fn with_disable(mut self, disables: bool) -> Self {
+        self.disables = disables;
+        self
     }
 
     /// Judges a sample.
@@ -64,14 +74,22 @@ impl Watch {
             for (used, check) in self.used.iter_mut().zip(&mut self.checks) {
                 *used = used.max(check.take_used());
             }
-            self.tripped = found.map(|(trip, reason)| report(trip, reason, &self.settings, self.mode, self.rate_hz));
+            self.tripped = found.map(|(trip, reason)| {
+                let mut report = report(trip, reason, &self.settings, self.mode, self.rate_hz);
+                if report.action == SafeAction::Disable && !self.disables {
+                    report.action = Trip::mildest(self.mode);
+                }
+                report
+            });
         }
         self.tripped.as_ref()
     }
 }
 
-/// What a trip is to the reader of the recording.
+/// What a trip is to the reader of the recording, before it is known what came of its action.
 #[must_use]
 pub(super) fn report(trip: Trip, reason: String, settings: &GuardSettings, mode: Mode, rate_hz: f64) -> TripReport {
-    TripReport { trip: trip.name(), action: trip.action(mode), bound_ms: trip.bound_ms(settings, rate_hz), reason }
+    let rest = Rest::NotConfirmed { reason: "nobody has looked yet".to_owned() };
+    let bound_ms = trip.bound_ms(settings, rate_hz);
+    TripReport { trip: trip.name(), action: trip.action(mode), bound_ms, reason, rest }
 }

@@ -21,7 +21,7 @@ pub enum LinkError {
         /// What it says.
         reason: String,
     },
-    /// Nothing was heard in time.
+    /// Nothing was received in time.
     #[error("{what}: nothing within {waited_s} s in ROS domain {domain}")]
     Silence {
         /// What was waited for.
@@ -57,6 +57,41 @@ pub enum LinkError {
         /// What it says, if anything.
         reason: String,
     },
+    /// Somebody else commands the arm, or a second robot answers to its names.
+    #[error("interference: {0}")]
+    Interference(String),
+    /// The robot's computer says neither yes nor no to a motion.
+    #[error("no answer to the motion within {waited_ms:.0} ms, expected one within {bound_ms:.0} ms")]
+    NoAcceptance {
+        /// How long, ms.
+        waited_ms: f64,
+        /// How long it may take, ms.
+        bound_ms: f64,
+    },
+    /// The robot's computer never says how a motion ended.
+    #[error("no result {waited_ms:.0} ms after the motion's end, expected one within {bound_ms:.0} ms")]
+    NoResult {
+        /// How long, ms.
+        waited_ms: f64,
+        /// How long it may take, ms.
+        bound_ms: f64,
+    },
+    /// The next piece of a motion came too late: the arm brakes already, or is about to.
+    #[error(
+        "the next piece of the motion is due {left_ms:.0} ms before the arm brakes, expected at least {bound_ms:.0} ms"
+    )]
+    LatePiece {
+        /// What is left, ms.
+        left_ms: f64,
+        /// What must be left, ms.
+        bound_ms: f64,
+    },
+    /// A thread of the middleware is gone.
+    #[error("a thread of the middleware has ended: nothing is sent or received any more")]
+    Thread,
+    /// This program itself failed.
+    #[error("armid itself failed: {0}")]
+    Panic(String),
     /// The robot's computer gave the motion up.
     #[error("the robot's computer ended the motion: {reason}")]
     Aborted {

@@ -1,68 +1,84 @@
 //! Following one motion from beginning to end: handing it over or streaming it, and watching the arm meanwhile.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-use armid::experiment::{Flow, SafeAction};
+use armid::experiment::{Flow, Rest, SafeAction};
 
-use super::sender::Progress;
+use super::pieces::{Piece, piece};
 use super::stamps::Stamp;
 use super::{GridSample, JointRow, LinkError, Motion, Resampler, Ros2Arm, StampWatch, points};
 use crate::message::{Header, JointTrajectory, Time};
 
-/// Who hears what the arm does.
+/// Who receives what the arm does.
 pub(crate) trait Listener {
     /// Takes one sample, with what was commanded at its time.
     fn sample(&mut self, sample: &GridSample, command: &[f64]) -> Flow;
 
-    /// Hears a joint state `t` seconds after the beginning of the motion where the grid has no tick for it: the arm
+    /// Takes a joint state `t` seconds after the beginning of the motion where the grid has no tick for it: the arm
     /// stands where the motion will begin, or has ended.
     fn standing(&mut self, t: f64, row: &JointRow, command: &[f64]) -> Flow;
 
-    /// Hears that no joint state has come for `age_s`.
+    /// Takes that no joint state has come for `age_s`.
     fn idle(&mut self, age_s: f64) -> Flow;
 
-    /// Hears a set-point before it is streamed, `age_s` after it was due.
+    /// Takes a set-point before it is streamed, `age_s` after it was due.
     fn command(&mut self, set_point: &[f64], age_s: f64) -> Flow;
 }
 
 /// How following a motion ended.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Debug, PartialEq)]
 pub(crate) enum Followed {
     /// The motion was performed to its end.
     Whole,
-    /// The listener said stop, and the arm was brought to rest.
-    Stopped,
-    /// The listener asked for this action, and it was taken at once.
-    Acted(SafeAction),
+    /// The listener said stop.
+    Stopped(Rest),
+    /// The listener asked for this action, and it was requested at once.
+    Acted(SafeAction, Rest),
+    /// The robot's computer gave the motion up, or the link failed; it was cancelled.
+    Failed(LinkError, Rest),
 }
 
-/// How long to wait for the next message before the listener hears of silence.
+/// Why a motion is not followed any further.
+enum End {
+    Whole,
+    Stop,
+    Act(SafeAction),
+}
+
+/// How long to wait for the next message before the listener receives silence.
 const PATIENCE: Duration = Duration::from_millis(2);
-/// How long the arm may take to come to rest after a stop, and the robot's computer to say that a motion has ended.
-const TO_REST: Duration = Duration::from_secs(3);
-
-/// How often a safe action is said again, and how soon.
-const INSIST: usize = 10;
-const INSIST_EVERY: Duration = Duration::from_millis(20);
-
-/// Whether a robot's computer that says `state` can move the arm: `disabled`, `estop` and `fault` say that it cannot.
-pub(crate) fn is_enabled(state: &str) -> bool {
-    !["disabled", "estop", "fault"].iter().any(|word| state.starts_with(word))
-}
+/// How long the robot's computer may take to say that a motion has ended.
+pub(crate) const RESULT: Duration = Duration::from_secs(3);
+/// How often to look who else is on the network, and after the middleware's threads.
+const LOOK_EVERY: Duration = Duration::from_millis(100);
+/// Part of the way from the last piece to its braking tail after which the next piece goes out.
+const RENEW: f64 = 0.3;
+/// What must be left of a piece at full pace when the next one goes out, s.
+const LEAST_LEFT_S: f64 = 0.05;
 
 /// One motion under way.
-struct Run<'a> {
+pub(super) struct Run<'a> {
     motion: &'a dyn Motion,
     start_ns: i64,
     rate_hz: f64,
     /// Where on the motion a streamed stop began, and how long it takes, s.
     brake: Option<(f64, f64)>,
     state: [Vec<f64>; 3],
+    /// When the last piece went out, up to where it is the motion itself, and when it rests, by the motion's time, s.
+    piece: Option<(f64, f64, f64)>,
+    whole_sent: bool,
 }
 
-impl Run<'_> {
+impl<'a> Run<'a> {
+    fn new(motion: &'a dyn Motion, start_ns: i64, rate_hz: f64) -> Self {
+        let zero = vec![0.0; motion.dof()];
+        let state = [zero.clone(), zero.clone(), zero];
+        Self { motion, start_ns, rate_hz, brake: None, state, piece: None, whole_sent: false }
+    }
+
     /// Commanded position at `t` seconds after the beginning; while braking, time on the motion slows down evenly.
-    fn command(&mut self, t: f64) -> &[f64] {
+    pub(super) fn command(&mut self, t: f64) -> &[f64] {
         let t = match self.brake {
             Some((from, span)) if t > from => {
                 let u = (t - from).min(span);
@@ -75,164 +91,201 @@ impl Run<'_> {
         q
     }
 
-    fn since_start(&self, stamp_ns: i64) -> f64 {
+    /// Time of the motion at a stamp of the robot's clock, s.
+    pub(super) fn since_start(&self, stamp_ns: i64) -> f64 {
         (stamp_ns - self.start_ns) as f64 * 1e-9
+    }
+
+    /// The robot's clock at time `t` of the motion, ns.
+    pub(super) fn stamp_ns(&self, t: f64) -> i64 {
+        self.start_ns + (t * 1e9).round() as i64
+    }
+
+    /// The robot's clock when the motion begins, ns.
+    pub(super) fn start_ns(&self) -> i64 {
+        self.start_ns
+    }
+
+    /// Time of the motion at which everything that was handed over has come to rest by itself, s.
+    pub(super) fn rest_s(&self) -> f64 {
+        self.piece.map_or(0.0, |(_, _, rest_s)| rest_s)
     }
 }
 
 impl Ros2Arm {
-    /// Performs a motion that begins where the arm stands, sampled at `rate_hz`.
-    ///
-    /// # Errors
-    /// [`LinkError`] where the robot's computer refuses, the link breaks or messages make no sense; the motion is
-    /// cancelled then.
-    pub(crate) fn follow(
-        &mut self,
-        motion: &dyn Motion,
-        rate_hz: f64,
-        listener: &mut dyn Listener,
-    ) -> Result<Followed, LinkError> {
-        let followed = self.run(motion, rate_hz, listener);
-        match &followed {
-            Ok(Followed::Whole | Followed::Stopped) => {}
-            Ok(Followed::Acted(action)) => self.insist(*action),
-            // Whatever went wrong, the arm must not go on.
-            Err(_) => self.insist(SafeAction::Cancel),
-        }
-        followed
-    }
-
-    /// Says a safe action again and again for a while: whoever ends at once takes the message that is on its way along.
-    fn insist(&mut self, action: SafeAction) {
-        for _ in 0..INSIST {
-            // An error adds nothing: there is no better action than this one.
-            let _ = self.act(action);
-            std::thread::sleep(INSIST_EVERY);
-        }
-    }
-
-    fn run(&mut self, motion: &dyn Motion, rate_hz: f64, listener: &mut dyn Listener) -> Result<Followed, LinkError> {
-        let (newest, mut alive) = self.newest()?;
-        let mut watch = StampWatch::new(1.0 / self.rate_hz);
-        let origin = Instant::now();
+    /// Performs a motion that begins where the arm stands, sampled at `rate_hz`. Where anything ends it early, the arm is asked
+    /// to stop, and what came of it is reported.
+    pub(crate) fn follow(&mut self, motion: &dyn Motion, rate_hz: f64, listener: &mut dyn Listener) -> Followed {
         // The motion begins a whole number of messages ahead, so that stamps without jitter lie on the grid.
         let lead = (self.settings.lead_s * self.rate_hz).ceil() / self.rate_hz;
-        let start_ns = newest.stamp_ns + (lead * 1e9).round() as i64;
-        let samples = (motion.duration_s() * rate_hz - 1e-6).ceil() as usize;
-        let mut grid = Resampler::new(start_ns, rate_hz, samples);
-        let zero = vec![0.0; motion.dof()];
-        let mut run = Run { motion, start_ns, rate_hz, brake: None, state: [zero.clone(), zero.clone(), zero] };
-        self.hand_over(&run)?;
+        let newest = self.newest();
+        let stamp_ns = self.latest.as_ref().map_or(0, |(row, _)| row.stamp_ns);
+        let mut run = Run::new(motion, stamp_ns + (lead * 1e9).round() as i64, rate_hz);
+        let end = newest.and_then(|_| {
+            // A panic in here must not leave the arm alone with its motion.
+            let watched = catch_unwind(AssertUnwindSafe(|| self.watch(&mut run, listener)));
+            watched.unwrap_or_else(|panic| Err(LinkError::Panic(words(panic.as_ref()))))
+        });
+        match end {
+            Ok(End::Whole) => Followed::Whole,
+            Ok(End::Stop) => Followed::Stopped(self.halt(SafeAction::Cancel, &mut run)),
+            Ok(End::Act(action)) => Followed::Acted(action, self.halt(action, &mut run)),
+            Err(error) => Followed::Failed(error, self.halt(SafeAction::Cancel, &mut run)),
+        }
+    }
+
+    fn watch(&mut self, run: &mut Run<'_>, listener: &mut dyn Listener) -> Result<End, LinkError> {
+        let mut stamps = StampWatch::new(1.0 / self.rate_hz);
+        let end = self.watch_stamped(run, listener, &mut stamps);
+        self.findings = stamps.findings().clone();
+        end
+    }
+
+    fn watch_stamped(
+        &mut self,
+        run: &mut Run<'_>,
+        listener: &mut dyn Listener,
+        watch: &mut StampWatch,
+    ) -> Result<End, LinkError> {
+        let (_, mut alive) = self.newest()?;
+        let origin = Instant::now();
+        let samples = (run.motion.duration_s() * run.rate_hz - 1e-6).ceil() as usize;
+        let mut grid = Resampler::new(run.start_ns, run.rate_hz, samples);
+        self.go_on(run)?;
         let mut settled = Vec::new();
-        let mut ended = !self.sender.tells_the_end();
-        let mut resting: Option<Instant> = None;
+        let (mut looked, mut complete) = (Instant::now(), None::<Instant>);
         loop {
             self.hear_state();
-            if let Some(state) = self.state.as_ref().filter(|state| !is_enabled(state)) {
+            if let Some(state) = self.state.as_ref().filter(|state| !self.settings.is_ready(state)) {
                 return Err(LinkError::Aborted { reason: format!("it says \"{state}\"") });
             }
-            let told = self.sender.poll();
-            if resting.is_none() {
-                ended |= told? == Progress::Done;
-            } else if matches!(told, Ok(Progress::Done | Progress::Cancelled) | Err(_)) {
-                ended = true;
+            if looked.elapsed() > LOOK_EVERY {
+                looked = Instant::now();
+                self.look_around()?;
             }
-            if let Some(since) = resting {
-                let rest = run.brake.map_or(TO_REST, |(_, span)| Duration::from_secs_f64(span + 0.1));
-                let told = self.sender.tells_the_end() && ended;
-                if told || since.elapsed() > rest.min(TO_REST) {
-                    self.findings = watch.findings().clone();
-                    return Ok(Followed::Stopped);
+            let standing = self.line.sender.poll()?;
+            if standing.done && !run.whole_sent {
+                return Err(LinkError::LatePiece { left_ms: 0.0, bound_ms: 1e3 * LEAST_LEFT_S });
+            }
+            if grid.is_done() {
+                let waited = complete.get_or_insert_with(Instant::now).elapsed();
+                if standing.done || !self.line.sender.tells_the_end() {
+                    return Ok(End::Whole);
                 }
-            } else if grid.is_done() && (ended || alive.elapsed() > TO_REST) {
-                self.findings = watch.findings().clone();
-                return Ok(Followed::Whole);
+                if waited > RESULT {
+                    let (waited_ms, bound_ms) = (1e3 * waited.as_secs_f64(), 1e3 * RESULT.as_secs_f64());
+                    return Err(LinkError::NoResult { waited_ms, bound_ms });
+                }
             }
-            let Some(heard) = self.inbox.next(PATIENCE) else {
+            if let Some((from, span)) = run.brake
+                && self.motion_time(run) > from + span + 0.1
+            {
+                return Ok(End::Stop);
+            }
+            self.go_on(run)?;
+            let Some(received) = self.line.states.next(PATIENCE) else {
                 let age_s = alive.elapsed().as_secs_f64();
                 if age_s > self.settings.patience_s {
                     let what = self.settings.full(&self.settings.joint_states);
                     return Err(LinkError::Silence { what, waited_s: age_s, domain: self.settings.domain });
                 }
-                if resting.is_none()
-                    && let Some(end) = self.obey(listener.idle(age_s), &mut run, &mut resting)?
-                {
-                    self.findings = watch.findings().clone();
+                if let Some(end) = self.obey(|| listener.idle(age_s), run) {
                     return Ok(end);
                 }
                 continue;
             };
             let message =
-                heard.message.map_err(|reason| LinkError::Middleware { what: "joint state".to_owned(), reason })?;
+                received.message.map_err(|reason| LinkError::Middleware { what: "joint state".to_owned(), reason })?;
             let row = self.map.row(&message)?;
-            self.latest = Some((row.clone(), heard.at));
-            let stamp = watch.see(row.stamp_ns, heard.at.duration_since(origin).as_secs_f64());
+            let stamp = watch.see(row.stamp_ns, received.at.duration_since(origin).as_secs_f64());
             // A message that says nothing new is as good as none, and one that was long on its way is as old as that.
             let age_s = match stamp {
                 Stamp::Fresh => {
-                    alive = heard.at;
+                    self.latest = Some((row.clone(), received.at));
+                    alive = received.at;
                     watch.lateness_s()
                 }
                 Stamp::Stale => alive.elapsed().as_secs_f64().max(watch.lateness_s()),
                 Stamp::Jumped(by) => {
-                    self.findings = watch.findings().clone();
                     let reason = format!("its clock jumped by {by:.3} s; samples after it have no place in time");
                     return Err(LinkError::Aborted { reason });
                 }
             };
             if (stamp == Stamp::Stale || age_s * self.rate_hz > 1.0)
-                && resting.is_none()
-                && let Some(end) = self.obey(listener.idle(age_s), &mut run, &mut resting)?
+                && let Some(end) = self.obey(|| listener.idle(age_s), run)
             {
-                self.findings = watch.findings().clone();
                 return Ok(end);
             }
             if stamp == Stamp::Stale {
                 continue;
             }
-            if self.sender.streams()
-                && let Some(end) = self.stream(&mut run, row.stamp_ns, heard.at, listener, &mut resting)?
+            if self.line.sender.streams()
+                && let Some(end) = self.stream(run, row.stamp_ns, received.at, listener)?
             {
-                self.findings = watch.findings().clone();
                 return Ok(end);
             }
-            if resting.is_none() && (row.stamp_ns < start_ns || grid.is_done()) {
+            if row.stamp_ns < run.start_ns || grid.is_done() {
                 let t = run.since_start(row.stamp_ns);
-                let flow = listener.standing(t, &row, run.command(t));
-                if let Some(end) = self.obey(flow, &mut run, &mut resting)? {
-                    self.findings = watch.findings().clone();
+                let command = run.command(t).to_vec();
+                if let Some(end) = self.obey(|| listener.standing(t, &row, &command), run) {
                     return Ok(end);
                 }
             }
             settled.clear();
             grid.push(row, &mut settled);
-            for sample in &settled {
-                if resting.is_some() {
+            for sample in settled.drain(..) {
+                if run.brake.is_some() {
                     break;
                 }
                 if !sample.measured {
                     watch.miss(sample.index);
                 }
-                let flow = listener.sample(sample, run.command(sample.index as f64 / run.rate_hz));
-                if let Some(end) = self.obey(flow, &mut run, &mut resting)? {
-                    self.findings = watch.findings().clone();
+                let command = run.command(sample.index as f64 / run.rate_hz).to_vec();
+                if let Some(end) = self.obey(|| listener.sample(&sample, &command), run) {
                     return Ok(end);
                 }
             }
         }
     }
 
-    /// Hands the motion over whole, with the time of the robot's clock at which it begins.
-    fn hand_over(&mut self, run: &Run<'_>) -> Result<(), LinkError> {
-        if self.sender.streams() {
+    /// Who else is there, and whether the middleware still works.
+    fn look_around(&self) -> Result<(), LinkError> {
+        if !self.line.endpoint.is_alive() {
+            return Err(LinkError::Thread);
+        }
+        self.line.interference(&self.settings).map_or(Ok(()), |found| Err(LinkError::Interference(found)))
+    }
+
+    /// Hands over what is due: the whole motion, or its next piece.
+    fn go_on(&mut self, run: &mut Run<'_>) -> Result<(), LinkError> {
+        if self.line.sender.streams() || run.whole_sent {
             return Ok(());
         }
-        let trajectory = JointTrajectory {
+        let now_s = self.motion_time(run);
+        if let Some((sent_s, full_until_s, _)) = run.piece {
+            if now_s < sent_s + RENEW * (full_until_s - sent_s) {
+                return Ok(());
+            }
+            let left_s = full_until_s - now_s;
+            if left_s < LEAST_LEFT_S {
+                return Err(LinkError::LatePiece { left_ms: 1e3 * left_s, bound_ms: 1e3 * LEAST_LEFT_S });
+            }
+        }
+        let (motion, spacing_s) = (run.motion, self.settings.point_spacing_s);
+        let next = if self.settings.horizon_s > 0.0 {
+            piece(motion, &self.robot, spacing_s, now_s, self.settings.horizon_s)
+        } else {
+            let duration_s = motion.duration_s();
+            let points = points(motion, spacing_s);
+            Piece { points, full_until_s: duration_s, rest_s: duration_s, is_last: true }
+        };
+        run.piece = Some((now_s.max(0.0), next.full_until_s, next.rest_s));
+        run.whole_sent = next.is_last;
+        self.line.sender.hand_over(JointTrajectory {
             header: Header { stamp: Time::from_ns(run.start_ns), frame_id: String::new() },
             joint_names: self.map.names().to_vec(),
-            points: points(run.motion, self.settings.point_spacing_s),
-        };
-        self.sender.hand_over(trajectory)
+            points: next.points,
+        })
     }
 
     /// Streams the set-point that is due one message after the one with the stamp `stamp_ns`.
@@ -242,43 +295,40 @@ impl Ros2Arm {
         stamp_ns: i64,
         due: Instant,
         listener: &mut dyn Listener,
-        resting: &mut Option<Instant>,
-    ) -> Result<Option<Followed>, LinkError> {
+    ) -> Result<Option<End>, LinkError> {
         let t = run.since_start(stamp_ns) + 1.0 / self.rate_hz;
         let set_point = run.command(t).to_vec();
-        if resting.is_none() {
-            let flow = listener.command(&set_point, due.elapsed().as_secs_f64());
-            if let Some(end) = self.obey(flow, run, resting)? {
-                return Ok(Some(end));
-            }
+        let end = self.obey(|| listener.command(&set_point, due.elapsed().as_secs_f64()), run);
+        if end.is_some() {
+            return Ok(end);
         }
-        self.sender.set_point(&set_point).map(|()| None)
+        // Where a stop has just begun, the set-point is on the motion still.
+        self.line.sender.set_point(&set_point).map(|()| None)
     }
 
-    /// Does what a listener says.
-    fn obey(
-        &mut self,
-        flow: Flow,
-        run: &mut Run<'_>,
-        resting: &mut Option<Instant>,
-    ) -> Result<Option<Followed>, LinkError> {
-        match flow {
-            Flow::Continue => Ok(None),
-            Flow::Trip(action) => self.act(action).map(|()| Some(Followed::Acted(action))),
-            Flow::Stop => {
-                *resting = Some(Instant::now());
-                self.sender.cancel()?;
-                if self.sender.streams() {
-                    run.brake = self.latest.as_ref().map(|(row, _)| {
-                        let t = run.since_start(row.stamp_ns).clamp(0.0, run.motion.duration_s());
-                        run.command(t);
-                        (t, stopping_time(&self.robot, &run.state[1]))
-                    });
-                }
-                Ok(None)
+    /// Does what a listener says; while a stream brakes, it is not asked.
+    fn obey(&mut self, say: impl FnOnce() -> Flow, run: &mut Run<'_>) -> Option<End> {
+        if run.brake.is_some() {
+            return None;
+        }
+        match say() {
+            Flow::Continue => None,
+            Flow::Trip(action) => Some(End::Act(action)),
+            Flow::Stop if self.line.sender.streams() => {
+                let t = self.motion_time(run).clamp(0.0, run.motion.duration_s());
+                run.command(t);
+                run.brake = Some((t, stopping_time(&self.robot, &run.state[1])));
+                None
             }
+            Flow::Stop => Some(End::Stop),
         }
     }
+}
+
+/// What a panic says.
+fn words(panic: &(dyn std::any::Any + Send)) -> String {
+    let text = panic.downcast_ref::<&str>().map(|text| (*text).to_owned());
+    text.or_else(|| panic.downcast_ref::<String>().cloned()).unwrap_or_else(|| "a panic".to_owned())
 }
 
 /// Time in which every joint stops at half its acceleration limit, at least 0.1 s.

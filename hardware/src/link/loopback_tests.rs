@@ -7,16 +7,17 @@ use std::thread::JoinHandle;
 
 use armid::conformance::chains::planar_2r;
 use armid::experiment::{
-    Arm, Ending, ExperimentPlan, Flow, Plant, PlantError, RawSample, Recorder, Recording, SafeAction, Sensing, Servo,
-    Sink, record,
+    Arm, Ending, ExperimentPlan, Flow, Plant, PlantError, RawSample, Recorder, Recording, Rest, SafeAction, Sensing,
+    Servo, Sink, TripReport, record,
 };
 use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
 use armid::trajectory::{FourierJoint, FourierTrajectory};
 
-use super::{LinkSettings, Mode, Ros2Arm, look};
-use crate::computer::{Computer, Fault, ServeOptions, Watchdog, serve};
+use super::{Endpoint, LinkSettings, Mode, Ros2Arm, look};
+use crate::computer::{Fault, Replacement, RobotController, ServeOptions, Watchdog, serve};
 use crate::guard::Machine;
+use crate::message::Text;
 
 /// One flywheel of 1 kg·m² for each joint.
 #[derive(Clone)]
@@ -71,7 +72,10 @@ impl Robotics {
         Self::begin(settings, |computer| computer.with_fault(fault.map(|text| Fault::parse(text).unwrap())))
     }
 
-    fn begin(settings: &LinkSettings, change: impl FnOnce(Computer<FlyWheels>) -> Computer<FlyWheels>) -> Self {
+    fn begin(
+        settings: &LinkSettings,
+        change: impl FnOnce(RobotController<FlyWheels>) -> RobotController<FlyWheels>,
+    ) -> Self {
         let robot = planar_2r();
         let mut start = [0.0; 2];
         let plan = plan(&robot);
@@ -80,7 +84,7 @@ impl Robotics {
         let seed = (Seed::new(1), 0);
         // A machine that builds and tests at the same time is no robot's computer: the watchdog is patient here.
         let watchdog = Watchdog { hold_s: 1.0, disable_s: 2.0 };
-        let mut computer = Computer::new(
+        let mut computer = RobotController::new(
             &robot,
             &nominal(),
             FlyWheels(start, [0.0; 2]),
@@ -176,7 +180,7 @@ impl Sink for Until {
 
 #[test]
 fn a_stop_brings_the_arm_to_rest_where_it_stays() {
-    for mode in [Mode::Trajectory, Mode::Stream] {
+    for mode in Mode::ALL {
         let settings = settings(mode);
         let _computer = Robotics::start(&settings, None);
         let robot = planar_2r();
@@ -184,8 +188,8 @@ fn a_stop_brings_the_arm_to_rest_where_it_stays() {
         let mut sink = Until { recorder: Recorder::default(), until: 1.0, flow: Flow::Stop };
         let ending = arm.perform(&plan(&robot), &mut sink).unwrap();
         assert!(matches!(ending, Ending::Stopped { t, .. } if (t - 1.0).abs() < 1e-9), "{ending:?}");
+        assert!(matches!(ending, Ending::Stopped { rest: Rest::Confirmed { .. }, .. }), "{ending:?}");
         assert_eq!(sink.recorder.into_recording().unwrap().len(), 501);
-        std::thread::sleep(std::time::Duration::from_millis(300));
         let first = arm.reading().unwrap().row.q;
         std::thread::sleep(std::time::Duration::from_millis(100));
         let second = arm.reading().unwrap().row.q;
@@ -259,6 +263,150 @@ fn an_emergency_stop_ends_the_experiment_with_its_reason_and_every_sample_before
     assert!(refused.contains("estop"), "{refused}");
 }
 
+/// Performs the plan on a robot's computer and says how it was tripped.
+fn tripped(
+    settings: &LinkSettings,
+    change: impl FnOnce(RobotController<FlyWheels>) -> RobotController<FlyWheels>,
+) -> TripReport {
+    let _computer = Robotics::begin(settings, change);
+    let robot = planar_2r();
+    let mut arm = Ros2Arm::connect(settings, &robot, "").unwrap();
+    match record(&mut arm, &plan(&robot)).unwrap().1 {
+        Ending::Tripped { trip, .. } => *trip,
+        other => panic!("{other:?}, expected a trip"),
+    }
+}
+
+fn with_fault(text: &'static str) -> impl FnOnce(RobotController<FlyWheels>) -> RobotController<FlyWheels> {
+    move |computer| computer.with_fault(Some(Fault::parse(text).unwrap()))
+}
+
+#[test]
+fn an_answer_that_does_not_come_is_a_trip_and_the_arm_is_seen_at_rest() {
+    let settings = settings(Mode::Trajectory);
+    for (fault, name) in [("late-answer@motion+0.6", "no-acceptance"), ("lost-result@motion+0.6", "no-result")] {
+        let trip = tripped(&settings, with_fault(fault));
+        assert_eq!(trip.trip, name, "{trip}");
+        assert!(matches!(trip.rest, Rest::Confirmed { .. }), "{trip}");
+    }
+}
+
+#[test]
+fn a_robot_that_replaces_no_motion_under_way_stops_by_itself_and_takes_whole_motions() {
+    let mut settings = settings(Mode::Trajectory);
+    let refuse = |computer: RobotController<FlyWheels>| computer.with_replacement(Replacement::Refused);
+    let trip = tripped(&settings, refuse);
+    assert!(trip.trip == "robot-stopped" && trip.reason.contains("horizon_s = 0"), "{trip}");
+    assert!(matches!(trip.rest, Rest::Confirmed { .. }), "{trip}");
+    settings.horizon_s = 0.0;
+    let _computer = Robotics::begin(&settings, refuse);
+    let robot = planar_2r();
+    let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+    assert_eq!(record(&mut arm, &plan(&robot)).unwrap().1, Ending::Completed);
+}
+
+/// A sink that fails in a way that nobody has thought of.
+struct Fails(usize);
+
+impl Sink for Fails {
+    fn begin(&mut self, _: &Recording) {}
+    fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
+        assert!(sample.index < self.0, "out of order");
+        Flow::Continue
+    }
+}
+
+#[test]
+fn a_panic_of_our_own_is_a_trip_and_the_arm_is_seen_at_rest() {
+    let settings = settings(Mode::Trajectory);
+    let _computer = Robotics::start(&settings, None);
+    let robot = planar_2r();
+    let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+    let ending = arm.perform(&plan(&robot), &mut Fails(400)).unwrap();
+    let Ending::Tripped { trip, .. } = ending else { panic!("{ending:?}") };
+    assert!(trip.trip == "panic" && trip.reason.contains("out of order"), "{trip}");
+    assert!(matches!(trip.rest, Rest::Confirmed { .. }), "{trip}");
+}
+
+#[test]
+fn nobody_who_answers_is_not_confirmed() {
+    let settings = settings(Mode::Trajectory);
+    let trip = {
+        let computer = Robotics::start(&settings, Some("freeze@motion+0.6"));
+        let robot = planar_2r();
+        let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+        let mut sink = Silent(0.2);
+        let ending = arm.perform(&plan(&robot), &mut sink).unwrap();
+        drop(computer);
+        let Ending::Stopped { rest, .. } = ending else { panic!("{ending:?}") };
+        rest
+    };
+    assert!(matches!(&trip, Rest::NotConfirmed { reason } if reason.contains("no joint state")), "{trip:?}");
+}
+
+/// A sink that stops where no sample has come for so long, s.
+struct Silent(f64);
+
+impl Sink for Silent {
+    fn begin(&mut self, _: &Recording) {}
+    fn sample(&mut self, _: &RawSample<'_>) -> Flow {
+        Flow::Continue
+    }
+    fn idle(&mut self, age_s: f64) -> Flow {
+        if age_s > self.0 { Flow::Trip(SafeAction::Cancel) } else { Flow::Continue }
+    }
+}
+
+#[test]
+fn a_second_robot_in_the_domain_is_refused() {
+    let settings = settings(Mode::Trajectory);
+    let _computers = [Robotics::start(&settings, None), Robotics::start(&settings, None)];
+    let refused = Ros2Arm::connect(&settings, &planar_2r(), "").err().expect("a refusal").to_string();
+    assert!(refused.contains("interference") && refused.contains("expected 1"), "{refused}");
+}
+
+#[test]
+fn a_second_robot_that_comes_later_is_a_trip() {
+    let settings = settings(Mode::Trajectory);
+    let _computer = Robotics::start(&settings, None);
+    let robot = planar_2r();
+    let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+    let _second = Robotics::start(&settings, None);
+    let mut slow = plan(&robot);
+    slow.periods = 30;
+    let (_, ending) = record(&mut arm, &slow).unwrap();
+    let Ending::Tripped { trip, .. } = ending else { panic!("{ending:?}") };
+    // Whichever is noticed first: who is there, or states of two clocks.
+    assert!(trip.trip == "interference" || trip.reason.contains("clock"), "{trip}");
+}
+
+#[test]
+fn a_word_that_was_said_once_and_kept_is_heard() {
+    let settings = LinkSettings { robot_state: "kept_state".to_owned(), ..settings(Mode::Trajectory) };
+    // The computer says nothing on that topic: somebody else did, before anybody listened.
+    let _computer = Robotics::start(&LinkSettings { robot_state: String::new(), ..settings.clone() }, None);
+    let mut endpoint = Endpoint::join(&settings, "latch").unwrap();
+    let qos = settings.command_qos().durability(ros2_client::qos::Durability::TransientLocal);
+    let kept = endpoint.publisher("/kept_state", ("std_msgs", "String"), &qos).unwrap();
+    kept.publish(Text { data: "drives off; not referenced".to_owned() }).unwrap();
+    let robot = planar_2r();
+    let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+    let survey = arm.survey().unwrap();
+    assert_eq!((survey.homed, survey.ready), (None, Some(false)));
+    assert_eq!(survey.state.as_deref(), Some("drives off; not referenced"));
+}
+
+#[test]
+fn disable_is_offered_only_where_somebody_listens() {
+    let settings = settings(Mode::Trajectory);
+    let deaf = LinkSettings { robot_request: String::new(), ..settings.clone() };
+    for (served, offered) in [(&settings, true), (&deaf, false)] {
+        let _computer = Robotics::start(served, None);
+        let arm = Ros2Arm::connect(&settings, &planar_2r(), "").unwrap();
+        assert_eq!(arm.can_disable(), offered);
+    }
+}
+
 #[test]
 fn an_arm_that_is_not_homed_is_told_before_it_moves() {
     let settings = settings(Mode::Trajectory);
@@ -267,11 +415,11 @@ fn an_arm_that_is_not_homed_is_told_before_it_moves() {
     let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
     // Its word comes on a topic of its own, some time after the first joint states.
     let survey = arm.survey().unwrap();
-    assert_eq!((survey.homed, survey.ready), (Some(false), Some(true)));
+    assert_eq!((survey.homed, survey.ready), (None, Some(false)));
+    assert_eq!(survey.state.as_deref(), Some("enabled not homed hold"));
     // Whoever asks nevertheless is refused.
-    let (recording, ending) = record(&mut arm, &plan(&robot)).unwrap();
-    assert!(matches!(&ending, Ending::Tripped { trip, .. } if trip.trip == "robot-stopped"), "{ending:?}");
-    assert!(recording.is_empty());
+    let refused = record(&mut arm, &plan(&robot)).unwrap_err().to_string();
+    assert!(refused.contains("not homed"), "{refused}");
 }
 
 #[test]

@@ -5,18 +5,22 @@
 //!  joint_states ──→ names mapped ─→ stamps watched ─→ resampled onto the plan's grid ─→ Sink
 //!  action, topic or set-points ←── Motion                 (StampFindings)
 //! ```
-//! The time of a sample is the stamp in its header, by the robot's clock; how long nothing was heard is measured by the
+//! The time of a sample is the stamp in its header, by the robot's clock; how long nothing was received is measured by the
 //! local monotonic clock. The two are never compared: the motion begins at a stamp of the robot's clock that the link
 //! chooses and sends along.
 
+mod connection;
 mod error;
 mod follow;
+mod halt;
 mod joint_map;
 #[cfg(test)]
 mod loopback_tests;
 mod motion;
 mod node;
+mod pieces;
 mod resample;
+mod rest;
 mod ros2_arm;
 mod sender;
 mod settings;
@@ -24,12 +28,13 @@ mod stamps;
 mod states;
 
 pub use error::LinkError;
-pub(crate) use follow::{Followed, Listener, is_enabled};
+pub(crate) use follow::Listener;
 pub use joint_map::{JointMap, JointRow};
-pub use motion::{Motion, PlanMotion, points};
+pub use motion::{Motion, PlanMotion};
 pub use node::{Endpoint, peers};
+pub use pieces::{Piece, piece, points};
 pub use resample::{GridSample, Resampler};
-pub(crate) use ros2_arm::tripped;
+pub(crate) use ros2_arm::ending;
 pub use ros2_arm::{Reading, Ros2Arm, look};
 pub use settings::{LinkSettings, Mode, Network, ServiceMappingName};
 pub use stamps::{StampFindings, StampWatch};

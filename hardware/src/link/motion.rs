@@ -1,8 +1,6 @@
-//! A motion to perform, and the points by which it is handed over.
+//! A motion to perform.
 
 use armid::experiment::{Command, ExperimentPlan, Layout};
-
-use crate::message::{Time, TrajectoryPoint};
 
 /// A commanded motion from rest to rest, at any time between.
 pub trait Motion {
@@ -44,22 +42,4 @@ impl Motion for PlanMotion<'_> {
     fn at(&self, t: f64, q: &mut [f64], qd: &mut [f64], qdd: &mut [f64]) {
         self.command.evaluate(t, q, qd, qdd);
     }
-}
-
-/// Points of a motion, no further apart than `spacing_s`, from its beginning to its end.
-///
-/// With position, velocity and acceleration in every point the robot's computer joins two of them by a polynomial of
-/// degree five, whose error is `h⁶ max|q⁗⁗| / 46080` (the sixth derivative): at 50 ms and the fifth harmonic of a
-/// period of 10 s it is 2e-11 of the amplitude, of a period of 2 s 3e-7.
-#[must_use]
-pub fn points(motion: &dyn Motion, spacing_s: f64) -> Vec<TrajectoryPoint> {
-    let count = (motion.duration_s() / spacing_s).ceil().max(1.0) as usize;
-    let point = |k: usize| {
-        let time_from_start = Time::from_s(motion.duration_s() * k as f64 / count as f64);
-        let zero = vec![0.0; motion.dof()];
-        let (mut positions, mut velocities, mut accelerations) = (zero.clone(), zero.clone(), zero);
-        motion.at(time_from_start.seconds(), &mut positions, &mut velocities, &mut accelerations);
-        TrajectoryPoint { positions, velocities, accelerations, effort: Vec::new(), time_from_start }
-    };
-    (0..=count).map(point).collect()
 }

@@ -1,11 +1,13 @@
 //! A participant in a ROS domain with one node, whose discovery runs on a thread of its own.
 
+use std::collections::BTreeSet;
 use std::net::{IpAddr, Ipv4Addr};
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use ros2_client::qos::QosProfile;
 use ros2_client::{Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, Subscription};
-use rustdds::{DomainParticipant, DomainParticipantBuilder, RTPSEntity};
+use rustdds::{DomainParticipant, DomainParticipantBuilder, GUID, RTPSEntity};
 
 use super::{LinkError, LinkSettings, Network};
 
@@ -14,11 +16,26 @@ pub struct Endpoint {
     node: Node,
     participant: DomainParticipant,
     settings: LinkSettings,
+    /// The middleware's threads that serve this participant.
+    threads: BTreeSet<u32>,
 }
 
-/// Who is waited for on a DDS topic.
+/// One at a time, so that the threads that are new belong to who has just joined.
+static JOINING: Mutex<()> = Mutex::new(());
+
+/// Numbers of the middleware's threads in this process; none where the system does not list them.
+fn middleware_threads() -> BTreeSet<u32> {
+    let Ok(tasks) = std::fs::read_dir("/proc/self/task") else { return BTreeSet::new() };
+    let named = |path: &std::path::Path| {
+        std::fs::read_to_string(path.join("comm")).is_ok_and(|name| name.starts_with("RustDDS"))
+    };
+    let tasks = tasks.flatten().filter(|task| named(&task.path()));
+    tasks.filter_map(|task| task.file_name().to_str()?.parse().ok()).collect()
+}
+
+/// Somebody else on a DDS topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Other {
+pub(crate) enum Peer {
     Writer,
     Reader,
 }
@@ -44,7 +61,11 @@ impl Endpoint {
         let fault = |error: &dyn std::fmt::Debug| LinkError::middleware(format!("node {name}"), error);
         let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
         let named = NodeName::new("/", name).map_err(|error| fault(&error))?;
+        let alone = JOINING.lock().unwrap_or_else(PoisonError::into_inner);
+        let before = middleware_threads();
         let context = context(settings)?;
+        let threads = middleware_threads().difference(&before).copied().collect();
+        drop(alone);
         let participant = context.domain_participant();
         let mut node = context.new_node(named, options).map_err(|error| fault(&error))?;
         let spinner = node.spinner().map_err(|error| fault(&error))?;
@@ -53,7 +74,14 @@ impl Endpoint {
             // It ends when the node is dropped; what discovery has to say is asked of the node.
             .spawn(move || smol::block_on(spinner.spin()).is_ok())
             .map_err(|error| fault(&error))?;
-        Ok(Self { node, participant, settings: settings.clone() })
+        Ok(Self { node, participant, settings: settings.clone(), threads })
+    }
+
+    /// Whether the middleware's threads of this participant are all there. Its event loop ends where a wait is interrupted
+    /// (RustDDS 0.15.1, `dp_event_loop.rs`), as by a process that is stopped and continued: nothing is sent or received
+    /// from then on, and no call says so.
+    pub(crate) fn is_alive(&self) -> bool {
+        self.threads.is_empty() || self.threads.is_subset(&middleware_threads())
     }
 
     /// The node, for what has no short cut here.
@@ -98,8 +126,8 @@ impl Endpoint {
         self.settings.domain
     }
 
-    /// Waits until somebody else writes or reads every one of these DDS topics. `what` they are is told otherwise.
-    pub(crate) fn wait(&self, what: &str, topics: &[(Other, String)]) -> Result<(), LinkError> {
+    /// Waits until somebody else writes or reads every one of these DDS topics. `what` they are is reported otherwise.
+    pub(crate) fn wait(&self, what: &str, topics: &[(Peer, String)]) -> Result<(), LinkError> {
         let began = Instant::now();
         loop {
             if self.has(topics) {
@@ -114,16 +142,30 @@ impl Endpoint {
     }
 
     /// Whether all of these others have been seen.
-    pub(crate) fn has(&self, topics: &[(Other, String)]) -> bool {
-        let (writers, readers) = (self.participant.discovered_writers(), self.participant.discovered_readers());
-        topics.iter().all(|(other, topic)| match other {
-            Other::Writer => writers.iter().any(|found| found.publication_topic_data.topic_name == *topic),
-            Other::Reader => readers.iter().any(|found| found.subscription_topic_data.topic_name() == topic),
-        })
+    pub(crate) fn has(&self, topics: &[(Peer, String)]) -> bool {
+        topics.iter().all(|(peer, topic)| self.count(*peer, topic) > 0)
+    }
+
+    /// How many others write or read a DDS topic.
+    pub(crate) fn count(&self, peer: Peer, topic: &str) -> usize {
+        let own = self.participant.guid().prefix;
+        let found: BTreeSet<GUID> = match peer {
+            Peer::Writer => {
+                let all = self.participant.discovered_writers();
+                let here = all.iter().filter(|found| found.publication_topic_data.topic_name == topic);
+                here.map(|found| found.writer_proxy.remote_writer_guid).collect()
+            }
+            Peer::Reader => {
+                let all = self.participant.discovered_readers();
+                let here = all.iter().filter(|found| found.subscription_topic_data.topic_name() == topic);
+                here.map(|found| found.reader_proxy.remote_reader_guid).collect()
+            }
+        };
+        found.iter().filter(|guid| guid.prefix != own).count()
     }
 }
 
-/// Topics that others publish or listen to in the domain of `settings`, heard within `listen`, in the order of names.
+/// Topics that others publish or listen to in the domain of `settings`, received within `listen`, in the order of names.
 ///
 /// # Errors
 /// [`LinkError`] where the network refuses.

@@ -9,19 +9,17 @@ use armid::model::Robot;
 use armid::provenance::Provenance;
 use ros2_client::Publisher;
 
+use super::connection::Connection;
 use super::follow::{Followed, Listener};
-use super::node::Other;
-use super::sender::Sender;
-use super::states::Inbox;
-use super::{Endpoint, GridSample, JointMap, JointRow, LinkError, LinkSettings, PlanMotion, StampFindings};
-use crate::guard::{REACTION_MS, Trip};
-use crate::message::{FollowFeedback, JointState, Text};
+use super::{GridSample, JointMap, JointRow, LinkError, LinkSettings, PlanMotion, StampFindings};
+use crate::guard::{LOOK_MS, REACTION_MS, Trip};
+use crate::message::{FollowFeedback, Text};
 
 /// Messages by which the robot's rate is measured before anything moves.
 const RATE_MESSAGES: usize = 25;
 
-/// How long a robot's computer may take to say its first word.
-const WORD: Duration = Duration::from_secs(2);
+/// How long it takes until everybody on the network has been found.
+const FOUND: Duration = Duration::from_millis(1000);
 
 /// What the robot said last.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,26 +30,23 @@ pub struct Reading {
     pub age_s: f64,
     /// How often joint states come by their own stamps, Hz.
     pub rate_hz: f64,
-    /// The state of its computer in words, where it tells.
+    /// The state of its computer in words, where it reports.
     pub state: Option<String>,
 }
 
 /// A robot that speaks ROS 2. Only this crate can make one, so every command to it passes the guard.
 ///
-/// It follows a motion that is handed over whole or streamed, and yields the joint states that arrive, resampled onto
+/// It follows a motion that is handed over or streamed, and yields the joint states that arrive, resampled onto
 /// the plan's grid (see [`super::Resampler`]). Where the link fails in the middle, the motion is cancelled and the
-/// experiment ends as tripped by `link`, with every sample up to there.
+/// experiment ends as tripped, with every sample up to there.
 pub struct Ros2Arm {
-    /// Keeps the node on the network.
-    endpoint: Endpoint,
+    pub(super) line: Connection,
+    /// A second participant, where the first is of no use any more.
+    pub(super) rescue: Option<Connection>,
     pub(super) settings: LinkSettings,
     pub(super) robot: Robot,
     robot_text: String,
     pub(super) map: JointMap,
-    pub(super) inbox: Inbox<JointState>,
-    states: Option<Inbox<Text>>,
-    request: Option<Publisher<Text>>,
-    pub(super) sender: Sender,
     pub(super) rate_hz: f64,
     pub(super) latest: Option<(JointRow, Instant)>,
     pub(super) state: Option<String>,
@@ -62,58 +57,63 @@ impl Ros2Arm {
     /// Finds the robot on the network, checks the names of its joints and measures how often it reports them.
     ///
     /// # Errors
-    /// [`LinkError`] where a setting is impossible, nobody answers, or the joints are not those of the robot file.
+    /// [`LinkError`] where a setting is impossible, nobody answers, or the joints are not those of the robot file;
+    /// [`LinkError::Interference`] where more than one robot answers, or somebody else commands it.
     pub(crate) fn connect(settings: &LinkSettings, robot: &Robot, robot_text: &str) -> Result<Self, LinkError> {
         let names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
-        let mut endpoint = Endpoint::join(settings, "armid")?;
-        let topic = settings.full(&settings.joint_states);
-        let subscription = endpoint.subscription(&topic, ("sensor_msgs", "JointState"), &settings.state_qos())?;
-        endpoint.wait(&topic, &[(Other::Writer, format!("rt{topic}"))])?;
-        let inbox = Inbox::new("joint states", subscription)?;
-        let text = ("std_msgs", "String");
-        let states = if settings.robot_state.is_empty() {
-            None
-        } else {
-            let topic = settings.full(&settings.robot_state);
-            Some(Inbox::new("robot state", endpoint.subscription(&topic, text, &settings.command_qos())?)?)
-        };
-        let request = if settings.robot_request.is_empty() {
-            None
-        } else {
-            Some(endpoint.publisher(&settings.full(&settings.robot_request), text, &settings.command_qos())?)
-        };
-        let sender = Sender::open(&mut endpoint, settings)?;
-        sender.wait(&endpoint, settings)?;
+        let line = Connection::open(settings, "armid")?;
+        line.wait(settings)?;
         let mut arm = Self {
-            endpoint,
+            line,
+            rescue: None,
             settings: settings.clone(),
             robot: robot.clone(),
             robot_text: robot_text.to_owned(),
             map,
-            inbox,
-            states,
-            request,
-            sender,
             rate_hz: 0.0,
             latest: None,
             state: None,
             findings: StampFindings::default(),
         };
         arm.rate_hz = arm.measure_rate()?;
-        arm.await_word();
+        arm.await_others()?;
         Ok(arm)
     }
 
-    /// Waits for the first word about the state of the robot's computer where somebody is there to say one: an arm that
-    /// is stopped or not homed must not move because its joint states came first.
-    fn await_word(&mut self) {
-        let speaker = [(Other::Writer, format!("rt{}", self.settings.full(&self.settings.robot_state)))];
+    /// Waits for what others have to say before anything moves: everybody who is on the network has been found after a
+    /// while, and whoever says the robot's state has said it, be it once and long ago.
+    fn await_others(&mut self) -> Result<(), LinkError> {
         let began = Instant::now();
-        while self.state.is_none() && began.elapsed() < WORD && self.states.is_some() && self.endpoint.has(&speaker) {
-            std::thread::sleep(Duration::from_millis(5));
+        loop {
             self.hear_state();
+            if let Some(found) = self.line.interference(&self.settings) {
+                return Err(LinkError::Interference(found));
+            }
+            if let Err(stranger @ LinkError::Interference(_)) = self.line.sender.poll() {
+                return Err(stranger);
+            }
+            let says = self.line.says_its_state(&self.settings);
+            if began.elapsed() > FOUND && (self.state.is_some() || !says) {
+                return Ok(());
+            }
+            if began.elapsed() > self.settings.patience() {
+                let what = format!("a word on {}", self.settings.full(&self.settings.robot_state));
+                let (waited_s, domain) = (self.settings.patience_s, self.settings.domain);
+                return Err(LinkError::Silence { what, waited_s, domain });
+            }
+            std::thread::sleep(Duration::from_millis(5));
         }
+    }
+
+    /// Whether somebody listens to the word `disable`.
+    pub(crate) fn can_disable(&self) -> bool {
+        self.line.takes_requests(&self.settings)
+    }
+
+    /// The words with which the arm may move.
+    pub(crate) fn ready_states(&self) -> &[String] {
+        &self.settings.ready_states
     }
 
     /// The median rate of the joint states by their stamps, Hz.
@@ -146,7 +146,7 @@ impl Ros2Arm {
     /// Takes the next joint state, waiting for `patience` at most, and every word about the robot's computer.
     fn hear(&mut self, patience: Duration) -> Result<bool, LinkError> {
         self.hear_state();
-        let Some(heard) = self.inbox.next(patience) else { return Ok(false) };
+        let Some(heard) = self.line.states.next(patience) else { return Ok(false) };
         let message =
             heard.message.map_err(|reason| LinkError::Middleware { what: "joint state".to_owned(), reason })?;
         self.latest = Some((self.map.row(&message)?, heard.at));
@@ -155,9 +155,10 @@ impl Ros2Arm {
 
     /// Takes every word about the state of the robot's computer.
     pub(super) fn hear_state(&mut self) {
-        while let Some(heard) = self.states.as_ref().and_then(Inbox::take) {
-            if let Ok(text) = heard.message {
-                self.state = Some(text.data);
+        while let Some(word) = self.line.word() {
+            // A word that forbids the motion stays: a second one that allows it may be of somebody else.
+            if self.state.as_ref().is_none_or(|state| self.settings.is_ready(state)) {
+                self.state = Some(word);
             }
         }
     }
@@ -183,7 +184,7 @@ impl Ros2Arm {
         Ok(Reading { row, age_s: at.elapsed().as_secs_f64(), rate_hz: self.rate_hz, state: self.state.clone() })
     }
 
-    /// The newest joint state that has come, and when: without waiting, so that whoever follows the arm hears of a
+    /// The newest joint state that has come, and when: without waiting, so that whoever follows the arm receives of a
     /// silence that has begun.
     ///
     /// # Errors
@@ -196,7 +197,7 @@ impl Ros2Arm {
     /// The ROS domain that it was found in.
     #[must_use]
     pub fn domain(&self) -> u16 {
-        self.endpoint.domain()
+        self.line.endpoint.domain()
     }
 
     /// How often its joint states come by their own stamps, Hz.
@@ -204,9 +205,9 @@ impl Ros2Arm {
         self.rate_hz
     }
 
-    /// A topic on which to tell others in words what happens here.
-    pub(crate) fn teller(&mut self, topic: &str) -> Result<Publisher<Text>, LinkError> {
-        self.endpoint.publisher(topic, ("std_msgs", "String"), &self.settings.telling_qos())
+    /// A topic on which to report others in words what happens here.
+    pub(crate) fn status_publisher(&mut self, topic: &str) -> Result<Publisher<Text>, LinkError> {
+        self.line.endpoint.publisher(topic, ("std_msgs", "String"), &self.settings.telling_qos())
     }
 
     /// The robot that this is.
@@ -215,32 +216,17 @@ impl Ros2Arm {
         &self.robot
     }
 
-    /// How far the robot's computer says that its joints are from the motion, in its own order; `None` where it tells
+    /// How far the robot's computer says that its joints are from the motion, in its own order; `None` where it reports
     /// nothing, as in the modes without an action.
     #[must_use]
     pub fn feedback(&self) -> Option<&FollowFeedback> {
-        self.sender.feedback()
+        self.line.sender.feedback()
     }
 
-    /// What the stamps of the last motion told.
+    /// What the stamps of the last motion reported.
     #[must_use]
     pub fn findings(&self) -> &StampFindings {
         &self.findings
-    }
-
-    /// Takes a safe action at once; what is sent twice does no harm.
-    ///
-    /// # Errors
-    /// [`LinkError`] where it cannot even be sent.
-    pub(crate) fn act(&mut self, action: SafeAction) -> Result<(), LinkError> {
-        let cancelled = self.sender.cancel();
-        if action == SafeAction::Disable
-            && let Some(request) = &self.request
-        {
-            let word = Text { data: "disable".to_owned() };
-            request.publish(word).map_err(|error| LinkError::middleware("disable", &error.forget_data()))?;
-        }
-        cancelled
     }
 
     /// What a recording of a plan begins with.
@@ -272,14 +258,29 @@ pub fn look(settings: &LinkSettings, robot: &Robot) -> Result<Reading, LinkError
     Ros2Arm::connect(settings, robot, "")?.reading()
 }
 
-/// The ending of a motion that the robot's computer gave up or the link lost. It was cancelled.
-pub(crate) fn tripped(error: &LinkError, t: f64, phase: Phase) -> Ending {
-    let trip = match error {
-        LinkError::Aborted { .. } | LinkError::Refused { .. } => Trip::RobotStopped,
-        _ => Trip::Link,
+/// The ending of a motion that was not performed to its end.
+pub(crate) fn ending(followed: Followed, t: f64, phase: Phase) -> Ending {
+    let (error, rest) = match followed {
+        Followed::Whole => return Ending::Completed,
+        Followed::Stopped(rest) | Followed::Acted(_, rest) => return Ending::Stopped { t, phase, rest },
+        Followed::Failed(error, rest) => (error, rest),
     };
-    let (trip, action, bound_ms, reason) = (trip.name(), SafeAction::Cancel, REACTION_MS, error.to_string());
-    Ending::Tripped { t, phase, trip: Box::new(TripReport { trip, action, bound_ms, reason }) }
+    let (trip, bound_ms) = match &error {
+        LinkError::Aborted { .. } | LinkError::Refused { .. } => (Trip::RobotStopped, REACTION_MS),
+        LinkError::Interference(_) => (Trip::Interference, LOOK_MS + REACTION_MS),
+        LinkError::NoAcceptance { bound_ms, .. } => (Trip::NoAcceptance, bound_ms + REACTION_MS),
+        LinkError::NoResult { bound_ms, .. } => (Trip::NoResult, bound_ms + REACTION_MS),
+        LinkError::Panic(_) => (Trip::Panic, REACTION_MS),
+        LinkError::Thread => (Trip::Link, LOOK_MS + REACTION_MS),
+        LinkError::LatePiece { .. }
+        | LinkError::Setting { .. }
+        | LinkError::Middleware { .. }
+        | LinkError::Silence { .. }
+        | LinkError::Joints { .. }
+        | LinkError::Length { .. } => (Trip::Link, REACTION_MS),
+    };
+    let (trip, action, reason) = (trip.name(), SafeAction::Cancel, error.to_string());
+    Ending::Tripped { t, phase, trip: Box::new(TripReport { trip, action, bound_ms, reason, rest }) }
 }
 
 /// Hands the samples of a plan on to its sink.
@@ -323,18 +324,16 @@ impl Arm for Ros2Arm {
             return Err(unavailable(reason));
         }
         self.newest().map_err(|error| unavailable(error.to_string()))?;
-        if let Some(state) = self.state.as_ref().filter(|state| !super::follow::is_enabled(state)) {
-            return Err(unavailable(format!("the robot's computer says \"{state}\", expected \"enabled\"")));
+        self.hear_state();
+        if let Some(state) = self.state.as_ref().filter(|state| !self.settings.is_ready(state)) {
+            let expected = self.settings.ready_states.join("\", \"");
+            return Err(unavailable(format!("the robot's computer says \"{state}\", expected \"{expected}\"")));
         }
         sink.begin(&self.recording(plan, &layout));
         let mut relay = Relay { sink, layout: &layout, rate_hz: plan.rate_hz, last: (0.0, layout.phase(0)) };
         let motion = PlanMotion::new(plan, &layout, plan.trajectory.dof());
         let followed = self.follow(&motion, plan.rate_hz, &mut relay);
         let (t, phase) = relay.last;
-        Ok(match followed {
-            Ok(Followed::Whole) => Ending::Completed,
-            Ok(Followed::Stopped | Followed::Acted(_)) => Ending::Stopped { t, phase },
-            Err(error) => tripped(&error, t, phase),
-        })
+        Ok(ending(followed, t, phase))
     }
 }

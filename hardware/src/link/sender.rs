@@ -1,39 +1,58 @@
-//! The way a motion goes out.
+//! The way a motion goes out, and what the robot's computer answers.
+
+use std::time::{Duration, Instant};
 
 use ros2_client::action::{ActionClient, ActionClientQosPolicies, GoalId, GoalStatusEnum};
+use ros2_client::action_msgs::CancelGoalResponseEnum;
+use ros2_client::qos::Durability;
 use ros2_client::request_id::RmwRequestId;
 use ros2_client::{ActionTypeName, Publisher};
 
-use super::node::Other;
+use super::node::Peer;
 use super::{Endpoint, LinkError, LinkSettings, Mode};
 use crate::message::{Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointTrajectory};
 
-/// How far a motion that was handed over has come.
-#[derive(Clone, Debug, PartialEq)]
-pub(crate) enum Progress {
-    /// Nothing new.
-    Pending,
-    /// The robot's computer took it.
-    Accepted,
-    /// It was performed to its end.
-    Done,
-    /// It was cancelled, and the arm has come to rest.
-    Cancelled,
-}
+/// How long the robot's computer may take to say whether it takes a motion.
+pub(crate) const ACCEPTANCE: Duration = Duration::from_millis(500);
+/// Goals whose end is still of interest: the newest, and the one that it replaces.
+const KEPT: usize = 2;
 
-/// The goal of the motion under way.
+/// One goal of ours.
 struct Goal {
     id: GoalId,
     request: RmwRequestId,
-    result: Option<RmwRequestId>,
+    result_request: Option<RmwRequestId>,
+    end: Option<(GoalStatusEnum, FollowResult)>,
 }
 
 type Client = ActionClient<FollowGoal, FollowResult, FollowFeedback>;
 
+/// An action, and what is known of our goals.
+struct Action {
+    client: Client,
+    goals: Vec<Goal>,
+    /// Requests that have no answer yet, oldest first, and when they went out.
+    unanswered: Vec<(RmwRequestId, Instant)>,
+    /// Every goal that this program has ever sent, to report ours from others.
+    ours: Vec<GoalId>,
+    cancels: Vec<RmwRequestId>,
+}
+
 enum Way {
-    Action(Box<Client>, Option<Goal>),
+    Action(Box<Action>),
     Topic(Publisher<JointTrajectory>),
     Stream(Publisher<Float64MultiArray>),
+}
+
+/// How the newest motion stands, as the robot's computer says.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub(crate) struct Standing {
+    /// It was taken.
+    pub(crate) accepted: bool,
+    /// It was performed to its end.
+    pub(crate) done: bool,
+    /// It has ended, or a cancel that was asked for is carried out: nothing of ours moves the arm any more.
+    pub(crate) over: bool,
 }
 
 /// Hands motions over, or set-points one by one, as the mode says.
@@ -41,6 +60,8 @@ pub(crate) struct Sender {
     way: Way,
     /// How far the arm is from the motion, as its computer sees it.
     feedback: Option<FollowFeedback>,
+    /// Whether a cancel was asked for, and one that was asked for is carried out.
+    cancel: (bool, bool),
 }
 
 impl Sender {
@@ -55,38 +76,45 @@ impl Sender {
                     result_service: qos.clone(),
                     cancel_service: qos.clone(),
                     feedback_subscription: qos.clone(),
-                    status_subscription: qos,
+                    // Goals that were there before report of somebody else.
+                    status_subscription: qos.durability(Durability::TransientLocal),
                 };
                 let kind = ActionTypeName::new("control_msgs", "FollowJointTrajectory");
                 let client = endpoint
                     .node()
                     .create_action_client(settings.service_mapping.into(), &Endpoint::name(&name)?, &kind, policies)
                     .map_err(|error| LinkError::middleware(format!("action {name}"), &error))?;
-                Way::Action(Box::new(client), None)
+                let (goals, ours, cancels, unanswered) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
+                Way::Action(Box::new(Action { client, goals, unanswered, ours, cancels }))
             }
             Mode::Topic => {
                 let topic = settings.full(&settings.trajectory);
-                Way::Topic(endpoint.publisher(&topic, ("trajectory_msgs", "JointTrajectory"), &qos)?)
+                // The newest alone: what a broken network has held back must not arrive later.
+                Way::Topic(endpoint.publisher(
+                    &topic,
+                    ("trajectory_msgs", "JointTrajectory"),
+                    &settings.newest_qos(),
+                )?)
             }
             Mode::Stream => {
                 let topic = settings.full(&settings.commands);
-                Way::Stream(endpoint.publisher(&topic, ("std_msgs", "Float64MultiArray"), &qos)?)
+                Way::Stream(endpoint.publisher(&topic, ("std_msgs", "Float64MultiArray"), &settings.newest_qos())?)
             }
         };
-        Ok(Self { way, feedback: None })
+        Ok(Self { way, feedback: None, cancel: (false, false) })
     }
 
     /// Waits until somebody listens.
     pub(crate) fn wait(&self, endpoint: &Endpoint, settings: &LinkSettings) -> Result<(), LinkError> {
         let listener = |name: &str| {
             let full = settings.full(name);
-            endpoint.wait(&format!("a listener to {full}"), &[(Other::Reader, format!("rt{full}"))])
+            endpoint.wait(&format!("a listener to {full}"), &[(Peer::Reader, format!("rt{full}"))])
         };
         match &self.way {
-            Way::Action(..) => {
+            Way::Action(_) => {
                 // ROS 2 lays an action onto three services; each request has a topic that begins with "rq".
                 let full = settings.full(&settings.action);
-                let request = |part: &str| (Other::Reader, format!("rq{full}/_action/{part}Request"));
+                let request = |part: &str| (Peer::Reader, format!("rq{full}/_action/{part}Request"));
                 let topics = ["send_goal", "cancel_goal", "get_result"].map(request);
                 endpoint.wait(&format!("the action {full}"), &topics)
             }
@@ -95,13 +123,19 @@ impl Sender {
         }
     }
 
-    /// Hands a whole motion over. Nothing happens in the mode `stream`.
+    /// Hands a motion over, or a piece of one, which takes the place of what was handed over before. Nothing happens in
+    /// the mode `stream`.
     pub(crate) fn hand_over(&mut self, trajectory: JointTrajectory) -> Result<(), LinkError> {
+        self.cancel = (false, false);
         match &mut self.way {
-            Way::Action(client, goal) => {
-                let sent = client.send_goal(FollowGoal { trajectory, ..Default::default() });
+            Way::Action(action) => {
+                let sent = action.client.send_goal(FollowGoal { trajectory, ..Default::default() });
                 let (request, id) = sent.map_err(|error| LinkError::middleware("goal", &error))?;
-                *goal = Some(Goal { id, request, result: None });
+                action.ours.push(id);
+                action.unanswered.push((request, Instant::now()));
+                action.goals.push(Goal { id, request, result_request: None, end: None });
+                let old = action.goals.len().saturating_sub(KEPT);
+                action.goals.drain(..old);
                 Ok(())
             }
             Way::Topic(publisher) => {
@@ -116,7 +150,7 @@ impl Sender {
         matches!(self.way, Way::Stream(_))
     }
 
-    /// Whether the robot's computer tells when a motion has ended.
+    /// Whether the robot's computer reports when a motion has ended.
     pub(crate) const fn tells_the_end(&self) -> bool {
         matches!(self.way, Way::Action(..))
     }
@@ -129,16 +163,25 @@ impl Sender {
             .map_err(|error| LinkError::middleware("set-point", &error.forget_data()))
     }
 
-    /// Cancels the motion under way: the robot's computer brings the arm to rest. Set-points just end.
-    pub(crate) fn cancel(&mut self) -> Result<(), LinkError> {
+    /// Asks for the end of the motion under way: the robot's computer brings the arm to rest. On a topic, where nobody can
+    /// cancel, `hold` takes its place: current controllers refuse an empty trajectory (`ros2_controllers` pull request 902).
+    /// Set-points just end.
+    ///
+    /// Every goal is meant, of whoever: an arm that is to stop does not ask who moves it.
+    pub(crate) fn cancel(&mut self, hold: JointTrajectory) -> Result<(), LinkError> {
+        self.cancel.0 = true;
         match &mut self.way {
-            Way::Action(client, Some(goal)) => {
-                client.cancel_goal(goal.id).map(|_| ()).map_err(|error| LinkError::middleware("cancel", &error))
+            Way::Action(action) => {
+                let one = action.goals.last().map(|goal| action.client.cancel_goal(goal.id));
+                for sent in one.into_iter().chain([action.client.cancel_all_goals()]) {
+                    action.cancels.push(sent.map_err(|error| LinkError::middleware("cancel", &error))?);
+                }
+                Ok(())
             }
-            Way::Topic(publisher) => publisher
-                .publish(JointTrajectory::default())
-                .map_err(|error| LinkError::middleware("cancel", &error.forget_data())),
-            Way::Action(_, None) | Way::Stream(_) => Ok(()),
+            Way::Topic(publisher) => {
+                publisher.publish(hold).map_err(|error| LinkError::middleware("cancel", &error.forget_data()))
+            }
+            Way::Stream(_) => Ok(()),
         }
     }
 
@@ -147,32 +190,134 @@ impl Sender {
         self.feedback.as_ref()
     }
 
-    /// What the robot's computer has to say about the motion under way.
-    pub(crate) fn poll(&mut self) -> Result<Progress, LinkError> {
-        let Way::Action(client, under_way) = &mut self.way else { return Ok(Progress::Pending) };
-        let Some(goal) = under_way else { return Ok(Progress::Pending) };
+    /// What the robot's computer has said about the motion under way.
+    ///
+    /// That our own next piece ends the one before, in any way and however late (`ros2_controllers` issue 1519), is
+    /// no fault: the newest goal counts.
+    ///
+    /// # Errors
+    /// [`LinkError::Refused`] and [`LinkError::Aborted`] where it gives the motion up or somebody else cancels it,
+    /// [`LinkError::Interference`] where it follows somebody else's goal, [`LinkError::NoAcceptance`] where it says
+    /// nothing.
+    pub(crate) fn poll(&mut self) -> Result<Standing, LinkError> {
+        let Way::Action(action) = &mut self.way else { return Ok(Standing::default()) };
+        let (asked, carried_out) = &mut self.cancel;
         let fault = |error: &dyn std::fmt::Debug| LinkError::middleware("action", error);
-        while let Some(feedback) = client.receive_feedback(goal.id).map_err(|error| fault(&error))? {
-            self.feedback = Some(feedback);
-        }
-        let Some(result) = goal.result else {
-            let answer = client.receive_goal_response(goal.request).map_err(|error| fault(&error))?;
-            let Some(answer) = answer else { return Ok(Progress::Pending) };
-            if !answer.accepted {
-                *under_way = None;
-                return Err(LinkError::Refused { reason: "it does not accept the goal".to_owned() });
+        let stranger = action.read_statuses()?;
+        if let Some(id) = action.goals.last().map(|goal| goal.id) {
+            while let Some(feedback) = action.client.receive_feedback(id).map_err(|error| fault(&error))? {
+                self.feedback = Some(feedback);
             }
-            goal.result = Some(client.request_result(goal.id).map_err(|error| fault(&error))?);
-            return Ok(Progress::Accepted);
-        };
-        let Some((status, result)) = client.receive_result(result).map_err(|error| fault(&error))? else {
-            return Ok(Progress::Pending);
-        };
-        *under_way = None;
-        match status {
-            GoalStatusEnum::Succeeded => Ok(Progress::Done),
-            GoalStatusEnum::Canceled => Ok(Progress::Cancelled),
-            _ => Err(LinkError::Aborted { reason: format!("code {}: {}", result.error_code, result.error_string) }),
         }
+        *carried_out |= action.read_cancels()?;
+        let refused = action.read_acceptances()?;
+        action.read_results()?;
+        let Some(newest) = action.goals.last() else {
+            let standing = Standing { over: *carried_out, ..Standing::default() };
+            return stranger.filter(|_| !*asked).map_or(Ok(standing), Err);
+        };
+        if refused {
+            let reason = "it does not accept the goal; where it replaces no motion under way, horizon_s = 0 hands the \
+                          motion over whole"
+                .to_owned();
+            return Err(LinkError::Refused { reason });
+        }
+        let accepted = newest.result_request.is_some();
+        if !*asked {
+            if let Some(stranger) = stranger {
+                return Err(stranger);
+            }
+            let waited = action.unanswered.first().map_or(Duration::ZERO, |(_, sent)| sent.elapsed());
+            if waited > ACCEPTANCE {
+                let ms = |time: Duration| 1e3 * time.as_secs_f64();
+                return Err(LinkError::NoAcceptance { waited_ms: ms(waited), bound_ms: ms(ACCEPTANCE) });
+            }
+        }
+        match &newest.end {
+            None => Ok(Standing { accepted, done: false, over: *carried_out }),
+            Some((GoalStatusEnum::Succeeded, _)) => Ok(Standing { accepted, done: true, over: true }),
+            Some(_) if *asked => Ok(Standing { accepted, done: false, over: true }),
+            Some((GoalStatusEnum::Canceled, _)) => {
+                Err(LinkError::Aborted { reason: "somebody else cancelled it".to_owned() })
+            }
+            Some((_, result)) => {
+                let reason = format!("code {}: {}", result.error_code, result.error_string);
+                Err(LinkError::Aborted { reason })
+            }
+        }
+    }
+}
+
+impl Action {
+    /// Somebody else's goal that is under way, or a cancel of ours that we did not ask for.
+    fn read_statuses(&mut self) -> Result<Option<LinkError>, LinkError> {
+        use GoalStatusEnum::{Accepted, Canceling, Executing};
+        let mut found = None;
+        let fault = |error: &dyn std::fmt::Debug| LinkError::middleware("action status", error);
+        while let Some(statuses) = self.client.receive_status().map_err(|error| fault(&error))? {
+            let under_way =
+                statuses.status_list.iter().filter(|s| matches!(s.status, Accepted | Executing | Canceling));
+            for status in under_way {
+                let id = status.goal_info.goal_id;
+                if !self.ours.iter().rev().any(|ours| *ours == id) {
+                    let what = format!("the robot's computer follows a goal of somebody else ({id:?})");
+                    found = Some(LinkError::Interference(what));
+                } else if status.status == Canceling && self.goals.last().is_some_and(|goal| goal.id == id) {
+                    found = Some(LinkError::Interference("somebody else cancels the motion".to_owned()));
+                }
+            }
+        }
+        Ok(found)
+    }
+
+    /// Whether a cancel of ours is being carried out, or found nothing left to cancel.
+    fn read_cancels(&mut self) -> Result<bool, LinkError> {
+        let mut carried_out = false;
+        let fault = |error: &dyn std::fmt::Debug| LinkError::middleware("cancel", error);
+        let client = self.client.cancel_client();
+        while let Some((request, answer)) = client.receive_response().map_err(|error| fault(&error))? {
+            if !self.cancels.contains(&request) {
+                continue;
+            }
+            carried_out |= match answer.return_code {
+                // Whichever goal it names: ours, or the one of somebody else that moved the arm.
+                CancelGoalResponseEnum::None => !answer.goals_canceling.is_empty(),
+                CancelGoalResponseEnum::GoalTerminated => true,
+                // A goal that it does not know may be one that it has not accepted yet.
+                CancelGoalResponseEnum::Rejected | CancelGoalResponseEnum::UnknownGoal => false,
+            };
+        }
+        Ok(carried_out)
+    }
+
+    /// Takes what is said of goals: whether the newest is refused. One that is taken is asked for its result.
+    fn read_acceptances(&mut self) -> Result<bool, LinkError> {
+        let fault = |error: &dyn std::fmt::Debug| LinkError::middleware("goal", error);
+        let mut refused = false;
+        while let Some((request, answer)) = self.client.goal_client().receive_response().map_err(|e| fault(&e))? {
+            // An answer to a newer goal is an answer to those that it replaces.
+            if let Some(k) = self.unanswered.iter().position(|(unanswered, _)| *unanswered == request) {
+                self.unanswered.drain(..=k);
+            }
+            let Some(k) = self.goals.iter().position(|goal| goal.request == request) else { continue };
+            if answer.accepted {
+                let asked = self.client.request_result(self.goals[k].id).map_err(|error| fault(&error))?;
+                self.goals[k].result_request = Some(asked);
+            } else {
+                refused |= k + 1 == self.goals.len();
+                self.goals.remove(k);
+            }
+        }
+        Ok(refused)
+    }
+
+    fn read_results(&mut self) -> Result<(), LinkError> {
+        let fault = |error: &dyn std::fmt::Debug| LinkError::middleware("result", error);
+        while let Some((request, answer)) = self.client.result_client().receive_response().map_err(|e| fault(&e))? {
+            if let Some(goal) = self.goals.iter_mut().find(|goal| goal.result_request == Some(request)) {
+                goal.end = Some((answer.status, answer.result));
+            }
+        }
+        Ok(())
     }
 }

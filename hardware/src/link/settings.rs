@@ -14,10 +14,10 @@ use super::LinkError;
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Mode {
-    /// Whole, as a goal of the action `FollowJointTrajectory`: acknowledged, watched, cancelled.
+    /// Handed over as goals of the action `FollowJointTrajectory`: acknowledged, watched, cancelled.
     #[default]
     Trajectory,
-    /// Whole, as a `JointTrajectory` on a topic: an empty one cancels it, nothing is acknowledged.
+    /// Handed over as `JointTrajectory` on a topic: a point at the present position ends it, nothing is acknowledged.
     Topic,
     /// Set-point by set-point, one for each joint state that arrives.
     Stream,
@@ -102,6 +102,10 @@ pub struct LinkSettings {
     pub commands: String,
     /// Topic on which the robot's computer says its state in words; empty where it does not.
     pub robot_state: String,
+    /// The words with which the arm may move: homed, drives on, no emergency stop. Any other word refuses, and trips.
+    pub ready_states: Vec<String>,
+    /// What a word begins with that says that the drives are off.
+    pub off_states: Vec<String>,
     /// Topic on which it takes the word `disable`; empty where it does not.
     pub robot_request: String,
     /// How services are laid onto topics.
@@ -118,6 +122,9 @@ pub struct LinkSettings {
     pub lead_s: f64,
     /// Distance of two points of a trajectory that is handed over, s.
     pub point_spacing_s: f64,
+    /// After how much time a motion that was handed over ends at rest by itself where nothing follows, s: it goes out in
+    /// pieces that end with a braking tail. 0 hands it over whole, for a robot that replaces no motion under way.
+    pub horizon_s: f64,
     /// How long to wait for the robot, s.
     pub patience_s: f64,
 }
@@ -134,6 +141,8 @@ impl Default for LinkSettings {
             trajectory: "joint_trajectory_controller/joint_trajectory".to_owned(),
             commands: "forward_position_controller/commands".to_owned(),
             robot_state: "robot_state".to_owned(),
+            ready_states: ["hold", "follow", "stream"].map(|doing| format!("enabled homed {doing}")).to_vec(),
+            off_states: ["disabled", "estop", "fault"].map(str::to_owned).to_vec(),
             robot_request: "robot_request".to_owned(),
             service_mapping: ServiceMappingName::Enhanced,
             reliable: true,
@@ -142,6 +151,7 @@ impl Default for LinkSettings {
             other_joints: Vec::new(),
             lead_s: 0.5,
             point_spacing_s: 0.05,
+            horizon_s: 0.5,
             patience_s: 10.0,
         }
     }
@@ -167,6 +177,16 @@ impl LinkSettings {
                 return wrong(key, found.to_string(), expected);
             }
         }
+        if self.horizon_s != 0.0 && !(0.4..=10.0).contains(&self.horizon_s) {
+            return wrong(
+                "horizon_s",
+                self.horizon_s.to_string(),
+                "0.4 to 10 s, or 0 for a motion that goes out whole",
+            );
+        }
+        if self.horizon_s > 0.0 && self.point_spacing_s > 0.1 {
+            return wrong("point_spacing_s", self.point_spacing_s.to_string(), "at most 0.1 s in pieces of a motion");
+        }
         if !(1..=10_000).contains(&self.depth) {
             return wrong("depth", self.depth.to_string(), "1 to 10000 messages");
         }
@@ -176,6 +196,12 @@ impl LinkSettings {
             return wrong("network", "no address".to_owned(), "loopback, any, or at least one address of this machine");
         }
         Ok(())
+    }
+
+    /// Whether the arm may move with this word of its computer.
+    #[must_use]
+    pub fn is_ready(&self, state: &str) -> bool {
+        self.ready_states.iter().any(|ready| ready == state.trim())
     }
 
     /// The full name of a topic or action.
@@ -205,7 +231,12 @@ impl LinkSettings {
         self.qos(Reliability::Reliable { when_full: WhenFull::DEFAULT })
     }
 
-    /// Quality of service of what is told to whoever listens. Who is gone and does not confirm must not hold up the teller.
+    /// Quality of service of what is of no use once something newer is there.
+    pub(crate) fn newest_qos(&self) -> QosProfile {
+        self.command_qos().history(History::KeepLast { depth: 1 })
+    }
+
+    /// Quality of service of what is reported to whoever listens. Who is gone and does not confirm must not hold up the teller.
     pub(crate) fn telling_qos(&self) -> QosProfile {
         self.qos(Reliability::Reliable { when_full: WhenFull::Fail })
     }

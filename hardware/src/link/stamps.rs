@@ -46,7 +46,7 @@ pub struct StampFindings {
 }
 
 impl StampFindings {
-    /// Whether there is nothing to tell.
+    /// Whether there is nothing to report.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.gaps + self.duplicates + self.reordered + self.clock_jumps == 0 && self.missing.is_empty()

@@ -10,8 +10,8 @@ use ros2_client::{Message, Subscription};
 
 use super::LinkError;
 
-/// What a thread heard, and when by the local monotonic clock.
-pub(crate) struct Heard<M> {
+/// What a thread received, and when by the local monotonic clock.
+pub(crate) struct Received<M> {
     pub(crate) at: Instant,
     /// The message, or why its bytes are none.
     pub(crate) message: Result<M, String>,
@@ -19,7 +19,7 @@ pub(crate) struct Heard<M> {
 
 /// The messages of one topic, in the order of arrival.
 pub(crate) struct Inbox<M> {
-    heard: Receiver<Heard<M>>,
+    heard: Receiver<Received<M>>,
     open: Arc<AtomicBool>,
 }
 
@@ -37,12 +37,12 @@ impl<M: Message + Send + 'static> Inbox<M> {
     }
 
     /// The next message, if one comes within `patience`.
-    pub(crate) fn next(&self, patience: Duration) -> Option<Heard<M>> {
+    pub(crate) fn next(&self, patience: Duration) -> Option<Received<M>> {
         self.heard.recv_timeout(patience).ok()
     }
 
     /// The next message, if it is there already.
-    pub(crate) fn take(&self) -> Option<Heard<M>> {
+    pub(crate) fn take(&self) -> Option<Received<M>> {
         self.heard.try_recv().ok()
     }
 }
@@ -53,7 +53,11 @@ impl<M> Drop for Inbox<M> {
     }
 }
 
-fn listen<M: Message + Send + 'static>(subscription: &Subscription<M>, sender: &Sender<Heard<M>>, open: &AtomicBool) {
+fn listen<M: Message + Send + 'static>(
+    subscription: &Subscription<M>,
+    sender: &Sender<Received<M>>,
+    open: &AtomicBool,
+) {
     let mut stream = std::pin::pin!(subscription.async_stream());
     smol::block_on(async {
         while open.load(Ordering::Relaxed) {
@@ -68,7 +72,7 @@ fn listen<M: Message + Send + 'static>(subscription: &Subscription<M>, sender: &
                 Some(Some(Ok((message, _)))) => Ok(message),
                 Some(Some(Err(error))) => Err(format!("{error:?}")),
             };
-            if sender.send(Heard { at: Instant::now(), message }).is_err() {
+            if sender.send(Received { at: Instant::now(), message }).is_err() {
                 break;
             }
         }

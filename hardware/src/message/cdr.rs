@@ -40,7 +40,7 @@ pub fn encode<M: Message>(message: &M) -> Result<Vec<u8>, CdrError> {
 /// The message in some bytes, of either byte order.
 ///
 /// # Errors
-/// [`CdrError`] where the bytes are none, whatever they are.
+/// [`CdrError`] where the bytes are none.
 pub fn decode<M: Message>(bytes: &[u8]) -> Result<M, CdrError> {
     let order = match bytes {
         [0, 0, _, _, ..] => RepresentationIdentifier::CDR_BE,

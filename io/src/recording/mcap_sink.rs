@@ -118,7 +118,7 @@ impl<'a> McapSink<'a> {
         };
         let (word, detail) = match ending {
             Ending::Completed => ("completed", String::new()),
-            Ending::Stopped { t, phase } => ("stopped", format!("at t = {t} s ({})", phase.name())),
+            Ending::Stopped { t, phase, rest } => ("stopped", format!("at t = {t} s ({}): {rest}", phase.name())),
             Ending::Diverged { t, phase, reason } => ("diverged", format!("at t = {t} s ({}): {reason}", phase.name())),
             Ending::Tripped { t, phase, trip } => ("tripped", format!("at t = {t} s ({}): {trip}", phase.name())),
         };

@@ -82,13 +82,14 @@ fn a_cancelled_motion_comes_to_rest_on_its_path() {
 }
 
 #[test]
-fn motions_that_begin_elsewhere_or_too_late_are_refused() {
+fn motions_that_begin_elsewhere_or_are_past_are_refused() {
     let mut commander = commander();
     let refusal = |result: Result<(), String>| result.unwrap_err();
-    assert!(refusal(commander.follow(spline(0.2), 0.5, 0.0)).contains("where the arm stands"));
-    assert!(refusal(commander.follow(spline(0.0), 0.5, 0.6)).contains("ago"));
+    assert!(refusal(commander.follow(spline(0.2), 0.5, 0.0)).contains("where the arm is"));
+    assert!(refusal(commander.follow(spline(0.0), 0.5, 2.6)).contains("it ended 0.1"));
+    // It would be far from where the arm stands by now.
+    assert!(refusal(commander.follow(spline(0.0), 0.5, 1.2)).contains("where the arm is"));
     commander.follow(spline(0.03), 0.5, 0.0).unwrap();
-    assert!(refusal(commander.follow(spline(0.03), 0.5, 0.0)).contains("under way"));
     // A small distance fades out without a jump.
     let seen = run(&mut commander, 0.0, 1.51);
     assert_eq!(seen[500][0], 0.0);
@@ -98,6 +99,103 @@ fn motions_that_begin_elsewhere_or_too_late_are_refused() {
     assert_eq!(commander.off(), Some("estop"));
     assert!(refusal(commander.follow(spline(0.0), 9.0, 8.0)).contains("estop"));
     assert!(!commander.set_point(&[0.0, 0.1], 3.0));
+}
+
+/// The motion of [`spline`] with points every 50 ms, from the one at `from` s to the one at `to` s.
+fn part(from: usize, to: usize) -> Spline {
+    let whole = spline(0.0);
+    let point = |k: usize| {
+        let t = k as f64 * 0.05;
+        let (mut q, mut qd, mut later) = ([0.0; 2], [0.0; 2], [0.0; 2]);
+        whole.at(t, &mut q, &mut qd);
+        whole.at(t + 1e-6, &mut [0.0; 2], &mut later);
+        let accelerations = if k.is_multiple_of(20) {
+            vec![0.0; 2]
+        } else {
+            vec![(later[0] - qd[0]) / 1e-6, (later[1] - qd[1]) / 1e-6]
+        };
+        let (positions, velocities) = (q.to_vec(), qd.to_vec());
+        TrajectoryPoint { positions, velocities, accelerations, effort: Vec::new(), time_from_start: Time::from_s(t) }
+    };
+    let points = (from..=to).map(point).collect();
+    let trajectory = JointTrajectory { joint_names: vec!["a".into(), "b".into()], points, ..Default::default() };
+    let map = JointMap::new(&trajectory.joint_names, &LinkSettings::default()).unwrap();
+    Spline::new(&trajectory, &map, &limits()).unwrap()
+}
+
+#[test]
+fn a_piece_that_begins_before_now_is_joined_in_its_midst_where_the_old_motion_is_forgotten() {
+    for replacement in [Replacement::AtOnce, Replacement::Deferred] {
+        let (mut pieces, mut whole) = (commander(), commander());
+        pieces.set_replacement(replacement);
+        pieces.follow(part(0, 40), 0.5, 0.0).unwrap();
+        whole.follow(part(0, 40), 0.5, 0.0).unwrap();
+        let mut from = 0.0;
+        for now in [0.9, 1.21, 1.5, 1.83] {
+            let (a, b) = (run(&mut pieces, from, now), run(&mut whole, from, now));
+            assert!(a.iter().zip(&b).all(|(a, b)| (a[0] - b[0]).abs() < 1e-9), "{replacement:?} before {now}");
+            let first = ((now - 0.5) / 0.05_f64).floor() as usize - 2;
+            pieces.follow(part(first, 40), 0.5, now).unwrap();
+            from = now;
+        }
+        let (a, b) = (run(&mut pieces, from, 3.0), run(&mut whole, from, 3.0));
+        assert!(a.iter().zip(&b).all(|(a, b)| (a[0] - b[0]).abs() < 1e-9), "{replacement:?}");
+        assert_eq!(pieces.outcome(), Some(Outcome::Succeeded));
+    }
+}
+
+#[test]
+fn other_controllers_treat_a_motion_under_way_otherwise() {
+    let replaced = |replacement: Replacement, from: usize, start_s: f64| {
+        let mut commander = commander();
+        commander.set_replacement(replacement);
+        commander.follow(part(0, 40), 0.5, 0.0).unwrap();
+        run(&mut commander, 0.0, 1.0);
+        let taken = commander.follow(part(from, 40), start_s, 1.0);
+        (commander, taken)
+    };
+    let (_, taken) = replaced(Replacement::Refused, 8, 0.5);
+    assert!(taken.unwrap_err().contains("under way"));
+    let (mut both, taken) = replaced(Replacement::BothCancelled, 8, 0.5);
+    assert!(taken.is_ok());
+    run(&mut both, 1.0, 2.0);
+    assert_eq!(both.outcome(), Some(Outcome::Cancelled));
+    // Half a second of the motion is past; where the stamp is forgotten, it begins anew.
+    let (mut anew, taken) = replaced(Replacement::Spliced, 8, 0.5);
+    assert!(taken.is_ok());
+    run(&mut anew, 1.0, 2.9);
+    assert_eq!(anew.doing(), "follow", "it ends half a second late");
+    // One that begins later waits for its time.
+    for replacement in [Replacement::Deferred, Replacement::Spliced] {
+        let (mut later, taken) = replaced(replacement, 0, 5.0);
+        assert!(taken.is_ok());
+        run(&mut later, 1.0, 2.4);
+        assert_eq!(later.outcome(), None);
+    }
+}
+
+#[test]
+fn a_single_point_is_gone_to_from_wherever_the_arm_is() {
+    let mut commander = commander();
+    commander.follow(part(0, 40), 0.5, 0.0).unwrap();
+    let before = run(&mut commander, 0.0, 1.0);
+    let here = before[before.len() - 1];
+    let point = TrajectoryPoint {
+        positions: here.to_vec(),
+        velocities: vec![0.0; 2],
+        accelerations: vec![0.0; 2],
+        effort: Vec::new(),
+        time_from_start: Time::from_s(0.2),
+    };
+    let trajectory =
+        JointTrajectory { joint_names: vec!["a".into(), "b".into()], points: vec![point], ..Default::default() };
+    let map = JointMap::new(&trajectory.joint_names, &LinkSettings::default()).unwrap();
+    let hold = Spline::new(&trajectory, &map, &limits()).unwrap();
+    commander.follow(hold.clone(), 1.0, 1.0).unwrap();
+    let seen = run(&mut commander, 1.0, 1.5);
+    assert!((seen[300][0] - here[0]).abs() < 1e-9 && seen[300] == seen[499], "{here:?} {:?}", seen[300]);
+    // Out of date, it is refused.
+    assert!(commander.follow(hold, 1.0, 1.5).unwrap_err().contains("ago"));
 }
 
 /// Streams 0.3 sin 2t on joint a at 500 Hz from `from` to `to`.
@@ -158,7 +256,7 @@ fn set_points_outside_the_limits_are_not_taken() {
 }
 
 proptest! {
-    /// Whatever is streamed, at whatever times: no command leaves the limits of position and speed.
+    /// Any set-points, at any times: no command leaves the limits of position and speed.
     #[test]
     fn nothing_streamed_leaves_the_limits(goals in proptest::collection::vec((-1.3..1.3_f64, -1.3..1.3_f64, 1..40_usize), 1..40)) {
         let mut commander = commander();

@@ -1,33 +1,34 @@
 //! What a check is, and the list of all.
 
 use armid::experiment::RawSample;
+use armid::model::Robot;
 
 use super::{
-    CommandAge, CommandStep, CurrentClamp, FollowingError, NotFinite, PositionJump, SoftLimit, StaleState,
-    UnexpectedStop,
+    CommandAge, CommandStep, CurrentClamp, FollowingError, NotFinite, Overspeed, PositionJump, ReducedSpeed, SoftLimit,
+    StaleState, UnexpectedStop,
 };
-use crate::guard::{GuardSettings, JointBounds, Mode, Trip};
+use crate::guard::{GuardSettings, JointBounds, Mode, OVERSPEED_WINDOW_S, Trip};
 
-/// Watches for one kind of fault. It hears what happens and answers with what it found, where that is too much.
+/// Watches for one kind of fault. It receives what happens and answers with what it found, where that is too much.
 ///
-/// Checks have no clock: time is the samples' own, and silence is told.
+/// Checks have no clock: time is the samples' own, and silence is reported to them.
 pub trait Check: Send {
     /// Which trip it causes.
     fn trip(&self) -> Trip;
 
-    /// Hears a sample; finite unless this is the check that looks for that.
+    /// Takes a sample; finite unless this is the check that looks for that.
     fn sample(&mut self, sample: &RawSample<'_>) -> Option<String> {
         let _ = sample;
         None
     }
 
-    /// Hears that no sample has come for `age_s`.
+    /// Takes that no sample has come for `age_s`.
     fn idle(&mut self, age_s: f64) -> Option<String> {
         let _ = age_s;
         None
     }
 
-    /// Hears a set-point before it is sent, `age_s` after it was due.
+    /// Takes a set-point before it is sent, `age_s` after it was due.
     fn command(&mut self, set_point: &[f64], age_s: f64) -> Option<String> {
         let _ = (set_point, age_s);
         None
@@ -37,14 +38,22 @@ pub trait Check: Send {
     fn take_used(&mut self) -> f64;
 }
 
-/// Every check of a mode, in the order of [`Trip::ALL`]. [`Trip::RobotStopped`] and [`Trip::Link`] are told by the arm,
-/// not watched for.
-pub(crate) fn all(bounds: &[JointBounds], settings: &GuardSettings, mode: Mode, rate_hz: f64) -> Vec<Box<dyn Check>> {
+/// Every check of a mode, in the order of [`Trip::ALL`]. What the link or the robot's computer reports is not watched for
+/// here.
+pub(crate) fn all(
+    robot: &Robot,
+    bounds: &[JointBounds],
+    settings: &GuardSettings,
+    mode: Mode,
+    rate_hz: f64,
+) -> Vec<Box<dyn Check>> {
     let period_s = 1.0 / rate_hz;
-    let every: [Box<dyn Check>; 9] = [
+    let every: [Box<dyn Check>; 11] = [
         Box::new(NotFinite::new(bounds)),
         Box::new(PositionJump::new(bounds, period_s)),
         Box::new(SoftLimit::new(bounds)),
+        Box::new(Overspeed::new(bounds, OVERSPEED_WINDOW_S)),
+        Box::new(ReducedSpeed::new(robot, settings.reduced_speed_mm_s, OVERSPEED_WINDOW_S)),
         Box::new(FollowingError::new(bounds)),
         Box::new(CurrentClamp::new(bounds, settings.current_window_ms * 1e-3)),
         Box::new(UnexpectedStop::new(bounds, settings.stop_window_ms * 1e-3)),

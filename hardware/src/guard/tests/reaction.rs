@@ -13,10 +13,10 @@ fn faults() -> impl Strategy<Value = (Fault, &'static [Trip])> {
         Just((Fault::NotFinite, &[Trip::NotFinite][..])),
         (0.2..3.0_f64, any::<bool>())
             .prop_map(|(size, up)| (Fault::Jump(if up { size } else { -size }), &[Trip::PositionJump][..])),
-        (0.5..2.0_f64).prop_map(|speed| (Fault::Outwards(speed), &[Trip::SoftLimit][..])),
+        (0.5..2.0_f64).prop_map(|speed| (Fault::Outwards(speed), &[Trip::SoftLimit, Trip::Overspeed][..])),
         (0.2..1.5_f64).prop_map(|speed| (
             Fault::Drift(speed),
-            &[Trip::FollowingError, Trip::SoftLimit, Trip::UnexpectedStop][..]
+            &[Trip::FollowingError, Trip::SoftLimit, Trip::UnexpectedStop, Trip::Overspeed][..]
         )),
         (1.0..3.0_f64).prop_map(|part| (Fault::Current(part), &[Trip::CurrentClamp][..])),
         Just((Fault::Stop, &[Trip::UnexpectedStop, Trip::FollowingError][..])),

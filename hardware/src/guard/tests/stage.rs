@@ -1,7 +1,8 @@
-//! An arm on a virtual clock that does what a test tells it, and writes down what it is told.
+//! An arm on a virtual clock that does what a test reports it, and writes down what it is reported.
 
 use armid::experiment::{
-    Arm, ArmError, Command, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, SafeAction, Sink, TripReport,
+    Arm, ArmError, Command, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Rest, SafeAction, Sink,
+    TripReport,
 };
 use armid::model::{EffortInterface, Robot, bundled, format::parse_robot};
 use armid::provenance::Provenance;
@@ -136,7 +137,7 @@ impl Stage {
         self.crossed_s.get_or_insert(t);
     }
 
-    /// After the end the last messages are still on their way: whatever the sink hears, its answer must stay.
+    /// After the end the last messages are still on their way: anything the sink receives, its answer must stay.
     fn aftermath(&mut self, t: f64, first: Flow, sample: &RawSample<'_>, sink: &mut dyn Sink) {
         let deed = match first {
             Flow::Trip(action) => Deed::Safe(action),
@@ -174,7 +175,7 @@ impl Stage {
         let bounds = crate::guard::JointBounds::of_robot(&self.robot, &self.settings);
         for k in 0..lead + samples {
             let t = (k as f64 + self.jitter * 0.4 * Self::dither(k, 0)).max(0.0) / rate_hz - lead_s;
-            // What went wrong goes on, whatever motion is under way.
+            // What went wrong goes on, any motion being under way.
             let now = t + ahead_s;
             let faulty = self.fault != Fault::None && now >= self.at_s;
             let since = now - self.at_s;
@@ -227,7 +228,11 @@ impl Stage {
                                     command: &command,
                                 };
                                 self.aftermath(last_t + age, flow, &sample, sink);
-                                return Some(Ending::Stopped { t: last_t, phase });
+                                return Some(Ending::Stopped {
+                                    t: last_t,
+                                    phase,
+                                    rest: Rest::Confirmed { after_ms: 0.0 },
+                                });
                             }
                         }
                         return None;
@@ -251,13 +256,13 @@ impl Stage {
             let flow = if recorded.is_some() { sink.sample(&sample) } else { sink.unrecorded(&sample) };
             if flow.ends() {
                 self.aftermath(now, flow, &sample, sink);
-                return Some(Ending::Stopped { t, phase });
+                return Some(Ending::Stopped { t, phase, rest: Rest::Confirmed { after_ms: 0.0 } });
             }
             if self.mode == Mode::Stream {
                 let flow = sink.command(&command, late);
                 if flow.ends() {
                     self.aftermath(now + late, flow, &sample, sink);
-                    return Some(Ending::Stopped { t, phase });
+                    return Some(Ending::Stopped { t, phase, rest: Rest::Confirmed { after_ms: 0.0 } });
                 }
                 self.deeds.push((now, Deed::SetPoint));
             }
@@ -288,7 +293,7 @@ impl Arm for Stage {
 impl Machine for Stage {
     fn survey(&mut self) -> Result<Survey, ArmError> {
         let joints = self.robot.joints().iter().map(|joint| joint.name.clone()).collect();
-        Ok(Survey { joints, q: self.stands.clone(), rate_hz: 1000.0, homed: Some(true), ready: None })
+        Ok(Survey { joints, q: self.stands.clone(), rate_hz: 1000.0, homed: Some(true), ..Survey::default() })
     }
 
     fn announcement(&self, plan: &ExperimentPlan) -> Result<Recording, ArmError> {

@@ -6,7 +6,7 @@ use armid::seed::Seed;
 
 use super::commander::Outcome;
 use super::reporter::Reporter;
-use super::{Commander, Fault, FaultKind, JointLimits, Spline, Watchdog};
+use super::{Commander, Fault, FaultKind, JointLimits, Replacement, Spline, Watchdog};
 use crate::message::{JointState, Time};
 
 /// Largest distance of a joint from its command before the motors are switched off, rad (m).
@@ -16,7 +16,7 @@ const JUMP: f64 = 0.3;
 
 /// Why there is no such computer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ComputerError {
+pub enum RobotControllerError {
     /// The servo cannot be built.
     #[error(transparent)]
     Servo(#[from] ServoError),
@@ -61,7 +61,7 @@ pub struct Report<'a> {
 }
 
 /// A robot's computer around a plant.
-pub struct Computer<P> {
+pub struct RobotController<P> {
     robot: Robot,
     plant: P,
     joints: JointLoop,
@@ -81,12 +81,12 @@ pub struct Computer<P> {
     event: String,
 }
 
-impl<P: Plant> Computer<P> {
+impl<P: Plant> RobotController<P> {
     /// A computer around `plant`, which stands where it stands, whose clock begins at `epoch_ns`. It reports its joints
     /// `state_hz` times a second.
     ///
     /// # Errors
-    /// [`ComputerError`] where parts do not fit or a rate is no part of the servo's.
+    /// [`RobotControllerError`] where parts do not fit or a rate is no part of the servo's.
     pub fn new(
         robot: &Robot,
         nominal: &StandardParameters,
@@ -94,7 +94,7 @@ impl<P: Plant> Computer<P> {
         sensing: &Sensing,
         (seed, run): (Seed, u64),
         (state_hz, epoch_ns): (f64, i64),
-    ) -> Result<Self, ComputerError> {
+    ) -> Result<Self, RobotControllerError> {
         let joints = JointLoop::new(robot, nominal, sensing, seed, run)?;
         let found = plant.dof();
         if found != robot.dof() {
@@ -104,7 +104,7 @@ impl<P: Plant> Computer<P> {
         let per_state = servo_hz / state_hz;
         if !(per_state >= 1.0 - 1e-9 && (per_state - per_state.round()).abs() < 1e-9 * per_state) {
             let expected = format!("a whole part of the servo's {servo_hz} Hz");
-            return Err(ComputerError::Setting { quantity: "rate_hz", found: state_hz.to_string(), expected });
+            return Err(RobotControllerError::Setting { quantity: "rate_hz", found: state_hz.to_string(), expected });
         }
         let q = plant.state().0.to_vec();
         let commander = Commander::new(JointLimits::of_robot(robot), Watchdog::default(), joints.dt(), &q);
@@ -152,8 +152,14 @@ impl<P: Plant> Computer<P> {
     /// The same computer with another watchdog for streamed set-points.
     #[must_use]
     pub fn with_watchdog(mut self, watchdog: Watchdog) -> Self {
-        let (limits, q) = (self.commander.limits().to_vec(), self.commander.command().to_vec());
-        self.commander = Commander::new(limits, watchdog, self.joints.dt(), &q);
+        self.commander.set_watchdog(watchdog);
+        self
+    }
+
+    /// The same computer, which treats a motion that comes while another is under way so.
+    #[must_use]
+    pub fn with_replacement(mut self, replacement: Replacement) -> Self {
+        self.commander.set_replacement(replacement);
         self
     }
 
@@ -194,6 +200,9 @@ impl<P: Plant> Computer<P> {
     /// Its state in words, as it goes out on the topic `robot_state`.
     #[must_use]
     pub fn state(&self) -> String {
+        if self.struck() == Some(FaultKind::StrangeState) {
+            return "EMERGENCY STOP pressed, unhomed".to_owned();
+        }
         match self.commander.off() {
             Some(reason) => reason.to_owned(),
             None => format!("enabled {} {}", if self.homed { "homed" } else { "not homed" }, self.commander.doing()),
@@ -268,7 +277,7 @@ impl<P: Plant> Computer<P> {
     }
 
     /// The fault that has struck.
-    fn struck(&self) -> Option<FaultKind> {
+    pub(super) fn struck(&self) -> Option<FaultKind> {
         self.fault.filter(|_| self.struck).map(|fault| fault.kind)
     }
 
@@ -311,7 +320,11 @@ impl<P: Plant> Computer<P> {
             self.steps += 1;
             return Ok(());
         }
+        let moved = self.commander.began_s().is_some();
         self.commander.step(t);
+        if !moved && self.commander.began_s().is_some() {
+            self.note("motion begins");
+        }
         let q = self.plant.state().0.to_vec();
         let mut seen = q.clone();
         if self.struck() == Some(FaultKind::Jump) {

@@ -28,18 +28,20 @@ impl Plant for FlyWheels {
     }
 }
 
-fn computer(fault: Option<&str>) -> Computer<FlyWheels> {
+fn computer(fault: Option<&str>) -> RobotController<FlyWheels> {
     let robot = armid::conformance::chains::planar_2r();
     let mut nominal = StandardParameters::zero(2);
     nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 1.0);
     let plant = FlyWheels(vec![0.2, -0.1], vec![0.0; 2]);
     let fault = fault.map(|text| Fault::parse(text).unwrap());
     let seed = (Seed::new(1), 0);
-    Computer::new(&robot, &nominal, plant, &Sensing::ideal(), seed, (500.0, 7_000_000_000)).unwrap().with_fault(fault)
+    RobotController::new(&robot, &nominal, plant, &Sensing::ideal(), seed, (500.0, 7_000_000_000))
+        .unwrap()
+        .with_fault(fault)
 }
 
 /// Half a radian on the first joint in 1 s, and back, again and again.
-fn motion(computer: &Computer<FlyWheels>) -> Spline {
+fn motion(computer: &RobotController<FlyWheels>) -> Spline {
     let names: Vec<String> = computer.limits().iter().map(|joint| joint.name.clone()).collect();
     let point = |k: i32| TrajectoryPoint {
         positions: vec![if k % 2 == 0 { 0.2 } else { 0.7 }, -0.1],
@@ -63,7 +65,7 @@ struct Line {
 }
 
 /// Steps until `to` s.
-fn run(computer: &mut Computer<FlyWheels>, to: f64) -> (Vec<Output>, Vec<Line>) {
+fn run(computer: &mut RobotController<FlyWheels>, to: f64) -> (Vec<Output>, Vec<Line>) {
     let (mut output, mut lines) = (Vec::new(), Vec::new());
     while computer.t() < to - 1e-9 {
         computer
@@ -142,6 +144,13 @@ fn after_a_fault_nothing_is_commanded_outside_the_limits() {
             FaultKind::Die => assert!(output.contains(&Output::Die)),
             FaultKind::Order => assert!(after[0].position[0] < 0.0 && after[0].position[1] > 0.2),
             FaultKind::Nan => assert!(after[0].position[0].is_nan() && after[0].position[1].is_finite()),
+            FaultKind::StrangeState => assert_eq!(computer.state(), "EMERGENCY STOP pressed, unhomed"),
+            FaultKind::Oscillation => {
+                let most = computer.robot().joints()[0].drive.current_limit;
+                assert!(after.windows(2).all(|pair| (pair[0].effort[0] - pair[1].effort[0]).abs() == most));
+            }
+            // What is said of motions is the wire's.
+            FaultKind::LateAnswer | FaultKind::LostResult => assert!(after.len() > 700),
         }
         if off && kind != FaultKind::Freeze {
             assert!(output.iter().any(|out| matches!(out, Output::Ended(Outcome::Aborted, _))), "{kind:?}");
@@ -155,14 +164,14 @@ fn what_does_not_fit_is_refused() {
     let robot = armid::conformance::chains::planar_2r();
     let wrong = StandardParameters::zero(3);
     let plant = FlyWheels(vec![0.0; 2], vec![0.0; 2]);
-    let made = Computer::new(&robot, &wrong, plant, &Sensing::ideal(), (Seed::new(1), 0), (500.0, 0));
-    assert!(matches!(made, Err(ComputerError::Servo(_))));
+    let made = RobotController::new(&robot, &wrong, plant, &Sensing::ideal(), (Seed::new(1), 0), (500.0, 0));
+    assert!(matches!(made, Err(RobotControllerError::Servo(_))));
     let mut nominal = StandardParameters::zero(2);
     nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 1.0);
     for rate in [300.0, 2000.0, 0.0, f64::NAN] {
         let plant = FlyWheels(vec![0.0; 2], vec![0.0; 2]);
-        let made = Computer::new(&robot, &nominal, plant, &Sensing::ideal(), (Seed::new(1), 0), (rate, 0));
-        assert!(matches!(made, Err(ComputerError::Setting { quantity: "rate_hz", .. })), "{rate}");
+        let made = RobotController::new(&robot, &nominal, plant, &Sensing::ideal(), (Seed::new(1), 0), (rate, 0));
+        assert!(matches!(made, Err(RobotControllerError::Setting { quantity: "rate_hz", .. })), "{rate}");
     }
 }
 

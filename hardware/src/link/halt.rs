@@ -1,0 +1,183 @@
+//! Bringing the arm to rest, and not saying so before it is seen.
+//!
+//! ```text
+//! request ──→ repeated ──→ answered ──→ states stamped after the answer show rest ──→ Rest::Confirmed
+//!               │ no state for a while, or a dead thread: a fresh participant asks too
+//!               └── for as long as the motion could last, and TO_REST longer ──→ Rest::NotConfirmed
+//! ```
+//! What counts as an answer: the robot's computer carries the cancel out or has ended the motion; it says that the drives
+//! are off; nothing that was handed over can move the arm any more, because its end is past; or, where nobody answers,
+//! the arm stands although its motion would have moved it.
+
+use std::time::{Duration, Instant};
+
+use armid::experiment::{Rest, SafeAction};
+
+use super::connection::Connection;
+use super::follow::Run;
+use super::rest::RestWatch;
+use super::{LinkError, Ros2Arm};
+use crate::message::{Header, JointTrajectory, Time, TrajectoryPoint};
+
+/// How long the arm may take to come to rest once nothing moves it any more.
+const TO_REST: Duration = Duration::from_secs(2);
+/// How soon a request is made again, and how often so before it is made more seldom.
+const SOON: Duration = Duration::from_millis(20);
+const OFTEN: usize = 10;
+const SELDOM: Duration = Duration::from_millis(100);
+/// Silence after which a fresh participant asks too, and how long it is given before the next one.
+const SILENCE: Duration = Duration::from_millis(300);
+const RETRY: Duration = Duration::from_secs(2);
+/// How long to wait for the next state.
+const PATIENCE: Duration = Duration::from_millis(2);
+/// How long a hold on a topic takes, s: later it is out of date, and refused.
+const HOLD_S: f64 = 0.2;
+
+/// What is known while the arm is brought to rest.
+struct Halt {
+    action: SafeAction,
+    watch: RestWatch,
+    answered: bool,
+    off: bool,
+    /// When the newest state arrived.
+    alive: Instant,
+    asked: (usize, Option<Instant>),
+    reopened: Option<Instant>,
+    /// Position at which a topic is reported to hold.
+    hold: Vec<f64>,
+}
+
+impl Ros2Arm {
+    /// Asks for a safe action until the arm is seen at rest, or for as long as its motion could still last.
+    pub(super) fn halt(&mut self, action: SafeAction, run: &mut Run<'_>) -> Rest {
+        let began = Instant::now();
+        let newest_ns = self.latest.as_ref().map_or(run.start_ns(), |(row, _)| row.stamp_ns);
+        let now_s = self.motion_time(run);
+        let left_s = if self.line.sender.streams() { 0.0 } else { (run.rest_s() - now_s).max(0.0) };
+        let until = began + Duration::from_secs_f64(left_s) + TO_REST;
+        let measured = self.latest.as_ref().map(|(row, _)| row.q.clone());
+        let hold = measured.filter(|q| q.iter().all(|q| q.is_finite())).unwrap_or_else(|| run.command(now_s).to_vec());
+        let watch = RestWatch::new(&self.robot, newest_ns);
+        let (asked, reopened) = ((0, None), None);
+        let mut halt = Halt { action, watch, answered: false, off: false, alive: began, asked, reopened, hold };
+        // Nothing is outstanding where set-points just end.
+        let outstanding_ns = if self.line.sender.streams() { newest_ns } else { run.stamp_ns(run.rest_s()) };
+        while Instant::now() < until {
+            self.ask(&mut halt, run);
+            self.listen(&mut halt, run);
+            if let Some(since_ns) = halt.watch.at_rest_since(halt.off)
+                && (halt.answered || halt.off || since_ns >= outstanding_ns || self.holds_by_topic(&halt))
+            {
+                return Rest::Confirmed { after_ms: 1e3 * began.elapsed().as_secs_f64() };
+            }
+        }
+        let missing = if halt.alive.elapsed() > SILENCE {
+            "no joint state has come since"
+        } else if halt.watch.at_rest_since(halt.off).is_none() {
+            "the arm was not seen at rest"
+        } else {
+            "the robot's computer does not answer"
+        };
+        let reason = format!("{} repeated for {:.1} s, {missing}", action.name(), began.elapsed().as_secs_f64());
+        Rest::NotConfirmed { reason }
+    }
+
+    /// Whether a topic, which never answers, has plainly taken the hold.
+    fn holds_by_topic(&self, halt: &Halt) -> bool {
+        !self.line.sender.tells_the_end() && halt.watch.ignores_its_motion()
+    }
+
+    /// Time of the motion by the newest state and what has passed since, s.
+    pub(super) fn motion_time(&self, run: &Run<'_>) -> f64 {
+        let (row, at) = self.latest.as_ref().expect("whoever is connected has heard a joint state");
+        run.since_start(row.stamp_ns) + at.elapsed().as_secs_f64()
+    }
+
+    /// Makes the request where it is due, and opens a fresh participant where the old one is of no use.
+    fn ask(&mut self, halt: &mut Halt, run: &Run<'_>) {
+        let (count, last) = halt.asked;
+        let every = if count < OFTEN { SOON } else { SELDOM };
+        if last.is_some_and(|last| last.elapsed() < every) {
+            return;
+        }
+        halt.asked = (count + 1, Some(Instant::now()));
+        let dead = !self.line.endpoint.is_alive();
+        let now_s = self.motion_time(run);
+        let hold = self.hold_at(&halt.hold, run.stamp_ns(now_s));
+        if !dead {
+            // An error adds nothing: there is no better request than this one.
+            let _ = act(&mut self.line, halt.action, hold.clone());
+        }
+        if let Some(rescue) = &mut self.rescue {
+            let _ = act(rescue, halt.action, hold);
+        }
+        let useless = dead || halt.alive.elapsed() > SILENCE;
+        if useless && halt.reopened.is_none_or(|reopened| reopened.elapsed() > RETRY) {
+            halt.reopened = Some(Instant::now());
+            self.rescue = Connection::open(&self.settings, "armid_rescue").ok();
+        }
+    }
+
+    /// Takes what the robot says meanwhile.
+    fn listen(&mut self, halt: &mut Halt, run: &mut Run<'_>) {
+        let mut words = Vec::new();
+        let mut received = Vec::new();
+        let line = Some(&mut self.line).filter(|line| line.endpoint.is_alive());
+        let connections: Vec<&mut Connection> = line.into_iter().chain(&mut self.rescue).collect();
+        let patience = PATIENCE / connections.len().max(1) as u32;
+        if connections.is_empty() {
+            std::thread::sleep(PATIENCE);
+        }
+        let mut over = false;
+        for connection in connections {
+            // What else it says of the motion is of no matter now.
+            over |= connection.sender.poll().is_ok_and(|standing| standing.over);
+            words.extend(std::iter::from_fn(|| connection.word()));
+            received.extend(connection.states.next(patience));
+            received.extend(std::iter::from_fn(|| connection.states.take()));
+        }
+        for word in words {
+            halt.off |= self.settings.off_states.iter().any(|off| word.starts_with(off.as_str()));
+            self.state = Some(word);
+        }
+        if over && !halt.answered {
+            halt.answered = true;
+            halt.watch.restart(self.latest.as_ref().map_or(i64::MIN, |(row, _)| row.stamp_ns));
+        }
+        for state in received {
+            let Ok(row) = state.message.map_err(|_| ()).and_then(|message| self.map.row(&message).map_err(|_| ()))
+            else {
+                continue;
+            };
+            let planned = run.command(run.since_start(row.stamp_ns)).to_vec();
+            halt.watch.see(&row, &planned);
+            halt.alive = state.at;
+            if self.latest.as_ref().is_none_or(|(latest, _)| latest.stamp_ns < row.stamp_ns) {
+                self.latest = Some((row, state.at));
+            }
+        }
+    }
+
+    /// The hold of a topic: a single point, out of date soon.
+    fn hold_at(&self, q: &[f64], now_ns: i64) -> JointTrajectory {
+        let zero = vec![0.0; q.len()];
+        let point = TrajectoryPoint {
+            positions: q.to_vec(),
+            velocities: zero.clone(),
+            accelerations: zero,
+            effort: Vec::new(),
+            time_from_start: Time::from_s(HOLD_S),
+        };
+        let header = Header { stamp: Time::from_ns(now_ns), frame_id: String::new() };
+        JointTrajectory { header, joint_names: self.map.names().to_vec(), points: vec![point] }
+    }
+}
+
+/// Makes a request; what is sent twice does no harm.
+fn act(connection: &mut Connection, action: SafeAction, hold: JointTrajectory) -> Result<(), LinkError> {
+    let cancelled = connection.sender.cancel(hold);
+    if action == SafeAction::Disable {
+        connection.disable()?;
+    }
+    cancelled
+}
