@@ -136,7 +136,7 @@ def variables(problem, trajectory):
 
 def run_armid(binary, seed, iterations, folder):
     """The answer, and the processor time of the whole process, s."""
-    command = [binary, "design", "crs-a460", "--criterion", "condition", "--columns", "rigid", "--period", str(PERIOD),
+    command = [binary, "design", "crs-a460", "--criterion", "condition", "--columns", "rigid", "--margin", "0", "--period", str(PERIOD),
                "--harmonics", str(HARMONICS), "--max-acceleration", str(ACCELERATION), "--ignore-torque",
                "--ignore-clearance", "--no-ramps", "--starts", "1", "--seed", str(seed), "--iterations", str(iterations),
                "--evaluations", "4000", "--no-baseline", "--json", "-o", str(Path(folder) / "T.toml")]

@@ -79,7 +79,7 @@ pub(crate) struct Feasibility {
 impl Feasibility {
     pub(crate) fn new(problem: &DesignProblem) -> Result<Self, ExcitationError> {
         let basis = problem.basis()?;
-        let robot = problem.robot.clone();
+        let robot = problem.inner_robot()?;
         let part = 1.0 - INSIDE;
         let margins = Margins {
             position: part * problem.margins.position,

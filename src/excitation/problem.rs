@@ -58,6 +58,8 @@ pub struct DesignProblem {
     pub clearance_m: Option<f64>,
     /// Which part of each limit may be used.
     pub margins: Margins,
+    /// Distance to keep from both position limits of each joint, rad (m), n: where a guard stops the arm.
+    pub position_margin: Vec<f64>,
     /// Noise of each joint's torque, N·m (n), for the criteria that weight rows; all 1 without it.
     pub sigma: Option<Vec<f64>>,
     /// Information already collected, b × b per torque row of one period, weighted by the same noise; for the
@@ -100,6 +102,7 @@ impl DesignProblem {
             ramp_s: None,
             clearance_m: None,
             margins: Margins::default(),
+            position_margin: vec![0.0; n],
             sigma: None,
             prior: None,
             max_evaluations: DEFAULT_EVALUATIONS,
@@ -205,6 +208,22 @@ impl DesignProblem {
         }
     }
 
+    /// The robot with limits that keep [`Self::position_margin`] from its own.
+    pub(crate) fn inner_robot(&self) -> Result<Robot, ExcitationError> {
+        let mut margins = self.position_margin.iter();
+        let inner = self.robot.clone().with_joints(|joint| {
+            if let Some(margin) = margins.next().filter(|margin| **margin != 0.0) {
+                let (low, high) = joint.limits.position;
+                joint.limits.position = (low + margin, high - margin);
+            }
+        });
+        inner.map_err(|fault| ExcitationError::Problem {
+            quantity: "margin to the position limits".into(),
+            found: fault.to_string(),
+            expected: "a margin that leaves every joint a range".into(),
+        })
+    }
+
     /// Checks the settings and makes the family of trajectories.
     pub(crate) fn basis(&self) -> Result<MotionBasis, ExcitationError> {
         let n = self.robot.dof();
@@ -224,6 +243,7 @@ impl DesignProblem {
         above_zero("part of the speed limit", self.margins.velocity, "")?;
         above_zero("part of the acceleration limit", self.margins.acceleration, "")?;
         above_zero("part of the torque rating", self.margins.torque, "")?;
+        length("position margins", self.position_margin.len(), n)?;
         if let Some(sigma) = &self.sigma {
             length("noise levels", sigma.len(), n)?;
             for &level in sigma {

@@ -2,7 +2,8 @@
 
 use armid::excitation::DesignProblem;
 use armid::excitation::effort::ParameterSpread;
-use armid::model::{Obstacle, Robot};
+use armid::model::{JointKind, Obstacle, Robot};
+use armid_hardware::guard::GuardSettings;
 use armid_io::{Error, LoadedRobot};
 use miette::Result;
 
@@ -15,6 +16,10 @@ pub(crate) struct LimitArguments {
     /// Largest acceleration of every joint, in place of the robot's own limits
     #[arg(long, value_name = "RAD_S2")]
     max_acceleration: Option<f64>,
+    /// Distance to keep from the position limits, deg: the soft limits of the guard that watches a real arm, by default.
+    /// Sliding joints keep as much of the guard's margin in metres
+    #[arg(long, value_name = "DEG", default_value_t = GuardSettings::default().soft_margin_deg)]
+    margin: f64,
     /// Do not hold the limits of torque and current
     #[arg(long)]
     ignore_torque: bool,
@@ -63,6 +68,17 @@ impl LimitArguments {
             let message = format!("--confidence is {}, expected 0.5 or more and less than 1", self.confidence);
             return Err(Error::new(message).into());
         }
+        if !(self.margin.is_finite() && self.margin >= 0.0) {
+            return Err(Error::new(format!(
+                "--margin is {}, expected a finite number of degrees, not below 0",
+                self.margin
+            ))
+            .into());
+        }
+        let guard = GuardSettings::default();
+        let sliding = guard.soft_margin_m * self.margin / guard.soft_margin_deg;
+        let margin = |kind: JointKind| if kind == JointKind::Revolute { self.margin.to_radians() } else { sliding };
+        problem.position_margin = problem.robot.joints().iter().map(|joint| margin(joint.kind)).collect();
         problem.ramp_s = (!self.no_ramps).then_some(self.ramp);
         problem.clearance_m = (!self.ignore_clearance).then_some(self.clearance);
         if self.ignore_torque {

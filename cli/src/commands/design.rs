@@ -26,7 +26,8 @@ const AFTER_HELP: &str = "\
 Every start begins at the first guess of Radkhah et al. (2007) from other random velocities and may
 evaluate the criterion --evaluations times (a gradient counts as one more); the best start within all limits is
 kept. Limits hold at every instant, also between samples and on the ramps of an experiment:
-position, velocity, acceleration, jerk, distances, and torque and current (peak and RMS) with the
+position (less --margin, where the guard of a real arm stops it), velocity, acceleration, jerk,
+distances, and torque and current (peak and RMS) with the
 probability --confidence at each instant, by the uncertainty of the nominal parameters (without one,
 below nine tenths of the limits). Where none holds them, the nearest is written, what is exceeded is
 said, and the exit status is 1. Equal seed, equal trajectory. The certificate is in the file.
