@@ -6,7 +6,7 @@ use std::error::Error;
 
 use armid::dynamics::Dynamics;
 use armid::estimation::{EstimatorKind, Identification};
-use armid::experiment::{Arm, ArmError, Command, Ending, ExperimentPlan, RawSample, Recording, Sink, record};
+use armid::experiment::{Arm, ArmError, Command, Ending, ExperimentPlan, RawSample, Recording, Rest, Sink, record};
 use armid::model::{Columns, Robot, StandardParameters};
 use armid::provenance::Provenance;
 use armid::signal::{Processing, process};
@@ -45,7 +45,7 @@ impl Arm for Exact {
             dynamics.inverse(&q, &qd, &qdd, &mut tau);
             let sample = RawSample { index, t, phase, q: &q, effort: &tau, voltage: &[], command: &q };
             if sink.sample(&sample).ends() {
-                return Ok(Ending::Stopped { t, phase });
+                return Ok(Ending::Stopped { t, phase, rest: Rest::Simulated });
             }
         }
         Ok(Ending::Completed)

@@ -78,6 +78,9 @@ pub enum ExcitationError {
         /// Its unit.
         unit: &'static str,
     },
+    /// A margin to the position limits leaves a joint nothing.
+    #[error("design: the margin to the position limits gives {0}, expected one that leaves every joint a range")]
+    PositionMargin(RobotFault),
     /// A list has another length than the robot asks for.
     #[error("design: number of {quantity} is {found}, expected {expected}")]
     Length {

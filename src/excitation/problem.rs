@@ -217,11 +217,7 @@ impl DesignProblem {
                 joint.limits.position = (low + margin, high - margin);
             }
         });
-        inner.map_err(|fault| ExcitationError::Problem {
-            quantity: "margin to the position limits".into(),
-            found: fault.to_string(),
-            expected: "a margin that leaves every joint a range".into(),
-        })
+        inner.map_err(ExcitationError::PositionMargin)
     }
 
     /// Checks the settings and makes the family of trajectories.

@@ -198,7 +198,7 @@ mod tests {
     #[test]
     fn analytic_a_tail_stays_on_the_path_within_every_limit_and_as_short_as_it_can() {
         let robot = armid::conformance::chains::planar_2r();
-        let limit = |j: usize| robot.joints()[j].limits.clone();
+        let limit = |j: usize| robot.joints()[j].limits;
         for omega in [0.3, 1.0, 2.0] {
             let motion = Swing { omega, duration_s: 20.0 };
             for k in 0..60 {
