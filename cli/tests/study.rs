@@ -145,6 +145,30 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
     succeeds(at, &["study", "study.toml", "--runs", "1", "-o", "busy"]);
     assert_eq!(std::fs::read_to_string(at.join("busy/journal-before.jsonl")).unwrap(), journal);
 
+    // Designs once, for all runs.
+    for k in ["1/2", "2/2"] {
+        succeeds(
+            at,
+            &["study", "study.toml", "--stage", "designs", "--shard", k, "-o", &format!("designs/{}", &k[..1])],
+        );
+    }
+    let early = armid(at, &["study", "study.toml", "--stage", "runs", "--designs-from", "designs/1", "-o", "early"]);
+    assert_eq!(early.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&early.stderr).contains("2 of 4 designs are not there"));
+    for k in ["1/3", "2/3", "3/3"] {
+        let output = format!("runs/{}", &k[..1]);
+        succeeds(
+            at,
+            &["study", "study.toml", "--stage", "runs", "--designs-from", "designs", "--shard", k, "-o", &output],
+        );
+    }
+    let parts = ["designs/1", "designs/2", "runs/1", "runs/2", "runs/3"];
+    succeeds(at, &[&["study", "merge", "-o", "stages"], &parts[..]].concat());
+    assert!(one == files(&at.join("stages")), "the merged stages differ from the whole");
+    let double = armid(at, &["study", "merge", "part1", "runs/1", "part2", "-o", "double"]);
+    assert_eq!(double.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&double.stderr).contains("expected parts that do not overlap"));
+
     // The report can be drawn again from what is stored.
     succeeds(at, &["report", "one", "-o", "again"]);
     let page = std::fs::read(at.join("again/report.html")).unwrap();
@@ -261,4 +285,41 @@ fn random_truths_are_the_same_for_every_design_and_number_of_threads() {
     let output = armid(at, &["study", "wide.toml"]);
     let text = String::from_utf8_lossy(&output.stderr).into_owned();
     assert!(output.status.code() == Some(2) && text.contains("mass_spread is 3"), "{text}");
+}
+
+#[test]
+fn a_dry_run_shows_scripts_and_lines_and_writes_nothing() {
+    let folder = with_plan();
+    let at = folder.path();
+    let output = armid(
+        at,
+        &[
+            "study",
+            "submit",
+            "study.toml",
+            "--engine",
+            "slurm",
+            "--dry-run",
+            "--array",
+            "3",
+            "-o",
+            "x",
+            "--json",
+            "--",
+            "--mem=1G",
+        ],
+    );
+    assert_eq!(output.status.code(), Some(0));
+    let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let lines: Vec<&str> = shown["lines"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
+    assert_eq!(lines.len(), 3);
+    assert!(lines[0].starts_with("sbatch --parsable --array=0-2 --mem=1G "), "{}", lines[0]);
+    assert!(lines[1].contains("--dependency=afterany:$JOB1 "), "{}", lines[1]);
+    assert!(lines[2].contains("--dependency=afterany:$JOB1:$JOB2 ") && !lines[2].contains("--array"), "{}", lines[2]);
+    assert_eq!(shown["tasks"], serde_json::json!({ "designs": 3, "runs": 3 }));
+    assert!(!at.join("x").exists());
+
+    let none = armid(at, &["study", "status", "."]);
+    assert_eq!(none.status.code(), Some(2));
+    assert!(String::from_utf8_lossy(&none.stderr).contains("expected the folder of a submitted study"));
 }

@@ -1,7 +1,10 @@
-//! Studies being performed.
+//! Studies being performed, here or by a cluster.
 
+pub(crate) mod cluster;
+mod part;
 mod performance;
 mod report;
 
-pub(crate) use performance::{Prepared, Shard, in_words};
+pub(crate) use part::{Part, Shard, Stage, stored_designs};
+pub(crate) use performance::{Performance, Prepared, in_words};
 pub(crate) use report::write_report;

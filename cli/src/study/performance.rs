@@ -19,6 +19,7 @@ use armid_io::output::write_text;
 use armid_io::study::{Journal, Piece, plan_text, write_study, write_timing};
 use armid_io::{Error, robot};
 
+use super::part::{Part, Stage};
 use super::report::write_report;
 use crate::answers::study as study_answer;
 use crate::arms::{ArmKind, Simulation};
@@ -27,13 +28,6 @@ use crate::terminal::{Console, Ending, progress};
 
 /// So many families of a study are shown against their limits.
 const SHOWN_FAMILIES: usize = 8;
-
-/// Part `k` of `n`, counted from one.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Shard {
-    pub(crate) k: usize,
-    pub(crate) n: usize,
-}
 
 /// A study and the arms that it is performed on, one per condition.
 pub(crate) struct Prepared {
@@ -63,13 +57,8 @@ impl Prepared {
         Ok(Self { setup, simulations })
     }
 
-    pub(crate) fn performance<'a>(
-        &'a self,
-        output: &'a Path,
-        shard: Option<Shard>,
-        console: &'a Console,
-    ) -> Performance<'a> {
-        Performance { setup: &self.setup, simulations: &self.simulations, output, shard, console }
+    pub(crate) fn performance<'a>(&'a self, output: &'a Path, part: Part, console: &'a Console) -> Performance<'a> {
+        Performance { setup: &self.setup, simulations: &self.simulations, output, part, console }
     }
 }
 
@@ -82,7 +71,7 @@ pub(crate) struct Performance<'a> {
     setup: &'a StudySetup,
     simulations: &'a [Simulation],
     output: &'a Path,
-    shard: Option<Shard>,
+    part: Part,
     console: &'a Console,
 }
 
@@ -103,7 +92,7 @@ impl Performance<'_> {
     }
 
     /// What decides the rows: stored work with another identity belongs to another study.
-    pub(crate) fn identity(&self) -> Result<String> {
+    pub(crate) fn identity(&self) -> Result<String, Error> {
         Ok(sha256(&plan_text(self.setup.plan())?))
     }
 
@@ -116,9 +105,28 @@ impl Performance<'_> {
 
     /// Every run of the study, or of its part.
     fn planned(&self) -> Vec<RunId> {
-        let mine = |position: usize| self.shard.is_none_or(|shard| position % shard.n == shard.k - 1);
         let all = self.setup.run_ids().into_iter().enumerate();
-        all.filter(|(position, _)| mine(*position)).map(|(_, id)| id).collect()
+        all.filter(|(position, _)| self.part.holds(*position)).map(|(_, id)| id).collect()
+    }
+
+    /// Which part this is.
+    pub(crate) fn part(&self) -> Part {
+        self.part
+    }
+
+    /// Where it is stored.
+    pub(crate) fn output(&self) -> &Path {
+        self.output
+    }
+
+    /// How many designs belong to this part.
+    pub(crate) fn planned_designs(&self) -> usize {
+        (0..self.setup.designs().len()).filter(|&index| self.part.holds(index)).count()
+    }
+
+    /// How many runs belong to this part.
+    pub(crate) fn planned_runs(&self) -> usize {
+        self.planned().len()
     }
 
     /// How many planned runs are not among the pieces.
@@ -133,10 +141,50 @@ impl Performance<'_> {
         self.planned().iter().filter(|key| !have.contains(key)).count()
     }
 
-    /// Makes the designs and performs the runs that are not among the pieces yet; `None` where interrupted.
+    /// How many designs of this part are not among the pieces.
+    pub(crate) fn missing_designs(&self, pieces: &[Piece]) -> usize {
+        let have: HashSet<usize> = pieces
+            .iter()
+            .filter_map(|piece| match piece {
+                Piece::Design { index, .. } => Some(*index),
+                Piece::Run { .. } => None,
+            })
+            .collect();
+        (0..self.setup.designs().len()).filter(|index| self.part.holds(*index) && !have.contains(index)).count()
+    }
+
+    /// Makes the designs of this part that are not among the pieces yet, and says whether all are there.
+    pub(crate) fn perform_designs(&self, journal: Journal, pieces: Vec<Piece>) -> Result<bool> {
+        let (mut designs, _) = self.sorted(pieces);
+        let mine = (0..designs.len()).filter(|&index| self.part.holds(index) && designs[index].is_none()).collect();
+        self.make_designs(mine, &mut designs, &Mutex::new(journal))?;
+        Ok((0..designs.len()).all(|index| !self.part.holds(index) || designs[index].is_some()))
+    }
+
+    /// Makes the designs, where it is not the stage of the runs alone, and performs the runs that are not among the pieces
+    /// yet; `None` where interrupted.
     pub(crate) fn perform(&self, journal: Journal, pieces: Vec<Piece>) -> Result<Option<Work>> {
-        let planned = self.setup.designs();
-        let mut designs: Vec<Option<Made>> = vec![None; planned.len()];
+        let (mut designs, mut outcomes) = self.sorted(pieces);
+        let missing: Vec<usize> = (0..designs.len()).filter(|&index| designs[index].is_none()).collect();
+        if self.part.stage == Some(Stage::Runs) && !missing.is_empty() {
+            let message = format!(
+                "{} of {} designs are not there, expected all of them where --designs-from points",
+                missing.len(),
+                designs.len()
+            );
+            return Err(Error::new(message).into());
+        }
+        let journal = Mutex::new(journal);
+        self.make_designs(missing, &mut designs, &journal)?;
+        let Some(designs) = designs.into_iter().collect::<Option<Vec<Made>>>() else { return Ok(None) };
+        let complete = self.perform_runs(&designs, &mut outcomes, &journal)?;
+        let journal = journal.into_inner().map_err(in_words)?;
+        Ok(complete.then_some(Work { designs, outcomes, journal }))
+    }
+
+    /// The designs by their place, and the outcomes.
+    fn sorted(&self, pieces: Vec<Piece>) -> (Vec<Option<Made>>, Vec<(Outcome, f64)>) {
+        let mut designs: Vec<Option<Made>> = vec![None; self.setup.designs().len()];
         let mut outcomes: Vec<(Outcome, f64)> = Vec::new();
         for piece in pieces {
             match piece {
@@ -147,21 +195,12 @@ impl Performance<'_> {
                 Piece::Run { outcome, seconds } => outcomes.push((*outcome, seconds)),
             }
         }
-        let journal = Mutex::new(journal);
-        self.make_designs(&planned, &mut designs, &journal)?;
-        let Some(designs) = designs.into_iter().collect::<Option<Vec<Made>>>() else { return Ok(None) };
-        let complete = self.perform_runs(&designs, &mut outcomes, &journal)?;
-        let journal = journal.into_inner().map_err(in_words)?;
-        Ok(complete.then_some(Work { designs, outcomes, journal }))
+        (designs, outcomes)
     }
 
-    fn make_designs(
-        &self,
-        planned: &[(usize, usize)],
-        designs: &mut [Option<Made>],
-        journal: &Mutex<Journal>,
-    ) -> Result<()> {
-        let missing: Vec<usize> = (0..planned.len()).filter(|&index| designs[index].is_none()).collect();
+    /// Makes the designs at these places.
+    fn make_designs(&self, missing: Vec<usize>, designs: &mut [Option<Made>], journal: &Mutex<Journal>) -> Result<()> {
+        let planned = self.setup.designs();
         let bar = progress::bar(self.console, missing.len() as u64, "designs");
         let made = missing
             .into_par_iter()

@@ -1,0 +1,66 @@
+//! Which study, and what stands in place of its plan's values.
+
+use std::path::PathBuf;
+
+use armid::study::{RandomTruths, StudyPlan};
+use armid_io::study::load_plan;
+use armid_sim::Engine;
+use miette::Result;
+
+use crate::arguments::one_of;
+use crate::arms::ArmKind;
+use crate::study::in_words;
+
+/// What a command line may put in place of a plan's values.
+#[derive(Clone, Debug, Default, clap::Args)]
+pub(crate) struct Overrides {
+    /// Runs of each design, in place of the plan's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    runs: Option<u32>,
+    /// Draw this many random truths around the robot's own, in place of the plan's
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    truths: Option<u32>,
+    /// Which simulated arms perform the experiments, in place of the plan's
+    #[arg(
+        long,
+        value_name = "ARM,…",
+        value_delimiter = ',',
+        value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name)
+    )]
+    arm: Option<Vec<ArmKind>>,
+}
+
+impl Overrides {
+    /// The plan that is asked for, and the folder that relative paths in it begin at.
+    pub(crate) fn plan(&self, study: &str) -> Result<(StudyPlan, Option<PathBuf>)> {
+        let (mut plan, folder) = load_plan(study, &Engine::ALL.map(Engine::name))?;
+        if let Some(runs) = self.runs {
+            plan.scale_runs(runs as usize);
+        }
+        if let Some(truths) = self.truths {
+            let count = truths as usize;
+            plan.truths = Some(plan.truths.map_or(RandomTruths::of(count), |spread| RandomTruths { count, ..spread }));
+        }
+        if let Some(arms) = &self.arm {
+            plan.engines = arms.iter().map(|arm| arm.name().to_owned()).collect();
+            plan.check().map_err(in_words)?;
+        }
+        Ok((plan, folder))
+    }
+
+    /// The same as words of a command line.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let mut words = Vec::new();
+        if let Some(runs) = self.runs {
+            words.extend(["--runs".to_owned(), runs.to_string()]);
+        }
+        if let Some(truths) = self.truths {
+            words.extend(["--truths".to_owned(), truths.to_string()]);
+        }
+        if let Some(arms) = &self.arm {
+            let names: Vec<&str> = arms.iter().map(|arm| arm.name()).collect();
+            words.extend(["--arm".to_owned(), names.join(",")]);
+        }
+        words
+    }
+}

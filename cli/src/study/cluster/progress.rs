@@ -1,0 +1,90 @@
+//! How far a submitted study is, read from the journals of its tasks.
+
+use std::path::{Path, PathBuf};
+
+use armid_io::Error;
+use armid_io::study::{Journal, Piece};
+
+use super::{Submission, TaskCounts};
+use crate::study::{Part, Prepared, Shard, Stage};
+use crate::terminal::Console;
+
+/// The folder of one task.
+pub(crate) fn folder_of(folder: &Path, stage: Stage, task: usize) -> PathBuf {
+    stage_folder(folder, stage).join(task.to_string())
+}
+
+/// The folder of a stage's tasks.
+pub(super) fn stage_folder(folder: &Path, stage: Stage) -> PathBuf {
+    folder.join("tasks").join(stage.name())
+}
+
+/// What is finished of a stage.
+#[derive(Clone, Debug, Default, serde::Serialize)]
+pub(crate) struct StageProgress {
+    /// Designs or runs that are kept.
+    pub(crate) done: usize,
+    /// Designs or runs in all.
+    pub(crate) total: usize,
+    /// Tasks that lack some, counted from one.
+    pub(crate) missing_tasks: Vec<usize>,
+}
+
+/// What is finished of a study.
+#[derive(Clone, Debug, Default, serde::Serialize)]
+pub(crate) struct Progress {
+    pub(crate) designs: StageProgress,
+    pub(crate) runs: StageProgress,
+}
+
+impl Progress {
+    /// Reads the journals of all tasks. A journal that is not there yet, or that a kill cut within its first line, holds
+    /// nothing.
+    ///
+    /// # Errors
+    /// [`Error`] where a journal cannot be read or belongs to another study.
+    pub(crate) fn read(
+        folder: &Path,
+        submission: &Submission,
+        prepared: &Prepared,
+        console: &Console,
+    ) -> Result<Self, Error> {
+        let TaskCounts { designs, runs } = submission.tasks;
+        Ok(Self {
+            designs: stage_progress(folder, (Stage::Designs, designs), prepared, console)?,
+            runs: stage_progress(folder, (Stage::Runs, runs), prepared, console)?,
+        })
+    }
+
+    /// Is nothing missing?
+    pub(crate) fn is_complete(&self) -> bool {
+        self.designs.missing_tasks.is_empty() && self.runs.missing_tasks.is_empty()
+    }
+}
+
+fn stage_progress(
+    folder: &Path,
+    (stage, n): (Stage, usize),
+    prepared: &Prepared,
+    console: &Console,
+) -> Result<StageProgress, Error> {
+    let mut progress = StageProgress::default();
+    for k in 1..=n {
+        let of_task = folder_of(folder, stage, k);
+        let part = Part { stage: Some(stage), shard: Some(Shard { k, n }) };
+        let study = prepared.performance(&of_task, part, console);
+        let identity = study.identity()?;
+        let journal = of_task.join(Journal::NAME);
+        let pieces: Vec<Piece> = if journal.is_file() { Journal::read(&journal, &identity)? } else { Vec::new() };
+        let (missing, total) = match stage {
+            Stage::Designs => (study.missing_designs(&pieces), study.planned_designs()),
+            Stage::Runs => (study.missing(&pieces), study.planned_runs()),
+        };
+        progress.done += total - missing;
+        progress.total += total;
+        if missing > 0 {
+            progress.missing_tasks.push(k);
+        }
+    }
+    Ok(progress)
+}

@@ -1,0 +1,108 @@
+//! Parts of a study: a stage, a share of it, or all.
+
+use std::path::{Path, PathBuf};
+
+use armid_io::Error;
+use armid_io::study::{Journal, Piece};
+
+/// What a study does first and second. Designs are made once; every run needs them.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) enum Stage {
+    /// The trajectories.
+    Designs,
+    /// Experiments, estimates and scores.
+    Runs,
+}
+
+impl Stage {
+    /// In the order in which they are performed.
+    pub(crate) const ALL: [Self; 2] = [Self::Designs, Self::Runs];
+
+    /// The word of the command line, and of folders.
+    pub(crate) fn name(self) -> &'static str {
+        match self {
+            Self::Designs => "designs",
+            Self::Runs => "runs",
+        }
+    }
+}
+
+/// Share `k` of `n`, counted from one.
+#[derive(Clone, Copy, Debug)]
+pub(crate) struct Shard {
+    pub(crate) k: usize,
+    pub(crate) n: usize,
+}
+
+impl std::str::FromStr for Shard {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, String> {
+        let parts = text.split_once('/').and_then(|(k, n)| Some((k.parse().ok()?, n.parse().ok()?)));
+        match parts {
+            Some((k, n)) if 1 <= k && k <= n => Ok(Self { k, n }),
+            _ => Err("expected K/N with 1 ≤ K ≤ N, as 2/8".to_owned()),
+        }
+    }
+}
+
+/// A part of a study: one stage or both, and a share of it or all.
+#[derive(Clone, Copy, Debug, Default)]
+pub(crate) struct Part {
+    pub(crate) stage: Option<Stage>,
+    pub(crate) shard: Option<Shard>,
+}
+
+impl Part {
+    /// Does the work at this place of the stage's list belong to it?
+    pub(crate) fn holds(self, position: usize) -> bool {
+        self.shard.is_none_or(|shard| position % shard.n == shard.k - 1)
+    }
+
+    /// Is it the whole study, to be summed up?
+    pub(crate) fn is_whole(self) -> bool {
+        self.shard.is_none() && self.stage != Some(Stage::Designs)
+    }
+}
+
+/// The designs that folders hold, or the folders in them.
+///
+/// # Errors
+/// [`Error`] where a folder holds none, or those of another study.
+pub(crate) fn stored_designs(folders: &[PathBuf], identity: &str) -> Result<Vec<Piece>, Error> {
+    let mut designs = Vec::new();
+    for folder in folders {
+        let journals = journals_in(folder)?;
+        if journals.is_empty() {
+            let message = format!(
+                "{}: found no {}, expected a folder that --stage designs wrote",
+                folder.display(),
+                Journal::NAME
+            );
+            return Err(Error::new(message));
+        }
+        for journal in journals {
+            let pieces = Journal::read(&journal, identity)?;
+            designs.extend(pieces.into_iter().filter(|piece| matches!(piece, Piece::Design { .. })));
+        }
+    }
+    Ok(designs)
+}
+
+/// The journal of a folder, or those of the folders in it, in the order of their names.
+fn journals_in(folder: &Path) -> Result<Vec<PathBuf>, Error> {
+    let own = folder.join(Journal::NAME);
+    if own.is_file() {
+        return Ok(vec![own]);
+    }
+    let fault = |error: std::io::Error| Error::new(format!("{} cannot be read: {error}", folder.display()));
+    let mut found = Vec::new();
+    for entry in std::fs::read_dir(folder).map_err(fault)? {
+        let journal = entry.map_err(fault)?.path().join(Journal::NAME);
+        if journal.is_file() {
+            found.push(journal);
+        }
+    }
+    found.sort();
+    Ok(found)
+}
