@@ -14,7 +14,7 @@ use armid::signal::{Processing, process};
 use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
 use armid::trajectory::FourierTrajectory;
-use armid_sim::{AnalyticPlant, record_runs};
+use armid_sim::{AnalyticPlant, TeamRun, record_runs};
 
 fn arm(name: &str) -> (Robot, StandardParameters, Servo<AnalyticPlant>) {
     let entry = bundled().iter().find(|entry| entry.name == name).unwrap();
@@ -166,12 +166,20 @@ fn identity_runs_together_have_the_bits_of_each_alone() {
         discarded_periods: 0,
         ..ExperimentPlan::new(gentle(&robot, 2.0))
     };
-    let runs: Vec<(Seed, u64)> = (0..5).map(|k| (Seed::new(k % 2), k)).collect();
-    let together = record_runs(&servo, &plan, &runs).unwrap();
+    // Longer than the others, and one that nobody can perform.
+    let longer = plan.clone().with_periods(2);
+    let none = plan.clone().with_periods(0);
+    let runs: Vec<TeamRun<'_>> = [&plan, &plan, &longer, &none, &plan, &longer]
+        .iter()
+        .zip(0..)
+        .map(|(plan, run)| TeamRun { plan, seed: Seed::new(run % 2), run })
+        .collect();
+    let together = record_runs(&servo, &runs);
     assert_eq!(together.len(), runs.len());
-    for (&(seed, run), other) in runs.iter().zip(together) {
-        let alone = record(&mut servo.clone().with_seed(seed, run), &plan).unwrap();
-        assert!(alone == other, "seed {seed:?}, run {run}");
+    for (member, other) in runs.iter().zip(together) {
+        let alone = record(&mut servo.clone().with_seed(member.seed, member.run), member.plan);
+        assert!(alone == other, "run {}", member.run);
+        assert_eq!(alone.is_err(), std::ptr::eq(member.plan, &raw const none), "run {}", member.run);
     }
 }
 

@@ -16,18 +16,13 @@ use super::{Failure, RunId, StudyDesign, StudyError, StudyPlan, StudySetup};
 use crate::dynamics::States;
 use crate::estimation::Estimate;
 use crate::excitation::CriterionKind;
-use crate::experiment::Arm;
+use crate::experiment::{ArmError, Ending, Recording};
 
 /// Why no estimate came of a sequence.
 const NOT_DEFINITE: &str = "the covariance of an estimate is not positive definite";
 
-/// One experiment of a sequence.
-pub struct Experiment<'a> {
-    /// The design.
-    pub design: &'a StudyDesign,
-    /// The arm that performs it.
-    pub arm: &'a mut dyn Arm,
-}
+/// What came of one experiment: the recording and how it ended, or why it did not begin.
+pub type Performed = Result<(Recording, Ending), ArmError>;
 
 impl StudySetup {
     /// The family that `family` continues.
@@ -83,13 +78,10 @@ impl StudySetup {
         self.bound_with_weight(&all, self.raw_samples() / first.len() as f64)
     }
 
-    /// One run of a sequence: every experiment performed, every estimate made, all combined; the outcome is that of the
-    /// last design.
+    /// The outcome of one run from what came of its experiments, in the order of the sequence: every estimate made, all
+    /// combined. A failed experiment is the reason in the outcome.
     #[must_use]
-    pub fn trial_of_sequence(&self, id: RunId, experiments: &mut [Experiment<'_>]) -> Outcome {
-        if let [only] = experiments {
-            return self.trial(id, only.design, only.arm);
-        }
+    pub fn outcome(&self, id: RunId, performed: Vec<Performed>) -> Outcome {
         let truth = self.plan.truth_of(id.run);
         let outcome = |failure, estimates| Outcome {
             design: id.design,
@@ -99,13 +91,17 @@ impl StudySetup {
             failure,
             estimates,
         };
-        let mut made = Vec::new();
-        for Experiment { design, arm } in experiments {
-            match self.samples(&design.trajectory, &mut **arm) {
-                Ok(samples) => made.push(self.unscored(&samples)),
+        let mut sequence = Vec::new();
+        for experiment in performed {
+            match self.processed(experiment) {
+                Ok(samples) => sequence.push(samples),
                 Err(failure) => return outcome(Some(failure), Vec::new()),
             }
         }
+        if let [only] = &sequence[..] {
+            return outcome(None, self.estimates(only, truth));
+        }
+        let made: Vec<_> = sequence.iter().map(|samples| self.unscored(samples)).collect();
         let estimates = self.plan.identification.estimators.iter().enumerate().map(|(e, name)| {
             let each: Result<Vec<&Estimate>, Failure> =
                 made.iter().map(|estimates| estimates[e].as_ref().map_err(Clone::clone)).collect();

@@ -43,7 +43,7 @@ pub use effect_sensitivity::{EffectSensitivity, ParameterBias, SensitivityEntry}
 pub use error::StudyError;
 pub use evidence::{DesignRow, Evidence, Findings};
 pub use examples::{Examples, LimitExample, PredictionExample, exact_states};
-pub use experiment_sequence::Experiment;
+pub use experiment_sequence::Performed;
 pub use failure::{Failure, FailureKind};
 pub use family_score::{FamilyScore, ParameterScore};
 pub use grid::GridPlan;

@@ -13,6 +13,7 @@ use nalgebra::DMatrix;
 
 use super::bound::{cramer_rao_std, torque_covariance};
 use super::evidence::{DesignRow, Evidence, Findings};
+use super::experiment_sequence::Performed;
 use super::outcome::{Outcome, ScoredEstimate};
 use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
@@ -205,12 +206,7 @@ impl StudySetup {
     /// is a reason in the outcome.
     #[must_use]
     pub fn trial(&self, id: RunId, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
-        let truth = self.plan.truth_of(id.run);
-        let (failure, estimates) = match self.samples(&design.trajectory, arm) {
-            Ok(samples) => (None, self.estimates(&samples, truth)),
-            Err(failure) => (Some(failure), Vec::new()),
-        };
-        Outcome { design: id.design, condition: id.condition, truth, run: id.run, failure, estimates }
+        self.outcome(id, vec![record(arm, &self.experiment(&design.trajectory))])
     }
 
     /// Performs the experiment and processes the recording.
@@ -218,7 +214,12 @@ impl StudySetup {
     /// # Errors
     /// [`Failure`], as the study's rows state it.
     pub fn samples(&self, trajectory: &PeriodicTrajectory, arm: &mut dyn Arm) -> Result<Samples, Failure> {
-        let (recording, ending) = record(arm, &self.experiment(trajectory)).map_err(|fault| Failure::arm(&fault))?;
+        self.processed(record(arm, &self.experiment(trajectory)))
+    }
+
+    /// The samples of what came of an experiment.
+    pub(super) fn processed(&self, performed: Performed) -> Result<Samples, Failure> {
+        let (recording, ending) = performed.map_err(|fault| Failure::arm(&fault))?;
         match ending {
             Ending::Diverged { t, reason, .. } => return Err(Failure::diverged(t, &reason)),
             Ending::Tripped { t, trip, .. } => return Err(Failure::tripped(t, &trip)),

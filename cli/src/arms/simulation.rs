@@ -3,12 +3,13 @@
 use armid::dynamics::{Dynamics, States};
 use armid::experiment::{
     ActualArm, Arm, ArmError, Effects, Ending, ExperimentPlan, Flow, Phase, Plant, RawSample, Recording, Sensing,
-    Servo, Sink,
+    Servo, Sink, record,
 };
 use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
-use armid::study::{Truth, exact_states};
+use armid::study::{Performed, Truth, exact_states};
 use armid_io::LoadedRobot;
+use armid_sim::{AnalyticPlant, Engine, TeamRun, record_runs};
 use miette::Result;
 
 use super::ArmKind;
@@ -95,9 +96,25 @@ impl Simulation {
         self.servo_of(&self.truth.effects.and(&self.effects), sensing)
     }
 
+    /// What came of every run, each with the bits that it would have alone. Where the engine has lanes the runs are computed
+    /// side by side.
+    pub(crate) fn record_all(&self, runs: &[TeamRun<'_>]) -> Result<Vec<Performed>, String> {
+        let sensing = Sensing::default();
+        if self.arm == ArmKind::Simulated(Engine::Analytic) {
+            let actual = ActualArm::new(&self.truth.effects.and(&self.effects), self.robot(), &self.truth.parameters);
+            let plant = AnalyticPlant::new(actual.robot(), actual.parameters()).map_err(|fault| fault.to_string())?;
+            return Ok(record_runs(&self.servo_around(plant, actual, &sensing)?, runs));
+        }
+        runs.iter().map(|run| Ok(record(&mut *self.arm(&sensing, run.seed, run.run)?, run.plan))).collect()
+    }
+
     fn servo_of(&self, effects: &Effects, sensing: &Sensing) -> Result<Servo<Box<dyn Plant>>, String> {
         let actual = ActualArm::new(effects, self.robot(), &self.truth.parameters);
         let plant = self.plant_of(&actual)?;
+        self.servo_around(plant, actual, sensing)
+    }
+
+    fn servo_around<P: Plant>(&self, plant: P, actual: ActualArm, sensing: &Sensing) -> Result<Servo<P>, String> {
         let servo = Servo::new(self.robot(), &self.nominal, plant).map_err(|fault| fault.to_string())?;
         let servo = servo.with_sensing(sensing.clone()).with_effects(actual);
         let servo = servo.with_robot_text(self.loaded.text.content.as_ref());

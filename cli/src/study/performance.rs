@@ -1,15 +1,15 @@
 //! A study being performed: designs and runs on all cores, each kept in a journal as soon as it is finished.
 
-use std::collections::HashSet;
+use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
 use std::sync::Mutex;
 use std::time::Instant;
 
-use armid::experiment::Sensing;
+use armid::experiment::{ExperimentPlan, Sensing};
 use armid::provenance::{Provenance, sha256};
 use armid::seed::Seed;
 use armid::study::radkhah2007::{Reproduction, evaluate_claims};
-use armid::study::{Examples, Experiment, Outcome, ReportInput, RunId, StudyDesign, StudyPlan, StudySetup};
+use armid::study::{Examples, Outcome, ReportInput, RunId, StudyDesign, StudyPlan, StudySetup};
 use indicatif::ProgressBar;
 use miette::Result;
 use rayon::prelude::*;
@@ -18,6 +18,7 @@ use armid::model::format::ChainEnds;
 use armid_io::output::write_text;
 use armid_io::study::{Journal, Piece, plan_text, write_study, write_timing};
 use armid_io::{Error, robot};
+use armid_sim::TeamRun;
 
 use super::part::{Part, Stage};
 use super::report::write_report;
@@ -25,6 +26,9 @@ use crate::answers::study as study_answer;
 use crate::arms::{ArmKind, Simulation};
 use crate::interrupt;
 use crate::terminal::{Console, Ending, progress};
+
+/// So many runs are computed together: the lanes of the widest processors.
+const TEAM: usize = 8;
 
 /// So many families of a study are shown against their limits.
 const SHOWN_FAMILIES: usize = 8;
@@ -250,33 +254,61 @@ impl Performance<'_> {
         let planned: Vec<RunId> = self.planned().into_iter().filter(|key| !have.contains(key)).collect();
         let count = planned.len();
         let bar = progress::bar(self.console, count as u64, "runs");
-        let performed = planned
+        let performed = self
+            .teams(planned)
             .into_par_iter()
             .filter(|_| !interrupt::asked())
-            .map(|id| {
+            .map(|team| {
                 let begin = Instant::now();
-                let simulation = self.simulations[id.condition].made_of(self.setup.truth(id.run));
-                let mut arms = Vec::new();
-                for index in self.setup.sequence(id.design) {
-                    let (seed, stream) = self.setup.stream(index, id.run);
-                    arms.push((index, simulation.arm(&Sensing::default(), seed, stream).map_err(in_words)?));
+                let outcomes = self.perform_team(&team, designs)?;
+                // Runs that are computed together share their time.
+                let seconds = begin.elapsed().as_secs_f64() / outcomes.len() as f64;
+                for outcome in &outcomes {
+                    keep(journal, &bar, &Piece::Run { outcome: Box::new(outcome.clone()), seconds })?;
                 }
-                let mut experiments: Vec<Experiment<'_>> = arms
-                    .iter_mut()
-                    .map(|(index, arm)| Experiment { design: &designs[*index].0, arm: &mut **arm })
-                    .collect();
-                let outcome = self.setup.trial_of_sequence(id, &mut experiments);
-                let seconds = begin.elapsed().as_secs_f64();
-                keep(journal, &bar, &Piece::Run { outcome: Box::new(outcome.clone()), seconds })?;
-                Ok((outcome, seconds))
+                Ok(outcomes.into_iter().map(|outcome| (outcome, seconds)).collect::<Vec<_>>())
             })
             .collect::<Result<Vec<_>>>()?;
+        let performed: Vec<(Outcome, f64)> = performed.into_iter().flatten().collect();
         bar.finish_and_clear();
         let complete = performed.len() == count;
         outcomes.extend(performed);
         outcomes.sort_by_key(|(outcome, _)| outcome.id());
         outcomes.dedup_by_key(|(outcome, _)| outcome.id());
         Ok(complete)
+    }
+
+    /// Runs on the same arm under the same condition, as many as are computed together; fewer where that leaves a thread
+    /// without work.
+    fn teams(&self, mut runs: Vec<RunId>) -> Vec<Vec<RunId>> {
+        let most = runs.len().div_ceil(rayon::current_num_threads()).clamp(1, TEAM);
+        let arm = |id: &RunId| (id.condition, self.setup.plan().truth_of(id.run));
+        runs.sort_by_key(arm);
+        runs.chunk_by(|a, b| arm(a) == arm(b)).flat_map(|alike| alike.chunks(most)).map(<[RunId]>::to_vec).collect()
+    }
+
+    /// The outcomes of runs on one arm under one condition.
+    fn perform_team(&self, team: &[RunId], designs: &[Made]) -> Result<Vec<Outcome>> {
+        let Some(first) = team.first() else { return Ok(Vec::new()) };
+        let simulation = self.simulations[first.condition].made_of(self.setup.truth(first.run));
+        let plans: BTreeMap<usize, ExperimentPlan> = team
+            .iter()
+            .flat_map(|id| self.setup.sequence(id.design))
+            .map(|index| (index, self.setup.experiment(&designs[index].0.trajectory)))
+            .collect();
+        let mut runs = Vec::new();
+        for id in team {
+            for index in self.setup.sequence(id.design) {
+                let (seed, run) = self.setup.stream(index, id.run);
+                runs.push(TeamRun { plan: &plans[&index], seed, run });
+            }
+        }
+        let mut performed = simulation.record_all(&runs).map_err(in_words)?.into_iter();
+        let outcome = |&id: &RunId| {
+            let of_run = performed.by_ref().take(self.setup.sequence(id.design).len()).collect();
+            self.setup.outcome(id, of_run)
+        };
+        Ok(team.iter().map(outcome).collect())
     }
 
     /// Sums up, stores everything, and writes the report.

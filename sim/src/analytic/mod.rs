@@ -22,5 +22,5 @@ mod team;
 mod wide;
 
 pub use plant::{AnalyticError, AnalyticPlant, MOST_JOINTS};
-pub use runs::{perform_runs, record_runs};
+pub use runs::{TeamRun, perform_runs, record_runs};
 pub use team::AnalyticTeam;

@@ -1,52 +1,116 @@
-//! Several runs of one experiment, computed together.
+//! Several runs of one arm, computed together.
 
-use armid::experiment::{ArmError, Ending, ExperimentPlan, Next, Recorder, Recording, Servo, Sink};
+use armid::experiment::{ArmError, Cycle, Ending, ExperimentPlan, Next, Recorder, Recording, Servo, Sink};
 use armid::seed::Seed;
 
 use super::plant::AnalyticPlant;
 
-/// Performs a plan once for each seed and run number, all of them together, each with a sink of its own.
+/// One of several runs: what is performed, with which random streams.
+#[derive(Clone, Copy, Debug)]
+pub struct TeamRun<'a> {
+    /// What is performed.
+    pub plan: &'a ExperimentPlan,
+    /// Root of the run's random streams.
+    pub seed: Seed,
+    /// Its number among them.
+    pub run: u64,
+}
+
+/// Performs every run on one arm, all of them together, each with a sink of its own.
 ///
-/// Every run has the bits that `servo.with_seed(seed, run)` alone would give; together they take a fraction of the
-/// time, since one step of the simulator serves as many runs as the processor has lanes. Eight or a multiple is best.
+/// Every run has the bits that `servo.with_seed(seed, run)` alone would give for its plan; together they take a fraction of
+/// the time, since one step of the simulator serves as many runs as the processor has lanes. Eight or a multiple is best.
 ///
 /// # Errors
-/// [`ArmError`] where the experiment cannot begin.
+/// [`ArmError`] for each run that cannot begin; the others are performed.
 ///
 /// # Panics
 /// If there is not one sink for each run.
 pub fn perform_runs<S: Sink>(
     servo: &Servo<AnalyticPlant>,
-    plan: &ExperimentPlan,
-    runs: &[(Seed, u64)],
+    runs: &[TeamRun<'_>],
     sinks: &mut [S],
-) -> Result<Vec<Ending>, ArmError> {
+) -> Vec<Result<Ending, ArmError>> {
     assert_eq!(runs.len(), sinks.len(), "one sink for each run");
-    let mut cycles = servo.cycles(plan, runs)?;
-    let Some((dt, parts)) = cycles.first().map(|cycle| (cycle.dt(), cycle.parts())) else { return Ok(Vec::new()) };
-    let mut team = servo.plant().team(runs.len());
-    for (k, (cycle, sink)) in cycles.iter().zip(sinks.iter_mut()).enumerate() {
-        team.reset(k, cycle.start(), &vec![0.0; cycle.start().len()]);
-        sink.begin(&servo.recording(plan, runs[k].0)?);
+    let mut endings: Vec<Option<Result<Ending, ArmError>>> = vec![None; runs.len()];
+    let mut members = Vec::new();
+    for (place, begun) in begin(servo, runs, sinks).into_iter().enumerate() {
+        match begun {
+            Ok(cycle) => members.push((place, cycle)),
+            Err(error) => endings[place] = Some(Err(error)),
+        }
     }
-    let mut endings: Vec<Option<Ending>> = vec![None; runs.len()];
+    for (member, ending) in perform(servo, &mut members, sinks) {
+        endings[member] = Some(Ok(ending));
+    }
+    endings.into_iter().flatten().collect()
+}
+
+/// Performs every run on one arm, all of them together, and keeps every sample in memory.
+///
+/// # Errors
+/// [`ArmError`] for each run that cannot begin.
+pub fn record_runs(servo: &Servo<AnalyticPlant>, runs: &[TeamRun<'_>]) -> Vec<Result<(Recording, Ending), ArmError>> {
+    let mut recorders = vec![Recorder::default(); runs.len()];
+    let endings = perform_runs(servo, runs, &mut recorders);
+    let recorded = |(recorder, ending): (Recorder, Result<Ending, ArmError>)| {
+        ending.map(|ending| (recorder.into_recording().expect("a run that began has a recording"), ending))
+    };
+    recorders.into_iter().zip(endings).map(recorded).collect()
+}
+
+/// The servo of each run, its recording begun. Neighbours with one plan share its table of commands.
+fn begin<S: Sink>(servo: &Servo<AnalyticPlant>, runs: &[TeamRun<'_>], sinks: &mut [S]) -> Vec<Result<Cycle, ArmError>> {
+    let mut begun = Vec::with_capacity(runs.len());
+    for group in runs.chunk_by(|a, b| std::ptr::eq(a.plan, b.plan)) {
+        let streams: Vec<(Seed, u64)> = group.iter().map(|run| (run.seed, run.run)).collect();
+        match servo.cycles(group[0].plan, &streams) {
+            Ok(cycles) => {
+                for (cycle, run) in cycles.into_iter().zip(group) {
+                    let recording = servo.recording(run.plan, run.seed);
+                    begun.push(recording.map(|recording| {
+                        sinks[begun.len()].begin(&recording);
+                        cycle
+                    }));
+                }
+            }
+            Err(error) => begun.extend(group.iter().map(|_| Err(error.clone()))),
+        }
+    }
+    begun
+}
+
+/// Steps all runs until the last has ended; every ending with the place of its run.
+fn perform<S: Sink>(
+    servo: &Servo<AnalyticPlant>,
+    members: &mut [(usize, Cycle)],
+    sinks: &mut [S],
+) -> Vec<(usize, Ending)> {
+    let mut team = servo.plant().team(members.len());
+    // One servo, so that steps and their parts are the same for every run.
+    let Some((dt, parts)) = members.first().map(|(_, cycle)| (cycle.dt(), cycle.parts())) else { return Vec::new() };
+    for (k, (_, cycle)) in members.iter().enumerate() {
+        team.reset(k, cycle.start(), &vec![0.0; cycle.start().len()]);
+    }
+    let mut endings: Vec<Option<Ending>> = vec![None; members.len()];
     loop {
         let mut going = false;
-        for (k, (cycle, sink)) in cycles.iter_mut().zip(sinks.iter_mut()).enumerate() {
+        for (k, (place, cycle)) in members.iter_mut().enumerate() {
             if endings[k].is_some() {
                 continue;
             }
             let (q, qd) = team.state(k);
-            match cycle.advance(q, qd, sink, &mut |_| {}) {
+            match cycle.advance(q, qd, &mut sinks[*place], &mut |_| {}) {
                 Next::Step => going = true,
                 Next::End(ending) => endings[k] = Some(ending),
             }
         }
         if !going {
-            return Ok(endings.into_iter().flatten().collect());
+            let ended = members.iter().zip(endings);
+            return ended.filter_map(|((place, _), ending)| Some((*place, ending?))).collect();
         }
         for _ in 0..parts {
-            for (k, cycle) in cycles.iter_mut().enumerate() {
+            for (k, (_, cycle)) in members.iter_mut().enumerate() {
                 if endings[k].is_none() {
                     let (q, qd) = team.state(k);
                     cycle.push(q, qd);
@@ -54,7 +118,7 @@ pub fn perform_runs<S: Sink>(
                 }
             }
             team.step(dt / parts as f64);
-            for (k, cycle) in cycles.iter_mut().enumerate() {
+            for (k, (_, cycle)) in members.iter_mut().enumerate() {
                 if endings[k].is_none()
                     && let Some(fault) = team.fault(k)
                 {
@@ -63,18 +127,4 @@ pub fn perform_runs<S: Sink>(
             }
         }
     }
-}
-
-/// Performs a plan once for each seed and run number, all of them together, and keeps every sample in memory.
-///
-/// # Errors
-/// [`ArmError`] where the experiment cannot begin.
-pub fn record_runs(
-    servo: &Servo<AnalyticPlant>,
-    plan: &ExperimentPlan,
-    runs: &[(Seed, u64)],
-) -> Result<Vec<(Recording, Ending)>, ArmError> {
-    let mut recorders = vec![Recorder::default(); runs.len()];
-    let endings = perform_runs(servo, plan, runs, &mut recorders)?;
-    Ok(recorders.into_iter().filter_map(Recorder::into_recording).zip(endings).collect())
 }
