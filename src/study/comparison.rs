@@ -3,6 +3,7 @@
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
+use super::family_score::VOLUME_RUNS;
 use super::metric::Metric;
 use crate::statistics::{Interval, bootstrap_interval, mean};
 
@@ -34,6 +35,9 @@ impl Evidence<'_> {
             return self.log_volume(runs);
         }
         let logs: Vec<f64> = runs.iter().filter_map(|run| metric.of(run.estimate)).map(libm::log).collect();
+        if logs.is_empty() {
+            return None;
+        }
         Some(libm::exp(mean(&logs)))
     }
 
@@ -60,14 +64,21 @@ impl Evidence<'_> {
         let sizes = pair.map(|family| runs[family].iter().map(Vec::len).collect::<Vec<_>>());
         let seed =
             self.seed.child(&format!("{estimator} {metric:?}"), (pair[0] * self.families.len() + pair[1]) as u64);
-        let interval = bootstrap_interval(&[&sizes[0], &sizes[1]], metric.resamples(), LEVEL, seed, |drawn| {
-            let value = |side: usize| {
-                let picked: Vec<Run<'_>> =
-                    drawn[side].iter().map(|&(design, run)| runs[pair[side]][design][run]).collect();
-                self.value(metric, &picked)
-            };
-            Some(difference(value(0)?, value(1)?))
-        });
+        // Draws with repetition hold fewer distinct runs, which makes a determinant of many parameters smaller than that of
+        // all runs: without several runs for each parameter the interval would lie beside its own estimate.
+        let few = |sizes: &[usize]| sizes.iter().sum::<usize>() < VOLUME_RUNS * self.parameters();
+        let interval = if metric.is_logarithmic() && sizes.iter().any(|sizes| few(sizes)) {
+            None
+        } else {
+            bootstrap_interval(&[&sizes[0], &sizes[1]], metric.resamples(), LEVEL, seed, |drawn| {
+                let value = |side: usize| {
+                    let picked: Vec<Run<'_>> =
+                        drawn[side].iter().map(|&(design, run)| runs[pair[side]][design][run]).collect();
+                    self.value(metric, &picked)
+                };
+                Some(difference(value(0)?, value(1)?))
+            })
+        };
         let none = if metric.is_logarithmic() { 0.0 } else { 1.0 };
         let difference = difference(first, second);
         let better = interval.filter(|i| !i.contains(none)).map(|_| usize::from(difference > none));

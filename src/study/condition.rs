@@ -58,16 +58,20 @@ impl StudyPlan {
     pub fn conditions(&self) -> Vec<Condition> {
         let none = [Effects::none()];
         let sets = if self.effect_sets.is_empty() { &none[..] } else { &self.effect_sets };
-        let name = |engine: &String, effects: &Effects| match (self.engines.len(), self.effect_sets.len()) {
-            (_, 0) => engine.clone(),
-            (1, _) => effects.to_string(),
-            _ => format!("{engine}, {effects}"),
+        let name = |engine: &String, index: usize, effects: &Effects| {
+            let effects = self.condition_names.get(index).cloned().unwrap_or_else(|| effects.to_string());
+            match (self.engines.len(), self.effect_sets.len()) {
+                (_, 0) => engine.clone(),
+                (1, _) => effects,
+                _ => format!("{engine}, {effects}"),
+            }
         };
-        let condition = |engine: &String, effects: &Effects| Condition {
-            name: name(engine, effects),
+        let condition = |engine: &String, index: usize, effects: &Effects| Condition {
+            name: name(engine, index, effects),
             engine: engine.clone(),
             effects: effects.clone(),
         };
-        self.engines.iter().flat_map(|engine| sets.iter().map(move |effects| condition(engine, effects))).collect()
+        let of = |engine| sets.iter().enumerate().map(move |(index, effects)| condition(engine, index, effects));
+        self.engines.iter().flat_map(of).collect()
     }
 }

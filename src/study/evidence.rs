@@ -215,6 +215,8 @@ mod tests {
                             prediction_rmse_of_rating: rmse,
                             joint_rmse_nm: vec![rmse],
                             reference_rmse: rmse,
+                            si_rmse: rmse,
+                            measured_rmse_nm: None,
                         }),
                     }],
                 });
@@ -277,6 +279,8 @@ mod tests {
                 prediction_rmse_of_rating: error,
                 joint_rmse_nm: vec![error],
                 reference_rmse: error,
+                si_rmse: error,
+                measured_rmse_nm: None,
             };
             let estimate = ScoredEstimate {
                 estimator: "ols".to_owned(),

@@ -9,6 +9,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::measured_motion::MeasuredMotions;
 use super::outcome::{Outcome, ScoredEstimate};
 use super::plan::DesignMethod;
 use super::plan_error::{StudyPlanError, family_name, number};
@@ -79,9 +80,9 @@ impl StudySetup {
     }
 
     /// The outcome of one run from what came of its experiments, in the order of the sequence: every estimate made, all
-    /// combined. A failed experiment is the reason in the outcome.
+    /// combined; `measured` scores them too. A failed experiment is the reason in the outcome.
     #[must_use]
-    pub fn outcome(&self, id: RunId, performed: Vec<Performed>) -> Outcome {
+    pub fn outcome(&self, id: RunId, performed: Vec<Performed>, measured: Option<&MeasuredMotions>) -> Outcome {
         let truth = self.plan.truth_of(id.run);
         let outcome = |failure, estimates| Outcome {
             design: id.design,
@@ -99,7 +100,7 @@ impl StudySetup {
             }
         }
         if let [only] = &sequence[..] {
-            return outcome(None, self.estimates(only, truth));
+            return outcome(None, self.scored(only, truth, measured));
         }
         let made: Vec<_> = sequence.iter().map(|samples| self.unscored(samples)).collect();
         let estimates = self.plan.identification.estimators.iter().enumerate().map(|(e, name)| {
@@ -107,7 +108,8 @@ impl StudySetup {
                 made.iter().map(|estimates| estimates[e].as_ref().map_err(Clone::clone)).collect();
             match each.and_then(|each| together(&each).map_err(|fault| Failure::estimator(&fault))) {
                 Ok(mut scored) => {
-                    scored.score = Some(self.scorer().score(&DVector::from_column_slice(&scored.beta), truth));
+                    scored.score =
+                        Some(self.scorer().score(&DVector::from_column_slice(&scored.beta), truth, measured));
                     scored
                 }
                 Err(failure) => ScoredEstimate::failed(name, failure),

@@ -7,7 +7,7 @@ use crate::statistics::{
 };
 
 /// Runs for each parameter from which on a volume has an interval.
-const VOLUME_RUNS: usize = 4;
+pub(super) const VOLUME_RUNS: usize = 4;
 
 /// The score of a family of designs with one estimator.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

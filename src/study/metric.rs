@@ -19,11 +19,16 @@ pub enum Metric {
     LogVolume,
     /// RMS parameter error in reference units.
     Reference,
+    /// RMS parameter error in SI units.
+    Si,
+    /// Torque prediction RMSE against what the arm measures on fresh motions, N·m.
+    Measured,
 }
 
 impl Metric {
     /// Every metric, the first deciding.
-    pub const ALL: [Self; 4] = [Self::Prediction, Self::PredictionOfRating, Self::LogVolume, Self::Reference];
+    pub const ALL: [Self; 6] =
+        [Self::Prediction, Self::PredictionOfRating, Self::LogVolume, Self::Reference, Self::Si, Self::Measured];
 
     /// Name in tables.
     #[must_use]
@@ -33,6 +38,8 @@ impl Metric {
             Self::PredictionOfRating => "torque prediction RMSE, share of the rating",
             Self::LogVolume => "log volume of the error, reference units",
             Self::Reference => "parameter RMSE, reference units",
+            Self::Si => "parameter RMSE, SI units",
+            Self::Measured => "RMSE against measured torque, N·m",
         }
     }
 
@@ -53,6 +60,8 @@ impl Metric {
             Self::Prediction => Some(score.prediction_rmse_nm),
             Self::PredictionOfRating => Some(score.prediction_rmse_of_rating),
             Self::Reference => Some(score.reference_rmse),
+            Self::Si => Some(score.si_rmse),
+            Self::Measured => score.measured_rmse_nm,
             Self::LogVolume => None,
         }
     }

@@ -18,6 +18,7 @@ mod failure;
 mod family_score;
 mod criterion_correlation;
 mod grid;
+mod measured_motion;
 mod metric;
 mod outcome;
 mod plan;
@@ -47,6 +48,7 @@ pub use experiment_sequence::Performed;
 pub use failure::{Failure, FailureKind};
 pub use family_score::{FamilyScore, ParameterScore};
 pub use grid::GridPlan;
+pub use measured_motion::MeasuredMotions;
 pub use metric::Metric;
 pub use outcome::{Outcome, ScoredEstimate};
 pub use plan::{

@@ -52,6 +52,9 @@ pub struct StudyPlan {
     /// empty set where there are none. The first is what designs are compared under.
     #[serde(default, rename = "conditions", skip_serializing_if = "Vec::is_empty")]
     pub effect_sets: Vec<Effects>,
+    /// What the conditions are called, in their order; by their effects where there are no names.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub condition_names: Vec<String>,
     /// More families, every combination of what each table lists; part of `designs` once the text is read.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub grid: Vec<GridPlan>,
@@ -101,6 +104,14 @@ pub struct ValidationSettings {
     pub trajectories: usize,
     /// Samples of each.
     pub samples: usize,
+    /// So many of them are performed by the arm of every condition, and what it measures there scores its estimates too.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub measured: usize,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+const fn is_zero(count: &usize) -> bool {
+    *count == 0
 }
 
 /// How the designs of a family are made.
@@ -220,6 +231,15 @@ impl StudyPlan {
         for (i, effects) in self.effect_sets.iter().enumerate() {
             if self.effect_sets[..i].contains(effects) {
                 return Err(StudyPlanError::Twice { key: "conditions", found: effects.to_string() });
+            }
+        }
+        let (names, sets) = (self.condition_names.len(), self.effect_sets.len());
+        if names > 0 && names != sets {
+            return Err(number("condition_names", names, "one for each of the conditions, or none"));
+        }
+        for (i, name) in self.condition_names.iter().enumerate() {
+            if self.condition_names[..i].contains(name) {
+                return Err(StudyPlanError::Twice { key: "condition_names", found: name.clone() });
             }
         }
         let units = &self.reference;

@@ -3,6 +3,7 @@
 //! ```text
 //! prediction RMSE  √( eᵀ G e / N )          e = β̂ − β,  G = Σ_k Y_b(k)ᵀ Y_b(k) over N validation samples, joint by joint
 //! reference RMSE   √( Σ_i (e_i / u_i)² / b ) u_i the declared unit of parameter i
+//! SI RMSE          √( Σ_i e_i² / b )         kg, kg·m, kg·m², N·m, N·m·s added as numbers: what a condition number bounds
 //! ```
 //! Nothing is divided by a true value, which may be zero. The validation trajectories are random and were not used for
 //! fitting; the prediction error is the error of the model alone, without the noise of a second measurement.
@@ -10,6 +11,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::Truth;
+use super::measured_motion::MeasuredMotions;
 use super::units::ReferenceUnits;
 use crate::base::BaseReduction;
 use crate::dynamics::States;
@@ -37,6 +39,11 @@ pub struct Score {
     pub joint_rmse_nm: Vec<f64>,
     /// RMS parameter error in the declared reference units.
     pub reference_rmse: f64,
+    /// RMS parameter error in SI units, numbers of unlike units added.
+    pub si_rmse: f64,
+    /// Torque prediction RMSE against the torque measured on fresh motions of the same arm, N·m; `None` where it performs
+    /// none.
+    pub measured_rmse_nm: Option<f64>,
 }
 
 impl Scorer {
@@ -85,9 +92,9 @@ impl Scorer {
         &self.units
     }
 
-    /// The score of an estimate β̂ (b) of the arm with one of the truths.
+    /// The score of an estimate β̂ (b) of the arm with one of the truths, and of what that arm measured afterwards.
     #[must_use]
-    pub fn score(&self, estimate: &DVector<f64>, truth: usize) -> Score {
+    pub fn score(&self, estimate: &DVector<f64>, truth: usize, measured: Option<&MeasuredMotions>) -> Score {
         let error = estimate - &self.truths[truth];
         let joint_rmse_nm: Vec<f64> =
             self.grams.iter().map(|g| (error.dot(&(g * &error)).max(0.0) / self.samples as f64).sqrt()).collect();
@@ -99,6 +106,8 @@ impl Scorer {
             prediction_rmse_nm: pooled(&|_| 1.0),
             prediction_rmse_of_rating: pooled(&|j| 1.0 / self.ratings[j]),
             reference_rmse: error.component_div(&self.units).norm() / (error.len() as f64).sqrt(),
+            si_rmse: error.norm() / (error.len() as f64).sqrt(),
+            measured_rmse_nm: measured.and_then(|motions| motions.rmse(estimate)),
             joint_rmse_nm,
         }
     }

@@ -14,6 +14,7 @@ use nalgebra::DMatrix;
 use super::bound::{cramer_rao_std, torque_covariance};
 use super::evidence::{DesignRow, Evidence, Findings};
 use super::experiment_sequence::Performed;
+use super::measured_motion::MeasuredMotions;
 use super::outcome::{Outcome, ScoredEstimate};
 use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
@@ -206,7 +207,7 @@ impl StudySetup {
     /// is a reason in the outcome.
     #[must_use]
     pub fn trial(&self, id: RunId, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
-        self.outcome(id, vec![record(arm, &self.experiment(&design.trajectory))])
+        self.outcome(id, vec![record(arm, &self.experiment(&design.trajectory))], None)
     }
 
     /// Performs the experiment and processes the recording.
@@ -228,14 +229,37 @@ impl StudySetup {
         process(&recording, &self.robot, &self.processing).map_err(|fault| Failure::signal(&fault))
     }
 
+    /// What an arm measured on the motions that the plan has it perform beside its runs.
+    ///
+    /// # Errors
+    /// [`Failure`] where one of them could not be recorded or processed.
+    pub fn measured_motions(&self, performed: Vec<Performed>) -> Result<MeasuredMotions, Failure> {
+        let equations = |motion| {
+            let samples = self.processed(motion)?;
+            Observation::new(&self.robot, &self.regressor, &self.base, &samples)
+                .map_err(|fault| Failure::estimator(&fault))
+        };
+        Ok(MeasuredMotions::new(performed.into_iter().map(equations).collect::<Result<_, _>>()?))
+    }
+
     /// Every estimator of the plan on the same samples, each with its score against one of the truths.
     #[must_use]
     pub fn estimates(&self, samples: &Samples, truth: usize) -> Vec<ScoredEstimate> {
+        self.scored(samples, truth, None)
+    }
+
+    /// The same, scored by what that arm measured afterwards too.
+    pub(super) fn scored(
+        &self,
+        samples: &Samples,
+        truth: usize,
+        measured: Option<&MeasuredMotions>,
+    ) -> Vec<ScoredEstimate> {
         self.unscored(samples)
             .into_iter()
             .zip(&self.estimators)
             .map(|(made, estimator)| match made {
-                Ok(estimate) => ScoredEstimate::new(&estimate, self.scorer.score(&estimate.beta(), truth)),
+                Ok(estimate) => ScoredEstimate::new(&estimate, self.scorer.score(&estimate.beta(), truth, measured)),
                 Err(failure) => ScoredEstimate::failed(estimator.name(), failure),
             })
             .collect()

@@ -103,6 +103,8 @@ fn families(result: &StudyResult) -> Table {
         ("of rating", Align::Right),
         ("log volume", Align::Right),
         ("reference", Align::Right),
+        ("SI", Align::Right),
+        ("measured N·m", Align::Right),
         ("coverage %", Align::Right),
     ]);
     for family in &result.findings().families {

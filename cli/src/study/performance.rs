@@ -2,14 +2,14 @@
 
 use std::collections::{BTreeMap, HashSet};
 use std::path::{Path, PathBuf};
-use std::sync::Mutex;
+use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
 use armid::experiment::{ExperimentPlan, Sensing};
 use armid::provenance::{Provenance, sha256};
 use armid::seed::Seed;
 use armid::study::radkhah2007::{Reproduction, evaluate_claims};
-use armid::study::{Examples, Outcome, ReportInput, RunId, StudyDesign, StudyPlan, StudySetup};
+use armid::study::{Examples, MeasuredMotions, Outcome, ReportInput, RunId, StudyDesign, StudyPlan, StudySetup};
 use indicatif::ProgressBar;
 use miette::Result;
 use rayon::prelude::*;
@@ -62,7 +62,14 @@ impl Prepared {
     }
 
     pub(crate) fn performance<'a>(&'a self, output: &'a Path, part: Part, console: &'a Console) -> Performance<'a> {
-        Performance { setup: &self.setup, simulations: &self.simulations, output, part, console }
+        Performance {
+            setup: &self.setup,
+            simulations: &self.simulations,
+            output,
+            part,
+            console,
+            measured: Mutex::default(),
+        }
     }
 }
 
@@ -77,6 +84,8 @@ pub(crate) struct Performance<'a> {
     output: &'a Path,
     part: Part,
     console: &'a Console,
+    /// What the arm of each condition and truth measures on fresh motions.
+    measured: Mutex<BTreeMap<(usize, usize), Arc<MeasuredMotions>>>,
 }
 
 /// A design with its bound and the seconds that it took.
@@ -303,12 +312,38 @@ impl Performance<'_> {
                 runs.push(TeamRun { plan: &plans[&index], seed, run });
             }
         }
+        let measured = self.measured_motions(first, &simulation)?;
         let mut performed = simulation.record_all(&runs).map_err(in_words)?.into_iter();
         let outcome = |&id: &RunId| {
             let of_run = performed.by_ref().take(self.setup.sequence(id.design).len()).collect();
-            self.setup.outcome(id, of_run)
+            self.setup.outcome(id, of_run, measured.as_deref())
         };
         Ok(team.iter().map(outcome).collect())
+    }
+
+    /// What the arm of a run measures on fresh motions, performed once for each arm and condition; `None` where the plan
+    /// asks for none.
+    fn measured_motions(&self, id: &RunId, simulation: &Simulation) -> Result<Option<Arc<MeasuredMotions>>> {
+        let plan = self.setup.plan();
+        if plan.validation.measured == 0 {
+            return Ok(None);
+        }
+        let arm = (id.condition, plan.truth_of(id.run));
+        if let Some(known) = self.measured.lock().map_err(in_words)?.get(&arm) {
+            return Ok(Some(Arc::clone(known)));
+        }
+        let plans = (0..plan.validation.measured as u64)
+            .map(|index| Ok(self.setup.experiment(&self.setup.validation_trajectory(index).map_err(in_words)?)))
+            .collect::<Result<Vec<ExperimentPlan>>>()?;
+        let seed = plan.seed.child("measured motion", arm.1 as u64);
+        let runs: Vec<TeamRun<'_>> = plans.iter().zip(0..).map(|(plan, run)| TeamRun { plan, seed, run }).collect();
+        let performed = simulation.record_all(&runs).map_err(in_words)?;
+        let measured = self.setup.measured_motions(performed).map_err(|failure| {
+            let name = &plan.conditions()[id.condition].name;
+            Error::new(format!("a fresh motion under condition \"{name}\" cannot be measured: {}", failure.reason))
+        })?;
+        // Two threads may have measured the same; the second finds the same numbers.
+        Ok(Some(Arc::clone(self.measured.lock().map_err(in_words)?.entry(arm).or_insert_with(|| Arc::new(measured)))))
     }
 
     /// Sums up, stores everything, and writes the report.

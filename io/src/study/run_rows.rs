@@ -10,6 +10,7 @@ pub(super) fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTab
     let (mut condition, mut made_of) = (Vec::new(), Vec::new());
     let (mut status, mut reason) = (Vec::new(), Vec::new());
     let (mut prediction, mut of_rating, mut reference) = (Vec::new(), Vec::new(), Vec::new());
+    let (mut si, mut measured) = (Vec::new(), Vec::new());
     let mut residual: Vec<Vec<Option<f64>>> = vec![Vec::new(); result.joints.len()];
     for outcome in outcomes {
         for (e, name) in result.plan.identification.estimators.iter().enumerate() {
@@ -27,6 +28,8 @@ pub(super) fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTab
             prediction.push(score.map(|s| s.prediction_rmse_nm));
             of_rating.push(score.map(|s| s.prediction_rmse_of_rating));
             reference.push(score.map(|s| s.reference_rmse));
+            si.push(score.map(|s| s.si_rmse));
+            measured.push(score.and_then(|s| s.measured_rmse_nm));
             for (j, column) in residual.iter_mut().enumerate() {
                 column.push(estimate.and_then(|estimate| estimate.residual_rms.get(j).copied()));
             }
@@ -53,7 +56,9 @@ pub(super) fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTab
         .with("reason", Column::Text(reason))
         .with("prediction_rmse_nm", Column::Number(prediction))
         .with("prediction_rmse_of_rating", Column::Number(of_rating))
-        .with("reference_rmse", Column::Number(reference));
+        .with("reference_rmse", Column::Number(reference))
+        .with("si_rmse", Column::Number(si))
+        .with("measured_rmse_nm", Column::Number(measured));
     residual.into_iter().zip(RESIDUALS).fold(table, |table, (column, name)| table.with(name, Column::Number(column)))
 }
 

@@ -131,11 +131,10 @@ fn render_table(table: &Table, number: usize) -> Markup {
         }
     } else {
         html! {
-            div.table.scroll id={ "table-" (number) } {
-                table {
-                    caption { strong { "Table " (number) "." } " " (marked(&table.caption)) }
-                    (rows(table))
-                }
+            // The caption keeps the width of the page where the table is wider and scrolls.
+            div.table id={ "table-" (number) } {
+                p.caption id={ "table-" (number) "-caption" } { strong { "Table " (number) "." } " " (marked(&table.caption)) }
+                div.scroll { table aria-labelledby={ "table-" (number) "-caption" } { (rows(table)) } }
             }
         }
     }

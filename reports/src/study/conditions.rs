@@ -13,6 +13,9 @@ const MOST: usize = 8;
 /// A section on conditions where a study has several, and on truths where it draws them.
 pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentError> {
     let parts = &input.result.conditions;
+    if parts.len() > MOST {
+        return beside_one_family(input);
+    }
     let drawn = !input.result.findings().over_truths.is_empty();
     if !drawn && !(2..=MOST).contains(&parts.len()) {
         return Ok(None);
@@ -32,6 +35,76 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
             .table(truths(parts, estimator));
     }
     Ok(Some(section))
+}
+
+/// Many conditions, where the study compares with one family alone: each other family against it, condition by condition.
+fn beside_one_family(input: &ReportInput) -> Result<Option<Section>, DocumentError> {
+    let (parts, estimator) = (&input.result.conditions, shown_estimator(input));
+    let [reference] = &input.result.plan.compare_with[..] else { return Ok(None) };
+    if input.result.findings().comparisons.is_empty() {
+        return Ok(None);
+    }
+    let mut section = Section::new("Does it hold elsewhere?")
+        .text("Every run of every design is performed under every condition with the same noise.");
+    for metric in [Metric::Prediction, Metric::Measured, Metric::Reference, Metric::Si] {
+        let figure = against(parts, reference, metric, estimator);
+        if figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some)) {
+            section = section.figure(&figure)?;
+        }
+    }
+    Ok(Some(section.table(comparisons(parts, estimator))))
+}
+
+/// The ratio of every other family to one, by condition.
+fn against(parts: &[ConditionResult], reference: &str, metric: Metric, estimator: &str) -> IntervalFigure {
+    let of = |part: &ConditionResult, family: &str| {
+        let found = part.findings.comparisons.iter().find(|c| {
+            let names = [c.first.as_str(), c.second.as_str()];
+            c.estimator == estimator && c.metric == metric && names.contains(&family) && names.contains(&reference)
+        })?;
+        let interval = found.interval?;
+        Some(if found.second == reference {
+            around(found.difference, interval.low, interval.high)
+        } else {
+            around(1.0 / found.difference, 1.0 / interval.high, 1.0 / interval.low)
+        })
+    };
+    let others: Vec<&str> = parts
+        .first()
+        .into_iter()
+        .flat_map(|part| &part.findings.families)
+        .filter(|score| score.estimator == estimator && score.family != reference)
+        .map(|score| score.family.as_str())
+        .collect();
+    let name = match metric {
+        Metric::Prediction => "prediction",
+        Metric::PredictionOfRating => "prediction-of-rating",
+        Metric::LogVolume => "log-volume",
+        Metric::Reference => "parameters",
+        Metric::Si => "parameters-si",
+        Metric::Measured => "measured-torque",
+    };
+    IntervalFigure {
+        heading: Heading::new(
+            format!("{name}-by-condition"),
+            format!("Each criterion against {reference}, condition by condition"),
+        )
+        .subtitle(format!("{}, estimator {estimator}", metric.title()))
+        .caption(format!(
+            "Ratio of geometric means over runs with its 95 % interval by bootstrap over designs and runs; left of 1 the family is better than {reference}."
+        )),
+        value: Axis::log(format!("ratio to {reference}"), ""),
+        groups: Group::assign(others.iter().map(|&family| family.to_owned())),
+        rows: parts
+            .iter()
+            .map(|part| IntervalRow {
+                label: part.condition.name.clone(),
+                cells: others.iter().map(|family| of(part, family)).collect(),
+            })
+            .collect(),
+        levels: vec![Level::new(1.0, "no difference")],
+        band: None,
+    }
 }
 
 fn groups(parts: &[ConditionResult]) -> Vec<Group> {

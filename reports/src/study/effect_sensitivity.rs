@@ -11,11 +11,20 @@ const LEAST_STD: f64 = 0.3;
 
 /// The figures and tables of the effects.
 pub(super) fn section(input: &ReportInput, sensitivity: &EffectSensitivity) -> Result<Section, DocumentError> {
+    let plan = &input.result.plan;
+    // Of several families one is shown: the one that all are compared with, or the first.
+    let family = plan.compare_with.first().or(plan.designs.first().map(|design| &design.name));
+    let mut sensitivity = sensitivity.clone();
+    sensitivity.entries.retain(|entry| Some(&entry.family) == family);
+    let sensitivity = &sensitivity;
     let of = |estimator: &str| -> Vec<&SensitivityEntry> {
         sensitivity.entries.iter().filter(|entry| entry.estimator == estimator && entry.runs > 0).collect()
     };
     let mut section = Section::new("Effect sensitivity")
         .text("Every effect alone, on otherwise the same arm, with the same designs and the same random numbers. The true parameters are those of the arm without the effect. An error ratio of 1 means that the effect is lost in the noise of the measurement.");
+    if let (true, Some(family)) = (plan.designs.len() > 1, family) {
+        section = section.text(format!("Shown are the designs of the family {family}."));
+    }
     // The estimator that figures show comes first.
     for estimator in input.result.plan.identification.estimators.iter().rev() {
         section = section.figure(&glance(sensitivity, &of(estimator), estimator))?;

@@ -2,31 +2,7 @@
 
 use armid::study::{Comparison, ReportInput};
 
-use super::selection::shown_estimator;
 use crate::{Cell, Column, Section, Table};
-
-/// One sentence per deciding comparison, the first metric first.
-pub(super) fn summary(input: &ReportInput) -> Vec<String> {
-    let result = &input.result;
-    let estimator = shown_estimator(input);
-    let mut paragraphs = vec![format!("**{}**", result.plan.question)];
-    let pair = input.result.findings().comparisons.iter().filter(|c| c.estimator == estimator);
-    let headline: Vec<&Comparison> = pair
-        .filter(|c| [&c.first, &c.second].iter().all(|f| ["condition", "d-optimal"].contains(&f.as_str())))
-        .collect();
-    if !headline.is_empty() {
-        let sentences: Vec<String> = headline.iter().map(|c| sentence(c)).collect();
-        paragraphs.push(sentences.join(" "));
-        let winners: std::collections::BTreeSet<&str> = headline.iter().filter_map(|c| c.better.as_deref()).collect();
-        paragraphs.push(match winners.len() {
-            0 => "No metric shows a significant difference.".to_owned(),
-            1 if headline.iter().all(|c| c.better.is_some()) => "The ranking is the same by every metric.".to_owned(),
-            1 => "Where a metric decides, it decides the same way.".to_owned(),
-            _ => "The metrics disagree: the ranking depends on the metric.".to_owned(),
-        });
-    }
-    paragraphs
-}
 
 /// One comparison as a sentence.
 pub(super) fn sentence(c: &Comparison) -> String {
@@ -54,10 +30,12 @@ pub(super) fn section(input: &ReportInput) -> Section {
         Column::number("prediction", "of rating"),
         Column::number("log volume", ""),
         Column::number("parameters", "ref. units"),
+        Column::number("parameters", "SI"),
+        Column::number("measured torque", "N·m"),
         Column::number("coverage", "%"),
     ];
     let mut values = Table::new(
-        "What each family of designs achieves; smaller is better. Torque prediction RMSE and parameter RMSE are geometric means over runs; the log volume of the error in reference units needs more runs than parameters; coverage is that of the stated 95 % intervals.",
+        "What each family of designs achieves; smaller is better. Torque prediction RMSE and parameter RMSE are geometric means over runs; the log volume of the error in reference units needs more runs than parameters; parameters in SI add unlike units as numbers, which is what a condition number bounds; measured torque is that of fresh motions of the same arm, effects and noise included, where the plan asks for them; coverage is that of the stated 95 % intervals.",
         columns,
     );
     for family in &findings.families {

@@ -4,8 +4,8 @@ use armid::study::ReportInput;
 
 use super::selection::GROUPS;
 use super::{
-    conditions, convergence, criteria, effect_sensitivity, grid, limits, overview, parameters, prediction, radkhah2007,
-    rounds,
+    answer, conditions, convergence, criteria, effect_sensitivity, grid, limits, overview, parameters, prediction,
+    radkhah2007, rounds,
 };
 use crate::{Document, DocumentError};
 
@@ -19,11 +19,16 @@ pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
     let runs: usize = result.findings().families.iter().filter(|f| is_first(result, f)).map(|f| f.runs).sum();
     let mut document = Document::new(&plan.question)
         .subtitle(format!(
-            "{} on {}: {} designs, {} runs, seed {}",
+            "{} on {}: {} designs, {} runs{}, seed {}",
             plan.name,
             arms(&result.plan.engines),
             result.designs.len(),
             runs,
+            if result.conditions.len() > 1 {
+                format!(" under each of {} conditions", result.conditions.len())
+            } else {
+                String::new()
+            },
             plan.seed.value()
         ))
         .section(overview::section(input));
@@ -39,7 +44,7 @@ pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
     if let Some(found) = &result.effect_sensitivity {
         document = document.section(effect_sensitivity::section(input, found)?);
     }
-    for paragraph in overview::summary(input) {
+    for paragraph in answer::answer(input) {
         document = document.summary(paragraph);
     }
     if let Some(section) = conditions::section(input)? {
