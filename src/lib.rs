@@ -11,24 +11,49 @@
 //! |---|---|
 //! | describe a robot | [`model::Robot`], [`model::format`] for TOML, URDF and MJCF |
 //! | evaluate its dynamics | [`dynamics::Dynamics`], [`regressor::JointTorqueRegressor`] |
-//! | find what torque reveals | [`base::reduce`] |
-//! | design a trajectory | [`excitation::DesignProblem`], [`excitation::design`] |
-//! | perform it | [`experiment::ExperimentPlan`] on any [`experiment::Arm`]; a simulated one is a [`experiment::Servo`] around a [`experiment::Plant`] |
+//! | find the base parameters | [`base::reduce`] |
+//! | design a trajectory | [`excitation::DesignProblem`], [`excitation::design()`] |
+//! | perform it | [`experiment::ExperimentPlan`] and [`experiment::record`] on any [`experiment::Arm`]; a simulated one is a [`experiment::Servo`] around a [`experiment::Plant`] |
 //! | process what was recorded | [`signal::process`] |
 //! | identify and validate | [`estimation::Identification`] |
-//! | ask how good a method is | [`study`] |
+//! | compare methods | [`study`] |
+//! | add a torque term, an estimator, a criterion, a trajectory, a plant or an arm | its trait, and its laws in [`conformance`] |
+//!
+//! From a robot to its base parameters and their estimate:
 //!
 //! ```
-//! use armid::base::{Method, reduce};
-//! use armid::model::{Columns, bundled, format::parse_robot};
-//! use armid::seed::Seed;
+//! use armid::dynamics::Dynamics;
+//! use armid::estimation::{EstimatorKind, Identification};
+//! use armid::model::format::{parse_nominal, parse_robot};
+//! use armid::model::{Columns, bundled};
+//! use armid::signal::Samples;
+//! use armid::study::radkhah2007::table_one;
+//! use armid::trajectory::PeriodicTrajectory;
+//!
 //! let robot = parse_robot(bundled()[0].robot)?;
-//! let base = reduce(&robot, Columns::RIGID, Method::Structural, Seed::new(0))?;
-//! assert_eq!((robot.name(), robot.dof(), base.rank()), ("crs-a460", 6, 36));
+//! let identification = Identification::new(&robot, Columns::RIGID)?;
+//! assert_eq!((robot.name(), robot.dof(), identification.base().rank()), ("crs-a460", 6, 36));
+//!
+//! // Samples come from `signal::process`, or from a log through `armid-io`; here exact torques along a trajectory.
+//! let truth = parse_nominal(bundled()[0].nominal, &robot)?.parameters.links_alone();
+//! let states = PeriodicTrajectory::from(table_one::corrected()).sample(500);
+//! let (mut dynamics, mut tau) = (Dynamics::new(&robot, &truth), vec![0.0; 500 * 6]);
+//! for (k, tau) in tau.chunks_exact_mut(6).enumerate() {
+//!     dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), tau);
+//! }
+//! let samples = Samples::exact(states, tau, vec!["N·m".to_owned(); 6], 50.0);
+//!
+//! let estimate = identification.estimate(&samples, EstimatorKind::Ols.estimator())?;
+//! let exact = identification.base().beta(&truth.vector(&robot, Columns::RIGID));
+//! assert!((estimate.beta() - exact).amax() < 1e-9);
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//! Files are read and written by the crate `armid-io`, whose first page goes from a log to parameters in a few lines;
-//! simulated arms are in `armid-sim`. `examples/` has short programs.
+//! The crate `armid-io` reads and writes files: its first page goes from a log to parameters in a few lines. `armid-sim` has
+//! simulated arms, and `examples/` one short program for each task.
+//!
+//! [`model::Robot`], [`experiment::Recording`], [`signal::Samples`], [`base::BaseReduction`], [`estimation::Estimate`] and
+//! [`excitation::Design`] are plain values: serde writes and reads them, and what is read goes through the same checks as
+//! what is made.
 //!
 //! Conventions (fixed in `NOTATION.md`): SI units; six-dimensional vectors with the angular part first; the ten
 //! parameters of a link are `m, mcx, mcy, mcz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz` in the link's own frame.
@@ -37,6 +62,7 @@
 
 pub mod seed;
 pub mod provenance;
+mod plain;
 pub mod cdr;
 pub mod linalg;
 pub mod optimiser;

@@ -76,7 +76,7 @@ fn assert_none(faults: &[String]) {
 
 #[test]
 fn modules_of_the_core_stand_in_the_order_of_the_method() {
-    let expected = "seed provenance cdr linalg optimiser statistics spatial model trajectory dynamics regressor base excitation \
+    let expected = "seed provenance plain cdr linalg optimiser statistics spatial model trajectory dynamics regressor base excitation \
                     experiment signal estimation calibration study conformance";
     assert_eq!(module_order().join(" "), expected);
 }
@@ -254,7 +254,7 @@ const CIRCLES: &[(&str, &[&str], &str)] = &[
     ("model", &["columns", "parameters"], "columns are sets of parameters, which say what columns they are in"),
     (
         "model",
-        &["drive", "joint", "robot", "term/entry", "term/handle", "term/law", "term/list"],
+        &["drive", "joint", "robot", "robot_fault", "term/entry", "term/handle", "term/law", "term/list"],
         "the registry of torque terms: each has a law, whose input is the robot, whose drives name terms",
     ),
     ("model", &["term/input", "term/number"], "the input of a law, and the numbers that it is made of"),

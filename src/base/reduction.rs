@@ -1,13 +1,16 @@
 //! The result of a reduction: what each parameter is, and K.
 
 use nalgebra::{DMatrix, DVector};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{BaseMotion, Method};
 use crate::linalg::{LeftToRight, RankTolerance, product};
 use crate::model::ParameterId;
 
 /// What torque reveals of one parameter.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Serialize, Deserialize)]
+#[serde(rename_all = "lowercase")]
 pub enum Category {
     /// Its column is zero: no torque shows it. `radkhah2007` set U.
     Unidentifiable,
@@ -49,7 +52,8 @@ impl Category {
 /// assert_eq!(base.categories, [Category::Representative, Category::Unidentifiable, Category::Combination]);
 /// assert!((base.beta(&[0.3, 5.0, 0.1].to_vec().into())[0] - 0.4).abs() < 1e-15);
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct BaseReduction {
     /// All parameters in order, the columns of Y; p of them.
     pub parameters: Vec<ParameterId>,
@@ -58,6 +62,7 @@ pub struct BaseReduction {
     /// Columns that stand in the base, ascending; b of them.
     pub kept: Vec<usize>,
     /// K, b × p: the identity on the kept columns, zero on the unidentifiable ones.
+    #[serde(with = "crate::plain::matrix")]
     pub k: DMatrix<f64>,
     /// How it was found.
     pub method: Method,
@@ -74,7 +79,81 @@ pub(super) const SMALLEST_COEFFICIENT: f64 = 1e-9;
 /// Coefficients this close to a whole number become that number: most are 1 or −1 by geometry.
 const WHOLE: f64 = 1e-12;
 
+impl Serialize for BaseReduction {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses a K that is no reduced row echelon form of these parameters.
+impl<'de> Deserialize<'de> for BaseReduction {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut value = Self::deserialize(deserializer)?;
+        if value.kept.is_empty() && value.k.nrows() == 0 {
+            value.k = DMatrix::zeros(0, value.parameters.len());
+        }
+        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
+    }
+}
+
+/// The category of each parameter by K.
+fn categories(kept: &[usize], k: &DMatrix<f64>) -> Vec<Category> {
+    let mut categories: Vec<Category> = k
+        .column_iter()
+        .map(|column| if column.iter().all(|&x| x == 0.0) { Category::Unidentifiable } else { Category::Combination })
+        .collect();
+    for (row, &j) in kept.iter().enumerate() {
+        let alone = k.row(row).iter().enumerate().all(|(other, &x)| other == j || x == 0.0);
+        categories[j] = if alone { Category::Identifiable } else { Category::Representative };
+    }
+    categories
+}
+
 impl BaseReduction {
+    /// Parts that fit each other: each parameter once, the kept columns ascending, the identity on them in K, nothing before
+    /// them in their rows, and the categories that K states.
+    fn check(&self) -> Result<(), String> {
+        let (p, b) = (self.parameters.len(), self.kept.len());
+        if let Some(id) =
+            self.parameters.iter().enumerate().find_map(|(j, id)| self.parameters[..j].contains(id).then_some(id))
+        {
+            return Err(format!("parameter {id} occurs twice, expected each once"));
+        }
+        if self.k.shape() != (b, p) {
+            let (rows, columns) = self.k.shape();
+            return Err(format!("K is {rows} × {columns}, expected {b} × {p} for {b} kept columns of {p} parameters"));
+        }
+        if self.kept.windows(2).any(|pair| pair[0] >= pair[1]) || self.kept.last().is_some_and(|&j| j >= p) {
+            return Err(format!("kept columns {:?}, expected ascending indices below {p}", self.kept));
+        }
+        for (row, &own) in self.kept.iter().enumerate() {
+            for (j, &x) in self.k.row(row).iter().enumerate() {
+                let expected = match self.kept.binary_search(&j) {
+                    Ok(_) => Some(if j == own { 1.0 } else { 0.0 }),
+                    Err(_) if j < own => Some(0.0),
+                    Err(_) => None,
+                };
+                if !x.is_finite() || expected.is_some_and(|expected| x != expected) {
+                    let expected = expected.map_or("a finite number".to_owned(), |expected| expected.to_string());
+                    return Err(format!("K[{row}][{j}] is {x}, expected {expected}"));
+                }
+            }
+        }
+        let stated = categories(&self.kept, &self.k);
+        match stated.iter().zip(&self.categories).position(|(expected, found)| expected != found) {
+            Some(j) => Err(format!(
+                "{} is {}, expected {} by K",
+                self.parameters[j],
+                self.categories[j].name(),
+                stated[j].name()
+            )),
+            None if self.categories.len() != p => {
+                Err(format!("{} categories, expected {p}, one for each parameter", self.categories.len()))
+            }
+            None => Ok(()),
+        }
+    }
+
     /// The reduction of a stacked regressor W (rows × p) by one left-to-right QR; the columns should be scaled so
     /// that a sound one has a length of the order of the longest.
     ///
@@ -101,16 +180,7 @@ impl BaseReduction {
                 *x = x.round();
             }
         }
-        let mut categories: Vec<Category> =
-            (0..parameters.len())
-                .map(|j| {
-                    if k.column(j).iter().all(|&x| x == 0.0) { Category::Unidentifiable } else { Category::Combination }
-                })
-                .collect();
-        for (row, &j) in kept.iter().enumerate() {
-            let alone = k.row(row).iter().enumerate().all(|(other, &x)| other == j || x == 0.0);
-            categories[j] = if alone { Category::Identifiable } else { Category::Representative };
-        }
+        let categories = categories(&kept, &k);
         Self { parameters: parameters.to_vec(), categories, kept, k, method, base_motion: BaseMotion::Fixed }
     }
 

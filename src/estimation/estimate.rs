@@ -1,6 +1,8 @@
 //! The result of an estimator.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Finding, Termination};
 use crate::provenance::Provenance;
@@ -41,7 +43,8 @@ pub enum IntervalBasis {
 
 /// Base parameters with their uncertainty, and how well the model explains the torque. Serialises to the keys of the
 /// `identify` command.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct Estimate {
     /// Name of the estimator.
     pub estimator: String,
@@ -55,7 +58,7 @@ pub struct Estimate {
     pub covariance: Vec<Vec<f64>>,
     /// A full set of standard parameters φ with `K φ = β̂`, where one was asked for.
     pub standard: Option<Vec<StandardEstimate>>,
-    /// Whether that set can be that of real bodies and drives.
+    /// Whether that set is physically consistent.
     pub consistent: Option<bool>,
     /// RMS residual of each joint, n.
     pub residual_rms: Vec<f64>,
@@ -64,12 +67,15 @@ pub struct Estimate {
     /// Unit of both, n.
     pub units: Vec<String>,
     /// Condition number of W_b as the estimator solved it.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition: f64,
     /// The same with columns of unit length.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_scaled: f64,
     /// The source of the noise behind the intervals.
     pub interval_basis: IntervalBasis,
     /// Degrees of freedom behind the intervals.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub degrees_of_freedom: f64,
     /// Equations of each joint.
     pub samples: usize,
@@ -83,7 +89,40 @@ pub struct Estimate {
     pub provenance: Option<Provenance>,
 }
 
+impl Serialize for Estimate {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses what does not fit together.
+impl<'de> Deserialize<'de> for Estimate {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Self::deserialize(deserializer)?;
+        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
+    }
+}
+
 impl Estimate {
+    /// Tables of the size that they say, and intervals around their values.
+    fn check(&self) -> Result<(), String> {
+        let (b, n) = (self.base.len(), self.units.len());
+        let sizes = [("covariance", self.covariance.len(), b)]
+            .into_iter()
+            .chain(self.covariance.iter().map(|row| ("a row of covariance", row.len(), b)))
+            .chain([("residual_rms", self.residual_rms.len(), n), ("noise_std", self.noise_std.len(), n)]);
+        if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
+            return Err(format!("{what} has {found} entries, expected {expected} for {b} parameters and {n} joints"));
+        }
+        match self.base.iter().find(|p| !(p.std >= 0.0 && p.ci95[0] <= p.value && p.value <= p.ci95[1])) {
+            Some(BaseEstimate { name, value, std, ci95: [low, high], .. }) => Err(format!(
+                "{name} is {value} ± {std} in {low} to {high}, expected a deviation not below zero and an interval around \
+                 the value"
+            )),
+            None => Ok(()),
+        }
+    }
+
     /// β̂, length b.
     #[must_use]
     pub fn beta(&self) -> DVector<f64> {

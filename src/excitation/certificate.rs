@@ -19,16 +19,17 @@ use crate::provenance::sha256;
 use crate::regressor::JointTorqueRegressor;
 use crate::trajectory::PeriodicTrajectory;
 
-/// A base parameter that a trajectory shows badly.
+/// A base parameter that a trajectory identifies poorly.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct WeakParameter {
     /// Its name.
     pub name: String,
     /// Its deviation, as in [`Certificate::deviations`].
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub deviation: f64,
     /// That over the nominal value of the base parameter; `None` without nominal parameters.
     pub relative_deviation: Option<f64>,
-    /// Its share in the direction that is shown worst: the square of its entry in the eigenvector of the smallest
+    /// Its share in the least identifiable direction: the square of its entry in the eigenvector of the smallest
     /// eigenvalue of the information.
     pub share_of_weakest_direction: f64,
 }
@@ -53,23 +54,30 @@ pub struct Certificate {
     /// Length of the ramps that the efforts were computed with, s.
     pub ramp_s: Option<f64>,
     /// Condition number of the rigid base columns.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition: f64,
     /// The same with columns scaled to unit length.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_scaled: f64,
     /// ln det(W_bᵀ W_b / rows) of the rigid base columns.
+    #[serde(deserialize_with = "crate::plain::infinite::negative")]
     pub log_det_information: f64,
     /// Condition number of the chosen base columns.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_all: f64,
     /// The same with columns scaled to unit length.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub condition_scaled_all: f64,
     /// ln det(W_bᵀ W_b / rows) of the chosen base columns.
+    #[serde(deserialize_with = "crate::plain::infinite::negative")]
     pub log_det_information_all: f64,
     /// Eigenvalues of the information of the chosen base columns, per torque row, ascending.
     pub spectrum: Vec<f64>,
     /// Standard deviation of each chosen base parameter for one torque row's noise of 1 N·m per row of one period:
     /// √((M⁻¹)_ii), in the parameter's unit; infinite where the information is singular.
+    #[serde(deserialize_with = "crate::plain::infinite::list")]
     pub deviations: Vec<f64>,
-    /// The base parameters with the largest share in the direction that is shown worst, largest first.
+    /// The base parameters with the largest share in the least identifiable direction, largest first.
     pub weakest: Vec<WeakParameter>,
     /// Standard deviations of the nominal parameters' uncertainty that the efforts include; 0 without.
     pub uncertainty_multiple: f64,
@@ -163,7 +171,7 @@ impl Certificate {
     }
 }
 
-/// The base parameters that make up the direction which is shown worst.
+/// The base parameters that make up the least identifiable direction.
 fn weakest(
     problem: &DesignProblem,
     eigen: &SymmetricEigen<f64, nalgebra::Dyn>,

@@ -8,6 +8,8 @@
 //! count evaluations: a value is one, a gradient one more.
 
 use rayon::prelude::*;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::certificate::Certificate;
 use super::criterion::CriterionKind;
@@ -17,17 +19,20 @@ use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::objective::InformationObjective;
 use super::problem::DesignProblem;
 use super::termination::{HistoryPoint, Termination};
+use crate::provenance::sha256;
 use crate::seed::Seed;
 use crate::trajectory::PeriodicTrajectory;
 
 /// A designed trajectory.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct Design {
     /// The trajectory.
     pub trajectory: PeriodicTrajectory,
     /// What was optimised.
     pub criterion: CriterionKind,
     /// Its value as people read it, on the optimiser's samples.
+    #[serde(deserialize_with = "crate::plain::infinite::undecided")]
     pub value: f64,
     /// What the trajectory is worth and that it is safe.
     pub certificate: Certificate,
@@ -41,6 +46,46 @@ pub struct Design {
     pub history: Vec<HistoryPoint>,
     /// Where it started.
     pub start: PeriodicTrajectory,
+}
+
+impl Serialize for Design {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses a certificate that is not of its trajectory, or was changed.
+impl<'de> Deserialize<'de> for Design {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let mut value = Self::deserialize(deserializer)?;
+        value.put_infinities();
+        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
+    }
+}
+
+impl Design {
+    /// Where JSON has no number, the value was the worst: the criterion says whether that is +∞ or −∞.
+    fn put_infinities(&mut self) {
+        let worst = if self.criterion.is_larger_better() { f64::NEG_INFINITY } else { f64::INFINITY };
+        let points = self.history.iter_mut().flat_map(|point| [&mut point.value, &mut point.current]);
+        for value in points.chain([&mut self.value]).filter(|value| value.is_nan()) {
+            *value = worst;
+        }
+    }
+
+    fn check(&self) -> Result<(), String> {
+        let (found, expected) = (self.start.names(), self.trajectory.names());
+        if found != expected {
+            return Err(format!("the start moves the joints {found:?}, expected {expected:?} as the trajectory"));
+        }
+        if self.certificate.trajectory_sha256 != sha256(&self.trajectory.to_toml()) {
+            return Err("the certificate is that of another trajectory, expected that of the design".to_owned());
+        }
+        if !self.certificate.is_unchanged() {
+            return Err("the certificate was changed, expected the figures that its checksum states".to_owned());
+        }
+        Ok(())
+    }
 }
 
 /// Designs one trajectory from `radkhah2007`'s first guess number `start`.

@@ -21,6 +21,7 @@ pub struct WorstUse {
     /// Value there, in rad, rad/s, rad/s² or N·m.
     pub value: f64,
     /// The limit it is held against, in the same unit.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub limit: f64,
 }
 

@@ -65,8 +65,10 @@ pub struct HistoryPoint {
     pub evaluations: usize,
     /// The criterion of the best trajectory inside all limits so far, as people read it: κ or ln det M, on the
     /// optimiser's samples; that of the current iterate as long as none was inside.
+    #[serde(deserialize_with = "crate::plain::infinite::undecided")]
     pub value: f64,
     /// The criterion of the current iterate.
+    #[serde(deserialize_with = "crate::plain::infinite::undecided")]
     pub current: f64,
     /// Excess of the current iterate over the permitted torques and currents, relative, and over the clearances, in
     /// tenths of a metre, summed; the other limits always hold.

@@ -70,6 +70,7 @@ impl Recording {
             ("joints", self.joints.len(), n),
             ("q", self.q.len(), samples * n),
             ("effort", self.effort.len(), samples * n),
+            ("trajectory", self.trajectory.dof(), n),
         ];
         if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
             return Err(format!("{what} has {found} entries, expected {expected} for {samples} samples of {n} joints"));

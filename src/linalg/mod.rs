@@ -20,7 +20,6 @@ mod least_squares;
 mod left_to_right;
 mod reflection;
 mod rank;
-pub(crate) mod rows;
 mod tolerance;
 mod triangular;
 

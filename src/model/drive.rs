@@ -8,14 +8,17 @@ use super::term::{Scale, ShapeParameter, Shapes, Term};
 /// One drive. Everything here is either on a data sheet or measured by an experiment of its own; where it is neither,
 /// the robot's README marks it as assumed.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Drive {
     /// Gear ratio: motor turns per joint turn (rad per m for a prismatic joint); positive.
     pub gear: f64,
     /// Torque constant of the motor, N·m/A.
     pub torque_constant: f64,
     /// Largest current, A.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub current_limit: f64,
     /// Largest root mean square of the current over a period, A; infinite where nobody states it.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub continuous_current: f64,
     /// Encoder counts per joint revolution (per m for a prismatic joint).
     pub counts_per_revolution: f64,
@@ -24,6 +27,7 @@ pub struct Drive {
     /// White noise of the current sensor, standard deviation of one sample, A.
     pub current_noise: f64,
     /// Full scale of the current's converter: it reads −range to +range, A.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub adc_range: f64,
     /// Bits of that converter; 0 means that it does not quantise.
     pub adc_bits: u32,

@@ -45,7 +45,8 @@ pub enum DhConvention {
 }
 
 /// One row of a Denavit–Hartenberg table, with the joint's own coordinate at zero.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct DhRow {
     /// Offset added to the coordinate of a revolute joint (the whole angle of a prismatic one), degrees.
     pub offset_deg: f64,
@@ -76,20 +77,27 @@ impl DhRow {
 }
 
 /// How far, how fast and how hard a joint may go. A limit that nobody states is infinite.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Limits {
     /// Smallest and largest coordinate, rad or m.
+    #[serde(deserialize_with = "crate::plain::infinite::range")]
     pub position: (f64, f64),
     /// Largest speed, rad/s or m/s.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub velocity: f64,
     /// Largest acceleration, rad/s² or m/s².
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub acceleration: f64,
     /// Largest jerk, rad/s³ or m/s³.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub jerk: f64,
     /// Largest effort at the joint, N·m or N.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub torque: f64,
     /// Largest root mean square of the effort over a period, N·m or N: what the drive can give for ever. Infinite
     /// where nobody states it: the peak then bounds the mean square as well.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub continuous_torque: f64,
 }
 
@@ -106,7 +114,8 @@ impl Limits {
 }
 
 /// One joint and the link that it moves: `T(q) = before · J(q) · after`.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Joint {
     /// Its name, unique in the robot.
     pub name: String,

@@ -18,6 +18,7 @@
 /// assert!((motor.current_limits(300.0).1 - 16.0).abs() < 1e-12);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct MotorCircuit {
     /// Resistance of the armature and its leads R, Ω.
     pub resistance: f64,
@@ -28,6 +29,7 @@ pub struct MotorCircuit {
     /// Drop over the brushes V_b, V.
     pub brush_drop: f64,
     /// Largest voltage that the amplifier can give, V.
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub supply: f64,
 }
 
@@ -68,7 +70,7 @@ mod tests {
             assert!((motor.voltage(high, 0.0, speed) - 40.0).abs() < 1e-9);
             assert!((motor.voltage(low, 0.0, speed) + 40.0).abs() < 1e-9);
         }
-        // Faster than the supply can turn it the motor is a brake whatever is asked.
+        // Faster than the supply can turn it the motor is a brake at any command.
         assert!(motor.current_limits(500.0).1 < 0.0);
     }
 }

@@ -90,6 +90,43 @@ pub struct ParameterId {
     pub index: usize,
 }
 
+impl ParameterId {
+    /// The parameter with this name; `None` where it is none of a link's ten and of no term of the list.
+    ///
+    /// ```
+    /// use armid::model::ParameterId;
+    /// assert_eq!(ParameterId::parse("Iyy1").map(|id| id.index), Some(0));
+    /// assert_eq!(ParameterId::parse("Iyy0"), None);
+    /// ```
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        let symbol = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        let number: usize = name[symbol.len()..].parse().ok()?;
+        let terms = Term::ALL.iter().map(|&term| ParameterKind::Term(term));
+        let kind = ParameterKind::LINK.into_iter().chain(terms).find(|kind| kind.symbol() == symbol)?;
+        Some(Self { kind, index: number.checked_sub(1)? })
+    }
+}
+
+/// As its name.
+impl serde::Serialize for ParameterId {
+    fn serialize<S: serde::Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        serializer.collect_str(self)
+    }
+}
+
+/// From its name. The coefficient of a term from outside the list has none that can be read.
+impl<'de> serde::Deserialize<'de> for ParameterId {
+    fn deserialize<D: serde::Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let name = String::deserialize(deserializer)?;
+        Self::parse(&name).ok_or_else(|| {
+            serde::de::Error::custom(format!(
+                "parameter \"{name}\", expected a symbol of the list and a number, as mcx2"
+            ))
+        })
+    }
+}
+
 impl fmt::Display for ParameterId {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{}{}", self.kind.symbol(), self.index + 1)

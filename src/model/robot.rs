@@ -2,7 +2,11 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use super::{Drive, EffortInterface, Joint, JointKind, Obstacle, ServoTuning, Shape};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::robot_fault::{RobotFault, check_joint, check_servo, check_surroundings};
+use super::{Drive, EffortInterface, Joint, Obstacle, ServoTuning, Shape};
 use crate::provenance::sha256;
 use crate::spatial::{Motion, Placement};
 
@@ -27,61 +31,26 @@ pub struct RobotSpec {
     pub may_touch: Vec<(usize, usize)>,
 }
 
-/// Why a robot cannot be as specified.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RobotFault {
-    /// No joints.
-    #[error("robot \"{robot}\" has no joints, expected at least one")]
-    NoJoints {
-        /// Name of the robot.
-        robot: String,
-    },
-    /// Two joints of one name.
-    #[error("joint name \"{joint}\" occurs twice, expected each name once")]
-    DuplicateJoint {
-        /// The name.
-        joint: String,
-    },
-    /// A quantity is outside what is possible.
-    #[error("joint \"{joint}\": {quantity} is {found}, expected {expected}")]
-    Joint {
-        /// Name of the joint.
-        joint: String,
-        /// Which quantity.
-        quantity: &'static str,
-        /// What was found.
-        found: String,
-        /// What is possible.
-        expected: &'static str,
-    },
-    /// The coupling matrix is not n × n and invertible.
-    #[error("coupling is {found}, expected {expected}")]
-    Coupling {
-        /// What was found.
-        found: String,
-        /// What is possible.
-        expected: String,
-    },
-    /// A shape names a link that is not there.
-    #[error("shape {index}: link is {found}, expected 0 (the base) to {dof}")]
-    Shape {
-        /// Position among the shapes, from one.
-        index: usize,
-        /// What was found.
-        found: usize,
-        /// Number of links.
-        dof: usize,
-    },
-}
-
 /// A serial robot arm: kinematics, limits, drives, shapes. No inertia.
-#[derive(Clone, Debug, PartialEq)]
+///
+/// ```
+/// use armid::model::{Robot, bundled, format::parse_robot};
+/// let robot = parse_robot(bundled()[0].robot)?;
+/// let json = serde_json::to_string(&robot)?;
+/// assert_eq!(serde_json::from_str::<Robot>(&json)?, robot);
+/// # Ok::<(), Box<dyn std::error::Error>>(())
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct Robot {
     name: String,
+    #[serde(rename = "gravity_m_s2", with = "crate::plain::vector")]
     gravity: Vector3<f64>,
     base: Placement,
     joints: Vec<Joint>,
+    #[serde(skip)]
     axes: Vec<Motion>,
+    #[serde(with = "crate::plain::matrix::option")]
     coupling: Option<DMatrix<f64>>,
     shapes: Vec<Shape>,
     obstacles: Vec<Obstacle>,
@@ -91,7 +60,41 @@ pub struct Robot {
     source_sha256: String,
 }
 
+impl Serialize for Robot {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses what [`Robot::new`] refuses.
+impl<'de> Deserialize<'de> for Robot {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        Self::deserialize(deserializer)?.checked().map_err(D::Error::custom)
+    }
+}
+
 impl Robot {
+    /// The same robot through the checks of a specification.
+    fn checked(self) -> Result<Self, RobotFault> {
+        let Self {
+            name,
+            gravity,
+            base,
+            joints,
+            axes: _,
+            coupling,
+            shapes,
+            obstacles,
+            may_touch,
+            effort,
+            servo,
+            source_sha256,
+        } = self;
+        check_servo(&servo)?;
+        let spec = RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch };
+        Ok(Self { effort, servo, source_sha256, ..Self::new(spec)? })
+    }
+
     /// Checks a specification.
     ///
     /// # Errors
@@ -111,16 +114,9 @@ impl Robot {
         if let Some(c) = &coupling
             && (c.shape() != (n, n) || c.clone().try_inverse().is_none())
         {
-            return Err(RobotFault::Coupling {
-                found: format!("a {} × {} matrix", c.nrows(), c.ncols()),
-                expected: format!("an invertible {n} × {n} matrix"),
-            });
+            return Err(RobotFault::Coupling { rows: c.nrows(), columns: c.ncols(), dof: n });
         }
-        for (index, shape) in shapes.iter().enumerate() {
-            if shape.link > n {
-                return Err(RobotFault::Shape { index: index + 1, found: shape.link, dof: n });
-            }
-        }
+        check_surroundings(&gravity, &base, &shapes, &obstacles, &may_touch, n)?;
         let axes = joints.iter().map(Joint::axis).collect();
         let (effort, servo) = (EffortInterface::default(), ServoTuning::default());
         let source_sha256 = String::new();
@@ -312,49 +308,4 @@ impl Robot {
         self.gravity = gravity;
         self
     }
-}
-
-fn check_joint(joint: &Joint) -> Result<(), RobotFault> {
-    let fault = |quantity, found: String, expected| {
-        Err(RobotFault::Joint { joint: joint.name.clone(), quantity, found, expected })
-    };
-    let (low, high) = joint.limits.position;
-    if low.partial_cmp(&high) != Some(std::cmp::Ordering::Less) {
-        return fault("position limit", format!("{low} to {high}"), "the lower below the upper");
-    }
-    for (quantity, value) in [
-        ("velocity limit", joint.limits.velocity),
-        ("acceleration limit", joint.limits.acceleration),
-        ("jerk limit", joint.limits.jerk),
-        ("torque limit", joint.limits.torque),
-        ("continuous torque", joint.limits.continuous_torque),
-        ("gear ratio", joint.drive.gear),
-        ("torque constant", joint.drive.torque_constant),
-        ("current limit", joint.drive.current_limit),
-        ("continuous current", joint.drive.continuous_current),
-        ("converter range", joint.drive.adc_range),
-    ] {
-        if value.is_nan() || value <= 0.0 {
-            return fault(quantity, value.to_string(), "a number above zero");
-        }
-    }
-    for (quantity, value) in [
-        ("encoder counts", joint.drive.counts_per_revolution),
-        ("current noise", joint.drive.current_noise),
-        ("Coulomb velocity", joint.drive.coulomb_velocity),
-    ] {
-        if !(value.is_finite() && value >= 0.0) {
-            return fault(quantity, value.to_string(), "a finite number not below zero");
-        }
-    }
-    if ![1.0, -1.0].contains(&joint.drive.encoder_sign) {
-        return fault("encoder sign", joint.drive.encoder_sign.to_string(), "1 or -1");
-    }
-    if joint.drive.adc_bits > 30 {
-        return fault("converter bits", joint.drive.adc_bits.to_string(), "0 (none) to 30");
-    }
-    if joint.kind == JointKind::Revolute && joint.drive.adc_bits > 0 && !joint.drive.adc_range.is_finite() {
-        return fault("converter range", joint.drive.adc_range.to_string(), "a finite number where there are bits");
-    }
-    Ok(())
 }

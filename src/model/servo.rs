@@ -37,6 +37,7 @@ impl EffortInterface {
 /// assert!(tuning.integral_hz < 2.0 * tuning.damping * tuning.bandwidth_hz);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ServoTuning {
     /// Rate of the servo, Hz.
     pub rate_hz: f64,

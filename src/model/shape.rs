@@ -5,27 +5,33 @@ use nalgebra::Vector3;
 use crate::spatial::Placement;
 
 /// A capsule: every point within `radius` of a segment, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Capsule {
     /// One end of the segment, in the frame of its link.
+    #[serde(with = "crate::plain::vector")]
     pub from: Vector3<f64>,
     /// The other end.
+    #[serde(with = "crate::plain::vector")]
     pub to: Vector3<f64>,
     /// Radius, m.
     pub radius: f64,
 }
 
 /// A box, m.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Cuboid {
     /// Its centre and axes, in the frame of its link.
     pub placement: Placement,
     /// Half of its lengths along its own axes.
+    #[serde(with = "crate::plain::vector")]
     pub half: Vector3<f64>,
 }
 
 /// A convex body.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Solid {
     /// A rounded rod.
     Capsule(Capsule),
@@ -59,7 +65,8 @@ impl Solid {
 }
 
 /// The shape of one link, for collisions and for what a link can weigh; `link` 0 is the base, link i the i-th.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Shape {
     /// The link whose frame the body is given in; 0 is the base.
     pub link: usize,
@@ -68,7 +75,8 @@ pub struct Shape {
 }
 
 /// Something that stands in the way, in the base frame.
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case", deny_unknown_fields)]
 pub enum Obstacle {
     /// Everything below the height `z`, m.
     Floor {
@@ -80,6 +88,7 @@ pub enum Obstacle {
         /// What messages call it.
         name: String,
         /// Unit vector towards the side that is free.
+        #[serde(with = "crate::plain::vector")]
         normal: Vector3<f64>,
         /// Distance of the plane from the origin along the normal, m.
         offset: f64,

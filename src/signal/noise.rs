@@ -33,10 +33,11 @@ const FEW_LAGS: usize = 16;
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", deny_unknown_fields)]
 pub struct NoiseModel {
-    #[serde(with = "crate::linalg::rows::list")]
+    #[serde(with = "crate::plain::matrix::list")]
     lags: Vec<DMatrix<f64>>,
     weights: Vec<f64>,
     wraps: bool,
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     degrees_of_freedom: f64,
 }
 

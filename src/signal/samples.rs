@@ -36,7 +36,7 @@ pub struct Samples {
     pub periods: usize,
     /// Covariance of one raw sample of torque, neither averaged nor filtered, n × n, (N·m)²; `None` where fewer than
     /// two periods show no scatter.
-    #[serde(with = "crate::linalg::rows::option")]
+    #[serde(with = "crate::plain::matrix::option")]
     pub torque_covariance: Option<DMatrix<f64>>,
     /// Standard deviation of one raw sample of position, per joint, rad (m); `None` as above.
     pub position_noise: Option<Vec<f64>>,

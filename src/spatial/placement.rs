@@ -1,19 +1,52 @@
 //! Where one frame stands in another.
 
 use nalgebra::{Matrix3, Vector3};
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Force, Motion};
 
 /// The pose of a child frame in its parent: `x_parent = R x_child + p`.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
 pub struct Placement {
     /// Rotation `R`; its columns are the child's axes seen from the parent.
+    #[serde(with = "crate::plain::matrix::three")]
     pub rotation: Matrix3<f64>,
     /// Position `p` of the child's origin in the parent, m.
+    #[serde(with = "crate::plain::vector")]
     pub translation: Vector3<f64>,
 }
 
+/// Largest entry of `RᵀR − 1` of a rotation: rounding of a product of many, and of matrices printed with ten digits.
+const ORTHONORMAL: f64 = 1e-9;
+
+impl Serialize for Placement {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses a matrix that is no rotation.
+impl<'de> Deserialize<'de> for Placement {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Self::deserialize(deserializer)?;
+        if value.is_rigid() {
+            Ok(value)
+        } else {
+            Err(D::Error::custom("rotation, expected an orthonormal right-handed matrix"))
+        }
+    }
+}
+
 impl Placement {
+    /// Whether it is one of a rigid body: a finite translation, and a rotation whose columns are orthonormal and right-handed.
+    #[must_use]
+    pub fn is_rigid(&self) -> bool {
+        let off = (self.rotation.tr_mul(&self.rotation) - Matrix3::identity()).amax();
+        off <= ORTHONORMAL && self.rotation.determinant() > 0.0 && self.translation.iter().all(|x| x.is_finite())
+    }
+
     /// The child stands on its parent.
     #[must_use]
     pub fn identity() -> Self {

@@ -60,17 +60,3 @@ pub fn cramer_rao_std(
     let raw = weight * periods as f64;
     Some(scale.iter().enumerate().map(|(i, norm)| (inverse[(i, i)] / raw).sqrt() / norm).collect())
 }
-
-/// Reads a number for which JSON, which has no infinity, stores nothing: the bound of what is not excited.
-pub(super) fn infinite_where_absent<'de, D: serde::Deserializer<'de>>(from: D) -> Result<f64, D::Error> {
-    let number: Option<f64> = serde::Deserialize::deserialize(from)?;
-    Ok(number.unwrap_or(f64::INFINITY))
-}
-
-/// Reads lists of such numbers.
-pub(super) fn lists_infinite_where_absent<'de, D: serde::Deserializer<'de>>(
-    from: D,
-) -> Result<Vec<Vec<f64>>, D::Error> {
-    let lists: Vec<Vec<Option<f64>>> = serde::Deserialize::deserialize(from)?;
-    Ok(lists.into_iter().map(|list| list.into_iter().map(|x| x.unwrap_or(f64::INFINITY)).collect()).collect())
-}

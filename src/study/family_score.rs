@@ -64,7 +64,7 @@ pub struct ParameterScore {
     /// Mean standard deviation that the estimator states.
     pub stated_std: f64,
     /// Cramér–Rao bound on the standard deviation, root of the mean bound over designs.
-    #[serde(deserialize_with = "super::bound::infinite_where_absent")]
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub bound_std: f64,
     /// Root of the mean square error.
     pub rmse: f64,

@@ -18,7 +18,7 @@ pub struct StudyResult {
     /// Every design.
     pub designs: Vec<StudyDesign>,
     /// Cramér–Rao standard deviations of each design, in the order of the parameters.
-    #[serde(deserialize_with = "super::bound::lists_infinite_where_absent")]
+    #[serde(deserialize_with = "crate::plain::infinite::lists")]
     pub bounds: Vec<Vec<f64>>,
     /// True base parameters of each truth that was drawn, in the order of the parameters.
     #[serde(default)]

@@ -9,6 +9,9 @@
 //!
 //! Reference: C. de Boor, *A Practical Guide to Splines*, rev. ed., 2001, ch. IX.
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use super::curve::Curve;
 use super::definition::{PeriodicMotion, Trajectory};
 use super::error::TrajectoryError;
@@ -54,7 +57,8 @@ pub struct BSplineJoint {
 /// motion.evaluate(1.3, &mut q, &mut qd, &mut qdd);
 /// assert!((q[0] - 0.4).abs() < 1e-15 && qd[0].abs() < 1e-15);
 /// ```
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct BSplineTrajectory {
     /// Period T, s.
     pub period_s: f64,
@@ -62,6 +66,20 @@ pub struct BSplineTrajectory {
     pub degree: usize,
     /// The joints from the base outwards.
     pub joints: Vec<BSplineJoint>,
+}
+
+impl Serialize for BSplineTrajectory {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses what [`BSplineTrajectory::new`] refuses.
+impl<'de> Deserialize<'de> for BSplineTrajectory {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Self::deserialize(deserializer)?;
+        Self::new(value.period_s, value.degree, value.joints).map_err(D::Error::custom)
+    }
 }
 
 impl BSplineTrajectory {

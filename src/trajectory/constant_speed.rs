@@ -1,4 +1,4 @@
-//! Stretches at constant speed with smooth reversals between them: the motion of calibrations.
+//! Segments at constant speed with smooth reversals between them: the motion of calibrations.
 //!
 //! ```text
 //! q̇ = v_k for D_k seconds, then over B seconds  q̇ = v_k + (v_{k+1} − v_k) σ(s)    σ = 10s³ − 15s⁴ + 6s⁵
@@ -6,7 +6,10 @@
 //! Σ_k v_k (D_k + B) = 0                         so that each joint comes back, v_{K+1} = v_1
 //! ```
 //! Acceleration is continuous and at most `15/8 · |v_{k+1} − v_k| / B`. There and back at one speed for one time is the
-//! plain case: the reversal between them leaves the joint where it met it, so both stretches cover the same positions.
+//! plain case: the reversal between them leaves the joint where it met it, so both segments cover the same positions.
+
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::curve::Curve;
 use super::definition::{PeriodicMotion, Trajectory};
@@ -22,9 +25,9 @@ const CHANGE: [f64; 7] = [0.0, 0.0, 0.0, 0.0, 2.5, -3.0, 1.0];
 pub struct ConstantSpeedJoint {
     /// Name of the joint.
     pub name: String,
-    /// Position where the first stretch begins, rad (m).
+    /// Position where the first segment begins, rad (m).
     pub q0: f64,
-    /// Speed of each stretch, rad/s (m/s); zeros for a joint that stands still.
+    /// Speed of each segment, rad/s (m/s); zeros for a joint that stands still.
     pub speed: Vec<f64>,
 }
 
@@ -39,22 +42,37 @@ pub struct ConstantSpeedJoint {
 /// motion.evaluate(0.8, &mut q, &mut qd, &mut qdd);
 /// assert!((q[0] - 0.4).abs() < 1e-15 && qd == [0.5] && qdd == [0.0]);
 /// ```
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct ConstantSpeedTrajectory {
     /// Length of each change of speed B, s.
     pub change_s: f64,
-    /// Length of each stretch D, s.
+    /// Length of each segment D, s.
     pub stretch_s: Vec<f64>,
     /// The joints from the base outwards.
     pub joints: Vec<ConstantSpeedJoint>,
 }
 
+impl Serialize for ConstantSpeedTrajectory {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses what [`ConstantSpeedTrajectory::new`] refuses.
+impl<'de> Deserialize<'de> for ConstantSpeedTrajectory {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Self::deserialize(deserializer)?;
+        Self::new(value.change_s, value.stretch_s, value.joints).map_err(D::Error::custom)
+    }
+}
+
 impl ConstantSpeedTrajectory {
-    /// Checks and takes the stretches of all joints.
+    /// Checks and takes the segments of all joints.
     ///
     /// # Errors
-    /// [`TrajectoryError`] if a time is not above zero, if there is no stretch or no joint, if a joint has
-    /// another number of speeds than there are stretches, if a number is not finite, or if a joint does not come back.
+    /// [`TrajectoryError`] if a time is not above zero, if there is no segment or no joint, if a joint has
+    /// another number of speeds than there are segments, if a number is not finite, or if a joint does not come back.
     pub fn new(change_s: f64, stretch_s: Vec<f64>, joints: Vec<ConstantSpeedJoint>) -> Result<Self, TrajectoryError> {
         if let Some(&found) = stretch_s.iter().chain([&change_s]).find(|time| !(time.is_finite() && **time > 0.0)) {
             return Err(TrajectoryError::Time { found });
@@ -85,7 +103,7 @@ impl ConstantSpeedTrajectory {
     }
 
     /// There and back at each of `speeds` (rad/s, above zero, ascending) within `range`, for one joint of a robot whose
-    /// other joints stand at `pose`. Stretches last 3 s at most, and times are multiples of 10 ms.
+    /// other joints stand at `pose`. Segments last 3 s at most, and times are multiples of 10 ms.
     ///
     /// # Errors
     /// [`TrajectoryError`] if a speed needs more way than there is: a change of speed takes
@@ -109,8 +127,8 @@ impl ConstantSpeedTrajectory {
         let mut share = 1.0;
         // The drift from speed to speed is small beside the way of a reversal: a few shares of the way are enough.
         while share > 0.1 {
-            let stretch = |v: f64| libm::floor((share * way / v - 0.69 * change_s).clamp(0.0, 3.0) * 100.0) / 100.0;
-            let stretch_s: Vec<f64> = speeds.iter().flat_map(|&v| [stretch(v); 2]).collect();
+            let segment = |v: f64| libm::floor((share * way / v - 0.69 * change_s).clamp(0.0, 3.0) * 100.0) / 100.0;
+            let stretch_s: Vec<f64> = speeds.iter().flat_map(|&v| [segment(v); 2]).collect();
             if stretch_s.iter().any(|&d| d < 0.1) {
                 break;
             }
@@ -128,9 +146,9 @@ impl ConstantSpeedTrajectory {
         Err(TrajectoryError::Range { joint: robot.joints()[joint].name.clone(), range: way, speed: most })
     }
 
-    /// When each stretch begins and ends within the period, s.
+    /// When each segment begins and ends within the period, s.
     #[must_use]
-    pub fn stretches(&self) -> Vec<(f64, f64)> {
+    pub fn segments(&self) -> Vec<(f64, f64)> {
         let mut begin = 0.0;
         let span = |&d: &f64| {
             let here = begin;
@@ -140,7 +158,7 @@ impl ConstantSpeedTrajectory {
         self.stretch_s.iter().map(span).collect()
     }
 
-    /// Length and polynomial in s ∈ [0, 1] of each piece of a joint's position: stretch, change, stretch, …
+    /// Length and polynomial in s ∈ [0, 1] of each piece of a joint's position: segment, change, segment, …
     fn pieces(&self, joint: usize) -> Vec<(f64, Vec<f64>)> {
         let ConstantSpeedJoint { q0, speed, .. } = &self.joints[joint];
         let mut q = *q0;
@@ -236,7 +254,7 @@ impl PeriodicMotion for ConstantSpeedTrajectory {
 
     fn slow_down(&mut self, part: f64) {
         self.change_s /= part;
-        self.stretch_s.iter_mut().for_each(|stretch| *stretch /= part);
+        self.stretch_s.iter_mut().for_each(|segment| *segment /= part);
         self.joints.iter_mut().flat_map(|joint| &mut joint.speed).for_each(|speed| *speed *= part);
     }
 }
@@ -274,7 +292,7 @@ mod tests {
         }
         let (start, end) = (at(0.0), at(motion.period_s() - 1e-12));
         assert!((start[0][0] - end[0][0]).abs() < 1e-9 && (start[1][0] - end[1][0]).abs() < 1e-9);
-        for (begin, end) in motion.stretches() {
+        for (begin, end) in motion.segments() {
             assert_eq!(at(begin + 1e-6)[1], at(end - 1e-6)[1]);
         }
     }

@@ -11,6 +11,9 @@
 
 use std::f64::consts::TAU;
 
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
 use super::curve::Curve;
 use super::definition::{PeriodicMotion, Trajectory};
 use super::error::TrajectoryError;
@@ -40,12 +43,27 @@ pub struct FourierJoint {
 /// trajectory.evaluate(0.0, &mut q, &mut qd, &mut qdd);
 /// assert_eq!((q, qd, qdd), ([0.2], [0.5], [0.0]));
 /// ```
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self")]
 pub struct FourierTrajectory {
     /// Period T, s.
     pub period_s: f64,
     /// The joints from the base outwards.
     pub joints: Vec<FourierJoint>,
+}
+
+impl Serialize for FourierTrajectory {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses what [`FourierTrajectory::new`] refuses.
+impl<'de> Deserialize<'de> for FourierTrajectory {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Self::deserialize(deserializer)?;
+        Self::new(value.period_s, value.joints).map_err(D::Error::custom)
+    }
 }
 
 impl FourierTrajectory {

@@ -1,4 +1,4 @@
-//! Matrices in files: the list of their rows.
+//! Matrices in files: the list of their rows. A matrix without rows does not keep the number of its columns.
 
 use nalgebra::DMatrix;
 use serde::de::Error;
@@ -18,7 +18,15 @@ fn matrix<E: Error>(rows: &[Vec<f64>]) -> Result<DMatrix<f64>, E> {
     Ok(DMatrix::from_fn(rows.len(), columns, |i, j| rows[i][j]))
 }
 
-/// For `#[serde(with = "…")]` on a matrix that may be missing.
+pub(crate) fn serialize<S: Serializer>(value: &DMatrix<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+    rows(value).serialize(serializer)
+}
+
+pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<DMatrix<f64>, D::Error> {
+    matrix(&Vec::<Vec<f64>>::deserialize(deserializer)?)
+}
+
+/// For a matrix that may be missing.
 pub(crate) mod option {
     use super::{DMatrix, Deserialize, Deserializer, Serialize, Serializer, matrix, rows};
 
@@ -41,5 +49,21 @@ pub(crate) mod list {
 
     pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<DMatrix<f64>>, D::Error> {
         Vec::<Vec<Vec<f64>>>::deserialize(deserializer)?.iter().map(|rows| matrix(rows)).collect()
+    }
+}
+
+/// For a rotation, 3 × 3.
+pub(crate) mod three {
+    use nalgebra::Matrix3;
+
+    use super::{Deserialize, Deserializer, Serialize, Serializer};
+
+    pub(crate) fn serialize<S: Serializer>(value: &Matrix3<f64>, serializer: S) -> Result<S::Ok, S::Error> {
+        let rows: [[f64; 3]; 3] = std::array::from_fn(|i| std::array::from_fn(|j| value[(i, j)]));
+        rows.serialize(serializer)
+    }
+
+    pub(crate) fn deserialize<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Matrix3<f64>, D::Error> {
+        <[[f64; 3]; 3]>::deserialize(deserializer).map(|rows| Matrix3::from_fn(|i, j| rows[i][j]))
     }
 }

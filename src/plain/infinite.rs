@@ -1,0 +1,35 @@
+//! Numbers that may be infinite: TOML has `inf`, JSON writes `null`, and the place says which infinity that was.
+
+use serde::{Deserialize, Deserializer};
+
+/// +∞ for `null`: a limit that nobody states, a condition number of a singular matrix.
+pub(crate) fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
+}
+
+/// −∞ for `null`: the logarithm of the determinant of a singular matrix.
+pub(crate) fn negative<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NEG_INFINITY))
+}
+
+/// Not a number for `null`, where only the owner of the value knows which infinity it was and puts it there.
+pub(crate) fn undecided<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
+    Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
+}
+
+/// A range, whose lower end may be −∞ and whose upper end +∞.
+pub(crate) fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(f64, f64), D::Error> {
+    let (low, high) = <(Option<f64>, Option<f64>)>::deserialize(deserializer)?;
+    Ok((low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)))
+}
+
+/// A list, in which `null` is +∞.
+pub(crate) fn list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
+    Ok(Vec::<Option<f64>>::deserialize(deserializer)?.into_iter().map(|x| x.unwrap_or(f64::INFINITY)).collect())
+}
+
+/// Lists of such numbers.
+pub(crate) fn lists<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<Vec<f64>>, D::Error> {
+    let lists = Vec::<Vec<Option<f64>>>::deserialize(deserializer)?;
+    Ok(lists.into_iter().map(|list| list.into_iter().map(|x| x.unwrap_or(f64::INFINITY)).collect()).collect())
+}
