@@ -5,12 +5,11 @@
 
 use std::path::Path;
 
-use armid::cdr::{FloatArray, JointState};
+use armid::cdr::{FloatArray, JointState, decode, encode};
 use armid::model::format::{parse_nominal, parse_parameter_map, parse_parameters, parse_robot};
 use armid::model::{Robot, bundled};
 use armid::study::StudyPlan;
 use armid::trajectory::PeriodicTrajectory;
-use armid_hardware::message::cdr::{decode, encode};
 use armid_hardware::message::{
     Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointState as WireState, JointTrajectory, Text as Word,
 };

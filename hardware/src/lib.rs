@@ -1,4 +1,4 @@
-//! The real arm: its ROS 2 interface, the guard that every command passes, and the computer of a simulated robot.
+//! The real arm: its ROS 2 interface, the guard that every command passes, and a simulated robot controller.
 //!
 //! Nothing else in armid can move metal, and nothing here moves it except through the guard.
 #![forbid(unsafe_code)]

@@ -28,9 +28,9 @@ pub struct Monitor {
     /// Steps of the first stamps, ns: their median is the period by which gaps are reported.
     steps: Vec<i64>,
     stamps: Option<StampWatch>,
-    sight: Snapshot,
-    heard: Option<Instant>,
-    guard_heard: Option<Instant>,
+    snapshot: Snapshot,
+    received: Option<Instant>,
+    guard_received: Option<Instant>,
 }
 
 /// What a monitor sees.
@@ -44,9 +44,9 @@ pub struct Snapshot {
     pub rate_hz: f64,
     /// What the stamps reported so far.
     pub stamps: StampFindings,
-    /// The state of the robot's computer in words, where it reports.
+    /// The state of the robot controller in words, where it reports.
     pub computer: Option<String>,
-    /// The last word of a guard, and how long ago it came, s.
+    /// The last report of a guard, and its age, s.
     pub guard: Option<(GuardState, f64)>,
     /// The last message that made no sense, in words.
     pub fault: Option<String>,
@@ -82,9 +82,9 @@ impl Monitor {
             arrivals: VecDeque::new(),
             steps: Vec::new(),
             stamps: None,
-            sight: Snapshot::default(),
-            heard: None,
-            guard_heard: None,
+            snapshot: Snapshot::default(),
+            received: None,
+            guard_received: None,
         })
     }
 
@@ -92,7 +92,7 @@ impl Monitor {
         if let Some(watch) = &mut self.stamps {
             watch.see(stamp_ns, at.duration_since(self.began).as_secs_f64());
         } else {
-            self.steps.extend(self.sight.row.as_ref().map(|last| stamp_ns - last.stamp_ns));
+            self.steps.extend(self.snapshot.row.as_ref().map(|last| stamp_ns - last.stamp_ns));
             if self.steps.len() == FIRST_STEPS {
                 self.steps.sort_unstable();
                 self.stamps = Some(StampWatch::new(self.steps[FIRST_STEPS / 2] as f64 * 1e-9));
@@ -104,44 +104,45 @@ impl Monitor {
     pub fn look(&mut self, patience: Duration) -> &Snapshot {
         let until = Instant::now() + patience;
         while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
-            let Some(heard) = self.states.next(left) else { break };
-            match heard.message.and_then(|message| self.map.row(&message).map_err(|error| error.to_string())) {
+            let Some(received) = self.states.next(left) else { break };
+            match received.message.and_then(|message| self.map.row(&message).map_err(|error| error.to_string())) {
                 Ok(row) => {
-                    self.see(row.stamp_ns, heard.at);
-                    self.arrivals.push_back(heard.at);
-                    self.sight.row = Some(row);
+                    self.see(row.stamp_ns, received.at);
+                    self.arrivals.push_back(received.at);
+                    self.snapshot.row = Some(row);
                 }
-                Err(fault) => self.sight.fault = Some(fault),
+                Err(fault) => self.snapshot.fault = Some(fault),
             }
-            self.heard = Some(heard.at);
+            self.received = Some(received.at);
         }
-        while let Some(heard) = self.computer.as_ref().and_then(Inbox::take) {
-            if let Ok(text) = heard.message {
-                self.sight.computer = Some(text.data);
+        while let Some(received) = self.computer.as_ref().and_then(Inbox::take) {
+            if let Ok(text) = received.message {
+                self.snapshot.computer = Some(text.data);
             }
         }
-        while let Some(heard) = self.guard.take() {
-            match heard.message.and_then(|text| serde_json::from_str(&text.data).map_err(|error| error.to_string())) {
+        while let Some(received) = self.guard.take() {
+            match received.message.and_then(|text| serde_json::from_str(&text.data).map_err(|error| error.to_string()))
+            {
                 Ok(state) => {
-                    self.sight.guard = Some((state, 0.0));
-                    self.guard_heard = Some(heard.at);
+                    self.snapshot.guard = Some((state, 0.0));
+                    self.guard_received = Some(received.at);
                 }
-                Err(fault) => self.sight.fault = Some(format!("guard state: {fault}")),
+                Err(fault) => self.snapshot.fault = Some(format!("guard state: {fault}")),
             }
         }
         let now = Instant::now();
-        let age = |heard: Option<Instant>| heard.map_or(f64::INFINITY, |at| now.duration_since(at).as_secs_f64());
+        let age = |received: Option<Instant>| received.map_or(f64::INFINITY, |at| now.duration_since(at).as_secs_f64());
         while self.arrivals.front().is_some_and(|at| now.duration_since(*at).as_secs_f64() > RATE_S) {
             self.arrivals.pop_front();
         }
         let counted = now.duration_since(self.began).as_secs_f64().clamp(1e-3, RATE_S);
-        self.sight.rate_hz = self.arrivals.len() as f64 / counted;
-        self.sight.age_s = age(self.heard);
-        self.sight.stamps = self.stamps.as_ref().map(|watch| watch.findings().clone()).unwrap_or_default();
-        let guard_age = age(self.guard_heard);
-        if let Some((_, age)) = &mut self.sight.guard {
+        self.snapshot.rate_hz = self.arrivals.len() as f64 / counted;
+        self.snapshot.age_s = age(self.received);
+        self.snapshot.stamps = self.stamps.as_ref().map(|watch| watch.findings().clone()).unwrap_or_default();
+        let guard_age = age(self.guard_received);
+        if let Some((_, age)) = &mut self.snapshot.guard {
             *age = guard_age;
         }
-        &self.sight
+        &self.snapshot
     }
 }

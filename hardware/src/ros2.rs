@@ -17,7 +17,7 @@ pub struct GuardedRos2 {
 
 /// Finds the robot on the network and puts the guard around it. Nothing has moved yet.
 ///
-/// There is no other way to a [`Ros2Arm`], and none to a [`Confirmation`] but a person's word.
+/// There is no other way to a [`Ros2Arm`], and none to a [`Confirmation`] but the operator's confirmation.
 ///
 /// # Errors
 /// [`LinkError`] where a setting is impossible, nobody answers, or the joints are not those of the robot file.
@@ -93,7 +93,7 @@ impl Machine for Ros2Arm {
         let reading = self.reading().map_err(|error| unavailable(&error))?;
         // Whoever got this far has mapped every joint by its name.
         let joints = self.robot().joints().iter().map(|joint| joint.name.clone()).collect();
-        // What is on the list says all of it: homed, drives on, no emergency stop. Any other word says nothing that helps.
+        // What is on the list says all of it: homed, drives on, no emergency stop. No other state is accepted.
         let ready = reading.state.as_ref().map(|state| self.ready_states().iter().any(|ready| ready == state.trim()));
         Ok(Survey {
             joints,
@@ -127,7 +127,7 @@ struct Way<'a> {
 }
 
 impl Way<'_> {
-    fn hear(&mut self, t: f64, q: &[f64], effort: &[f64], command: &[f64]) -> Flow {
+    fn receive(&mut self, t: f64, q: &[f64], effort: &[f64], command: &[f64]) -> Flow {
         self.t = t;
         self.sink.unrecorded(&RawSample { index: 0, t, phase: Phase::Settle, q, effort, voltage: &[], command })
     }
@@ -135,11 +135,11 @@ impl Way<'_> {
 
 impl Listener for Way<'_> {
     fn sample(&mut self, sample: &GridSample, command: &[f64]) -> Flow {
-        self.hear(sample.index as f64 / self.rate_hz, &sample.q, &sample.effort, command)
+        self.receive(sample.index as f64 / self.rate_hz, &sample.q, &sample.effort, command)
     }
 
     fn standing(&mut self, t: f64, row: &JointRow, command: &[f64]) -> Flow {
-        self.hear(t, &row.q, &row.effort, command)
+        self.receive(t, &row.q, &row.effort, command)
     }
 
     fn idle(&mut self, age_s: f64) -> Flow {

@@ -1,57 +1,226 @@
-//! Values to bytes.
+//! Values to bytes: the data model of serde in plain CDR, little endian.
+
+use serde::ser::{self, Impossible, Serialize};
 
 use super::CdrError;
 
+/// The message as bytes, the four of the encapsulation first.
+///
+/// Structures and tuples are their fields one after the other, lists and texts have their 32-bit length in front.
+///
+/// # Errors
+/// [`CdrError::Long`] where a list or a text has 2³² entries or more, [`CdrError::Unsupported`] for what no ROS 2 message
+/// holds: options, enumerations, maps.
+pub fn encode<T: Serialize + ?Sized>(message: &T) -> Result<Vec<u8>, CdrError> {
+    let mut encoder = Encoder { bytes: vec![0, 1, 0, 0], what: "the message" };
+    message.serialize(&mut encoder)?;
+    Ok(encoder.bytes)
+}
+
 /// Little-endian bytes under way, encapsulation first.
-pub(super) struct Encoder {
+struct Encoder {
     bytes: Vec<u8>,
+    /// The field that is written.
+    what: &'static str,
 }
 
 impl Encoder {
-    pub(super) fn new() -> Self {
-        Self { bytes: vec![0, 1, 0, 0] }
-    }
-
-    pub(super) fn finish(self) -> Vec<u8> {
-        self.bytes
-    }
-
-    /// Zeros up to a multiple of `size`, counted after the encapsulation.
-    fn align(&mut self, size: usize) {
-        while !(self.bytes.len() - 4).is_multiple_of(size) {
-            self.bytes.push(0);
-        }
-    }
-
-    pub(super) fn u32(&mut self, value: u32) {
-        self.align(4);
-        self.bytes.extend_from_slice(&value.to_le_bytes());
-    }
-
-    pub(super) fn i32(&mut self, value: i32) {
-        self.align(4);
-        self.bytes.extend_from_slice(&value.to_le_bytes());
+    /// A number at the next multiple of its size, counted after the encapsulation.
+    fn put<const N: usize>(&mut self, number: [u8; N]) {
+        let end = 4 + (self.bytes.len() - 4).next_multiple_of(N);
+        self.bytes.resize(end, 0);
+        self.bytes.extend_from_slice(&number);
     }
 
     /// The number of entries that follow.
-    pub(super) fn length(&mut self, what: &'static str, length: usize) -> Result<(), CdrError> {
-        self.u32(u32::try_from(length).map_err(|_| CdrError::Long { what, length })?);
+    fn length(&mut self, length: usize) -> Result<(), CdrError> {
+        let count = u32::try_from(length).map_err(|_| CdrError::Long { what: self.what, length })?;
+        self.put(count.to_le_bytes());
         Ok(())
     }
 
-    pub(super) fn text(&mut self, what: &'static str, text: &str) -> Result<(), CdrError> {
-        self.length(what, text.len() + 1)?;
+    fn unsupported<T>(&self, kind: &'static str) -> Result<T, CdrError> {
+        Err(CdrError::Unsupported { what: self.what, kind })
+    }
+}
+
+macro_rules! numbers {
+    ($($method:ident: $number:ty),*) => {
+        $(fn $method(self, value: $number) -> Result<(), CdrError> {
+            self.put(value.to_le_bytes());
+            Ok(())
+        })*
+    };
+}
+
+impl ser::Serializer for &mut Encoder {
+    type Ok = ();
+    type Error = CdrError;
+    type SerializeSeq = Self;
+    type SerializeTuple = Self;
+    type SerializeTupleStruct = Self;
+    type SerializeTupleVariant = Impossible<(), CdrError>;
+    type SerializeMap = Impossible<(), CdrError>;
+    type SerializeStruct = Self;
+    type SerializeStructVariant = Impossible<(), CdrError>;
+
+    numbers! {
+        serialize_i8: i8, serialize_i16: i16, serialize_i32: i32, serialize_i64: i64,
+        serialize_u8: u8, serialize_u16: u16, serialize_u32: u32, serialize_u64: u64,
+        serialize_f32: f32, serialize_f64: f64
+    }
+
+    fn serialize_bool(self, value: bool) -> Result<(), CdrError> {
+        self.put([u8::from(value)]);
+        Ok(())
+    }
+
+    fn serialize_str(self, text: &str) -> Result<(), CdrError> {
+        self.length(text.len() + 1)?;
         self.bytes.extend_from_slice(text.as_bytes());
         self.bytes.push(0);
         Ok(())
     }
 
-    pub(super) fn list(&mut self, what: &'static str, values: &[f64]) -> Result<(), CdrError> {
-        self.length(what, values.len())?;
-        for value in values {
-            self.align(8);
-            self.bytes.extend_from_slice(&value.to_le_bytes());
+    fn serialize_seq(self, length: Option<usize>) -> Result<Self, CdrError> {
+        match length {
+            Some(length) => self.length(length).map(|()| self),
+            None => self.unsupported("a list of unknown length"),
         }
+    }
+
+    fn serialize_tuple(self, _: usize) -> Result<Self, CdrError> {
+        Ok(self)
+    }
+
+    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Self, CdrError> {
+        Ok(self)
+    }
+
+    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Self, CdrError> {
+        Ok(self)
+    }
+
+    fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<(), CdrError> {
+        value.serialize(self)
+    }
+
+    fn serialize_char(self, _: char) -> Result<(), CdrError> {
+        self.unsupported("a character")
+    }
+
+    fn serialize_bytes(self, _: &[u8]) -> Result<(), CdrError> {
+        self.unsupported("bytes")
+    }
+
+    fn serialize_none(self) -> Result<(), CdrError> {
+        self.unsupported("an option")
+    }
+
+    fn serialize_some<T: Serialize + ?Sized>(self, _: &T) -> Result<(), CdrError> {
+        self.unsupported("an option")
+    }
+
+    fn serialize_unit(self) -> Result<(), CdrError> {
+        self.unsupported("a unit")
+    }
+
+    fn serialize_unit_struct(self, _: &'static str) -> Result<(), CdrError> {
+        self.unsupported("a unit")
+    }
+
+    fn serialize_unit_variant(self, _: &'static str, _: u32, _: &'static str) -> Result<(), CdrError> {
+        self.unsupported("an enumeration")
+    }
+
+    fn serialize_newtype_variant<T: Serialize + ?Sized>(
+        self,
+        _: &'static str,
+        _: u32,
+        _: &'static str,
+        _: &T,
+    ) -> Result<(), CdrError> {
+        self.unsupported("an enumeration")
+    }
+
+    fn serialize_tuple_variant(
+        self,
+        _: &'static str,
+        _: u32,
+        _: &'static str,
+        _: usize,
+    ) -> Result<Impossible<(), CdrError>, CdrError> {
+        self.unsupported("an enumeration")
+    }
+
+    fn serialize_map(self, _: Option<usize>) -> Result<Impossible<(), CdrError>, CdrError> {
+        self.unsupported("a map")
+    }
+
+    fn serialize_struct_variant(
+        self,
+        _: &'static str,
+        _: u32,
+        _: &'static str,
+        _: usize,
+    ) -> Result<Impossible<(), CdrError>, CdrError> {
+        self.unsupported("an enumeration")
+    }
+
+    fn is_human_readable(&self) -> bool {
+        false
+    }
+}
+
+impl ser::SerializeSeq for &mut Encoder {
+    type Ok = ();
+    type Error = CdrError;
+
+    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), CdrError> {
+        value.serialize(&mut **self)
+    }
+
+    fn end(self) -> Result<(), CdrError> {
+        Ok(())
+    }
+}
+
+impl ser::SerializeTuple for &mut Encoder {
+    type Ok = ();
+    type Error = CdrError;
+
+    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), CdrError> {
+        value.serialize(&mut **self)
+    }
+
+    fn end(self) -> Result<(), CdrError> {
+        Ok(())
+    }
+}
+
+impl ser::SerializeTupleStruct for &mut Encoder {
+    type Ok = ();
+    type Error = CdrError;
+
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), CdrError> {
+        value.serialize(&mut **self)
+    }
+
+    fn end(self) -> Result<(), CdrError> {
+        Ok(())
+    }
+}
+
+impl ser::SerializeStruct for &mut Encoder {
+    type Ok = ();
+    type Error = CdrError;
+
+    fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Result<(), CdrError> {
+        self.what = name;
+        value.serialize(&mut **self)
+    }
+
+    fn end(self) -> Result<(), CdrError> {
         Ok(())
     }
 }

@@ -27,6 +27,28 @@ pub enum CdrError {
         /// Which one.
         what: &'static str,
     },
+    /// A byte that says yes or no is neither.
+    #[error("{what} is {found}, expected 0 or 1")]
+    Bool {
+        /// Which one.
+        what: &'static str,
+        /// The byte.
+        found: u8,
+    },
+    /// A value that no ROS 2 message holds.
+    #[error("{what} is {kind}, expected numbers, texts, lists and structures of them")]
+    Unsupported {
+        /// Which one.
+        what: &'static str,
+        /// What it is.
+        kind: &'static str,
+    },
+    /// The type of the message refuses a value.
+    #[error("{reason}")]
+    Value {
+        /// What it says.
+        reason: String,
+    },
     /// A time that `builtin_interfaces/msg/Time` cannot hold: its seconds have 32 bits and a sign.
     #[error("time is {seconds} s after the clock's zero, expected -2147483648 to 2147483647 (for dates: up to 2038)")]
     Time {
@@ -41,4 +63,16 @@ pub enum CdrError {
         /// How many there are.
         length: usize,
     },
+}
+
+impl serde::ser::Error for CdrError {
+    fn custom<T: std::fmt::Display>(reason: T) -> Self {
+        Self::Value { reason: reason.to_string() }
+    }
+}
+
+impl serde::de::Error for CdrError {
+    fn custom<T: std::fmt::Display>(reason: T) -> Self {
+        Self::Value { reason: reason.to_string() }
+    }
 }

@@ -1,8 +1,9 @@
 //! `std_msgs/msg/Float64MultiArray`, for numbers without a message of their own.
 
-use super::CdrError;
-use super::decoder::Decoder;
-use super::encoder::Encoder;
+use super::{CdrError, decode, encode};
+
+/// A dimension of a `std_msgs/msg/MultiArrayLayout`: label, size, stride.
+type Dimension = (String, u32, u32);
 
 /// Numbers without dimensions: what the message is mostly used for.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,11 +36,8 @@ uint32 stride
     /// # Errors
     /// [`CdrError::Long`] where there are more than 2³² numbers.
     pub fn encode(&self) -> Result<Vec<u8>, CdrError> {
-        let mut out = Encoder::new();
-        out.u32(0);
-        out.u32(0);
-        out.list("numbers", &self.data)?;
-        Ok(out.finish())
+        let dimensions: [Dimension; 0] = [];
+        encode(&(dimensions.as_slice(), 0_u32, &self.data))
     }
 
     /// The message in some bytes; its dimensions are read past.
@@ -47,14 +45,8 @@ uint32 stride
     /// # Errors
     /// [`CdrError`] where they are none.
     pub fn decode(bytes: &[u8]) -> Result<Self, CdrError> {
-        let mut input = Decoder::new(bytes)?;
-        for _ in 0..input.u32("number of dimensions")? {
-            input.text("label")?;
-            input.u32("size")?;
-            input.u32("stride")?;
-        }
-        input.u32("offset")?;
-        Ok(Self { data: input.list("numbers")? })
+        let (_, _, data): (Vec<Dimension>, u32, Vec<f64>) = decode(bytes)?;
+        Ok(Self { data })
     }
 }
 

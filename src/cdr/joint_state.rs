@@ -1,8 +1,8 @@
 //! `sensor_msgs/msg/JointState`.
 
-use super::decoder::Decoder;
-use super::encoder::Encoder;
-use super::{CdrError, Time};
+use serde::{Deserialize, Serialize};
+
+use super::{CdrError, Time, decode, encode};
 
 /// Positions, velocities and efforts of some joints at one time, in any order; a list may be empty where it is not known.
 ///
@@ -12,7 +12,7 @@ use super::{CdrError, Time};
 /// assert_eq!(JointState::decode(&state.encode()?)?, state);
 /// # Ok::<(), armid::cdr::CdrError>(())
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct JointState {
     /// When the data were taken, by the sender's clock.
     pub stamp: Time,
@@ -54,18 +54,7 @@ uint32 nanosec
     /// # Errors
     /// [`CdrError::Long`] where a list or a text has more than 2³² entries.
     pub fn encode(&self) -> Result<Vec<u8>, CdrError> {
-        let mut out = Encoder::new();
-        out.i32(self.stamp.sec);
-        out.u32(self.stamp.nanosec);
-        out.text("frame_id", &self.frame_id)?;
-        out.length("the list of names", self.name.len())?;
-        for name in &self.name {
-            out.text("name", name)?;
-        }
-        for (what, list) in [("positions", &self.position), ("velocities", &self.velocity), ("efforts", &self.effort)] {
-            out.list(what, list)?;
-        }
-        Ok(out.finish())
+        encode(self)
     }
 
     /// The message in some bytes.
@@ -73,18 +62,7 @@ uint32 nanosec
     /// # Errors
     /// [`CdrError`] where they are none.
     pub fn decode(bytes: &[u8]) -> Result<Self, CdrError> {
-        let mut input = Decoder::new(bytes)?;
-        let stamp = Time { sec: input.i32("seconds")?, nanosec: input.u32("nanoseconds")? };
-        let frame_id = input.text("frame_id")?;
-        let count = input.u32("number of names")?;
-        let mut name = Vec::new();
-        for _ in 0..count {
-            name.push(input.text("name")?);
-        }
-        let position = input.list("positions")?;
-        let velocity = input.list("velocities")?;
-        let effort = input.list("efforts")?;
-        Ok(Self { stamp, frame_id, name, position, velocity, effort })
+        decode(bytes)
     }
 }
 

@@ -4,7 +4,9 @@
 //! multiple of its own size (counted after those four), texts and lists with a 32-bit length before them, texts with a
 //! zero at the end. Little endian is written, both orders are read.
 //!
-//! Only the messages that armid stores are here; bytes that are none are refused with their place, whatever they are.
+//! [`encode`] and [`decode`] take any type that serde writes and reads as numbers, texts, lists and structures. The messages
+//! that armid stores are here, those that it only sends are in `armid-hardware`. Bytes that are no message are refused with
+//! the field and the place.
 //!
 //! Reference: OMG, *Common Object Request Broker Architecture*, part 2, section 9.3 (CDR transfer syntax), and *DDS
 //! Interoperability Wire Protocol (DDSI-RTPS)* 2.5, section 10 (the encapsulation).
@@ -16,6 +18,8 @@ mod float_array;
 mod joint_state;
 mod time;
 
+pub use decoder::decode;
+pub use encoder::encode;
 pub use error::CdrError;
 pub use float_array::FloatArray;
 pub use joint_state::JointState;

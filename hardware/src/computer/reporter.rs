@@ -1,4 +1,4 @@
-//! What the robot's computer says of its joints, and what faults make of it on the way.
+//! What the robot controller says of its joints, and what faults make of it on the way.
 
 use armid::experiment::JointLoop;
 use armid::model::{EffortInterface, Robot};

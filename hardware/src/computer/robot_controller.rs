@@ -339,10 +339,18 @@ impl<P: Plant> RobotController<P> {
         }
         self.current.copy_from_slice(self.joints.current());
         if self.steps.is_multiple_of(self.per_state as u64) {
-            let (stamp, fault) = (Time::from_ns(self.stamp_ns()), self.struck());
-            let state = self.reporter.state(&self.robot, &mut self.joints, stamp, fault);
-            let remark = self.reporter.send(state, t, fault, output);
-            self.remark_if(remark);
+            match Time::from_ns(self.stamp_ns()) {
+                Ok(stamp) => {
+                    let fault = self.struck();
+                    let state = self.reporter.state(&self.robot, &mut self.joints, stamp, fault);
+                    let remark = self.reporter.send(state, t, fault, output);
+                    self.remark_if(remark);
+                }
+                // A state with a wrong stamp is worse than none: the motors go off, and states end.
+                Err(fault) => {
+                    self.disable(&format!("fault: {fault}"));
+                }
+            }
         }
         let remark = self.reporter.release(t, output);
         self.remark_if(remark);

@@ -194,7 +194,7 @@ mod tests {
                 velocities: if degree > 1 { both((2.0 * t).cos()) } else { Vec::new() },
                 accelerations: if degree > 3 { both(-2.0 * (2.0 * t).sin()) } else { Vec::new() },
                 effort: Vec::new(),
-                time_from_start: Time::from_s(t),
+                time_from_start: Time::from_s(t).unwrap(),
             }
         };
         let joint_names = vec!["b".to_owned(), "a".to_owned()];

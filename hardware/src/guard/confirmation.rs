@@ -1,6 +1,6 @@
-//! A person's word that the arm may move.
+//! The operator's confirmation that the arm may move.
 
-/// A person's word: the emergency stop works and is in reach, the arm is homed, and nobody is within its reach.
+/// What the operator confirms: the emergency stop works and is in reach, the arm is homed, and nobody is within its reach.
 ///
 /// There is no other way to get one than to type the robot's name, or to say so on the command line.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -18,13 +18,13 @@ impl Confirmation {
         )
     }
 
-    /// The word of a person who typed the robot's name.
+    /// By typing the robot's name.
     #[must_use]
     pub fn typed(robot: &str, answer: &str) -> Option<Self> {
         (answer.trim() == robot).then_some(Self { how: "confirmed by typing the robot's name" })
     }
 
-    /// The word of whoever wrote `--yes-the-estop-works`.
+    /// By the option `--yes-the-estop-works`.
     #[must_use]
     pub const fn on_the_command_line() -> Self {
         Self { how: "confirmed on the command line" }

@@ -11,7 +11,7 @@ use super::{GuardSettings, Mode};
 pub struct GuardRecord {
     /// How the motion reached the robot.
     pub mode: Mode,
-    /// Whether somebody listens to the word `disable`; otherwise such a trip ends the motion.
+    /// Whether somebody listens to the request `disable`; otherwise such a trip ends the motion.
     pub disables: bool,
     /// Where the lines were.
     pub settings: GuardSettings,

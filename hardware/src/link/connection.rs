@@ -54,7 +54,7 @@ impl Connection {
         self.sender.wait(&self.endpoint, settings)
     }
 
-    /// The next word about the robot's computer, if one has come.
+    /// The next state of the robot controller, if one has come.
     pub(crate) fn word(&self) -> Option<String> {
         self.words.iter().find_map(Inbox::take)?.message.ok().map(|text| text.data)
     }
@@ -65,7 +65,7 @@ impl Connection {
         !self.words.is_empty() && self.endpoint.count(Peer::Writer, &topic) > 0
     }
 
-    /// Whether somebody listens to the word `disable`.
+    /// Whether somebody listens to the request `disable`.
     pub(crate) fn takes_requests(&self, settings: &LinkSettings) -> bool {
         let topic = format!("rt{}", settings.full(&settings.robot_request));
         self.request.is_some() && self.endpoint.count(Peer::Reader, &topic) > 0

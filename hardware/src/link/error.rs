@@ -1,5 +1,7 @@
 //! What can go wrong on the link.
 
+use armid::cdr::CdrError;
+
 /// Why the link cannot be used, or cannot be used any longer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum LinkError {
@@ -21,6 +23,9 @@ pub enum LinkError {
         /// What it says.
         reason: String,
     },
+    /// A date or a duration that a message cannot hold.
+    #[error(transparent)]
+    Cdr(#[from] CdrError),
     /// Nothing was received in time.
     #[error("{what}: nothing within {waited_s} s in ROS domain {domain}")]
     Silence {
@@ -51,8 +56,8 @@ pub enum LinkError {
         /// Number of names.
         expected: usize,
     },
-    /// The robot's computer does not take the motion.
-    #[error("the robot's computer refuses the motion: {reason}")]
+    /// The robot controller does not take the motion.
+    #[error("the robot controller refuses the motion: {reason}")]
     Refused {
         /// What it says, if anything.
         reason: String,
@@ -60,7 +65,7 @@ pub enum LinkError {
     /// Somebody else commands the arm, or a second robot answers to its names.
     #[error("interference: {0}")]
     Interference(String),
-    /// The robot's computer says neither yes nor no to a motion.
+    /// The robot controller says neither yes nor no to a motion.
     #[error("no answer to the motion within {waited_ms:.0} ms, expected one within {bound_ms:.0} ms")]
     NoAcceptance {
         /// How long, ms.
@@ -68,7 +73,7 @@ pub enum LinkError {
         /// How long it may take, ms.
         bound_ms: f64,
     },
-    /// The robot's computer never says how a motion ended.
+    /// The robot controller never says how a motion ended.
     #[error("no result {waited_ms:.0} ms after the motion's end, expected one within {bound_ms:.0} ms")]
     NoResult {
         /// How long, ms.
@@ -92,8 +97,8 @@ pub enum LinkError {
     /// This program itself failed.
     #[error("armid itself failed: {0}")]
     Panic(String),
-    /// The robot's computer gave the motion up.
-    #[error("the robot's computer ended the motion: {reason}")]
+    /// The robot controller gave the motion up.
+    #[error("the robot controller ended the motion: {reason}")]
     Aborted {
         /// What it says.
         reason: String,

@@ -273,16 +273,16 @@ impl Ros2Arm {
         }
         let (motion, spacing_s) = (run.motion, self.settings.point_spacing_s);
         let next = if self.settings.horizon_s > 0.0 {
-            piece(motion, &self.robot, spacing_s, now_s, self.settings.horizon_s)
+            piece(motion, &self.robot, spacing_s, now_s, self.settings.horizon_s)?
         } else {
             let duration_s = motion.duration_s();
-            let points = points(motion, spacing_s);
+            let points = points(motion, spacing_s)?;
             Piece { points, full_until_s: duration_s, rest_s: duration_s, is_last: true }
         };
         run.piece = Some((now_s.max(0.0), next.full_until_s, next.rest_s));
         run.whole_sent = next.is_last;
         self.line.sender.hand_over(JointTrajectory {
-            header: Header { stamp: Time::from_ns(run.start_ns), frame_id: String::new() },
+            header: Header { stamp: Time::from_ns(run.start_ns)?, frame_id: String::new() },
             joint_names: self.map.names().to_vec(),
             points: next.points,
         })

@@ -166,9 +166,10 @@ impl Ros2Arm {
             velocities: zero.clone(),
             accelerations: zero,
             effort: Vec::new(),
-            time_from_start: Time::from_s(HOLD_S),
+            time_from_start: Time::from_s(HOLD_S).expect("a hold is shorter than a message can say"),
         };
-        let header = Header { stamp: Time::from_ns(now_ns), frame_id: String::new() };
+        // A hold goes out on any date: one that a message cannot hold (after 2038) becomes zero, which means at once.
+        let header = Header { stamp: Time::from_ns(now_ns).unwrap_or_default(), frame_id: String::new() };
         JointTrajectory { header, joint_names: self.map.names().to_vec(), points: vec![point] }
     }
 }

@@ -1,7 +1,7 @@
 //! The link to a robot that speaks ROS 2: joint states in, a motion out, by DDS alone.
 //!
 //! ```text
-//!  robot's computer                                        armid
+//!  robot controller                                        armid
 //!  joint_states ──→ names mapped ─→ stamps watched ─→ resampled onto the plan's grid ─→ Sink
 //!  action, topic or set-points ←── Motion                 (StampFindings)
 //! ```

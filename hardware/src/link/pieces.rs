@@ -17,6 +17,7 @@
 //! It stays on the path, with no more than its speeds; `span` is the shortest of a list by which every joint keeps its
 //! acceleration limit.
 
+use armid::cdr::CdrError;
 use armid::model::Robot;
 
 use super::Motion;
@@ -54,25 +55,35 @@ fn intervals(motion: &dyn Motion, spacing_s: f64) -> usize {
 /// With position, velocity and acceleration in every point the robot's computer joins two of them by a polynomial of
 /// degree five, whose error is `h⁶ max|q⁗⁗| / 46080` (the sixth derivative): at 50 ms and the fifth harmonic of a
 /// period of 10 s it is 2e-11 of the amplitude, of a period of 2 s 3e-7.
-#[must_use]
-pub fn points(motion: &dyn Motion, spacing_s: f64) -> Vec<TrajectoryPoint> {
+///
+/// # Errors
+/// [`CdrError::Time`] where the motion is longer than a message can say, 68 years.
+pub fn points(motion: &dyn Motion, spacing_s: f64) -> Result<Vec<TrajectoryPoint>, CdrError> {
     let count = intervals(motion, spacing_s);
     (0..=count).map(|k| point(motion, motion.duration_s() * k as f64 / count as f64)).collect()
 }
 
 /// The point of a motion at `t`, in whole nanoseconds.
-fn point(motion: &dyn Motion, t: f64) -> TrajectoryPoint {
-    let time_from_start = Time::from_s(t);
+fn point(motion: &dyn Motion, t: f64) -> Result<TrajectoryPoint, CdrError> {
+    let time_from_start = Time::from_s(t)?;
     let zero = vec![0.0; motion.dof()];
     let (mut positions, mut velocities, mut accelerations) = (zero.clone(), zero.clone(), zero);
     motion.at(time_from_start.seconds(), &mut positions, &mut velocities, &mut accelerations);
-    TrajectoryPoint { positions, velocities, accelerations, effort: Vec::new(), time_from_start }
+    Ok(TrajectoryPoint { positions, velocities, accelerations, effort: Vec::new(), time_from_start })
 }
 
 /// The piece that is due at time `now_s` of the motion (below zero before it begins) and rests `horizon_s` later, or
 /// later than that by what braking takes beyond it.
-#[must_use]
-pub fn piece(motion: &dyn Motion, robot: &Robot, spacing_s: f64, now_s: f64, horizon_s: f64) -> Piece {
+///
+/// # Errors
+/// As [`points`].
+pub fn piece(
+    motion: &dyn Motion,
+    robot: &Robot,
+    spacing_s: f64,
+    now_s: f64,
+    horizon_s: f64,
+) -> Result<Piece, CdrError> {
     let (count, duration_s) = (intervals(motion, spacing_s), motion.duration_s());
     let time = |k: usize| duration_s * k as f64 / count as f64;
     let step_s = duration_s / count as f64;
@@ -83,20 +94,22 @@ pub fn piece(motion: &dyn Motion, robot: &Robot, spacing_s: f64, now_s: f64, hor
         let full_s = (horizon_s - span_s).max(LEAST_FULL_S);
         let least = ((begin_s + LEAST_FULL_S) / step_s).ceil();
         last = (((begin_s + full_s) / step_s).floor().max(least) as usize).min(count);
-        span_s = braking_span(motion, robot, Time::from_s(time(last)).seconds());
+        span_s = braking_span(motion, robot, Time::from_s(time(last))?.seconds());
     }
-    let mut points: Vec<TrajectoryPoint> = (first..=last).map(|k| point(motion, time(k))).collect();
-    let full_until_s = Time::from_s(time(last)).seconds();
+    let mut points: Vec<TrajectoryPoint> = (first..=last).map(|k| point(motion, time(k))).collect::<Result<_, _>>()?;
+    let full_until_s = Time::from_s(time(last))?.seconds();
     // Where the tail would be as long as the motion that is left, the motion itself comes to rest as soon.
     if full_until_s + span_s >= duration_s {
-        points.extend((last + 1..=count).map(|k| point(motion, time(k))));
-        return Piece { points, full_until_s: duration_s, rest_s: duration_s, is_last: true };
+        for k in last + 1..=count {
+            points.push(point(motion, time(k))?);
+        }
+        return Ok(Piece { points, full_until_s: duration_s, rest_s: duration_s, is_last: true });
     }
     let steps = (span_s / step_s).ceil().max(1.0) as usize;
     for k in 1..=steps {
-        points.push(tail_point(motion, full_until_s, span_s, span_s * k as f64 / steps as f64));
+        points.push(tail_point(motion, full_until_s, span_s, span_s * k as f64 / steps as f64)?);
     }
-    Piece { points, full_until_s, rest_s: full_until_s + span_s, is_last: false }
+    Ok(Piece { points, full_until_s, rest_s: full_until_s + span_s, is_last: false })
 }
 
 /// Path time, its rate and the rate of that, `u` s into a tail that begins at `from_s`.
@@ -106,9 +119,9 @@ fn slowed(from_s: f64, span_s: f64, u: f64) -> (f64, f64, f64) {
     (from_s + span_s * travelled, 1.0 - x * x * (3.0 - 2.0 * x), -6.0 * x * (1.0 - x) / span_s)
 }
 
-fn tail_point(motion: &dyn Motion, from_s: f64, span_s: f64, u: f64) -> TrajectoryPoint {
-    let time_from_start = Time::from_s(from_s + u);
-    let (on_path, rate, growth) = slowed(from_s, span_s, (time_from_start.seconds() - from_s).min(span_s));
+fn tail_point(motion: &dyn Motion, from_s: f64, span_s: f64, u: f64) -> Result<TrajectoryPoint, CdrError> {
+    let time_from_start = Time::from_s(from_s + u)?;
+    let (on_path, rate, acceleration) = slowed(from_s, span_s, (time_from_start.seconds() - from_s).min(span_s));
     let rests = u >= span_s;
     let mut point = TrajectoryPoint { time_from_start, ..Default::default() };
     let zero = vec![0.0; motion.dof()];
@@ -117,9 +130,9 @@ fn tail_point(motion: &dyn Motion, from_s: f64, span_s: f64, u: f64) -> Trajecto
     for j in 0..motion.dof() {
         let (qd, qdd) = (point.velocities[j], point.accelerations[j]);
         point.velocities[j] = if rests { 0.0 } else { qd * rate };
-        point.accelerations[j] = if rests { 0.0 } else { qdd * rate * rate + qd * growth };
+        point.accelerations[j] = if rests { 0.0 } else { qdd * rate * rate + qd * acceleration };
     }
-    point
+    Ok(point)
 }
 
 /// The shortest tail from `from_s` by which every joint keeps its acceleration limit; the longest where none does.
@@ -128,7 +141,8 @@ fn braking_span(motion: &dyn Motion, robot: &Robot, from_s: f64) -> f64 {
         (0..=LOOKS).all(|k| {
             let point = tail_point(motion, from_s, **span_s, **span_s * 0.999 * k as f64 / LOOKS as f64);
             let limits = robot.joints().iter().map(|joint| joint.limits.acceleration);
-            point.accelerations.iter().zip(limits).all(|(qdd, limit)| qdd.abs() <= limit)
+            // A point that no message can hold is refused where it is made.
+            point.is_ok_and(|point| point.accelerations.iter().zip(limits).all(|(qdd, limit)| qdd.abs() <= limit))
         })
     };
     SPANS_S.iter().find(fits).copied().unwrap_or(SPANS_S[SPANS_S.len() - 1])
@@ -175,10 +189,10 @@ mod tests {
     fn identity_the_points_of_every_piece_are_those_of_the_whole_motion() {
         let robot = armid::conformance::chains::planar_2r();
         let motion = Swing { omega: 3.0, duration_s: 4.03 };
-        let whole = points(&motion, 0.05);
+        let whole = points(&motion, 0.05).unwrap();
         for k in -20..400 {
             let now_s = f64::from(k) * 0.01;
-            let piece = piece(&motion, &robot, 0.05, now_s, 0.5);
+            let piece = piece(&motion, &robot, 0.05, now_s, 0.5).unwrap();
             let full = piece.points.iter().filter(|p| p.time_from_start.seconds() <= piece.full_until_s + 1e-12);
             for point in full {
                 assert!(whole.contains(point), "{now_s}: {point:?}");
@@ -203,7 +217,7 @@ mod tests {
             let motion = Swing { omega, duration_s: 20.0 };
             for k in 0..60 {
                 let now_s = 0.5 + 0.1 * f64::from(k);
-                let piece = piece(&motion, &robot, 0.05, now_s, 0.5);
+                let piece = piece(&motion, &robot, 0.05, now_s, 0.5).unwrap();
                 assert!(piece.rest_s - now_s <= 0.5 + 0.051 || piece.full_until_s - now_s <= LEAST_FULL_S + 0.051);
                 let follow = spline(&robot, piece.points.clone());
                 let (mut q, mut qd, mut before) = ([0.0; 2], [0.0; 2], None::<[f64; 2]>);
@@ -215,9 +229,9 @@ mod tests {
                     for j in 0..2 {
                         assert!(qd[j].abs() <= limit(j).velocity);
                         if let Some(before) = before {
-                            let growth = (qd[j] - before[j]).abs() / dt;
+                            let acceleration = (qd[j] - before[j]).abs() / dt;
                             // Between two looks and two points a little more than at them.
-                            assert!(growth <= 1.1 * limit(j).acceleration, "{growth} at {now_s}");
+                            assert!(acceleration <= 1.1 * limit(j).acceleration, "{acceleration} at {now_s}");
                         }
                     }
                     before = Some(qd);
@@ -234,7 +248,7 @@ mod tests {
         let bound = 0.4 * f64::powi(omega * h, 6) / 46080.0 + 2e-9;
         for k in 0..50 {
             let now_s = 0.1 * f64::from(k);
-            let piece = piece(&motion, &robot, h, now_s, 0.5);
+            let piece = piece(&motion, &robot, h, now_s, 0.5).unwrap();
             let follow = spline(&robot, piece.points.clone());
             let (mut q, mut exact) = ([0.0; 2], [0.0; 2]);
             for step in 0..((piece.full_until_s - now_s) * 1e3) as usize {
@@ -252,10 +266,10 @@ mod tests {
         let motion = Swing { omega: 1.0, duration_s: 2.0 };
         let (mut now_s, mut count) = (-0.5, 0);
         loop {
-            let piece = piece(&motion, &robot, 0.05, now_s, 0.5);
+            let piece = piece(&motion, &robot, 0.05, now_s, 0.5).unwrap();
             count += 1;
             if piece.is_last {
-                break assert_eq!(piece.points.last(), points(&motion, 0.05).last());
+                break assert_eq!(piece.points.last(), points(&motion, 0.05).unwrap().last());
             }
             now_s = now_s.max(0.0) + 0.1;
         }

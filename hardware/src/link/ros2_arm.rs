@@ -98,7 +98,7 @@ impl Ros2Arm {
                 return Ok(());
             }
             if began.elapsed() > self.settings.patience() {
-                let what = format!("a word on {}", self.settings.full(&self.settings.robot_state));
+                let what = format!("a state on {}", self.settings.full(&self.settings.robot_state));
                 let (waited_s, domain) = (self.settings.patience_s, self.settings.domain);
                 return Err(LinkError::Silence { what, waited_s, domain });
             }
@@ -106,7 +106,7 @@ impl Ros2Arm {
         }
     }
 
-    /// Whether somebody listens to the word `disable`.
+    /// Whether somebody listens to the request `disable`.
     pub(crate) fn can_disable(&self) -> bool {
         self.line.takes_requests(&self.settings)
     }
@@ -143,22 +143,22 @@ impl Ros2Arm {
         Ok(1e9 / steps[steps.len() / 2] as f64)
     }
 
-    /// Takes the next joint state, waiting for `patience` at most, and every word about the robot's computer.
+    /// Takes the next joint state, waiting for `patience` at most, and every state of the robot controller.
     fn hear(&mut self, patience: Duration) -> Result<bool, LinkError> {
         self.hear_state();
-        let Some(heard) = self.line.states.next(patience) else { return Ok(false) };
+        let Some(received) = self.line.states.next(patience) else { return Ok(false) };
         let message =
-            heard.message.map_err(|reason| LinkError::Middleware { what: "joint state".to_owned(), reason })?;
-        self.latest = Some((self.map.row(&message)?, heard.at));
+            received.message.map_err(|reason| LinkError::Middleware { what: "joint state".to_owned(), reason })?;
+        self.latest = Some((self.map.row(&message)?, received.at));
         Ok(true)
     }
 
-    /// Takes every word about the state of the robot's computer.
+    /// Takes every reported state of the robot controller.
     pub(super) fn hear_state(&mut self) {
-        while let Some(word) = self.line.word() {
-            // A word that forbids the motion stays: a second one that allows it may be of somebody else.
+        while let Some(state) = self.line.word() {
+            // A state that forbids the motion stays: a second one that allows it may be of another controller.
             if self.state.as_ref().is_none_or(|state| self.settings.is_ready(state)) {
-                self.state = Some(word);
+                self.state = Some(state);
             }
         }
     }
@@ -216,7 +216,7 @@ impl Ros2Arm {
         &self.robot
     }
 
-    /// How far the robot's computer says that its joints are from the motion, in its own order; `None` where it reports
+    /// How far the robot controller says that its joints are from the motion, in its own order; `None` where it reports
     /// nothing, as in the modes without an action.
     #[must_use]
     pub fn feedback(&self) -> Option<&FollowFeedback> {
@@ -275,6 +275,7 @@ pub(crate) fn ending(followed: Followed, t: f64, phase: Phase) -> Ending {
         LinkError::LatePiece { .. }
         | LinkError::Setting { .. }
         | LinkError::Middleware { .. }
+        | LinkError::Cdr(_)
         | LinkError::Silence { .. }
         | LinkError::Joints { .. }
         | LinkError::Length { .. } => (Trip::Link, REACTION_MS),
@@ -327,7 +328,7 @@ impl Arm for Ros2Arm {
         self.hear_state();
         if let Some(state) = self.state.as_ref().filter(|state| !self.settings.is_ready(state)) {
             let expected = self.settings.ready_states.join("\", \"");
-            return Err(unavailable(format!("the robot's computer says \"{state}\", expected \"{expected}\"")));
+            return Err(unavailable(format!("the robot controller says \"{state}\", expected \"{expected}\"")));
         }
         sink.begin(&self.recording(plan, &layout));
         let mut relay = Relay { sink, layout: &layout, rate_hz: plan.rate_hz, last: (0.0, layout.phase(0)) };

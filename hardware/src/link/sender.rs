@@ -1,4 +1,4 @@
-//! The way a motion goes out, and what the robot's computer answers.
+//! The way a motion goes out, and what the robot controller answers.
 
 use std::time::{Duration, Instant};
 
@@ -12,7 +12,7 @@ use super::node::Peer;
 use super::{Endpoint, LinkError, LinkSettings, Mode};
 use crate::message::{Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointTrajectory};
 
-/// How long the robot's computer may take to say whether it takes a motion.
+/// How long the robot controller may take to say whether it takes a motion.
 pub(crate) const ACCEPTANCE: Duration = Duration::from_millis(500);
 /// Goals whose end is still of interest: the newest, and the one that it replaces.
 const KEPT: usize = 2;
@@ -44,7 +44,7 @@ enum Way {
     Stream(Publisher<Float64MultiArray>),
 }
 
-/// How the newest motion stands, as the robot's computer says.
+/// How the newest motion stands, as the robot controller says.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub(crate) struct Standing {
     /// It was taken.
@@ -150,7 +150,7 @@ impl Sender {
         matches!(self.way, Way::Stream(_))
     }
 
-    /// Whether the robot's computer reports when a motion has ended.
+    /// Whether the robot controller reports when a motion has ended.
     pub(crate) const fn tells_the_end(&self) -> bool {
         matches!(self.way, Way::Action(..))
     }
@@ -163,7 +163,7 @@ impl Sender {
             .map_err(|error| LinkError::middleware("set-point", &error.forget_data()))
     }
 
-    /// Asks for the end of the motion under way: the robot's computer brings the arm to rest. On a topic, where nobody can
+    /// Asks for the end of the motion under way: the robot controller brings the arm to rest. On a topic, where nobody can
     /// cancel, `hold` takes its place: current controllers refuse an empty trajectory (`ros2_controllers` pull request 902).
     /// Set-points just end.
     ///
@@ -190,7 +190,7 @@ impl Sender {
         self.feedback.as_ref()
     }
 
-    /// What the robot's computer has said about the motion under way.
+    /// What the robot controller has said about the motion under way.
     ///
     /// That our own next piece ends the one before, in any way and however late (`ros2_controllers` issue 1519), is
     /// no fault: the newest goal counts.
@@ -260,7 +260,7 @@ impl Action {
             for status in under_way {
                 let id = status.goal_info.goal_id;
                 if !self.ours.iter().rev().any(|ours| *ours == id) {
-                    let what = format!("the robot's computer follows a goal of somebody else ({id:?})");
+                    let what = format!("the robot controller follows a goal of somebody else ({id:?})");
                     found = Some(LinkError::Interference(what));
                 } else if status.status == Canceling && self.goals.last().is_some_and(|goal| goal.id == id) {
                     found = Some(LinkError::Interference("somebody else cancels the motion".to_owned()));

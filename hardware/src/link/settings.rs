@@ -100,13 +100,13 @@ pub struct LinkSettings {
     pub trajectory: String,
     /// Topic of `mode = "stream"`.
     pub commands: String,
-    /// Topic on which the robot's computer says its state in words; empty where it does not.
+    /// Topic on which the robot controller reports its state as text; empty where it does not.
     pub robot_state: String,
-    /// The words with which the arm may move: homed, drives on, no emergency stop. Any other word refuses, and trips.
+    /// States in which the arm may move: homed, drives on, no emergency stop. In any other a run is refused, or trips.
     pub ready_states: Vec<String>,
-    /// What a word begins with that says that the drives are off.
+    /// Prefixes of the states in which the drives are off.
     pub off_states: Vec<String>,
-    /// Topic on which it takes the word `disable`; empty where it does not.
+    /// Topic on which it takes the request `disable`; empty where it does not.
     pub robot_request: String,
     /// How services are laid onto topics.
     pub service_mapping: ServiceMappingName,
@@ -198,7 +198,7 @@ impl LinkSettings {
         Ok(())
     }
 
-    /// Whether the arm may move with this word of its computer.
+    /// Whether the arm may move in this state of its controller.
     #[must_use]
     pub fn is_ready(&self, state: &str) -> bool {
         self.ready_states.iter().any(|ready| ready == state.trim())
@@ -236,7 +236,7 @@ impl LinkSettings {
         self.command_qos().history(History::KeepLast { depth: 1 })
     }
 
-    /// Quality of service of what is reported to whoever listens. Who is gone and does not confirm must not hold up the teller.
+    /// Quality of service of what is reported to whoever listens. Who is gone and does not confirm must not hold up the sender.
     pub(crate) fn telling_qos(&self) -> QosProfile {
         self.qos(Reliability::Reliable { when_full: WhenFull::Fail })
     }

@@ -19,31 +19,31 @@ pub(crate) struct Received<M> {
 
 /// The messages of one topic, in the order of arrival.
 pub(crate) struct Inbox<M> {
-    heard: Receiver<Received<M>>,
+    received: Receiver<Received<M>>,
     open: Arc<AtomicBool>,
 }
 
 impl<M: Message + Send + 'static> Inbox<M> {
     /// Listens until it is dropped.
     pub(crate) fn new(what: &str, subscription: Subscription<M>) -> Result<Self, LinkError> {
-        let (sender, heard) = channel();
+        let (sender, received) = channel();
         let open = Arc::new(AtomicBool::new(true));
         let listening = Arc::clone(&open);
         std::thread::Builder::new()
             .name(what.to_owned())
             .spawn(move || listen(&subscription, &sender, &listening))
             .map_err(|error| LinkError::middleware(format!("thread for {what}"), &error))?;
-        Ok(Self { heard, open })
+        Ok(Self { received, open })
     }
 
     /// The next message, if one comes within `patience`.
     pub(crate) fn next(&self, patience: Duration) -> Option<Received<M>> {
-        self.heard.recv_timeout(patience).ok()
+        self.received.recv_timeout(patience).ok()
     }
 
     /// The next message, if it is there already.
     pub(crate) fn take(&self) -> Option<Received<M>> {
-        self.heard.try_recv().ok()
+        self.received.try_recv().ok()
     }
 }
 

@@ -10,7 +10,6 @@
 //! | [`Float64MultiArray`], [`Text`] | `std_msgs/msg/Float64MultiArray`, `std_msgs/msg/String` |
 
 mod array;
-pub mod cdr;
 mod follow;
 mod header;
 mod joint_state;
@@ -20,9 +19,10 @@ mod tests;
 mod text;
 mod trajectory;
 
+pub use armid::cdr::Time;
 pub use array::{ArrayDimension, ArrayLayout, Float64MultiArray};
 pub use follow::{FollowFeedback, FollowGoal, FollowResult, JointComponentTolerance, JointTolerance};
-pub use header::{Header, Time};
+pub use header::Header;
 pub use joint_state::JointState;
 pub use multi_dof::{MultiDofPoint, MultiDofTrajectory, Quaternion, Transform, Twist, Vector3};
 pub use text::Text;

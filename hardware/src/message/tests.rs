@@ -1,8 +1,10 @@
+use armid::cdr::{CdrError, decode, encode};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use ros2_client::Message;
+use rustdds::RepresentationIdentifier;
+use rustdds::serialization::{deserialize_from_cdr_with_rep_id, to_writer_with_rep_id};
 
-use super::cdr::{CdrError, decode, encode};
 use super::*;
 
 fn numbers() -> impl Strategy<Value = Vec<f64>> {
@@ -49,8 +51,18 @@ prop_compose! {
     }
 }
 
+/// Ours and the codec of the DDS library, which is the one on the wire: the same bytes, and each reads the other's.
 fn there_and_back<M: Message + PartialEq + std::fmt::Debug>(message: &M) {
-    assert_eq!(&decode::<M>(&encode(message).unwrap()).unwrap(), message);
+    let bytes = encode(message).unwrap();
+    assert_eq!(&decode::<M>(&bytes).unwrap(), message);
+    let mut wire = Vec::new();
+    to_writer_with_rep_id(&mut wire, message, RepresentationIdentifier::CDR_LE).unwrap();
+    assert_eq!(bytes[4..], wire);
+    let mut big = Vec::new();
+    to_writer_with_rep_id(&mut big, message, RepresentationIdentifier::CDR_BE).unwrap();
+    assert_eq!(&decode::<M>(&[&[0, 0, 0, 0], big.as_slice()].concat()).unwrap(), message);
+    let (read, _) = deserialize_from_cdr_with_rep_id::<M>(&bytes[4..], RepresentationIdentifier::CDR_LE).unwrap();
+    assert_eq!(&read, message);
 }
 
 proptest! {
@@ -134,16 +146,7 @@ fn analytic_bytes_of_a_joint_state_in_both_orders() {
 fn a_list_that_claims_to_be_huge_is_refused() {
     let mut bytes = encode(&Float64MultiArray::list(vec![1.0])).unwrap();
     bytes[12..16].copy_from_slice(&u32::MAX.to_le_bytes());
-    assert!(matches!(decode::<Float64MultiArray>(&bytes), Err(CdrError::Body { .. })));
+    assert!(matches!(decode::<Float64MultiArray>(&bytes), Err(CdrError::Short { .. })));
     assert!(matches!(decode::<Float64MultiArray>(&[0, 3, 0, 0]), Err(CdrError::Encapsulation { .. })));
-    assert!(matches!(decode::<Float64MultiArray>(&[]), Err(CdrError::Encapsulation { .. })));
-}
-
-#[test]
-fn analytic_times_before_and_after_zero() {
-    for (ns, sec, nanosec) in [(-1, -1, 999_999_999), (0, 0, 0), (3_000_000_005, 3, 5)] {
-        let time = Time::from_ns(ns);
-        assert_eq!((time.sec, time.nanosec, time.ns()), (sec, nanosec, ns));
-    }
-    assert_eq!(Time::from_s(1.000_000_002), Time { sec: 1, nanosec: 2 });
+    assert!(matches!(decode::<Float64MultiArray>(&[]), Err(CdrError::Short { .. })));
 }

@@ -23,7 +23,7 @@ fn spline(start: f64) -> Spline {
         velocities: vec![0.0; 2],
         accelerations: vec![0.0; 2],
         effort: Vec::new(),
-        time_from_start: Time::from_s(t),
+        time_from_start: Time::from_s(t).unwrap(),
     };
     let points = vec![point(0.0, [start, 0.1]), point(1.0, [start + 0.5, -0.1]), point(2.0, [start, 0.1])];
     let trajectory = JointTrajectory { joint_names: vec!["a".into(), "b".into()], points, ..Default::default() };
@@ -115,7 +115,13 @@ fn part(from: usize, to: usize) -> Spline {
             vec![(later[0] - qd[0]) / 1e-6, (later[1] - qd[1]) / 1e-6]
         };
         let (positions, velocities) = (q.to_vec(), qd.to_vec());
-        TrajectoryPoint { positions, velocities, accelerations, effort: Vec::new(), time_from_start: Time::from_s(t) }
+        TrajectoryPoint {
+            positions,
+            velocities,
+            accelerations,
+            effort: Vec::new(),
+            time_from_start: Time::from_s(t).unwrap(),
+        }
     };
     let points = (from..=to).map(point).collect();
     let trajectory = JointTrajectory { joint_names: vec!["a".into(), "b".into()], points, ..Default::default() };
@@ -185,7 +191,7 @@ fn a_single_point_is_gone_to_from_wherever_the_arm_is() {
         velocities: vec![0.0; 2],
         accelerations: vec![0.0; 2],
         effort: Vec::new(),
-        time_from_start: Time::from_s(0.2),
+        time_from_start: Time::from_s(0.2).unwrap(),
     };
     let trajectory =
         JointTrajectory { joint_names: vec!["a".into(), "b".into()], points: vec![point], ..Default::default() };

@@ -38,7 +38,7 @@ pub trait Check: Send {
     fn take_used(&mut self) -> f64;
 }
 
-/// Every check of a mode, in the order of [`Trip::ALL`]. What the link or the robot's computer reports is not watched for
+/// Every check of a mode, in the order of [`Trip::ALL`]. What the link or the robot controller reports is not watched for
 /// here.
 pub(crate) fn all(
     robot: &Robot,

@@ -61,7 +61,7 @@ pub(super) enum Fault {
     Late(f64),
     /// A set-point is off by this much, rad.
     Step(f64),
-    /// The robot's computer gives up.
+    /// The robot controller gives up.
     Robot,
 }
 
@@ -204,7 +204,7 @@ impl Stage {
                     Fault::Step(size) => command[joint] += size,
                     Fault::Robot => {
                         self.crossed(now);
-                        let reason = "the robot's computer says estop".to_owned();
+                        let reason = "the robot controller says estop".to_owned();
                         let settings = &self.settings;
                         let trip =
                             crate::guard::watch::report(Trip::RobotStopped, reason, settings, self.mode, rate_hz);
@@ -277,7 +277,7 @@ impl Arm for Stage {
     fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
         let layout = plan.check(self.robot.dof())?;
         if self.gives_up {
-            let reason = "the robot's computer says \"estop\"".to_owned();
+            let reason = "the robot controller says \"estop\"".to_owned();
             return Err(ArmError::Unavailable { arm: "stage".to_owned(), reason });
         }
         sink.begin(&self.announcement(plan)?);
