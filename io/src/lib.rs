@@ -60,8 +60,9 @@
 //! assert!(unused.validate(&estimate, "the estimate")?.is_within(0.01));
 //! # Ok::<(), Box<dyn std::error::Error>>(())
 //! ```
-//! With files, [`Log::read`] takes the place of [`log::parse_csv`]. `examples/` has one program for each of: identify
-//! from a CSV, design for one's own robot, an estimator of one's own, an arm of one's own, a small study.
+//! With files, [`Log::read`] takes the place of [`log::parse_csv`]. `examples/` has one program for each of: the whole method
+//! from design to validation, identify from a CSV, design for one's own robot, an estimator of one's own, an arm of one's
+//! own, a small study.
 #![forbid(unsafe_code)]
 
 pub mod bundled_experiments;
