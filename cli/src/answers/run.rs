@@ -70,14 +70,14 @@ impl Done {
     }
 
     fn json(&self) -> Value {
-        let plan = &self.experiment.plan;
+        let plan = &self.experiment.planned.plan;
         let (ending, detail) = self.ending();
         json!({
             "recording": self.written,
-            "robot": self.experiment.robot.robot.name(),
+            "robot": self.experiment.planned.robot.robot.name(),
             "arm": self.experiment.arm.name(),
-            "seed": self.experiment.seed,
-            "run": self.experiment.run,
+            "seed": self.experiment.planned.seed,
+            "run": self.experiment.planned.run,
             "ending": ending,
             "detail": detail,
             "trip": self.trip(),
@@ -89,7 +89,7 @@ impl Done {
             "rate_hz": plan.rate_hz,
             "period_s": plan.trajectory.period_s(),
             "periods": plan.periods,
-            "certificate": self.experiment.certificate.as_ref().map(|certificate| json!({
+            "certificate": self.experiment.planned.certificate.as_ref().map(|certificate| json!({
                 "trajectory_sha256": certificate.trajectory_sha256,
                 "robot_sha256": certificate.robot_sha256,
                 "worst_limit_use": certificate.worst_limit_use,
@@ -97,9 +97,9 @@ impl Done {
             "tracking": self.performed.tracking.as_ref().map(|tracking| json!({
                 "peak_error": tracking.peak_error,
                 "rms_error": tracking.rms_error,
-                "error_units": self.experiment.robot.robot.joints().iter().map(|j| j.kind.unit()).collect::<Vec<_>>(),
+                "error_units": self.experiment.planned.robot.robot.joints().iter().map(|j| j.kind.unit()).collect::<Vec<_>>(),
                 "peak_effort": tracking.peak_effort,
-                "effort_units": self.experiment.robot.robot.joints().iter().map(|j| j.kind.effort_unit()).collect::<Vec<_>>(),
+                "effort_units": self.experiment.planned.robot.robot.joints().iter().map(|j| j.kind.effort_unit()).collect::<Vec<_>>(),
                 "peak_current_a": tracking.peak_current,
                 "saturated_steps": tracking.saturated_steps,
             })),
@@ -107,11 +107,11 @@ impl Done {
     }
 
     fn text(&self) -> String {
-        let plan = &self.experiment.plan;
+        let plan = &self.experiment.planned.plan;
         let (ending, detail) = self.ending();
         let mut text = format!(
             "{}: {} {}, {} samples at {} Hz, {} periods of {} s that count\n{}\n",
-            self.experiment.name,
+            self.experiment.planned.name,
             ending,
             if detail.is_empty() { self.on_what() } else { detail },
             self.samples,
@@ -121,7 +121,7 @@ impl Done {
             self.written.display(),
         );
         if let Some(tracking) = &self.performed.tracking {
-            let _ = write!(text, "\n{}", followed(&self.experiment.robot.robot, tracking).render(2));
+            let _ = write!(text, "\n{}", followed(&self.experiment.planned.robot.robot, tracking).render(2));
             if tracking.saturated_steps > 0 {
                 let _ = writeln!(text, "\n  a current was at its limit in {} servo steps", tracking.saturated_steps);
             }

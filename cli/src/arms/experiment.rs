@@ -1,7 +1,5 @@
 //! An experiment with the arm that performs it: what `experiment.toml` says in `arm`, `[ros2]` and `[guard]`.
 
-use std::ops::{Deref, DerefMut};
-
 use armid_hardware::guard::{Confirmation, GuardSettings};
 use armid_hardware::link::LinkSettings;
 use armid_io::{Error, Text, experiment, suggestion};
@@ -11,7 +9,7 @@ use toml::Spanned;
 
 use super::ArmKind;
 
-/// What the file says of the arm; what it says of the experiment is read by `armid-io`.
+/// The keys about the arm; those about the experiment are read by `armid-io`.
 #[derive(Deserialize)]
 struct File {
     arm: Option<Spanned<String>>,
@@ -22,7 +20,7 @@ struct File {
 /// An experiment and its arm.
 #[derive(Clone, Debug)]
 pub(crate) struct Experiment {
-    /// What is performed; its fields are those of this value too.
+    /// What is performed.
     pub(crate) planned: experiment::Experiment,
     /// What performs it.
     pub(crate) arm: ArmKind,
@@ -32,22 +30,8 @@ pub(crate) struct Experiment {
     pub(crate) guard: GuardSettings,
     /// Whether a simulated arm is watched too.
     pub(crate) guarded: bool,
-    /// A person's word that a real arm may move.
+    /// The operator's confirmation that a real arm may move.
     pub(crate) confirmation: Option<Confirmation>,
-}
-
-impl Deref for Experiment {
-    type Target = experiment::Experiment;
-
-    fn deref(&self) -> &Self::Target {
-        &self.planned
-    }
-}
-
-impl DerefMut for Experiment {
-    fn deref_mut(&mut self) -> &mut Self::Target {
-        &mut self.planned
-    }
 }
 
 impl Experiment {

@@ -1,4 +1,4 @@
-//! The arms that can perform an experiment: one word switches between them.
+//! The arms that can perform an experiment: one option switches between them.
 
 use armid_sim::Engine;
 

@@ -46,19 +46,20 @@ pub(crate) fn perform(
     let fault = |error: &dyn std::fmt::Display| Error::new(format!("arm {}: {error}", kind.name()));
     match kind {
         ArmKind::Simulated(_) => {
-            let simulation = Simulation::of(experiment.robot.clone(), kind)?.with_effects(experiment.effects.clone());
+            let simulation = Simulation::of(experiment.planned.robot.clone(), kind)?
+                .with_effects(experiment.planned.effects.clone());
             let mut servo = simulation
-                .servo(&experiment.sensing)
+                .servo(&experiment.planned.sensing)
                 .map_err(|error| fault(&error))?
-                .with_seed(Seed::new(experiment.seed), experiment.run);
+                .with_seed(Seed::new(experiment.planned.seed), experiment.planned.run);
             if !experiment.guarded {
-                let ending = servo.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+                let ending = servo.perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;
                 return Ok(Performed { ending, tracking: servo.tracking().cloned(), guard: None, stamps: None });
             }
             let robot = simulation.robot().clone();
-            // A simulated servo has the whole motion before it begins, as a robot's computer has.
+            // A simulated servo has the whole motion before it begins, as a robot controller has.
             let mut guarded = Guarded::new(servo, &robot, &experiment.guard, Mode::Trajectory);
-            let ending = guarded.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+            let ending = guarded.perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;
             let (guard, tracking) = (Some(guarded.record().clone()), guarded.arm().tracking().cloned());
             Ok(Performed { ending, tracking, guard, stamps: None })
         }
@@ -67,17 +68,17 @@ pub(crate) fn perform(
                 return Err(Error::new("arm replay needs --recording R.mcap: what it plays").into());
             };
             let recording = Log::read(path)?.into_recording()?;
-            let ending = Replay(recording).perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+            let ending = Replay(recording).perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;
             Ok(Performed { ending, tracking: None, guard: None, stamps: None })
         }
         ArmKind::Ros2 => {
             let Some(confirmation) = experiment.confirmation.clone() else {
                 return Err(Error::new("arm ros2 moves metal, and nobody confirmed that it may").into());
             };
-            let (robot, text) = (&experiment.robot.robot, experiment.robot.text.content.as_ref());
+            let (robot, text) = (&experiment.planned.robot.robot, experiment.planned.robot.text.content.as_ref());
             let mut arm = guarded_ros2(&experiment.ros2, &experiment.guard, robot, text, confirmation)
                 .map_err(|error| fault(&error))?;
-            let ending = arm.perform(&experiment.plan, sink).map_err(|error| fault(&error))?;
+            let ending = arm.perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;
             let (guard, stamps) = (Some(arm.record()), Some(arm.findings().clone()));
             Ok(Performed { ending, tracking: None, guard, stamps })
         }

@@ -58,33 +58,35 @@ pub(crate) fn find(path: &Path, experiment: &Experiment) -> Result<Found> {
     let (Some(recording), Some(robot)) = (log.recording, log.robot) else {
         return Err(refused(format!("{} was not recorded by armid", log.name)).into());
     };
-    if robot.text != *experiment.robot.text.content {
-        return Err(
-            refused(format!("{} is of another robot file than {}", log.name, experiment.robot.text.name)).into()
-        );
+    if robot.text != *experiment.planned.robot.text.content {
+        return Err(refused(format!(
+            "{} is of another robot file than {}",
+            log.name, experiment.planned.robot.text.name
+        ))
+        .into());
     }
-    for (key, expected) in [("arm", experiment.arm.name().to_owned()), ("seed", experiment.seed.to_string())] {
+    for (key, expected) in [("arm", experiment.arm.name().to_owned()), ("seed", experiment.planned.seed.to_string())] {
         let found = log.notes.get(key).map_or("", String::as_str);
         if found != expected {
             return Err(refused(format!("{}: {key} is \"{found}\", expected \"{expected}\"", log.name)).into());
         }
     }
     let mut sessions: Vec<Session> = match log.notes.get("sessions") {
-        None => vec![Session { first_period: 1, last_period: usize::MAX, run: experiment.run }],
+        None => vec![Session { first_period: 1, last_period: usize::MAX, run: experiment.planned.run }],
         Some(text) => serde_json::from_str(text)
             .map_err(|error| Error::new(format!("{}: metadata \"sessions\": {error}", log.name)))?,
     };
     let stamps = log.notes.get("stamps").and_then(|text| serde_json::from_str::<StampFindings>(text).ok());
     let missing = stamps.map_or_else(Vec::new, |stamps| stamps.missing);
-    let continuation =
-        Continuation::new(&experiment.plan, recording).map_err(|error| refused(format!("{}: {error}", log.name)))?;
+    let continuation = Continuation::new(&experiment.planned.plan, recording)
+        .map_err(|error| refused(format!("{}: {error}", log.name)))?;
     let kept = continuation.periods();
     sessions.retain(|session| session.first_period <= kept);
     if let Some(last) = sessions.last_mut() {
         last.last_period = last.last_period.min(kept);
     }
     // High bits: far from the run numbers that people count.
-    let run = if kept == 0 { experiment.run } else { experiment.run ^ ((kept as u64) << 32) };
+    let run = if kept == 0 { experiment.planned.run } else { experiment.planned.run ^ ((kept as u64) << 32) };
     Ok(Found::Part(Box::new(Part { continuation, sessions, run, missing })))
 }
 
@@ -119,10 +121,10 @@ impl Part {
             return Ok(Performed { ending: Ending::Completed, tracking: None, guard: None, stamps: None });
         };
         let mut rest = experiment.clone();
-        (rest.plan, rest.run) = (plan, self.run);
+        (rest.planned.plan, rest.planned.run) = (plan, self.run);
         let mut performed = perform(rest.arm, &rest, recording, &mut self.continuation.join(sink))?;
         if let Some(stamps) = &mut performed.stamps {
-            let layout = rest.plan.layout().map_err(|error| Error::new(error.to_string()))?;
+            let layout = rest.planned.plan.layout().map_err(|error| Error::new(error.to_string()))?;
             let kept = self.continuation.periods();
             let new = stamps.missing.iter().filter(|&&k| kept == 0 || layout.phase(k) >= Phase::Record);
             let new = new.map(|k| k + kept * layout.period_samples);

@@ -93,7 +93,7 @@ fn objection(notes: &Notes, experiment: &Experiment, needed: Speed, motion: &str
         Some(format!("was recorded on arm {}", note("arm").unwrap_or("unknown")))
     } else if !notes.is_complete() {
         Some("was not completed".to_owned())
-    } else if note("robot_file") != Some(experiment.robot.text.content.as_ref()) {
+    } else if note("robot_file") != Some(experiment.planned.robot.text.content.as_ref()) {
         Some("is of another robot file".to_owned())
     } else if note("motion") != Some(motion) {
         Some("is of another motion".to_owned())

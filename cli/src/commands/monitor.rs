@@ -15,15 +15,14 @@ use crate::monitor::{View, draw, text};
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
-It listens and commands nothing: to the robot's joint states, to the word of its computer, and to
-the guard of the run that is under way. It confirms nothing, so that nobody waits for it: what it
-misses is not lost to the run. q ends it.
+It receives the robot's joint states, the state of its controller and the reports of the guard of
+the run, and sends nothing, no acknowledgements either: it cannot delay the run. q ends it.
 
 Examples:
   armid monitor experiment.toml
   armid monitor experiment.toml --once     # one frame as text, after two seconds";
 
-/// Look on in the terminal while a real arm performs an experiment
+/// Monitor a run on a real arm in the terminal (read-only)
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
@@ -48,17 +47,17 @@ const COLUMNS: u16 = 100;
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let mut experiment = Experiment::load(&arguments.experiment)?;
     experiment.ros2.domain = arguments.domain.unwrap_or(experiment.ros2.domain);
-    let mut monitor =
-        Monitor::open(&experiment.ros2, &experiment.robot.robot).map_err(|error| Fault::new(error.to_string()))?;
+    let mut monitor = Monitor::open(&experiment.ros2, &experiment.planned.robot.robot)
+        .map_err(|error| Fault::new(error.to_string()))?;
     if arguments.once || console.json() {
         let until = Instant::now() + Duration::from_secs_f64(arguments.listen.clamp(0.0, 3600.0));
         while Instant::now() < until && !interrupt::asked() {
             monitor.look(LOOK);
         }
         let view = view(&experiment, &mut monitor);
-        let heard = view.sight.row.is_some();
+        let received = view.snapshot.row.is_some();
         console.answer(&Answer { text: text(&view, COLUMNS), json: json(&view) })?;
-        return Ok(if heard { Ending::Done } else { Ending::Negative });
+        return Ok(if received { Ending::Done } else { Ending::Negative });
     }
     let fault = |error: std::io::Error| Fault::new(format!("the terminal: {error}")).help("--once needs none");
     let mut terminal = ratatui::try_init().map_err(fault)?;
@@ -68,7 +67,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     Ok(Ending::Done)
 }
 
-/// Draws until somebody wants to leave.
+/// Draws frames until the user quits.
 fn watch(
     experiment: &Experiment,
     monitor: &mut Monitor,
@@ -97,22 +96,22 @@ fn view(experiment: &Experiment, monitor: &mut Monitor) -> View {
         Network::Only(_) => "chosen networks",
     };
     let place = format!("ROS domain {}, {network}", experiment.ros2.domain);
-    View::new(&experiment.robot.robot, &experiment.guard, &place, monitor.look(LOOK))
+    View::new(&experiment.planned.robot.robot, &experiment.guard, &place, monitor.look(LOOK))
 }
 
 fn json(view: &View) -> Value {
-    let sight = &view.sight;
+    let snapshot = &view.snapshot;
     let finite = |value: f64| value.is_finite().then_some(value);
     json!({
         "robot": view.robot,
-        "rate_hz": sight.rate_hz,
-        "age_s": finite(sight.age_s),
-        "q": sight.row.as_ref().map(|row| &row.q),
-        "effort": sight.row.as_ref().map(|row| &row.effort),
-        "stamps": sight.stamps,
-        "computer": sight.computer,
-        "guard": sight.guard.as_ref().map(|(state, _)| state),
-        "guard_age_s": sight.guard.as_ref().map(|(_, age)| age),
-        "fault": sight.fault,
+        "rate_hz": snapshot.rate_hz,
+        "age_s": finite(snapshot.age_s),
+        "q": snapshot.row.as_ref().map(|row| &row.q),
+        "effort": snapshot.row.as_ref().map(|row| &row.effort),
+        "stamps": snapshot.stamps,
+        "computer": snapshot.computer,
+        "guard": snapshot.guard.as_ref().map(|(state, _)| state),
+        "guard_age_s": snapshot.guard.as_ref().map(|(_, age)| age),
+        "fault": snapshot.fault,
     })
 }

@@ -32,7 +32,7 @@ EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
   seed = 1                      # of every random number; run = 0, 1, … repeats it with others
   arm = \"analytic\"
 
-  [sensing]                     # what the sensors do wrong; all true unless told otherwise
+  [sensing]                     # what the sensors do wrong; all true by default
   encoders = true               # whole counts
   current_noise = true
   converters = true             # range and bits
@@ -59,7 +59,7 @@ Examples:
 Exit status: 0 done, 1 a guard tripped and the arm was seen at rest, 2 refused before anything moved,
 3 NOT CONFIRMED: the arm was asked to stop and nobody saw it at rest, 130 interrupted, at rest.";
 
-/// What a person must hear where nobody saw the arm at rest.
+/// The warning where the arm was not seen at rest.
 const NOT_CONFIRMED: &str = "NOT CONFIRMED: the arm was asked to stop and was not seen at rest. It may still be moving: \
                              press the emergency stop and look.";
 
@@ -94,15 +94,15 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let mut experiment = Experiment::load(&arguments.experiment)?;
-    experiment.seed = arguments.seed.unwrap_or(experiment.seed);
-    experiment.run = arguments.run.unwrap_or(experiment.run);
+    experiment.planned.seed = arguments.seed.unwrap_or(experiment.planned.seed);
+    experiment.planned.run = arguments.run.unwrap_or(experiment.planned.run);
     experiment.arm = arguments.arm.unwrap_or(experiment.arm);
-    experiment.plan.periods = arguments.periods.unwrap_or(experiment.plan.periods);
+    experiment.planned.plan.periods = arguments.periods.unwrap_or(experiment.planned.plan.periods);
     experiment.guarded = arguments.guarding.guard;
     verify(&experiment)?;
     let path = console
         .output()
-        .map_or_else(|| Path::new("reports").join(&experiment.name).join("recording.mcap"), Path::to_path_buf);
+        .map_or_else(|| Path::new("reports").join(&experiment.planned.name).join("recording.mcap"), Path::to_path_buf);
 
     let mut earlier = arguments.guarding.earlier.clone();
     let (mut steps, mut whole) = (Vec::new(), None);
@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let slowed = at_speed(&experiment, speed, arguments.guarding.first_run);
         fits(&slowed)?;
         let path = if arguments.guarding.first_run { speed::step_path(&path, speed) } else { path.clone() };
-        let motion = experiment.plan.trajectory.to_toml();
+        let motion = experiment.planned.plan.trajectory.to_toml();
         let part = match left(arguments, console, &slowed, &path)? {
             Found::Nothing => None,
             Found::Whole => {
@@ -127,7 +127,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             speed::check_earlier(&experiment, speed, &motion, &earlier)?;
             if experiment.confirmation.is_none() {
                 real_time::advise(console);
-                experiment.confirmation = Some(arguments.guarding.confirmation(experiment.robot.robot.name())?);
+                experiment.confirmation = Some(arguments.guarding.confirmation(experiment.planned.robot.robot.name())?);
             }
         }
         let slowed = Experiment { confirmation: experiment.confirmation.clone(), ..slowed };
@@ -161,17 +161,17 @@ fn reduced_use(experiment: &mut Experiment, line_mm_s: Option<f64>) -> Result<f6
         return Err(Fault::new(format!("--reduced-speed is {line}, expected more than 0 and at most 1000 mm/s")).into());
     }
     experiment.guard.reduced_speed_mm_s = line;
-    let layout = experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
-    Ok(1e3 * flange_speed(&experiment.robot.robot, &experiment.plan, &layout) / line)
+    let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    Ok(1e3 * flange_speed(&experiment.planned.robot.robot, &experiment.planned.plan, &layout) / line)
 }
 
 /// The experiment at a part of its speed; before full speed, one period shows what there is to see.
 fn at_speed(experiment: &Experiment, speed: Speed, first_run: bool) -> Experiment {
     let mut slowed = experiment.clone();
     if speed != Speed::FULL {
-        slowed.plan = experiment.plan.clone().at_speed(speed.part());
+        slowed.planned.plan = experiment.planned.plan.clone().at_speed(speed.part());
         if first_run {
-            (slowed.plan.discarded_periods, slowed.plan.periods) = (0, 1);
+            (slowed.planned.plan.discarded_periods, slowed.planned.plan.periods) = (0, 1);
         }
     }
     slowed
@@ -179,16 +179,16 @@ fn at_speed(experiment: &Experiment, speed: Speed, first_run: bool) -> Experimen
 
 /// The plan can be performed and stays inside the robot's limits.
 fn fits(experiment: &Experiment) -> Result<()> {
-    let layout = experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
-    experiment.plan.check_limits(&experiment.robot.robot).map_err(|error| {
+    let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    experiment.planned.plan.check_limits(&experiment.planned.robot.robot).map_err(|error| {
         let help = "nothing has moved; another trajectory, a longer period or longer ramps stay inside";
-        miette::Report::from(Fault::new(format!("{}: {error}", experiment.text.name)).help(help))
+        miette::Report::from(Fault::new(format!("{}: {error}", experiment.planned.text.name)).help(help))
     })?;
     // What the certificate holds must hold on the plan's own ramps and at its own speed, too.
-    let Some(certificate) = &experiment.certificate else { return Ok(()) };
-    let (plan, mut efforts) = (&experiment.plan, efforts(experiment, certificate));
+    let Some(certificate) = &experiment.planned.certificate else { return Ok(()) };
+    let (plan, mut efforts) = (&experiment.planned.plan, efforts(experiment, certificate));
     let timeline = plan.timeline(&layout);
-    verify_performance(&experiment.robot.robot, &plan.trajectory, timeline, certificate, efforts.as_mut())
+    verify_performance(&experiment.planned.robot.robot, &plan.trajectory, timeline, certificate, efforts.as_mut())
         .map_err(|error| refused(experiment, &error))
 }
 
@@ -206,7 +206,8 @@ fn left(arguments: &Arguments, console: &Console, experiment: &Experiment, path:
     }
     let found = resumption::find(path, experiment)?;
     if matches!(found, Found::Nothing) {
-        console.note(format!("{} is not there: nothing to continue, beginning", part_of(path).display()));
+        console
+            .note(format!("{} not found: nothing to continue, starting from the beginning", part_of(path).display()));
     }
     Ok(found)
 }
@@ -220,7 +221,7 @@ fn perform(
     path: &Path,
     part: Option<&Part>,
 ) -> Result<Done> {
-    let layout = experiment.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
+    let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
     let bar = progress::bar(console, layout.samples() as u64, "samples");
     let taken = AtomicUsize::new(0);
     let on_sample = |samples: usize| {
@@ -236,7 +237,7 @@ fn perform(
         _ if is_csv(path) => Box::new(CsvSink::new(path, on_sample).stopping_when(interrupt::asked)),
         None => Box::new(McapSink::new(path, notes, on_sample).stopping_when(interrupt::asked)),
         Some(part) => {
-            notes.insert("sessions".to_owned(), part.sessions(experiment.plan.periods));
+            notes.insert("sessions".to_owned(), part.sessions(experiment.planned.plan.periods));
             let sink = McapSink::new(path, notes, on_sample).resuming(part.continuation.samples());
             Box::new(sink.stopping_when(interrupt::asked))
         }
@@ -259,7 +260,7 @@ fn perform(
 
 /// The efforts by the nominal parameters at hand, with the uncertainty that the certificate includes.
 fn efforts(experiment: &Experiment, certificate: &Certificate) -> Option<EffortModel> {
-    let loaded = &experiment.robot;
+    let loaded = &experiment.planned.robot;
     let nominal = loaded.nominal.as_ref().or(loaded.own.as_ref())?;
     let multiple = certificate.uncertainty_multiple;
     let spread = loaded.uncertainty.as_ref().filter(|_| multiple > 0.0);
@@ -270,18 +271,23 @@ fn efforts(experiment: &Experiment, certificate: &Certificate) -> Option<EffortM
 /// Why nothing moves.
 fn refused(experiment: &Experiment, error: &VerificationError) -> miette::Report {
     let help = "nothing has moved; `armid design` writes a certificate that fits";
-    Fault::new(format!("{}: {error}", experiment.text.name)).help(help).into()
+    Fault::new(format!("{}: {error}", experiment.planned.text.name)).help(help).into()
 }
 
 /// The last look at the certificate, before anything moves.
 fn verify(experiment: &Experiment) -> Result<()> {
-    let Some(certificate) = &experiment.certificate else { return Ok(()) };
+    let Some(certificate) = &experiment.planned.certificate else { return Ok(()) };
     let mut efforts = efforts(experiment, certificate);
-    verify_certificate(&experiment.robot.robot, &experiment.plan.trajectory, certificate, efforts.as_mut())
-        .map_err(|error| refused(experiment, &error))
+    verify_certificate(
+        &experiment.planned.robot.robot,
+        &experiment.planned.plan.trajectory,
+        certificate,
+        efforts.as_mut(),
+    )
+    .map_err(|error| refused(experiment, &error))
 }
 
-/// What goes into the recording beside what the arm says of it.
+/// What goes into the recording beside the notes of the arm.
 pub(super) fn notes(experiment: &Experiment) -> BTreeMap<String, String> {
     let mut notes = BTreeMap::new();
     let mut note = |key: &str, value: Option<String>| {
@@ -289,14 +295,14 @@ pub(super) fn notes(experiment: &Experiment) -> BTreeMap<String, String> {
             notes.insert(key.to_owned(), value);
         }
     };
-    note("name", Some(experiment.name.clone()));
-    note("question", experiment.question.clone());
-    note("experiment", Some(experiment.text.content.to_string()));
+    note("name", Some(experiment.planned.name.clone()));
+    note("question", experiment.planned.question.clone());
+    note("experiment", Some(experiment.planned.text.content.to_string()));
     note("arm", Some(experiment.arm.name().to_owned()));
-    note("seed", Some(experiment.seed.to_string()));
-    note("run", Some(experiment.run.to_string()));
-    note("nominal_file", experiment.robot.nominal_text.as_ref().map(|text| text.content.to_string()));
-    note("base_link", experiment.chain.base.clone());
-    note("tip_link", experiment.chain.tip.clone());
+    note("seed", Some(experiment.planned.seed.to_string()));
+    note("run", Some(experiment.planned.run.to_string()));
+    note("nominal_file", experiment.planned.robot.nominal_text.as_ref().map(|text| text.content.to_string()));
+    note("base_link", experiment.planned.chain.base.clone());
+    note("tip_link", experiment.planned.chain.tip.clone());
     notes
 }

@@ -39,18 +39,18 @@ fn block(title: &str) -> Block<'static> {
 
 /// Rates, ages, and what the stamps reported.
 fn link(view: &View) -> Paragraph<'_> {
-    let sight = &view.sight;
-    let age = if sight.age_s.is_finite() {
-        let style = if sight.age_s > OLD_S { BAD } else { GOOD };
-        Span::styled(format!("{:.0} ms old", 1e3 * sight.age_s), style)
+    let snapshot = &view.snapshot;
+    let age = if snapshot.age_s.is_finite() {
+        let style = if snapshot.age_s > OLD_S { BAD } else { GOOD };
+        Span::styled(format!("{:.0} ms old", 1e3 * snapshot.age_s), style)
     } else {
-        Span::styled("nothing heard", BAD)
+        Span::styled("no joint states", BAD)
     };
-    let stamps = &sight.stamps;
+    let stamps = &snapshot.stamps;
     let count = |what: &str, count: usize| {
         Span::styled(format!("   {what} {count}"), if count > 0 { WARN } else { Style::new() })
     };
-    let computer = match sight.computer.as_deref() {
+    let computer = match snapshot.computer.as_deref() {
         None => Span::raw("does not say"),
         Some(state) => Span::styled(state.to_owned(), if state.starts_with("enabled") { GOOD } else { BAD }),
     };
@@ -60,14 +60,14 @@ fn link(view: &View) -> Paragraph<'_> {
         count("out of order", stamps.reordered),
         count("clock jumps", stamps.clock_jumps),
     ];
-    if let Some(fault) = &sight.fault {
+    if let Some(fault) = &snapshot.fault {
         order.push(Span::styled(format!("   {fault}"), BAD));
     }
     let lines = vec![
         Line::from(vec![
-            Span::raw(format!("joint states   {:5.0} Hz   ", sight.rate_hz)),
+            Span::raw(format!("joint states   {:5.0} Hz   ", snapshot.rate_hz)),
             age,
-            Span::raw("   robot computer: "),
+            Span::raw("   robot controller: "),
             computer,
         ]),
         Line::from(vec![
@@ -121,7 +121,7 @@ fn joint_row(joint: &JointView, wide: usize, narrow: usize) -> Row<'static> {
 /// What the guard does, and how much of each line was used.
 fn guard(view: &View) -> Paragraph<'_> {
     let Some((state, age_s)) = view.guard() else {
-        return Paragraph::new("no guard is heard: no run is under way in this domain").block(block("guard"));
+        return Paragraph::new("no guard reports: no run is under way in this domain").block(block("guard"));
     };
     let (word, style) = match (&state.trip, state.doing) {
         (Some(_), _) => ("TRIPPED", BAD),
@@ -131,7 +131,7 @@ fn guard(view: &View) -> Paragraph<'_> {
         (None, Activity::Experiment) => ("watching", GOOD),
     };
     let at = format!(
-        "   {} at t = {:.1} s, {} mode, told {:.1} s ago",
+        "   {} at t = {:.1} s, {} mode, reported {:.1} s ago",
         state.phase.name(),
         state.t_s,
         state.mode.name(),
@@ -200,7 +200,7 @@ mod tests {
             used,
             trip: None,
         };
-        let mut sight = Snapshot {
+        let mut snapshot = Snapshot {
             row: Some(row),
             age_s: 0.002,
             rate_hz: 499.6,
@@ -209,8 +209,8 @@ mod tests {
             guard: Some((state, 0.05)),
             fault: None,
         };
-        change(&mut sight);
-        View::new(&robot, &GuardSettings::default(), "ROS domain 42, loopback", &sight)
+        change(&mut snapshot);
+        View::new(&robot, &GuardSettings::default(), "ROS domain 42, loopback", &snapshot)
     }
 
     #[test]
@@ -220,7 +220,7 @@ mod tests {
             "crs-a460 on ROS domain 42",
             "500 Hz   2 ms old",
             "6150 messages   lost 0   longest gap 2.1 ms",
-            "robot computer: enabled",
+            "robot controller: enabled",
             "latest by 0.4 ms   twice 0   out of order 0   clock jumps 0",
             "wrist_pitch ",
             "waist",
@@ -241,26 +241,26 @@ mod tests {
     #[test]
     fn what_is_wrong_is_shown() {
         let shown = text(
-            &view(|sight| {
-                (sight.age_s, sight.rate_hz, sight.stamps.lost) = (f64::INFINITY, 0.0, 17);
-                sight.computer = Some("estop".to_owned());
-                sight.row.as_mut().unwrap().q[1] = 2.0;
-                sight.row.as_mut().unwrap().effort[0] = 9.0;
-                let (state, _) = sight.guard.as_mut().unwrap();
+            &view(|snapshot| {
+                (snapshot.age_s, snapshot.rate_hz, snapshot.stamps.lost) = (f64::INFINITY, 0.0, 17);
+                snapshot.computer = Some("estop".to_owned());
+                snapshot.row.as_mut().unwrap().q[1] = 2.0;
+                snapshot.row.as_mut().unwrap().effort[0] = 9.0;
+                let (state, _) = snapshot.guard.as_mut().unwrap();
                 state.trip = Some("position-jump: joint \"shoulder\": position moved".to_owned());
             }),
             100,
         );
-        for word in ["nothing heard", "lost 17", "estop", "▶", "TRIPPED", "position-jump: joint \"shoulder\""] {
+        for word in ["no joint states", "lost 17", "estop", "▶", "TRIPPED", "position-jump: joint \"shoulder\""] {
             assert!(shown.contains(word), "\"{word}\" not in\n{shown}");
         }
         // Nothing is cut off at the usual width of a terminal.
         let shown = text(&view(|_| {}), 80);
-        for word in ["clock jumps 0 ", "robot computer: enabled ", "wrist_pitch ", "0.500 A", " s ago "] {
+        for word in ["clock jumps 0 ", "robot controller: enabled ", "wrist_pitch ", "0.500 A", " s ago "] {
             assert!(shown.contains(word), "\"{word}\" not in\n{shown}");
         }
-        let shown = text(&view(|sight| (sight.row, sight.guard) = (None, None)), 80);
-        assert!(shown.contains("no guard is heard") && shown.matches('–').count() == 12, "{shown}");
+        let shown = text(&view(|snapshot| (snapshot.row, snapshot.guard) = (None, None)), 80);
+        assert!(shown.contains("no guard reports") && shown.matches('–').count() == 12, "{shown}");
     }
 
     #[test]

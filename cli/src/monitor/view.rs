@@ -12,7 +12,7 @@ pub(crate) struct View {
     /// Where it is listened to.
     pub(crate) place: String,
     /// What was seen.
-    pub(crate) sight: Snapshot,
+    pub(crate) snapshot: Snapshot,
     /// One row for each joint.
     pub(crate) joints: Vec<JointView>,
 }
@@ -33,7 +33,7 @@ pub(crate) struct JointView {
 
 impl View {
     /// A frame of what was seen of a robot whose guard has these settings.
-    pub(crate) fn new(robot: &Robot, settings: &GuardSettings, place: &str, sight: &Snapshot) -> Self {
+    pub(crate) fn new(robot: &Robot, settings: &GuardSettings, place: &str, snapshot: &Snapshot) -> Self {
         let joint = |(j, (joint, bounds)): (usize, (&armid::model::Joint, JointBounds))| {
             let (unit, scale) = match joint.kind {
                 JointKind::Revolute => ("°", 180.0 / std::f64::consts::PI),
@@ -43,10 +43,10 @@ impl View {
             JointView {
                 name: bounds.name.clone(),
                 unit,
-                position: sight.row.as_ref().map(|row| scale * row.q[j]),
+                position: snapshot.row.as_ref().map(|row| scale * row.q[j]),
                 hard: pair(bounds.hard),
                 soft: pair(bounds.soft),
-                effort: sight.row.as_ref().and_then(|row| row.effort.get(j).copied()),
+                effort: snapshot.row.as_ref().and_then(|row| row.effort.get(j).copied()),
                 clamp: bounds.effort,
                 effort_unit: match robot.effort() {
                     EffortInterface::Current => "A",
@@ -55,11 +55,11 @@ impl View {
             }
         };
         let joints = robot.joints().iter().zip(JointBounds::of_robot(robot, settings)).enumerate().map(joint).collect();
-        Self { robot: robot.name().to_owned(), place: place.to_owned(), sight: sight.clone(), joints }
+        Self { robot: robot.name().to_owned(), place: place.to_owned(), snapshot: snapshot.clone(), joints }
     }
 
     /// What the guard says, where it still says something.
     pub(crate) fn guard(&self) -> Option<(&GuardState, f64)> {
-        self.sight.guard.as_ref().map(|(state, age)| (state, *age))
+        self.snapshot.guard.as_ref().map(|(state, age)| (state, *age))
     }
 }

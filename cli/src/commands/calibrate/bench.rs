@@ -29,10 +29,10 @@ pub(super) struct BenchArguments {
     /// Speeds, as shares of the joint's limit
     #[arg(long, value_delimiter = ',', default_value = "0.05,0.1,0.2,0.35,0.5,0.65", value_name = "SHARE,…")]
     speeds: Vec<f64>,
-    /// Where the joint moves; 80 % of its limits unless told otherwise
+    /// Where the joint moves; 80 % of its limits by default
     #[arg(long, value_delimiter = ',', value_name = "LOW,HIGH", allow_hyphen_values = true)]
     range_deg: Option<Vec<f64>>,
-    /// Where the other joints stand; at zero unless told otherwise
+    /// Where the other joints stand; at zero by default
     #[arg(long, value_delimiter = ',', value_name = "DEG,…", allow_hyphen_values = true)]
     pose_deg: Option<Vec<f64>>,
     /// Periods that count
@@ -171,7 +171,11 @@ impl BenchArguments {
 
     fn perform(&self, experiment: &Path, path: &Path) -> Result<()> {
         let experiment = Experiment::load(&experiment.display().to_string())?;
-        experiment.plan.check_limits(&experiment.robot.robot).map_err(|fault| Error::new(fault.to_string()))?;
+        experiment
+            .planned
+            .plan
+            .check_limits(&experiment.planned.robot.robot)
+            .map_err(|fault| Error::new(fault.to_string()))?;
         let mut sink = Box::new(McapSink::new(path, notes(&experiment), |_| {}).stopping_when(interrupt::asked));
         let performed = arms::perform(experiment.arm, &experiment, None, &mut *sink)?;
         if !performed.ending.is_complete() {
