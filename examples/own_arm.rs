@@ -1,4 +1,4 @@
-//! An arm of one's own: whatever takes a plan and hands out time-stamped samples. Here a stand-in for a driver, which
+//! An arm of one's own: anything that takes a plan and returns time-stamped samples. Here a stand-in for a driver, which
 //! follows its command exactly and reports the torque of the model; the rest of the method does not notice.
 #![allow(clippy::print_stdout, reason = "a program that shows something")]
 

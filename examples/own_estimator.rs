@@ -15,7 +15,7 @@ use armid_io::{robot, trajectory};
 use armid_sim::Engine;
 
 /// Residuals beyond this multiple of their scale count linearly: 95 % efficiency where noise is normal.
-const BEND: f64 = 1.345;
+const THRESHOLD: f64 = 1.345;
 
 #[derive(Debug)]
 struct Huber;
@@ -41,8 +41,8 @@ impl Estimator for Huber {
                     rows.iter().filter(|&&row| observation.used[row]).map(|&row| residual[row].abs()).collect();
                 sizes.sort_by(f64::total_cmp);
                 let scale = 1.4826 * sizes[sizes.len() / 2];
-                for row in rows.into_iter().filter(|&row| residual[row].abs() > BEND * scale) {
-                    let weight = (BEND * scale / residual[row].abs()).sqrt();
+                for row in rows.into_iter().filter(|&row| residual[row].abs() > THRESHOLD * scale) {
+                    let weight = (THRESHOLD * scale / residual[row].abs()).sqrt();
                     observation.y[row] *= weight;
                     observation.regressor.row_mut(row).scale_mut(weight);
                 }
@@ -57,7 +57,7 @@ impl Estimator for Huber {
 
 fn main() -> Result<(), Box<dyn Error>> {
     // An experiment on a simulated arm, and a dozen readings of its torque that are far off. An equation is a mean over many
-    // samples: what is to be told from the rest must be rare among the means.
+    // samples: outliers must be rare among the means to be recognised.
     let loaded = robot::named("crs-a460")?;
     let (arm, nominal) = (&loaded.robot, loaded.nominal.as_ref().expect("bundled robots have a nominal file"));
     let truth = loaded.truth()?.parameters;

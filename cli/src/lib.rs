@@ -1,4 +1,4 @@
-//! The `armid` command: arguments, words and composition. Files are read and written by `armid-io`; everything that is
+//! The `armid` command: arguments, messages and composition. Files are read and written by `armid-io`; everything that is
 //! computed, the library computes.
 
 use crate::commands::CommandLine;

@@ -69,7 +69,7 @@ fn a_wrong_name_is_answered_with_the_right_one() {
     assert!(text.contains("robot \"crs-a640\" is neither a bundled robot nor a file"), "{text}");
     assert!(text.contains("did you mean \"crs-a460\"?"), "{text}");
     let text = stderr(&armid(["robot", "nowhere/arm.urdf"]).code(2));
-    assert!(text.contains("robot file nowhere/arm.urdf is not there"), "{text}");
+    assert!(text.contains("robot file not found: nowhere/arm.urdf"), "{text}");
 }
 
 #[test]

@@ -11,7 +11,7 @@ use crate::error::Error;
 use crate::suggestion;
 use crate::text::Text;
 
-/// The trajectories that are compiled in: `radkhah2007` Table I, with and without its misprints mended.
+/// The trajectories that are compiled in: `radkhah2007` Table I, with its misprints corrected and as printed.
 const NAMES: [&str; 2] = ["table-one", "table-one-printed"];
 
 /// Reads a trajectory for a robot: a file, or a name that is compiled in. Relative paths begin at `beside`, the folder of
@@ -28,7 +28,7 @@ pub fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<Periodic
         "table-one" => table_one::corrected(),
         "table-one-printed" => table_one::printed(),
         _ => {
-            let error = Error::unknown(format!("trajectory file {} is not there", path.display()));
+            let error = Error::unknown(format!("trajectory file not found: {}", path.display()));
             return Err(error.help(suggestion::help(name, &NAMES)));
         }
     };

@@ -1,6 +1,6 @@
-//! Name and words of a figure.
+//! Name, title and caption of a figure.
 
-/// Name and words of a figure.
+/// Name, title and caption of a figure.
 ///
 /// ```
 /// use armid_reports::Heading;

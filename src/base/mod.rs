@@ -8,7 +8,7 @@
 //! compared entry by entry ([`Method`]): the five steps of `radkhah2007` section II.B, one rank-revealing QR, and a
 //! recursion over the links that needs neither random numbers nor a trajectory.
 //!
-//! A slip of `radkhah2007` step 5, mended here: `f_i = L α_i` describes the *columns*. The parameters regroup the other
+//! A slip of `radkhah2007` step 5, corrected here: `f_i = L α_i` describes the *columns*. The parameters regroup the other
 //! way: the torque keeps its value when a dependent parameter θ_i goes into the kept ones, `β_b = θ_b + Σ_i α_bi θ_i`;
 //! no θ_i equals `D_BSVᵀ α_i`.
 

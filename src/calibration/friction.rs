@@ -58,7 +58,7 @@ pub struct Friction {
 pub fn friction(recording: &Recording, robot: &Robot, joint: usize) -> Result<Friction, CalibrationError> {
     let unfit = |quantity, found: String, expected| CalibrationError::Unfit { quantity, found, expected };
     let PeriodicTrajectory::ConstantSpeed(motion) = &recording.trajectory else {
-        return Err(unfit("trajectory", "another motion".to_owned(), "stretches at constant speed"));
+        return Err(unfit("trajectory", "another motion".to_owned(), "segments at constant speed"));
     };
     if robot.dof() != recording.dof || joint >= recording.dof {
         return Err(unfit("joint", (joint + 1).to_string(), "one that robot and recording have"));
@@ -134,7 +134,7 @@ pub fn friction(recording: &Recording, robot: &Robot, joint: usize) -> Result<Fr
     })
 }
 
-/// Two stretches at one speed, as samples of the period, and the positions that both cover.
+/// Two segments at one speed, as samples of the period, and the positions that both cover.
 struct Pair {
     speed: f64,
     way: (f64, f64),
@@ -142,11 +142,11 @@ struct Pair {
     back: (usize, usize),
 }
 
-/// The stretches of a joint that are followed by their way back, without their ends, by speed.
+/// The segments of a joint that are followed by their way back, without their ends, by speed.
 fn pairs(motion: &ConstantSpeedTrajectory, joint: usize, rate_hz: f64) -> Vec<Pair> {
     let speed = &motion.joints[joint].speed;
     let window = |(begin, end): (f64, f64)| ((begin * rate_hz).round() as usize, (end * rate_hz).round() as usize);
-    let stretches = motion.stretches();
+    let segments = motion.segments();
     let n = motion.dof();
     let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);
     let mut at = |t: f64| {
@@ -156,9 +156,9 @@ fn pairs(motion: &ConstantSpeedTrajectory, joint: usize, rate_hz: f64) -> Vec<Pa
     let mut pairs: Vec<Pair> = (0..speed.len().saturating_sub(1))
         .filter(|&k| speed[k] > 0.0 && speed[k + 1] == -speed[k])
         .map(|k| {
-            let (begin, end) = stretches[k];
+            let (begin, end) = segments[k];
             let way = (at(begin + SETTLING_S), at(end - SETTLING_S));
-            Pair { speed: speed[k], way, there: window(stretches[k]), back: window(stretches[k + 1]) }
+            Pair { speed: speed[k], way, there: window(segments[k]), back: window(segments[k + 1]) }
         })
         .filter(|pair| pair.way.1 > pair.way.0 && pair.there.1 > pair.there.0 && pair.back.1 > pair.back.0)
         .collect();

@@ -145,7 +145,7 @@ fn what_is_missing_is_named() {
     assert!(message.contains("no motor voltages") && message.contains("known payload"), "{message}");
     recording.trajectory = hinges::trajectory(1).into();
     let message = friction(&recording, &robot, 0).unwrap_err().to_string();
-    assert!(message.contains("expected stretches at constant speed"), "{message}");
+    assert!(message.contains("expected segments at constant speed"), "{message}");
 }
 
 /// What the robot file's constant is off by: 7 % and −4 %.

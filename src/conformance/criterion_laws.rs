@@ -16,7 +16,7 @@ use super::BrokenLaw;
 use crate::excitation::criterion::Criterion;
 use crate::seed::{Seed, Stream};
 
-/// Which change of parameters moves a criterion by one constant, whatever the information.
+/// Which change of parameters moves a criterion by one constant, for any information.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Invariance {
     /// Their order alone.

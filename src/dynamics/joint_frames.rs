@@ -1,7 +1,7 @@
 //! The chain seen from frames that stand on the joints, where rotations are cheap.
 //!
 //! Any two consecutive joint axes are related by `Rz(γ) Rx(α) Rz(θ)` and a translation. The frame on joint k may be
-//! turned about its own axis, so `γ` of the next joint is absorbed there, and for every robot, whatever its convention,
+//! turned about its own axis, so `γ` of the next joint is absorbed there, and for every robot in any convention,
 //!
 //! ```text
 //! T_k(q) = Tr(p_k) Rx(α_k) Rz(θ_k + q)            S_k = (ẑ, 0)      revolute

@@ -16,7 +16,7 @@ use crate::linalg::{LeastSquares, product};
 use crate::model::StandardParameters;
 use crate::spatial::InertiaFault;
 
-/// A full set of standard parameters, and where no real arm can have it.
+/// A full set of standard parameters, and where it is physically inconsistent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Completion {
     /// The set.

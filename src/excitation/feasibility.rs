@@ -155,7 +155,7 @@ impl Feasibility {
         self.shrink_for_torque(trajectory, self.samples, START_FACTOR, (1.0 - START_FACTOR, START_HALVINGS))
     }
 
-    /// The last exact correction: whatever the optimiser's tolerances left is shrunk away.
+    /// The last exact correction: what the optimiser's tolerances left is shrunk away.
     pub(crate) fn finish(&mut self, mut trajectory: PeriodicTrajectory) -> PeriodicTrajectory {
         self.shrink_for_motion(&mut trajectory);
         // Ten times the optimiser's own grid, and refined in time.

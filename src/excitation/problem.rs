@@ -335,7 +335,7 @@ mod tests {
         let noise = [0.3, 0.5, 0.2, 0.1, 0.1, 0.05];
         problem.sigma = Some(noise.to_vec());
         let m = problem.information(&start).unwrap();
-        // 500 equations of each joint: what such an experiment tells in all.
+        // 500 equations of each joint: the information of the whole experiment.
         problem.set_prior(&(&m * (6.0 * 500.0)), &noise, 500);
         let prior = problem.prior.clone().unwrap();
         assert!((&prior - &m).norm() < 1e-12 * m.norm());

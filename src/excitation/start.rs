@@ -1,7 +1,7 @@
 //! Where a design starts: `radkhah2007`'s first guess, and the random draws it is compared with.
 //!
 //! `radkhah2007` (III.A) draws 100 random velocities and fits the series to them by least squares (its eq. 8). Its eq. 7
-//! has a slip that is mended here: the matrix A it prints is the *position* basis, and a fit of velocities needs the
+//! has a slip that is corrected here: the matrix A it prints is the *position* basis, and a fit of velocities needs the
 //! velocity basis, in which the column of q0 is zero:
 //!
 //! ```text

@@ -21,7 +21,7 @@ const AGREEMENT: f64 = 1e-6;
 /// Ramps that differ by no more than this are the same, s: below any sample.
 const SAME_RAMP: f64 = 1e-9;
 
-/// Samples of a period, at least and at most, whatever a certificate asks for.
+/// Samples of a period, at least and at most, for any certificate.
 const SAMPLES: (usize, usize) = (500, 100_000);
 
 /// Why a trajectory must not move a robot.
@@ -82,7 +82,7 @@ pub enum VerificationError {
         /// What is found.
         found: f64,
     },
-    /// The motion is not performed as it was certified, and nothing tells the torques that it asks for.
+    /// The motion is not performed as it was certified, and the torques that it asks for are unknown.
     #[error(
         "the certificate holds torque for {}, expected nominal parameters, by which it can be held for a period of \
          {period_s} s and {}", shown(*certified_ramp_s), shown(*ramp_s)

@@ -15,8 +15,8 @@ use super::trip::{Rest, SafeAction, TripReport};
 pub trait Arm: Send {
     /// Performs a plan from beginning to end, or until the sink says stop.
     ///
-    /// `sink` hears [`Sink::begin`] once, before the first sample, and then every sample in the order of time. An arm in
-    /// real time tells it in between, and before, what is no part of the experiment ([`Sink::unrecorded`]).
+    /// `sink` gets [`Sink::begin`] once, before the first sample, and then every sample in the order of time. An arm in
+    /// real time also passes on what is no part of the experiment, before it and in between ([`Sink::unrecorded`]).
     ///
     /// # Errors
     /// [`ArmError`] where the experiment cannot begin. One that begins and goes wrong has an [`Ending`] that says how,

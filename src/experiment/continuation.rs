@@ -86,7 +86,7 @@ impl Continuation {
         (missing > 0).then(|| self.plan.clone().with_periods(missing))
     }
 
-    /// A sink for the arm that performs the rest; `whole` hears the joined experiment, the kept samples first.
+    /// A sink for the arm that performs the rest; `whole` receives the joined experiment, the kept samples first.
     pub fn join<'a>(&'a self, whole: &'a mut dyn Sink) -> Joined<'a> {
         Joined { continuation: self, whole, flow: Flow::Continue, rest: Vec::new() }
     }

@@ -330,7 +330,7 @@ mod tests {
         let ending = servo(FlyWheels::new(1)).perform(&plan, &mut Until(0.5)).unwrap();
         assert_eq!(ending, Ending::Stopped { t: 0.5, phase: Phase::RampIn, rest: Rest::Simulated });
 
-        /// A plant that sets off by itself.
+        /// A plant that starts to move by itself.
         struct Runaway(FlyWheels, f64);
         impl Plant for Runaway {
             fn dof(&self) -> usize {

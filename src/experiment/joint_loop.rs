@@ -1,7 +1,7 @@
 //! The servo of all joints between two steps of a plant, for callers that bring their own commands: encoders, controller,
 //! current limit, transmission, ammeters. No plan inside, and no plant.
 //!
-//! A [`super::Servo`] performs a plan; a robot's computer follows whatever it is told. Both close the same loop.
+//! A [`super::Servo`] performs a plan; a robot controller follows any command. Both close the same loop.
 
 use super::controller::gain_pose;
 use super::motors::Motors;
@@ -165,7 +165,7 @@ impl JointLoop {
         &self.tau
     }
 
-    /// What the motors are told to draw until the next step, A; n.
+    /// Commanded motor currents until the next step, A; n.
     #[must_use]
     pub fn current(&self) -> &[f64] {
         &self.current

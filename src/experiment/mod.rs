@@ -9,7 +9,7 @@
 //! ```
 //! A [`Plant`] turns torque into motion; a [`Servo`] puts the controller and the sensors of a real arm around it, so
 //! that a simulated experiment and a real one differ in nothing that a later stage can see. Which of them performs a
-//! plan is one word for the user and one type here.
+//! plan is one option for the user and one type here.
 //!
 //! Time: sample k is taken at `t = k / rate_hz` after the beginning; torques are held over a servo step. Wall time
 //! plays no part. Every random number comes from the servo's seed and run.

@@ -6,7 +6,7 @@
 pub enum SafeAction {
     /// Streamed set-points end with the one sent last: the servo keeps holding it.
     Hold,
-    /// A motion that was handed over is cancelled: the robot's computer brings the arm to rest and holds it.
+    /// A motion that was handed over is cancelled: the robot controller brings the arm to rest and holds it.
     Cancel,
     /// The drives lose power and the brakes close: where the measured positions cannot be trusted.
     Disable,

@@ -1,4 +1,4 @@
-//! The optimiser on problems whose solution is known in closed form, with a limit that bends.
+//! The optimiser on problems whose solution is known in closed form, with a curved limit.
 
 use super::{
     LinearLimits, Objective, Progress, Row, RowSource, Sequential, SequentialSettings, SmoothLimits, SmoothRow,
@@ -76,7 +76,7 @@ fn minimum(mut objective: Bowl, start: [f64; 2]) -> (Sequential, Progress) {
 
 #[test]
 fn analytic_a_straight_slope_ends_where_the_limit_bends_away_from_it() {
-    // All curvature is the limit's: an optimiser that learns from the objective alone crawls along it.
+    // All curvature is the limit's: an optimiser with the curvature of the objective alone crawls along it.
     let (state, progress) = minimum(Bowl { s: 0.0, w: [1.0, 2.0], at: [0.0; 2] }, [0.3, -0.4]);
     let size = 5.0_f64.sqrt();
     assert!((state.x[0] - 1.0 / size).abs() < 1e-6 && (state.x[1] - 2.0 / size).abs() < 1e-6, "{:?}", state.x);

@@ -16,7 +16,7 @@
 //! ∂L/∂q_k = −S_k · (v' ×* v̄_k + a' ×* ā_k + Σ_{i<k} s_ik ×* s̄_ik)        v' = X_k v_{k-1},  a' = X_k a_{k-1}
 //! ∂L/∂q̇_k = S_k · v̄_k + (v_k × S_k) · ā_k        ∂L/∂q̈_k = S_k · ā_k
 //! ```
-//! The cost is that of about four evaluations, whatever the number of columns. A term that depends on the torque that the
+//! The cost is that of about four evaluations, for any number of columns. A term that depends on the torque that the
 //! links take, `τ_t = Y_links φ_links`, adds its slope by it, times `φ_links`, to the weights of the links' columns.
 
 use super::body::Weights;

@@ -1,4 +1,4 @@
-//! The ten inertial parameters of one body, and the test that a real body can have them.
+//! The ten inertial parameters of one body, and the test of their physical consistency.
 
 use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector3};
 
@@ -22,7 +22,7 @@ pub struct Inertia {
     pub rotational: Matrix3<f64>,
 }
 
-/// Why no real body can have these ten parameters.
+/// Why these ten parameters are physically inconsistent.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum InertiaFault {
     /// A parameter is NaN or infinite.
@@ -101,7 +101,7 @@ impl Inertia {
         PseudoInertia::of(self)
     }
 
-    /// Checks that a real body can have these parameters: the pseudo-inertia is positive definite.
+    /// Checks physical consistency: the pseudo-inertia is positive definite.
     ///
     /// # Errors
     /// [`InertiaFault`] with the number that failed.
@@ -149,7 +149,7 @@ impl PseudoInertia {
         }
     }
 
-    /// The smallest eigenvalue; positive exactly when a real body can have these parameters.
+    /// The smallest eigenvalue; positive exactly when the parameters are physically consistent.
     #[must_use]
     pub fn smallest_eigenvalue(&self) -> f64 {
         SymmetricEigen::new(self.0).eigenvalues.min()

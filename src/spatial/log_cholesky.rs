@@ -29,7 +29,7 @@ impl LogCholesky {
     /// The coordinates of an inertia.
     ///
     /// # Errors
-    /// [`InertiaFault`] where no body can have it.
+    /// [`InertiaFault`] where it is physically inconsistent.
     pub fn of(inertia: &Inertia) -> Result<Self, InertiaFault> {
         inertia.check()?;
         let u = upper_factor(&inertia.pseudo().0);

@@ -107,7 +107,7 @@ mod tests {
         let (robot, truth) = simulated("puma-560");
         let text = include_str!("../../models/puma-560/published.toml");
         let impossible = parse_parameters(text, &robot, true).unwrap_err();
-        assert!(impossible.message.contains("link \"waist\" cannot be a real body"), "{impossible}");
+        assert!(impossible.message.contains("link \"waist\" is physically inconsistent"), "{impossible}");
         let published = parse_parameters(text, &robot, false).unwrap().parameters;
         assert!(published.links[2].check().is_err());
         assert_eq!(published.drives, truth.drives);

@@ -33,7 +33,7 @@ pub trait Trajectory: Send + Sync {
     }
 }
 
-/// What every periodic motion can say of itself.
+/// What every periodic motion provides.
 pub trait PeriodicMotion: Trajectory {
     /// Names of the joints, n.
     fn names(&self) -> Vec<&str>;

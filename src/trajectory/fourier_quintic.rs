@@ -54,8 +54,8 @@ impl FourierQuinticTrajectory {
     fn ends(&self, joint: usize) -> (f64, f64) {
         let FourierJoint { a, b, .. } = &self.series.joints[joint];
         let (period, omega) = (self.series.period_s, self.series.omega());
-        let bend: f64 = b.iter().enumerate().map(|(l, b)| b * omega * (l + 1) as f64).sum();
-        (-period * a.iter().sum::<f64>(), -period * period * bend)
+        let curvature: f64 = b.iter().enumerate().map(|(l, b)| b * omega * (l + 1) as f64).sum();
+        (-period * a.iter().sum::<f64>(), -period * period * curvature)
     }
 
     /// The polynomial of a joint in ascending powers of u, rad.

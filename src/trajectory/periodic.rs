@@ -26,7 +26,7 @@ pub enum PeriodicTrajectory {
     FourierQuintic(FourierQuinticTrajectory),
     /// Periodic splines on equidistant knots.
     BSpline(BSplineTrajectory),
-    /// Stretches at constant speed, for calibrations.
+    /// Segments at constant speed, for calibrations.
     ConstantSpeed(ConstantSpeedTrajectory),
 }
 
@@ -171,13 +171,13 @@ mod tests {
             q0: 0.1 * j as f64,
             speed: vec![0.1 * j as f64, -0.1 * j as f64],
         };
-        let stretches = ConstantSpeedTrajectory::new(0.8, vec![0.57, 0.57], (0..6).map(speeds).collect()).unwrap();
+        let segments = ConstantSpeedTrajectory::new(0.8, vec![0.57, 0.57], (0..6).map(speeds).collect()).unwrap();
         vec![
             series.clone().into(),
             FourierQuinticTrajectory::from(series).into(),
             spline(3).into(),
             spline(5).into(),
-            stretches.into(),
+            segments.into(),
         ]
     }
 

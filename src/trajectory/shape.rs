@@ -18,7 +18,7 @@ const GRID_PER_HARMONIC: usize = 12;
 /// Grid points for each interval between knots, the knots among them.
 const GRID_PER_KNOT: usize = 6;
 
-/// The quintic bends like a low harmonic of its own.
+/// The quintic contributes like a low harmonic of its own.
 const QUINTIC_HARMONICS: usize = 2;
 
 /// The shape functions of one joint.

@@ -25,8 +25,8 @@
 //!
 //! [[joint]]
 //! name = "joint1"
-//! q0 = 0.0            # rad, where the first stretch begins
-//! speed = [0.5, -0.5] # rad/s, one for each stretch
+//! q0 = 0.0            # rad, where the first segment begins
+//! speed = [0.5, -0.5] # rad/s, one for each segment
 //! ```
 
 use std::ops::Range;
@@ -41,7 +41,7 @@ use super::fourier::{FourierJoint, FourierTrajectory};
 use super::fourier_quintic::FourierQuinticTrajectory;
 use super::periodic::PeriodicTrajectory;
 
-/// What tells the families apart.
+/// The key that names the family.
 #[derive(Deserialize)]
 struct Header {
     family: Option<Spanned<String>>,

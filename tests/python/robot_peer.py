@@ -1,4 +1,4 @@
-"""A robot's computer written by others: Cyclone DDS for the wire, Pinocchio for the torques.
+"""A robot controller written by others: Cyclone DDS for the wire, Pinocchio for the torques.
 
 It takes trajectories on the topic `joint_trajectory`, each in place of the one before, as current `ros2_controllers` do: one
 that is past or has no points is refused, one whose first points are past is joined in its midst, and where its first point
@@ -74,7 +74,7 @@ def equations(h):
 
 
 class Peer:
-    """The robot's computer, until it is told to stop."""
+    """The robot controller, until it is asked to stop."""
 
     def __init__(self, domain, pose, seed=1):
         robot = tomllib.loads((ROOT / "models/crs-a460/robot.toml").read_text(encoding="utf-8"))

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use armid::excitation::{Design, DesignProblem, ExcitationError, LimitKind, Termination, WorstUse};
-use armid::model::Robot;
+use armid::model::{ParameterId, Robot};
 use armid::trajectory::PeriodicTrajectory;
 use serde_json::{Value, json};
 
@@ -61,7 +61,7 @@ fn trajectory_json(trajectory: &PeriodicTrajectory) -> Value {
     toml::from_str(&trajectory.to_toml()).expect("a trajectory file is TOML with finite numbers")
 }
 
-/// What the experiment buys beside those before it.
+/// The gain of an experiment after those before it.
 pub(crate) struct Gain {
     /// Estimates so far.
     estimates: usize,
@@ -71,7 +71,7 @@ pub(crate) struct Gain {
     by_repetition: f64,
 }
 
-/// Part of what a repetition buys from which on a redesign is as good as one.
+/// Share of the bound of a repetition above which a redesign is no better than one.
 const AS_GOOD: f64 = 0.99;
 
 impl Gain {
@@ -223,18 +223,21 @@ impl DesignAnswer<'_> {
             let [low, high] = inside.ci95.map(|share| 100.0 * share);
             let _ = writeln!(
                 text,
-                "  of {} arms within the nominal uncertainty, {:.1} % ({low:.1} to {high:.1}) pass no torque or\n  \
-                 current limit at any instant",
+                "  of {} arms within the nominal uncertainty, {:.1} % ({low:.1} to {high:.1}) stay within all torque\n  \
+                 and current limits",
                 inside.draws,
                 100.0 * inside.share
             );
         }
-        let _ = writeln!(text, "\n  shown worst (share of the weakest direction):");
+        let _ = writeln!(text, "\n  least identifiable (share of the weakest direction, std for 1 N·m of noise):");
         for weak in &certificate.weakest {
             let share = 100.0 * weak.share_of_weakest_direction;
             let relative =
                 weak.relative_deviation.map_or_else(String::new, |x| format!(", {} of its nominal value", number(x)));
-            let _ = writeln!(text, "  {:>8} {share:5.1} %, deviation {}{relative}", weak.name, number(weak.deviation));
+            let unit = ParameterId::parse(&weak.name)
+                .map_or("", |id| id.kind.unit(self.problem.robot.joints()[id.index].kind));
+            let std = number(weak.deviation);
+            let _ = writeln!(text, "  {:>8} {share:5.1} %, std {std} {unit}{relative}", weak.name);
         }
         if let Some(gain) = &self.gain {
             text.push_str(&gain.text());

@@ -15,7 +15,7 @@ pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(
     })
 }
 
-/// Reads a set of columns: `rigid`, or `rigid` and words of torque terms joined by `+`.
+/// Reads a set of columns: `rigid`, or `rigid` and names of torque terms joined by `+`.
 pub(crate) fn columns(text: &str) -> Result<Columns, String> {
     let found = Columns::parse(text).filter(|columns| columns.beyond_motion().is_none());
     found.ok_or_else(|| {

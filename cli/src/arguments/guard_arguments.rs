@@ -1,4 +1,4 @@
-//! The guard on the command line: what a person says of it, and how an arm is put behind it.
+//! The guard on the command line: its options, and how an arm is put behind it.
 
 use std::io::{IsTerminal, Write};
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ impl GuardArguments {
         if self.first_run { Speed::STEPS.to_vec() } else { vec![self.speed.unwrap_or(Speed::FULL)] }
     }
 
-    /// A person's word that a robot may move.
+    /// The operator's confirmation that a robot may move.
     pub(crate) fn confirmation(&self, robot: &str) -> Result<Confirmation> {
         if self.yes_the_estop_works {
             return Ok(Confirmation::on_the_command_line());

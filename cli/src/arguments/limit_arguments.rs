@@ -17,7 +17,7 @@ pub(crate) struct LimitArguments {
     #[arg(long, value_name = "RAD_S2")]
     max_acceleration: Option<f64>,
     /// Distance to keep from the position limits, deg: the soft limits of the guard that watches a real arm, by default.
-    /// Sliding joints keep as much of the guard's margin in metres
+    /// Prismatic joints keep as much of the guard's margin in metres
     #[arg(long, value_name = "DEG", default_value_t = GuardSettings::default().soft_margin_deg)]
     margin: f64,
     /// Do not hold the limits of torque and current
@@ -33,13 +33,13 @@ pub(crate) struct LimitArguments {
     /// Hold the limits on the period alone, not on the ramps around it
     #[arg(long)]
     no_ramps: bool,
-    /// Distance to keep between the robot's bodies and from what stands around it, m
+    /// Distance to keep between the robot's bodies and from obstacles, m
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     clearance: f64,
     /// Do not hold any clearance
     #[arg(long)]
     ignore_clearance: bool,
-    /// Keep everything above this height of the base frame, m, beside what the robot file says
+    /// Keep everything above this height of the base frame, m, beside the obstacles of the robot file
     #[arg(long, value_name = "Z")]
     keep_above: Option<f64>,
 }

@@ -10,15 +10,15 @@ use super::{ChainArguments, one_of};
 /// Which log, of which robot, and how it becomes samples.
 #[derive(Clone, Debug, clap::Args)]
 pub(crate) struct LogArguments {
-    /// The robot, where the recording does not hold it or another is meant
+    /// The robot, where the recording does not contain it, or another one
     #[arg(long)]
     robot: Option<String>,
     #[command(flatten)]
     chain: ChainArguments,
-    /// Period of a log that does not say it, s; without one it is taken as not periodic
+    /// Period of a log that does not state it, s; without one the log is processed as aperiodic
     #[arg(long, value_name = "S", help_heading = "Processing")]
     period: Option<f64>,
-    /// Seconds to leave out at the beginning of a log that does not say what counts
+    /// Seconds to skip at the beginning of a log without phases
     #[arg(long, value_name = "S", default_value_t = 0.0, help_heading = "Processing")]
     skip: f64,
     /// Velocities and accelerations: through Fourier coefficients, or filtered differences

@@ -21,12 +21,12 @@ use crate::terminal::{Align, Answer, Console, Ending, Table, number};
 const AFTER_HELP: &str = "\
 Free motion has no torque and no friction and lasts a quarter of a second; the reference is the
 articulated-body algorithm with steps so fine that its own error is rounding. In the closed loop each
-engine performs one period of the experiment under the robot's servo, friction included, sensors
-without fault; torque is held over a servo step, so only differences are given there. Without
+engine performs one period of the experiment under the robot's servo, friction included, with
+ideal sensors; torque is held over a servo step, so only differences are given there. Without
 --trajectory the A460 moves along Table I of Radkhah et al. (2007), another robot along a motion
 within its limits.
 
-Exit code 1 means that a tolerance is not kept; each is stated beside what was found.
+Exit status 1: a tolerance is exceeded. Each is listed beside the measured value.
 
 Examples:
   armid agree crs-a460
@@ -171,10 +171,10 @@ fn text(agreement: &Agreement, breaches: &[Breach], loaded: &LoadedRobot, drawn:
     text
 }
 
-/// Error against step on logarithmic axes, with the slopes 1 and 4 that the methods promise.
+/// Error against step on logarithmic axes, with the slopes 1 and 4 of the methods.
 fn figure(agreement: &Agreement, loaded: &LoadedRobot) -> ScatterFigure {
-    let turns = loaded.robot.joints().iter().all(|joint| joint.kind == JointKind::Revolute);
-    let unit = if turns { "rad" } else { "rad or m" };
+    let revolute = loaded.robot.joints().iter().all(|joint| joint.kind == JointKind::Revolute);
+    let unit = if revolute { "rad" } else { "rad or m" };
     let names = agreement.engines.iter().map(|own| own.engine.name());
     let groups: Vec<ScatterGroup> = Group::assign(names)
         .into_iter()
@@ -222,7 +222,7 @@ fn figure(agreement: &Agreement, loaded: &LoadedRobot) -> ScatterFigure {
     }
 }
 
-/// Which engines' points lie under those of another, in words.
+/// Which engines' points are hidden by those of another, for the caption.
 fn hidden(agreement: &Agreement) -> String {
     let near = |a: &EngineAgreement, b: &EngineAgreement| {
         a.errors.iter().zip(&b.errors).all(|(a, b)| (a.error - b.error).abs() <= 0.2 * b.error)

@@ -21,7 +21,7 @@ use crate::terminal::{Answer, Console, Ending, number, real_time};
 
 const AFTER_HELP: &str = "\
 It takes motions by the action follow_joint_trajectory or on the topic joint_trajectory, and
-set-points on the topic commands; it reports joint_states, and its own state in words on
+set-points on the topic commands; it reports joint_states, and its own state as text on
 robot_state. Where nobody streams any more while the arm moves, it comes to rest after 20 ms and
 the motors are off after 100 ms. Names and domain: [ros2] of an experiment.
 
@@ -37,15 +37,15 @@ motion began (NAME@motion+SECONDS):
   order        the first two joints' values change places, their names do not
   nan          the first joint's position is not a number
   late-answer  motions are taken at once, and said to be taken a second later
-  lost-result  how a motion ended is never said
-  strange-state  the state in words is one that nobody knows
+  lost-result  how a motion ended is never reported
+  strange-state  the reported state is an unknown text
   oscillation  the first joint's current swings between its limit and zero
 
 Examples:
   armid controller crs-a460 --arm analytic
   armid controller crs-a460 --arm mujoco --domain 7 --fault estop@motion+3.5 --log done.csv";
 
-/// Be the computer of a simulated robot that speaks ROS 2 in real time
+/// Run a simulated robot controller: ROS 2, real time, faults on demand
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {

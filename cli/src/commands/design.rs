@@ -24,15 +24,15 @@ use crate::terminal::{Answer, Console, Ending, progress};
 
 const AFTER_HELP: &str = "\
 Every start begins at the first guess of Radkhah et al. (2007) from other random velocities and may
-evaluate the criterion --evaluations times (a gradient counts as one more); the best start within all limits is
-kept. Limits hold at every instant, also between samples and on the ramps of an experiment:
+evaluate the criterion --evaluations times (a gradient counts as one more). The best start within all
+limits is kept. Limits hold at every instant, also between samples and on the ramps of an experiment:
 position (less --margin, where the guard of a real arm stops it), velocity, acceleration, jerk,
-distances, and torque and current (peak and RMS) with the
-probability --confidence at each instant, by the uncertainty of the nominal parameters (without one,
-below nine tenths of the limits). Where none holds them, the nearest is written, what is exceeded is
-said, and the exit status is 1. Equal seed, equal trajectory. The certificate is in the file.
+distances, and torque and current (peak and RMS) with the probability --confidence at each instant, by
+the uncertainty of the nominal parameters (without one, below nine tenths of the limits). Where no
+start holds them, the nearest is written, its excess is reported, and the exit status is 1. Equal seeds
+give equal trajectories. The file contains the certificate.
 
-The figures without a suffix are those of the rigid base columns, whatever was optimised; those
+The figures without a suffix are those of the rigid base columns for any criterion; those
 of the chosen columns are beside them under …_all.
 
 Examples:
@@ -60,13 +60,13 @@ pub(crate) struct Arguments {
     /// Period, s
     #[arg(long, value_name = "S", default_value_t = 10.0)]
     period: f64,
-    /// In which family of trajectories
+    /// Family of trajectories
     #[arg(long, default_value = "fourier", value_parser = one_of(&Family::ALL, Family::name))]
     family: Family,
     /// Harmonics of every joint, or a list with one number for each; splines have 2 N + 1 knots
     #[arg(long, value_name = "N", default_value = "5", value_delimiter = ',')]
     harmonics: Vec<usize>,
-    /// Joint that stands still, and where, rad; parameters that then stay hidden are left out
+    /// Joint held fixed, and its position, rad; parameters that are then unidentifiable are left out
     #[arg(long, value_name = "JOINT=RAD", value_delimiter = ',', value_parser = frozen_joint)]
     freeze: Vec<(String, f64)>,
     /// Seed of the first guesses
@@ -89,10 +89,10 @@ pub(crate) struct Arguments {
     /// Weight the rows of d-optimal by the noise of each joint's effort, from the robot's drives
     #[arg(long)]
     weighted: bool,
-    /// Estimates of earlier experiments: the design adds to what they know, with the noise that they found
+    /// Estimates of earlier experiments: the design adds to their information, with the noise that they found
     #[arg(long, value_name = "E.json", num_args = 1.., conflicts_with = "weighted")]
     prior: Vec<PathBuf>,
-    /// Do not draw as many random trajectories as a start may evaluate, for comparison
+    /// Skip the baseline: as many random trajectories as a start may evaluate
     #[arg(long)]
     no_baseline: bool,
 }
@@ -251,7 +251,7 @@ fn starts(arguments: &Arguments, robot: &Robot) -> Result<Vec<Start>> {
     given.chain((0..arguments.starts).map(|number| Ok(Start::Drawn(number)))).collect()
 }
 
-/// What came of the starts.
+/// The results of the starts.
 struct Found {
     designs: Vec<Design>,
     baseline: Option<Design>,

@@ -16,7 +16,7 @@ const AFTER_HELP: &str = "\
 Example:
   armid doctor --json";
 
-/// Say what this machine offers
+/// Check the environment: engines, MuJoCo, ROS 2
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
@@ -30,7 +30,7 @@ const LISTEN: Duration = Duration::from_millis(1200);
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let link = LinkSettings { domain: arguments.domain, ..LinkSettings::default() };
-    let (topics, heard) = match peers(&link, LISTEN) {
+    let (topics, found) = match peers(&link, LISTEN) {
         Ok(topics) if topics.is_empty() => (topics, format!("none in domain {} on this machine", link.domain)),
         Ok(topics) => {
             let list = topics.join(", ");
@@ -59,7 +59,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         ("robots", robots.join(", ")),
         ("experiments", none(experiments.join(", "))),
         ("studies", none(studies.join(", "))),
-        ("ROS 2 peers", heard.clone()),
+        ("ROS 2 peers", found.clone()),
     ] {
         table.row([name.to_owned(), value]);
     }
@@ -74,7 +74,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         "robots": robots,
         "experiments": experiments,
         "studies": studies,
-        "ros2": json!({ "domain": link.domain, "topics": topics, "in_words": heard }),
+        "ros2": json!({ "domain": link.domain, "topics": topics, "in_words": found }),
     });
     console.answer(&Answer { text: table.render(0), json })?;
     Ok(Ending::Done)

@@ -16,8 +16,8 @@ use crate::arguments::{RobotArguments, columns, one_of};
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
-S.csv has the headings q1..qn,qd1..qdn,qdd1..qddn, in rad, rad/s, rad/s² (m for a joint that
-slides); for `acceleration` tau1..taun, in N·m (N), stand in place of qdd. The answer is a CSV:
+S.csv has the headings q1..qn,qd1..qdn,qdd1..qddn, in rad, rad/s, rad/s² (m for a prismatic
+joint); for `acceleration` tau1..taun, in N·m (N), stand in place of qdd. The answer is a CSV:
 
   torque         tau1..taun
   acceleration   qdd1..qddn

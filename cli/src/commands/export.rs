@@ -17,9 +17,9 @@ use crate::arguments::{ChainArguments, one_of};
 use crate::terminal::{Answer, Console, Ending, number};
 
 const AFTER_HELP: &str = "\
-Torque shows base parameters, and other tools ask for every link's mass, centre of mass and inertia.
+Torque identifies base parameters; other tools need the mass, centre of mass and inertia of each link.
 The set that is written has the estimated base parameters and, among those that have, is the nearest
-to the nominal one whose links real bodies can have (positive definite pseudo-inertia, friction above
+to the nominal one that is physically consistent (positive definite pseudo-inertia, friction above
 zero). Where no such set has exactly the estimated values, every base parameter stays inside its 95 %
 interval; where that is impossible too, those outside are named and the exit status is 1. It is 1 as
 well where the search did not converge. The file is read back, and its torque is compared with that
@@ -39,7 +39,7 @@ Examples:
 pub(crate) struct Arguments {
     /// The estimate, of `armid identify`
     estimate: PathBuf,
-    /// In which format
+    /// Format of the file
     #[arg(long, value_parser = one_of(&Exchange::ALL, Exchange::name))]
     to: Exchange,
     /// The robot, where it is not the bundled one that the estimate names
@@ -90,7 +90,7 @@ fn consistent(text: &Text, estimate: &Estimate, loaded: &LoadedRobot) -> Result<
     Ok(consistent_set(&base, estimate, guess).map_err(|error| Error::new(format!("{}: {error}", text.name)))?)
 }
 
-/// What stands on top of the file.
+/// The comment at the top of the file.
 fn header(estimate: &Estimate, set: &ConsistentSet) -> String {
     format!(
         "{} identified by {} ({} columns, {} base parameters, {} samples, {} periods); armid {}.\nPhysically consistent; \

@@ -12,14 +12,14 @@ use crate::study::write_report;
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
-Everything that a report shows is stored by `armid study`; this draws it again and computes nothing.
+Everything that a report shows is stored by `armid study`; this command computes nothing.
 
 Examples:
   armid report reports/01-criteria
   armid report reports/01-criteria -o /tmp/page
   armid report --compare simulated measured -o page";
 
-/// Draw the figures and the page of a stored study again
+/// Regenerate the report of a stored study
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
@@ -41,7 +41,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     for folder in &arguments.folders {
         if !folder.is_dir() {
             return Err(Error::new(format!(
-                "{} is no folder, expected one that `armid study` wrote",
+                "not a study directory: {}, expected one that `armid study` wrote",
                 folder.display()
             ))
             .into());

@@ -59,7 +59,7 @@ fn list() -> Answer {
         .iter()
         .map(|robot| json!({ "name": robot.name(), "dof": robot.dof(), "effort": robot.effort().name() }))
         .collect();
-    let text = format!("{}\nR turns, P slides; `armid robot NAME` shows one.\n", table.render(0));
+    let text = format!("{}\nR revolute, P prismatic; `armid robot NAME` shows one.\n", table.render(0));
     Answer { text, json }
 }
 
@@ -146,8 +146,8 @@ fn chain(robot: &Robot) -> Table {
         let cells =
             row.map_or([const { String::new() }; 4], |row| [row.offset_deg, row.d, row.a, row.alpha_deg].map(number));
         let kind = match joint.kind {
-            JointKind::Revolute => "turns",
-            JointKind::Prismatic => "slides",
+            JointKind::Revolute => "revolute",
+            JointKind::Prismatic => "prismatic",
         };
         table.row([joint.name.clone(), kind.to_owned(), frame.to_owned()].into_iter().chain(cells));
     }

@@ -35,7 +35,7 @@ impl Console {
         self.global.output.as_deref()
     }
 
-    /// Does a person watch standard error and want to hear of progress?
+    /// Is standard error a terminal, and is progress wanted?
     pub(crate) fn talks(&self) -> bool {
         self.terminal && !self.global.quiet
     }
@@ -47,7 +47,7 @@ impl Console {
         }
     }
 
-    /// A message that must be heard, whoever reads and however quiet it is to be.
+    /// A message that is printed always, under --quiet too.
     pub(crate) fn alarm(&self, message: &str) {
         let _ = writeln!(std::io::stderr(), "{message}");
     }
@@ -72,7 +72,7 @@ impl Console {
         self.show(answer)
     }
 
-    /// The answer of a command whose result went into a file: to standard output, whatever `-o` says.
+    /// The answer of a command whose result went into a file: to standard output, also with `-o`.
     pub(crate) fn show(&self, answer: &Answer) -> Result<()> {
         if self.json() { self.print(&pretty(&answer.json)) } else { self.print(&answer.text) }
     }

@@ -2,10 +2,10 @@
 
 use super::Console;
 
-/// Linux's numbers of the policies first-in-first-out and round-robin: whatever has one of them waits for nobody else.
+/// Linux's numbers of the policies first-in-first-out and round-robin: a process that has one of them does not wait for ordinary ones.
 const REAL_TIME: [u32; 2] = [1, 2];
 
-/// Tells whoever sits there where this program has no real-time priority: a machine that stands still for a moment looks
+/// Warns where this program has no real-time priority: a machine that stands still for a moment looks
 /// like a robot that does.
 pub(crate) fn advise(console: &Console) {
     let policy = std::fs::read_to_string("/proc/self/stat").ok().and_then(|stat| policy(&stat));

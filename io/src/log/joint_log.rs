@@ -1,4 +1,4 @@
-//! What identification reads: a log of positions and efforts, from whatever recorded it.
+//! What identification reads: a log of positions and efforts from any recorder.
 
 use std::collections::BTreeMap;
 use std::path::Path;
@@ -33,7 +33,7 @@ pub struct Log {
     pub robot: Option<RecordedRobot>,
     /// The experiment, where armid performed it.
     pub recording: Option<Recording>,
-    /// What else an armid recording says of itself, as texts.
+    /// Further notes of an armid recording, as texts.
     pub notes: BTreeMap<String, String>,
     /// Whether the file is whole.
     pub complete: bool,

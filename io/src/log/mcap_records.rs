@@ -1,4 +1,4 @@
-//! The records of an MCAP file, chunks unpacked, whatever its bytes are.
+//! The records of an MCAP file, chunks unpacked; any bytes are safe to read.
 //!
 //! The reader of the `mcap` crate trusts two lengths: that of a record inside a chunk that is not compressed, which may
 //! claim more than the chunk, and one near 2⁶⁴. Both are looked at before it sees them.

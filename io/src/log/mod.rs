@@ -1,4 +1,4 @@
-//! Logs: positions and efforts of some joints, from whatever recorded them, and how they become samples.
+//! Logs: positions and efforts of some joints from any recorder, and how they become samples.
 //!
 //! | file | holds |
 //! |---|---|

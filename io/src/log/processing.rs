@@ -11,7 +11,7 @@ use super::joint_log::Log;
 use crate::error::Error;
 use crate::robot::LoadedRobot;
 
-/// What a log does not say of itself, and how it becomes samples.
+/// What a log does not contain, and how it becomes samples.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct LogSettings {
     /// Period of a log that does not say it, s; without one it is taken as not periodic.

@@ -4,7 +4,7 @@ use armid::cdr::JointState;
 
 use crate::error::Error;
 
-/// Positions and efforts in the order of `joints`, whatever the order in each message.
+/// Positions and efforts in the order of `joints`, for any order in the messages.
 pub(super) fn columns(name: &str, joints: &[String], states: &[JointState]) -> Result<(Vec<f64>, Vec<f64>), Error> {
     let mut q = Vec::with_capacity(states.len() * joints.len());
     let mut effort = Vec::with_capacity(states.len() * joints.len());

@@ -193,7 +193,7 @@ impl<'a> McapSink<'a> {
 const fn effort_unit(recording: &Recording) -> &'static str {
     match recording.effort_unit {
         EffortInterface::Current => "A",
-        EffortInterface::Torque => "N·m (N where a joint slides)",
+        EffortInterface::Torque => "N·m (N for a prismatic joint)",
     }
 }
 

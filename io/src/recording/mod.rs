@@ -1,4 +1,4 @@
-//! Recordings as they are written: a sink for each format, and what a recording says of itself.
+//! Recordings as they are written: a sink for each format, and the notes of a recording.
 //!
 //! A recording streams into `R.mcap.part`, readable to its last chunk, and takes its name when the experiment is
 //! complete.

@@ -1,4 +1,4 @@
-//! What a recording says of itself, without its samples.
+//! The notes of a recording, without its samples.
 
 use std::collections::BTreeMap;
 use std::path::Path;

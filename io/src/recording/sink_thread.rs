@@ -8,37 +8,37 @@ use armid::experiment::{Flow, Phase, RawSample, Recording, Sink};
 /// How far a sink may fall behind before it is waited for: two minutes at 500 Hz.
 const BEHIND: usize = 1 << 16;
 
-/// Does `work` with a sink that hands on what it hears and does not wait; `sink` takes it on another thread, and has taken
+/// Does `work` with a sink that passes on what it receives and does not wait; `sink` takes it on another thread, and has taken
 /// all of it when this returns. Where `sink` wants to stop, or `asked` says so, one of the next samples is answered so.
 pub fn beside<T>(
     sink: &mut (impl Sink + Send + ?Sized),
     asked: fn() -> bool,
     work: impl FnOnce(&mut dyn Sink) -> T,
 ) -> T {
-    let (sender, heard) = sync_channel(BEHIND);
+    let (sender, received) = sync_channel(BEHIND);
     let stop = AtomicBool::new(false);
     std::thread::scope(|scope| {
         let wants = &stop;
         scope.spawn(move || {
-            for heard in heard {
-                let flow = match heard {
-                    Heard::Begin(recording) => {
+            for received in received {
+                let flow = match received {
+                    Received::Begin(recording) => {
                         sink.begin(&recording);
                         Flow::Continue
                     }
-                    Heard::Sample(sample) => sink.sample(&sample.view()),
+                    Received::Sample(sample) => sink.sample(&sample.view()),
                 };
                 if flow.ends() {
                     wants.store(true, Ordering::Relaxed);
                 }
             }
         });
-        // Once it is dropped, the thread has heard everything.
+        // Once it is dropped, the thread has received everything.
         work(&mut Relay { sender, stop: &stop, asked })
     })
 }
 
-enum Heard {
+enum Received {
     Begin(Box<Recording>),
     Sample(OwnSample),
 }
@@ -74,7 +74,7 @@ impl OwnSample {
 }
 
 struct Relay<'a> {
-    sender: SyncSender<Heard>,
+    sender: SyncSender<Received>,
     stop: &'a AtomicBool,
     asked: fn() -> bool,
 }
@@ -87,12 +87,12 @@ impl Relay<'_> {
 
 impl Sink for Relay<'_> {
     fn begin(&mut self, recording: &Recording) {
-        // A thread that is gone is told by the next sample.
-        let _ = self.sender.send(Heard::Begin(Box::new(recording.clone())));
+        // The next sample shows whether the thread is gone.
+        let _ = self.sender.send(Received::Begin(Box::new(recording.clone())));
     }
 
     fn sample(&mut self, sample: &RawSample<'_>) -> Flow {
-        match self.sender.send(Heard::Sample(OwnSample::of(sample))) {
+        match self.sender.send(Received::Sample(OwnSample::of(sample))) {
             Ok(()) => self.flow(),
             Err(_) => Flow::Stop,
         }
@@ -109,7 +109,7 @@ mod tests {
 
     use super::*;
 
-    /// A disk that takes nothing before it is told to, and is full after `room` samples.
+    /// A disk that takes nothing before it is released, and is full after `room` samples.
     struct Disk {
         go: Receiver<()>,
         room: usize,
@@ -132,7 +132,7 @@ mod tests {
 
     #[test]
     fn a_disk_that_stands_still_holds_nobody_up_and_loses_nothing() {
-        let (tell, go) = channel();
+        let (release, go) = channel();
         let mut disk = Disk { go, room: 500, indices: Vec::new() };
         beside(
             &mut disk,
@@ -140,7 +140,7 @@ mod tests {
             |sink| {
                 // Nothing has been written while these are answered.
                 assert!((0..100).all(|index| sink.sample(&sample(index)) == Flow::Continue));
-                (0..100).for_each(|_| tell.send(()).unwrap());
+                (0..100).for_each(|_| release.send(()).unwrap());
             },
         );
         assert_eq!(disk.indices, (0..100).collect::<Vec<_>>());
@@ -148,8 +148,8 @@ mod tests {
 
     #[test]
     fn a_disk_that_is_full_stops_the_experiment() {
-        let (tell, go) = channel();
-        (0..1000).for_each(|_| tell.send(()).unwrap());
+        let (release, go) = channel();
+        (0..1000).for_each(|_| release.send(()).unwrap());
         let mut disk = Disk { go, room: 3, indices: Vec::new() };
         let answered = beside(
             &mut disk,

@@ -63,7 +63,7 @@ fn unknown(name: &str, path: &Path) -> Error {
     let names: Vec<&str> = bundled().iter().map(|entry| entry.name).collect();
     let looks_like_path = name.contains(['/', '\\']) || path.extension().is_some();
     if looks_like_path {
-        Error::unknown(format!("robot file {} is not there", path.display()))
+        Error::unknown(format!("robot file not found: {}", path.display()))
             .help(format!("bundled robots: {}", names.join(", ")))
     } else {
         Error::unknown(format!("robot \"{name}\" is neither a bundled robot nor a file"))

@@ -62,7 +62,7 @@ impl LoadedRobot {
             (TruthSource::Folder(folder), _) => {
                 let path = folder.join("truth.toml");
                 if !path.is_file() {
-                    let message = format!("{} is not there: a simulated arm is made of its parameters", path.display());
+                    let message = format!("{} not found: a simulated arm is made of its parameters", path.display());
                     return Err(Error::unknown(message));
                 }
                 Text::read(&path)?

@@ -1,4 +1,4 @@
-//! A chain in a tree of links: URDF or MJCF, told apart by the first element.
+//! A chain in a tree of links: URDF or MJCF, distinguished by the first element.
 
 use armid::model::format::{ChainEnds, ImportedModel, parse_mjcf, parse_urdf};
 

@@ -98,7 +98,7 @@ impl Journal {
         Ok(pieces)
     }
 
-    /// What to tell about pieces that were not gone on with.
+    /// The message about pieces that were not continued.
     #[must_use]
     pub fn note(&self) -> Option<String> {
         (self.put_aside > 0).then(|| {

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-/// A stretch of text with one look.
+/// A run of text in one style.
 #[derive(Debug, PartialEq, Eq)]
 enum Span<'a> {
     Plain(&'a str),

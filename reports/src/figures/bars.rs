@@ -29,7 +29,7 @@ use crate::style::Group;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BarFigure {
-    /// Name and words.
+    /// Name, title and caption.
     pub heading: Heading,
     /// The axis of the bars; always linear, since a bar begins at zero.
     pub value: Axis,

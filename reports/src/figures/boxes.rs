@@ -30,7 +30,7 @@ use crate::style::Group;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct BoxFigure {
-    /// Name and words.
+    /// Name, title and caption.
     pub heading: Heading,
     /// The axis of the values.
     pub value: Axis,

@@ -29,7 +29,7 @@ use crate::style::GroupStyle;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConvergenceFigure {
-    /// Name and words.
+    /// Name, title and caption.
     pub heading: Heading,
     /// Panels in a row, 1 to 3.
     pub columns: usize,

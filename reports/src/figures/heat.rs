@@ -30,7 +30,7 @@ use crate::heading::Heading;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct HeatFigure {
-    /// Name and words.
+    /// Name, title and caption.
     pub heading: Heading,
     /// Names of the rows, at most 120.
     pub rows: Vec<String>,

@@ -29,7 +29,7 @@ use crate::style::Group;
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct IntervalFigure {
-    /// Name and words.
+    /// Name, title and caption.
     pub heading: Heading,
     /// The axis of points and intervals.
     pub value: Axis,
@@ -151,7 +151,7 @@ impl Figure for IntervalFigure {
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct CoverageFigure {
-    /// Name and words.
+    /// Name, title and caption.
     pub heading: Heading,
     /// The groups, at most 8.
     pub groups: Vec<Group>,

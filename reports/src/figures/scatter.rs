@@ -35,7 +35,7 @@ use crate::style::{Dash, GroupStyle};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct ScatterFigure {
-    /// Name and words.
+    /// Name, title and caption.
     pub heading: Heading,
     /// Panels in a row, 1 to 3.
     pub columns: usize,

@@ -33,7 +33,7 @@ use crate::style::{Dash, GroupStyle};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct TimeSeriesFigure {
-    /// Name and words.
+    /// Name, title and caption.
     pub heading: Heading,
     /// The time axis of every panel.
     pub time: Axis,

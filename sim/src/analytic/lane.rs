@@ -1,7 +1,7 @@
 //! One number, or one number of each of several runs: the arithmetic that the equations of motion are written in.
 //!
 //! Every operation is the IEEE one on each lane, nothing is contracted or reordered, so that a run has the same bits
-//! whether it is computed alone or beside others, and on whatever width.
+//! whether it is computed alone or beside others, and on the width of the lanes.
 
 use std::ops::{Add, Mul, Neg, Sub};
 

@@ -12,7 +12,7 @@ use super::wide::{MOST_LANES, Wide};
 
 /// Several runs of the same arm: equal equations, states and torques of their own, one step for all.
 ///
-/// Each run has the bits that an [`AnalyticPlant`] of its own would give, whatever the processor.
+/// Each run has the bits that an [`AnalyticPlant`] of its own would give, on any processor.
 ///
 /// ```
 /// use armid::conformance::chains;

@@ -5,8 +5,8 @@
 //! of its joint. A coupled rotor turns with several joints, `q_motor = Σ_j c_j q_j`, and adds `Ia c cᵀ` to the mass
 //! matrix: a fixed tendon of that length with armature `Ia` does exactly that.
 //!
-//! MuJoCo would mend an inertia that no body can have if it were told to (`balanceinertia`); here it is refused, since a
-//! mended one is another robot. Friction is not written: the plant applies it.
+//! MuJoCo can correct a physically inconsistent inertia (`balanceinertia`); here it is refused, since a
+//! corrected one is another robot. Friction is not written: the plant applies it.
 
 use armid::model::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, VISCOUS};
 use std::fmt::Write;

@@ -17,7 +17,7 @@ pub(super) const FILE: &str = "mujoco.dll";
 #[cfg(not(any(target_os = "macos", windows)))]
 pub(super) const FILE: &str = "libmujoco.so.3.17.0";
 
-/// Names a library that is taken whatever else is there.
+/// Names a library that takes precedence.
 pub(super) const VARIABLE: &str = "ARMID_MUJOCO_LIB";
 
 /// How many folders above the program are looked into: `target/release/deps` of a repository has its root as fourth.

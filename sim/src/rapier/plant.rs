@@ -13,7 +13,7 @@ use super::engine::Engine;
 use super::rotors::CoupledRotors;
 use super::term_forces::TermForces;
 
-/// Steps of the engine in one step of the plant, unless told otherwise: the engine's own default.
+/// Steps of the engine in one step of the plant, by default: the engine's own default.
 pub const DEFAULT_SUBSTEPS: NonZeroU32 = NonZeroU32::new(4).expect("four is not zero");
 
 /// So short a step, s, that what the engine treats implicitly is below 1e-9 of the acceleration.
@@ -154,7 +154,7 @@ impl RapierPlant {
     fn push(&mut self, tau: &[f64], h: f64) {
         self.terms.evaluate(&self.q, &self.qd, &mut self.taken, &mut self.damping);
         for i in 0..self.q.len() {
-            // What acts at the present velocity, and what the engine is told besides its damping.
+            // What acts at the present velocity, and what the engine gets besides its damping.
             self.applied[i] = tau[i] - self.taken[i];
             self.torque[i] = self.applied[i] + self.damping[i] * self.qd[i];
         }
@@ -197,7 +197,7 @@ impl Plant for RapierPlant {
         self.q.copy_from_slice(q);
         self.qd.copy_from_slice(qd);
         if let Some(rotors) = &mut self.rotors {
-            rotors.forget();
+            rotors.reset();
         }
     }
 

@@ -1,4 +1,4 @@
-//! Rotors of coupled motors, which the engine has no word for.
+//! Rotors of coupled motors, which the engine does not model.
 //!
 //! ```text
 //! R = Cᵀ Ia C        A = diag R        (M + A) a = u + b − K a,  K = R − A
@@ -31,7 +31,7 @@ impl CoupledRotors {
         &self.rest
     }
 
-    pub(super) fn forget(&mut self) {
+    pub(super) fn reset(&mut self) {
         self.bias = None;
     }
 

@@ -14,7 +14,7 @@ use crate::spatial::Placement;
 /// Relatives with everything changed at random, on which a formula must hold.
 pub(super) const WITNESSES: usize = 6;
 
-/// A changed length is this multiple of the old one; a power of it tells an exponent, and it is exact in binary.
+/// A changed length is this multiple of the old one; a power of it gives an exponent, and it is exact in binary.
 pub(super) const STRETCH: f64 = 1.25;
 
 /// A changed angle is this much larger, degrees: a number that makes no angle special.
@@ -82,7 +82,7 @@ impl Geometry {
     /// where a joint is not given by a DH row.
     fn changed(&self, mut steps: impl FnMut(Option<Variable>) -> Option<f64>) -> Self {
         let mut changed = self.clone();
-        let stretch = |x: f64, step: Option<f64>| x * step.map_or(1.0, factor);
+        let scaled = |x: f64, step: Option<f64>| x * step.map_or(1.0, factor);
         for variable in Variable::of(self) {
             let joint = match variable {
                 Variable::Length(symbol) => symbol.joint,
@@ -96,7 +96,7 @@ impl Geometry {
                         super::Quantity::A => &mut row.a,
                         _ => &mut row.d,
                     };
-                    *length = stretch(*length, step);
+                    *length = scaled(*length, step);
                 }
                 Variable::Alpha(_) => row.alpha_deg += TURN_DEG * step.unwrap_or(0.0),
                 Variable::Theta(_) => row.offset_deg += TURN_DEG * step.unwrap_or(0.0),
@@ -110,7 +110,7 @@ impl Geometry {
                 }
                 None => {
                     for placement in [&mut changed.before[joint], &mut changed.after[joint]] {
-                        let moved = placement.translation.map(|x| stretch(x, steps(None)));
+                        let moved = placement.translation.map(|x| scaled(x, steps(None)));
                         *placement = Placement::new(placement.rotation, moved);
                     }
                 }

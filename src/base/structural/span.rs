@@ -9,7 +9,7 @@ const SMALLEST_ROW: f64 = 1e-12;
 
 /// A basis, in reduced row echelon form, of the space that these rows span; and the columns of its pivots.
 ///
-/// Rows are scaled to unit length first: a functional weighs the same in whatever unit it came.
+/// Rows are scaled to unit length first: a functional weighs the same in any unit.
 pub(super) fn echelon(rows: &[Vec<f64>], width: usize) -> LeftToRight {
     let scaled: Vec<(f64, &Vec<f64>)> = rows
         .iter()

@@ -1,4 +1,4 @@
-//! The distance from a guess that grows without bound towards what no body can have.
+//! The distance from a guess that grows without bound towards what is physically inconsistent.
 
 use nalgebra::{DMatrix, DVector, Matrix4};
 
@@ -166,10 +166,10 @@ mod tests {
             let slope = (distance.value(&at(1.0)) - distance.value(&at(-1.0))) / (2.0 * h);
             let size = hessian[(i, i)].sqrt();
             assert!((slope - gradient[i]).abs() < 1e-6 * (size + gradient[i].abs()), "{i}: {slope} {}", gradient[i]);
-            let bend = (distance.derivatives(&at(1.0)).0 - distance.derivatives(&at(-1.0)).0) / (2.0 * h);
+            let curvature = (distance.derivatives(&at(1.0)).0 - distance.derivatives(&at(-1.0)).0) / (2.0 * h);
             for j in 0..phi.len() {
                 let size = size * hessian[(j, j)].sqrt();
-                assert!((bend[j] - hessian[(i, j)]).abs() < 1e-6 * size, "{i} {j}");
+                assert!((curvature[j] - hessian[(i, j)]).abs() < 1e-6 * size, "{i} {j}");
             }
         }
     }

@@ -1,4 +1,4 @@
-//! A full set of standard parameters that real bodies can have, as close to a guess as the estimate allows.
+//! A full, physically consistent set of standard parameters, as close to a guess as the estimate allows.
 //!
 //! ```text
 //! minimise   Σ_links ( tr(P₀⁻¹ P) − ln det P ) + Σ_drives ( x/x₀ − ln x )     subject to   K φ = β̂

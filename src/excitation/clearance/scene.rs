@@ -93,7 +93,7 @@ impl Scene {
         self.pairs.push(Pair { first, second, from, to, reach });
     }
 
-    /// How far a point of a body of link `to` can be from the axis of a joint, whatever the joints between do.
+    /// How far a point of a body of link `to` can be from the axis of a joint, for any motion of the joints between.
     fn reach(&self, joint: usize, to: usize, solid: &Solid) -> f64 {
         if self.joints[joint].kind == JointKind::Prismatic {
             return 1.0;

@@ -5,7 +5,7 @@
 //! u(δ) = sgn(δ) (|δ| − b/2 + ρ b/2)   beyond           ρ = 0.02
 //! ```
 //! A dead zone; `ρ` is what grease and rounded flanks leave of the stiffness inside the gap, assumed, so that torque
-//! tells where in the gap the motor is.
+//! says where in the gap the motor is.
 
 /// Share of the stiffness inside the gap.
 const SOFT: f64 = 0.02;

@@ -61,7 +61,7 @@ macro_rules! effects {
 }
 
 effects! {
-    /// Friction that falls as a joint sets off.
+    /// Friction that falls as a joint starts to move.
     Stribeck: "stribeck", "", 0.3, 0.8, 2.0,
         "friction at standstill above Coulomb friction, as a share of it";
     /// Coulomb friction that grows with the torque that goes through the gear.

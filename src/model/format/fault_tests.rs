@@ -241,14 +241,14 @@ fn analytic_every_fault_of_a_parameter_file_names_its_place() {
         (
             "mass_kg = 1.0",
             "mass_kg = ¶0.1",
-            "link \"slide\" cannot be a real body: its pseudo-inertia has the eigenvalue -",
+            "link \"slide\" is physically inconsistent: its pseudo-inertia has the eigenvalue -",
         ),
-        ("mass_kg = 2.0", "mass_kg = ¶-2.0", "link \"turn\" cannot be a real body"),
+        ("mass_kg = 2.0", "mass_kg = ¶-2.0", "link \"turn\" is physically inconsistent"),
     ] {
         expect_fault(parse, &replaced(PARAMETERS, from, to), says);
     }
     let flat = replaced(PARAMETERS, "zz = 0.01", "zz = 0.10");
-    expect_fault(parse, &replaced(&flat, "mass_kg = 2.0", "mass_kg = ¶2.0"), "cannot be a real body");
+    expect_fault(parse, &replaced(&flat, "mass_kg = 2.0", "mass_kg = ¶2.0"), "physically inconsistent");
     assert!(parse_parameters(&flat, &robot, false).is_ok());
     let mixed = replaced(PARAMETERS, "com_m = [0.0, 0.0, 0.5]\n", "first_moment_kg_m = [0, 0, 1]\n");
     expect_fault(parse, &replaced(&mixed, "name = \"turn\"", "name = ¶\"turn\""), "the two forms");
@@ -262,7 +262,7 @@ fn analytic_every_fault_of_a_parameter_file_names_its_place() {
     for (from, to, says) in [
         ("inertia = 0.3", "inertia = ¶-0.3", "inertia is -0.3"),
         ("rotor = 0.2\n", "", "missing field `rotor`"),
-        ("mass_kg = 2.0", "mass_kg = ¶-2.0", "cannot be a real body"),
+        ("mass_kg = 2.0", "mass_kg = ¶-2.0", "physically inconsistent"),
     ] {
         let mut text = replaced(&nominal, from, to);
         if to.is_empty() {

@@ -45,7 +45,7 @@ const PASSED_OVER: [&str; 6] = ["geom", "site", "camera", "light", "body", "iner
 /// ```
 ///
 /// # Errors
-/// [`FormatError`] with line and column: malformed XML, a missing or malformed attribute, whatever is not supported (by
+/// [`FormatError`] with line and column: malformed XML, a missing or malformed attribute, anything that is not supported (by
 /// its name), a tree without a tip (the leaves are listed).
 pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
     let document = parse_xml(text)?;

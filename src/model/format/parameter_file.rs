@@ -198,7 +198,7 @@ impl ParameterReader<'_> {
         if self.require_consistent
             && let Err(fault) = inertia.check()
         {
-            let message = format!("link \"{name}\" cannot be a real body: {fault}");
+            let message = format!("link \"{name}\" is physically inconsistent: {fault}");
             return check.fault(table.mass_kg.span(), message);
         }
         Ok(inertia)

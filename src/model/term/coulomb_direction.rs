@@ -4,7 +4,7 @@
 //! g = tanh²(v / v_s)        φ = Fd = (Fc⁺ − Fc⁻)/2        beside Fc = (Fc⁺ + Fc⁻)/2
 //! ```
 //! so that friction is `Fc⁺` in the positive direction, `Fc⁻` in the negative, and nothing at rest. Away from standstill
-//! its law is 1, that of an offset: data tell the two apart only by what happens within a few `v_s`, or not at all where
+//! its law is 1, that of an offset: data distinguish the two only by what happens within a few `v_s`, or not at all where
 //! `v_s` is 0. Its slope is at most 0.77 times that of Coulomb friction of the same size.
 //!
 //! Source: P. I. Corke, B. Armstrong-Hélouvry, ICRA 1994, give both directions for every joint of the PUMA 560.

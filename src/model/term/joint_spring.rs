@@ -55,8 +55,8 @@ impl TermLaw for JointSpring {
     }
 
     fn energy(&self, x: &TermInput<f64>) -> f64 {
-        let stretch = x.q - x.shape[0].value;
-        0.5 * stretch * stretch
+        let deflection = x.q - x.shape[0].value;
+        0.5 * deflection * deflection
     }
 }
 

@@ -43,7 +43,7 @@ terms! {
     MOTOR_VISCOUS: MotorViscousFriction;
     /// Coulomb friction of a coupled motor.
     MOTOR_COULOMB: MotorCoulombFriction;
-    /// Friction that falls as a joint sets off.
+    /// Friction that falls as a joint starts to move.
     STRIBECK: Stribeck;
     /// The same of a coupled motor.
     MOTOR_STRIBECK: MotorStribeck;

@@ -1,4 +1,4 @@
-//! Friction that falls as it sets off, of a motor that drives several joints.
+//! Friction that falls as it starts to move, of a motor that drives several joints.
 
 use super::{ByJoint, Number, Place, Stribeck, TermEntry, TermInput, TermLaw};
 

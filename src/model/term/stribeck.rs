@@ -1,4 +1,4 @@
-//! Friction that falls as a joint sets off.
+//! Friction that falls as a joint starts to move.
 //!
 //! ```text
 //! g = exp(−(v/v_S)²) tanh(v / v_s)        φ = Fs = static friction − Fc

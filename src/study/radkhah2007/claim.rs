@@ -2,7 +2,7 @@
 
 use crate::statistics::Interval;
 
-/// What the numbers say of a claim.
+/// The verdict on a claim.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Verdict {

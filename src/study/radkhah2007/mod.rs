@@ -8,7 +8,7 @@
 //! | [`evaluate_claims`] | each claim as a measured quantity with its sample size and, where it is statistical, an interval |
 //!
 //! The verdict on a claim follows from the numbers by a rule that stands in the code, so that a report cannot say more
-//! than was measured. What the paper has in common with the rest of the field (recursions, reduction in five steps,
+//! than was measured. What `radkhah2007` has in common with the rest of the field (recursions, reduction in five steps,
 //! criteria, Fourier series, weighted least squares) stands in the modules of the method and cites it there.
 //!
 //! Reference: K. Radkhah, D. Kulic, E. Croft, "Dynamic parameter identification for the CRS A460 robot", IROS 2007.

@@ -2,7 +2,7 @@
 //!
 //! The names read `m2*rcx_2` for the first moment `mcx2`. 31 of the 32 lie in the base set of the arm's standard-DH
 //! model, walked link by link from left to right. The 32nd, `m4*rcy_4`, does not: with standard DH, y4 lies along
-//! joint axis 4 and `mcy4` goes into `mcz3` (a mass on an axis cannot be told from one on the link before it). `mcz4`,
+//! joint axis 4 and `mcy4` goes into `mcz3` (a mass on an axis cannot be distinguished from one on the link before it). `mcz4`,
 //! absent from the table, does, so `rcy` reads as a misprint for `rcz`. With it, the four base parameters that the
 //! table leaves out are `Ixx2`, `Iyy4`, `Ixx5` and `Iyy5`: the "4 out of the 36" without reasonable values.
 //!

@@ -12,7 +12,8 @@ use crate::terminal::{Align, Answer, Console, Ending, Table};
 const AFTER_HELP: &str = "\
 At one speed there and back over the same positions gravity cancels in half the difference of the
 torques, which leaves friction: Fc + Fv v. Where the slowest speed lies above the line through the
-faster half, friction falls as the joint sets off (Stribeck). A recording of `torque-constant` serves.";
+faster half, friction falls as the joint starts to move (Stribeck). A recording
+of `torque-constant` can be used.";
 
 /// Measure a joint's friction at constant speeds
 #[derive(Debug, clap::Args)]
@@ -47,7 +48,7 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     Ok(Ending::Done)
 }
 
-/// Does friction fall as the joint sets off?
+/// Does friction fall as the joint starts to move?
 fn falls(found: &Friction) -> bool {
     found.stribeck.is_some_and(|excess| excess.ci95[0] > 0.0)
 }
@@ -75,7 +76,7 @@ fn text(found: &Friction, bench: &Bench) -> String {
         }
     }
     let word = if falls(found) {
-        "\nfriction falls as the joint sets off: leave slow samples out, or estimate a Stribeck term\n"
+        "\nfriction falls as the joint starts to move: leave slow samples out, or estimate a Stribeck term\n"
     } else {
         ""
     };

@@ -21,9 +21,9 @@ use crate::terminal::{Align, Answer, Console, Ending, Table};
 const AFTER_HELP: &str = "\
 Two recordings of one motion, without and with a payload whose mass and centre are known: what the
 payload adds is known in N·m, what the motors add is measured in A. Their ratio is the torque
-constant. It needs no motor voltage. A joint with a vertical axis feels the payload's inertia only,
-so that its interval is wide. A joint in which the payload does not show is named, the others are
-reported, and the exit status is 1. Motors that drive several joints need the back-EMF.
+constant. It needs no motor voltage. On a joint with a vertical axis only the payload's inertia
+acts, so that its interval is wide. A joint whose torque constant the payload does not identify is
+listed with the reason, the others are reported, and the exit status is 1. Motors that drive several joints need the back-EMF.
 
   armid run without.toml -o A.mcap
   # attach the payload

@@ -12,10 +12,10 @@ use crate::terminal::{Align, Answer, Console, Ending, Table};
 const AFTER_HELP: &str = "\
 The back-EMF of a motor is its voltage less what resistance, inductance and brushes take; against
 the speed of the shaft it is a straight line whose slope is Ke = Kt (Corke 1996). The resistance is
-estimated with it: it shows where the current varies apart from the speed, under gravity and in
-reversals. --resistance-ohm takes it as known.
+estimated with it: it is identifiable where the current varies independently of the speed, under gravity
+and in reversals. --resistance-ohm takes it as known.
 
-Where the interface gives no motor voltage, a payload of known mass and centre shows the torque
+Where the interface gives no motor voltage, a payload of known mass and centre identifies the torque
 constants instead: `armid calibrate payload`.";
 
 /// Measure a torque constant by the motor's back-EMF

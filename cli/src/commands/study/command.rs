@@ -16,7 +16,7 @@ A study designs trajectories, performs simulated experiments with each, estimate
 the truth. Equal plan and seed give the same bytes for any number of threads; wall times and dates are
 in timing.parquet and provenance.json alone.
 
-Ctrl-C and kill lose no finished run: --resume goes on with what is there.
+Ctrl-C and kill lose no finished run: --resume continues from them.
 
 Examples:
   armid study experiments/01-criteria             the bundled study, into reports/01-criteria/
@@ -40,7 +40,7 @@ pub(crate) struct Arguments {
     /// Threads; all cores where absent
     #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
     jobs: Option<u32>,
-    /// Go on with the finished work in the output folder
+    /// Resume from the finished work in the output folder
     #[arg(long)]
     resume: bool,
     /// Perform only part K of N of the runs; `armid study merge` puts the parts together
