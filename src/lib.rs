@@ -63,6 +63,7 @@
 pub mod seed;
 pub mod provenance;
 mod plain;
+pub mod input;
 pub mod cdr;
 pub mod linalg;
 pub mod optimiser;

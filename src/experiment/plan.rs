@@ -17,6 +17,7 @@
 use super::layout::Layout;
 use super::phase::{Phase, PhaseSpan};
 use super::plan_error::PlanError;
+use crate::input::size::{EXPERIMENT_SAMPLES, HELD_SAMPLES, PERIOD_S, PERIOD_SAMPLES, RATE_HZ};
 use crate::trajectory::{PeriodicTrajectory, Timeline};
 
 /// An experiment: which motion, how often, how it begins and ends, and how fast it is sampled.
@@ -97,6 +98,7 @@ impl ExperimentPlan {
         if self.periods == 0 {
             return quantity("periods", 0.0, "at least 1");
         }
+        self.check_size()?;
         let samples = period_s * self.rate_hz;
         if (samples - samples.round()).abs() > 1e-9 * samples || samples < 1.0 {
             return Err(PlanError::PeriodNotWhole { period_s, rate_hz: self.rate_hz, samples });
@@ -122,6 +124,30 @@ impl ExperimentPlan {
             })
             .collect();
         Ok(Layout { spans, period_samples })
+    }
+
+    /// Looks at how much is asked for, before anything is counted in whole samples.
+    fn check_size(&self) -> Result<(), PlanError> {
+        let period_s = self.trajectory.period_s();
+        RATE_HZ.check("rate_hz", self.rate_hz)?;
+        PERIOD_S.check("period_s", period_s)?;
+        let period = period_s * self.rate_hz;
+        PERIOD_SAMPLES.check("period_s by rate_hz", period)?;
+        let periods = self.periods as f64 + self.discarded_periods as f64;
+        EXPERIMENT_SAMPLES.check("settle_s by rate_hz", self.settle_s * self.rate_hz)?;
+        EXPERIMENT_SAMPLES.check("ramp_s by rate_hz", self.ramp_s * self.rate_hz)?;
+        EXPERIMENT_SAMPLES.check("periods by samples of one", periods * period)?;
+        Ok(())
+    }
+
+    /// How many samples the experiment has, where all of them are to be held in memory.
+    ///
+    /// # Errors
+    /// As [`ExperimentPlan::layout`], and [`PlanError::Size`] where they are too many for that.
+    pub fn check_held(&self) -> Result<usize, PlanError> {
+        let samples = self.layout()?.samples();
+        HELD_SAMPLES.check_count("number of samples", samples)?;
+        Ok(samples)
     }
 
     /// The ramps and the period as they are performed: what the commanded motion is evaluated on, and its limits verified.
@@ -183,6 +209,11 @@ mod tests {
             (ExperimentPlan { settle_s: f64::NAN, ..plan() }, "settle_s"),
             (ExperimentPlan { periods: 0, ..plan() }, "periods"),
             (ExperimentPlan { rate_hz: 333.3, ..plan() }, "666.6"),
+            (ExperimentPlan { rate_hz: 1e9, ..plan() }, "rate_hz is 1000000000 Hz, expected at most 100000 Hz"),
+            (ExperimentPlan { ramp_s: 1e300, ..plan() }, "ramp_s by rate_hz is 1e303, expected at most 1000000000"),
+            (ExperimentPlan { settle_s: 1e15, ..plan() }, "settle_s by rate_hz is 1e18"),
+            (ExperimentPlan { periods: usize::MAX, ..plan() }, "periods by samples of one is"),
+            (ExperimentPlan { discarded_periods: usize::MAX, ..plan() }, "periods by samples of one is"),
         ] {
             let message = broken.layout().unwrap_err().to_string();
             assert!(message.contains(word), "{message}");

@@ -1,6 +1,7 @@
 //! Why a plan cannot be performed.
 
 use super::phase::Phase;
+use crate::input::TooLarge;
 
 /// Why a plan cannot be performed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -15,6 +16,9 @@ pub enum PlanError {
         /// What is possible.
         expected: &'static str,
     },
+    /// It asks for more than is allowed.
+    #[error(transparent)]
+    Size(#[from] TooLarge),
     /// A period does not hold a whole number of samples.
     #[error("a period of {period_s} s holds {samples} samples at {rate_hz} Hz, expected a whole number")]
     PeriodNotWhole {

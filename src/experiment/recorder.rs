@@ -40,8 +40,9 @@ impl Sink for Recorder {
 /// Performs a plan on an arm and keeps every sample in memory.
 ///
 /// # Errors
-/// [`ArmError`] where the experiment cannot begin.
+/// [`ArmError`] where the experiment cannot begin, or has more samples than memory should hold.
 pub fn record(arm: &mut dyn Arm, plan: &ExperimentPlan) -> Result<(Recording, Ending), ArmError> {
+    plan.check_held()?;
     let mut recorder = Recorder::default();
     let ending = arm.perform(plan, &mut recorder)?;
     let recording = recorder.into_recording().ok_or_else(|| ArmError::Unavailable {

@@ -63,8 +63,11 @@ impl<'de> Deserialize<'de> for Recording {
 }
 
 impl Recording {
-    /// Tables that have the size that they say.
-    fn check(&self) -> Result<(), String> {
+    /// Checks that tables have the size that they say, and that phases follow each other.
+    ///
+    /// # Errors
+    /// What was found and what was expected.
+    pub fn check(&self) -> Result<(), String> {
         let (n, samples) = (self.dof, self.t.len());
         let sizes = [
             ("joints", self.joints.len(), n),
@@ -81,6 +84,18 @@ impl Recording {
         if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) || self.period_samples == 0 {
             let (rate, period) = (self.rate_hz, self.period_samples);
             return Err(format!("rate_hz is {rate} and period_samples {period}, expected both above zero"));
+        }
+        if self.trajectory.dof() != n {
+            return Err(format!("the trajectory moves {} joints, expected {n}", self.trajectory.dof()));
+        }
+        let mut begin = 0;
+        for span in &self.phases {
+            let Range { start, end } = span.samples;
+            if start != begin || end < start {
+                let name = span.phase.name();
+                return Err(format!("phase {name} is samples {start} to {end}, expected it to begin at {begin}"));
+            }
+            begin = end;
         }
         Ok(())
     }

@@ -7,6 +7,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::robot_fault::{RobotFault, check_joint, check_servo, check_surroundings};
 use super::{Drive, EffortInterface, Joint, Obstacle, ServoTuning, Shape};
+use crate::input::size::JOINTS;
 use crate::provenance::sha256;
 use crate::spatial::{Motion, Placement};
 
@@ -104,6 +105,7 @@ impl Robot {
         if joints.is_empty() {
             return Err(RobotFault::NoJoints { robot: name });
         }
+        JOINTS.check_count("number of joints", joints.len())?;
         for (i, joint) in joints.iter().enumerate() {
             if joints[..i].iter().any(|other| other.name == joint.name) {
                 return Err(RobotFault::DuplicateJoint { joint: joint.name.clone() });

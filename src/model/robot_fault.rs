@@ -5,6 +5,7 @@ use nalgebra::Vector3;
 use super::{
     Capsule, Cuboid, DhConvention, DhRow, Joint, JointKind, MotorCircuit, Obstacle, ServoTuning, Shape, Solid,
 };
+use crate::input::TooLarge;
 use crate::spatial::Placement;
 
 /// How far the length of a plane's normal may be from one, and a frame from that of its DH row: rounding.
@@ -25,6 +26,9 @@ pub enum RobotFault {
         /// Name of the robot.
         robot: String,
     },
+    /// More joints than are allowed.
+    #[error(transparent)]
+    Size(#[from] TooLarge),
     /// Two joints of one name.
     #[error("joint name \"{joint}\" occurs twice, expected each name once")]
     DuplicateJoint {

@@ -201,6 +201,9 @@ impl StudyPlan {
     /// As [`StudyPlan::check`].
     pub fn check_with(&self, own: &[Arc<dyn Estimator>]) -> Result<(), StudyPlanError> {
         self.columns()?;
+        if self.identification.estimators.is_empty() {
+            return Err(number("identification.estimators", "[]", "at least one name"));
+        }
         self.estimators(own)?;
         let counts = [
             ("runs", self.runs),
@@ -257,6 +260,7 @@ impl StudyPlan {
             }
         }
         self.check_truths()?;
+        self.check_names_and_sizes()?;
         for family in &self.designs {
             family.family()?;
             match family.method {

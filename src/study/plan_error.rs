@@ -1,5 +1,6 @@
 //! Why a plan cannot be carried out.
 
+use crate::input::{FileNameError, TooLarge};
 use crate::model::format::FormatError;
 
 /// Why a plan cannot be carried out.
@@ -43,6 +44,12 @@ pub enum StudyPlanError {
         /// What is possible.
         expected: &'static str,
     },
+    /// More than may be asked for.
+    #[error(transparent)]
+    Size(#[from] TooLarge),
+    /// A name that would leave its folder.
+    #[error(transparent)]
+    FileName(#[from] FileNameError),
 }
 
 impl StudyPlanError {
@@ -55,15 +62,21 @@ impl StudyPlanError {
     /// Where in the text the fault's key stands: the first line with that key and the value that was found.
     fn place(&self, text: &str) -> std::ops::Range<usize> {
         let (key, found) = match self {
-            Self::Name { key, found, .. } | Self::Family { key, found, .. } => (*key, found),
-            Self::Number { key, found, .. } => (key.as_str(), found),
-            Self::Twice { key, found } => (*key, found),
+            Self::Name { key, found, .. } | Self::Family { key, found, .. } => (*key, found.as_str()),
+            Self::Number { key, found, .. } => (key.as_str(), found.as_str()),
+            Self::Twice { key, found } => (*key, found.as_str()),
+            Self::FileName(FileNameError { key, found, .. }) => (key.as_str(), found.as_str()),
+            // A number may be written in more ways than one.
+            Self::Size(TooLarge { key, .. }) => (key.as_str(), ""),
         };
         let key = key.rsplit('.').next().unwrap_or(key);
+        // What is counted together stands behind the key that counts most.
+        let key = key.split([' ', ',']).next().unwrap_or(key);
         let mut begin = 0;
         for line in text.split_inclusive('\n') {
-            if line.trim_start().starts_with(key) && line.contains(found.as_str()) {
-                let start = begin + line.find(found.as_str()).unwrap_or(0);
+            if line.trim_start().starts_with(key) && line.contains(found) {
+                let value = line.find('=').map_or(0, |at| line.len() - line[at + 1..].trim_start().len());
+                let start = begin + if found.is_empty() { value } else { line.find(found).unwrap_or(0) };
                 return start..start + found.len();
             }
             begin += line.len();

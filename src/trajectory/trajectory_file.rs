@@ -40,6 +40,7 @@ use super::error::TrajectoryError;
 use super::fourier::{FourierJoint, FourierTrajectory};
 use super::fourier_quintic::FourierQuinticTrajectory;
 use super::periodic::PeriodicTrajectory;
+use crate::input::size::HARMONICS;
 
 /// The key that names the family.
 #[derive(Deserialize)]
@@ -278,6 +279,9 @@ fn series(text: &str, file: FileIn) -> Result<FourierTrajectory, TrajectoryError
     let harmonics = *file.harmonics.get_ref();
     if harmonics == 0 {
         return Err(at(text, file.harmonics.span(), "harmonics is 0, expected at least 1"));
+    }
+    if let Err(fault) = HARMONICS.check_count("harmonics", harmonics) {
+        return Err(at(text, file.harmonics.span(), &fault.to_string()));
     }
     if file.joint.get_ref().is_empty() {
         return Err(at(text, file.joint.span(), "no joint, expected one [[joint]] for each of the robot"));

@@ -130,6 +130,16 @@ impl<'a> Element<'a> {
         self.numbers_of::<1>(&self.required(key)?).map(|[x]| x)
     }
 
+    /// A number that cannot be negative: a mass.
+    pub(super) fn number_not_below_zero(&self, key: &str) -> Result<f64, FormatError> {
+        let number = self.required_number(key)?;
+        if number < 0.0 {
+            let message = format!("{key} is {number}, expected a number not below zero");
+            return self.check.fault(self.required(key)?.range_value(), message);
+        }
+        Ok(number)
+    }
+
     /// A direction: three numbers that are not all zero, made a unit vector.
     pub(super) fn direction_of(&self, attribute: &Attribute<'a, 'a>) -> Result<Vector3<f64>, FormatError> {
         let axis = Vector3::from(self.numbers_of::<3>(attribute)?);

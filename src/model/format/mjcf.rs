@@ -11,6 +11,7 @@
 //! refused by name (springs, balls, tendons, equalities, includes, frames, inertia from shapes, …); shapes, assets,
 //! sensors and actuators are passed over. Reference: the MuJoCo XML reference, version 3.
 
+use crate::input::size::LINKS;
 use crate::model::term::{COULOMB, ROTOR, VISCOUS};
 use std::collections::BTreeMap;
 
@@ -95,6 +96,9 @@ impl<'a> BodyReader<'_, 'a> {
 
     fn body(&mut self, element: Element<'a>, parent: usize, class: Option<&'a str>) -> Result<(), FormatError> {
         let index = self.bodies.len();
+        if let Err(fault) = LINKS.check_count("number of bodies", index) {
+            return element.fault(fault.to_string());
+        }
         let name = element.attribute("name").map_or_else(|| format!("body{index}"), |name| name.value().to_owned());
         let class = element.attribute("childclass").map(|class| class.value()).or(class);
         if let Some(flag) = element.attribute("mocap").filter(|flag| flag.value() == "true") {
@@ -144,7 +148,7 @@ impl<'a> BodyReader<'_, 'a> {
         }
         let Some(inertial) = inertial else { return Ok(Inertia::zero()) };
         inertial.required("pos")?;
-        let mass = inertial.required_number("mass")?;
+        let mass = inertial.number_not_below_zero("mass")?;
         let placement = self.settings.placement(inertial)?;
         let rotational = match (inertial.numbers::<3>("diaginertia")?, inertial.numbers::<6>("fullinertia")?) {
             (Some(diagonal), None) => Matrix3::from_diagonal(&Vector3::from(diagonal)),

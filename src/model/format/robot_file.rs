@@ -10,6 +10,7 @@ use toml::Spanned;
 use super::FormatError;
 use super::reading::{Check, Number, Row, STANDARD_GRAVITY, read, roll_pitch_yaw};
 use super::shape_tables::{FloorTable, ObstacleTable, ShapeTable, TouchTable, read_obstacles, read_shape, read_touch};
+use crate::input::size::RATE_HZ;
 use crate::model::term::{ShapeParameter, Term};
 use crate::model::{
     DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, MotorCircuit, Robot, RobotSpec, ServoTuning,
@@ -188,6 +189,9 @@ fn read_base(check: Check<'_>, table: Option<&BaseTable>) -> Result<Placement, F
 }
 
 fn read_servo(check: Check<'_>, table: &ServoTable) -> Result<ServoTuning, FormatError> {
+    if let Err(fault) = RATE_HZ.check("rate_hz", *table.rate_hz.get_ref()) {
+        return check.fault(table.rate_hz.span(), fault.to_string());
+    }
     Ok(ServoTuning {
         rate_hz: check.positive("rate_hz", &table.rate_hz)?,
         bandwidth_hz: check.positive("bandwidth_hz", &table.bandwidth_hz)?,

@@ -47,6 +47,36 @@ impl ImportedModel {
     }
 }
 
+/// The first joint whose place, or the inertia of its link, is no longer finite where numbers of the file came together.
+fn overflowing<'a>(joints: &'a [Joint], parameters: &StandardParameters) -> Option<&'a str> {
+    let finite = |place: &Placement| place.translation.iter().chain(place.rotation.iter()).all(|x| x.is_finite());
+    let mut links = joints.iter().zip(&parameters.links);
+    let found = links.find(|(joint, link)| {
+        !(finite(&joint.before) && finite(&joint.after) && link.to_array().iter().all(|x| x.is_finite()))
+    });
+    found.map(|(joint, _)| joint.name.as_str())
+}
+
+/// A sentence for each link whose inertia no body has; one without mass, or a point mass, is what a file may state.
+fn impossible(robot: &Robot, parameters: &StandardParameters) -> Vec<String> {
+    let links = robot.joints().iter().zip(&parameters.links);
+    links
+        .filter_map(|(joint, link)| {
+            let pseudo = link.pseudo();
+            let least = pseudo.smallest_eigenvalue();
+            let size = pseudo.0.diagonal().abs().max();
+            // Beyond rounding.
+            (least < -1e-9 * size).then(|| {
+                format!(
+                    "the link of joint \"{}\" cannot be a real body: the smallest eigenvalue of its pseudo-inertia is \
+                     {least:.3e}, expected none below zero",
+                    joint.name
+                )
+            })
+        })
+        .collect()
+}
+
 /// How a body hangs on its parent.
 pub(super) enum Connection {
     Fixed,
@@ -207,10 +237,18 @@ impl Tree<'_> {
             obstacles: Vec::new(),
             may_touch: Vec::new(),
         };
+        if let Some(joint) = overflowing(&spec.joints, &parameters) {
+            let message = format!(
+                "the link of joint \"{joint}\" has an inertia or a place beyond all numbers, expected finite ones"
+            );
+            return self.check.fault(self.at.clone(), message);
+        }
         match Robot::new(spec) {
             Ok(robot) => {
                 let robot = robot.with_effort(EffortInterface::Torque);
-                Ok(ImportedModel { robot, parameters, locked, remarks: self.remarks })
+                let mut remarks = self.remarks;
+                remarks.extend(impossible(&robot, &parameters));
+                Ok(ImportedModel { robot, parameters, locked, remarks })
             }
             Err(fault) => self.check.fault(self.at.clone(), fault.to_string()),
         }

@@ -9,6 +9,7 @@
 //! Not read: meshes, collision shapes, transmissions, sensors, simulator extensions.
 //! Reference: the URDF/XML specification of the Robot Operating System.
 
+use crate::input::size::LINKS;
 use crate::model::term::{COULOMB, VISCOUS};
 use nalgebra::{Matrix3, Vector3};
 
@@ -47,6 +48,9 @@ pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         return root.fault(format!("the root element is <{}>, expected <robot>", root.tag()));
     }
     let links: Vec<Element<'_>> = root.all("link").collect();
+    if let Err(fault) = LINKS.check_count("number of links", links.len()) {
+        return root.fault(fault.to_string());
+    }
     let mut names: Vec<&str> = Vec::with_capacity(links.len());
     for link in &links {
         let name = link.required("name")?;
@@ -256,7 +260,7 @@ fn read_inertial(link: Element<'_>) -> Result<Inertia, FormatError> {
         Some(element) => Ok(element),
         None => inertial.fault(format!("<inertial> has no <{tag}>, expected one")),
     };
-    let mass = required("mass")?.required_number("value")?;
+    let mass = required("mass")?.number_not_below_zero("value")?;
     let i = required("inertia")?;
     let [xx, xy, xz, yy, yz, zz] = [
         i.required_number("ixx")?,

@@ -35,7 +35,7 @@ pub fn write_urdf(robot: &Robot, parameters: &StandardParameters, header: &str) 
     let mut out = "<?xml version=\"1.0\"?>\n<!--\n".to_owned();
     // Writing to a String cannot fail.
     for line in header.lines() {
-        let _ = writeln!(out, "  {}", line.replace("--", "- -"));
+        let _ = writeln!(out, "  {}", commented(line));
     }
     for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
         // Every term that has no place in the format, the usual ones even where they are zero.
@@ -52,7 +52,7 @@ pub fn write_urdf(robot: &Robot, parameters: &StandardParameters, header: &str) 
                 )
             })
             .collect();
-        let name = joint.name.replace("--", "- -");
+        let name = commented(&joint.name);
         let _ = writeln!(out, "  joint {name}: {}, which URDF cannot say", left_out.join(", "));
     }
     let _ = write!(out, "-->\n<robot name=\"{}\">\n  <link name=\"base\"/>\n", escaped(robot.name()));
@@ -132,7 +132,18 @@ fn write_link(out: &mut String, name: &str, link: &Inertia) {
 }
 
 fn escaped(name: &str) -> String {
-    name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
+    let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+    // A reader makes a space of each unless it is written so.
+    name.replace('\n', "&#10;").replace('\t', "&#9;").replace('\r', "&#13;")
+}
+
+/// A text inside a comment, which may have no two hyphens in a row.
+fn commented(text: &str) -> String {
+    let mut text = text.replace("--", "- -");
+    if text.contains("--") {
+        text = text.replace("--", "- -");
+    }
+    text
 }
 
 fn origin(place: &Placement) -> String {
