@@ -1,4 +1,5 @@
-//! Signals: the first asks the work to end with what is finished, the second ends it at once, unless an arm moves.
+//! Signals: the first asks the work to end with what is finished, the second ends it at once, unless an arm moves. Work that
+//! never looks whether it was asked has nothing to keep, and ends at the first.
 //!
 //! While an arm moves, no signal that can be caught ends the process before the arm is at rest, or nobody can do more for
 //! it. Signals are taken by a thread that waits for them and are blocked everywhere else, so that none interrupts the
@@ -11,6 +12,8 @@ use armid_io::Error as Fault;
 use miette::Result;
 
 static ASKED: AtomicBool = AtomicBool::new(false);
+/// Whether the work looks.
+static HEEDED: AtomicBool = AtomicBool::new(false);
 /// How many motions are under way; held while the process ends, so that none begins then.
 static MOVING: Mutex<usize> = Mutex::new(0);
 
@@ -51,13 +54,17 @@ fn is_moving() -> bool {
 
 fn ask() {
     let moving = MOVING.lock().unwrap_or_else(PoisonError::into_inner);
-    if ASKED.swap(true, Ordering::SeqCst) && *moving == 0 {
+    let again = ASKED.swap(true, Ordering::SeqCst);
+    if *moving == 0 && (again || !HEEDED.load(Ordering::SeqCst)) {
         std::process::exit(130);
     }
 }
 
 /// Has somebody asked for the end?
 pub(crate) fn asked() -> bool {
+    if !HEEDED.load(Ordering::Relaxed) {
+        HEEDED.store(true, Ordering::SeqCst);
+    }
     ASKED.load(Ordering::SeqCst)
 }
 

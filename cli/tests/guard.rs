@@ -40,7 +40,7 @@ fn a_trip_ends_with_status_1_a_reason_and_a_recording_that_is_whole() {
     assert!(bytes.ends_with(b"\x89MCAP0\r\n"));
     let holds = |text: &str| bytes.windows(text.len()).any(|window| window == text.as_bytes());
     assert!(holds("tripped") && holds("following-error"));
-    let shown = stdout(&armid(["run", &strict, "--guard", "-o", &recording]).code(1));
+    let shown = stdout(&armid(["run", &strict, "--guard", "-o", &path(folder.path(), "again.mcap")]).code(1));
     assert!(
         shown.contains("tripped at t = ") && shown.contains("cancel asked for within 11 ms, the simulation ended"),
         "{shown}"

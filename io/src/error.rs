@@ -9,6 +9,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
+use armid::input::TooLarge;
 use armid::model::format::FormatError;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
@@ -48,12 +49,14 @@ struct Place {
     label: String,
     line: usize,
     column: usize,
+    /// Whether the lines around it are short enough to be shown.
+    shown: bool,
 }
 
 impl Error {
     /// Something is not as expected.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { kind: ErrorKind::Invalid, message: message.into(), help: None, place: None }
+        Self { kind: ErrorKind::Invalid, message: shortened(message.into()), help: None, place: None }
     }
 
     /// A name is neither a file nor compiled in.
@@ -111,7 +114,8 @@ impl Error {
         let (line, column) = text.position(span.start);
         let end = span.end.clamp(span.start, text.content.len().max(span.start));
         let source = NamedSource::new(&text.name, Arc::clone(&text.content));
-        self.place = Some(Box::new(Place { source, span: span.start..end, label: label.into(), line, column }));
+        let shown = can_be_shown(&text.content, &(span.start..end));
+        self.place = Some(Box::new(Place { source, span: span.start..end, label: label.into(), line, column, shown }));
         self
     }
 
@@ -167,6 +171,42 @@ impl Error {
     }
 }
 
+/// Longest sentence, bytes: what was found may be a file on one line.
+const MESSAGE: usize = 2_000;
+/// Longest text that is shown around a place, bytes: the line itself and those beside it.
+const SHOWN: usize = 4_000;
+
+/// A sentence with its middle left out where it is too long.
+fn shortened(message: String) -> String {
+    if message.len() <= MESSAGE {
+        return message;
+    }
+    let boundary = |mut at: usize| {
+        while !message.is_char_boundary(at) {
+            at -= 1;
+        }
+        at
+    };
+    let (begin, end) = (boundary(MESSAGE / 2), boundary(message.len() - MESSAGE / 2));
+    format!("{} … ({} bytes left out) … {}", &message[..begin], end - begin, &message[end..])
+}
+
+/// The lines around some bytes, one before and one after, are few enough to be shown.
+fn can_be_shown(text: &str, span: &Range<usize>) -> bool {
+    let bytes = text.as_bytes();
+    let back = |from: usize| bytes[..from].iter().rposition(|&byte| byte == b'\n').unwrap_or(0);
+    let on = |from: usize| bytes[from..].iter().position(|&byte| byte == b'\n').map_or(bytes.len(), |at| from + at + 1);
+    let start = span.start.min(bytes.len());
+    let end = span.end.clamp(start, bytes.len());
+    on(on(end)) - back(back(start)) <= SHOWN
+}
+
+impl From<TooLarge> for Error {
+    fn from(error: TooLarge) -> Self {
+        Self::new(error.to_string())
+    }
+}
+
 impl fmt::Display for Error {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self.place() {
@@ -184,11 +224,12 @@ impl Diagnostic for Error {
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {
-        self.place.as_ref().map(|place| &place.source as &dyn SourceCode)
+        let shown = self.place.as_ref().filter(|place| place.shown);
+        shown.map(|place| &place.source as &dyn SourceCode)
     }
 
     fn labels(&self) -> Option<Box<dyn Iterator<Item = LabeledSpan> + '_>> {
-        let place = self.place.as_ref()?;
+        let place = self.place.as_ref().filter(|place| place.shown)?;
         let label = LabeledSpan::new_with_span(Some(place.label.clone()), place.span.clone());
         Some(Box::new(std::iter::once(label)))
     }
@@ -208,6 +249,23 @@ mod tests {
         assert_eq!(error.kind(), ErrorKind::Invalid);
         // Past the end is the end.
         assert_eq!(Error::new("odd").at_line(&text, 9, 9).place(), Some(("t.toml", 3, 1)));
+    }
+
+    #[test]
+    fn a_line_without_end_is_not_shown_and_a_sentence_without_end_is_cut() {
+        use miette::Diagnostic;
+        let line = "1,".repeat(25_000_000);
+        let text = Text::new("t.csv", format!("q1\n{line}\n2\n"));
+        let began = std::time::Instant::now();
+        let error = Error::new(format!("found \"{line}\"")).at(&text, 3..line.len(), "here");
+        assert_eq!(error.place(), Some(("t.csv", 2, 1)));
+        assert!(error.source_code().is_none() && error.labels().is_none());
+        let shown = error.to_string();
+        assert!(shown.len() < 2_200 && shown.contains("bytes left out"), "{}", shown.len());
+        assert!(began.elapsed().as_secs() < 5);
+        assert!(Error::new("odd").at(&text, 0..2, "here").source_code().is_none(), "its neighbour is as long");
+        let text = Text::new("t.csv", "q1\n1\n2\n");
+        assert!(Error::new("odd").at(&text, 3..4, "here").source_code().is_some());
     }
 
     #[test]

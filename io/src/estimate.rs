@@ -28,7 +28,9 @@ pub fn parse(text: &Text) -> Result<Estimate, Error> {
         let message = format!("{} holds a list of estimates, expected one", text.name);
         return Err(Error::new(message).help("name one --estimator in `armid identify`"));
     }
-    serde_json::from_str(&text.content).map_err(|error| Error::of_json(text, &error).help(EXPECTED))
+    let estimate = serde_json::from_str(&text.content).map_err(|error| Error::of_json(text, &error).help(EXPECTED))?;
+    check_lengths(&estimate, text)?;
+    Ok(estimate)
 }
 
 /// One estimate, or the list that several estimators make; at least one.
@@ -44,7 +46,26 @@ pub fn parse_all(text: &Text) -> Result<Vec<Estimate>, Error> {
     if estimates.is_empty() {
         return Err(Error::new(format!("{} holds an empty list, expected at least one estimate", text.name)));
     }
+    estimates.iter().try_for_each(|estimate| check_lengths(estimate, text))?;
     Ok(estimates)
+}
+
+/// Lists that have the lengths that they must have.
+fn check_lengths(estimate: &Estimate, text: &Text) -> Result<(), Error> {
+    let (base, joints) = (estimate.base.len(), estimate.residual_rms.len());
+    let rows = estimate.covariance.iter().map(|row| ("a row of covariance", row.len(), base));
+    let lists = [
+        ("covariance", estimate.covariance.len(), base),
+        ("noise_std", estimate.noise_std.len(), joints),
+        ("units", estimate.units.len(), joints),
+    ];
+    match lists.into_iter().chain(rows).find(|(_, found, expected)| found != expected) {
+        Some((what, found, expected)) => {
+            let message = format!("{}: {what} has {found} entries, expected {expected}", text.name);
+            Err(Error::new(message).help(EXPECTED))
+        }
+        None => Ok(()),
+    }
 }
 
 fn is_list(text: &Text) -> bool {

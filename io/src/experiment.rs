@@ -7,6 +7,7 @@ use std::path::{Path, PathBuf};
 
 use armid::excitation::Certificate;
 use armid::experiment::{Effects, ExperimentPlan, Sensing};
+use armid::input::check_file_name;
 use armid::model::format::ChainEnds;
 use serde::Deserialize;
 use serde::de::IgnoredAny;
@@ -141,6 +142,10 @@ pub fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment, Error> {
         }
     })?;
 
+    if let Some(name) = &file.name {
+        check_file_name("name", name.get_ref())
+            .map_err(|error| Error::new(error.to_string()).at(&text, name.span(), "here"))?;
+    }
     let sensing = sensing(file.sensing, &text, robot.robot.dof())?;
     let effects = file.effects;
     let name = match (file.name, folder.and_then(Path::file_name)) {

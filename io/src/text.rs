@@ -1,10 +1,27 @@
 //! Texts that know what they are called, so that an error can point into them.
 
-use std::fs;
+use std::fs::File;
+use std::io::Read;
 use std::path::Path;
 use std::sync::Arc;
 
+use armid::input::SizeLimit;
+use armid::input::size::TEXT_BYTES;
+
 use crate::error::Error;
+
+/// Reads a file, a pipe or a device to its end, unless that lies beyond a limit.
+pub(crate) fn read_bytes(path: &Path, limit: &SizeLimit) -> Result<Vec<u8>, Error> {
+    let unreadable = |error: std::io::Error| Error::unreadable(path, &error);
+    let file = File::open(path).map_err(unreadable)?;
+    let about = file.metadata().map_err(unreadable)?;
+    let too_large = |length: u64| limit.check(&path.display().to_string(), length as f64).map_err(Error::from);
+    too_large(about.len())?;
+    let mut bytes = Vec::with_capacity(usize::try_from(about.len()).unwrap_or(0));
+    file.take(limit.most + 1).read_to_end(&mut bytes).map_err(unreadable)?;
+    too_large(bytes.len() as u64)?;
+    Ok(bytes)
+}
 
 /// A text and what it is called: a path, or a word for what was compiled in or recorded.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -26,7 +43,11 @@ impl Text {
     /// # Errors
     /// [`Error`] where it cannot be read, and with the line where it is no UTF-8.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = fs::read(path).map_err(|error| Error::unreadable(path, &error))?;
+        Self::of_bytes(path, read_bytes(path, &TEXT_BYTES)?)
+    }
+
+    /// The bytes of a file as UTF-8.
+    pub(crate) fn of_bytes(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {
         match String::from_utf8(bytes) {
             Ok(content) => Ok(Self::new(path.display().to_string(), content)),
             Err(error) => {

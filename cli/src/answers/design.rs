@@ -8,7 +8,7 @@ use armid::model::{ParameterId, Robot};
 use armid::trajectory::PeriodicTrajectory;
 use serde_json::{Value, json};
 
-use crate::terminal::{Align, Table, number};
+use crate::terminal::{Align, Destination, Table, number};
 
 /// How a start ended, in words.
 fn ending(design: &Design, robot: &Robot) -> String {
@@ -120,7 +120,7 @@ pub(crate) struct DesignAnswer<'a> {
     /// The best inside the limits, or where there is none, the one nearest to them.
     pub(crate) best: &'a Design,
     pub(crate) seconds: f64,
-    pub(crate) path: PathBuf,
+    pub(crate) destination: Destination,
     /// What was drawn beside it.
     pub(crate) figures: Vec<PathBuf>,
     /// What it adds to the information so far, where there is any.
@@ -162,7 +162,7 @@ impl DesignAnswer<'_> {
             "violation": violation_json(best),
             "start": trajectory_json(&best.start),
             "trajectory": trajectory_json(&best.trajectory),
-            "file": self.path,
+            "file": self.destination.path(),
             "figures": self.figures,
             "starts": self.designs.iter().map(start_json).collect::<Vec<_>>(),
             "baseline": self.baseline.map(start_json),
@@ -185,7 +185,7 @@ impl DesignAnswer<'_> {
             best.termination.name(),
             best.iterations,
             best.evaluations,
-            self.path.display(),
+            self.destination,
         );
         if let Termination::Infeasible { .. } = best.termination {
             let _ = writeln!(

@@ -7,7 +7,7 @@ use std::path::Path;
 
 use armid::experiment::{Continuation, Ending, Phase, Sink};
 use armid_hardware::link::StampFindings;
-use armid_io::recording::part_of;
+use armid_io::recording::{check_at_rest, part_of};
 use armid_io::{Error, Log};
 use miette::Result;
 use serde::{Deserialize, Serialize};
@@ -53,6 +53,7 @@ pub(crate) fn find(path: &Path, experiment: &Experiment) -> Result<Found> {
     if !part.is_file() {
         return Ok(if path.is_file() { Found::Whole } else { Found::Nothing });
     }
+    check_at_rest(&part)?;
     let log = Log::read(&part)?;
     let refused = |message: String| Error::new(message).help("nothing was changed; -o another file begins anew");
     let (Some(recording), Some(robot)) = (log.recording, log.robot) else {

@@ -16,7 +16,7 @@ use miette::Result;
 use serde_json::{Value, json};
 
 use crate::arguments::RobotArguments;
-use crate::terminal::{Align, Answer, Console, Ending, Table, number};
+use crate::terminal::{Align, Answer, Console, Ending, Table, number, report_folder};
 
 const AFTER_HELP: &str = "\
 Free motion has no torque and no friction and lasts a quarter of a second; the reference is the
@@ -49,6 +49,10 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let loaded = arguments.robot.load()?;
+    let folder = console.output().map_or_else(
+        || report_folder("name of the robot", &format!("{}-agreement", loaded.robot.name())),
+        |path| Ok(path.to_path_buf()),
+    )?;
     let truth = loaded.truth()?.parameters;
     let nominal = loaded.nominal.clone().unwrap_or_else(|| truth.clone());
     let seed = Seed::new(arguments.seed);
@@ -61,9 +65,6 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         return Err(Error::new(format!("{}: {}", first.engine.name(), first.reason)).into());
     }
     let breaches = agreement.breaches();
-    let folder = console
-        .output()
-        .map_or_else(|| Path::new("reports").join(format!("{}-agreement", loaded.robot.name())), Path::to_path_buf);
     let json = answer(&agreement, &breaches)?;
     let figure = figure(&agreement, &loaded);
     let svg = figure.svg().map_err(|fault| Error::new(format!("the figure cannot be drawn: {fault}")))?;

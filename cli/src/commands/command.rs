@@ -6,7 +6,7 @@ use super::{
     agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, monitor, reduce, report,
     robot, run, study, validate,
 };
-use crate::terminal::{Console, Ending};
+use crate::terminal::{Console, Ending, Writes};
 
 /// What to do.
 #[derive(Debug, clap::Subcommand)]
@@ -29,8 +29,30 @@ pub(crate) enum Command {
     Completions(completions::Arguments),
 }
 
+impl Command {
+    /// What it writes, and so what `-o` may be.
+    const fn writes(&self) -> Writes {
+        match self {
+            Self::Robot(_)
+            | Self::Reduce(_)
+            | Self::Dynamics(_)
+            | Self::Monitor(_)
+            | Self::Identify(_)
+            | Self::Validate(_)
+            | Self::Controller(_)
+            | Self::Doctor(_)
+            | Self::Completions(_) => Writes::Answer,
+            Self::Design(_) | Self::Export(_) => Writes::Text,
+            Self::Run(_) => Writes::Recording,
+            Self::Calibrate(_) => Writes::Several,
+            Self::Agree(_) | Self::Study(_) | Self::Report(_) => Writes::Folder,
+        }
+    }
+}
+
 /// Does it.
 pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
+    let console = &console.writing(command.writes())?;
     match command {
         Command::Agree(arguments) => agree::run(&arguments, console),
         Command::Robot(arguments) => robot::run(&arguments, console),

@@ -1,5 +1,6 @@
 //! `armid completions`
 
+use armid_io::output;
 use clap::CommandFactory;
 use clap_complete::Shell;
 use miette::Result;
@@ -21,6 +22,10 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let mut script = Vec::new();
     clap_complete::generate(arguments.shell, &mut crate::commands::CommandLine::command(), "armid", &mut script);
-    console.print(&String::from_utf8_lossy(&script))?;
+    let script = String::from_utf8_lossy(&script);
+    match console.output() {
+        Some(path) => output::write_text(path, &script)?,
+        None => console.print(&script)?,
+    }
     Ok(Ending::Done)
 }

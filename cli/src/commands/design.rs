@@ -7,6 +7,7 @@ use armid::excitation::{
     CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, best_of, design, design_from,
     nearest_of, random_design,
 };
+use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
 use armid::model::{Columns, Robot};
 use armid::seed::Seed;
 use armid::study::LimitExample;
@@ -20,7 +21,7 @@ use rayon::prelude::*;
 use crate::answers::design::{DesignAnswer, Gain};
 use crate::arguments::{LimitArguments, RobotArguments, columns, one_of};
 use crate::interrupt;
-use crate::terminal::{Answer, Console, Ending, progress};
+use crate::terminal::{Answer, Console, Destination, Ending, progress, report_folder};
 
 const AFTER_HELP: &str = "\
 Every start begins at the first guess of Radkhah et al. (2007) from other random velocities and may
@@ -98,9 +99,14 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    check_sizes(arguments)?;
     let loaded = arguments.robot.load()?;
     let problem = problem(arguments, &loaded)?;
     let starts = starts(arguments, &problem.robot)?;
+    let destination = console.text_or(|| {
+        let folder = format!("{}-{}", problem.robot.name(), arguments.criterion.name());
+        Ok(report_folder("name of the robot", &folder)?.join("trajectory.toml"))
+    })?;
     let began = Instant::now();
     let found = search(arguments, &problem, &starts, console)?;
     let seconds = began.elapsed().as_secs_f64();
@@ -110,16 +116,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let Some(best) = best.or_else(|| nearest_of(&found.designs)) else {
         return Ok(Ending::Interrupted);
     };
-    let path = console.output().map_or_else(
-        || {
-            Path::new("reports")
-                .join(format!("{}-{}", problem.robot.name(), best.criterion.name()))
-                .join("trajectory.toml")
-        },
-        Path::to_path_buf,
-    );
-    output::write_text(&path, &best.trajectory.to_certified_toml(&best.certificate))?;
-    let figures = draw(&path, &problem, &found, best)?;
+    console.deliver(&destination, &best.trajectory.to_certified_toml(&best.certificate))?;
+    let figures = match &destination {
+        Destination::File(path) => draw(path, &problem, &found, best)?,
+        Destination::StandardOutput => Vec::new(),
+    };
     let done = DesignAnswer {
         seed: arguments.seed,
         problem: &problem,
@@ -127,7 +128,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         baseline: found.baseline.as_ref(),
         best,
         seconds,
-        path,
+        destination,
         figures,
         gain: Gain::of(&problem, best, arguments.prior.len()).map_err(|error| impossible(&error))?,
     };
@@ -166,6 +167,16 @@ fn draw(path: &Path, problem: &DesignProblem, found: &Found, best: &Design) -> R
 fn frozen_joint(text: &str) -> std::result::Result<(String, f64), String> {
     let parts = text.split_once('=').and_then(|(name, place)| Some((name.to_owned(), place.parse::<f64>().ok()?)));
     parts.filter(|(_, place)| place.is_finite()).ok_or_else(|| "expected JOINT=RAD, as wrist_roll=0.0".to_owned())
+}
+
+/// How much is asked for, before anything is made of it.
+fn check_sizes(arguments: &Arguments) -> std::result::Result<(), Error> {
+    arguments.harmonics.iter().try_for_each(|&one| HARMONICS.check_count("--harmonics", one))?;
+    if arguments.period.is_finite() {
+        PERIOD_S.check("--period", arguments.period)?;
+    }
+    DESIGNS.check("--starts", arguments.starts as f64)?;
+    Ok(())
 }
 
 fn impossible(error: &ExcitationError) -> Error {

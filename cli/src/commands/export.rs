@@ -1,20 +1,20 @@
 //! `armid export`
 
 use std::fmt::Write;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use armid::base::{Method, reduce};
 use armid::estimation::{ConsistentSet, Estimate, consistent_set};
 use armid::model::{Columns, StandardParameters};
 use armid::seed::Seed;
 use armid_io::estimate::{self, check_robot};
-use armid_io::{Error, LoadedRobot, Text, output};
+use armid_io::{Error, LoadedRobot, Text};
 use miette::Result;
 use serde_json::{Value, json};
 
 use crate::answers::exchange::{Exchange, Reloaded};
 use crate::arguments::{ChainArguments, one_of};
-use crate::terminal::{Answer, Console, Ending, number};
+use crate::terminal::{Answer, Console, Destination, Ending, number, report_folder};
 
 const AFTER_HELP: &str = "\
 Torque identifies base parameters; other tools need the mass, centre of mass and inertia of each link.
@@ -54,21 +54,24 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let estimate = estimate::parse(&text)?;
     let name = arguments.robot.as_deref().unwrap_or(&estimate.robot);
     let loaded = arguments.chain.load(name)?;
+    let destination = destination(&loaded, arguments.to, console)?;
     let set = consistent(&text, &estimate, &loaded)?;
     let written = arguments.to.write(&loaded.robot, &set.parameters, &header(&estimate, &set))?;
     let reloaded = Reloaded::compare(arguments.to, &written, &loaded.robot, &set.parameters)?;
-    let path = console.output().map_or_else(
-        || {
-            let file = format!("{}.{}", loaded.robot.name(), arguments.to.extension());
-            Path::new("reports").join(format!("{}-identified", loaded.robot.name())).join(file)
-        },
-        Path::to_path_buf,
-    );
-    output::write_text(&path, &written)?;
+    console.deliver(&destination, &written)?;
     let sound = set.outside.is_empty() && set.termination.was_successful() && reloaded.is_sound();
-    let done = Done { estimate: &estimate, format: arguments.to, set, reloaded, path };
+    let done = Done { estimate: &estimate, format: arguments.to, set, reloaded, destination };
     console.show(&Answer { text: done.text(), json: done.json() })?;
     Ok(if sound { Ending::Done } else { Ending::Negative })
+}
+
+/// Where the model goes: `-o`, or `reports/NAME-identified/NAME.ENDING`.
+fn destination(loaded: &LoadedRobot, format: Exchange, console: &Console) -> Result<Destination> {
+    console.text_or(|| {
+        let name = loaded.robot.name();
+        let folder = report_folder("name of the robot", &format!("{name}-identified"))?;
+        Ok(folder.join(format!("{name}.{}", format.extension())))
+    })
 }
 
 /// The consistent set of an estimate of this very robot.
@@ -126,7 +129,7 @@ struct Done<'a> {
     format: Exchange,
     set: ConsistentSet,
     reloaded: Reloaded,
-    path: PathBuf,
+    destination: Destination,
 }
 
 impl Done<'_> {
@@ -135,7 +138,7 @@ impl Done<'_> {
             "robot": self.estimate.robot,
             "estimator": self.estimate.estimator,
             "to": self.format.name(),
-            "file": self.path,
+            "file": self.destination.path(),
             "consistent": consistent_links(&self.set.parameters),
             "exact": self.set.is_exact,
             "largest_deviation_std": worst(&self.set),
@@ -149,7 +152,7 @@ impl Done<'_> {
     }
 
     fn text(&self) -> String {
-        let mut text = format!("{}\n{}: {}\n", self.path.display(), self.estimate.robot, verdict(&self.set));
+        let mut text = format!("{}\n{}: {}\n", self.destination, self.estimate.robot, verdict(&self.set));
         let _ = writeln!(text, "the search for the nearest consistent set {}", self.set.termination);
         let _ = writeln!(
             text,

@@ -58,6 +58,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         [one] => as_json(one, &prepared),
         several => several.iter().map(|estimate| as_json(estimate, &prepared)).collect(),
     };
+    if console.to_standard_output() {
+        console.print(&pretty(&json))?;
+    }
     if let Some(path) = console.output() {
         output::write_text(path, &pretty(&json))?;
         console.note(format!("wrote {}", path.display()));

@@ -9,7 +9,7 @@ use armid::excitation::{Certificate, VerificationError, verify_certificate, veri
 use armid::experiment::{Ending as PlanEnding, Sink};
 use armid_hardware::guard::flange_speed;
 use armid_io::Error as Fault;
-use armid_io::recording::{CsvSink, FileSink, McapSink, beside, part_of};
+use armid_io::recording::{CsvSink, FileSink, McapSink, beside, check_free, part_of};
 use miette::Result;
 
 use crate::answers::run::{Done, answer};
@@ -17,7 +17,7 @@ use crate::arguments::{GuardArguments, one_of};
 use crate::arms::resumption::{Found, Part};
 use crate::arms::{self, ArmKind, Experiment, Speed, resumption, speed};
 use crate::interrupt;
-use crate::terminal::{Console, Ending, progress, real_time};
+use crate::terminal::{Console, Ending, progress, real_time, report_folder};
 
 const AFTER_HELP: &str = "\
 EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
@@ -100,18 +100,29 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     experiment.planned.plan.periods = arguments.periods.unwrap_or(experiment.planned.plan.periods);
     experiment.guarded = arguments.guarding.guard;
     verify(&experiment)?;
-    let path = console
-        .output()
-        .map_or_else(|| Path::new("reports").join(&experiment.planned.name).join("recording.mcap"), Path::to_path_buf);
+    let path = console.output().map_or_else(
+        || Ok(report_folder("name", &experiment.planned.name)?.join("recording.mcap")),
+        |path| Ok::<_, Fault>(path.to_path_buf()),
+    )?;
 
     let mut earlier = arguments.guarding.earlier.clone();
     let (mut steps, mut whole) = (Vec::new(), None);
     let reduced = reduced_use(&mut experiment, arguments.guarding.reduced_speed)?;
-    for speed in arguments.guarding.speeds() {
-        let speed = speed.below(reduced);
+    let place = |speed| if arguments.guarding.first_run { speed::step_path(&path, speed) } else { path.clone() };
+    let speeds: Vec<Speed> = arguments.guarding.speeds().into_iter().map(|speed| speed.below(reduced)).collect();
+    if !arguments.resume {
+        // Nothing moves before every recording has its place.
+        speeds.iter().try_for_each(|&speed| check_free(&place(speed)))?;
+    }
+    for speed in speeds {
         let slowed = at_speed(&experiment, speed, arguments.guarding.first_run);
         fits(&slowed)?;
-        let path = if arguments.guarding.first_run { speed::step_path(&path, speed) } else { path.clone() };
+        if is_csv(&path) {
+            slowed.planned.plan.check_held().map_err(|error| {
+                Fault::new(format!("{}: {error}", slowed.text.name)).help("an R.mcap is written as it is performed")
+            })?;
+        }
+        let path = place(speed);
         let motion = experiment.planned.plan.trajectory.to_toml();
         let part = match left(arguments, console, &slowed, &path)? {
             Found::Nothing => None,

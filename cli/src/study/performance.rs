@@ -112,6 +112,7 @@ impl Performance<'_> {
     /// The journal in the output folder, and what it holds already; the plan stands beside it.
     pub(crate) fn journal(&self, resume: bool) -> Result<(Journal, Vec<Piece>)> {
         let opened = Journal::open(self.output, &self.identity()?, resume)?;
+        self.check(&opened.1)?;
         write_text(&self.output.join("study.toml"), &plan_text(self.setup.plan())?)?;
         Ok(opened)
     }
@@ -140,6 +141,14 @@ impl Performance<'_> {
     /// How many runs belong to this part.
     pub(crate) fn planned_runs(&self) -> usize {
         self.planned().len()
+    }
+
+    /// Every piece is one of this study.
+    pub(crate) fn check(&self, pieces: &[Piece]) -> Result<()> {
+        for piece in pieces {
+            piece.check(self.setup).map_err(|error| Error::new(format!("{}: {error}", Journal::NAME)))?;
+        }
+        Ok(())
     }
 
     /// How many planned runs are not among the pieces.

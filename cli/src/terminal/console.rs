@@ -1,24 +1,32 @@
 //! Standard output, standard error, and who is looking.
 
 use std::io::{ErrorKind, IsTerminal, Write};
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use armid_io::Error;
 use armid_io::output::{self, pretty};
 use miette::Result;
 
-use super::{Answer, GlobalArguments};
+use super::{Answer, Destination, GlobalArguments, Writes};
 
 /// Where answers and messages go.
 #[derive(Debug)]
 pub(crate) struct Console {
     global: GlobalArguments,
+    destination: Option<Destination>,
     terminal: bool,
 }
 
 impl Console {
     pub(crate) fn new(global: GlobalArguments) -> Self {
-        Self { global, terminal: std::io::stderr().is_terminal() }
+        Self { global, destination: None, terminal: std::io::stderr().is_terminal() }
+    }
+
+    /// The same for a command that writes so; where `-o` points is looked at here, before it works.
+    pub(crate) fn writing(&self, writes: Writes) -> Result<Self> {
+        let path = self.global.output.as_deref();
+        let destination = path.map(|path| writes.destination(path, self.global.json)).transpose()?;
+        Ok(Self { global: self.global.clone(), destination, terminal: self.terminal })
     }
 
     /// Does a program read standard output?
@@ -30,9 +38,17 @@ impl Console {
         self.global.verbose
     }
 
-    /// Where `-o` points.
+    /// The file or folder that `-o` names, links followed.
     pub(crate) fn output(&self) -> Option<&Path> {
-        self.global.output.as_deref()
+        match &self.destination {
+            Some(Destination::File(path)) => Some(path),
+            Some(Destination::StandardOutput) | None => None,
+        }
+    }
+
+    /// Is `-o` standard output?
+    pub(crate) fn to_standard_output(&self) -> bool {
+        self.destination == Some(Destination::StandardOutput)
     }
 
     /// Is standard error a terminal, and is progress wanted?
@@ -58,7 +74,7 @@ impl Console {
     }
 
     /// The answer of a command that makes no file of its own: `-o` writes it there instead of standard output, as JSON
-    /// where the name ends in `.json`; `--json` puts JSON on standard output in either case.
+    /// where the name ends in `.json`, and `-o -` is that; `--json` puts JSON on standard output in either case.
     pub(crate) fn answer(&self, answer: &Answer) -> Result<()> {
         if let Some(path) = self.output() {
             let as_json = self.json() || path.extension().is_some_and(|extension| extension == "json");
@@ -69,11 +85,35 @@ impl Console {
                 return Ok(());
             }
         }
-        self.show(answer)
+        self.print_answer(answer)
     }
 
-    /// The answer of a command whose result went into a file: to standard output, also with `-o`.
+    /// Where the one text of a command beside its answer goes: where `-o` says, or into the file `otherwise`.
+    pub(crate) fn text_or(&self, otherwise: impl FnOnce() -> Result<PathBuf, Error>) -> Result<Destination> {
+        match &self.destination {
+            Some(destination) => Ok(destination.clone()),
+            None => Ok(Destination::File(otherwise()?)),
+        }
+    }
+
+    /// Writes the one text of a command beside its answer.
+    pub(crate) fn deliver(&self, to: &Destination, text: &str) -> Result<()> {
+        match to {
+            Destination::StandardOutput => self.print(text),
+            Destination::File(path) => Ok(output::write_text(path, text)?),
+        }
+    }
+
+    /// The answer of a command whose result went into a file: to standard output, unless the result went there.
     pub(crate) fn show(&self, answer: &Answer) -> Result<()> {
+        if self.to_standard_output() {
+            self.note(answer.text.trim_end());
+            return Ok(());
+        }
+        self.print_answer(answer)
+    }
+
+    fn print_answer(&self, answer: &Answer) -> Result<()> {
         if self.json() { self.print(&pretty(&answer.json)) } else { self.print(&answer.text) }
     }
 

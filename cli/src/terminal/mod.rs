@@ -2,6 +2,7 @@
 
 mod answer;
 mod console;
+mod destination;
 mod global_arguments;
 pub(crate) mod progress;
 pub(crate) mod real_time;
@@ -10,6 +11,7 @@ mod table;
 
 pub(crate) use answer::{Answer, Ending};
 pub(crate) use console::Console;
+pub(crate) use destination::{Destination, Writes, report_folder};
 pub(crate) use global_arguments::GlobalArguments;
 pub(crate) use reporter::install_reporter;
 pub(crate) use table::{Align, Table, number};

@@ -4,13 +4,14 @@ use std::collections::BTreeMap;
 use std::path::Path;
 
 use armid::experiment::Recording;
+use armid::input::size::RECORDING_BYTES;
 use armid::model::EffortInterface;
 use armid::model::format::ChainEnds;
 
 use super::{csv, mcap};
 use crate::error::Error;
 use crate::robot::LoadedRobot;
-use crate::text::Text;
+use crate::text::{Text, read_bytes};
 
 /// Positions and efforts of some joints at a constant rate.
 #[derive(Clone, Debug)]
@@ -57,7 +58,7 @@ impl Log {
     /// # Errors
     /// [`Error`] where the file cannot be read or is no log.
     pub fn read(path: &Path) -> Result<Self, Error> {
-        let bytes = std::fs::read(path).map_err(|error| Error::unreadable(path, &error))?;
+        let bytes = read_bytes(path, &RECORDING_BYTES)?;
         if bytes.starts_with(::mcap::MAGIC) {
             return mcap::parse(path, &bytes);
         }
@@ -65,7 +66,7 @@ impl Log {
             let message = format!("{} does not begin as an MCAP file does", path.display());
             return Err(Error::new(message).help("expected the bytes 89 4D 43 41 50 30 0D 0A"));
         }
-        csv::parse(Text::read(path)?)
+        csv::parse(Text::of_bytes(path, bytes)?)
     }
 
     /// The robot that the recording holds.

@@ -1,6 +1,7 @@
 //! From a log to samples of a robot.
 
 use armid::estimation::{Estimate, EstimationError, EstimatorKind, Identification, Validation};
+use armid::input::size::PERIOD_SAMPLES;
 use armid::model::{Columns, Robot};
 use armid::signal::{
     AperiodicRecord, PeriodicRecord, Processing, Samples, SignalError, process, process_aperiodic, process_periods,
@@ -142,6 +143,7 @@ fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {
 
 fn samples(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples, Error> {
     let processing = &settings.processing;
+    PERIOD_SAMPLES.check_count("number of samples that a period is reduced to", processing.samples_per_period)?;
     let fault = |error: SignalError| -> Error { Error::new(format!("{}: {error}", log.name)) };
     if let Some(recording) = &log.recording {
         if let Some(period) = settings.period_s {
@@ -164,6 +166,7 @@ fn samples(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples, 
     };
     let whole = period * log.rate_hz;
     let period_samples = whole.round();
+    PERIOD_SAMPLES.check("number of samples of a period", period_samples)?;
     if !(period_samples >= 8.0 && (whole - period_samples).abs() < 1e-3) {
         let message = format!(
             "a period of {period} s is {whole:.3} samples at the {} Hz of {}, expected a whole number of at least 8",

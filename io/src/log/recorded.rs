@@ -3,6 +3,7 @@
 use std::collections::BTreeMap;
 
 use armid::experiment::{PhaseSpan, Recording};
+use armid::input::size::{JOINTS, RATE_HZ};
 use armid::model::{EffortInterface, format::ChainEnds};
 use armid::provenance::Provenance;
 use armid::trajectory::PeriodicTrajectory;
@@ -42,6 +43,8 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
     let trajectory = PeriodicTrajectory::from_toml(get("trajectory")?)
         .map_err(|error| Error::new(format!("{name}: metadata \"trajectory\": {error}")))?;
     let dof = joints.len();
+    JOINTS.check_count("number of joints", dof).map_err(|error| Error::new(format!("{name}: {error}")))?;
+    RATE_HZ.check("rate_hz", rate_hz).map_err(|error| Error::new(format!("{name}: {error}")))?;
     let robot = RecordedRobot {
         text: get("robot_file")?.clone(),
         nominal: metadata.get("nominal_file").cloned(),
@@ -65,6 +68,7 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         voltage,
         provenance,
     };
+    recording.check().map_err(|fault| Error::new(format!("{name}: {fault}")))?;
     Ok(Log {
         name: name.to_owned(),
         joints: Some(joints),

@@ -1,38 +1,21 @@
-//! Every file that armid writes at once is written here: whole or absent, and only where a file may be.
-//!
-//! Recordings, which grow for minutes, are the one exception: they are written as `R.mcap.part` beside their place and
-//! take their name at the end ([`crate::recording`]).
+//! A file that is whole or absent.
 
-use std::fs::{self, File};
-use std::io::{BufWriter, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
+use super::file_system::{Disk, FileSystem, folder_of};
+use super::place::regular_file;
 use crate::error::Error;
 
-/// Writes a file through a temporary one in the same folder, which takes its name at the end. Folders are made.
+/// Writes a file through another one in the same folder, which takes its name at the end. Folders are made; links are
+/// followed.
 ///
 /// # Errors
-/// [`Error`] where the folder or the file cannot be written; what was there before is as it was.
-pub fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> std::io::Result<()>) -> Result<(), Error> {
-    let unwritable = |error: std::io::Error| Error::unwritable(path, &error);
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    fs::create_dir_all(folder).map_err(unwritable)?;
-    let mut builder = tempfile::Builder::new();
-    builder.prefix(".armid-").suffix(".part");
-    #[cfg(unix)]
-    {
-        use std::os::unix::fs::PermissionsExt;
-        builder.permissions(fs::Permissions::from_mode(0o666));
-    }
-    let file = builder.tempfile_in(folder).map_err(unwritable)?;
-    let mut buffered: BufWriter<&File> = BufWriter::new(file.as_file());
-    content(&mut buffered).and_then(|()| buffered.flush()).map_err(unwritable)?;
-    drop(buffered);
-    file.persist(path).map_err(|error| unwritable(error.error))?;
-    Ok(())
+/// [`Error`] where the folder or the file cannot be written, or something else than a file is there. What was there before
+/// is as it was; only where the very last step fails, that of the folder to the disk, the new file is there.
+pub fn write(path: &Path, content: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> Result<(), Error> {
+    let place = regular_file(path)?;
+    write_on(&Disk, &place, content).map_err(|error| Error::unwritable(path, &error))
 }
 
 /// Writes a text.
@@ -55,4 +38,41 @@ pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), Error> {
 #[must_use]
 pub fn pretty(value: &serde_json::Value) -> String {
     format!("{value:#}\n")
+}
+
+/// The steps, on any file system: the content is on the disk before the name says that it is there.
+pub(super) fn write_on<F: FileSystem>(
+    system: &F,
+    place: &Path,
+    content: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> io::Result<()> {
+    let folder = folder_of(place);
+    make_folders(system, folder)?;
+    let mut draft = system.draft(folder, place)?;
+    let mut buffered = BufWriter::new(&mut draft);
+    content(&mut buffered)?;
+    buffered.flush()?;
+    drop(buffered);
+    system.sync(&draft)?;
+    system.name(draft, place)?;
+    system.sync_folder(folder)
+}
+
+/// Makes a folder and those above it that are missing; each is on the disk before anything is made in it.
+fn make_folders<F: FileSystem>(system: &F, folder: &Path) -> io::Result<()> {
+    if folder.as_os_str().is_empty() || system.is_folder(folder) {
+        return Ok(());
+    }
+    make_folders(system, folder_of(folder))?;
+    match system.make_folder(folder) {
+        // Somebody else made it in the meantime.
+        Err(error) if error.kind() == io::ErrorKind::AlreadyExists && system.is_folder(folder) => {}
+        made => made?,
+    }
+    system.sync_folder(folder_of(folder))
+}
+
+/// Makes a folder and those above it that are missing.
+pub(crate) fn make_folder(folder: &Path) -> io::Result<()> {
+    make_folders(&Disk, folder)
 }

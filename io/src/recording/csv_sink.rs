@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 
 use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
 
-use super::{FileSink, part_of};
+use super::{FileSink, check_free, part_of};
 use crate::error::Error;
 use crate::log::write_csv;
 use crate::output;
@@ -58,7 +58,12 @@ impl FileSink for CsvSink<'_> {
         let Some(recording) = &self.recording else {
             return Err(Error::new("the arm never began a recording"));
         };
-        let path = if ending.is_complete() { self.path.clone() } else { part_of(&self.path) };
+        let path = if ending.is_complete() {
+            self.path.clone()
+        } else {
+            check_free(&self.path)?;
+            part_of(&self.path)
+        };
         output::write_text(&path, &write_csv(recording))?;
         Ok(path)
     }

@@ -1,7 +1,7 @@
 //! Sinks that end as a file.
 
 use std::collections::BTreeMap;
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use armid::experiment::{Ending, Sink};
 
@@ -15,12 +15,4 @@ pub trait FileSink: Sink + Send {
     /// # Errors
     /// [`Error`] where the arm never began, or a file could not be written, now or before.
     fn finish(self: Box<Self>, ending: &Ending, remarks: BTreeMap<String, String>) -> Result<PathBuf, Error>;
-}
-
-/// `R.mcap.part` for `R.mcap`: what a file is called that is not whole.
-#[must_use]
-pub fn part_of(path: &Path) -> PathBuf {
-    let mut part = path.as_os_str().to_owned();
-    part.push(".part");
-    part.into()
 }

@@ -12,7 +12,7 @@
 //! Times count from the beginning of the experiment, so equal experiments give equal bytes.
 
 use std::collections::BTreeMap;
-use std::fs::{self, File};
+use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
@@ -21,8 +21,10 @@ use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
 use armid::model::EffortInterface;
 use mcap::records::{MessageHeader, Metadata};
 
+use super::part::{create, create_draft};
 use super::{FileSink, part_of};
 use crate::error::Error;
+use crate::output::{make_folder, name_file};
 
 /// Topic of the measured states.
 pub(crate) const STATES: &str = "/joint_states";
@@ -54,6 +56,8 @@ pub struct McapSink<'a> {
 
 struct Open {
     writer: mcap::Writer<BufWriter<File>>,
+    /// The same file: to synchronise it, and to keep others from it.
+    file: File,
     states: u16,
     /// Made with the first sample that has voltages.
     voltage: Option<u16>,
@@ -100,10 +104,9 @@ impl<'a> McapSink<'a> {
     fn settle_draft(&mut self, at_the_end: bool) -> Result<(), Error> {
         let samples = self.open.as_ref().map_or(0, |open| open.samples);
         let Some((draft, _)) = self.draft.take_if(|(_, kept)| at_the_end || samples >= *kept) else { return Ok(()) };
-        if let Some(open) = &mut self.open {
-            open.writer.flush().map_err(|error| cannot_write(&draft, &error))?;
-        }
-        fs::rename(&draft, &self.part).map_err(|error| cannot_write(&self.part, &error))
+        let Some(open) = &mut self.open else { return Ok(()) };
+        open.writer.flush().map_err(|error| cannot_write(&draft, &error))?;
+        name_file(&open.file, &draft, &self.part).map_err(|error| cannot_write(&self.part, &error))
     }
 
     fn complete(&mut self, ending: &Ending, remarks: BTreeMap<String, String>) -> Result<PathBuf, Error> {
@@ -128,21 +131,24 @@ impl<'a> McapSink<'a> {
             .write_metadata(&Metadata { name: ENDING.to_owned(), metadata })
             .and_then(|()| open.writer.finish())
             .map_err(|error| cannot_write(&self.part, &error))?;
-        drop(open);
         if ending.is_complete() {
-            fs::rename(&self.part, &self.path).map_err(|error| cannot_write(&self.path, &error))?;
+            name_file(&open.file, &self.part, &self.path).map_err(|error| cannot_write(&self.path, &error))?;
             Ok(self.path.clone())
         } else {
+            open.file.sync_all().map_err(|error| cannot_write(&self.part, &error))?;
             Ok(self.part.clone())
         }
     }
 
     fn create(&self, recording: &Recording) -> Result<Open, Error> {
         if let Some(folder) = self.part.parent() {
-            fs::create_dir_all(folder).map_err(|error| cannot_write(folder, &error))?;
+            make_folder(folder).map_err(|error| cannot_write(folder, &error))?;
         }
-        let name = self.draft.as_ref().map_or(&self.part, |(draft, _)| draft);
-        let file = File::create(name).map_err(|error| cannot_write(name, &error))?;
+        let file = match &self.draft {
+            None => create(&self.part)?,
+            Some((draft, _)) => create_draft(draft)?,
+        };
+        let same = file.try_clone().map_err(|error| cannot_write(&self.part, &error))?;
         let options = mcap::WriteOptions::new()
             .profile("ros2")
             .library(concat!("armid ", env!("CARGO_PKG_VERSION")))
@@ -156,6 +162,7 @@ impl<'a> McapSink<'a> {
             writer.flush()?;
             Ok(Open {
                 writer,
+                file: same,
                 states,
                 voltage: None,
                 commands,

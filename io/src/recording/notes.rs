@@ -3,11 +3,13 @@
 use std::collections::BTreeMap;
 use std::path::Path;
 
+use armid::input::size::RECORDING_BYTES;
 use mcap::records::Record;
 
 use super::{ENDING, METADATA};
 use crate::error::Error;
 use crate::log::Records;
+use crate::text::read_bytes;
 
 /// What armid noted in a recording.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -32,7 +34,7 @@ impl Notes {
     pub fn read(path: &Path) -> Result<Self, Error> {
         let name = path.display().to_string();
         let fault = |error: &dyn std::fmt::Display| Error::new(format!("{name} cannot be read as MCAP: {error}"));
-        let bytes = std::fs::read(path).map_err(|error| Error::unreadable(path, &error))?;
+        let bytes = read_bytes(path, &RECORDING_BYTES)?;
         let mut notes = Self::default();
         for record in Records::new(&bytes, false).map_err(|error| fault(&error))? {
             match record {

@@ -1,14 +1,22 @@
 //! The work of a study as it gets done: one line of JSON per finished piece, so that a kill loses no finished run.
 //!
-//! The first line says which plan the pieces belong to. A line that was cut short by a kill is no piece and is dropped.
+//! The first line says which plan the pieces belong to. Each line carries a checksum ([`LineChain`]): one that was altered
+//! is refused with its number. A last line that was cut short by a kill is no piece and is dropped.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
+use std::io::{Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
+use std::time::{Duration, Instant};
 
-use armid::study::{Outcome, StudyDesign};
+use armid::study::{Outcome, StoredWorkError, StudyDesign, StudySetup};
 
+use super::LineChain;
+use super::journal_text::{Contents, Header, read};
 use crate::error::Error;
+use crate::output::{make_folder, sync_folder_of};
+
+/// So much work may be lost where the power is cut; a kill loses none.
+const SYNC_EVERY: Duration = Duration::from_secs(5);
 
 /// A finished piece of a study.
 #[derive(Clone, Debug, serde::Serialize, serde::Deserialize)]
@@ -34,10 +42,17 @@ pub enum Piece {
     },
 }
 
-#[derive(serde::Serialize, serde::Deserialize)]
-struct Header {
-    armid: String,
-    plan_sha256: String,
+impl Piece {
+    /// Checks that a piece is one of a study.
+    ///
+    /// # Errors
+    /// [`StoredWorkError`] with what was found and what would fit.
+    pub fn check(&self, setup: &StudySetup) -> Result<(), StoredWorkError> {
+        match self {
+            Self::Design { index, design, bound, .. } => setup.check_design(*index, design, bound.len()),
+            Self::Run { outcome, .. } => setup.check_outcome(outcome),
+        }
+    }
 }
 
 /// A journal that is open for more pieces.
@@ -45,81 +60,89 @@ struct Header {
 pub struct Journal {
     path: PathBuf,
     file: File,
-    /// Finished pieces of an interrupted study that were found and kept as [`Self::BEFORE`].
-    put_aside: usize,
+    chain: LineChain,
+    /// Length of all whole lines, bytes.
+    whole: u64,
+    synced: Instant,
+    /// Where finished work that was found and is not gone on with is kept.
+    put_aside: Option<PathBuf>,
 }
 
 impl Journal {
     /// What a journal is called in its folder.
     pub const NAME: &'static str = "journal.jsonl";
 
-    /// What a new study calls the journal of an interrupted one that it found in its folder.
+    /// What a new study calls the journal of an interrupted one that it found in its folder; a second one gets a number.
     pub const BEFORE: &'static str = "journal-before.jsonl";
 
     /// Begins a journal, or goes on with the one that is there where `resume` says so. Nobody else may write to it then,
     /// and finished pieces that are not gone on with are kept under another name.
     ///
     /// # Errors
-    /// [`Error`] where it cannot be written, somebody else writes it, or it is of another plan.
+    /// [`Error`] where it cannot be written, somebody else writes it, it is of another plan, or a line was altered.
     pub fn open(folder: &Path, plan_sha256: &str, resume: bool) -> Result<(Self, Vec<Piece>), Error> {
         let path = folder.join(Self::NAME);
-        let fault = |error: std::io::Error| Error::new(format!("{} cannot be written: {error}", path.display()));
-        std::fs::create_dir_all(folder).map_err(fault)?;
+        let fault = |error: std::io::Error| Error::unwritable(&path, &error);
+        make_folder(folder).map_err(fault)?;
         let mut file = lock(&path)?;
-        let (mut pieces, mut whole, mut put_aside) = (Vec::new(), 0, 0);
-        if resume && file.metadata().map_err(fault)?.len() > 0 {
-            let header;
-            (header, pieces, whole) = read_pieces(&file, &path)?;
-            header.check(&path, plan_sha256)?;
-        } else if !resume {
-            put_aside = read_pieces(&file, &path).map_or(0, |(_, pieces, _)| pieces.len());
-            if put_aside > 0 {
-                std::fs::rename(&path, folder.join(Self::BEFORE)).map_err(fault)?;
+        let mut found = Contents::default();
+        let mut put_aside = None;
+        if file.metadata().map_err(fault)?.len() > 0 {
+            if resume {
+                found = read(&file, &path.display().to_string())?;
+                // A kill may have cut the very first line.
+                if found.whole > 0 {
+                    found.header.check(&path, plan_sha256)?;
+                }
+            } else if read(&file, "").map_or(true, |found| !found.pieces.is_empty()) {
+                // What cannot be read is not thrown away either.
+                let aside = free_name(folder)?;
+                std::fs::rename(&path, &aside).map_err(fault)?;
+                put_aside = Some(aside);
                 file = lock(&path)?;
             }
         }
         // Whole lines stay where they are: what a kill cut short is written again.
-        file.set_len(whole).and_then(|()| file.seek(SeekFrom::End(0))).map_err(fault)?;
-        if whole == 0 {
-            let header = Header { armid: env!("CARGO_PKG_VERSION").to_owned(), plan_sha256: plan_sha256.to_owned() };
-            file.write_all(json_line(&header)?.as_bytes()).map_err(fault)?;
+        file.set_len(found.whole).and_then(|()| file.seek(SeekFrom::End(0))).map_err(fault)?;
+        let Contents { chain, whole, pieces, .. } = found;
+        let mut journal = Self { path, file, chain, whole, synced: Instant::now(), put_aside };
+        if journal.whole == 0 {
+            journal.add_entry(&Header::of(plan_sha256))?;
+            journal.sync().and_then(|()| sync_folder_of(&journal.path)).map_err(|error| journal.unwritable(&error))?;
         }
-        Ok((Self { path, file, put_aside }, pieces))
+        Ok((journal, pieces))
     }
 
     /// The whole pieces of a journal.
     ///
     /// # Errors
-    /// [`Error`] where it cannot be read, or is of another plan.
+    /// [`Error`] where it cannot be read, is of another plan, or a line was altered.
     pub fn read(path: &Path, plan_sha256: &str) -> Result<Vec<Piece>, Error> {
-        let fault = |error: std::io::Error| Error::new(format!("{} cannot be read: {error}", path.display()));
-        let (header, pieces, _) = read_pieces(&File::open(path).map_err(fault)?, path)?;
-        header.check(path, plan_sha256)?;
-        Ok(pieces)
+        let file = File::open(path).map_err(|error| Error::unreadable(path, &error))?;
+        let found = read(&file, &path.display().to_string())?;
+        found.header.check(path, plan_sha256)?;
+        Ok(found.pieces)
     }
 
     /// The message about pieces that were not continued.
     #[must_use]
     pub fn note(&self) -> Option<String> {
-        (self.put_aside > 0).then(|| {
-            format!(
-                "begun anew; {} finished pieces of an interrupted study, which --resume would have gone on with, are kept in {}",
-                self.put_aside,
-                Self::BEFORE
-            )
-        })
+        let aside = self.put_aside.as_ref()?.display();
+        Some(format!(
+            "begun anew; finished work of an interrupted study, which --resume may go on with, is kept in {aside}"
+        ))
     }
 
     /// Adds a piece; it is in the file when this returns.
     ///
     /// # Errors
-    /// [`Error`] where it cannot be written.
+    /// [`Error`] where it cannot be written; the journal is then as it was before.
     pub fn add(&mut self, piece: &Piece) -> Result<(), Error> {
-        let line = json_line(piece)?;
-        self.file
-            .write_all(line.as_bytes())
-            .and_then(|()| self.file.flush())
-            .map_err(|error| Error::new(format!("{} cannot be written: {error}", self.path.display())))
+        self.add_entry(piece)?;
+        if self.synced.elapsed() >= SYNC_EVERY {
+            self.sync().map_err(|error| self.unwritable(&error))?;
+        }
+        Ok(())
     }
 
     /// Ends the journal of a study whose results are stored.
@@ -130,22 +153,48 @@ impl Journal {
         std::fs::remove_file(&self.path)
             .map_err(|error| Error::new(format!("{} cannot be removed: {error}", self.path.display())))
     }
+
+    fn add_entry<T: serde::Serialize>(&mut self, value: &T) -> Result<(), Error> {
+        let entry = serde_json::to_string(value).map_err(|error| Error::new(format!("a piece of work: {error}")))?;
+        let mut chain = self.chain.clone();
+        let line = chain.line(&entry);
+        if let Err(error) = self.file.write_all(line.as_bytes()) {
+            // Others may still write: no line may begin behind half of this one.
+            let _ = self.file.set_len(self.whole).and_then(|()| self.file.seek(SeekFrom::End(0)));
+            return Err(self.unwritable(&error));
+        }
+        self.whole += line.len() as u64;
+        self.chain = chain;
+        Ok(())
+    }
+
+    fn sync(&mut self) -> std::io::Result<()> {
+        self.synced = Instant::now();
+        self.file.sync_data()
+    }
+
+    fn unwritable(&self, error: &std::io::Error) -> Error {
+        Error::unwritable(&self.path, error)
+    }
 }
 
-impl Header {
-    fn check(&self, path: &Path, plan_sha256: &str) -> Result<(), Error> {
-        if self.plan_sha256 == plan_sha256 && self.armid == env!("CARGO_PKG_VERSION") {
-            return Ok(());
-        }
-        let message = "belongs to another plan, number of runs, arms or version of armid; begin anew without --resume, \
-                       or choose another folder with -o";
-        Err(Error::new(format!("{}: {message}", path.display())))
-    }
+/// A name for a journal that is put aside, which none has yet.
+fn free_name(folder: &Path) -> Result<PathBuf, Error> {
+    let stem = Journal::BEFORE.trim_end_matches(".jsonl");
+    let numbered = (2..1000).map(|number| format!("{stem}-{number}.jsonl"));
+    let mut names = std::iter::once(Journal::BEFORE.to_owned()).chain(numbered).map(|name| folder.join(name));
+    names.find(|path| path.symlink_metadata().is_err()).ok_or_else(|| {
+        let message = format!("{} holds 1000 journals of interrupted studies, expected fewer", folder.display());
+        Error::new(message).help("move them away, or choose another folder with -o")
+    })
 }
 
 /// Opens a journal for one writer alone.
 fn lock(path: &Path) -> Result<File, Error> {
-    let fault = |error: std::io::Error| Error::new(format!("{} cannot be written: {error}", path.display()));
+    let fault = |error: std::io::Error| Error::unwritable(path, &error);
+    if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
+        return Err(Error::new(format!("{} is no file, expected a journal or nothing", path.display())));
+    }
     let file = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(path).map_err(fault)?;
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => {
@@ -155,31 +204,4 @@ fn lock(path: &Path) -> Result<File, Error> {
         // A file system without locks is no reason not to work.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),
     }
-}
-
-/// Header and whole pieces of a journal, and where in the file they end, bytes.
-fn read_pieces(file: &File, path: &Path) -> Result<(Header, Vec<Piece>, u64), Error> {
-    let fault = |reason: String| Error::new(format!("{}: {reason}", path.display()));
-    let mut reader = BufReader::new(file);
-    let mut line = String::new();
-    reader.read_line(&mut line).map_err(|error| fault(error.to_string()))?;
-    let header =
-        serde_json::from_str(&line).map_err(|error| fault(format!("line 1 is no header of a journal: {error}")))?;
-    let mut whole = line.len() as u64;
-    let mut pieces = Vec::new();
-    loop {
-        line.clear();
-        // A line that a kill cut short may end within a character.
-        let read = reader.read_line(&mut line).unwrap_or(0);
-        let Some(piece) = line.strip_suffix('\n').and_then(|line| serde_json::from_str(line).ok()) else { break };
-        pieces.push(piece);
-        whole += read as u64;
-    }
-    Ok((header, pieces, whole))
-}
-
-fn json_line<T: serde::Serialize>(value: &T) -> Result<String, Error> {
-    let mut line = serde_json::to_string(value).map_err(|error| Error::new(format!("a piece of work: {error}")))?;
-    line.push('\n');
-    Ok(line)
 }

@@ -35,16 +35,6 @@ pub(super) fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTab
             }
         }
     }
-    const RESIDUALS: [&str; 8] = [
-        "residual_rms_1",
-        "residual_rms_2",
-        "residual_rms_3",
-        "residual_rms_4",
-        "residual_rms_5",
-        "residual_rms_6",
-        "residual_rms_7",
-        "residual_rms_8",
-    ];
     let table = ParquetTable::default()
         .with("family", Column::Text(family))
         .with("design", Column::Integer(design))
@@ -59,7 +49,10 @@ pub(super) fn run_rows(result: &StudyResult, outcomes: &[Outcome]) -> ParquetTab
         .with("reference_rmse", Column::Number(reference))
         .with("si_rmse", Column::Number(si))
         .with("measured_rmse_nm", Column::Number(measured));
-    residual.into_iter().zip(RESIDUALS).fold(table, |table, (column, name)| table.with(name, Column::Number(column)))
+    residual
+        .into_iter()
+        .enumerate()
+        .fold(table, |table, (joint, column)| table.with(format!("residual_rms_{}", joint + 1), Column::Number(column)))
 }
 
 /// What the arm of a run was made of.

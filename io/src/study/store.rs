@@ -47,16 +47,26 @@ pub fn write(folder: &Path, input: &ReportInput, outcomes: &[Outcome]) -> Result
 /// Reads a stored study again.
 ///
 /// # Errors
-/// [`Error`] where a file is missing or of another version.
+/// As [`parse`], and where a file cannot be read.
 pub fn read(folder: &Path) -> Result<ReportInput, Error> {
-    let summary = Text::read(&folder.join(SUMMARY))?;
-    let examples = Text::read(&folder.join(EXAMPLES))?;
+    parse(&Text::read(&folder.join(SUMMARY))?, &Text::read(&folder.join(EXAMPLES))?)
+}
+
+/// A stored study from the texts of its summary and its examples.
+///
+/// # Errors
+/// [`Error`] where a text is cut or of another version, or the study is not complete.
+pub fn parse(summary: &Text, examples: &Text) -> Result<ReportInput, Error> {
     let fault = |text: &Text, error: &serde_json::Error| {
-        Error::new(format!("no stored study of this version: {error}")).at_line(text, error.line(), error.column())
+        Error::of_json(text, error).help("expected what `armid study` of this version stores")
     };
-    let result: StudyResult = serde_json::from_str(&summary.content).map_err(|error| fault(&summary, &error))?;
-    let examples: Examples = serde_json::from_str(&examples.content).map_err(|error| fault(&examples, &error))?;
-    Ok(ReportInput { result, examples })
+    let result: StudyResult = serde_json::from_str(&summary.content).map_err(|error| fault(summary, &error))?;
+    let examples: Examples = serde_json::from_str(&examples.content).map_err(|error| fault(examples, &error))?;
+    let input = ReportInput { result, examples };
+    input.check().map_err(|error| {
+        Error::new(format!("{}: {error}", summary.name)).help("expected what `armid study` of this version stores")
+    })?;
+    Ok(input)
 }
 
 /// Stores what differs from one performance to the next: seconds, the date, the number of threads.

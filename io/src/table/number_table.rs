@@ -2,6 +2,8 @@
 
 use std::ops::Range;
 
+use armid::input::size::{COLUMNS, LINE_BYTES};
+
 use crate::error::Error;
 use crate::suggestion;
 use crate::text::Text;
@@ -22,6 +24,7 @@ pub(crate) struct NumberTable {
 impl NumberTable {
     /// Reads a table from its text. Lines that begin with `#` are comments; blank lines are skipped.
     pub(crate) fn parse(text: Text) -> Result<Self, Error> {
+        check_lines(&text)?;
         let mut reader = csv::ReaderBuilder::new()
             .has_headers(false)
             .flexible(true)
@@ -34,6 +37,9 @@ impl NumberTable {
             let start = first_of_record(&text.content, position);
             if table.columns.is_empty() {
                 let names = record.iter().map(|name| name.trim().trim_start_matches('\u{feff}').to_owned());
+                COLUMNS
+                    .check_count("number of headings", record.len())
+                    .map_err(|error| Error::from(error).at(&text, start..start, "here"))?;
                 table.columns = names.zip(fields(&text.content, start, record.len())).collect();
                 table.check_headings()?;
             } else {
@@ -134,6 +140,18 @@ impl NumberTable {
     }
 }
 
+/// No line is longer than a table's can be, before any is taken apart.
+fn check_lines(text: &Text) -> Result<(), Error> {
+    let mut start = 0;
+    for line in text.content.split_inclusive('\n') {
+        LINE_BYTES
+            .check_count("length of the line", line.len())
+            .map_err(|error| Error::from(error).at(text, start..start, "this line"))?;
+        start += line.len();
+    }
+    Ok(())
+}
+
 /// Where a record's own line begins: the reader's position includes the comments and blank lines before it.
 fn first_of_record(text: &str, position: usize) -> usize {
     let mut at = position;
@@ -192,6 +210,18 @@ mod tests {
         ] {
             assert_eq!(NumberTable::parse(Text::new("t.csv", text)).unwrap_err().to_string(), fault);
         }
+    }
+
+    #[test]
+    fn a_line_without_end_and_headings_without_end_are_refused_at_once() {
+        let began = std::time::Instant::now();
+        let long = NumberTable::parse(Text::new("t.csv", format!("q1\n1\n{}", "1,".repeat(25_000_000)))).unwrap_err();
+        let expected = "t.csv:3:1: length of the line is 50000000 bytes, expected at most 65536 bytes: \
+                        a thousand columns with all their digits are shorter";
+        assert_eq!(long.to_string(), expected);
+        let wide = NumberTable::parse(Text::new("t.csv", "q,".repeat(2_000))).unwrap_err().to_string();
+        assert!(wide.starts_with("t.csv:1:1: number of headings is 2001, expected at most 1000"), "{wide}");
+        assert!(began.elapsed().as_secs() < 5);
     }
 
     #[test]

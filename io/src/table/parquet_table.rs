@@ -24,14 +24,14 @@ pub(crate) enum Column {
 /// A table under way: names and columns.
 #[derive(Clone, Debug, Default)]
 pub(crate) struct ParquetTable {
-    columns: Vec<(&'static str, Column)>,
+    columns: Vec<(String, Column)>,
 }
 
 impl ParquetTable {
     /// The same table with one more column.
     #[must_use]
-    pub(crate) fn with(mut self, name: &'static str, column: Column) -> Self {
-        self.columns.push((name, column));
+    pub(crate) fn with(mut self, name: impl Into<String>, column: Column) -> Self {
+        self.columns.push((name.into(), column));
         self
     }
 

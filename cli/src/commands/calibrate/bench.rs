@@ -3,10 +3,11 @@
 use std::path::{Path, PathBuf};
 
 use armid::experiment::Recording;
+use armid::input::check_file_name;
 use armid::model::Robot;
 use armid::trajectory::{ConstantSpeedTrajectory, PeriodicTrajectory};
 use armid_io::output::pretty;
-use armid_io::recording::{FileSink, McapSink};
+use armid_io::recording::{FileSink, McapSink, check_free};
 use armid_io::{Error, LoadedRobot, Log, output};
 use armid_reports::{Figure, ScatterFigure};
 use miette::Result;
@@ -16,7 +17,7 @@ use crate::arguments::{RobotArguments, one_of};
 use crate::arms::{self, ArmKind, Experiment};
 use crate::commands::run::notes;
 use crate::interrupt;
-use crate::terminal::Console;
+use crate::terminal::{Console, report_folder};
 
 /// Which joint, how fast, on which arm.
 #[derive(Debug, clap::Args)]
@@ -74,19 +75,26 @@ impl BenchArguments {
         let loaded = self.robot.load()?;
         let joint = joint(&loaded.robot, &self.joint)?;
         let name = &loaded.robot.joints()[joint].name;
-        let stem = console.output().map_or_else(
-            || Path::new("reports").join(format!("{}-{what}", loaded.robot.name())).join(name),
-            |path| path.with_extension(""),
-        );
+        let stem = match console.output() {
+            Some(path) => path.with_extension(""),
+            None => {
+                let folder = report_folder("name of the robot", &format!("{}-{what}", loaded.robot.name()))?;
+                check_file_name("name of the joint", name).map_err(|error| Error::new(error.to_string()))?;
+                folder.join(name)
+            }
+        };
         let mut bench = Bench { loaded, joint, recording: None, stem, written: Vec::new() };
         let path = match &self.recording {
             Some(path) => path.clone(),
             None => {
+                let path = bench.file("mcap");
+                if !self.plan_only {
+                    check_free(&path)?;
+                }
                 let experiment = self.write_experiment(what, voltage, &mut bench)?;
                 if self.plan_only {
                     return Ok(bench);
                 }
-                let path = bench.file("mcap");
                 self.perform(&experiment, &path)?;
                 bench.written.push(path.clone());
                 path
@@ -111,7 +119,9 @@ impl BenchArguments {
         let source = if named.exists() { named.canonicalize().ok() } else { None };
         let source = source.unwrap_or_else(|| named.to_path_buf());
         let beside = trajectory.file_name().unwrap_or_default().to_string_lossy().into_owned();
-        let mut text = format!("name = \"{}-{what}\"\nrobot = {:?}\n", robot.name(), source.display().to_string());
+        let quoted = |text: String| toml::Value::String(text);
+        let (name, source) = (quoted(format!("{}-{what}", robot.name())), quoted(source.display().to_string()));
+        let mut text = format!("name = {name}\nrobot = {source}\n");
         for (key, link) in [("base_link", &self.robot.chain.base_link), ("tip_link", &self.robot.chain.tip_link)] {
             if let Some(link) = link {
                 text.push_str(&format!("{key} = {link:?}\n"));

@@ -16,7 +16,7 @@ use serde_json::{Value, json};
 
 use crate::arguments::{RobotArguments, one_of};
 use crate::arms::{ArmKind, Simulation};
-use crate::terminal::{Align, Answer, Console, Ending, Table};
+use crate::terminal::{Align, Answer, Console, Ending, Table, report_folder};
 
 const AFTER_HELP: &str = "\
 Two recordings of one motion, without and with a payload whose mass and centre are known: what the
@@ -69,6 +69,12 @@ pub(super) struct Arguments {
 
 pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let loaded = arguments.robot.load()?;
+    let stem = match console.output() {
+        Some(path) => path.with_extension(""),
+        None => {
+            report_folder("name of the robot", &format!("{}-payload", loaded.robot.name()))?.join("torque-constants")
+        }
+    };
     let load = arguments.load()?;
     let [without, with] = match (&arguments.unloaded, &arguments.loaded) {
         (Some(unloaded), Some(with)) => [recorded(unloaded, &loaded)?, recorded(with, &loaded)?],
@@ -85,10 +91,6 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         })
     };
     let findings: Vec<Value> = found.hidden.iter().map(finding).collect();
-    let stem = console.output().map_or_else(
-        || Path::new("reports").join(format!("{}-payload", loaded.robot.name())).join("torque-constants"),
-        |path| path.with_extension(""),
-    );
     let json = json!({
         "robot": loaded.robot.name(),
         "mass_kg": arguments.mass_kg,

@@ -1,7 +1,8 @@
 //! `armid study`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
+use armid::input::size;
 use armid::study::StudyPlan;
 use miette::Result;
 
@@ -9,7 +10,10 @@ use super::overrides::Overrides;
 use super::{cancel, collect, merge, status, submit};
 use crate::arguments::one_of;
 use crate::study::{Part, Performance, Prepared, Shard, Stage, in_words, stored_designs};
-use crate::terminal::{Answer, Console, Ending};
+use crate::terminal::{Answer, Console, Ending, report_folder};
+
+/// Most threads, as the parser of arguments takes it.
+const THREADS: u32 = size::THREADS.most as u32;
 
 const AFTER_HELP: &str = "\
 A study designs trajectories, performs simulated experiments with each, estimates, and scores against
@@ -38,7 +42,7 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     overrides: Overrides,
     /// Threads; all cores where absent
-    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..))]
+    #[arg(long, value_name = "N", value_parser = clap::value_parser!(u32).range(1..=i64::from(THREADS)))]
     jobs: Option<u32>,
     /// Resume from the finished work in the output folder
     #[arg(long)]
@@ -82,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 
 fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let (plan, folder) = arguments.overrides.plan(arguments.study.as_deref().unwrap_or_default())?;
-    let output = output_folder(&plan, console);
+    let output = output_folder(&plan, console)?;
     let prepared = Prepared::new(plan, folder.as_deref())?;
     let threads = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.jobs.map_or(0, |jobs| jobs as usize))
@@ -136,6 +140,6 @@ fn interrupted(study: &Performance<'_>, console: &Console) -> Result<Ending> {
     Ok(Ending::Interrupted)
 }
 
-pub(super) fn output_folder(plan: &StudyPlan, console: &Console) -> PathBuf {
-    console.output().map_or_else(|| Path::new("reports").join(&plan.name), Path::to_path_buf)
+pub(super) fn output_folder(plan: &StudyPlan, console: &Console) -> Result<PathBuf> {
+    Ok(console.output().map_or_else(|| report_folder("name", &plan.name), |path| Ok(path.to_path_buf()))?)
 }

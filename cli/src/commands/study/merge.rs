@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let folders = &arguments.folders;
     let (plan, _) = load_plan(&folders[0].display().to_string(), &Engine::ALL.map(Engine::name))?;
-    let output = output_folder(&plan, console);
+    let output = output_folder(&plan, console)?;
     merge(plan, Some(&folders[0]), folders, &output, console)
 }
 
@@ -60,6 +60,7 @@ pub(super) fn merge(
         }
         pieces.extend(found);
     }
+    study.check(&pieces)?;
     let missing = study.missing(&pieces);
     if missing > 0 {
         let message = format!("{missing} runs are in none of the folders, expected every part of the study, complete");

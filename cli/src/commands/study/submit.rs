@@ -58,7 +58,7 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let (plan, beside) = arguments.overrides.plan(&arguments.study)?;
-    let folder = absolute(&output_folder(&plan, console))?;
+    let folder = absolute(&output_folder(&plan, console)?)?;
     let text = plan_text(&plan)?;
     // What cannot be prepared here cannot be performed there.
     let prepared = Prepared::new(plan, beside.as_deref())?;

@@ -1,0 +1,19 @@
+//! Every file that armid writes at once is written here: whole or absent, and only where a file may be.
+//!
+//! A file is written beside its place, synchronised with the disk, and takes its name; then its folder is synchronised.
+//! Whatever ends the process or cuts the power on the way leaves what was there before, or the whole new file. Links are
+//! followed and stay; what is there and is no regular file (a device, a pipe, a socket, a folder) is refused.
+//!
+//! Recordings and journals grow for minutes: a recording is written as `R.mcap.part` beside its place and takes its name
+//! at the end ([`crate::recording`]), a journal holds whole lines with checksums ([`crate::study::Journal`]).
+
+mod file_system;
+mod place;
+#[cfg(test)]
+mod power_cut_tests;
+mod whole_file;
+
+pub(crate) use file_system::{name_file, sync_folder_of};
+pub use place::{folder, regular_file};
+pub(crate) use whole_file::make_folder;
+pub use whole_file::{pretty, write, write_json, write_text};
