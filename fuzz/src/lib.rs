@@ -4,18 +4,26 @@
 //! accepts, writing what it read and reading that again must give the same.
 
 use std::path::Path;
+use std::sync::LazyLock;
 
 use armid::cdr::{FloatArray, JointState, decode, encode};
-use armid::model::format::{parse_nominal, parse_parameter_map, parse_parameters, parse_robot};
+use armid::estimation::compare;
+use armid::model::format::{
+    ChainEnds, FormatError, ImportedModel, parse_mjcf, parse_nominal, parse_parameter_map, parse_parameters,
+    parse_robot, parse_urdf, write_urdf,
+};
 use armid::model::{Robot, bundled};
-use armid::study::StudyPlan;
+use armid::spatial::Inertia;
+use armid::study::{StudyPlan, StudySetup};
 use armid::trajectory::PeriodicTrajectory;
 use armid_hardware::message::{
     Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointState as WireState, JointTrajectory, Text as Word,
 };
 use armid_io::log::{parse_csv, parse_mcap};
+use armid_io::study::{LineChain, Piece, parse_journal, parse_study};
 use armid_io::table::{Third, parse_states};
-use armid_io::{Text, experiment};
+use armid_io::{Text, estimate, experiment};
+use armid_reports::study_document;
 
 /// CDR: the ROS 2 messages of recordings and of the wire.
 ///
@@ -77,6 +85,99 @@ pub fn csv(bytes: &[u8]) {
         let _ = parse_states(Text::new("fuzz.csv", text), 2, third);
     }
 }
+
+/// URDF: the chain of a robot.
+///
+/// # Panics
+/// As [`tree`].
+pub fn urdf(bytes: &[u8]) {
+    tree(bytes, parse_urdf);
+}
+
+/// MJCF: the chain of a robot.
+///
+/// # Panics
+/// As [`tree`].
+pub fn mjcf(bytes: &[u8]) {
+    tree(bytes, parse_mjcf);
+}
+
+/// A chain of a tree, of the longest and of every tip that the text names where it is asked for one.
+///
+/// # Panics
+/// Where what was read cannot be written as URDF and read again with as many joints: a fault that fuzzing looks for.
+fn tree(bytes: &[u8], parse: fn(&str, &ChainEnds) -> Result<ImportedModel, FormatError>) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let Ok(model) = parse(text, &ChainEnds::default()) else { return };
+    // URDF states centres of mass, which a mass of next to nothing puts beyond all numbers.
+    let beyond = |link: &Inertia| link.about_com().iter().chain(link.com().iter().flatten()).any(|x| !x.is_finite());
+    if model.parameters.links.iter().any(beyond) {
+        return;
+    }
+    let written = write_urdf(&model.robot, &model.parameters, "fuzz");
+    let again = parse_urdf(&written, &ChainEnds::default()).map(|again| again.robot.dof());
+    assert_eq!(again, Ok(model.robot.dof()), "a chain changes when it is written and read: {written}");
+}
+
+/// JSON of estimates: one, or a list.
+///
+/// # Panics
+/// Where an estimate that was read is not the same after writing and reading: a fault that fuzzing looks for.
+pub fn estimate(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let Ok(estimates) = estimate::parse_all(&Text::new("fuzz.json", text)) else { return };
+    for found in estimates {
+        let written = serde_json::to_string(&found).expect("an estimate can be written");
+        let again = estimate::parse(&Text::new("fuzz.json", written.as_str())).expect("what was written can be read");
+        assert_eq!(again, found, "an estimate changes when it is written and read");
+        // What designs and comparisons ask of it.
+        let _ = (found.beta(), found.std(), found.half_width(), found.information());
+        let _ = compare(&found, &found);
+    }
+}
+
+/// Journals: as bytes, and with checksums that fit, so that what is behind them is reached too.
+///
+/// # Panics
+/// Where a piece that was read is not the same after writing and reading: a fault that fuzzing looks for.
+pub fn journal(bytes: &[u8]) {
+    let _ = parse_journal("fuzz.jsonl", bytes);
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let mut chain = LineChain::default();
+    let header = r#"{"armid":"0","plan_sha256":"0"}"#;
+    let lines: String = std::iter::once(header).chain(text.lines()).map(|entry| chain.line(entry)).collect();
+    let Ok(pieces) = parse_journal("fuzz.jsonl", lines.as_bytes()) else { return };
+    static SETUP: LazyLock<StudySetup> = LazyLock::new(setup);
+    for piece in pieces {
+        let written = serde_json::to_string(&piece).expect("a piece can be written");
+        let again: Piece = serde_json::from_str(&written).expect("what was written can be read");
+        assert_eq!(serde_json::to_string(&again).ok(), Some(written), "a piece changes when it is written and read");
+        let _ = piece.check(&SETUP);
+    }
+}
+
+/// The study whose journal is among the seeds.
+fn setup() -> StudySetup {
+    let plan = StudyPlan::from_toml(STUDY).expect("a plan");
+    let loaded = armid_io::robot::named(&plan.robot).expect("a bundled robot");
+    let (truth, nominal) = (loaded.truth().expect("its truth"), loaded.nominal.expect("its nominal parameters"));
+    StudySetup::new(plan, loaded.robot, nominal, &truth).expect("a study")
+}
+
+/// Stored studies: a summary, a byte zero, and examples; what is accepted is drawn.
+pub fn summary(bytes: &[u8]) {
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let (summary, examples) = text.split_once('\0').unwrap_or((text, r#"{"limits":[],"prediction":null}"#));
+    let texts = (Text::new("summary.json", summary), Text::new("examples.json", examples));
+    if let Ok(input) = parse_study(&texts.0, &texts.1)
+        && let Ok(document) = study_document(&input)
+    {
+        let _ = document.html();
+    }
+}
+
+/// The plan of the small study whose files are seeds.
+pub const STUDY: &str = include_str!("../study.toml");
 
 /// The smallest bundled robot, for files that are about one.
 fn robot() -> Robot {

@@ -119,7 +119,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         fits(&slowed)?;
         if is_csv(&path) {
             slowed.planned.plan.check_held().map_err(|error| {
-                Fault::new(format!("{}: {error}", slowed.text.name)).help("an R.mcap is written as it is performed")
+                Fault::new(format!("{}: {error}", slowed.planned.text.name))
+                    .help("an R.mcap is written as it is performed")
             })?;
         }
         let path = place(speed);
