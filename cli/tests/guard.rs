@@ -82,8 +82,42 @@ fn a_reduced_speed_slows_the_motion_and_watches_the_flange() {
     let used = done["guard"]["used"]["reduced-speed"].as_f64().unwrap();
     assert!(used > 0.7 && used < 1.0, "{used}");
     assert_eq!(done["guard"]["settings"]["reduced_speed_mm_s"], 250.0);
+    // The period is whole, and longer than designed by what the speed says.
+    let samples = done["period_s"].as_f64().unwrap() * done["rate_hz"].as_f64().unwrap();
+    assert!((samples - samples.round()).abs() < 1e-6, "{samples}");
+    assert!((done["period_s"].as_f64().unwrap() * done["speed"].as_f64().unwrap() - 10.0).abs() < 1e-9);
     let fault = stderr(&armid(["run", &experiment, "--reduced-speed", "5000"]).code(2));
     assert!(fault.contains("expected more than 0 and at most 1000 mm/s"), "{fault}");
+}
+
+#[test]
+fn a_named_point_is_kept_below_the_line_and_a_first_run_stays_below_it() {
+    let folder = temporary();
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/crs-a460");
+    for file in ["robot.toml", "nominal.toml", "truth.toml"] {
+        std::fs::copy(models.join(file), folder.path().join(file)).unwrap();
+    }
+    let robot = folder.path().join("robot.toml");
+    let text = std::fs::read_to_string(&robot).unwrap();
+    let text = format!("{text}\n[[point]]\nname = \"tip\"\nlink = \"tool_roll\"\nposition_m = [0, 0, 0.08]\n");
+    std::fs::write(&robot, text).unwrap();
+    let armed =
+        "robot = \"robot.toml\"\ntrajectory = \"table-one\"\nrate_hz = 500\nperiods = 1\ndiscarded_periods = 0\n";
+    let armed = write(folder.path(), "armed.toml", armed);
+    let bare = armed.replace("armed.toml", "bare.toml");
+    std::fs::write(&bare, std::fs::read_to_string(&armed).unwrap().replace("robot.toml", "crs-a460")).unwrap();
+    let recording = path(folder.path(), "R.mcap");
+    let speeds = [&bare, &armed].map(|experiment| {
+        let arguments = ["run", experiment, "--guard", "--reduced-speed", "--first-run", "-o", &recording, "--json"];
+        let done = json(&armid(arguments).success());
+        let used = done["guard"]["used"]["reduced-speed"].as_f64().unwrap();
+        assert!(used > 0.7 && used < 1.0, "{used}");
+        let steps: Vec<f64> = done["steps"].as_array().unwrap().iter().map(|s| s["speed"].as_f64().unwrap()).collect();
+        assert!(steps.len() == 2 && steps[0] == 0.1 && steps[1] < 0.5, "10 % and what the line allows: {steps:?}");
+        assert_eq!(done["recording"].as_str(), Some(recording.as_str()));
+        steps[1]
+    });
+    assert!(speeds[1] < speeds[0], "{speeds:?}");
 }
 
 #[test]

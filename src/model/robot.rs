@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, Vector3};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::robot_fault::{RobotFault, check_joint, check_servo, check_surroundings};
-use super::{Drive, EffortInterface, Joint, Obstacle, ServoTuning, Shape};
+use super::robot_fault::{RobotFault, check_joint, check_points, check_servo, check_surroundings};
+use super::{Drive, EffortInterface, Joint, NamedPoint, Obstacle, ServoTuning, Shape};
 use crate::input::size::JOINTS;
 use crate::provenance::sha256;
 use crate::spatial::{Motion, Placement};
@@ -56,6 +56,8 @@ pub struct Robot {
     shapes: Vec<Shape>,
     obstacles: Vec<Obstacle>,
     may_touch: Vec<(usize, usize)>,
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    points: Vec<NamedPoint>,
     effort: EffortInterface,
     servo: ServoTuning,
     source_sha256: String,
@@ -87,13 +89,15 @@ impl Robot {
             shapes,
             obstacles,
             may_touch,
+            points,
             effort,
             servo,
             source_sha256,
         } = self;
         check_servo(&servo)?;
+        check_points(&points, joints.len())?;
         let spec = RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch };
-        Ok(Self { effort, servo, source_sha256, ..Self::new(spec)? })
+        Ok(Self { points, effort, servo, source_sha256, ..Self::new(spec)? })
     }
 
     /// Checks a specification.
@@ -132,6 +136,7 @@ impl Robot {
             shapes,
             obstacles,
             may_touch,
+            points: Vec::new(),
             effort,
             servo,
             source_sha256,
@@ -202,6 +207,23 @@ impl Robot {
     #[must_use]
     pub fn may_touch(&self) -> &[(usize, usize)] {
         &self.may_touch
+    }
+
+    /// Points of the arm that have a name, beside the frames of the links.
+    #[must_use]
+    pub fn points(&self) -> &[NamedPoint] {
+        &self.points
+    }
+
+    /// The same robot with these named points.
+    ///
+    /// # Panics
+    /// If a point is on a link that is not there.
+    #[must_use]
+    pub fn with_points(mut self, points: Vec<NamedPoint>) -> Self {
+        assert!(points.iter().all(|point| point.link <= self.dof()), "every point is on a link of the robot");
+        self.points = points;
+        self
     }
 
     /// Name of a link: that of the joint which moves it, or "base" for link 0.

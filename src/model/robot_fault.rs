@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{
-    Capsule, Cuboid, DhConvention, DhRow, Joint, JointKind, MotorCircuit, Obstacle, ServoTuning, Shape, Solid,
+    Capsule, Cuboid, DhConvention, DhRow, Joint, JointKind, MotorCircuit, NamedPoint, Obstacle, ServoTuning, Shape, Solid,
 };
 use crate::input::TooLarge;
 use crate::spatial::Placement;
@@ -55,6 +55,18 @@ pub enum RobotFault {
         /// Its columns.
         columns: usize,
         /// Number of joints.
+        dof: usize,
+    },
+    /// A named point is on a link that is not there, or nowhere.
+    #[error("point \"{point}\": link {link} at {position:?} m, expected a link from 0 (the base) to {dof} and finite numbers")]
+    Point {
+        /// Its name.
+        point: String,
+        /// The link.
+        link: usize,
+        /// The position, m.
+        position: [f64; 3],
+        /// Number of links.
         dof: usize,
     },
     /// A shape names a link that is not there.
@@ -149,6 +161,16 @@ fn check_solid(solid: &Solid, place: impl Fn() -> String) -> Result<(), RobotFau
             fault(place(), "placement", shown(placement), RIGID)
         }
         Solid::Capsule(_) | Solid::Cuboid(_) => Ok(()),
+    }
+}
+
+pub(super) fn check_points(points: &[NamedPoint], dof: usize) -> Result<(), RobotFault> {
+    let wrong = |point: &&NamedPoint| point.link > dof || !point.position.iter().all(|x| x.is_finite());
+    match points.iter().find(wrong) {
+        Some(NamedPoint { name, link, position }) => {
+            Err(RobotFault::Point { point: name.clone(), link: *link, position: (*position).into(), dof })
+        }
+        None => Ok(()),
     }
 }
 

@@ -18,8 +18,8 @@ pub(crate) struct GuardArguments {
     /// Part of the speed of the motion, such as 10%: the same path, more slowly
     #[arg(long, value_name = "PERCENT")]
     pub(crate) speed: Option<Speed>,
-    /// Keep the flange under a speed, mm/s, for people beside the arm: the motion and the way to it are as much slower as
-    /// that takes, and a faster flange trips. No safety-rated function
+    /// Keep the flange, and every [[point]] of the robot file, under a speed, mm/s, for people beside the arm: the motion
+    /// and the way to it are as much slower as that takes, and a faster point trips. No safety-rated function
     #[arg(long, value_name = "MM_S", num_args = 0..=1, default_missing_value = "250")]
     pub(crate) reduced_speed: Option<f64>,
     /// Perform the motion at 10 %, 50 % and 100 % of its speed, one after the other

@@ -9,6 +9,8 @@ use miette::Result;
 
 /// The part of the torque and current limits that may be used where the nominal parameters state no uncertainty.
 const WITHOUT_UNCERTAINTY: f64 = 0.9;
+/// What a servo may be beside its command, deg: a motion that touches a soft limit would be stopped by it.
+const SERVO_DEG: f64 = 1.0;
 
 /// Which limits hold.
 #[derive(Clone, Debug, clap::Args)]
@@ -16,9 +18,9 @@ pub(crate) struct LimitArguments {
     /// Largest acceleration of every joint, in place of the robot's own limits
     #[arg(long, value_name = "RAD_S2")]
     max_acceleration: Option<f64>,
-    /// Distance to keep from the position limits, deg: the soft limits of the guard that watches a real arm, by default.
-    /// Prismatic joints keep as much of the guard's margin in metres
-    #[arg(long, value_name = "DEG", default_value_t = GuardSettings::default().soft_margin_deg)]
+    /// Distance to keep from the position limits, deg: by default the soft limits of the guard that watches a real arm, and
+    /// a degree for the servo. Prismatic joints keep as much of the guard's margin in metres
+    #[arg(long, value_name = "DEG", default_value_t = GuardSettings::default().soft_margin_deg + SERVO_DEG)]
     margin: f64,
     /// Do not hold the limits of torque and current
     #[arg(long)]

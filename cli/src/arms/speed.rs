@@ -30,6 +30,14 @@ impl Speed {
         if used * self.0 > REDUCED { Self(REDUCED / used) } else { self }
     }
 
+    /// The same speed, or the next below it at which a period of `period_s`, whole at `rate_hz`, stays a whole number of
+    /// samples when it is slowed. A period that is not whole is left for the plan to refuse.
+    pub(crate) fn in_whole_samples(self, period_s: f64, rate_hz: f64) -> Self {
+        let (designed, slowed) = (period_s * rate_hz, period_s * rate_hz / self.0);
+        let is_whole = |samples: f64| (samples - samples.round()).abs() <= 1e-9 * samples;
+        if !is_whole(designed) || is_whole(slowed) { self } else { Self(designed.round() / slowed.ceil()) }
+    }
+
     /// The speed up to which a real arm must have performed this motion before.
     pub(crate) fn needs(self) -> Option<Self> {
         Self::STEPS.into_iter().rev().find(|step| *step < self)
@@ -110,6 +118,7 @@ fn objection(notes: &Notes, experiment: &Experiment, needed: Speed, motion: &str
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::arms::ArmKind;
 
     #[test]
     fn speeds_are_read_and_shown() {
@@ -129,6 +138,39 @@ mod tests {
         {
             assert_eq!(Speed(speed).needs(), needed.map(Speed), "{speed}");
         }
+    }
+
+    #[test]
+    fn analytic_a_slowed_period_is_rounded_up_to_whole_samples() {
+        // 10 s at 1 kHz and 30 %: 33333.3 samples become 33334.
+        let speed = Speed(0.3).in_whole_samples(10.0, 1000.0);
+        assert!((speed.part() - 10_000.0 / 33_334.0).abs() < 1e-15 && speed < Speed(0.3));
+        for part in [0.1, 0.25, 0.5, 1.0] {
+            assert_eq!(Speed(part).in_whole_samples(10.0, 1000.0).part().to_bits(), part.to_bits());
+        }
+        // The plan says what is wrong with a period of 1000.5 samples.
+        assert_eq!(Speed(0.3).in_whole_samples(1.0005, 1000.0), Speed(0.3));
+    }
+
+    #[test]
+    fn a_recording_that_does_not_say_its_speed_is_no_permission() {
+        let mut experiment = Experiment::load("00-paper").unwrap();
+        experiment.arm = ArmKind::Ros2;
+        let robot = experiment.robot.text.content.to_string();
+        let with = |speed: Option<&str>| {
+            let mut notes = Notes::default();
+            for (key, value) in [("arm", "ros2"), ("robot_file", robot.as_str()), ("motion", "M")] {
+                notes.beginning.insert(key.to_owned(), value.to_owned());
+            }
+            speed.map(|speed| notes.beginning.insert("speed".to_owned(), speed.to_owned()));
+            notes.ending.insert("ending".to_owned(), "completed".to_owned());
+            objection(&notes, &experiment, Speed(0.1), "M")
+        };
+        assert_eq!(with(Some("0.1")), None);
+        for silent in [None, Some("nan"), Some("fast")] {
+            assert_eq!(with(silent).as_deref(), Some("does not say how fast it went"), "{silent:?}");
+        }
+        assert_eq!(with(Some("0.05")).as_deref(), Some("went at 5 %"));
     }
 
     #[test]

@@ -4,7 +4,7 @@ use armid::model::Robot;
 use armid::trajectory::QuinticStep;
 
 use super::GuardSettings;
-use super::flange::largest_speed;
+use super::points::fastest;
 
 /// A straight line in joint space, run with zero velocity and acceleration at both ends:
 ///
@@ -45,19 +45,19 @@ impl Approach {
         let duration_s = duration.fold(SHORTEST_S, f64::max);
         let mut approach = Self { from: from.to_vec(), to: to.to_vec(), duration_s };
         if settings.reduced_speed_mm_s > 0.0 {
-            // The same line more slowly: the flange's speed is inverse to the duration. A tenth is left for the servo.
+            // The same line more slowly: speeds are inverse to the duration. A tenth is left for the servo.
             let line = 0.9e-3 * settings.reduced_speed_mm_s;
-            approach.duration_s *= (approach.flange_speed(robot) / line).max(1.0);
+            approach.duration_s *= (approach.largest_speed(robot) / line).max(1.0);
         }
         approach
     }
 
-    /// Largest speed of the flange, m/s.
-    fn flange_speed(&self, robot: &Robot) -> f64 {
+    /// Largest speed of the flange and of every named point, m/s.
+    fn largest_speed(&self, robot: &Robot) -> f64 {
         const STEPS: usize = 400;
         let dt = self.duration_s / STEPS as f64;
         let (mut qd, mut qdd) = (vec![0.0; self.from.len()], vec![0.0; self.from.len()]);
-        largest_speed(robot, STEPS, dt, &mut |k, q| self.evaluate(k as f64 * dt, q, &mut qd, &mut qdd))
+        fastest(robot, STEPS, dt, &mut |k, q| self.evaluate(k as f64 * dt, q, &mut qd, &mut qdd)).speed
     }
 
     /// Position, velocity and acceleration at time `t` (s), n each; at rest before and after.

@@ -3,7 +3,7 @@
 use armid::experiment::{ArmError, Command, ExperimentPlan};
 use armid::model::Robot;
 
-use super::{Confirmation, GuardSettings, JointBounds, Passed, flange_speed};
+use super::{Confirmation, GuardSettings, JointBounds, Passed, fastest_point};
 
 /// Every check before the first motion, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
@@ -109,9 +109,10 @@ pub(super) fn of_plan(
         }
     }
     if settings.reduced_speed_mm_s > 0.0 {
-        let (found, line) = (1e3 * flange_speed(robot, plan, &layout), settings.reduced_speed_mm_s);
+        let (fastest, line) = (fastest_point(robot, plan, &layout), settings.reduced_speed_mm_s);
+        let found = 1e3 * fastest.speed;
         if found > line {
-            let found = format!("a flange at {found:.0} mm/s");
+            let found = format!("point \"{}\" at {found:.0} mm/s", fastest.point);
             return Err(Preflight::Plan.refuse(found, format!("at most {line:.0} mm/s, as a slower --speed has it")));
         }
     }

@@ -22,7 +22,8 @@ pub struct GuardSettings {
     pub jump_m: f64,
     /// Largest measured speed, in parts of a joint's speed limit.
     pub overspeed: f64,
-    /// Largest speed of the flange, mm/s; 0 sets no line. For people beside the arm, 250.
+    /// Largest speed of the flange and of every point that the robot file names, mm/s; 0 sets no line. For people beside
+    /// the arm, 250.
     pub reduced_speed_mm_s: f64,
     /// Part of the current limit that may be used for longer than the window.
     pub current_clamp: f64,

@@ -15,7 +15,7 @@ pub enum Trip {
     SoftLimit,
     /// A joint is faster than it may be.
     Overspeed,
-    /// The flange is faster than a line that was set for people beside the arm.
+    /// A point of the arm is faster than a line that was set for people beside the arm.
     ReducedSpeed,
     /// The arm is too far from its command.
     FollowingError,
@@ -116,7 +116,9 @@ impl Trip {
             Self::PositionJump => "a position moved further between two samples than the joint can",
             Self::SoftLimit => "a position or a set-point is outside the soft limits",
             Self::Overspeed => "a joint is faster than its limit allows",
-            Self::ReducedSpeed => "the flange is faster than --reduced-speed allows",
+            Self::ReducedSpeed => {
+                "the flange, or a point that the robot file names, is faster than --reduced-speed allows"
+            }
             Self::FollowingError => "the arm is too far from its command",
             Self::CurrentClamp => "the motor current is above the clamp for long, or again and again",
             Self::UnexpectedStop => "the command moves and the arm does not",

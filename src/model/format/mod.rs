@@ -22,6 +22,7 @@ mod mjcf_settings;
 mod parameter_file;
 mod parameter_map;
 mod parameter_writer;
+mod point_tables;
 mod reading;
 mod relative_uncertainty;
 mod robot_file;

@@ -8,8 +8,11 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::FormatError;
+use super::point_tables::{PointTable, read_points};
 use super::reading::{Check, Number, Row, STANDARD_GRAVITY, read, roll_pitch_yaw};
-use super::shape_tables::{FloorTable, ObstacleTable, ShapeTable, TouchTable, read_obstacles, read_shape, read_touch};
+use super::shape_tables::{
+    FloorTable, ObstacleTable, ShapeTable, TouchTable, link_index, read_obstacles, read_shape, read_touch,
+};
 use crate::input::size::RATE_HZ;
 use crate::model::term::{ShapeParameter, Term};
 use crate::model::{
@@ -36,6 +39,8 @@ struct RobotTable {
     obstacle: Vec<ObstacleTable>,
     #[serde(default)]
     may_touch: Vec<TouchTable>,
+    #[serde(default)]
+    point: Vec<PointTable>,
 }
 
 #[derive(Deserialize)]
@@ -155,6 +160,7 @@ pub fn parse_robot(text: &str) -> Result<Robot, FormatError> {
     let shapes = file.shape.iter().map(|shape| read_shape(check, shape, &names)).collect::<Result<_, _>>()?;
     let obstacles = read_obstacles(check, file.floor.as_ref(), &file.obstacle)?;
     let may_touch = file.may_touch.iter().map(|table| read_touch(check, table, &names)).collect::<Result<_, _>>()?;
+    let points = read_points(check, &file.point, &|link| link_index(check, link, &names))?;
     let spec = RobotSpec {
         name: file.name,
         gravity: match &file.gravity_m_s2 {
@@ -170,7 +176,7 @@ pub fn parse_robot(text: &str) -> Result<Robot, FormatError> {
     };
     let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?.unwrap_or_default();
     match Robot::new(spec) {
-        Ok(robot) => Ok(robot.with_effort(file.effort).with_servo(servo).read_from(text)),
+        Ok(robot) => Ok(robot.with_effort(file.effort).with_servo(servo).with_points(points).read_from(text)),
         Err(fault) => check.fault(file.joint.span(), fault.to_string()),
     }
 }

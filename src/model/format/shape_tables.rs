@@ -110,7 +110,7 @@ impl BodyKeys<'_> {
 }
 
 /// Index of a link by the name of the joint that moves it; 0 is the base.
-fn link_index(check: Check<'_>, link: &Spanned<String>, joints: &[&str]) -> Result<usize, FormatError> {
+pub(super) fn link_index(check: Check<'_>, link: &Spanned<String>, joints: &[&str]) -> Result<usize, FormatError> {
     let name = link.get_ref();
     let found = if name == "base" { Some(0) } else { joints.iter().position(|joint| joint == name).map(|i| i + 1) };
     match found {

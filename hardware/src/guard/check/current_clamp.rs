@@ -79,6 +79,7 @@ impl Check for CurrentClamp {
 #[cfg(test)]
 mod tests {
     use armid::experiment::Phase;
+    use armid::model::Drive;
 
     use super::*;
     use crate::guard::GuardSettings;
@@ -86,6 +87,9 @@ mod tests {
     /// When a current trips that is `of(t)` of the first joint's limit, at 500 Hz.
     fn trips_s(of: impl Fn(f64) -> f64) -> Option<f64> {
         let robot = armid::conformance::chains::planar_2r();
+        // Its drives have no limit of their own, and without a limit there is no line.
+        let drive = Drive { current_limit: 5.0, ..Drive::ideal() };
+        let robot = robot.with_drives(vec![drive.clone(), drive]);
         let bounds = JointBounds::of_robot(&robot, &GuardSettings::default());
         let mut check = CurrentClamp::new(&bounds, 0.02);
         (0..1000).map(|k| f64::from(k) * 2e-3).find(|t| {
