@@ -1,6 +1,8 @@
 //! Values that programs in other languages get as JSON: the same after writing and reading, and refused where their parts
 //! do not fit together.
 
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
 use armid::base::{BaseReduction, Method, reduce};
 use armid::dynamics::{Dynamics, States};
 use armid::estimation::{Estimate, EstimatorKind, Identification};

@@ -5,8 +5,9 @@
 //! it. Signals are taken by a thread that waits for them and are blocked everywhere else, so that none interrupts the
 //! middleware in the middle of a call.
 
+use std::io::Write;
 use std::sync::atomic::{AtomicBool, Ordering};
-use std::sync::{Mutex, PoisonError};
+use std::sync::{Mutex, Once, PoisonError};
 
 use armid_io::Error as Fault;
 use miette::Result;
@@ -17,13 +18,14 @@ static HEEDED: AtomicBool = AtomicBool::new(false);
 /// How many motions are under way; held while the process ends, so that none begins then.
 static MOVING: Mutex<usize> = Mutex::new(0);
 
-/// Watches for Ctrl-C, Ctrl-Z, a terminal that is closed, and what a batch system sends before it kills.
+/// Watches for Ctrl-C, Ctrl-\\, Ctrl-Z, a terminal that is closed, and what a batch system sends before it kills.
 #[cfg(unix)]
 pub(crate) fn watch() -> Result<()> {
     use nix::sys::signal::{SigSet, Signal};
 
     let fault = |error: &dyn std::fmt::Display| Fault::new(format!("signals cannot be watched: {error}"));
-    let watched = SigSet::from_iter([Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP, Signal::SIGTSTP]);
+    let ends = [Signal::SIGINT, Signal::SIGTERM, Signal::SIGHUP, Signal::SIGQUIT];
+    let watched = SigSet::from_iter(ends.into_iter().chain([Signal::SIGTSTP]));
     // Every thread that begins later inherits it.
     watched.thread_block().map_err(|error| fault(&error))?;
     let wait = move || {
@@ -72,8 +74,25 @@ pub(crate) fn asked() -> bool {
 #[must_use]
 pub(crate) struct Moving(());
 
+/// Makes a panic say no more than its message while an arm moves: a backtrace takes a tenth of a second, and the arm is asked
+/// to stop after it.
+fn hurry_panics() {
+    static ONCE: Once = Once::new();
+    ONCE.call_once(|| {
+        let usual = std::panic::take_hook();
+        std::panic::set_hook(Box::new(move |panic| {
+            if MOVING.try_lock().is_ok_and(|moving| *moving == 0) {
+                usual(panic);
+            } else {
+                let _ = writeln!(std::io::stderr(), "{panic}");
+            }
+        }));
+    });
+}
+
 /// From here on an arm may move.
 pub(crate) fn moving() -> Moving {
+    hurry_panics();
     *MOVING.lock().unwrap_or_else(PoisonError::into_inner) += 1;
     Moving(())
 }

@@ -3,7 +3,8 @@
 use nalgebra::Vector3;
 
 use super::{
-    Capsule, Cuboid, DhConvention, DhRow, Joint, JointKind, MotorCircuit, NamedPoint, Obstacle, ServoTuning, Shape, Solid,
+    Capsule, Cuboid, DhConvention, DhRow, Joint, JointKind, MotorCircuit, NamedPoint, Obstacle, ServoTuning, Shape,
+    Solid,
 };
 use crate::input::TooLarge;
 use crate::spatial::Placement;
@@ -58,7 +59,9 @@ pub enum RobotFault {
         dof: usize,
     },
     /// A named point is on a link that is not there, or nowhere.
-    #[error("point \"{point}\": link {link} at {position:?} m, expected a link from 0 (the base) to {dof} and finite numbers")]
+    #[error(
+        "point \"{point}\": link {link} at {position:?} m, expected a link from 0 (the base) to {dof} and finite numbers"
+    )]
     Point {
         /// Its name.
         point: String,

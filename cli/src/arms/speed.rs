@@ -156,7 +156,7 @@ mod tests {
     fn a_recording_that_does_not_say_its_speed_is_no_permission() {
         let mut experiment = Experiment::load("00-paper").unwrap();
         experiment.arm = ArmKind::Ros2;
-        let robot = experiment.robot.text.content.to_string();
+        let robot = experiment.planned.robot.text.content.to_string();
         let with = |speed: Option<&str>| {
             let mut notes = Notes::default();
             for (key, value) in [("arm", "ros2"), ("robot_file", robot.as_str()), ("motion", "M")] {

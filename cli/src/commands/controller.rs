@@ -40,6 +40,7 @@ motion began (NAME@motion+SECONDS):
   lost-result  how a motion ended is never reported
   strange-state  the reported state is an unknown text
   oscillation  the first joint's current swings between its limit and zero
+  clock        the clock by which joint states are stamped jumps back by 2 s
 
 Examples:
   armid controller crs-a460 --arm analytic

@@ -7,7 +7,7 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use armid::excitation::effort::{EffortModel, ParameterSpread};
 use armid::excitation::{Certificate, VerificationError, verify_certificate, verify_performance};
 use armid::experiment::{Ending as PlanEnding, Sink};
-use armid_hardware::guard::flange_speed;
+use armid_hardware::guard::fastest_point;
 use armid_io::Error as Fault;
 use armid_io::recording::{CsvSink, FileSink, McapSink, beside, check_free, part_of};
 use miette::Result;
@@ -87,6 +87,10 @@ pub(crate) struct Arguments {
     resume: bool,
     #[command(flatten)]
     guarding: GuardArguments,
+    /// Panic after so many states: what a defect of armid itself does to an arm, in builds for tests alone
+    #[cfg(debug_assertions)]
+    #[arg(long, value_name = "STATES", hide = true)]
+    panic_after: Option<usize>,
     /// What `--arm replay` plays
     #[arg(long, value_name = "R.mcap")]
     recording: Option<PathBuf>,
@@ -108,13 +112,15 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let mut earlier = arguments.guarding.earlier.clone();
     let (mut steps, mut whole) = (Vec::new(), None);
     let reduced = reduced_use(&mut experiment, arguments.guarding.reduced_speed)?;
-    let place = |speed| if arguments.guarding.first_run { speed::step_path(&path, speed) } else { path.clone() };
-    let speeds: Vec<Speed> = arguments.guarding.speeds().into_iter().map(|speed| speed.below(reduced)).collect();
+    let speeds = speeds(&experiment, &arguments.guarding, reduced);
+    let place = |step: usize| {
+        if step + 1 < speeds.len() { speed::step_path(&path, speeds[step]) } else { path.clone() }
+    };
     if !arguments.resume {
         // Nothing moves before every recording has its place.
-        speeds.iter().try_for_each(|&speed| check_free(&place(speed)))?;
+        (0..speeds.len()).try_for_each(|step| check_free(&place(step)))?;
     }
-    for speed in speeds {
+    for (step, &speed) in speeds.iter().enumerate() {
         let slowed = at_speed(&experiment, speed, arguments.guarding.first_run);
         fits(&slowed)?;
         if is_csv(&path) {
@@ -123,7 +129,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
                     .help("an R.mcap is written as it is performed")
             })?;
         }
-        let path = place(speed);
+        let path = place(step);
         let motion = experiment.planned.plan.trajectory.to_toml();
         let part = match left(arguments, console, &slowed, &path)? {
             Found::Nothing => None,
@@ -166,7 +172,16 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }))
 }
 
-/// Sets the line of `--reduced-speed`, and says how much of it the flange uses at the designed speed.
+/// The speeds to go through, in order: below the line of `--reduced-speed`, each once, in periods of whole samples.
+fn speeds(experiment: &Experiment, guarding: &GuardArguments, reduced: f64) -> Vec<Speed> {
+    let plan = &experiment.planned.plan;
+    let allowed = |speed: Speed| speed.below(reduced).in_whole_samples(plan.trajectory.period_s(), plan.rate_hz);
+    let mut speeds: Vec<Speed> = guarding.speeds().into_iter().map(allowed).collect();
+    speeds.dedup();
+    speeds
+}
+
+/// Sets the line of `--reduced-speed`, and says how much of it the fastest point uses at the designed speed.
 fn reduced_use(experiment: &mut Experiment, line_mm_s: Option<f64>) -> Result<f64> {
     let Some(line) = line_mm_s else { return Ok(0.0) };
     if !(line > 0.0 && line <= 1000.0) {
@@ -174,7 +189,7 @@ fn reduced_use(experiment: &mut Experiment, line_mm_s: Option<f64>) -> Result<f6
     }
     experiment.guard.reduced_speed_mm_s = line;
     let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
-    Ok(1e3 * flange_speed(&experiment.planned.robot.robot, &experiment.planned.plan, &layout) / line)
+    Ok(1e3 * fastest_point(&experiment.planned.robot.robot, &experiment.planned.plan, &layout).speed / line)
 }
 
 /// The experiment at a part of its speed; before full speed, one period shows what there is to see.
@@ -254,9 +269,15 @@ fn perform(
             Box::new(sink.stopping_when(interrupt::asked))
         }
     };
-    let work = |sink: &mut dyn Sink| match part {
-        None => arms::perform(experiment.arm, experiment, arguments.recording.as_deref(), sink),
-        Some(part) => part.perform(experiment, arguments.recording.as_deref(), sink),
+    let work = |sink: &mut dyn Sink| {
+        #[cfg(debug_assertions)]
+        let mut failing = arms::Failing::new(sink, arguments.panic_after.unwrap_or(usize::MAX));
+        #[cfg(debug_assertions)]
+        let sink: &mut dyn Sink = &mut failing;
+        match part {
+            None => arms::perform(experiment.arm, experiment, arguments.recording.as_deref(), sink),
+            Some(part) => part.perform(experiment, arguments.recording.as_deref(), sink),
+        }
     };
     let performed = if experiment.arm == ArmKind::Ros2 {
         // No signal ends this process before the arm is at rest.

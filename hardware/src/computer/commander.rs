@@ -1,37 +1,9 @@
 //! What the joints are commanded at every servo step: a hold, a motion that was handed over, or streamed set-points,
 //! and what becomes of them when nobody cares any more.
 
-use armid::model::Robot;
 use armid::trajectory::QuinticStep;
 
-use super::Spline;
-
-/// What a joint may be commanded.
-#[derive(Clone, Debug, PartialEq)]
-pub struct JointLimits {
-    /// Its name.
-    pub name: String,
-    /// Positions, rad (m).
-    pub position: (f64, f64),
-    /// Speed, rad/s (m/s).
-    pub velocity: f64,
-    /// Acceleration, rad/s² (m/s²).
-    pub acceleration: f64,
-}
-
-impl JointLimits {
-    /// The limits of a robot's joints.
-    #[must_use]
-    pub fn of_robot(robot: &Robot) -> Vec<Self> {
-        let of = |joint: &armid::model::Joint| Self {
-            name: joint.name.clone(),
-            position: joint.limits.position,
-            velocity: joint.limits.velocity,
-            acceleration: joint.limits.acceleration,
-        };
-        robot.joints().iter().map(of).collect()
-    }
-}
+use super::{JointLimits, Replacement, Spline};
 
 /// How old the newest set-point may be while the arm moves.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -45,39 +17,6 @@ pub struct Watchdog {
 impl Default for Watchdog {
     fn default() -> Self {
         Self { hold_s: 0.020, disable_s: 0.100 }
-    }
-}
-
-/// What becomes of a motion under way where another one is handed over: versions of `joint_trajectory_controller` differ.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub enum Replacement {
-    /// The old one is forgotten at once; where the new one's first points are past, it is joined in its midst (issue 896).
-    #[default]
-    AtOnce,
-    /// One that begins later waits until then (pull request 2401); otherwise as `AtOnce`.
-    Deferred,
-    /// One that begins later is spliced in where it begins; one whose stamp is past begins anew, now (pull request 2419).
-    Spliced,
-    /// It is refused.
-    Refused,
-    /// Both end (issue 1241).
-    BothCancelled,
-}
-
-impl Replacement {
-    /// All.
-    pub const ALL: [Self; 5] = [Self::AtOnce, Self::Deferred, Self::Spliced, Self::Refused, Self::BothCancelled];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::AtOnce => "at-once",
-            Self::Deferred => "deferred",
-            Self::Spliced => "spliced",
-            Self::Refused => "refused",
-            Self::BothCancelled => "both-cancelled",
-        }
     }
 }
 
@@ -156,6 +95,12 @@ impl Commander {
     /// Treats a motion that comes while another is under way so.
     pub fn set_replacement(&mut self, replacement: Replacement) {
         self.replacement = replacement;
+    }
+
+    /// How it treats a motion that comes while another is under way.
+    #[must_use]
+    pub fn replacement(&self) -> Replacement {
+        self.replacement
     }
 
     /// The watchdog of set-points.
@@ -272,7 +217,7 @@ impl Commander {
                 let entered = spline.clone().entered(0.0, &self.q, &self.qd, &self.limits);
                 return self.install(if spline.first().0 > 0.0 { entered.unwrap_or(spline) } else { spline }, t);
             }
-            Replacement::AtOnce | Replacement::Deferred => {}
+            Replacement::AtOnce | Replacement::Deferred | Replacement::LateEnd => {}
         }
         let spline = self.enter(spline, t - start_s)?;
         self.install(spline, start_s)

@@ -29,11 +29,13 @@ pub enum FaultKind {
     StrangeState,
     /// Every second state says that the first joint draws all that its drive allows, and the others that it draws none.
     Oscillation,
+    /// The clock by which joint states are stamped jumps back by 2 s.
+    Clock,
 }
 
 impl FaultKind {
     /// All.
-    pub const ALL: [Self; 13] = [
+    pub const ALL: [Self; 14] = [
         Self::Freeze,
         Self::Drop,
         Self::Jitter,
@@ -47,6 +49,7 @@ impl FaultKind {
         Self::LostResult,
         Self::StrangeState,
         Self::Oscillation,
+        Self::Clock,
     ];
 
     /// Its name on the command line.
@@ -66,6 +69,7 @@ impl FaultKind {
             Self::LostResult => "lost-result",
             Self::StrangeState => "strange-state",
             Self::Oscillation => "oscillation",
+            Self::Clock => "clock",
         }
     }
 }

@@ -23,19 +23,23 @@
 //! | a current above the drive's limit | is clamped |
 
 mod commander;
-mod robot_controller;
 mod fault;
+mod joint_limits;
 mod log;
 mod pace;
+mod replacement;
 mod reporter;
+mod robot_controller;
 mod serve;
 mod spline;
 mod wire;
 
-pub use commander::{Commander, JointLimits, Replacement, Watchdog};
+pub use commander::{Commander, Watchdog};
 pub use fault::{Fault, FaultKind};
+pub use joint_limits::JointLimits;
 pub use log::StepLog;
 pub use pace::Deadlines;
+pub use replacement::Replacement;
 pub use robot_controller::{Output, Report, RobotController, RobotControllerError};
 pub use serve::{Progress, ServeError, ServeOptions, serve};
 pub use spline::{Spline, Unfit};

@@ -13,6 +13,8 @@ use crate::message::{JointState, Time};
 const FOLLOWING_LIMIT: f64 = 0.2;
 /// How far the encoder jumps in [`FaultKind::Jump`], rad (m).
 const JUMP: f64 = 0.3;
+/// How far the clock jumps in [`FaultKind::Clock`], ns.
+const CLOCK_JUMP_NS: i64 = -2_000_000_000;
 
 /// Why there is no such computer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -163,6 +165,12 @@ impl<P: Plant> RobotController<P> {
         self
     }
 
+    /// How it treats a motion that comes while another is under way.
+    #[must_use]
+    pub fn replacement(&self) -> Replacement {
+        self.commander.replacement()
+    }
+
     /// The robot.
     #[must_use]
     pub fn robot(&self) -> &Robot {
@@ -194,7 +202,8 @@ impl<P: Plant> RobotController<P> {
     }
 
     fn stamp_ns(&self) -> i64 {
-        self.epoch_ns + self.steps as i64 * self.dt_ns
+        let jump_ns = if self.struck() == Some(FaultKind::Clock) { CLOCK_JUMP_NS } else { 0 };
+        self.epoch_ns + self.steps as i64 * self.dt_ns + jump_ns
     }
 
     /// Its state in words, as it goes out on the topic `robot_state`.
@@ -239,7 +248,11 @@ impl<P: Plant> RobotController<P> {
 
     /// Takes a streamed set-point, in the order of the robot file. Returns whether it is followed.
     pub fn set_point(&mut self, goal: &[f64]) -> bool {
+        let moved = self.commander.began_s().is_some();
         let taken = !self.frozen && self.homed && self.commander.set_point(goal, self.t());
+        if !moved && self.commander.began_s().is_some() {
+            self.note("motion begins");
+        }
         if !taken {
             self.note("set-point not taken");
         }

@@ -74,7 +74,7 @@ pub fn serve<P: Plant>(
     let names = options.log.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
     let log_fault = |reason| ServeError::Log { path: names.clone(), reason };
     let mut log = StepLog::create(options.log.as_deref(), computer.robot().dof()).map_err(log_fault)?;
-    let wire = Wire::open(&options.link, computer.limits().to_vec())?;
+    let wire = Wire::open(&options.link, computer.limits().to_vec(), computer.replacement())?;
     let mut pace = Pace::new(computer.dt());
     let every = (WORDS_S / computer.dt()).round().max(1.0) as u64;
     let mut output = Vec::new();

@@ -14,7 +14,7 @@ use ros2_client::request_id::RmwRequestId;
 use ros2_client::{ActionTypeName, Publisher, Subscription};
 
 use super::commander::Outcome;
-use super::{JointLimits, Spline, Unfit};
+use super::{JointLimits, Replacement, Spline, Unfit};
 use crate::link::{Endpoint, JointMap, LinkError, LinkSettings};
 use crate::message::{Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointState, JointTrajectory, Text};
 
@@ -56,7 +56,11 @@ pub(crate) struct Wire {
 
 impl Wire {
     /// Opens every topic and the action of `settings` for joints called `joints`.
-    pub(crate) fn open(settings: &LinkSettings, limits: Vec<JointLimits>) -> Result<Self, LinkError> {
+    pub(crate) fn open(
+        settings: &LinkSettings,
+        limits: Vec<JointLimits>,
+        replacement: Replacement,
+    ) -> Result<Self, LinkError> {
         let names: Vec<String> = limits.iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
         let mut endpoint = Endpoint::join(settings, "robot_computer")?;
@@ -105,6 +109,7 @@ impl Wire {
             goals: BTreeMap::new(),
             results: Vec::new(),
             under_way: None,
+            replacement,
             count: 0,
         };
         std::thread::Builder::new()
@@ -138,6 +143,7 @@ struct Thread {
     /// Who has asked for which result.
     results: Vec<(RmwRequestId, GoalId)>,
     under_way: Option<u64>,
+    replacement: Replacement,
     count: u64,
 }
 
@@ -189,7 +195,8 @@ impl Thread {
         if taken.is_ok() {
             goal.status = GoalStatusEnum::Executing;
             // The goal that it replaces has ended.
-            if let Some(old) = self.under_way.replace(number).and_then(|old| self.goals.get_mut(&old)) {
+            let old = self.under_way.replace(number).filter(|_| self.replacement != Replacement::LateEnd);
+            if let Some(old) = old.and_then(|old| self.goals.get_mut(&old)) {
                 let error_string = "replaced by another goal".to_owned();
                 old.status = GoalStatusEnum::Aborted;
                 old.end = Some((old.status, FollowResult { error_code: FollowResult::INVALID_GOAL, error_string }));
@@ -209,6 +216,11 @@ impl Thread {
         };
         goal.status = status;
         goal.end = Some((status, FollowResult { error_code, error_string: reason }));
+        // Goals that were replaced and are not said to have ended yet.
+        for old in self.goals.values_mut().filter(|old| old.end.is_none() && old.status == GoalStatusEnum::Executing) {
+            old.status = GoalStatusEnum::Canceled;
+            old.end = Some((old.status, FollowResult::default()));
+        }
         self.publish_statuses();
     }
 

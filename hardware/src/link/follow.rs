@@ -207,6 +207,10 @@ impl Ros2Arm {
                 }
                 Stamp::Stale => alive.elapsed().as_secs_f64().max(watch.lateness_s()),
                 Stamp::Jumped(by) => {
+                    // The motion has gone on meanwhile: its time does, by the clock that there is now.
+                    let before_s = self.motion_time(run);
+                    self.latest = Some((row, received.at));
+                    run.start_ns += ((self.motion_time(run) - before_s) * 1e9).round() as i64;
                     let reason = format!("its clock jumped by {by:.3} s; samples after it have no place in time");
                     return Err(LinkError::Aborted { reason });
                 }
@@ -279,7 +283,7 @@ impl Ros2Arm {
             let points = points(motion, spacing_s)?;
             Piece { points, full_until_s: duration_s, rest_s: duration_s, is_last: true }
         };
-        run.piece = Some((now_s.max(0.0), next.full_until_s, next.rest_s));
+        run.piece = Some((now_s, next.full_until_s, next.rest_s));
         run.whole_sent = next.is_last;
         self.line.sender.hand_over(JointTrajectory {
             header: Header { stamp: Time::from_ns(run.start_ns)?, frame_id: String::new() },

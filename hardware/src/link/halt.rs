@@ -5,6 +5,9 @@
 //!               │ no state for a while, or a dead thread: a fresh participant asks too
 //!               └── for as long as the motion could last, and TO_REST longer ──→ Rest::NotConfirmed
 //! ```
+//! How long that is counts by the robot's clock as well as by ours, whichever is slower: a robot whose computer stands still
+//! now and then takes as much longer to stop.
+//!
 //! What counts as an answer: the robot's computer carries the cancel out or has ended the motion; it says that the drives
 //! are off; nothing that was handed over can move the arm any more, because its end is past; or, where nobody answers,
 //! the arm stands although its motion would have moved it.
@@ -20,7 +23,9 @@ use super::{LinkError, Ros2Arm};
 use crate::message::{Header, JointTrajectory, Time, TrajectoryPoint};
 
 /// How long the arm may take to come to rest once nothing moves it any more.
-const TO_REST: Duration = Duration::from_secs(2);
+const TO_REST_S: f64 = 2.0;
+/// A robot's clock that is slower than ours by more than this is none to wait for.
+const SLOWEST: f64 = 0.1;
 /// How soon a request is made again, and how often so before it is made more seldom.
 const SOON: Duration = Duration::from_millis(20);
 const OFTEN: usize = 10;
@@ -30,7 +35,8 @@ const SILENCE: Duration = Duration::from_millis(300);
 const RETRY: Duration = Duration::from_secs(2);
 /// How long to wait for the next state.
 const PATIENCE: Duration = Duration::from_millis(2);
-/// How long a hold on a topic takes, s: later it is out of date, and refused.
+/// How long a hold on a topic takes, s: later it is out of date, and refused. It is repeated with the same end until then,
+/// so that an arm that takes every one of them is not kept on its way.
 const HOLD_S: f64 = 0.2;
 
 /// What is known while the arm is brought to rest.
@@ -43,8 +49,8 @@ struct Halt {
     alive: Instant,
     asked: (usize, Option<Instant>),
     reopened: Option<Instant>,
-    /// Position at which a topic is reported to hold.
-    hold: Vec<f64>,
+    /// Position at which a topic is reported to hold, and from when on, by the motion's time, s.
+    hold: (Vec<f64>, f64),
 }
 
 impl Ros2Arm {
@@ -54,15 +60,20 @@ impl Ros2Arm {
         let newest_ns = self.latest.as_ref().map_or(run.start_ns(), |(row, _)| row.stamp_ns);
         let now_s = self.motion_time(run);
         let left_s = if self.line.sender.streams() { 0.0 } else { (run.rest_s() - now_s).max(0.0) };
-        let until = began + Duration::from_secs_f64(left_s) + TO_REST;
+        let insist_s = left_s + TO_REST_S;
         let measured = self.latest.as_ref().map(|(row, _)| row.q.clone());
         let hold = measured.filter(|q| q.iter().all(|q| q.is_finite())).unwrap_or_else(|| run.command(now_s).to_vec());
         let watch = RestWatch::new(&self.robot, newest_ns);
         let (asked, reopened) = ((0, None), None);
-        let mut halt = Halt { action, watch, answered: false, off: false, alive: began, asked, reopened, hold };
+        let mut halt =
+            Halt { action, watch, answered: false, off: false, alive: began, asked, reopened, hold: (hold, now_s) };
         // Nothing is outstanding where set-points just end.
         let outstanding_ns = if self.line.sender.streams() { newest_ns } else { run.stamp_ns(run.rest_s()) };
-        while Instant::now() < until {
+        loop {
+            let (ours_s, robots_s) = (began.elapsed().as_secs_f64(), self.motion_time(run) - now_s);
+            if ours_s.min(robots_s.max(SLOWEST * ours_s)) > insist_s {
+                break;
+            }
             self.ask(&mut halt, run);
             self.listen(&mut halt, run);
             if let Some(since_ns) = halt.watch.at_rest_since(halt.off)
@@ -103,7 +114,10 @@ impl Ros2Arm {
         halt.asked = (count + 1, Some(Instant::now()));
         let dead = !self.line.endpoint.is_alive();
         let now_s = self.motion_time(run);
-        let hold = self.hold_at(&halt.hold, run.stamp_ns(now_s));
+        if now_s > halt.hold.1 + HOLD_S {
+            halt.hold.1 = now_s;
+        }
+        let hold = self.hold_at(&halt.hold.0, run.stamp_ns(halt.hold.1));
         if !dead {
             // An error adds nothing: there is no better request than this one.
             let _ = act(&mut self.line, halt.action, hold.clone());

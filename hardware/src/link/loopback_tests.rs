@@ -121,10 +121,14 @@ fn settings(mode: Mode) -> LinkSettings {
 }
 
 fn performs_as_in_process(mode: Mode) {
+    performs_as_in_process_with(mode, Replacement::default());
+}
+
+fn performs_as_in_process_with(mode: Mode, replacement: Replacement) {
     let robot = planar_2r();
     let plan = plan(&robot);
     let settings = settings(mode);
-    let _computer = Robotics::start(&settings, None);
+    let _computer = Robotics::begin(&settings, |computer| computer.with_replacement(replacement));
     let mut arm = Ros2Arm::connect(&settings, &robot, "text").unwrap();
     let reading = arm.reading().unwrap();
     assert!((reading.rate_hz - 500.0).abs() < 1e-6, "{reading:?}");
@@ -159,6 +163,31 @@ fn identity_a_motion_by_topic_is_performed_as_without_a_wire() {
 #[test]
 fn identity_streamed_set_points_are_performed_as_without_a_wire() {
     performs_as_in_process(Mode::Stream);
+}
+
+/// What versions of `joint_trajectory_controller` do with a piece that takes the place of another, and the path is kept.
+#[test]
+fn identity_a_motion_in_pieces_is_performed_whatever_becomes_of_the_old_piece() {
+    for replacement in [Replacement::Deferred, Replacement::LateEnd] {
+        performs_as_in_process_with(Mode::Trajectory, replacement);
+    }
+}
+
+#[test]
+fn where_both_pieces_end_it_is_a_trip_and_the_arm_is_seen_at_rest() {
+    let settings = settings(Mode::Trajectory);
+    let trip = tripped(&settings, |computer| computer.with_replacement(Replacement::BothCancelled));
+    assert_eq!(trip.trip, "robot-stopped", "{trip}");
+    assert!(matches!(trip.rest, Rest::Confirmed { .. }), "{trip}");
+}
+
+#[test]
+fn a_clock_that_jumps_back_is_a_trip_and_the_arm_is_seen_at_rest() {
+    for mode in [Mode::Trajectory, Mode::Stream] {
+        let trip = tripped(&settings(mode), with_fault("clock@motion+0.6"));
+        assert!(trip.trip == "robot-stopped" && trip.reason.contains("clock jumped by -1.99"), "{trip}");
+        assert!(matches!(trip.rest, Rest::Confirmed { .. }), "{trip}");
+    }
 }
 
 /// Keeps samples until one is later than `until`, then answers with `flow`.

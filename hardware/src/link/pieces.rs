@@ -75,6 +75,8 @@ fn point(motion: &dyn Motion, t: f64) -> Result<TrajectoryPoint, CdrError> {
 /// The piece that is due at time `now_s` of the motion (below zero before it begins) and rests `horizon_s` later, or
 /// later than that by what braking takes beyond it.
 ///
+/// Before the motion begins the horizon counts from now as well: who has died by then is not waited for.
+///
 /// # Errors
 /// As [`points`].
 pub fn piece(
@@ -88,14 +90,18 @@ pub fn piece(
     let time = |k: usize| duration_s * k as f64 / count as f64;
     let step_s = duration_s / count as f64;
     let first = ((now_s / step_s).floor().max(0.0) as usize).saturating_sub(BEFORE);
-    let (begin_s, mut span_s) = (now_s.max(0.0), SPANS_S[0]);
-    let mut last = count;
-    for _ in 0..2 {
-        let full_s = (horizon_s - span_s).max(LEAST_FULL_S);
-        let least = ((begin_s + LEAST_FULL_S) / step_s).ceil();
-        last = (((begin_s + full_s) / step_s).floor().max(least) as usize).min(count);
-        span_s = braking_span(motion, robot, Time::from_s(time(last))?.seconds());
-    }
+    // Every time of the motion is one that a message can carry, or the last is not.
+    Time::from_s(duration_s)?;
+    let sent = |last: usize| Time::from_s(time(last)).map_or(f64::INFINITY, Time::seconds);
+    let span = |last: usize| braking_span(motion, robot, sent(last));
+    // As much of the motion as rests within the horizon.
+    let place = |t: f64| (t.max(0.0) as usize).min(count);
+    let (least, most) =
+        (place(((now_s + LEAST_FULL_S) / step_s).ceil()), place(((now_s + horizon_s) / step_s).floor()));
+    let fits =
+        |last: &usize| time(*last) + SPANS_S[0] <= now_s + horizon_s && time(*last) + span(*last) <= now_s + horizon_s;
+    let last = (least..=most).rev().find(fits).unwrap_or(least);
+    let span_s = span(last);
     let mut points: Vec<TrajectoryPoint> = (first..=last).map(|k| point(motion, time(k))).collect::<Result<_, _>>()?;
     let full_until_s = Time::from_s(time(last))?.seconds();
     // Where the tail would be as long as the motion that is left, the motion itself comes to rest as soon.
@@ -200,7 +206,11 @@ mod tests {
             // It begins two points before now, where there are as many.
             let begin = piece.points[0].time_from_start.seconds();
             assert!(begin <= (now_s - 0.099).max(0.0) && begin >= now_s.max(0.0) - 0.151, "{now_s} {begin}");
-            assert!(piece.full_until_s >= (now_s.max(0.0) + LEAST_FULL_S).min(motion.duration_s) - 1e-9);
+            assert!(piece.full_until_s >= (now_s + LEAST_FULL_S).min(motion.duration_s) - 1e-9);
+            // It rests within the horizon, or goes on for no longer than the next one needs to come.
+            let within =
+                piece.rest_s <= now_s + 0.5 + 1e-9 || piece.full_until_s <= (now_s + LEAST_FULL_S).max(0.0) + 0.051;
+            assert!(piece.is_last || within, "{now_s} {}", piece.rest_s);
             if !piece.is_last {
                 let end = piece.points.last().unwrap();
                 assert!((end.time_from_start.seconds() - piece.rest_s).abs() < 1e-8);

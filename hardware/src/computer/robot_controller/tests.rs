@@ -149,6 +149,11 @@ fn after_a_fault_nothing_is_commanded_outside_the_limits() {
                 let most = computer.robot().joints()[0].drive.current_limit;
                 assert!(after.windows(2).all(|pair| (pair[0].effort[0] - pair[1].effort[0]).abs() == most));
             }
+            FaultKind::Clock => {
+                let stamps: Vec<i64> = states(&output).iter().map(|state| state.header.stamp.ns()).collect();
+                let back = stamps.windows(2).filter(|pair| pair[1] - pair[0] == -2_000_000_000 + 2_000_000).count();
+                assert_eq!(back, 1);
+            }
             // What is said of motions is the wire's.
             FaultKind::LateAnswer | FaultKind::LostResult => assert!(after.len() > 700),
         }

@@ -1,0 +1,38 @@
+//! What becomes of a motion where another is handed over: the ways of versions of `joint_trajectory_controller`.
+
+/// What becomes of a motion under way where another one is handed over: versions of `joint_trajectory_controller` differ.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub enum Replacement {
+    /// The old one is forgotten at once; where the new one's first points are past, it is joined in its midst (issue 896).
+    #[default]
+    AtOnce,
+    /// One that begins later waits until then (pull request 2401); otherwise as `AtOnce`.
+    Deferred,
+    /// One that begins later is spliced in where it begins; one whose stamp is past begins anew, now (pull request 2419).
+    Spliced,
+    /// As `AtOnce`, but that the old one has ended is said when the new one has (issue 1519).
+    LateEnd,
+    /// It is refused.
+    Refused,
+    /// Both end (issue 1241).
+    BothCancelled,
+}
+
+impl Replacement {
+    /// All.
+    pub const ALL: [Self; 6] =
+        [Self::AtOnce, Self::Deferred, Self::Spliced, Self::LateEnd, Self::Refused, Self::BothCancelled];
+
+    /// Its name on the command line.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::AtOnce => "at-once",
+            Self::Deferred => "deferred",
+            Self::Spliced => "spliced",
+            Self::LateEnd => "late-end",
+            Self::Refused => "refused",
+            Self::BothCancelled => "both-cancelled",
+        }
+    }
+}

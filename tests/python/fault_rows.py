@@ -1,0 +1,81 @@
+"""The faults of `scripts/faults`: what goes wrong, where it can, and which trips may answer it."""
+
+from dataclasses import dataclass
+
+HANDED, STREAMED, TOPIC = "trajectory", "stream", "topic"
+BOTH = (HANDED, STREAMED)
+# What somebody else on the network can cause, whatever armid notices first.
+OTHERS = ("interference", "robot-stopped", "link", "stale-state", "position-jump", "following-error")
+
+
+@dataclass(frozen=True)
+class Row:
+    """One fault. Without trips the run is interrupted, exit status 130."""
+
+    trips: tuple = ()
+    # Ways in which motions go out.
+    modes: tuple = BOTH
+    # What `armid controller` is told to do, and whether the trip's bound holds from there to the request.
+    fault: str = ""
+    bounded: bool = False
+    # Nobody is left to say that the arm rests: the robot's computer is gone.
+    nobody: bool = False
+    # Everybody on the network has to be found first, s.
+    found_s: float = 0.0
+    # Moments end so long before the motion does, s: later there is nothing left for the fault to act on.
+    before_s: float = 0.1
+    # Rest may be NOT CONFIRMED: nobody can tell it, or the network is gone for longer than armid insists.
+    unseen: bool = False
+    # Further arguments of the controller.
+    controller: tuple = ()
+
+
+def controller(name, *trips, modes=BOTH, bounded=True, **more):
+    return Row(trips=trips, modes=modes, fault=name, bounded=bounded, **more)
+
+
+ROWS = {
+    "freeze": controller("freeze", "stale-state", nobody=True),
+    "drop": controller("drop", "stale-state"),
+    "jitter": controller("jitter", "stale-state"),
+    "jump": controller("jump", "position-jump", "following-error", "robot-stopped"),
+    "overcurrent": controller("overcurrent", "current-clamp"),
+    "oscillation": controller("oscillation", "current-clamp"),
+    "estop": controller("estop", "robot-stopped"),
+    "die": controller("die", "stale-state", nobody=True),
+    "order": controller("order", "position-jump", "following-error"),
+    "nan": controller("nan", "not-finite"),
+    "clock": controller("clock", "robot-stopped"),
+    "strange-state": controller("strange-state", "robot-stopped"),
+    # Only an action answers, and has results.
+    "late-answer": controller("late-answer", "no-acceptance", modes=(HANDED,), before_s=1.0),
+    "lost-result": controller("lost-result", "no-result", modes=(HANDED,), bounded=False),
+    # A controller that takes no trajectory without points, and one that takes no second trajectory at all.
+    "refusing-topic": controller("strange-state", "robot-stopped", modes=(TOPIC,)),
+    "no-replacement": Row(("following-error", "unexpected-stop"), (TOPIC,), controller=("--replacement", "refused")),
+    # A position that is no number asks for `disable`: nobody takes the word.
+    "no-listener": controller("nan", "not-finite", bounded=False, unseen=True),
+    # What happens to armid.
+    "stop-continue": Row(("stale-state", "link", "command-age")),
+    "interrupt": Row(),
+    "two-signals": Row(),
+    "hangup": Row(),
+    "terminal": Row(),
+    "suspend": Row(),
+    "thread": Row(("stale-state", "link")),
+    "panic": Row(("panic",), bounded=True),
+    "kill": Row(),
+    "disk-full": Row(),
+    # What happens to the network: the seconds for which it is gone.
+    "net-0.1": Row(("stale-state", "link")),
+    "net-0.3": Row(("stale-state", "link")),
+    "net-1": Row(("stale-state", "link")),
+    "net-5": Row(("stale-state", "link"), unseen=True),
+    # Somebody else.
+    "foreign-cancel": Row(OTHERS, (HANDED,), found_s=1.0, before_s=1.5),
+    "foreign-goal": Row(OTHERS, (HANDED,), found_s=1.0, before_s=1.5),
+    "foreign-state": Row(OTHERS, found_s=1.0, before_s=1.5),
+    # States of two robots show neither of them at rest.
+    "second-robot": Row(OTHERS, found_s=1.0, before_s=1.5, unseen=True),
+    "second-controller": Row(OTHERS, found_s=2.0, before_s=2.5, unseen=True),
+}

@@ -1,0 +1,402 @@
+"""One run of `armid run --arm ros2` against `armid controller`, with a fault, judged from the robot computer's own log."""
+
+import contextlib
+import ctypes
+import fcntl
+import json
+import math
+import os
+import pty
+import random
+import signal
+import subprocess
+import termios
+import time
+from pathlib import Path
+
+from fault_rows import HANDED, ROWS, STREAMED, Row
+from robot_log import ROOT, Log, Unfit, lateness_ms, moved
+
+# The waist and the shoulder stay apart, so that their places can be told. A tenth of the speed is performed: for it no
+# earlier run is asked.
+JOINTS = [
+    ("waist", [4.0, -2.0], [1.5, 2.5], 0.45),
+    ("shoulder", [2.5, 1.5], [-1.5, 2.0], -0.45),
+    ("elbow", [-3.0, 2.5], [2.5, -1.5], 0.3),
+    ("wrist_roll", [5.0, 3.0], [-3.5, 2.5], -0.2),
+    ("wrist_pitch", [-4.5, 4.0], [3.0, 3.5], 0.3),
+    ("tool_roll", [4.0, -4.5], [4.5, -3.0], 0.2),
+]
+PERIOD_S, SETTLE_S, RAMP_S, LEAD_S = 2.0, 0.2, 0.5, 0.3
+RATE_HZ = 500
+HORIZON_S = 0.5
+# The approach to the beginning of the ramp takes a second; the experiment follows it by the lead.
+MOTION_S = 1.0 + LEAD_S + SETTLE_S + RAMP_S + PERIOD_S + RAMP_S
+# From a request to rest at this speed: the watchdog of set-points and braking.
+BRAKING_S = 0.2
+# Slack of a bound for the step in which it ends.
+STEP_S = 0.05
+
+
+class Broken(Exception):
+    """A run did not end as it must."""
+
+
+class Found:
+    """What a run showed; times in ms from the fault, by the log."""
+
+    def __init__(self, trip="", bound_ms=None, request_ms=None, rest_ms=None, confirmed=False):
+        self.trip, self.bound_ms, self.request_ms, self.rest_ms = trip, bound_ms, request_ms, rest_ms
+        self.confirmed = confirmed
+
+
+def start_pose():
+    """Close to where the motion begins: q(0) of the Fourier series, q0 − Σ b_l / (ω l); speed and period cancel."""
+    omega = 2 * math.pi / (PERIOD_S / 10)
+    return [q0 - sum(b_l / (omega * (l + 1)) for l, b_l in enumerate(b)) for _, _, b, q0 in JOINTS]
+
+
+def experiment(folder, name, domain, options, mode, served):
+    rows = [f'[[joint]]\nname = "{n}"\na = {a}\nb = {b}\nq0 = {q}\n' for n, a, b, q in JOINTS]
+    (folder / "T.toml").write_text(f"period_s = {PERIOD_S / 10}\nharmonics = 2\n" + "".join(rows), encoding="utf-8")
+    text = f"""robot = "crs-a460"
+trajectory = "T.toml"
+rate_hz = {RATE_HZ}
+settle_s = {SETTLE_S}
+ramp_s = {RAMP_S}
+discarded_periods = 0
+periods = 1
+
+[guard]
+stale_ms = {options.stale_ms}
+
+[ros2]
+domain = {domain}
+mode = "{mode}"
+lead_s = {LEAD_S}
+horizon_s = {HORIZON_S}
+patience_s = 20.0
+{"" if served else 'robot_request = ""'}
+"""
+    path = folder / name
+    path.write_text(text, encoding="utf-8")
+    return path
+
+
+def outcome(done):
+    """How a run ended, in a few words."""
+    try:
+        said = json.loads(done.stdout)
+        return f"exit {done.returncode}, {said['ending']} {said['detail']}"
+    except ValueError:
+        return f"exit {done.returncode}, {done.stderr.strip()}"
+
+
+def interrupt_thread(pid):
+    """Interrupts a wait of the middleware's event loop, as a debugger would: RustDDS ends its loop then."""
+    seize, interrupt, detach, anything = 0x4206, 0x4207, 17, 0x40000000
+    libc = ctypes.CDLL(None, use_errno=True)
+    libc.ptrace.argtypes = [ctypes.c_long, ctypes.c_long, ctypes.c_void_p, ctypes.c_void_p]
+    for task in Path(f"/proc/{pid}/task").iterdir():
+        if not (task / "comm").read_text(encoding="utf-8").startswith("RustDDS Partici"):
+            continue
+        thread = int(task.name)
+        if libc.ptrace(seize, thread, None, None) or libc.ptrace(interrupt, thread, None, None):
+            raise Broken(f"thread {thread} cannot be interrupted: {os.strerror(ctypes.get_errno())}")
+        os.waitpid(thread, anything)
+        libc.ptrace(detach, thread, None, None)
+        return
+    raise Broken("no thread of the middleware")
+
+
+class Run:
+    """One controller and one armid, with what is to happen between them."""
+
+    def __init__(self, name, mode, at_s, number, options, folder):
+        self.name, self.mode, self.at_s, self.number, self.options, self.folder = name, mode, at_s, number, options, folder
+        self.row = ROWS[name] if name else Row()
+        # A network of its own needs no domain of its own.
+        self.domain = options.domain + (0 if options.space else number % options.domains)
+        self.log = Log(folder / "log.csv")
+        self.second = None
+        self.recording = folder / "R.mcap"
+        self.struck_s = None
+        self.space = None
+        self.helpers = []
+
+    def inside(self, others=False):
+        """In front of a command: its priority, below that of the two under test for others', and its network."""
+        prefix = self.options.others if others else self.options.prefix
+        return [*prefix, *self.options.enter, f"--target={self.space.pid}"] if self.space else prefix
+
+    def open(self):
+        if self.options.space:
+            self.space = subprocess.Popen([*self.options.space, "sleep", "600"])
+            # The namespace is there once the loopback can be switched on.
+            up = [*self.options.enter, f"--target={self.space.pid}", "ip", "link", "set", "lo", "up"]
+            own = os.readlink("/proc/self/ns/net")
+            for _ in range(200):
+                with contextlib.suppress(OSError):
+                    if os.readlink(f"/proc/{self.space.pid}/ns/net") != own:
+                        break
+                time.sleep(0.01)
+            subprocess.run(up, check=True)
+        self.theirs = experiment(self.folder, "theirs.toml", self.domain, self.options, self.mode, self.name != "no-listener")
+        self.ours = experiment(self.folder, "ours.toml", self.domain, self.options, self.mode, True)
+        self.controller = self.start(self.log, start_pose(), self.row.controller)
+        if self.name == "disk-full":
+            disk = self.folder / "disk"
+            disk.mkdir()
+            subprocess.run(["mount", "-t", "tmpfs", "-o", "size=64k", "tmpfs", disk], check=True)
+            self.recording = disk / "R.mcap"
+
+    def start(self, log, pose, more=(), others=False):
+        """Starts a robot's computer."""
+        command = [*self.inside(others), self.options.armid, "controller", "crs-a460", "--experiment", self.theirs]
+        command += ["--rate", str(RATE_HZ), "--log", log.path, "--json", "--seed", str(self.number)]
+        command += ["--duration", "90", "--pose=" + ",".join(str(q) for q in pose), *more]
+        if self.row.fault:
+            command += ["--fault", f"{self.row.fault}@motion+{self.at_s:.4f}"]
+        return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+
+    def close(self):
+        for process in [*self.helpers, self.controller]:
+            if "controller" in process.args and process.poll() is None:
+                process.send_signal(signal.SIGINT)
+            try:
+                process.communicate(timeout=20)
+            except subprocess.TimeoutExpired:
+                process.kill()
+                process.wait()
+        if self.space:
+            self.space.kill()
+            self.space.wait()
+        if self.name == "disk-full":
+            subprocess.run(["umount", self.folder / "disk"], check=False)
+
+    def perform(self):
+        command = [*self.inside(), self.options.armid, "run", self.ours, "--arm", "ros2", "--yes-the-estop-works"]
+        command += ["--speed", "10%", "--json", "-o", self.recording]
+        if self.name == "panic":
+            # States count from the lead before the approach.
+            command += ["--panic-after", str(round((LEAD_S + self.at_s) * RATE_HZ))]
+        outside = self.name and not self.row.fault and self.name not in ("disk-full", "panic", "no-replacement")
+        master, slave = pty.openpty() if self.name in ("terminal", "suspend") else (None, None)
+        output, errors = (self.folder / "said.json").open("w+"), (self.folder / "errors.txt").open("w+")
+        # Its own session, so that signals of a terminal are its own; the answer goes into a file, as no terminal outlives it.
+        setup = None
+        if slave is not None:
+            def setup():
+                os.setsid()
+                fcntl.ioctl(slave, termios.TIOCSCTTY, 0)
+        process = subprocess.Popen(
+            command, stdin=slave or subprocess.DEVNULL, stdout=output, stderr=slave or errors, text=True, preexec_fn=setup
+        )
+        if slave is not None:
+            os.close(slave)
+        try:
+            if outside:
+                self.happen(process, master)
+            process.wait(timeout=60)
+        except subprocess.TimeoutExpired as late:
+            raise Broken("armid did not end within 60 s") from late
+        finally:
+            if process.poll() is None:
+                process.kill()
+                process.wait()
+            if master is not None and self.name != "terminal":
+                os.close(master)
+        self.ended_s = self.log.now()
+        self.second_ended_s = self.second.now() if self.second else None
+        # Long enough to see what is commanded afterwards.
+        time.sleep(1.0)
+        output.seek(0)
+        errors.seek(0)
+        return subprocess.CompletedProcess(command, process.returncode, output.read(), errors.read())
+
+    def happen(self, process, master):
+        """Waits for the moment, and lets it happen."""
+        deadline, began = time.monotonic() + 40, None
+        while began is None or self.log.now() < began + self.at_s:
+            if process.poll() is not None or time.monotonic() > deadline:
+                said = [(self.folder / name).read_text(encoding="utf-8") for name in ("said.json", "errors.txt")]
+                done = subprocess.CompletedProcess(process.args, process.poll(), *said)
+                raise Broken(f"before anything happened: {outcome(done)}")
+            began = self.log.began()
+            time.sleep(0.003)
+        self.struck_s = self.log.now()
+        send = lambda s: os.kill(process.pid, s)  # noqa: E731
+        chance = random.Random(self.number)
+        if self.name == "stop-continue":
+            send(signal.SIGSTOP)
+            time.sleep(0.2)
+            send(signal.SIGCONT)
+        elif self.name == "interrupt":
+            send(chance.choice([signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]))
+        elif self.name == "two-signals":
+            every = [signal.SIGINT, signal.SIGTERM, signal.SIGHUP, signal.SIGQUIT]
+            first, second = chance.choices(every, k=2)
+            send(first)
+            time.sleep(chance.choice([0.0, 5e-4, 0.02, 0.2]))
+            with contextlib.suppress(ProcessLookupError):
+                send(second)
+        elif self.name == "hangup":
+            send(signal.SIGHUP)
+            send(signal.SIGHUP)
+        elif self.name == "terminal":
+            os.close(master)
+        elif self.name == "suspend":
+            os.write(master, b"\x1a")
+        elif self.name == "thread":
+            interrupt_thread(process.pid)
+        elif self.name == "kill":
+            send(signal.SIGKILL)
+        elif self.name.startswith("net-"):
+            place = [*self.options.enter, f"--target={self.space.pid}"]
+            link = lambda way: subprocess.run([*place, "ip", "link", "set", "lo", way], check=True)  # noqa: E731
+            link("down")
+            time.sleep(float(self.name[4:]))
+            link("up")
+        elif self.name == "second-controller":
+            self.second = Log(self.folder / "second.csv")
+            self.helpers.append(self.start(self.second, [0.0] * len(JOINTS), others=True))
+        else:
+            tool = ROOT / "tests/python/foreign.py"
+            command = [*self.inside(others=True), self.options.python, tool, self.name, str(self.domain)]
+            foreign = subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
+            self.helpers.append(foreign)
+            if not foreign.stdout.readline():
+                raise Broken(f"the foreign program did nothing: {foreign.stderr.read()[-300:]}")
+            self.struck_s = self.log.now()
+
+    def judge(self, done):
+        """What the run showed, or how it is broken."""
+        rows = self.log.rows()
+        times = moved(rows)
+        if not self.name:
+            if done.returncode != 0:
+                raise Broken(f"without a fault: {outcome(done)}")
+            return Found()
+        if self.name == "kill":
+            self.by_itself(times)
+            return Found("–", rest_ms=self.rest_ms(times))
+        events = [(float(row["t"]), row["event"]) for row in rows if row["event"]]
+        self.find_fault(events)
+        if not done.stdout:
+            if self.name != "disk-full" or done.returncode not in (1, 2, 3):
+                raise Broken(f"no answer, {outcome(done)}")
+            self.at_rest_from(times, self.ended_s)
+            return Found("disk", rest_ms=self.rest_ms(times), confirmed=True)
+        said = json.loads(done.stdout)
+        if self.name.startswith("net-") and 1e3 * float(self.name[4:]) < self.options.stale_ms and said["ending"] == "completed":
+            # As long as the guard allows a silence to be.
+            return Found("completed")
+        rest = said["rest"]
+        confirmed = rest is not None and rest["outcome"] == "confirmed"
+        name = said["trip"]["name"] if said["trip"] else "interrupted"
+        if rest is None or name not in (self.row.trips or ("interrupted",)):
+            raise Broken(f"{outcome(done)}, expected {' or '.join(self.row.trips) or 'an interrupted run'}")
+        status = 3 if not confirmed else 1 if said["trip"] else 130
+        if done.returncode != status:
+            raise Broken(f"{outcome(done)}, expected exit {status}")
+        if not confirmed and not self.row.unseen and not self.row.nobody:
+            raise Broken(f"{outcome(done)}, expected rest to be confirmed")
+        if not confirmed and "NOT CONFIRMED" not in done.stderr:
+            raise Broken("NOT CONFIRMED was not said on standard error")
+        if self.name != "disk-full":
+            self.check_recording(said)
+        if self.name == "no-listener" and said["trip"]["action"] == "disable":
+            raise Broken("disable was asked for, and nobody listens")
+        bound_ms = said["trip"]["bound_ms"] if said["trip"] else None
+        found = Found(name, bound_ms, self.request_ms(events, said), self.rest_ms(times), confirmed)
+        if confirmed:
+            self.at_rest_from(times, self.ended_s)
+        elif not self.row.nobody:
+            self.by_itself(times)
+        if self.second and self.second_ended_s is not None:
+            late = [t for t in moved(self.second.rows()) if t > self.second_ended_s + 0.01]
+            if late:
+                raise Broken(f"the second robot moves {late[0] - self.second_ended_s:.3f} s after armid ended")
+        self.check_bounds(found)
+        return found
+
+    def find_fault(self, events):
+        """When the fault struck, by the robot's own clock."""
+        if self.row.fault:
+            self.struck_s = next((t for t, e in events if f"fault {self.row.fault}" in e), None)
+            if self.struck_s is None:
+                raise Broken("the fault did not strike")
+        if self.name == "panic":
+            self.struck_s = self.log.began() + self.at_s
+
+    def by_itself(self, times):
+        """Nobody could see to it: the arm rests within the horizon of its last piece, or when its watchdog says so."""
+        bound_s = HORIZON_S + STEP_S + self.row.found_s
+        last = max((t for t in times if t >= self.struck_s), default=self.struck_s)
+        if last > self.struck_s + bound_s:
+            raise Broken(f"still moving {last - self.struck_s:.2f} s after, expected {bound_s} s at most")
+
+    def at_rest_from(self, times, ended_s):
+        late = [t for t in times if t > ended_s + 0.01]
+        if late:
+            raise Broken(f"commanded to move {late[0] - ended_s:.3f} s after armid said that the arm rests")
+
+    def check_bounds(self, found):
+        """The request within the bound that the trip states; rest a braking time after it, or within the horizon."""
+        slack_ms = self.options.slack_ms
+        # A clamp adds up what is above it over eight windows of 20 ms.
+        adds_up = 140 if self.name == "oscillation" else 0
+        bound_ms = (found.bound_ms or 10.0) + adds_up + slack_ms
+        if self.row.bounded and found.request_ms is not None and found.request_ms > bound_ms:
+            raise Broken(f"asked {found.request_ms:.0f} ms after the fault, expected {bound_ms:.0f} ms at most")
+        # A motion whose result is lost goes on to its end, and that is no fault of it.
+        if found.rest_ms is None or self.name == "lost-result":
+            return
+        after_s = BRAKING_S if self.mode == STREAMED else HORIZON_S
+        if self.name == "late-answer":
+            # It takes the next piece in silence.
+            after_s += HORIZON_S
+        rest_ms = bound_ms + 1e3 * (after_s + STEP_S + self.row.found_s)
+        if found.rest_ms > rest_ms:
+            raise Broken(f"at rest {found.rest_ms:.0f} ms after the fault, expected {rest_ms:.0f} ms at most")
+
+    def rest_ms(self, times):
+        if self.struck_s is None:
+            return None
+        return 1e3 * (max((t for t in times if t >= self.struck_s), default=self.struck_s) - self.struck_s)
+
+    def check_recording(self, said):
+        part = Path(said["recording"])
+        data = part.read_bytes()
+        if part != self.recording.with_name(self.recording.name + ".part") or not data.endswith(b"\x89MCAP0\r\n"):
+            raise Broken("the recording is not whole")
+        texts = ["armid/ending", said["ending"]]
+        texts += [said["trip"]["name"], said["trip"]["reason"]] if said["trip"] else []
+        if said["rest"]["outcome"] != "confirmed":
+            texts.append("not-confirmed")
+        for text in texts:
+            if text.encode() not in data:
+                raise Broken(f'the recording does not say "{text}"')
+
+    def request_ms(self, events, said):
+        """From the fault to the request that reached the robot's computer; None where nobody could hear it."""
+        if self.row.nobody:
+            return float(said["trip"]["reason"].split(" ms, expected")[0].split()[-1])
+        acted = next(
+            (t for t, e in events if self.struck_s is not None and t >= self.struck_s
+             and any(w in e for w in ("cancelled", "cancel heard", "disabled", "disable heard"))), None
+        )
+        if self.name == "lost-result" or self.mode != HANDED or acted is None:
+            return None
+        since = self.struck_s
+        if self.name == "late-answer":
+            since = next((t for t, e in events if since <= t < acted and "motion taken" in e), since)
+        if self.name == "drop":
+            since = max([t for t, e in events if since <= t < acted and "state sent" in e], default=since)
+        if self.name == "jitter":
+            stale = self.options.stale_ms
+            since = next((t for t, e in events if since <= t <= acted and lateness_ms(e) > stale), acted)
+        return 1e3 * (acted - since)
+
+
+__all__ = ["Broken", "Found", "MOTION_S", "Run", "Unfit"]
