@@ -6,7 +6,7 @@
 use std::time::Instant;
 
 use armid::excitation::effort::{CONFIDENCE_95, ParameterSpread};
-use armid::excitation::{CriterionKind, DesignProblem, best_of, design, random_design};
+use armid::excitation::{CriterionKind, DesignLimits, DesignProblem, Margins, best_of, design, random_design};
 use armid::model::format::{parse_nominal, parse_robot};
 use armid::model::{Columns, bundled};
 use armid::seed::Seed;
@@ -25,11 +25,13 @@ fn main() {
             let mut problem = DesignProblem::new(robot.clone(), Columns::RIGID_ROTOR_FRICTION, criterion)
                 .expect("a bundled robot has a base");
             let shares = &nominal.relative_uncertainty;
-            problem.spread = Some(ParameterSpread::of(&robot, &nominal.parameters, shares, CONFIDENCE_95));
-            problem.margins.torque = 1.0;
-            problem.nominal = Some(nominal.parameters.clone());
-            problem.ramp_s = Some(2.0);
-            problem.clearance_m = Some(0.02);
+            let spread = ParameterSpread::of(&robot, &nominal.parameters, shares, CONFIDENCE_95);
+            let limits = DesignLimits::default()
+                .with_uncertain_efforts(nominal.parameters.clone(), spread)
+                .and_then(|limits| limits.with_margins(Margins { torque: 1.0, ..Margins::default() }))
+                .and_then(|limits| limits.with_ramps(2.0))
+                .and_then(|limits| limits.with_clearance(0.02));
+            problem.set_limits(limits.expect("the limits are possible")).expect("the limits are those of the robot");
             let began = Instant::now();
             let mut designs = vec![design(&problem, Seed::new(1), 0).expect("the problem is possible")];
             let one = began.elapsed().as_secs_f64();

@@ -34,7 +34,9 @@ pub fn set_prior(problem: &mut DesignProblem, loaded: &LoadedRobot, paths: &[Pat
             Some(before) => before + information,
         };
         let sum = sum.insert(known);
-        problem.set_prior(sum, &estimate.noise_std, estimate.samples);
+        problem
+            .set_collected(sum, &estimate.noise_std, estimate.samples)
+            .map_err(|fault| Error::new(format!("{name}: {fault}")))?;
     }
     Ok(())
 }
@@ -42,11 +44,11 @@ pub fn set_prior(problem: &mut DesignProblem, loaded: &LoadedRobot, paths: &[Pat
 /// The same robot, the same columns, the same base parameters in the same order.
 fn check(estimate: &Estimate, problem: &DesignProblem, loaded: &LoadedRobot, name: &str) -> Result<(), Error> {
     check_robot(estimate, name, loaded)?;
-    let columns = problem.columns.to_string();
+    let columns = problem.objective().columns().to_string();
     if estimate.columns != columns {
         return Err(mismatch(name, "columns", &estimate.columns, &columns));
     }
-    let (found, expected) = (estimate.names(), problem.base.names());
+    let (found, expected) = (estimate.names(), problem.base().names());
     if found.len() != expected.len() {
         let (found, expected) = (found.len().to_string(), expected.len().to_string());
         return Err(mismatch(name, "number of base parameters", &found, &expected));

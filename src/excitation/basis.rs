@@ -13,7 +13,8 @@ use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::error::ExcitationError;
+use super::error::{ExcitationError, same_length};
+use super::problem::DesignSpace;
 use crate::model::{Limits, Robot};
 use crate::trajectory::{Family, FourierTrajectory, PeriodicTrajectory, Quantity, Shape};
 
@@ -42,31 +43,17 @@ pub struct MotionBasis {
 }
 
 impl MotionBasis {
-    /// The family of `robot`'s trajectories with this period (s), with `harmonics` of each joint (n) and with some
-    /// joints standing still where `frozen` (n, rad) says.
+    /// The variables of a `space` of `robot`'s trajectories.
     ///
     /// # Errors
-    /// [`ExcitationError`] if the period is not a finite number above zero, a joint that moves has fewer
-    /// harmonics than the family needs, no joint moves, or a frozen joint stands outside its limits.
-    pub fn new(
-        robot: &Robot,
-        family: Family,
-        period_s: f64,
-        harmonics: &[usize],
-        frozen: &[Option<f64>],
-    ) -> Result<Self, ExcitationError> {
-        if !(period_s.is_finite() && period_s > 0.0) {
-            return Err(ExcitationError::NotPositive { quantity: "period", found: period_s, unit: "s" });
-        }
-        let expected = robot.dof();
-        for (quantity, found) in [("numbers of harmonics", harmonics.len()), ("frozen positions", frozen.len())] {
-            if found != expected {
-                return Err(ExcitationError::Length { quantity, found, expected });
-            }
-        }
+    /// [`ExcitationError`] if the space is of another number of joints, a joint that moves has fewer harmonics than the
+    /// family needs, no joint moves, or a joint stands still outside its limits.
+    pub fn new(robot: &Robot, space: &DesignSpace) -> Result<Self, ExcitationError> {
+        same_length("numbers of harmonics", space.harmonics().len(), robot.dof())?;
+        let (family, period_s) = (space.family(), space.period_s());
         let omega = TAU / period_s;
         let (mut shapes, mut joints, mut next) = (Vec::new(), Vec::new(), 0);
-        for ((joint, &harmonics), &frozen) in robot.joints().iter().zip(harmonics).zip(frozen) {
+        for ((joint, &harmonics), &frozen) in robot.joints().iter().zip(space.harmonics()).zip(space.frozen()) {
             let least = family.least_harmonics();
             if let Some(place) = frozen {
                 let range = joint.limits.position;

@@ -98,24 +98,24 @@ impl Certificate {
     /// # Errors
     /// [`ExcitationError::Joints`] if the trajectory is not one of as many joints as the robot has.
     pub fn of(problem: &DesignProblem, trajectory: &PeriodicTrajectory) -> Result<Self, ExcitationError> {
-        let n = problem.robot.dof();
+        let n = problem.robot().dof();
         if trajectory.dof() != n {
             return Err(ExcitationError::Joints { found: trajectory.dof(), expected: n });
         }
-        let samples = problem.certificate_samples;
-        let regressor = JointTorqueRegressor::new(&problem.robot, problem.columns);
-        let kept = &problem.base.kept;
+        let samples = problem.budget().certificate_samples();
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns());
+        let kept = &problem.base().kept;
         let m = Information::new(regressor, kept, samples, &vec![1.0; n], None).gather(&trajectory.sample(samples));
-        let rigid = problem.rigid_positions();
+        let rigid = problem.objective().rigid_positions();
         let m_rigid = m.select_rows(&rigid).select_columns(&rigid);
         let report = |kind: CriterionKind, m: &DMatrix<f64>| kind.report(kind.criterion().evaluate(m, None).exact);
         let timeline = problem.timeline(trajectory.period_s());
         let mut model = problem.efforts();
         let LimitSurvey { used, worst } =
-            LimitSurvey::of(&problem.robot, trajectory, timeline, samples, model.as_mut());
-        let efforts_inside = match (&mut model, &problem.spread) {
+            LimitSurvey::of(problem.robot(), trajectory, timeline, samples, model.as_mut());
+        let efforts_inside = match (&mut model, problem.limits().spread()) {
             (Some(model), Some(_)) => {
-                let channels = Channel::all(&problem.robot);
+                let channels = Channel::all(problem.robot());
                 Some(model.inside(trajectory, timeline, &Channel::binding(&channels)))
             }
             _ => None,
@@ -129,13 +129,13 @@ impl Certificate {
         );
         let weakest = weakest(problem, &eigen, &deviations);
         let certificate = Self {
-            robot: problem.robot.name().to_owned(),
-            robot_sha256: problem.robot.source_sha256().to_owned(),
+            robot: problem.robot().name().to_owned(),
+            robot_sha256: problem.robot().source_sha256().to_owned(),
             trajectory_sha256: sha256(&trajectory.to_toml()),
             nominal_sha256: model.as_ref().map(EffortModel::parameters_sha256),
-            ramp_s: problem.ramp_s,
+            ramp_s: problem.limits().ramp_s(),
             weakest,
-            uncertainty_multiple: problem.spread.as_ref().map_or(0.0, |spread| spread.multiple),
+            uncertainty_multiple: problem.limits().spread().map_or(0.0, |spread| spread.multiple),
             efforts_inside,
             samples,
             condition: report(CriterionKind::Condition, &m_rigid),
@@ -178,10 +178,13 @@ fn weakest(
     deviations: &[f64],
 ) -> Vec<WeakParameter> {
     let direction = eigen.eigenvectors.column(eigen.eigenvalues.imin());
-    let nominal = problem.nominal.as_ref().map(|set| problem.base.beta(&set.vector(&problem.robot, problem.columns)));
+    let nominal = problem
+        .limits()
+        .nominal()
+        .map(|set| problem.base().beta(&set.vector(problem.robot(), problem.objective().columns())));
     let mut order: Vec<usize> = (0..direction.len()).collect();
     order.sort_by(|&x, &y| direction[y].abs().total_cmp(&direction[x].abs()).then(x.cmp(&y)));
-    let names = problem.base.names();
+    let names = problem.base().names();
     let describe = |i: usize| WeakParameter {
         name: names[i].clone(),
         deviation: deviations[i],
@@ -197,13 +200,13 @@ fn weakest(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::fixtures;
+    use crate::excitation::{DesignBudget, DesignLimits, fixtures};
     use crate::model::Columns;
     use crate::study::radkhah2007::table_one;
 
     fn problem(columns: Columns) -> DesignProblem {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), columns, CriterionKind::Condition).unwrap();
-        problem.nominal = Some(fixtures::crs_a460_nominal());
+        problem.set_limits(DesignLimits::default().with_efforts(fixtures::crs_a460_nominal())).unwrap();
         problem
     }
 
@@ -212,7 +215,7 @@ mod tests {
         // An independent computation (another rigid-body library, SciPy) found 210, 55 and 15.8 for the corrected
         // table on the 36 base columns, and at most 90 % of any limit (90.5 here).
         let mut problem = problem(Columns::RIGID);
-        problem.certificate_samples = 1000;
+        problem.set_budget(DesignBudget::default().with_certificate_samples(1000).unwrap());
         let certificate = Certificate::of(&problem, &table_one::corrected().into()).unwrap();
         assert!((certificate.condition - 210.5).abs() < 0.6, "{}", certificate.condition);
         assert!((certificate.condition_scaled - 55.4).abs() < 0.6, "{}", certificate.condition_scaled);
@@ -226,15 +229,15 @@ mod tests {
     #[test]
     fn identity_information_figures_equal_those_of_the_stacked_regressor() {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION);
-        problem.certificate_samples = 400;
+        problem.set_budget(DesignBudget::default().with_certificate_samples(400).unwrap());
         let trajectory = table_one::corrected().into();
         let certificate = Certificate::of(&problem, &trajectory).unwrap();
-        let regressor = JointTorqueRegressor::new(&problem.robot, problem.columns);
-        let w = problem.base.select_columns(&regressor.stack(&trajectory.sample(400)));
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns());
+        let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(400)));
         assert_eq!(w.ncols(), 58);
         assert!((certificate.condition_all / crate::linalg::condition(&w) - 1.0).abs() < 1e-9);
         assert!((certificate.condition_scaled_all / crate::linalg::condition_scaled(&w) - 1.0).abs() < 1e-9);
-        let rigid = w.select_columns(&problem.rigid_positions());
+        let rigid = w.select_columns(&problem.objective().rigid_positions());
         assert_eq!(rigid.ncols(), 36);
         assert!((certificate.condition / crate::linalg::condition(&rigid) - 1.0).abs() < 1e-10);
         let rows = rigid.nrows() as f64;
@@ -248,13 +251,13 @@ mod tests {
         let trajectory = table_one::corrected().into();
         let used = Certificate::of(&problem, &trajectory).unwrap().worst_limit_use;
         let states = trajectory.sample(7919);
-        let nominal = problem.nominal.as_ref().unwrap();
-        let mut dynamics = crate::dynamics::Dynamics::new(&problem.robot, nominal);
+        let nominal = problem.limits().nominal().unwrap();
+        let mut dynamics = crate::dynamics::Dynamics::new(problem.robot(), nominal);
         let mut tau = vec![0.0; 6];
         let mut worst = [0.0_f64; 4];
         for k in 0..states.len() {
             dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut tau);
-            for (j, joint) in problem.robot.joints().iter().enumerate() {
+            for (j, joint) in problem.robot().joints().iter().enumerate() {
                 let limits = &joint.limits;
                 worst[0] = worst[0].max(states.q(k)[j].abs() / limits.position.1);
                 worst[1] = worst[1].max(states.qd(k)[j].abs() / limits.velocity);

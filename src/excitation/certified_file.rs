@@ -48,18 +48,22 @@ impl Certificate {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{CriterionKind, DesignProblem, LimitKind, VerificationError, fixtures, verify_certificate};
+    use crate::excitation::effort::EffortModel;
+    use crate::excitation::{
+        CriterionKind, DesignBudget, DesignLimits, DesignProblem, LimitKind, VerificationError, fixtures,
+        verify_certificate,
+    };
     use crate::model::{Columns, Obstacle};
     use crate::spatial::Inertia;
     use crate::study::radkhah2007::table_one;
 
     fn certified() -> (DesignProblem, PeriodicTrajectory, Certificate) {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), Columns::RIGID, CriterionKind::Condition).unwrap();
-        problem.nominal = Some(fixtures::crs_a460_nominal());
-        problem.certificate_samples = 500;
-        problem.ramp_s = Some(2.0);
+        let limits = DesignLimits::default().with_efforts(fixtures::crs_a460_nominal());
+        problem.set_limits(limits.with_ramps(2.0).unwrap()).unwrap();
+        problem.set_budget(DesignBudget::default().with_certificate_samples(500).unwrap());
         let mut series = table_one::corrected();
-        for (moved, joint) in series.joints.iter_mut().zip(problem.robot.joints()) {
+        for (moved, joint) in series.joints.iter_mut().zip(problem.robot().joints()) {
             moved.name.clone_from(&joint.name);
         }
         let motion: PeriodicTrajectory = series.into();
@@ -81,7 +85,7 @@ mod tests {
     #[test]
     fn verification_refuses_what_does_not_fit() {
         let (problem, motion, certificate) = certified();
-        let robot = &problem.robot;
+        let robot = problem.robot();
         assert_eq!(verify_certificate(robot, &motion, &certificate, None), Ok(()));
         let mut other = motion.clone();
         other.adjust(2, 0.9, 0.0);
@@ -119,24 +123,24 @@ mod tests {
     fn verification_computes_torque_anew_by_the_parameters_at_hand() {
         let (problem, motion, certificate) = certified();
         let mut model = problem.efforts().unwrap();
-        assert_eq!(verify_certificate(&problem.robot, &motion, &certificate, Some(&mut model)), Ok(()));
+        assert_eq!(verify_certificate(problem.robot(), &motion, &certificate, Some(&mut model)), Ok(()));
         // A certificate with a valid checksum that states less than the parameters ask is refused all the same.
         let mut flattering = certificate.clone();
         flattering.worst_limit_use.torque = Some(0.1);
         let fault =
-            verify_certificate(&problem.robot, &motion, &flattering.with_checksum(), Some(&mut model)).unwrap_err();
+            verify_certificate(problem.robot(), &motion, &flattering.with_checksum(), Some(&mut model)).unwrap_err();
         assert!(matches!(fault, VerificationError::Stale { limit: LimitKind::Torque, .. }), "{fault}");
         // So is one that was made for lighter links.
         let heavier = |factor: f64| {
-            let mut problem = problem.clone();
-            for link in &mut problem.nominal.as_mut().unwrap().links {
+            let mut nominal = problem.limits().nominal().unwrap().clone();
+            for link in &mut nominal.links {
                 *link = Inertia::from_array(&link.to_array().map(|x| factor * x));
             }
-            problem.efforts().unwrap()
+            EffortModel::new(problem.robot(), &nominal, None)
         };
-        let fault = verify_certificate(&problem.robot, &motion, &certificate, Some(&mut heavier(1.01))).unwrap_err();
+        let fault = verify_certificate(problem.robot(), &motion, &certificate, Some(&mut heavier(1.01))).unwrap_err();
         assert!(matches!(fault, VerificationError::OtherParameters { .. }), "{fault}");
-        let fault = verify_certificate(&problem.robot, &motion, &certificate, Some(&mut heavier(3.0))).unwrap_err();
+        let fault = verify_certificate(problem.robot(), &motion, &certificate, Some(&mut heavier(3.0))).unwrap_err();
         assert!(matches!(fault, VerificationError::Limit { limit: LimitKind::Torque, .. }), "{fault}");
     }
 }

@@ -80,7 +80,7 @@ pub(crate) fn optimise(
     let mut ending = search.descend();
     let mut last = ending.clone();
     let mut hop = 0;
-    while last.is_converged() && search.state.evaluations + HOP_EVALUATIONS <= problem.max_evaluations {
+    while last.is_converged() && search.state.evaluations + HOP_EVALUATIONS <= problem.budget().evaluations() {
         search.hop(seed, hop)?;
         hop += 1;
         let before = search.least;
@@ -90,14 +90,14 @@ pub(crate) fn optimise(
             ending = last.clone();
         }
     }
-    if search.is_worth_restoring() && search.state.evaluations < problem.max_evaluations {
+    if search.is_worth_restoring() && search.state.evaluations < problem.budget().evaluations() {
         search.restore_nearly_inside();
     }
     Ok(search.found(ending))
 }
 
 fn settings(problem: &DesignProblem) -> SequentialSettings {
-    SequentialSettings { max_evaluations: problem.max_evaluations, ..SequentialSettings::default() }
+    SequentialSettings { max_evaluations: problem.budget().evaluations(), ..SequentialSettings::default() }
 }
 
 struct Search<'a> {
@@ -120,7 +120,7 @@ impl Search<'_> {
     /// Judges the current iterate by the criterion itself.
     fn record(&mut self) {
         let (exact, excess) = (self.objective.exact(), self.state.excess);
-        let current = self.problem.criterion.report(exact);
+        let current = self.problem.objective().criterion().report(exact);
         self.last = (self.state.x.clone(), current);
         if excess <= EXCESS_TOLERANCE && exact < self.least {
             self.least = exact;
@@ -161,7 +161,7 @@ impl Search<'_> {
         let fresh = self.feasibility.basis().coefficients(&fresh)?;
         let (best, _) = self.best.as_ref().unwrap_or(&self.last);
         let x = best.iter().zip(&fresh).map(|(best, fresh)| best + HOP_SHARE * (fresh - best)).collect();
-        self.objective.change(problem.criterion.smooth(SHARPNESS[0]));
+        self.objective.change(problem.objective().criterion().smooth(SHARPNESS[0]));
         let (evaluations, iterations) = (self.state.evaluations, self.state.iterations);
         self.state = Sequential::new(x, self.objective, self.feasibility.smooth(), settings(problem));
         // The limit is on all descents together.
@@ -173,9 +173,9 @@ impl Search<'_> {
 
     /// One descent, sharper and sharper.
     fn descend(&mut self) -> Termination {
-        let kind = self.problem.criterion;
+        let kind = self.problem.objective().criterion();
         let stages: &[f64] = if kind.is_smooth() { &SHARPNESS[..1] } else { &SHARPNESS };
-        let budget = self.problem.max_evaluations;
+        let budget = self.problem.budget().evaluations();
         let first = self.state.evaluations;
         let mut ending = Termination::Converged;
         for (stage, &sharpness) in stages.iter().enumerate() {
@@ -190,7 +190,7 @@ impl Search<'_> {
             // Equal shares of what was left, so that the sharpest gets its turn even if none converges.
             let share = first + budget.saturating_sub(first) * (stage + 1) / stages.len();
             loop {
-                if self.state.iterations >= self.problem.max_iterations {
+                if self.state.iterations >= self.problem.budget().iterations() {
                     return Termination::IterationBudget;
                 }
                 self.state.allow(budget - usize::from(self.is_worth_restoring()));

@@ -116,7 +116,7 @@ fn continue_from(problem: &DesignProblem, start: &PeriodicTrajectory, hops: Seed
     let trajectory = feasibility.finish(trajectory);
     let certificate = Certificate::of(problem, &trajectory)?;
     let termination = feasibility.verdict(problem, &certificate).unwrap_or(ending);
-    let criterion = problem.criterion;
+    let criterion = problem.objective().criterion();
     Ok(Design { trajectory, criterion, value, certificate, termination, iterations, evaluations, history, start })
 }
 
@@ -160,7 +160,7 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
     let mut best: Option<(PeriodicTrajectory, f64)> = None;
     let mut best_is_inside = false;
     let mut history = Vec::new();
-    for draw in 0..problem.max_evaluations {
+    for draw in 0..problem.budget().evaluations() {
         let trajectory = feasibility.bring_inside(problem.start(draws, draw as u64)?);
         let x = feasibility.basis().coefficients(&trajectory)?;
         let value = objective.exact_at(&x);
@@ -178,7 +178,7 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
             }
             best_is_inside = is_inside;
             let evaluations = draw + 1;
-            let reported = problem.criterion.report(value);
+            let reported = problem.objective().criterion().report(value);
             history.push(HistoryPoint { evaluations, value: reported, current: reported, excess });
             best = Some((trajectory, value));
         }
@@ -189,12 +189,12 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
     let termination = feasibility.verdict(problem, &certificate).unwrap_or(Termination::Drawn);
     Ok(Design {
         trajectory,
-        criterion: problem.criterion,
-        value: problem.criterion.report(value),
+        criterion: problem.objective().criterion(),
+        value: problem.objective().criterion().report(value),
         certificate,
         termination,
-        iterations: problem.max_evaluations,
-        evaluations: problem.max_evaluations,
+        iterations: problem.budget().evaluations(),
+        evaluations: problem.budget().evaluations(),
         history,
         start,
     })
@@ -204,13 +204,13 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
 mod tests {
     use super::*;
     use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
-    use crate::excitation::{LimitKind, fixtures};
+    use crate::excitation::{DesignBudget, DesignLimits, LimitKind, Margins, fixtures};
     use crate::model::{Columns, bundled, format::parse_nominal};
     use crate::trajectory::Quantity;
 
     fn problem(columns: Columns, criterion: CriterionKind, evaluations: usize) -> DesignProblem {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), columns, criterion).unwrap();
-        problem.max_evaluations = evaluations;
+        problem.set_budget(DesignBudget::new(evaluations).unwrap());
         problem
     }
 
@@ -220,7 +220,7 @@ mod tests {
         assert!(used.largest() <= 1.0, "{used:?}");
         let states = design.trajectory.sample(5000);
         for k in 0..states.len() {
-            for (j, joint) in problem.robot.joints().iter().enumerate() {
+            for (j, joint) in problem.robot().joints().iter().enumerate() {
                 assert!(states.q(k)[j].abs() <= joint.limits.position.1);
                 assert!(states.qd(k)[j].abs() <= joint.limits.velocity);
                 assert!(states.qdd(k)[j].abs() <= joint.limits.acceleration);
@@ -256,26 +256,27 @@ mod tests {
     fn identity_torque_stays_under_the_ratings() {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, 120);
         let free = design(&problem, Seed::new(7), 0).unwrap();
-        problem.nominal = Some(fixtures::crs_a460_nominal());
+        problem.set_limits(DesignLimits::default().with_efforts(fixtures::crs_a460_nominal())).unwrap();
         let held = design(&problem, Seed::new(7), 0).unwrap();
         assert_inside(&held, &problem);
         // The limit matters: without it the same problem asks for more than the ratings.
         let asked = Certificate::of(&problem, &free.trajectory).unwrap().worst_limit_use.torque.unwrap();
         assert!(asked > 1.0, "{asked}");
         let used = held.certificate.worst_limit_use.torque.unwrap();
-        assert!(used <= problem.margins.torque && used > 0.95 * problem.margins.torque, "{used}");
+        let most = problem.limits().margins().torque;
+        assert!(used <= most && used > 0.95 * most, "{used}");
     }
 
     #[test]
     fn identity_a_small_budget_ends_inside_the_limits_and_far_from_its_start() {
         // Uncertain torques on ramps and period: within 60 evaluations no iterate comes inside by itself.
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, 60);
-        let nominal = parse_nominal(bundled()[0].nominal, &problem.robot).unwrap();
+        let nominal = parse_nominal(bundled()[0].nominal, problem.robot()).unwrap();
         let shares = &nominal.relative_uncertainty;
-        problem.spread = Some(ParameterSpread::of(&problem.robot, &nominal.parameters, shares, CONFIDENCE_95));
-        problem.nominal = Some(nominal.parameters);
-        problem.margins.torque = 1.0;
-        problem.ramp_s = Some(2.0);
+        let spread = ParameterSpread::of(problem.robot(), &nominal.parameters, shares, CONFIDENCE_95);
+        let limits = DesignLimits::default().with_uncertain_efforts(nominal.parameters, spread).unwrap();
+        let limits = limits.with_margins(Margins { torque: 1.0, ..Margins::default() }).unwrap();
+        problem.set_limits(limits.with_ramps(2.0).unwrap()).unwrap();
         for start in 0..3 {
             let design = design(&problem, Seed::new(1), start).unwrap();
             assert_inside(&design, &problem);
@@ -300,7 +301,7 @@ mod tests {
     #[test]
     fn identity_random_baseline_keeps_the_budget_and_the_limits() {
         let mut problem = problem(Columns::RIGID, CriterionKind::Condition, 40);
-        problem.nominal = Some(fixtures::crs_a460_nominal());
+        problem.set_limits(DesignLimits::default().with_efforts(fixtures::crs_a460_nominal())).unwrap();
         let drawn = random_design(&problem, Seed::new(3), 0).unwrap();
         assert_inside(&drawn, &problem);
         assert_eq!(drawn.evaluations, 40);
@@ -311,9 +312,7 @@ mod tests {
     #[test]
     fn impossible_ratings_are_said_to_be_exceeded() {
         // A shoulder that cannot hold the stretched arm, held at the horizontal.
-        let mut problem = problem(Columns::RIGID, CriterionKind::Condition, 20);
-        problem.robot = problem
-            .robot
+        let robot = fixtures::crs_a460()
             .with_joints(|joint| {
                 if joint.name == "shoulder" {
                     joint.limits.position = (1.5, 1.57);
@@ -324,7 +323,9 @@ mod tests {
                 }
             })
             .unwrap();
-        problem.nominal = Some(fixtures::crs_a460_nominal());
+        let mut problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::Condition).unwrap();
+        problem.set_budget(DesignBudget::new(20).unwrap());
+        problem.set_limits(DesignLimits::default().with_efforts(fixtures::crs_a460_nominal())).unwrap();
         let design = design(&problem, Seed::new(3), 0).unwrap();
         let Termination::Infeasible { limit, joint, worst } = &design.termination else {
             panic!("{:?}", design.termination)
@@ -337,7 +338,7 @@ mod tests {
         let problem = problem(Columns::RIGID, CriterionKind::DOptimal, 100);
         let design = design(&problem, Seed::new(7), 2).unwrap();
         for quantity in [Quantity::Position, Quantity::Velocity] {
-            let used = crate::excitation::limits::worst_use(&problem.robot, &design.trajectory, quantity).ratio;
+            let used = crate::excitation::limits::worst_use(problem.robot(), &design.trajectory, quantity).ratio;
             assert!(used <= 1.0 && used > 1.0 - 1e-5, "{quantity:?} {used}");
         }
     }

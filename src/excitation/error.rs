@@ -78,6 +78,24 @@ pub enum ExcitationError {
         /// Its unit.
         unit: &'static str,
     },
+    /// A setting that must not be below zero is.
+    #[error("design: {quantity} is {found} {unit}, expected a finite number, zero or above")]
+    Negative {
+        /// Which setting.
+        quantity: &'static str,
+        /// What was found.
+        found: f64,
+        /// Its unit.
+        unit: &'static str,
+    },
+    /// A joint's number is beyond the last one.
+    #[error("design: number of a joint is {found}, expected less than {joints}")]
+    NoSuchJoint {
+        /// Number of the joint, from 0.
+        found: usize,
+        /// Joints that there are.
+        joints: usize,
+    },
     /// A margin to the position limits leaves a joint nothing.
     #[error("design: the margin to the position limits gives {0}, expected one that leaves every joint a range")]
     PositionMargin(RobotFault),
@@ -139,4 +157,15 @@ pub enum ExcitationError {
     /// The robot's limits or drives are impossible.
     #[error(transparent)]
     Robot(#[from] RobotFault),
+}
+
+/// A setting must be a finite number above zero.
+pub(super) fn above_zero(quantity: &'static str, found: f64, unit: &'static str) -> Result<(), ExcitationError> {
+    let holds = found.is_finite() && found > 0.0;
+    if holds { Ok(()) } else { Err(ExcitationError::NotPositive { quantity, found, unit }) }
+}
+
+/// A list must have as many entries as the robot asks for.
+pub(super) const fn same_length(quantity: &'static str, found: usize, expected: usize) -> Result<(), ExcitationError> {
+    if found == expected { Ok(()) } else { Err(ExcitationError::Length { quantity, found, expected }) }
 }

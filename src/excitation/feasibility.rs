@@ -78,16 +78,17 @@ pub(crate) struct Feasibility {
 
 impl Feasibility {
     pub(crate) fn new(problem: &DesignProblem) -> Result<Self, ExcitationError> {
-        let basis = problem.basis()?;
-        let robot = problem.inner_robot()?;
+        let basis = problem.basis().clone();
+        let robot = problem.inner_robot().clone();
+        let allowed = problem.limits().margins();
         let part = 1.0 - INSIDE;
         let margins = Margins {
-            position: part * problem.margins.position,
-            velocity: part * problem.margins.velocity,
-            acceleration: part * problem.margins.acceleration,
-            torque: (1.0 - 2.0 * EXCESS_TOLERANCE) * problem.margins.torque,
+            position: part * allowed.position,
+            velocity: part * allowed.velocity,
+            acceleration: part * allowed.acceleration,
+            torque: (1.0 - 2.0 * EXCESS_TOLERANCE) * allowed.torque,
         };
-        let samples = TORQUE_SAMPLES * problem.samples;
+        let samples = TORQUE_SAMPLES * problem.samples();
         let effort = problem.efforts().map(|model| {
             let timeline = problem.timeline(basis.period_s());
             EffortLimits::new(model, &Channel::all(&robot), &basis, timeline, samples, margins.torque)
@@ -96,7 +97,7 @@ impl Feasibility {
         if let Some(effort) = &effort {
             smooth.limits.push(Box::new(effort.clone()));
         }
-        if let Some(clearance) = problem.clearance_m {
+        if let Some(clearance) = problem.limits().clearance_m() {
             let scene = Scene::new(&robot);
             if !scene.pairs().is_empty() {
                 smooth.limits.push(Box::new(ClearanceLimits::new(scene, &basis, samples, clearance)));
@@ -131,7 +132,7 @@ impl Feasibility {
         index: u64,
     ) -> Result<PeriodicTrajectory, ExcitationError> {
         let mut best = self.bring_inside(problem.start(seed, index)?);
-        let attempts = if problem.clearance_m.is_some() { START_ATTEMPTS } else { 0 };
+        let attempts = if problem.limits().clearance_m().is_some() { START_ATTEMPTS } else { 0 };
         let mut least = self.smooth.excess(&self.basis.coefficients(&best)?);
         for attempt in 0..attempts {
             if least <= EXCESS_TOLERANCE {
@@ -213,14 +214,14 @@ impl Feasibility {
     /// What is still exceeded most, if anything.
     pub(crate) fn verdict(&self, problem: &DesignProblem, certificate: &Certificate) -> Option<Termination> {
         let worst = &certificate.worst;
-        let margins = &problem.margins;
+        let margins = problem.limits().margins();
         let efforts_and_motion = LimitKind::ALL.into_iter().filter_map(|limit| {
             let part = limit.permitted(margins);
             let worst = worst.of(limit).filter(|worst| worst.ratio > part)?;
             let joint = self.robot.joints()[worst.joint].name.clone();
             Some((worst.ratio / part, Termination::Infeasible { limit, joint, worst }))
         });
-        let clearance = worst.clearance.as_ref().zip(problem.clearance_m).and_then(|(nearest, required)| {
+        let clearance = worst.clearance.as_ref().zip(problem.limits().clearance_m()).and_then(|(nearest, required)| {
             let short = required - nearest.distance_m;
             let worst = WorstUse {
                 ratio: 1.0 + short,

@@ -169,20 +169,20 @@ mod tests {
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), columns, kind).unwrap();
-        problem.samples = 40;
-        problem.sigma = Some(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]);
+        problem.set_samples(40).unwrap();
+        problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
         problem
     }
 
     #[test]
     fn identity_information_equals_the_weighted_stack() {
         let problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal);
-        let sigma = problem.sigma.clone().unwrap();
-        let start = radkhah2007_start(&problem.robot, 10.0, 5, Seed::new(1), 3).unwrap();
-        let regressor = JointTorqueRegressor::new(&problem.robot, problem.columns);
-        let mut information = Information::new(regressor.clone(), &problem.base.kept, 40, &sigma, None);
+        let sigma = problem.objective().noise().unwrap().to_vec();
+        let start = radkhah2007_start(problem.robot(), 10.0, 5, Seed::new(1), 3).unwrap();
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns());
+        let mut information = Information::new(regressor.clone(), &problem.base().kept, 40, &sigma, None);
         let m = information.gather(&start.sample(40));
-        let mut w = problem.base.select_columns(&regressor.stack(&start.sample(40)));
+        let mut w = problem.base().select_columns(&regressor.stack(&start.sample(40)));
         for (r, mut row) in w.row_iter_mut().enumerate() {
             row /= sigma[r % 6];
         }

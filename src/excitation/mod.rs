@@ -44,7 +44,7 @@ pub use limit_survey::{WorstCases, WorstLimitUse};
 pub use limits::WorstUse;
 pub use margins::Margins;
 pub use objective::InformationObjective;
-pub use problem::{DEFAULT_EVALUATIONS, DesignProblem};
+pub use problem::{DEFAULT_EVALUATIONS, DesignBudget, DesignLimits, DesignObjective, DesignProblem, DesignSpace};
 pub use sampled::SampledBasis;
 pub use start::{START_VELOCITIES, radkhah2007_start};
 pub use termination::{HistoryPoint, Termination};

@@ -88,13 +88,13 @@ const COULOMB_PART: f64 = 0.05;
 
 /// The regressor that the optimiser sees.
 fn smoothed_regressor(problem: &DesignProblem) -> Result<JointTorqueRegressor, ExcitationError> {
-    let robot = problem.robot.clone().with_joints(|joint| {
+    let robot = problem.robot().clone().with_joints(|joint| {
         let speed = joint.limits.velocity;
         if speed.is_finite() {
             joint.drive.coulomb_velocity = joint.drive.coulomb_velocity.max(COULOMB_PART * speed);
         }
     })?;
-    Ok(JointTorqueRegressor::new(&robot, problem.columns))
+    Ok(JointTorqueRegressor::new(&robot, problem.objective().columns()))
 }
 
 impl DesignProblem {
@@ -104,13 +104,14 @@ impl DesignProblem {
     /// # Errors
     /// [`ExcitationError::Joints`] if the trajectory is of another number of joints than the robot.
     pub fn information(&self, trajectory: &PeriodicTrajectory) -> Result<DMatrix<f64>, ExcitationError> {
-        let n = self.robot.dof();
+        let n = self.robot().dof();
         if trajectory.dof() != n {
             return Err(ExcitationError::Joints { found: trajectory.dof(), expected: n });
         }
-        let noise = self.sigma.clone().unwrap_or_else(|| vec![1.0; n]);
-        let mut information = Information::new(smoothed_regressor(self)?, &self.base.kept, self.samples, &noise, None);
-        Ok(information.gather(&trajectory.sample(self.samples)))
+        let noise = self.objective().noise().map_or_else(|| vec![1.0; n], <[f64]>::to_vec);
+        let samples = self.samples();
+        let mut information = Information::new(smoothed_regressor(self)?, &self.base().kept, samples, &noise, None);
+        Ok(information.gather(&trajectory.sample(samples)))
     }
 
     /// What one more experiment along a trajectory buys: median over base parameters of their bound after it over that of
@@ -120,7 +121,7 @@ impl DesignProblem {
     /// # Errors
     /// As [`Self::information`].
     pub fn bound_ratio(&self, trajectory: &PeriodicTrajectory) -> Result<Option<f64>, ExcitationError> {
-        let Some(prior) = &self.prior else { return Ok(None) };
+        let Some(prior) = self.objective().prior() else { return Ok(None) };
         let after = prior + self.information(trajectory)?;
         let variances = |m: &DMatrix<f64>| m.clone().cholesky().map(|factor| factor.inverse().diagonal());
         let (Some(before), Some(after)) = (variances(prior), variances(&after)) else { return Ok(None) };
@@ -136,10 +137,13 @@ impl InformationObjective {
     /// The objective of a problem, with its criterion smoothed to `sharpness` where it has kinks.
     pub(crate) fn of(problem: &DesignProblem, sharpness: f64) -> Result<Self, ExcitationError> {
         let regressor = smoothed_regressor(problem)?;
-        let sampled = SampledBasis::new(problem.basis()?, problem.samples);
-        let prior = problem.prior.clone().filter(|_| problem.criterion.is_weighted());
-        let information = Information::new(regressor, &problem.base.kept, problem.samples, &problem.row_noise(), prior);
-        Ok(Self::new(information, sampled, problem.criterion.smooth(sharpness)))
+        let sampled = SampledBasis::new(problem.basis().clone(), problem.samples());
+        let objective = problem.objective();
+        let criterion = objective.criterion();
+        let prior = objective.prior().filter(|_| criterion.is_weighted()).cloned();
+        let noise = objective.row_noise(problem.robot().dof());
+        let information = Information::new(regressor, &objective.base().kept, problem.samples(), &noise, prior);
+        Ok(Self::new(information, sampled, criterion.smooth(sharpness)))
     }
 
     /// The information at `x`.
@@ -166,15 +170,15 @@ impl InformationObjective {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{CriterionKind, fixtures};
+    use crate::excitation::{CriterionKind, DesignSpace, fixtures};
     use crate::model::Columns;
     use crate::seed::Seed;
     use crate::trajectory::Family;
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
         let mut problem = DesignProblem::new(fixtures::crs_a460(), columns, kind).unwrap();
-        problem.samples = 40;
-        problem.sigma = Some(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]);
+        problem.set_samples(40).unwrap();
+        problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
         problem
     }
 
@@ -184,7 +188,7 @@ mod tests {
         let motion = problem.start(Seed::new(1), 0).unwrap();
         assert_eq!(problem.bound_ratio(&motion).unwrap(), None);
         for experiments in [1.0, 4.0_f64] {
-            problem.prior = Some(problem.information(&motion).unwrap() * experiments);
+            problem.set_prior(problem.information(&motion).unwrap() * experiments).unwrap();
             let ratio = problem.bound_ratio(&motion).unwrap().unwrap();
             assert!((ratio - (experiments / (experiments + 1.0)).sqrt()).abs() < 1e-9, "{ratio}");
         }
@@ -197,13 +201,12 @@ mod tests {
                 // All columns with one family, the rigid ones with the others.
                 let columns = if family == Family::Fourier { Columns::RIGID_ROTOR_FRICTION } else { Columns::RIGID };
                 let mut problem = problem(columns, kind);
-                problem.family = family;
-                problem.harmonics = vec![5, 5, 5, 3, 3, 4];
-                let b = problem.base.rank();
-                problem.prior = Some(DMatrix::identity(b, b) * 0.1);
+                problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 4]).unwrap()).unwrap();
+                let b = problem.base().rank();
+                problem.set_prior(DMatrix::identity(b, b) * 0.1).unwrap();
                 let mut objective = InformationObjective::of(&problem, 6.0).unwrap();
                 let start = problem.start(Seed::new(1), 0).unwrap();
-                let x = problem.basis().unwrap().coefficients(&start).unwrap();
+                let x = problem.basis().coefficients(&start).unwrap();
                 let mut gradient = vec![0.0; x.len()];
                 objective.value(&x);
                 objective.gradient(&mut gradient);

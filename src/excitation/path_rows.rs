@@ -210,7 +210,7 @@ pub(crate) fn worst_on_ramps(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{fixtures, radkhah2007_start};
+    use crate::excitation::{DesignSpace, fixtures, radkhah2007_start};
     use crate::seed::Seed;
     use crate::trajectory::{Family, Trajectory};
 
@@ -242,7 +242,7 @@ mod tests {
     #[test]
     fn identity_rows_hold_what_the_ramps_and_the_jerk_ask() {
         let robot = fixtures::crs_a460().with_joints(|joint| joint.limits.jerk = 20.0).unwrap();
-        let basis = MotionBasis::new(&robot, Family::Fourier, 10.0, &[5; 6], &[None; 6]).unwrap();
+        let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6]).unwrap()).unwrap();
         let motion: PeriodicTrajectory = radkhah2007_start(&robot, 10.0, 5, Seed::new(3), 0).unwrap().into();
         let timeline = Timeline { period_s: 10.0, ramp_s: Some(0.4) };
         let mut source = PathRows::new(&robot, &basis, timeline, &Margins::default(), 1e-7);

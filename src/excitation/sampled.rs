@@ -127,6 +127,7 @@ impl SampledBasis {
 mod tests {
     use super::*;
     use crate::conformance::chains;
+    use crate::excitation::DesignSpace;
     use crate::seed::Seed;
     use crate::trajectory::{Family, Quantity, Trajectory};
     use rand::RngExt;
@@ -135,9 +136,9 @@ mod tests {
     fn families() -> Vec<(MotionBasis, Vec<f64>)> {
         let mut rng = Seed::new(3).stream("basis", 0);
         let (robot, _) = chains::random_robot(&mut rng, 4);
-        let frozen = [None, None, Some(0.3), None];
         let basis = |family: Family| {
-            let basis = MotionBasis::new(&robot, family, 7.0, &[3, 4, 3, 3], &frozen).unwrap();
+            let space = DesignSpace::new(family, 7.0, vec![3, 4, 3, 3]).unwrap().with_frozen(2, 0.3).unwrap();
+            let basis = MotionBasis::new(&robot, &space).unwrap();
             let mut rng = Seed::new(3).stream("variables", 0);
             let x = (0..basis.variables()).map(|_| rng.random_range(-1.0..1.0)).collect();
             (basis, x)

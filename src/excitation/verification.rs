@@ -262,10 +262,10 @@ fn same(stated: &WorstLimitUse, found: &WorstLimitUse) -> Result<(), Verificatio
 mod tests {
     use super::*;
     use crate::conformance::chains::planar_2r;
-    use crate::excitation::{CriterionKind, DesignProblem};
+    use crate::excitation::{CriterionKind, DesignBudget, DesignLimits, DesignProblem, DesignSpace};
     use crate::model::{Columns, StandardParameters};
     use crate::spatial::Inertia;
-    use crate::trajectory::{FourierJoint, FourierTrajectory};
+    use crate::trajectory::{Family, FourierJoint, FourierTrajectory};
 
     /// Torque that holds 1 kg at 0.4 m, level, N·m.
     const LEVEL: f64 = 9.81 * 0.4;
@@ -282,14 +282,14 @@ mod tests {
         let mut problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal).unwrap();
         let mut nominal = StandardParameters::zero(2);
         nominal.links[0] = Inertia::from_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
-        problem.nominal = Some(nominal);
         let omega = (0.3 * LEVEL / (0.16 * 0.5_f64)).sqrt();
-        problem.period_s = std::f64::consts::TAU / omega;
-        problem.ramp_s = Some(0.2 * problem.period_s);
-        problem.certificate_samples = 500;
+        let period_s = std::f64::consts::TAU / omega;
+        problem.set_space(DesignSpace::new(Family::Fourier, period_s, vec![5; 2]).unwrap()).unwrap();
+        problem.set_limits(DesignLimits::default().with_efforts(nominal).with_ramps(0.2 * period_s).unwrap()).unwrap();
+        problem.set_budget(DesignBudget::default().with_certificate_samples(500).unwrap());
         let joint = |name: &str, b: f64, q0: f64| FourierJoint { name: name.into(), a: vec![0.0], b: vec![b], q0 };
         let joints = vec![joint("shoulder", 0.5 * omega, -0.5), joint("elbow", 0.0, 0.0)];
-        let motion = FourierTrajectory::new(problem.period_s, joints).unwrap().into();
+        let motion = FourierTrajectory::new(period_s, joints).unwrap().into();
         let certificate = Certificate::of(&problem, &motion).unwrap();
         (problem, motion, certificate)
     }
@@ -298,12 +298,13 @@ mod tests {
     fn analytic_longer_ramps_and_less_speed_ask_for_more_torque_where_acceleration_relieves_gravity() {
         let (problem, motion, certificate) = swing();
         let mut model = problem.efforts().unwrap();
-        assert_eq!(verify_certificate(&problem.robot, &motion, &certificate, Some(&mut model)), Ok(()));
+        assert_eq!(verify_certificate(problem.robot(), &motion, &certificate, Some(&mut model)), Ok(()));
         let used = certificate.worst_limit_use.torque.unwrap();
         assert!((0.9..0.96).contains(&used), "{used}");
         let mut verify = |motion: &PeriodicTrajectory, ramp_periods: f64| {
-            let timeline = Timeline { period_s: motion.period_s(), ramp_s: Some(ramp_periods * problem.period_s) };
-            verify_performance(&problem.robot, motion, timeline, &certificate, Some(&mut model))
+            let timeline =
+                Timeline { period_s: motion.period_s(), ramp_s: Some(ramp_periods * problem.space().period_s()) };
+            verify_performance(problem.robot(), motion, timeline, &certificate, Some(&mut model))
         };
         assert_eq!(verify(&motion, 0.2), Ok(()));
         // A ramp of 1.2 periods begins where the arm is nearly level, at rest; one of half a period does not get there.
@@ -324,7 +325,7 @@ mod tests {
         let (problem, motion, certificate) = swing();
         let verify = |motion: &PeriodicTrajectory, ramp_s: f64| {
             let timeline = Timeline { period_s: motion.period_s(), ramp_s: Some(ramp_s) };
-            verify_performance(&problem.robot, motion, timeline, &certificate, None)
+            verify_performance(problem.robot(), motion, timeline, &certificate, None)
         };
         let certified = certificate.ramp_s.unwrap();
         assert_eq!(verify(&motion, certified), Ok(()));

@@ -4,10 +4,10 @@ use super::plan::{DesignMethod, HarmonicsPlan};
 use super::radkhah2007::table_one;
 use super::{StudyError, StudySetup, plan_error};
 use crate::excitation::{
-    Certificate, CriterionKind, Design, DesignProblem, ExcitationError, HistoryPoint, Termination, design,
-    random_design,
+    Certificate, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace, ExcitationError,
+    HistoryPoint, Termination, design, random_design,
 };
-use crate::trajectory::PeriodicTrajectory;
+use crate::trajectory::{Family, PeriodicTrajectory};
 
 /// One design of a study.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -131,22 +131,24 @@ impl StudySetup {
     fn problem_of(&self, family: usize, before: &[StudyDesign]) -> Result<DesignProblem, StudyError> {
         let plan = &self.plan.designs[family];
         let mut problem = self.problem(plan.criterion()?, plan.evaluations)?;
-        problem.family = plan.family()?;
-        match &plan.harmonics {
-            Some(HarmonicsPlan::Every(harmonics)) => problem.harmonics.fill(*harmonics),
-            Some(HarmonicsPlan::Each(harmonics)) => problem.harmonics.clone_from(harmonics),
-            None => {}
-        }
-        problem.samples = problem.samples.max(4 * problem.harmonics.iter().copied().max().unwrap_or(0));
+        let harmonics = match &plan.harmonics {
+            Some(HarmonicsPlan::Every(harmonics)) => vec![*harmonics; self.robot.dof()],
+            Some(HarmonicsPlan::Each(harmonics)) => harmonics.clone(),
+            None => problem.space().harmonics().to_vec(),
+        };
+        let mut space = DesignSpace::new(plan.family()?, self.plan.experiment.period_s, harmonics)?;
         for (found, place) in &plan.freeze {
             let names: Vec<&str> = self.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
             let index = names
                 .iter()
                 .position(|known| known == found)
                 .ok_or_else(|| plan_error::name("design.freeze", found, names.iter().copied()))?;
-            problem.freeze(index, *place)?;
+            space = space.with_frozen(index, *place)?;
         }
-        problem.prior = self.collected(before)?;
+        problem.set_space(space)?;
+        if let Some(prior) = self.collected(before)? {
+            problem.set_prior(prior)?;
+        }
         Ok(problem)
     }
 
@@ -159,11 +161,12 @@ impl StudySetup {
     ) -> Result<DesignProblem, ExcitationError> {
         let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();
         let mut problem = DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion)?;
-        problem.period_s = self.plan.experiment.period_s;
-        problem.harmonics = vec![self.plan.experiment.harmonics; self.robot.dof()];
-        problem.nominal = Some(self.nominal.clone());
-        problem.sigma = Some(sigma);
-        problem.max_evaluations = evaluations;
+        let experiment = &self.plan.experiment;
+        let harmonics = vec![experiment.harmonics; self.robot.dof()];
+        problem.set_space(DesignSpace::new(Family::Fourier, experiment.period_s, harmonics)?)?;
+        problem.set_limits(DesignLimits::default().with_efforts(self.nominal.clone()))?;
+        problem.set_noise(sigma)?;
+        problem.set_budget(DesignBudget::new(evaluations)?);
         Ok(problem)
     }
 }

@@ -131,10 +131,10 @@ impl DesignAnswer<'_> {
     pub(crate) fn json(&self, interrupted: bool) -> Value {
         let (best, certificate) = (self.best, &self.best.certificate);
         json!({
-            "robot": self.problem.robot.name(),
+            "robot": self.problem.robot().name(),
             "criterion": best.criterion.name(),
-            "columns": self.problem.columns.to_string(),
-            "family": self.problem.family.name(),
+            "columns": self.problem.objective().columns().to_string(),
+            "family": self.problem.space().family().name(),
             "seed": self.seed,
             "value": best.value,
             "condition": certificate.condition,
@@ -152,7 +152,7 @@ impl DesignAnswer<'_> {
             "weakest_all": certificate.weakest,
             "uncertainty_multiple": certificate.uncertainty_multiple,
             "efforts_inside": certificate.efforts_inside,
-            "clearance_required_m": self.problem.clearance_m,
+            "clearance_required_m": self.problem.limits().clearance_m(),
             "robot_sha256": certificate.robot_sha256,
             "trajectory_sha256": certificate.trajectory_sha256,
             "iterations": best.iterations,
@@ -176,10 +176,10 @@ impl DesignAnswer<'_> {
         let mut text = format!(
             "{}: {} over {} base parameters ({}), the best of {} starts in {:.2} s\n{} after {} iterations and {} \
              evaluations; {}\n\n",
-            self.problem.robot.name(),
+            self.problem.robot().name(),
             best.criterion.name(),
-            self.problem.base.rank(),
-            self.problem.columns,
+            self.problem.base().rank(),
+            self.problem.objective().columns(),
             self.designs.len(),
             self.seconds,
             best.termination.name(),
@@ -193,7 +193,7 @@ impl DesignAnswer<'_> {
                 "no trajectory within the limits was found in {} start{}; the nearest: {}\n",
                 self.designs.len(),
                 if self.designs.len() == 1 { "" } else { "s" },
-                ending(best, &self.problem.robot)
+                ending(best, self.problem.robot())
             );
         }
         let mut worth =
@@ -211,7 +211,7 @@ impl DesignAnswer<'_> {
         for limit in LimitKind::ALL {
             let Some(case) = worst.of(limit) else { continue };
             let share = format!("{:.1} %", 100.0 * case.ratio);
-            limits.row([limit.name().to_owned(), share, used(&case, limit, &self.problem.robot)]);
+            limits.row([limit.name().to_owned(), share, used(&case, limit, self.problem.robot())]);
         }
         let _ = write!(text, "\n{}", limits.render(2));
         if let Some(nearest) = &worst.clearance {
@@ -235,7 +235,7 @@ impl DesignAnswer<'_> {
             let relative =
                 weak.relative_deviation.map_or_else(String::new, |x| format!(", {} of its nominal value", number(x)));
             let unit = ParameterId::parse(&weak.name)
-                .map_or("", |id| id.kind.unit(self.problem.robot.joints()[id.index].kind));
+                .map_or("", |id| id.kind.unit(self.problem.robot().joints()[id.index].kind));
             let std = number(weak.deviation);
             let _ = writeln!(text, "  {:>8} {share:5.1} %, std {std} {unit}{relative}", weak.name);
         }
@@ -268,7 +268,7 @@ impl DesignAnswer<'_> {
                     number(design.value),
                     design.iterations.to_string(),
                     design.evaluations.to_string(),
-                    ending(design, &self.problem.robot),
+                    ending(design, self.problem.robot()),
                 ]);
             }
             let _ = write!(text, "\n{}", starts.render(2));

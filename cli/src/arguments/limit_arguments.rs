@@ -1,7 +1,7 @@
 //! Which limits a design holds, on the command line.
 
-use armid::excitation::DesignProblem;
 use armid::excitation::effort::ParameterSpread;
+use armid::excitation::{DesignLimits, ExcitationError, Margins};
 use armid::model::{JointKind, Obstacle, Robot};
 use armid_hardware::guard::GuardSettings;
 use armid_io::{Error, LoadedRobot};
@@ -64,8 +64,8 @@ impl LimitArguments {
         Ok(robot)
     }
 
-    /// Sets the limits of a problem for a robot from [`Self::robot`].
-    pub(crate) fn fill(&self, problem: &mut DesignProblem, loaded: &LoadedRobot) -> Result<()> {
+    /// The limits of a design for a `robot` from [`Self::robot`].
+    pub(crate) fn limits(&self, robot: &Robot, loaded: &LoadedRobot) -> Result<DesignLimits> {
         if !(0.5..1.0).contains(&self.confidence) {
             let message = format!("--confidence is {}, expected 0.5 or more and less than 1", self.confidence);
             return Err(Error::new(message).into());
@@ -80,21 +80,35 @@ impl LimitArguments {
         let guard = GuardSettings::default();
         let sliding = guard.soft_margin_m * self.margin / guard.soft_margin_deg;
         let margin = |kind: JointKind| if kind == JointKind::Revolute { self.margin.to_radians() } else { sliding };
-        problem.position_margin = problem.robot.joints().iter().map(|joint| margin(joint.kind)).collect();
-        problem.ramp_s = (!self.no_ramps).then_some(self.ramp);
-        problem.clearance_m = (!self.ignore_clearance).then_some(self.clearance);
-        if self.ignore_torque {
-            return Ok(());
+        let margins = robot.joints().iter().map(|joint| margin(joint.kind)).collect();
+        self.limits_of(robot, loaded, margins).map_err(|error| Error::new(error.to_string()).into())
+    }
+
+    fn limits_of(
+        &self,
+        robot: &Robot,
+        loaded: &LoadedRobot,
+        position_margin: Vec<f64>,
+    ) -> std::result::Result<DesignLimits, ExcitationError> {
+        let mut limits = DesignLimits::default().with_position_margin(position_margin)?;
+        if !self.no_ramps {
+            limits = limits.with_ramps(self.ramp)?;
         }
-        problem.nominal = loaded.nominal.clone().or_else(|| loaded.own.clone());
-        match (&problem.nominal, &loaded.uncertainty) {
+        if !self.ignore_clearance {
+            limits = limits.with_clearance(self.clearance)?;
+        }
+        if self.ignore_torque {
+            return Ok(limits);
+        }
+        let part = |torque: f64| Margins { torque, ..Margins::default() };
+        match (loaded.nominal.as_ref().or(loaded.own.as_ref()), &loaded.uncertainty) {
             (Some(nominal), Some(shares)) => {
                 let multiple = ParameterSpread::multiple_of(self.confidence);
-                problem.spread = Some(ParameterSpread::of(&problem.robot, nominal, shares, multiple));
-                problem.margins.torque = 1.0;
+                let spread = ParameterSpread::of(robot, nominal, shares, multiple);
+                limits.with_uncertain_efforts(nominal.clone(), spread)?.with_margins(part(1.0))
             }
-            _ => problem.margins.torque = WITHOUT_UNCERTAINTY,
+            (Some(nominal), None) => limits.with_efforts(nominal.clone()).with_margins(part(WITHOUT_UNCERTAINTY)),
+            (None, _) => limits.with_margins(part(WITHOUT_UNCERTAINTY)),
         }
-        Ok(())
     }
 }

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use armid::excitation::{
-    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignProblem, ExcitationError, best_of, design, design_from,
-    nearest_of, random_design,
+    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignBudget, DesignProblem, DesignSpace, ExcitationError, best_of,
+    design, design_from, nearest_of, random_design,
 };
 use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
 use armid::model::{Columns, Robot};
@@ -102,9 +102,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     check_sizes(arguments)?;
     let loaded = arguments.robot.load()?;
     let problem = problem(arguments, &loaded)?;
-    let starts = starts(arguments, &problem.robot)?;
+    let starts = starts(arguments, problem.robot())?;
     let destination = console.text_or(|| {
-        let folder = format!("{}-{}", problem.robot.name(), arguments.criterion.name());
+        let folder = format!("{}-{}", problem.robot().name(), arguments.criterion.name());
         Ok(report_folder("name of the robot", &folder)?.join("trajectory.toml"))
     })?;
     let began = Instant::now();
@@ -142,9 +142,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 
 /// Draws how the design was found and what it uses of its limits, beside the trajectory.
 fn draw(path: &Path, problem: &DesignProblem, found: &Found, best: &Design) -> Result<Vec<PathBuf>> {
-    let robot = problem.robot.name();
-    let joints: Vec<String> = problem.robot.joints().iter().map(|joint| joint.name.clone()).collect();
-    let example = LimitExample::of(&problem.robot, problem.nominal.as_ref(), &best.trajectory);
+    let robot = problem.robot().name();
+    let joints: Vec<String> = problem.robot().joints().iter().map(|joint| joint.name.clone()).collect();
+    let example = LimitExample::of(problem.robot(), problem.limits().nominal(), &best.trajectory);
     let heading = Heading::new("limits", format!("{robot}: the design against its limits"))
         .subtitle(format!("one period, optimised for {}", best.criterion.name()));
     let convergence = design_convergence(robot, &found.designs, found.baseline.as_ref());
@@ -190,26 +190,28 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
     }
     let columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
     let mut problem = DesignProblem::new(robot, columns, arguments.criterion).map_err(|error| impossible(&error))?;
-    problem.period_s = arguments.period;
-    problem.family = arguments.family;
-    problem.harmonics = match arguments.harmonics.as_slice() {
-        [every] => vec![*every; problem.robot.dof()],
+    let harmonics = match arguments.harmonics.as_slice() {
+        [every] => vec![*every; problem.robot().dof()],
         each => each.to_vec(),
     };
-    problem.samples = problem.samples.max(4 * problem.harmonics.iter().copied().max().unwrap_or(0));
+    let mut space =
+        DesignSpace::new(arguments.family, arguments.period, harmonics).map_err(|error| impossible(&error))?;
     for (name, place) in &arguments.freeze {
-        let names: Vec<&str> = problem.robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+        let names: Vec<&str> = problem.robot().joints().iter().map(|joint| joint.name.as_str()).collect();
         let Some(index) = names.iter().position(|known| known == name) else {
             let message = format!("--freeze names the joint \"{name}\", expected one of {}", names.join(", "));
             return Err(Error::new(message).into());
         };
-        problem.freeze(index, *place).map_err(|error| impossible(&error))?;
+        space = space.with_frozen(index, *place).map_err(|error| impossible(&error))?;
     }
-    problem.max_evaluations = arguments.evaluations;
-    problem.max_iterations = arguments.iterations.unwrap_or(problem.max_iterations);
-    arguments.limits.fill(&mut problem, loaded)?;
+    problem.set_space(space).map_err(|error| impossible(&error))?;
+    let budget = DesignBudget::new(arguments.evaluations).map_err(|error| impossible(&error))?;
+    problem.set_budget(arguments.iterations.map_or(budget, |iterations| budget.with_iterations(iterations)));
+    let limits = arguments.limits.limits(problem.robot(), loaded)?;
+    problem.set_limits(limits).map_err(|error| impossible(&error))?;
     if arguments.weighted {
-        problem.sigma = Some(effort_noise(&problem.robot)?);
+        let noise = effort_noise(problem.robot())?;
+        problem.set_noise(noise).map_err(|error| impossible(&error))?;
     }
     if !arguments.prior.is_empty() {
         if !arguments.criterion.is_weighted() {

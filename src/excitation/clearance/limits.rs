@@ -149,6 +149,7 @@ impl SmoothLimits for ClearanceLimits {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::excitation::DesignSpace;
     use crate::excitation::{fixtures, radkhah2007_start};
     use crate::seed::Seed;
     use crate::trajectory::Family;
@@ -156,7 +157,7 @@ mod tests {
     #[test]
     fn identity_rows_are_the_slopes_of_the_dips() {
         let robot = fixtures::crs_a460();
-        let basis = MotionBasis::new(&robot, Family::Fourier, 10.0, &[5; 6], &[None; 6]).unwrap();
+        let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6]).unwrap()).unwrap();
         let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
         let x = basis.coefficients(&start).unwrap();
         let mut limits = ClearanceLimits::new(Scene::new(&robot), &basis, 200, 0.02);

@@ -186,7 +186,7 @@ impl SmoothLimits for EffortLimits {
 mod tests {
     use super::*;
     use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
-    use crate::excitation::{fixtures, radkhah2007_start};
+    use crate::excitation::{DesignSpace, fixtures, radkhah2007_start};
     use crate::model::{bundled, format::parse_nominal};
     use crate::seed::Seed;
     use crate::trajectory::Family;
@@ -197,7 +197,7 @@ mod tests {
         let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap();
         let spread = ParameterSpread::of(&robot, &nominal.parameters, &nominal.relative_uncertainty, CONFIDENCE_95);
         let model = EffortModel::new(&robot, &nominal.parameters, Some(&spread));
-        let basis = MotionBasis::new(&robot, Family::Fourier, 10.0, &[5; 6], &[None; 6]).unwrap();
+        let basis = MotionBasis::new(&robot, &DesignSpace::new(Family::Fourier, 10.0, vec![5; 6]).unwrap()).unwrap();
         let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(2), 1).unwrap().into();
         let x = basis.coefficients(&start).unwrap();
         let timeline = Timeline { period_s: 10.0, ramp_s: Some(1.0) };

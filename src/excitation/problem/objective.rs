@@ -1,0 +1,159 @@
+//! What makes a design good: a criterion of the information on the base parameters.
+
+use std::f64::consts::PI;
+
+use nalgebra::DMatrix;
+use rand::RngExt;
+
+use super::space::DesignSpace;
+use crate::base::{BaseReduction, Method, reduce, reduce_on};
+use crate::dynamics::States;
+use crate::excitation::criterion::CriterionKind;
+use crate::excitation::error::{ExcitationError, above_zero, same_length};
+use crate::model::{Columns, Robot};
+use crate::seed::Seed;
+
+/// The least number of random states on which a base of frozen joints is found.
+const RANDOM_STATES: usize = 40;
+
+/// Samples of one period in the criterion, unless told otherwise.
+const SAMPLES: usize = 100;
+
+/// What is minimised: a criterion of the information that a motion collects on the base of the chosen columns. Made and
+/// changed through [`DesignProblem`](super::DesignProblem), whose robot and space it fits.
+#[derive(Clone, Debug)]
+pub struct DesignObjective {
+    columns: Columns,
+    base: BaseReduction,
+    criterion: CriterionKind,
+    samples: usize,
+    noise: Option<Vec<f64>>,
+    prior: Option<DMatrix<f64>>,
+}
+
+impl DesignObjective {
+    /// On a base of motions in which every joint moves.
+    pub(super) fn new(robot: &Robot, columns: Columns, criterion: CriterionKind) -> Result<Self, ExcitationError> {
+        let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
+        Ok(Self { columns, base, criterion, samples: SAMPLES, noise: None, prior: None })
+    }
+
+    /// Which parameters are to be estimated.
+    #[must_use]
+    pub const fn columns(&self) -> Columns {
+        self.columns
+    }
+
+    /// Their base for the joints that move: the criterion is that of its kept columns.
+    #[must_use]
+    pub const fn base(&self) -> &BaseReduction {
+        &self.base
+    }
+
+    /// What is minimised.
+    #[must_use]
+    pub const fn criterion(&self) -> CriterionKind {
+        self.criterion
+    }
+
+    /// Samples of one period that were asked for.
+    pub(super) const fn samples(&self) -> usize {
+        self.samples
+    }
+
+    /// Noise of each joint's torque, N·m (n), for the criteria that weight rows; all 1 without it.
+    #[must_use]
+    pub fn noise(&self) -> Option<&[f64]> {
+        self.noise.as_deref()
+    }
+
+    /// Information already collected, b × b per torque row of one period, weighted by the same noise; for the criteria
+    /// that weight rows.
+    #[must_use]
+    pub const fn prior(&self) -> Option<&DMatrix<f64>> {
+        self.prior.as_ref()
+    }
+
+    /// Position, among the kept columns, of those that belong to rigid bodies.
+    #[must_use]
+    pub fn rigid_positions(&self) -> Vec<usize> {
+        let rigid = |&(_, &column): &(usize, &usize)| self.base.parameters[column].kind.term().is_none();
+        self.base.kept.iter().enumerate().filter(rigid).map(|(position, _)| position).collect()
+    }
+
+    /// Noise of each joint for the rows of the criterion: all 1 where it does not weight them.
+    pub(crate) fn row_noise(&self, joints: usize) -> Vec<f64> {
+        match &self.noise {
+            Some(noise) if self.criterion.is_weighted() => noise.clone(),
+            _ => vec![1.0; joints],
+        }
+    }
+
+    pub(super) const fn set_samples(&mut self, samples: usize) -> Result<(), ExcitationError> {
+        if samples == 0 {
+            return Err(ExcitationError::TooFew { quantity: "samples", found: 0, least: 1 });
+        }
+        self.samples = samples;
+        Ok(())
+    }
+
+    pub(super) fn set_noise(&mut self, joints: usize, noise: Vec<f64>) -> Result<(), ExcitationError> {
+        same_length("noise levels", noise.len(), joints)?;
+        for &level in &noise {
+            above_zero("a noise level", level, "N·m")?;
+        }
+        self.noise = Some(noise);
+        Ok(())
+    }
+
+    pub(super) fn set_prior(&mut self, prior: DMatrix<f64>) -> Result<(), ExcitationError> {
+        check_prior(&prior, &self.base)?;
+        self.prior = Some(prior);
+        Ok(())
+    }
+
+    /// The same on the base of the joints that move in another space.
+    pub(super) fn in_space(&self, robot: &Robot, space: &DesignSpace) -> Result<Self, ExcitationError> {
+        let base = if space.frozen().iter().all(Option::is_none) {
+            reduce(robot, self.columns, Method::Structural, Seed::new(0))?
+        } else {
+            let states = random_states(robot.dof(), self.base.parameters.len(), space.frozen());
+            reduce_on(robot, self.columns, Method::Qr, &states)?
+        };
+        if let Some(prior) = &self.prior {
+            check_prior(prior, &base)?;
+        }
+        Ok(Self { base, ..self.clone() })
+    }
+}
+
+/// Prior information must be that of the base parameters.
+fn check_prior(prior: &DMatrix<f64>, base: &BaseReduction) -> Result<(), ExcitationError> {
+    let (expected, (rows, columns)) = (base.rank(), prior.shape());
+    if (rows, columns) != (expected, expected) {
+        return Err(ExcitationError::PriorSize { rows, columns, expected });
+    }
+    match prior.iter().find(|entry| !entry.is_finite()) {
+        Some(&found) => Err(ExcitationError::NotFinite { quantity: "entry of the prior information", found, unit: "" }),
+        None => Ok(()),
+    }
+}
+
+/// Random states of the joints that move, the others where they stand.
+fn random_states(n: usize, parameters: usize, frozen: &[Option<f64>]) -> States {
+    let count = RANDOM_STATES.max(3 * parameters / n);
+    let mut rng = Seed::new(0).stream("frozen joints", 0);
+    let mut states = States::new(n);
+    for _ in 0..count {
+        let mut draw = |still: &dyn Fn(usize) -> Option<f64>| -> Vec<f64> {
+            (0..n).map(|j| (rng.random_range(-PI..PI), still(j))).map(|(x, still)| still.unwrap_or(x)).collect()
+        };
+        let resting = |j: usize| frozen[j].map(|_| 0.0);
+        let (q, qd, qdd) = (draw(&|j| frozen[j]), draw(&resting), draw(&resting));
+        // Rates at which the arm's own motion weighs as much as gravity.
+        let (qd, qdd) =
+            (qd.iter().map(|x| 2.0 * x).collect::<Vec<_>>(), qdd.iter().map(|x| 5.0 * x).collect::<Vec<_>>());
+        states.push(&q, &qd, &qdd);
+    }
+    states
+}
