@@ -56,7 +56,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal)?;
     let design = design(&problem, Seed::new(1), 0)?;
 
-    println!("{} after {} evaluations: {}", design.criterion.name(), design.evaluations, design.value);
+    println!("{} after {} evaluations: {}", design.criterion, design.evaluations, design.value);
     println!("ended by: {}", design.termination.name());
     if let Some(path) = std::env::args().nth(1) {
         armid_io::output::write_text(Path::new(&path), &design.trajectory.to_toml())?;

@@ -11,7 +11,7 @@ use crate::{
 /// a history.
 #[must_use]
 pub fn design_convergence(robot: &str, designs: &[Design], baseline: Option<&Design>) -> Option<ConvergenceFigure> {
-    let criterion = designs.first()?.criterion;
+    let criterion = &designs.first()?.criterion;
     let optimised = designs.iter().map(|design| ("optimiser", 0, design));
     let drawn = baseline.map(|design| ("random draws", 1, design));
     let curves: Vec<Curve> = optimised
@@ -24,23 +24,28 @@ pub fn design_convergence(robot: &str, designs: &[Design], baseline: Option<&Des
             .subtitle(
                 "best value so far against evaluations, one line per start; a gradient counts as one evaluation more",
             )
-            .caption(format!("The criterion is {}; a value counts once every limit holds.", criterion.name())),
+            .caption(format!("The criterion is {criterion}; a value counts once every limit holds.")),
         columns: 1,
-        panels: vec![convergence_panel(String::new(), criterion, curves)],
+        panels: vec![convergence_panel(String::new(), value_axis(criterion), curves)],
     })
 }
 
 /// The curves of one criterion with its axis.
-pub(crate) fn convergence_panel(title: String, criterion: CriterionKind, curves: Vec<Curve>) -> ConvergencePanel {
-    let value = match criterion {
-        CriterionKind::Condition | CriterionKind::ConditionScaled => Axis::log("condition number", ""),
-        CriterionKind::DOptimal => Axis::linear("ln det of the information", ""),
-        CriterionKind::AOptimal => Axis::log("sum of variances per row", ""),
-        CriterionKind::EOptimal => Axis::log("smallest eigenvalue per row", ""),
-        CriterionKind::ConditionPlusSigma => Axis::log("condition number + 1/σ_min", ""),
-        CriterionKind::ConditionPlusD => Axis::linear("condition number − ln det", ""),
-    };
+pub(crate) fn convergence_panel(title: String, value: Axis, curves: Vec<Curve>) -> ConvergencePanel {
     ConvergencePanel { title, evaluations: Axis::linear("evaluations", ""), value, curves }
+}
+
+/// The axis of the criterion with this name; of one from outside of the list its name is all that is known.
+pub(crate) fn value_axis(criterion: &str) -> Axis {
+    match CriterionKind::parse(criterion) {
+        Some(CriterionKind::Condition | CriterionKind::ConditionScaled) => Axis::log("condition number", ""),
+        Some(CriterionKind::DOptimal) => Axis::linear("ln det of the information", ""),
+        Some(CriterionKind::AOptimal) => Axis::log("sum of variances per row", ""),
+        Some(CriterionKind::EOptimal) => Axis::log("smallest eigenvalue per row", ""),
+        Some(CriterionKind::ConditionPlusSigma) => Axis::log("condition number + 1/σ_min", ""),
+        Some(CriterionKind::ConditionPlusD) => Axis::linear("condition number − ln det", ""),
+        None => Axis::linear(criterion, ""),
+    }
 }
 
 /// One start's history, without the points at which the information was singular.

@@ -44,6 +44,7 @@ const RUNS: u64 = 8;
 /// # Errors
 /// [`BrokenLaw`]: the first law that does not hold, with what was found.
 pub fn check(criterion: &dyn Criterion, invariance: Invariance) -> Result<(), BrokenLaw> {
+    BrokenLaw::unless("a criterion has a name", !criterion.name().is_empty(), "none", "one")?;
     for run in 0..RUNS {
         let mut rng = Seed::new(41).stream("criterion laws", run);
         gradient(criterion, &mut rng)?;
@@ -166,9 +167,14 @@ mod tests {
     }
 
     /// D-optimality with one thing wrong.
+    #[derive(Debug)]
     struct Broken(fn(f64) -> f64, f64);
 
     impl Criterion for Broken {
+        fn name(&self) -> &'static str {
+            "broken"
+        }
+
         fn evaluate(&self, m: &DMatrix<f64>, mut sensitivity: Option<&mut DMatrix<f64>>) -> Score {
             let Score { value, exact } = DOptimal.evaluate(m, sensitivity.as_deref_mut());
             if let Some(s) = sensitivity {

@@ -3,6 +3,7 @@
 pub mod arm_laws;
 pub mod chains;
 pub mod estimator_laws;
+pub mod family_laws;
 pub mod criterion_laws;
 pub mod plant_laws;
 pub mod term_laws;

@@ -10,13 +10,16 @@
 
 use std::f64::consts::{PI, TAU};
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 
 use super::error::{ExcitationError, same_length};
 use super::problem::DesignSpace;
 use crate::model::{Limits, Robot};
-use crate::trajectory::{Family, FourierTrajectory, PeriodicTrajectory, Quantity, Shape};
+use crate::trajectory::{
+    FourierTrajectory, MotionScale, PeriodicTrajectory, Quantity, ShapeFunctions, TrajectoryFamily,
+};
 
 /// How one joint moves.
 #[derive(Clone, Debug)]
@@ -24,6 +27,8 @@ struct JointMotion {
     name: String,
     /// Its variables; none where it is frozen.
     variables: Range<usize>,
+    /// Its harmonics H.
+    harmonics: usize,
     /// Index of its shape.
     shape: usize,
     /// Scale of each coefficient.
@@ -35,10 +40,10 @@ struct JointMotion {
 /// Period, harmonics, frozen joints and scales of a family of trajectories of one robot.
 #[derive(Clone, Debug)]
 pub struct MotionBasis {
-    family: Family,
+    family: Arc<dyn TrajectoryFamily>,
     period_s: f64,
     /// The different shapes; joints of equally many harmonics share one.
-    shapes: Vec<Shape>,
+    shapes: Vec<Arc<dyn ShapeFunctions>>,
     joints: Vec<JointMotion>,
 }
 
@@ -50,9 +55,9 @@ impl MotionBasis {
     /// family needs, no joint moves, or a joint stands still outside its limits.
     pub fn new(robot: &Robot, space: &DesignSpace) -> Result<Self, ExcitationError> {
         same_length("numbers of harmonics", space.harmonics().len(), robot.dof())?;
-        let (family, period_s) = (space.family(), space.period_s());
+        let (family, period_s) = (Arc::clone(space.family()), space.period_s());
         let omega = TAU / period_s;
-        let (mut shapes, mut joints, mut next) = (Vec::new(), Vec::new(), 0);
+        let (mut shapes, mut kinds, mut joints, mut next) = (Vec::new(), Vec::new(), Vec::new(), 0);
         for ((joint, &harmonics), &frozen) in robot.joints().iter().zip(space.harmonics()).zip(space.frozen()) {
             let least = family.least_harmonics();
             if let Some(place) = frozen {
@@ -62,19 +67,22 @@ impl MotionBasis {
                 }
             } else if harmonics < least {
                 let joint = joint.name.clone();
+                let family = family.name();
                 return Err(ExcitationError::TooFewHarmonics { joint, found: harmonics, least, family });
             }
-            let shape = family.shape(period_s, harmonics.max(least));
-            let index = shapes.iter().position(|known| *known == shape).unwrap_or_else(|| {
-                shapes.push(shape);
-                shapes.len() - 1
+            let harmonics = harmonics.max(least);
+            let shape = kinds.iter().position(|&known| known == harmonics).unwrap_or_else(|| {
+                kinds.push(harmonics);
+                shapes.push(family.shape(period_s, harmonics));
+                kinds.len() - 1
             });
-            let count = if frozen.is_some() { 0 } else { shape.len() };
+            let count = if frozen.is_some() { 0 } else { shapes[shape].count() };
             joints.push(JointMotion {
                 name: joint.name.clone(),
                 variables: next..next + count,
-                shape: index,
-                scales: scales(&shape, &joint.limits, omega),
+                harmonics,
+                shape,
+                scales: shapes[shape].scales(&motion_scale(&joint.limits, omega)),
                 frozen,
             });
             next += count;
@@ -87,8 +95,8 @@ impl MotionBasis {
 
     /// The family.
     #[must_use]
-    pub const fn family(&self) -> Family {
-        self.family
+    pub fn family(&self) -> &dyn TrajectoryFamily {
+        &*self.family
     }
 
     /// Number of joints n.
@@ -121,7 +129,7 @@ impl MotionBasis {
         self.joints[index].variables.clone()
     }
 
-    pub(super) fn shapes(&self) -> &[Shape] {
+    pub(super) fn shapes(&self) -> &[Arc<dyn ShapeFunctions>] {
         &self.shapes
     }
 
@@ -161,34 +169,11 @@ impl MotionBasis {
         if (trajectory.period_s() - self.period_s).abs() > 1e-12 * self.period_s {
             return Err(ExcitationError::OtherPeriod { found: trajectory.period_s(), expected: self.period_s });
         }
-        let Some(blocks) = self.family.coefficients(trajectory) else {
-            return Err(ExcitationError::OtherFamily { expected: self.family });
-        };
         let mut x = vec![0.0; self.variables()];
-        for (joint, values) in self.joints.iter().zip(&blocks).filter(|(joint, _)| joint.frozen.is_none()) {
-            let shape = &self.shapes[joint.shape];
-            let block = &mut x[joint.variables.clone()];
-            let (count, found) = (block.len(), values.len());
-            let name = || joint.name.clone();
-            match *shape {
-                Shape::Series { harmonics, .. } => {
-                    let pairs = &values[..found - 1];
-                    if pairs.iter().skip(2 * harmonics).any(|&amplitude| amplitude != 0.0) {
-                        return Err(ExcitationError::Harmonics { joint: name(), found: found / 2, most: harmonics });
-                    }
-                    for ((x, value), scale) in block[..count - 1].iter_mut().zip(pairs).zip(&joint.scales) {
-                        *x = value / scale;
-                    }
-                    block[count - 1] = values[found - 1] / joint.scales[count - 1];
-                }
-                Shape::Spline { knots, .. } => {
-                    if found != knots {
-                        return Err(ExcitationError::Knots { joint: name(), found, expected: knots });
-                    }
-                    for ((x, value), scale) in block.iter_mut().zip(values).zip(&joint.scales) {
-                        *x = value / scale;
-                    }
-                }
+        for (index, joint) in self.joints.iter().enumerate().filter(|(_, joint)| joint.frozen.is_none()) {
+            let values = self.family.coefficients(trajectory, index, joint.harmonics)?;
+            for ((x, value), scale) in x[joint.variables.clone()].iter_mut().zip(&values).zip(&joint.scales) {
+                *x = value / scale;
             }
         }
         Ok(x)
@@ -200,17 +185,14 @@ impl MotionBasis {
     /// # Errors
     /// [`ExcitationError`] if the joints, the period or the harmonics of the series are not this basis's.
     pub fn nearest(&self, series: &FourierTrajectory) -> Result<Vec<f64>, ExcitationError> {
-        match self.family {
-            Family::Fourier => self.coefficients(&series.clone().into()),
-            Family::FourierQuintic => self.coefficients(&PeriodicTrajectory::FourierQuintic(series.clone().into())),
-            Family::CubicBSpline | Family::QuinticBSpline => {
-                let blocks = (0..self.dof()).map(|j| {
-                    let joint = &self.joints[j];
-                    (joint.name.clone(), fit(&self.shapes[joint.shape], &series.position(j)))
-                });
-                self.coefficients(&self.family.trajectory(self.period_s, blocks.collect()))
-            }
+        if let Some(member) = self.family.of_series(series) {
+            return self.coefficients(&member);
         }
+        let blocks = (0..self.dof()).map(|j| {
+            let joint = &self.joints[j];
+            (joint.name.clone(), fit(&*self.shapes[joint.shape], &series.position(j)))
+        });
+        self.coefficients(&self.family.trajectory(self.period_s, blocks.collect()))
     }
 
     /// The row of one quantity of joint `index` at phase `phase`, times `sign`: one entry for each of its variables.
@@ -269,32 +251,25 @@ impl MotionBasis {
     }
 }
 
-/// A size for each coefficient of a joint.
-fn scales(shape: &Shape, limits: &Limits, omega: f64) -> Vec<f64> {
+/// How far and how fast a joint can move.
+fn motion_scale(limits: &Limits, omega: f64) -> MotionScale {
     let half = 0.5 * (limits.position.1 - limits.position.0);
     let range = if half.is_finite() { half } else { PI };
     let speed = limits.velocity.min(limits.acceleration / omega).min(range * omega);
-    match shape {
-        Shape::Series { .. } => {
-            let mut scales = vec![speed; shape.len()];
-            scales[shape.len() - 1] = range;
-            scales
-        }
-        Shape::Spline { .. } => vec![speed / omega; shape.len()],
-    }
+    MotionScale { range, speed, omega }
 }
 
 /// Coefficients whose positions come nearest to a curve on eight samples for each of them.
-fn fit(shape: &Shape, curve: &crate::trajectory::TrigonometricPolynomial) -> Vec<f64> {
-    let samples = 8 * shape.len();
+fn fit(shape: &dyn ShapeFunctions, curve: &crate::trajectory::TrigonometricPolynomial) -> Vec<f64> {
+    let samples = 8 * shape.count();
     let phase = |k: usize| TAU * k as f64 / samples as f64;
-    let mut system = DMatrix::zeros(samples, shape.len());
-    let mut row = vec![0.0; shape.len()];
+    let mut system = DMatrix::zeros(samples, shape.count());
+    let mut row = vec![0.0; shape.count()];
     for k in 0..samples {
         shape.fill(phase(k), 0, &mut row);
         system.row_mut(k).copy_from_slice(&row);
     }
     let values = DVector::from_fn(samples, |k, _| curve.value(phase(k)));
-    let normal = system.tr_mul(&system).cholesky().expect("splines on equidistant knots are independent");
+    let normal = system.tr_mul(&system).cholesky().expect("shape functions are independent");
     normal.solve(&system.tr_mul(&values)).iter().copied().collect()
 }

@@ -10,7 +10,6 @@
 //! Iterates approach smooth limits from outside, and a small budget may end before one is inside. Where one that is
 //! nearly inside promises much, the last evaluation is kept for the nearest point to it that is.
 
-use super::criterion::CriterionKind;
 use super::error::ExcitationError;
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::objective::InformationObjective;
@@ -161,7 +160,7 @@ impl Search<'_> {
         let fresh = self.feasibility.basis().coefficients(&fresh)?;
         let (best, _) = self.best.as_ref().unwrap_or(&self.last);
         let x = best.iter().zip(&fresh).map(|(best, fresh)| best + HOP_SHARE * (fresh - best)).collect();
-        self.objective.change(problem.objective().criterion().smooth(SHARPNESS[0]));
+        self.objective.change(problem.objective().smoothed(SHARPNESS[0]));
         let (evaluations, iterations) = (self.state.evaluations, self.state.iterations);
         self.state = Sequential::new(x, self.objective, self.feasibility.smooth(), settings(problem));
         // The limit is on all descents together.
@@ -173,8 +172,9 @@ impl Search<'_> {
 
     /// One descent, sharper and sharper.
     fn descend(&mut self) -> Termination {
-        let kind = self.problem.objective().criterion();
-        let stages: &[f64] = if kind.is_smooth() { &SHARPNESS[..1] } else { &SHARPNESS };
+        let wanted = self.problem.objective();
+        let has_kinks = wanted.criterion().smoothed(SHARPNESS[0]).is_some();
+        let stages: &[f64] = if has_kinks { &SHARPNESS } else { &SHARPNESS[..1] };
         let budget = self.problem.budget().evaluations();
         let first = self.state.evaluations;
         let mut ending = Termination::Converged;
@@ -183,7 +183,7 @@ impl Search<'_> {
                 if self.state.evaluations + 2 > budget {
                     return Termination::EvaluationBudget;
                 }
-                self.objective.change(kind.smooth(sharpness));
+                self.objective.change(wanted.smoothed(sharpness));
                 self.state.restart(self.objective, self.feasibility.smooth());
             }
             self.state.tolerate(if stage + 1 < stages.len() { STAGE_TOLERANCE } else { TOLERANCE });
@@ -225,9 +225,4 @@ impl Search<'_> {
             history: self.history,
         }
     }
-}
-
-/// The value that is minimised, from the one that people read.
-pub(crate) fn cost(kind: CriterionKind, value: f64) -> f64 {
-    if kind.is_larger_better() { -value } else { value }
 }

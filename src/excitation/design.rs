@@ -12,8 +12,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::certificate::Certificate;
-use super::criterion::CriterionKind;
-use super::descent::{Found, SHARPNESS, cost, optimise};
+use super::descent::{Found, SHARPNESS, optimise};
 use super::error::ExcitationError;
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::objective::InformationObjective;
@@ -29,11 +28,13 @@ use crate::trajectory::PeriodicTrajectory;
 pub struct Design {
     /// The trajectory.
     pub trajectory: PeriodicTrajectory,
-    /// What was optimised.
-    pub criterion: CriterionKind,
+    /// Name of the criterion that was optimised.
+    pub criterion: String,
     /// Its value as people read it, on the optimiser's samples.
     #[serde(deserialize_with = "crate::plain::infinite::undecided")]
     pub value: f64,
+    /// Whether a larger value is better.
+    pub larger_is_better: bool,
     /// What the trajectory is worth and that it is safe.
     pub certificate: Certificate,
     /// How the optimisation ended.
@@ -66,7 +67,7 @@ impl<'de> Deserialize<'de> for Design {
 impl Design {
     /// Where JSON has no number, the value was the worst: the criterion says whether that is +∞ or −∞.
     fn put_infinities(&mut self) {
-        let worst = if self.criterion.is_larger_better() { f64::NEG_INFINITY } else { f64::INFINITY };
+        let worst = if self.larger_is_better { f64::NEG_INFINITY } else { f64::INFINITY };
         let points = self.history.iter_mut().flat_map(|point| [&mut point.value, &mut point.current]);
         for value in points.chain([&mut self.value]).filter(|value| value.is_nan()) {
             *value = worst;
@@ -85,6 +86,11 @@ impl Design {
             return Err("the certificate was changed, expected the figures that its checksum states".to_owned());
         }
         Ok(())
+    }
+
+    /// The value, so turned that smaller is better.
+    fn cost(&self) -> f64 {
+        if self.larger_is_better { -self.value } else { self.value }
     }
 }
 
@@ -117,7 +123,18 @@ fn continue_from(problem: &DesignProblem, start: &PeriodicTrajectory, hops: Seed
     let certificate = Certificate::of(problem, &trajectory)?;
     let termination = feasibility.verdict(problem, &certificate).unwrap_or(ending);
     let criterion = problem.objective().criterion();
-    Ok(Design { trajectory, criterion, value, certificate, termination, iterations, evaluations, history, start })
+    Ok(Design {
+        trajectory,
+        criterion: criterion.name().to_owned(),
+        value,
+        larger_is_better: criterion.is_larger_better(),
+        certificate,
+        termination,
+        iterations,
+        evaluations,
+        history,
+        start,
+    })
 }
 
 /// Designs from several starts in parallel; the result does not depend on the number of threads.
@@ -131,10 +148,7 @@ pub fn multistart(problem: &DesignProblem, seed: Seed, starts: u64) -> Result<Ve
 /// The best of a set of designs by their own criterion, among those that hold all limits; the first of equals.
 #[must_use]
 pub fn best_of(designs: &[Design]) -> Option<&Design> {
-    designs
-        .iter()
-        .filter(|design| design.termination.is_feasible())
-        .min_by(|x, y| cost(x.criterion, x.value).total_cmp(&cost(y.criterion, y.value)))
+    designs.iter().filter(|design| design.termination.is_feasible()).min_by(|x, y| x.cost().total_cmp(&y.cost()))
 }
 
 /// Where no design holds all limits, the one that exceeds them least, relative; the first of equals.
@@ -157,6 +171,7 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
     let mut feasibility = Feasibility::new(problem)?;
     let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
     let draws = seed.child("random design", index);
+    let criterion = problem.objective().criterion();
     let mut best: Option<(PeriodicTrajectory, f64)> = None;
     let mut best_is_inside = false;
     let mut history = Vec::new();
@@ -178,7 +193,7 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
             }
             best_is_inside = is_inside;
             let evaluations = draw + 1;
-            let reported = problem.objective().criterion().report(value);
+            let reported = criterion.report(value);
             history.push(HistoryPoint { evaluations, value: reported, current: reported, excess });
             best = Some((trajectory, value));
         }
@@ -189,8 +204,9 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
     let termination = feasibility.verdict(problem, &certificate).unwrap_or(Termination::Drawn);
     Ok(Design {
         trajectory,
-        criterion: problem.objective().criterion(),
-        value: problem.objective().criterion().report(value),
+        criterion: criterion.name().to_owned(),
+        value: criterion.report(value),
+        larger_is_better: criterion.is_larger_better(),
         certificate,
         termination,
         iterations: problem.budget().evaluations(),
@@ -204,7 +220,7 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
 mod tests {
     use super::*;
     use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
-    use crate::excitation::{DesignBudget, DesignLimits, LimitKind, Margins, fixtures};
+    use crate::excitation::{CriterionKind, DesignBudget, DesignLimits, LimitKind, Margins, fixtures};
     use crate::model::{Columns, bundled, format::parse_nominal};
     use crate::trajectory::Quantity;
 

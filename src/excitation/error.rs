@@ -2,7 +2,7 @@
 
 use crate::base::BaseError;
 use crate::model::RobotFault;
-use crate::trajectory::{Family, TrajectoryError};
+use crate::trajectory::TrajectoryError;
 
 /// Why a trajectory or a design problem cannot be used.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -31,32 +31,6 @@ pub enum ExcitationError {
         found: f64,
         /// Period of the problem, s.
         expected: f64,
-    },
-    /// A trajectory is of another family than the problem.
-    #[error("trajectory: family is another one, expected {}", expected.name())]
-    OtherFamily {
-        /// The problem's.
-        expected: Family,
-    },
-    /// A joint's series has more harmonics than the problem.
-    #[error("trajectory: number of harmonics of joint \"{joint}\" is {found}, expected at most {most}")]
-    Harmonics {
-        /// Name of the joint.
-        joint: String,
-        /// Harmonics of the trajectory.
-        found: usize,
-        /// Harmonics of the problem.
-        most: usize,
-    },
-    /// A joint's spline has another number of knots than the problem.
-    #[error("trajectory: number of knots of joint \"{joint}\" is {found}, expected {expected}")]
-    Knots {
-        /// Name of the joint.
-        joint: String,
-        /// Knots of the trajectory.
-        found: usize,
-        /// Knots of the problem.
-        expected: usize,
     },
     /// A setting that must be above zero is not.
     #[error("design: {quantity} is {found} {unit}, expected a finite number above zero")]
@@ -120,7 +94,9 @@ pub enum ExcitationError {
         least: usize,
     },
     /// A joint that moves has too few harmonics for the family.
-    #[error("design: number of harmonics of joint \"{joint}\" is {found}, expected at least {least} for family {}", family.name())]
+    #[error(
+        "design: number of harmonics of joint \"{joint}\" is {found}, expected at least {least} for family {family}"
+    )]
     TooFewHarmonics {
         /// Name of the joint.
         joint: String,
@@ -128,8 +104,8 @@ pub enum ExcitationError {
         found: usize,
         /// What the family needs.
         least: usize,
-        /// The family.
-        family: Family,
+        /// Name of the family.
+        family: &'static str,
     },
     /// A joint is to stand still outside its range.
     #[error("design: frozen position of joint \"{joint}\" is {found}, expected within {} to {}", range.0, range.1)]

@@ -40,7 +40,7 @@ impl LimitRows {
             .iter()
             .map(|joint| Quantity::ALL.map(|quantity| permitted(&joint.limits, quantity, margins.of(quantity))))
             .collect();
-        let tables = basis.shapes().iter().map(|shape| ShapeTable::new(shape, shape.grid())).collect();
+        let tables = basis.shapes().iter().map(|shape| ShapeTable::new(&**shape, shape.grid())).collect();
         Self { basis: basis.clone(), intervals, tables, center: vec![0.0; basis.variables()], tolerance }
     }
 

@@ -4,6 +4,8 @@
 //! x → (q, q̇, q̈)_k → M → f(M)            ∂f/∂x = Bᵀ ∂f/∂(q, q̇, q̈)
 //! ```
 
+use std::sync::Arc;
+
 use nalgebra::DMatrix;
 
 use super::criterion::Criterion;
@@ -22,7 +24,7 @@ pub struct InformationObjective {
     sampled: SampledBasis,
     states: States,
     slopes: States,
-    criterion: Box<dyn Criterion>,
+    criterion: Arc<dyn Criterion>,
     sensitivity: DMatrix<f64>,
     m: DMatrix<f64>,
     exact: f64,
@@ -31,7 +33,7 @@ pub struct InformationObjective {
 impl InformationObjective {
     /// This criterion on this information of this family of trajectories.
     #[must_use]
-    pub fn new(information: Information, sampled: SampledBasis, criterion: Box<dyn Criterion>) -> Self {
+    pub fn new(information: Information, sampled: SampledBasis, criterion: Arc<dyn Criterion>) -> Self {
         let b = information.columns();
         let (n, samples) = (sampled.basis().dof(), sampled.samples());
         Self {
@@ -47,7 +49,7 @@ impl InformationObjective {
     }
 
     /// Another criterion on the same information.
-    pub fn change(&mut self, criterion: Box<dyn Criterion>) {
+    pub fn change(&mut self, criterion: Arc<dyn Criterion>) {
         self.criterion = criterion;
     }
 
@@ -143,7 +145,7 @@ impl InformationObjective {
         let prior = objective.prior().filter(|_| criterion.is_weighted()).cloned();
         let noise = objective.row_noise(problem.robot().dof());
         let information = Information::new(regressor, &objective.base().kept, problem.samples(), &noise, prior);
-        Ok(Self::new(information, sampled, criterion.smooth(sharpness)))
+        Ok(Self::new(information, sampled, objective.smoothed(sharpness)))
     }
 
     /// The information at `x`.

@@ -5,7 +5,7 @@ use std::f64::consts::TAU;
 use super::basis::MotionBasis;
 use crate::dynamics::States;
 use crate::optimiser::dot;
-use crate::trajectory::Shape;
+use crate::trajectory::ShapeFunctions;
 
 /// The shape functions of one joint and their first two derivatives at `θ_k = 2π k / N`.
 #[derive(Clone, Debug)]
@@ -16,8 +16,8 @@ pub(super) struct ShapeTable {
 }
 
 impl ShapeTable {
-    pub(super) fn new(shape: &Shape, samples: usize) -> Self {
-        let count = shape.len();
+    pub(super) fn new(shape: &dyn ShapeFunctions, samples: usize) -> Self {
+        let count = shape.count();
         let mut row = vec![0.0; count];
         let shapes = std::array::from_fn(|order| {
             let mut table = vec![0.0; count * samples];
@@ -64,7 +64,7 @@ impl SampledBasis {
     /// `samples` samples of a family.
     #[must_use]
     pub fn new(basis: MotionBasis, samples: usize) -> Self {
-        let tables = basis.shapes().iter().map(|shape| ShapeTable::new(shape, samples)).collect();
+        let tables = basis.shapes().iter().map(|shape| ShapeTable::new(&**shape, samples)).collect();
         Self { basis, samples, tables }
     }
 
@@ -220,7 +220,7 @@ mod tests {
             let near = basis.trajectory(&basis.nearest(&series).unwrap()).sample(50);
             let far = series.sample(50);
             let error = (0..50).map(|k| (near.q(k)[1] - far.q(k)[1]).abs()).fold(0.0, f64::max);
-            match basis.family() {
+            match Family::parse(basis.family().name()).expect("a family of the list") {
                 Family::Fourier => assert!(error < 1e-15),
                 // The polynomial takes the velocity of the ends away: another motion.
                 Family::FourierQuintic => assert!(error > 0.01),

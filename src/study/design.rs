@@ -55,12 +55,12 @@ impl StudyDesign {
         self.values().iter().find(|(value, _)| *value == name).map_or(f64::INFINITY, |(_, value)| *value)
     }
 
-    fn of(family: usize, start: usize, design: Design) -> Self {
+    fn of(family: usize, start: usize, criterion: CriterionKind, design: Design) -> Self {
         Self {
             family,
             start,
             trajectory: design.trajectory,
-            criterion: Some(design.criterion),
+            criterion: Some(criterion),
             certificate: design.certificate,
             evaluations: design.evaluations,
             iterations: design.iterations,
@@ -99,11 +99,12 @@ impl StudySetup {
         let index = start as u64;
         match plan.method {
             DesignMethod::Optimised => {
-                Ok(StudyDesign::of(family, start, design(&self.problem_of(family, before)?, seed, index)?))
+                let problem = self.problem_of(family, before)?;
+                Ok(StudyDesign::of(family, start, plan.criterion()?, design(&problem, seed, index)?))
             }
             DesignMethod::Random => {
                 let problem = self.problem_of(family, before)?;
-                Ok(StudyDesign::of(family, start, random_design(&problem, seed, index)?))
+                Ok(StudyDesign::of(family, start, plan.criterion()?, random_design(&problem, seed, index)?))
             }
             DesignMethod::Repeated => {
                 let made = before.last().expect("the plan has been checked").clone();

@@ -72,6 +72,32 @@ pub enum TrajectoryError {
         /// Degree of the spline.
         degree: usize,
     },
+    /// A trajectory is of another family than the one that is asked for.
+    #[error("trajectory: family is another one, expected {expected}")]
+    OtherFamily {
+        /// Name of the family that is asked for.
+        expected: &'static str,
+    },
+    /// A joint's series has more harmonics than are asked for.
+    #[error("trajectory: number of harmonics of joint \"{joint}\" is {found}, expected at most {most}")]
+    Harmonics {
+        /// Name of the joint.
+        joint: String,
+        /// Harmonics of the trajectory.
+        found: usize,
+        /// Harmonics that are asked for.
+        most: usize,
+    },
+    /// A joint has another number of coefficients than are asked for.
+    #[error("trajectory: number of knots of joint \"{joint}\" is {found}, expected {expected}")]
+    OtherKnots {
+        /// Name of the joint.
+        joint: String,
+        /// Knots of the trajectory.
+        found: usize,
+        /// Knots that are asked for.
+        expected: usize,
+    },
     /// A joint has another number of speeds than there are segments.
     #[error("trajectory: joint \"{joint}\" is {found} speeds, expected {segments}, one for each segment")]
     Speeds {

@@ -1,12 +1,16 @@
-//! The families of trajectories in which a design is sought.
+//! The list of families of trajectories in which a design is sought.
+
+use std::sync::Arc;
 
 use super::b_spline::{BSplineJoint, BSplineTrajectory};
+use super::error::TrajectoryError;
 use super::fourier::{FourierJoint, FourierTrajectory};
 use super::fourier_quintic::FourierQuinticTrajectory;
+use super::linear_family::{ShapeFunctions, TrajectoryFamily};
 use super::periodic::PeriodicTrajectory;
 use super::shape::Shape;
 
-/// A family of trajectories, linear in its coefficients. All have 2H + 1 of them for a joint of H harmonics, so that
+/// A family of trajectories of the list. All have 2H + 1 of them for a joint of H harmonics, so that
 /// they can be compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -51,26 +55,30 @@ impl Family {
             Self::QuinticBSpline => Some(5),
         }
     }
+}
 
-    /// The least number of harmonics of a joint that moves: splines need a knot more than their degree.
-    #[must_use]
-    pub const fn least_harmonics(self) -> usize {
+impl TrajectoryFamily for Family {
+    fn name(&self) -> &'static str {
+        Self::name(*self)
+    }
+
+    /// Splines need a knot more than their degree.
+    fn least_harmonics(&self) -> usize {
         match self.degree() {
             None => 1,
             Some(degree) => degree.div_ceil(2),
         }
     }
 
-    /// The shape functions of a joint of `harmonics` harmonics.
-    pub(crate) const fn shape(self, period_s: f64, harmonics: usize) -> Shape {
-        match self.degree() {
+    fn shape(&self, period_s: f64, harmonics: usize) -> Arc<dyn ShapeFunctions> {
+        Arc::new(match self.degree() {
             None => Shape::Series { period_s, harmonics, at_rest: matches!(self, Self::FourierQuintic) },
             Some(degree) => Shape::Spline { period_s, degree, knots: 2 * harmonics + 1 },
-        }
+        })
     }
 
-    /// The trajectory of the coefficients of all joints, each of 2H + 1: `(a_1, b_1, …, a_H, b_H, q0)` or `c`.
-    pub(crate) fn trajectory(self, period_s: f64, joints: Vec<(String, Vec<f64>)>) -> PeriodicTrajectory {
+    /// Each joint has 2H + 1 coefficients: `(a_1, b_1, …, a_H, b_H, q0)` or `c`.
+    fn trajectory(&self, period_s: f64, joints: Vec<(String, Vec<f64>)>) -> PeriodicTrajectory {
         let Some(degree) = self.degree() else {
             // A file has one number of harmonics: joints with fewer have zeros.
             let harmonics = joints.iter().map(|(_, values)| values.len() / 2).max().unwrap_or(0);
@@ -93,20 +101,47 @@ impl Family {
         BSplineTrajectory { period_s, degree, joints: joints.collect() }.into()
     }
 
-    /// The coefficients of every joint of a trajectory of this family, as [`Self::trajectory`] takes them.
-    pub(crate) fn coefficients(self, trajectory: &PeriodicTrajectory) -> Option<Vec<Vec<f64>>> {
+    /// Harmonics that a series lacks are zero.
+    fn coefficients(
+        &self,
+        trajectory: &PeriodicTrajectory,
+        joint: usize,
+        harmonics: usize,
+    ) -> Result<Vec<f64>, TrajectoryError> {
         let series = match (self, trajectory) {
             (Self::Fourier, PeriodicTrajectory::Fourier(series)) => series,
             (Self::FourierQuintic, PeriodicTrajectory::FourierQuintic(motion)) => &motion.series,
             (_, PeriodicTrajectory::BSpline(splines)) if Some(splines.degree) == self.degree() => {
-                return Some(splines.joints.iter().map(|joint| joint.c.clone()).collect());
+                let BSplineJoint { name, c } = &splines.joints[joint];
+                let (found, expected) = (c.len(), 2 * harmonics + 1);
+                if found != expected {
+                    return Err(TrajectoryError::OtherKnots { joint: name.clone(), found, expected });
+                }
+                return Ok(c.clone());
             }
-            _ => return None,
+            _ => return Err(TrajectoryError::OtherFamily { expected: self.name() }),
         };
-        let block = |joint: &FourierJoint| {
-            let pairs = joint.a.iter().zip(&joint.b).flat_map(|(&a, &b)| [a, b]);
-            pairs.chain([joint.q0]).collect()
-        };
-        Some(series.joints.iter().map(block).collect())
+        let FourierJoint { name, a, b, q0 } = &series.joints[joint];
+        if a.iter().skip(harmonics).chain(b.iter().skip(harmonics)).any(|&amplitude| amplitude != 0.0) {
+            return Err(TrajectoryError::Harmonics { joint: name.clone(), found: a.len(), most: harmonics });
+        }
+        let mut pairs: Vec<f64> = a.iter().zip(b).flat_map(|(&a, &b)| [a, b]).collect();
+        pairs.resize(2 * harmonics, 0.0);
+        pairs.push(*q0);
+        Ok(pairs)
+    }
+
+    fn of_series(&self, series: &FourierTrajectory) -> Option<PeriodicTrajectory> {
+        match self {
+            Self::Fourier => Some(series.clone().into()),
+            Self::FourierQuintic => Some(FourierQuinticTrajectory::from(series.clone()).into()),
+            Self::CubicBSpline | Self::QuinticBSpline => None,
+        }
+    }
+}
+
+impl From<Family> for Arc<dyn TrajectoryFamily> {
+    fn from(family: Family) -> Self {
+        Arc::new(family)
     }
 }

@@ -3,6 +3,7 @@
 use super::b_spline::BSplineTrajectory;
 use super::constant_speed::ConstantSpeedTrajectory;
 use super::curve::Curve;
+use super::custom::CustomTrajectory;
 use super::definition::{PeriodicMotion, Trajectory};
 use super::fourier::FourierTrajectory;
 use super::fourier_quintic::FourierQuinticTrajectory;
@@ -28,6 +29,8 @@ pub enum PeriodicTrajectory {
     BSpline(BSplineTrajectory),
     /// Segments at constant speed, for calibrations.
     ConstantSpeed(ConstantSpeedTrajectory),
+    /// One from outside of this list.
+    Custom(CustomTrajectory),
 }
 
 impl PeriodicTrajectory {
@@ -38,6 +41,7 @@ impl PeriodicTrajectory {
             Self::FourierQuintic(motion) => motion,
             Self::BSpline(motion) => motion,
             Self::ConstantSpeed(motion) => motion,
+            Self::Custom(motion) => motion.motion(),
         }
     }
 
@@ -47,6 +51,7 @@ impl PeriodicTrajectory {
             Self::FourierQuintic(motion) => motion,
             Self::BSpline(motion) => motion,
             Self::ConstantSpeed(motion) => motion,
+            Self::Custom(motion) => motion.motion_mut(),
         }
     }
 
@@ -141,6 +146,12 @@ impl From<FourierQuinticTrajectory> for PeriodicTrajectory {
 impl From<ConstantSpeedTrajectory> for PeriodicTrajectory {
     fn from(motion: ConstantSpeedTrajectory) -> Self {
         Self::ConstantSpeed(motion)
+    }
+}
+
+impl From<CustomTrajectory> for PeriodicTrajectory {
+    fn from(motion: CustomTrajectory) -> Self {
+        Self::Custom(motion)
     }
 }
 

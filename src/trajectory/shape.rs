@@ -10,6 +10,7 @@ use std::f64::consts::TAU;
 
 use super::b_spline::coefficient;
 use super::fourier_quintic::{CURVATURE, SLOPE};
+use super::linear_family::{MotionScale, ShapeFunctions};
 use super::piecewise::{derivative, horner};
 
 /// Grid points for each harmonic: the peak of the highest one falls at most 1 − cos(π/12) = 3 % on the grid.
@@ -23,24 +24,22 @@ const QUINTIC_HARMONICS: usize = 2;
 
 /// The shape functions of one joint.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub(crate) enum Shape {
+pub(super) enum Shape {
     /// `(a_1, b_1, …, a_H, b_H, q0)`.
     Series { period_s: f64, harmonics: usize, at_rest: bool },
     /// One value for each knot.
     Spline { period_s: f64, degree: usize, knots: usize },
 }
 
-impl Shape {
-    /// Number of coefficients.
-    pub(crate) const fn len(&self) -> usize {
+impl ShapeFunctions for Shape {
+    fn count(&self) -> usize {
         match self {
             Self::Series { harmonics, .. } => 2 * *harmonics + 1,
             Self::Spline { knots, .. } => *knots,
         }
     }
 
-    /// Points of one period between which no peak of a limited quantity hides.
-    pub(crate) const fn grid(&self) -> usize {
+    fn grid(&self) -> usize {
         match self {
             Self::Series { harmonics, at_rest: false, .. } => GRID_PER_HARMONIC * *harmonics,
             Self::Series { harmonics, at_rest: true, .. } => GRID_PER_HARMONIC * (*harmonics + QUINTIC_HARMONICS),
@@ -48,20 +47,7 @@ impl Shape {
         }
     }
 
-    /// The coefficients of standing still at 1 rad.
-    pub(crate) fn constant(&self) -> Vec<f64> {
-        match self {
-            Self::Series { .. } => {
-                let mut values = vec![0.0; self.len()];
-                values[self.len() - 1] = 1.0;
-                values
-            }
-            Self::Spline { knots, .. } => vec![1.0; *knots],
-        }
-    }
-
-    /// The derivative of this order with respect to time of every shape function at a phase.
-    pub(crate) fn fill(&self, phase: f64, order: usize, out: &mut [f64]) {
+    fn fill(&self, phase: f64, order: usize, out: &mut [f64]) {
         match *self {
             Self::Series { period_s, harmonics, at_rest } => {
                 series(period_s, harmonics, phase, order, out);
@@ -70,6 +56,29 @@ impl Shape {
                 }
             }
             Self::Spline { period_s, degree, knots } => spline(period_s, degree, knots, phase, order, out),
+        }
+    }
+
+    fn constant(&self) -> Vec<f64> {
+        match self {
+            Self::Series { .. } => {
+                let mut values = vec![0.0; self.count()];
+                values[self.count() - 1] = 1.0;
+                values
+            }
+            Self::Spline { knots, .. } => vec![1.0; *knots],
+        }
+    }
+
+    fn scales(&self, scale: &MotionScale) -> Vec<f64> {
+        match self {
+            // Amplitudes of speed, and a position.
+            Self::Series { .. } => {
+                let mut scales = vec![scale.speed; self.count()];
+                scales[self.count() - 1] = scale.range;
+                scales
+            }
+            Self::Spline { .. } => vec![scale.speed / scale.omega; self.count()],
         }
     }
 }
@@ -128,7 +137,7 @@ fn spline(period_s: f64, degree: usize, knots: usize, phase: f64, order: usize, 
 #[cfg(test)]
 mod tests {
     use crate::seed::Seed;
-    use crate::trajectory::{Family, PeriodicMotion, PeriodicTrajectory};
+    use crate::trajectory::{Family, TrajectoryFamily};
     use rand::RngExt;
 
     #[test]
@@ -136,18 +145,12 @@ mod tests {
         for family in Family::ALL {
             let shape = family.shape(7.0, 4);
             let mut rng = Seed::new(31).stream(family.name(), 0);
-            let values: Vec<f64> = (0..shape.len()).map(|_| rng.random_range(-1.0..1.0)).collect();
+            let values: Vec<f64> = (0..shape.count()).map(|_| rng.random_range(-1.0..1.0)).collect();
             let trajectory = family.trajectory(7.0, vec![(String::new(), values.clone())]);
-            assert_eq!(family.coefficients(&trajectory), Some(vec![values.clone()]));
-            let motion: &dyn PeriodicMotion = match &trajectory {
-                PeriodicTrajectory::Fourier(motion) => motion,
-                PeriodicTrajectory::FourierQuintic(motion) => motion,
-                PeriodicTrajectory::BSpline(motion) => motion,
-                PeriodicTrajectory::ConstantSpeed(motion) => motion,
-            };
-            let mut row = vec![0.0; shape.len()];
+            assert_eq!(family.coefficients(&trajectory, 0, 4), Ok(values.clone()));
+            let mut row = vec![0.0; shape.count()];
             for order in 0..=4 {
-                let curve = motion.curve(0, order);
+                let curve = trajectory.derivative(0, order);
                 for k in 0..40 {
                     let phase = 0.155 * f64::from(k) + 0.01;
                     shape.fill(phase, order, &mut row);

@@ -140,6 +140,7 @@ impl PeriodicTrajectory {
             Self::ConstantSpeed(ConstantSpeedTrajectory { change_s, stretch_s, joints }) => {
                 write(&StretchesOut { family: "constant-speed", change_s: *change_s, stretch_s, joint: joints })
             }
+            Self::Custom(motion) => motion.to_toml(),
         }
     }
 }

@@ -132,7 +132,7 @@ impl DesignAnswer<'_> {
         let (best, certificate) = (self.best, &self.best.certificate);
         json!({
             "robot": self.problem.robot().name(),
-            "criterion": best.criterion.name(),
+            "criterion": best.criterion,
             "columns": self.problem.objective().columns().to_string(),
             "family": self.problem.space().family().name(),
             "seed": self.seed,
@@ -177,7 +177,7 @@ impl DesignAnswer<'_> {
             "{}: {} over {} base parameters ({}), the best of {} starts in {:.2} s\n{} after {} iterations and {} \
              evaluations; {}\n\n",
             self.problem.robot().name(),
-            best.criterion.name(),
+            best.criterion,
             self.problem.base().rank(),
             self.problem.objective().columns(),
             self.designs.len(),

@@ -146,7 +146,7 @@ fn draw(path: &Path, problem: &DesignProblem, found: &Found, best: &Design) -> R
     let joints: Vec<String> = problem.robot().joints().iter().map(|joint| joint.name.clone()).collect();
     let example = LimitExample::of(problem.robot(), problem.limits().nominal(), &best.trajectory);
     let heading = Heading::new("limits", format!("{robot}: the design against its limits"))
-        .subtitle(format!("one period, optimised for {}", best.criterion.name()));
+        .subtitle(format!("one period, optimised for {}", best.criterion));
     let convergence = design_convergence(robot, &found.designs, found.baseline.as_ref());
     let limits = limits_figure(&example, &joints, heading);
     let drawn =

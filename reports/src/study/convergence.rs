@@ -3,7 +3,7 @@
 use armid::excitation::CriterionKind;
 use armid::study::{ReportInput, StudyDesign};
 
-use crate::design::convergence_panel;
+use crate::design::{convergence_panel, value_axis};
 use crate::{ConvergenceFigure, ConvergencePanel, Curve, DocumentError, GroupStyle, Heading, Section};
 
 pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
@@ -17,7 +17,8 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
                 .filter(|design| design.criterion == Some(criterion) && design.history.len() > 1)
                 .map(|design| curve(input, design))
                 .collect();
-            (!curves.is_empty()).then(|| convergence_panel(criterion.name().to_owned(), criterion, curves))
+            (!curves.is_empty())
+                .then(|| convergence_panel(criterion.name().to_owned(), value_axis(criterion.name()), curves))
         })
         .collect();
     let section = Section::new("Convergence of the designs");

@@ -13,6 +13,10 @@ use super::definition::{Criterion, Score};
 pub struct AOptimal;
 
 impl Criterion for AOptimal {
+    fn name(&self) -> &'static str {
+        "a-optimal"
+    }
+
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         let Some(factor) = m.clone().cholesky() else {
             if let Some(s) = sensitivity {
@@ -40,10 +44,6 @@ impl Criterion for AOptimal {
     }
 
     fn is_weighted(&self) -> bool {
-        true
-    }
-
-    fn is_smooth(&self) -> bool {
         true
     }
 }

@@ -35,6 +35,10 @@ impl Condition {
 }
 
 impl Criterion for Condition {
+    fn name(&self) -> &'static str {
+        "condition"
+    }
+
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         match self.sharpness {
             None => log_condition(m, sensitivity),
@@ -46,7 +50,7 @@ impl Criterion for Condition {
         libm::exp(value)
     }
 
-    fn is_smooth(&self) -> bool {
-        self.sharpness.is_some()
+    fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
+        Some(Box::new(Self::smooth(sharpness)))
     }
 }

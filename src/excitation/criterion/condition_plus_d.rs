@@ -29,6 +29,10 @@ impl ConditionPlusD {
 }
 
 impl Criterion for ConditionPlusD {
+    fn name(&self) -> &'static str {
+        "condition-plus-d"
+    }
+
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         spectral(m, sensitivity, |values, weights| {
             let (low, high) = extremes(values);
@@ -61,7 +65,7 @@ impl Criterion for ConditionPlusD {
         value
     }
 
-    fn is_smooth(&self) -> bool {
-        self.sharpness.is_some()
+    fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
+        Some(Box::new(Self::smooth(sharpness)))
     }
 }

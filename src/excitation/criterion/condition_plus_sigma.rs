@@ -31,6 +31,10 @@ impl ConditionPlusSigma {
 }
 
 impl Criterion for ConditionPlusSigma {
+    fn name(&self) -> &'static str {
+        "condition-plus-sigma"
+    }
+
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         spectral(m, sensitivity, |values, weights| {
             let (low, high) = extremes(values);
@@ -55,7 +59,7 @@ impl Criterion for ConditionPlusSigma {
         libm::exp(value)
     }
 
-    fn is_smooth(&self) -> bool {
-        self.sharpness.is_some()
+    fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
+        Some(Box::new(Self::smooth(sharpness)))
     }
 }

@@ -33,6 +33,10 @@ impl ConditionScaled {
 }
 
 impl Criterion for ConditionScaled {
+    fn name(&self) -> &'static str {
+        "condition-scaled"
+    }
+
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         let b = m.nrows();
         if m.diagonal().iter().any(|&x| x.is_nan() || x <= 0.0) {
@@ -63,7 +67,7 @@ impl Criterion for ConditionScaled {
         libm::exp(value)
     }
 
-    fn is_smooth(&self) -> bool {
-        self.sharpness.is_some()
+    fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
+        Some(Box::new(Self::smooth(sharpness)))
     }
 }

@@ -12,6 +12,10 @@ use super::definition::{Criterion, Score};
 pub struct DOptimal;
 
 impl Criterion for DOptimal {
+    fn name(&self) -> &'static str {
+        "d-optimal"
+    }
+
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         let Some(factor) = m.clone().cholesky() else {
             if let Some(s) = sensitivity {
@@ -42,10 +46,6 @@ impl Criterion for DOptimal {
     }
 
     fn is_weighted(&self) -> bool {
-        true
-    }
-
-    fn is_smooth(&self) -> bool {
         true
     }
 }

@@ -1,5 +1,7 @@
 //! What every criterion is: a value of an information matrix, and its derivative.
 
+use std::fmt;
+
 use nalgebra::DMatrix;
 
 /// A criterion's value.
@@ -19,8 +21,14 @@ impl Score {
     }
 }
 
-/// A number to be minimised, made from an information matrix. Its laws are in `conformance::criterion_laws`.
-pub trait Criterion: Send + Sync {
+/// A number to be minimised, made from an information matrix.
+///
+/// The list is [`CriterionKind`](super::CriterionKind); one from outside is used like those of the list. Laws that every
+/// criterion obeys are in `conformance::criterion_laws`.
+pub trait Criterion: fmt::Debug + Send + Sync {
+    /// Its name, as `d-optimal`.
+    fn name(&self) -> &'static str;
+
     /// Its value for the information `m` (b × b, symmetric), and where `sensitivity` is given (b × b, overwritten)
     /// the symmetric S with `d value = tr(S dM)`. Infinite where M is not positive definite; S is zero there.
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score;
@@ -39,9 +47,11 @@ pub trait Criterion: Send + Sync {
         false
     }
 
-    /// Whether it is smooth wherever M is positive definite.
-    fn is_smooth(&self) -> bool {
-        false
+    /// A smooth stand-in for the optimiser, nowhere below the criterion and the closer to it the larger `sharpness` is;
+    /// `None` of a criterion that is smooth itself wherever M is positive definite.
+    fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
+        let _ = sharpness;
+        None
     }
 }
 

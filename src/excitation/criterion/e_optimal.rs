@@ -30,6 +30,10 @@ impl EOptimal {
 }
 
 impl Criterion for EOptimal {
+    fn name(&self) -> &'static str {
+        "e-optimal"
+    }
+
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         spectral(m, sensitivity, |values, weights| {
             let (low, _) = extremes(values);
@@ -58,7 +62,7 @@ impl Criterion for EOptimal {
         true
     }
 
-    fn is_smooth(&self) -> bool {
-        self.sharpness.is_some()
+    fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
+        Some(Box::new(Self::smooth(sharpness)))
     }
 }

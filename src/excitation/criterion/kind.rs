@@ -1,5 +1,7 @@
 //! The list of criteria.
 
+use std::sync::Arc;
+
 use super::a_optimal::AOptimal;
 use super::condition::Condition;
 use super::condition_plus_d::ConditionPlusD;
@@ -43,16 +45,8 @@ impl CriterionKind {
 
     /// Its name on the command line and in files.
     #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Condition => "condition",
-            Self::ConditionScaled => "condition-scaled",
-            Self::DOptimal => "d-optimal",
-            Self::AOptimal => "a-optimal",
-            Self::EOptimal => "e-optimal",
-            Self::ConditionPlusSigma => "condition-plus-sigma",
-            Self::ConditionPlusD => "condition-plus-d",
-        }
+    pub fn name(self) -> &'static str {
+        self.criterion().name()
     }
 
     /// The criterion with this name.
@@ -79,21 +73,14 @@ impl CriterionKind {
     /// smooth already.
     #[must_use]
     pub fn smooth(self, sharpness: f64) -> Box<dyn Criterion> {
-        match self {
-            Self::Condition => Box::new(Condition::smooth(sharpness)),
-            Self::ConditionScaled => Box::new(ConditionScaled::smooth(sharpness)),
-            Self::DOptimal => Box::new(DOptimal),
-            Self::AOptimal => Box::new(AOptimal),
-            Self::EOptimal => Box::new(EOptimal::smooth(sharpness)),
-            Self::ConditionPlusSigma => Box::new(ConditionPlusSigma::smooth(sharpness)),
-            Self::ConditionPlusD => Box::new(ConditionPlusD::smooth(sharpness)),
-        }
+        let criterion = self.criterion();
+        criterion.smoothed(sharpness).unwrap_or(criterion)
     }
 
     /// Whether it is smooth wherever M is positive definite.
     #[must_use]
     pub fn is_smooth(self) -> bool {
-        self.criterion().is_smooth()
+        self.criterion().smoothed(1.0).is_none()
     }
 
     /// Whether it is one of the information, as [`Criterion::is_weighted`].
@@ -116,6 +103,12 @@ impl CriterionKind {
     }
 }
 
+impl From<CriterionKind> for Arc<dyn Criterion> {
+    fn from(kind: CriterionKind) -> Self {
+        kind.criterion().into()
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -124,7 +117,7 @@ mod tests {
     fn identity_names_parse_back() {
         for kind in CriterionKind::ALL {
             assert_eq!(CriterionKind::parse(kind.name()), Some(kind));
-            assert!(kind.smooth(8.0).is_smooth());
+            assert_eq!(kind.smooth(8.0).name(), kind.name());
             assert_eq!(serde_json::to_string(&kind).unwrap(), format!("\"{}\"", kind.name()));
             assert_eq!(kind.is_larger_better(), kind.report(1.0) > kind.report(2.0));
         }

@@ -1,6 +1,7 @@
 //! What makes a design good: a criterion of the information on the base parameters.
 
 use std::f64::consts::PI;
+use std::sync::Arc;
 
 use nalgebra::DMatrix;
 use rand::RngExt;
@@ -8,7 +9,7 @@ use rand::RngExt;
 use super::space::DesignSpace;
 use crate::base::{BaseReduction, Method, reduce, reduce_on};
 use crate::dynamics::States;
-use crate::excitation::criterion::CriterionKind;
+use crate::excitation::criterion::Criterion;
 use crate::excitation::error::{ExcitationError, above_zero, same_length};
 use crate::model::{Columns, Robot};
 use crate::seed::Seed;
@@ -25,7 +26,7 @@ const SAMPLES: usize = 100;
 pub struct DesignObjective {
     columns: Columns,
     base: BaseReduction,
-    criterion: CriterionKind,
+    criterion: Arc<dyn Criterion>,
     samples: usize,
     noise: Option<Vec<f64>>,
     prior: Option<DMatrix<f64>>,
@@ -33,7 +34,7 @@ pub struct DesignObjective {
 
 impl DesignObjective {
     /// On a base of motions in which every joint moves.
-    pub(super) fn new(robot: &Robot, columns: Columns, criterion: CriterionKind) -> Result<Self, ExcitationError> {
+    pub(super) fn new(robot: &Robot, columns: Columns, criterion: Arc<dyn Criterion>) -> Result<Self, ExcitationError> {
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
         Ok(Self { columns, base, criterion, samples: SAMPLES, noise: None, prior: None })
     }
@@ -52,8 +53,13 @@ impl DesignObjective {
 
     /// What is minimised.
     #[must_use]
-    pub const fn criterion(&self) -> CriterionKind {
-        self.criterion
+    pub fn criterion(&self) -> &dyn Criterion {
+        &*self.criterion
+    }
+
+    /// The criterion as the optimiser sees it: smoothed to `sharpness` where it has kinks.
+    pub(crate) fn smoothed(&self, sharpness: f64) -> Arc<dyn Criterion> {
+        self.criterion.smoothed(sharpness).map_or_else(|| Arc::clone(&self.criterion), Arc::from)
     }
 
     /// Samples of one period that were asked for.

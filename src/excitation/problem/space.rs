@@ -1,7 +1,9 @@
 //! Where a design is sought.
 
+use std::sync::Arc;
+
 use crate::excitation::error::{ExcitationError, above_zero};
-use crate::trajectory::Family;
+use crate::trajectory::TrajectoryFamily;
 
 /// The trajectories among which a design is sought: family, period, harmonics, and the joints that stand still.
 ///
@@ -12,22 +14,27 @@ use crate::trajectory::Family;
 /// assert_eq!(space.frozen(), [None, Some(0.2)]);
 /// assert!(space.with_frozen(2, 0.0).is_err());
 /// ```
-#[derive(Clone, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub struct DesignSpace {
-    family: Family,
+    family: Arc<dyn TrajectoryFamily>,
     period_s: f64,
     harmonics: Vec<usize>,
     frozen: Vec<Option<f64>>,
 }
 
 impl DesignSpace {
-    /// The members of a family with this period (s) and with as many `harmonics` of each joint (n); splines have 2H + 1
+    /// The members of a family, of the list ([`Family`](crate::trajectory::Family)) or from outside, with this period (s) and with as many `harmonics` of each joint (n); splines have 2H + 1
     /// knots.
     ///
     /// # Errors
     /// [`ExcitationError::NotPositive`] if the period is no finite number above zero, [`ExcitationError::TooFew`] without
     /// joints.
-    pub fn new(family: Family, period_s: f64, harmonics: Vec<usize>) -> Result<Self, ExcitationError> {
+    pub fn new(
+        family: impl Into<Arc<dyn TrajectoryFamily>>,
+        period_s: f64,
+        harmonics: Vec<usize>,
+    ) -> Result<Self, ExcitationError> {
+        let family = family.into();
         above_zero("period", period_s, "s")?;
         if harmonics.is_empty() {
             return Err(ExcitationError::TooFew { quantity: "joints", found: 0, least: 1 });
@@ -52,8 +59,8 @@ impl DesignSpace {
 
     /// The family.
     #[must_use]
-    pub const fn family(&self) -> Family {
-        self.family
+    pub const fn family(&self) -> &Arc<dyn TrajectoryFamily> {
+        &self.family
     }
 
     /// Period T, s.
