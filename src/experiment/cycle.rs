@@ -1,13 +1,11 @@
-//! The servo between two steps of its plant: sensors, controller, phases, samples. No plant inside, so that several
-//! runs can share the steps of one.
+//! An experiment between two steps of its plant: commands, phases, samples around the loop of the joints. No plant inside,
+//! so that several runs can share the steps of one.
 
 use std::sync::Arc;
 
-use super::effects::{ActualDrives, SampleClock};
-use super::motors::Motors;
-use super::sensing::Sensors;
-use super::{CommandTable, Divergence, Ending, JointPid, Layout, Phase, RawSample, Rest, Sink, Tracking, Transmission};
-use crate::model::{EffortInterface, Robot};
+use super::effects::SampleClock;
+use super::{CommandTable, Divergence, Ending, JointLoop, Layout, Phase, PlantError, RawSample, Rest, Sink, Tracking};
+use crate::model::Robot;
 
 /// The true state behind one sample, for tests, scoring and bounds; no sensor sees it. All slices have length n.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -43,32 +41,15 @@ pub struct Cycle {
     table: Arc<CommandTable>,
     rate_hz: f64,
     per_sample: usize,
-    effort: EffortInterface,
-    joints: Vec<String>,
+    names: Vec<String>,
     /// Ten times the speed limits.
     runaway: Vec<f64>,
-    transmission: Transmission,
-    motors: Motors,
-    controller: JointPid,
-    sensors: Sensors,
-    drives: Option<Box<ActualDrives>>,
+    joints: JointLoop,
     clock: Option<SampleClock>,
     tracking: Tracking,
     step: usize,
     sample: usize,
     phase: usize,
-    q_motor: Vec<f64>,
-    qd_motor: Vec<f64>,
-    command_motor: Vec<f64>,
-    measured: Vec<f64>,
-    current: Vec<f64>,
-    before: Vec<f64>,
-    torque_motor: Vec<f64>,
-    tau: Vec<f64>,
-    sensed: Vec<f64>,
-    q_sample: Vec<f64>,
-    effort_sample: Vec<f64>,
-    voltage_sample: Vec<f64>,
 }
 
 /// Everything a cycle is made of.
@@ -78,69 +59,33 @@ pub(super) struct CycleSpec<'a> {
     pub(super) table: Arc<CommandTable>,
     pub(super) rate_hz: f64,
     pub(super) per_sample: usize,
-    pub(super) transmission: Transmission,
-    pub(super) motors: Motors,
-    pub(super) controller: JointPid,
-    pub(super) sensors: Sensors,
-    pub(super) drives: Option<ActualDrives>,
+    pub(super) joints: JointLoop,
     pub(super) clock: Option<SampleClock>,
 }
 
 impl Cycle {
     pub(super) fn new(spec: CycleSpec<'_>) -> Self {
-        let CycleSpec {
-            robot,
-            layout,
-            table,
-            rate_hz,
-            per_sample,
-            transmission,
-            motors,
-            mut controller,
-            sensors,
-            drives,
-            clock,
-        } = spec;
-        controller.reset();
-        let n = robot.dof();
-        let zero = || vec![0.0; n];
+        let CycleSpec { robot, layout, table, rate_hz, per_sample, joints, clock } = spec;
         Self {
             layout,
             table,
             rate_hz,
             per_sample,
-            effort: robot.effort(),
-            joints: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+            names: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             runaway: robot.joints().iter().map(|joint| 10.0 * joint.limits.velocity).collect(),
-            transmission,
-            motors,
-            controller,
-            sensors,
-            drives: drives.map(Box::new),
+            joints,
             clock,
-            tracking: Tracking::new(n),
+            tracking: Tracking::new(robot.dof()),
             step: 0,
             sample: 0,
             phase: 0,
-            q_motor: zero(),
-            qd_motor: zero(),
-            command_motor: zero(),
-            measured: zero(),
-            current: zero(),
-            before: zero(),
-            torque_motor: zero(),
-            tau: zero(),
-            sensed: zero(),
-            q_sample: zero(),
-            effort_sample: zero(),
-            voltage_sample: zero(),
         }
     }
 
     /// Length of a servo step, s.
     #[must_use]
     pub fn dt(&self) -> f64 {
-        self.controller.dt()
+        self.joints.dt()
     }
 
     /// Where the plant must be at rest when the experiment begins, n.
@@ -152,21 +97,19 @@ impl Cycle {
     /// Steps of the plant in a servo step, of equal length: one, unless effects of the drives need more.
     #[must_use]
     pub fn parts(&self) -> usize {
-        self.drives.as_ref().map_or(1, |drives| drives.parts())
+        self.joints.parts()
     }
 
     /// What the motors exert on the joints until the next step of the plant, N·m (N); n.
     #[must_use]
     pub fn tau(&self) -> &[f64] {
-        &self.tau
+        self.joints.tau()
     }
 
     /// Decides [`Cycle::tau`] for the next of [`Cycle::parts`] steps of the plant, which is at `q`, `qd`. Without effects
     /// of the drives it stays what the servo step decided.
     pub fn push(&mut self, q: &[f64], qd: &[f64]) {
-        if let Some(drives) = &mut self.drives {
-            drives.push(q, qd, &mut self.tau);
-        }
+        self.joints.push(q, qd);
     }
 
     /// How well the command was followed so far; mean errors only after the end.
@@ -194,51 +137,22 @@ impl Cycle {
             return self.end(Ending::Diverged { t: self.step as f64 * self.dt(), phase, reason });
         }
         let command = self.table.row(self.step);
-        self.transmission.motor_motion(q, &mut self.q_motor);
-        self.transmission.motor_motion(command, &mut self.command_motor);
-        if let Some(drives) = &self.drives {
-            drives.positions(&mut self.q_motor);
-        }
-        self.sensors.positions(&self.q_motor, &mut self.measured);
-        self.before.copy_from_slice(&self.current);
-        let mut saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
-        self.transmission.motor_motion(qd, &mut self.qd_motor);
-        if let Some(drives) = &self.drives {
-            drives.speeds(&mut self.qd_motor);
-        }
-        saturated |= self.motors.saturate(&self.qd_motor, &mut self.current);
-        if self.step == 0 {
-            self.before.copy_from_slice(&self.current);
-        }
-        for i in 0..self.tau.len() {
-            self.torque_motor[i] = self.motors.per_ampere()[i] * self.current[i];
-        }
-        self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
-        if let Some(drives) = &mut self.drives {
-            drives.set(&self.current);
-        }
+        let saturated = self.joints.step(command, q, qd);
         self.tracking.saturated_steps += usize::from(saturated);
         if phase == Phase::Record {
-            self.tracking.add(command, q, &self.tau, &self.current);
+            self.tracking.add(command, q, self.joints.tau(), self.joints.current());
         }
         self.step += 1;
         if due {
             let (index, t) = (self.sample, self.sample as f64 / self.rate_hz);
             self.sample += 1;
-            let lost = self.read(qd);
-            let voltage: &[f64] = if self.sensors.has_voltage() {
-                if !lost {
-                    self.motors.voltages(&self.before, &self.current, &self.qd_motor, &mut self.voltage_sample);
-                    self.sensors.voltages(&mut self.voltage_sample);
-                }
-                &self.voltage_sample
-            } else {
-                &[]
-            };
-            observer(&TrueState { index, t, phase, q, qd, tau: &self.tau });
-            let command = self.table.row(self.step - 1);
-            let sample =
-                RawSample { index, t, phase, q: &self.q_sample, effort: &self.effort_sample, voltage, command };
+            // At the time that the sample is stamped with, unless the clock says otherwise. Where it is lost, the one before
+            // stands in its place.
+            let (late_s, lost) = self.clock.as_mut().map_or((0.0, false), |clock| (clock.lateness(), clock.loses()));
+            self.joints.sense_late(late_s, lost);
+            observer(&TrueState { index, t, phase, q, qd, tau: self.joints.tau() });
+            let (q, effort, voltage) = self.joints.reported();
+            let sample = RawSample { index, t, phase, q, effort, voltage, command };
             if sink.sample(&sample).ends() {
                 return self.end(Ending::Stopped { t, phase, rest: Rest::Simulated });
             }
@@ -247,7 +161,7 @@ impl Cycle {
     }
 
     /// Ends the experiment because the plant gave up.
-    pub fn fail(&mut self, fault: super::PlantError) -> Ending {
+    pub fn fail(&mut self, fault: PlantError) -> Ending {
         let phase = self.layout.spans.get(self.phase).map_or(Phase::RampOut, |span| span.phase);
         let t = self.step as f64 * self.dt();
         self.tracking.finish();
@@ -259,51 +173,12 @@ impl Cycle {
         Next::End(ending)
     }
 
-    /// Takes a sample, at the time that it is stamped with unless the clock says otherwise; returns whether it is lost,
-    /// so that the one before stands in its place.
-    fn read(&mut self, qd: &[f64]) -> bool {
-        let (mut late, mut lost) = (0.0, false);
-        if let Some(clock) = &mut self.clock {
-            (late, lost) = (clock.lateness(), clock.loses());
-            self.sensors.late = late / self.controller.dt();
-        }
-        if late != 0.0 {
-            self.transmission.motor_motion(qd, &mut self.qd_motor);
-            if let Some(drives) = &self.drives {
-                drives.speeds(&mut self.qd_motor);
-            }
-            for (q, qd) in self.q_motor.iter_mut().zip(&self.qd_motor) {
-                *q += late * qd;
-            }
-            self.sensors.positions(&self.q_motor, &mut self.measured);
-        }
-        self.sensors.currents(&self.before, &self.current, &mut self.sensed);
-        if !lost {
-            self.transmission.joint_motion(&self.measured, &mut self.q_sample);
-            self.report();
-        }
-        lost
-    }
-
-    /// Currents as the robot reports them.
-    fn report(&mut self) {
-        match self.effort {
-            EffortInterface::Current => self.effort_sample.copy_from_slice(&self.sensed),
-            EffortInterface::Torque => {
-                for i in 0..self.sensed.len() {
-                    self.torque_motor[i] = self.transmission.per_ampere()[i] * self.sensed[i];
-                }
-                self.transmission.joint_torque(&self.torque_motor, &mut self.effort_sample);
-            }
-        }
-    }
-
     fn runaway(&self, q: &[f64], qd: &[f64]) -> Option<Divergence> {
-        if let Some(fault) = super::PlantError::of_state(q, qd) {
+        if let Some(fault) = PlantError::of_state(q, qd) {
             return Some(Divergence::Plant(fault));
         }
         let i = (0..qd.len()).find(|&i| qd[i].abs() > self.runaway[i])?;
-        Some(Divergence::Speed { joint: self.joints[i].clone(), found: qd[i].abs(), limit: self.runaway[i] / 10.0 })
+        Some(Divergence::Speed { joint: self.names[i].clone(), found: qd[i].abs(), limit: self.runaway[i] / 10.0 })
     }
 }
 

@@ -1,9 +1,11 @@
-//! The servo of all joints between two steps of a plant, for callers that bring their own commands: encoders, controller,
-//! current limit, transmission, ammeters. No plan inside, and no plant.
+//! The servo of all joints between two steps of a plant: encoders, controller, current limit, transmission, ammeters. No plan
+//! inside, and no plant.
 //!
-//! A [`super::Servo`] performs a plan; a robot controller follows any command. Both close the same loop.
+//! The one loop of the project: a [`super::Cycle`] closes it along a plan, with the effects of an arm where it has some; a
+//! robot controller closes it around any command.
 
 use super::controller::gain_pose;
+use super::effects::{ActualArm, ActualDrives};
 use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{JointPid, Sensing, ServoError, Transmission};
@@ -34,6 +36,9 @@ pub struct JointLoop {
     motors: Motors,
     controller: JointPid,
     sensors: Sensors,
+    /// What the arm's drives make of set points; `None` where they exert what they are told.
+    drives: Option<Box<ActualDrives>>,
+    /// Whether no current has been held since the motors were switched on.
     fresh: bool,
     q_motor: Vec<f64>,
     qd_motor: Vec<f64>,
@@ -46,6 +51,7 @@ pub struct JointLoop {
     sensed: Vec<f64>,
     q: Vec<f64>,
     reported: Vec<f64>,
+    voltage: Vec<f64>,
 }
 
 fn drives(robot: &Robot) -> Vec<Drive> {
@@ -84,16 +90,23 @@ impl JointLoop {
         run: u64,
     ) -> Result<Self, ServoError> {
         let inertia = motor_inertia(robot, nominal)?;
+        let motors = Motors::new(&drives(robot), robot.servo().rate_hz);
+        Ok(Self::of(robot, &inertia, motors, Sensors::new(robot, sensing, seed, run)))
+    }
+
+    /// The loop with gains for motors of this inertia, kg·m² (n).
+    pub(super) fn of(robot: &Robot, inertia: &[f64], motors: Motors, sensors: Sensors) -> Self {
         let transmission = Transmission::new(robot);
         let limit: Vec<f64> = robot.joints().iter().map(|joint| joint.drive.current_limit).collect();
-        let controller = JointPid::new(robot.servo(), &inertia, transmission.per_ampere(), &limit);
+        let controller = JointPid::new(robot.servo(), inertia, transmission.per_ampere(), &limit);
         let zero = || vec![0.0; robot.dof()];
-        Ok(Self {
+        Self {
             effort: robot.effort(),
-            motors: Motors::new(&drives(robot), robot.servo().rate_hz),
-            sensors: Sensors::new(robot, sensing, seed, run),
+            motors,
+            sensors,
             transmission,
             controller,
+            drives: None,
             fresh: true,
             q_motor: zero(),
             qd_motor: zero(),
@@ -106,7 +119,14 @@ impl JointLoop {
             sensed: zero(),
             q: zero(),
             reported: zero(),
-        })
+            voltage: zero(),
+        }
+    }
+
+    /// The same loop around the drives of an arm with effects, whose plant is at rest at `start`.
+    pub(super) fn with_effects(mut self, arm: &ActualArm, start: &[f64]) -> Self {
+        self.drives = ActualDrives::of(arm, &self.transmission, self.motors.per_ampere(), start).map(Box::new);
+        self
     }
 
     /// The same loop around motors that are not what the robot file says, as [`super::Servo::with_motors`].
@@ -128,13 +148,30 @@ impl JointLoop {
         self.fresh = true;
     }
 
+    /// Steps of the plant in a servo step, of equal length: one, unless effects of the drives need more.
+    pub(super) fn parts(&self) -> usize {
+        self.drives.as_ref().map_or(1, |drives| drives.parts())
+    }
+
+    /// Decides [`JointLoop::tau`] for the next of [`JointLoop::parts`] steps of the plant, which is at `q`, `qd`. Without
+    /// effects of the drives it stays what the servo step decided.
+    pub(super) fn push(&mut self, q: &[f64], qd: &[f64]) {
+        if let Some(drives) = &mut self.drives {
+            drives.push(q, qd, &mut self.tau);
+        }
+    }
+
     /// One servo step: reads the encoders of an arm at `q` that moves with `qd` and decides [`JointLoop::tau`] for
     /// `command`, all in joint coordinates, n. Returns whether a current is at its limit; the speed matters only where
     /// the supply is that limit.
     pub fn step(&mut self, command: &[f64], q: &[f64], qd: &[f64]) -> bool {
-        self.transmission.motor_motion(qd, &mut self.qd_motor);
         self.transmission.motor_motion(q, &mut self.q_motor);
+        self.transmission.motor_motion(qd, &mut self.qd_motor);
         self.transmission.motor_motion(command, &mut self.command_motor);
+        if let Some(drives) = &self.drives {
+            drives.positions(&mut self.q_motor);
+            drives.speeds(&mut self.qd_motor);
+        }
         self.sensors.positions(&self.q_motor, &mut self.measured);
         self.before.copy_from_slice(&self.current);
         let mut saturated = self.controller.step(&self.command_motor, &self.measured, &mut self.current);
@@ -146,6 +183,9 @@ impl JointLoop {
             self.torque_motor[i] = self.motors.per_ampere()[i] * self.current[i];
         }
         self.transmission.joint_torque(&self.torque_motor, &mut self.tau);
+        if let Some(drives) = &mut self.drives {
+            drives.set(&self.current);
+        }
         saturated
     }
 
@@ -174,8 +214,25 @@ impl JointLoop {
     /// What the sensors say at this step, as the robot reports it: joint coordinates, rad (m), and effort in its unit;
     /// n each.
     pub fn sense(&mut self) -> (&[f64], &[f64]) {
-        self.transmission.joint_motion(&self.measured, &mut self.q);
+        self.sense_late(0.0, false);
+        (&self.q, &self.reported)
+    }
+
+    /// The same `late_s` seconds after the step, or not at all where the sample is `lost`: [`JointLoop::reported`] then
+    /// stays that of the one before.
+    pub(super) fn sense_late(&mut self, late_s: f64, lost: bool) {
+        self.sensors.late = late_s / self.controller.dt();
+        if late_s != 0.0 {
+            for (q, qd) in self.q_motor.iter_mut().zip(&self.qd_motor) {
+                *q += late_s * qd;
+            }
+            self.sensors.positions(&self.q_motor, &mut self.measured);
+        }
         self.sensors.currents(&self.before, &self.current, &mut self.sensed);
+        if lost {
+            return;
+        }
+        self.transmission.joint_motion(&self.measured, &mut self.q);
         match self.effort {
             EffortInterface::Current => self.reported.copy_from_slice(&self.sensed),
             EffortInterface::Torque => {
@@ -185,7 +242,15 @@ impl JointLoop {
                 self.transmission.joint_torque(&self.torque_motor, &mut self.reported);
             }
         }
-        (&self.q, &self.reported)
+        if self.sensors.has_voltage() {
+            self.motors.voltages(&self.before, &self.current, &self.qd_motor, &mut self.voltage);
+            self.sensors.voltages(&mut self.voltage);
+        }
+    }
+
+    /// The last sample: positions, rad (m), efforts in the robot's unit, and voltages, V, where they are reported; n each.
+    pub(super) fn reported(&self) -> (&[f64], &[f64], &[f64]) {
+        (&self.q, &self.reported, if self.sensors.has_voltage() { &self.voltage } else { &[] })
     }
 }
 

@@ -7,8 +7,8 @@ use super::joint_loop::motor_inertia;
 use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{
-    ActualArm, Arm, ArmError, CommandTable, Cycle, Ending, ExperimentPlan, JointPid, Next, Plant, Recording, Sensing,
-    Sink, Tracking, Transmission, TrueState,
+    ActualArm, Arm, ArmError, CommandTable, Cycle, Ending, ExperimentPlan, JointLoop, Next, Plant, Recording, Sensing,
+    ServoError, Sink, Tracking, TrueState,
 };
 use crate::model::{Drive, Robot, StandardParameters};
 use crate::provenance::Provenance;
@@ -69,29 +69,6 @@ pub struct Servo<P> {
     motors: Vec<Drive>,
     actual: Option<ActualArm>,
     tracking: Option<Tracking>,
-}
-
-/// Why a servo cannot be built.
-#[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum ServoError {
-    /// Plant, parameters and robot do not belong together.
-    #[error("{quantity} has {found} joints, expected the robot's {expected}")]
-    Dof {
-        /// What does not fit.
-        quantity: &'static str,
-        /// Its number of joints.
-        found: usize,
-        /// The robot's.
-        expected: usize,
-    },
-    /// The nominal parameters give a motor no inertia to place gains on.
-    #[error("motor of joint \"{joint}\": nominal inertia is {inertia} kg·m² at the gain pose, expected above zero")]
-    Inertia {
-        /// Name of the joint.
-        joint: String,
-        /// What was found.
-        inertia: f64,
-    },
 }
 
 impl<P: Plant> Servo<P> {
@@ -218,28 +195,27 @@ impl<P: Plant> Servo<P> {
             return Err(ArmError::Rate { servo_hz: tuning.rate_hz, rate_hz: plan.rate_hz });
         }
         let per_sample = ratio.round() as usize;
-        let transmission = Transmission::new(&self.robot);
-        let limit: Vec<f64> = self.robot.joints().iter().map(|joint| joint.drive.current_limit).collect();
-        let controller = JointPid::new(tuning, &self.inertia, transmission.per_ampere(), &limit);
         let table = Arc::new(CommandTable::new(plan, &layout, per_sample));
         let layout = Arc::new(layout);
         let actual = self.actual.as_ref();
-        let sensors = actual.map(|actual| actual.sensors(plan.rate_hz));
+        let actual_sensors = actual.map(|actual| actual.sensors(plan.rate_hz));
         let motors = Motors::new(&self.motors, tuning.rate_hz);
         let cycle = |&(seed, run): &(Seed, u64)| {
+            let sensors = Sensors::new(&self.robot, &self.sensing, seed, run);
+            let sensors = match &actual_sensors {
+                None => sensors,
+                Some(actual) => sensors.with_effects(actual),
+            };
+            let joints = JointLoop::of(&self.robot, &self.inertia, motors.clone(), sensors);
             Cycle::new(CycleSpec {
                 robot: &self.robot,
                 layout: Arc::clone(&layout),
                 table: Arc::clone(&table),
                 rate_hz: plan.rate_hz,
                 per_sample,
-                transmission: transmission.clone(),
-                drives: actual.and_then(|actual| actual.drives(&transmission, motors.per_ampere(), table.row(0))),
-                motors: motors.clone(),
-                controller: controller.clone(),
-                sensors: match &sensors {
-                    None => Sensors::new(&self.robot, &self.sensing, seed, run),
-                    Some(actual) => Sensors::new(&self.robot, &self.sensing, seed, run).with_effects(actual),
+                joints: match actual {
+                    None => joints,
+                    Some(actual) => joints.with_effects(actual, table.row(0)),
                 },
                 clock: actual.and_then(|actual| actual.clock(seed, run)),
             })

@@ -8,7 +8,7 @@ use super::elasticity::Spring;
 use super::warming::Warming;
 use super::{base_tilt, coloured_noise, draw, kinematics, sample_clock, tool};
 use crate::dynamics::Dynamics;
-use crate::experiment::{Transmission, gain_pose};
+use crate::experiment::gain_pose;
 use crate::model::term::{
     COULOMB, Carrier, LOAD_FRICTION, MOTOR_COULOMB, MOTOR_LOAD_FRICTION, MOTOR_STRIBECK, MOTOR_VISCOUS,
     MOTOR_WARM_VISCOUS, ROTOR, STRIBECK, Term, VISCOUS, WARM_VISCOUS,
@@ -247,16 +247,6 @@ impl ActualArm {
             (1e-6 * self.effects.magnitude(Kind::ClockJitter), self.effects.magnitude(Kind::DroppedSamples));
         let step = 1.0 / self.robot.servo().rate_hz;
         (jitter + lost > 0.0).then(|| sample_clock::SampleClock::new(jitter, lost, step, seed, run))
-    }
-
-    /// The drives of one run, where they do anything; motors of `per_ampere` N·m/A, the plant at rest at `start`.
-    pub(in crate::experiment) fn drives(
-        &self,
-        transmission: &Transmission,
-        per_ampere: &[f64],
-        start: &[f64],
-    ) -> Option<super::drives::ActualDrives> {
-        self.acts_on_drives().then(|| super::drives::ActualDrives::new(self, transmission, per_ampere, start))
     }
 }
 

@@ -53,7 +53,17 @@ enum Side {
 }
 
 impl ActualDrives {
-    pub(super) fn new(arm: &ActualArm, transmission: &Transmission, per_ampere: &[f64], start: &[f64]) -> Self {
+    /// The drives of one run of an arm, where they do anything; motors of `per_ampere` N·m/A, the plant at rest at `start`.
+    pub(in crate::experiment) fn of(
+        arm: &ActualArm,
+        transmission: &Transmission,
+        per_ampere: &[f64],
+        start: &[f64],
+    ) -> Option<Self> {
+        arm.acts_on_drives().then(|| Self::new(arm, transmission, per_ampere, start))
+    }
+
+    fn new(arm: &ActualArm, transmission: &Transmission, per_ampere: &[f64], start: &[f64]) -> Self {
         let n = start.len();
         let magnitude = |kind| arm.effects.magnitude(kind);
         let seed = arm.effects.seed();
