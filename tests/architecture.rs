@@ -250,25 +250,11 @@ fn a_mod_file_holds_no_logic() {
 
 /// Files of a module that may name each other, and why; a circle lies within one of these lists.
 const CIRCLES: &[(&str, &[&str], &str)] = &[
-    ("model", &["format/robot_file", "format/shape_tables"], "one file format in two files"),
-    ("model", &["columns", "parameters"], "columns are sets of parameters, which say what columns they are in"),
     (
         "model",
-        &["drive", "joint", "robot", "robot_fault", "term/entry", "term/handle", "term/law", "term/list"],
+        &["drive", "joint", "robot", "robot_error", "term/entry", "term/handle", "term/law", "term/list"],
         "the registry of torque terms: each has a law, whose input is the robot, whose drives name terms",
     ),
-    ("model", &["term/input", "term/number"], "the input of a law, and the numbers that it is made of"),
-    (
-        "experiment",
-        &["cycle", "effects/actual_arm", "effects/drives", "joint_loop", "sensing", "servo"],
-        "the registry of a servo's effects: each is attached to a part of the servo that applies it",
-    ),
-    (
-        "estimation",
-        &["estimator", "ordinary", "weighted"],
-        "the registry of estimators, each of which says which it is",
-    ),
-    ("study", &["grid", "plan"], "a study's plan lists its grid, which makes designs of the plan"),
     (
         "study",
         &["comparison", "criterion_correlation", "design", "evidence", "family_score", "setup", "truth_comparison"],

@@ -27,7 +27,7 @@ pub enum Engine {
 /// Why an engine cannot simulate a robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{}: {reason}", engine.name())]
-pub struct EngineFault {
+pub struct EngineError {
     /// Which engine.
     pub engine: Engine,
     /// What it says.
@@ -57,8 +57,8 @@ impl Engine {
     /// A plant of this robot with these, true, parameters, at rest at zero.
     ///
     /// # Errors
-    /// [`EngineFault`] where the engine cannot simulate it.
-    pub fn plant(self, robot: &Robot, parameters: &StandardParameters) -> Result<Box<dyn Plant>, EngineFault> {
+    /// [`EngineError`] where the engine cannot simulate it.
+    pub fn plant(self, robot: &Robot, parameters: &StandardParameters) -> Result<Box<dyn Plant>, EngineError> {
         match self {
             Self::Analytic => self.boxed(AnalyticPlant::new(robot, parameters)),
             Self::Rapier => self.boxed(RapierPlant::new(robot, parameters)),
@@ -69,12 +69,12 @@ impl Engine {
     fn boxed<P: Plant + 'static>(
         self,
         plant: Result<P, impl std::fmt::Display>,
-    ) -> Result<Box<dyn Plant>, EngineFault> {
+    ) -> Result<Box<dyn Plant>, EngineError> {
         plant.map(|plant| Box::new(plant) as Box<dyn Plant>).map_err(|fault| self.fault(&fault))
     }
 
-    fn fault(self, reason: &impl std::fmt::Display) -> EngineFault {
-        EngineFault { engine: self, reason: reason.to_string() }
+    fn fault(self, reason: &impl std::fmt::Display) -> EngineError {
+        EngineError { engine: self, reason: reason.to_string() }
     }
 
     /// Efforts by which the engine's equations of motion differ from the core's Newton–Euler; n, N·m (N).
@@ -88,7 +88,7 @@ impl Engine {
         parameters: &StandardParameters,
         (q, qd, qdd): (&[f64], &[f64], &[f64]),
         tau: &[f64],
-    ) -> Result<Vec<f64>, EngineFault> {
+    ) -> Result<Vec<f64>, EngineError> {
         let (mut found, mut efforts) = (vec![0.0; q.len()], vec![0.0; q.len()]);
         match self {
             Self::Analytic => {

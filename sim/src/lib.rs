@@ -8,7 +8,7 @@ mod mujoco;
 mod rapier;
 
 pub use analytic::{AnalyticError, AnalyticPlant, AnalyticTeam, MOST_JOINTS, TeamRun, perform_runs, record_runs};
-pub use engine::{Engine, EngineFault};
+pub use engine::{Engine, EngineError};
 pub use mujoco::{
     MujocoError, MujocoModel, MujocoPlant, MujocoScheme, MujocoStatus, MujocoStepper, mjcf, mjcf_for_exchange,
 };

@@ -1,7 +1,7 @@
 //! The engine rapier against the core's equations and the analytic plant.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use armid::dynamics::TermFault;
+use armid::dynamics::TermError;
 use armid::model::term::ROTOR;
 use std::num::NonZeroU32;
 
@@ -10,7 +10,7 @@ use armid::dynamics::Dynamics;
 use armid::experiment::Plant;
 use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
-use armid::spatial::{Inertia, InertiaFault};
+use armid::spatial::{Inertia, InertiaError};
 use armid_sim::{AnalyticPlant, RapierError, RapierPlant};
 use nalgebra::{Matrix3, Vector3};
 
@@ -119,14 +119,14 @@ fn what_cannot_be_simulated_is_named() {
     let mut flat = parameters.clone();
     flat.links[1] = Inertia::from_com(1.0, Vector3::zeros(), Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 3.0)));
     let fault = RapierPlant::new(&robot, &flat).unwrap_err();
-    assert!(matches!(fault, RapierError::Link { link: 2, fault: InertiaFault::NotPositiveDefinite { eigenvalue } }
+    assert!(matches!(fault, RapierError::Link { link: 2, fault: InertiaError::NotPositiveDefinite { eigenvalue } }
             if (eigenvalue + 0.5).abs() < 1e-12));
     assert_eq!(
         fault.to_string(),
         "link 2: its pseudo-inertia has the eigenvalue -5.000e-1, expected all four above zero"
     );
     let jumping = robot.clone().with_joints(|joint| joint.drive.coulomb_velocity = 0.0).unwrap();
-    assert!(matches!(RapierPlant::new(&jumping, &parameters), Err(RapierError::Term(TermFault::Jump { .. }))));
+    assert!(matches!(RapierPlant::new(&jumping, &parameters), Err(RapierError::Term(TermError::Jump { .. }))));
     let mut light = parameters.clone();
     light.drives[0][ROTOR] = -0.1;
     assert!(matches!(RapierPlant::new(&robot, &light), Err(RapierError::Rotor { .. })));

@@ -33,6 +33,6 @@ pub use energy::Energy;
 pub(crate) use link_pose::LinkPose;
 pub use model::Dynamics;
 pub use placed_term::PlacedTerm;
-pub use simulable::{TermFault, check_simulable};
+pub use simulable::{TermError, check_simulable};
 pub(crate) use symmetric::Symmetric3;
 pub use torque_terms::{TermState, TorqueTerms};

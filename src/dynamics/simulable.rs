@@ -4,7 +4,7 @@ use crate::model::{Robot, StandardParameters};
 
 /// Why a plant cannot simulate a set of parameters.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum TermFault {
+pub enum TermError {
     /// The law jumps: its velocity scale is zero.
     #[error(
         "joint \"{joint}\": {term} {value} {unit} with a velocity scale of 0 in {key}, expected one above zero, since a \
@@ -38,18 +38,18 @@ pub enum TermFault {
 /// Checks that a plant can simulate every term of which a set of parameters has a coefficient.
 ///
 /// # Errors
-/// [`TermFault`] for the first that it cannot.
-pub fn check_simulable(robot: &Robot, parameters: &StandardParameters) -> Result<(), TermFault> {
+/// [`TermError`] for the first that it cannot.
+pub fn check_simulable(robot: &Robot, parameters: &StandardParameters) -> Result<(), TermError> {
     for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
         for (term, value) in drive.iter() {
             let entry = term.entry();
             let (joint_name, meaning) = (joint.name.clone(), entry.meaning);
             if !entry.needs.is_motion() {
-                return Err(TermFault::Channel { joint: joint_name, term: meaning });
+                return Err(TermError::Channel { joint: joint_name, term: meaning });
             }
             if let Some(shape) = entry.shapes.iter().find(|shape| shape.smooths && joint.drive.shape(shape) == 0.0) {
                 let unit = term.unit(joint.kind);
-                return Err(TermFault::Jump { joint: joint_name, term: meaning, value, unit, key: shape.key });
+                return Err(TermError::Jump { joint: joint_name, term: meaning, value, unit, key: shape.key });
             }
         }
     }

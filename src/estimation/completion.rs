@@ -14,7 +14,7 @@ use super::{EstimationError, Finding};
 use crate::base::BaseReduction;
 use crate::linalg::{LeastSquares, product};
 use crate::model::StandardParameters;
-use crate::spatial::InertiaFault;
+use crate::spatial::InertiaError;
 
 /// A full set of standard parameters, and where it is physically inconsistent.
 #[derive(Clone, Debug, PartialEq)]
@@ -60,7 +60,7 @@ pub fn complete(
     }
     let mut findings = Vec::new();
     for (link, inertia) in parameters.links.iter().enumerate() {
-        if let Err(InertiaFault::NotPositiveDefinite { eigenvalue }) = inertia.check() {
+        if let Err(InertiaError::NotPositiveDefinite { eigenvalue }) = inertia.check() {
             findings.push(Finding::InconsistentLink { link: link + 1, eigenvalue });
         }
     }

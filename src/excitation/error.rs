@@ -1,7 +1,7 @@
 //! What can stop a design before it starts.
 
 use crate::base::BaseError;
-use crate::model::RobotFault;
+use crate::model::RobotError;
 use crate::trajectory::TrajectoryError;
 
 /// Why a trajectory or a design problem cannot be used.
@@ -72,7 +72,7 @@ pub enum ExcitationError {
     },
     /// A margin to the position limits leaves a joint nothing.
     #[error("design: the margin to the position limits gives {0}, expected one that leaves every joint a range")]
-    PositionMargin(RobotFault),
+    PositionMargin(RobotError),
     /// A list has another length than the robot asks for.
     #[error("design: number of {quantity} is {found}, expected {expected}")]
     Length {
@@ -132,7 +132,7 @@ pub enum ExcitationError {
     Base(#[from] BaseError),
     /// The robot's limits or drives are impossible.
     #[error(transparent)]
-    Robot(#[from] RobotFault),
+    Robot(#[from] RobotError),
 }
 
 /// A setting must be a finite number above zero.

@@ -3,7 +3,7 @@
 use std::fmt;
 
 use super::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, Term, VISCOUS};
-use super::{ParameterId, ParameterKind, Robot, StandardParameters};
+use super::{ColumnsError, ParameterId, ParameterKind, Robot};
 
 /// Terms of one model at most.
 pub const MOST_TERMS: usize = 24;
@@ -75,13 +75,6 @@ impl Columns {
         Self::of_listed(&terms)
     }
 
-    /// These columns and every term of which a set of parameters has a coefficient other than zero.
-    #[must_use]
-    pub fn and_those_of(self, parameters: &StandardParameters) -> Self {
-        let stated = parameters.drives.iter().flat_map(|drive| drive.iter().map(|(term, _)| term));
-        stated.fold(self, Self::with)
-    }
-
     /// The terms, in order.
     pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
         self.terms.iter().map_while(|term| *term)
@@ -128,6 +121,24 @@ impl Columns {
             columns = named.into_iter().fold(columns, Self::with);
         }
         Some(columns)
+    }
+
+    /// The choice with this name, of terms that can be estimated from motion and torque: the model is linear in all of their
+    /// coefficients and the links' parameters.
+    ///
+    /// # Errors
+    /// [`ColumnsError`] that says what keeps it from being estimated.
+    pub fn parse_estimable(text: &str) -> Result<Self, ColumnsError> {
+        let columns =
+            Self::parse(text).ok_or_else(|| ColumnsError::Unknown { found: text.to_owned(), words: Self::words() })?;
+        let Some(term) = columns.beyond_motion() else { return Ok(columns) };
+        let (entry, words) = (term.entry(), Self::words());
+        let (name, meaning) = (entry.name, entry.meaning);
+        Err(if entry.needs.load {
+            ColumnsError::Load { name, meaning, words }
+        } else {
+            ColumnsError::Warmth { name, meaning, words }
+        })
     }
 
     /// The words that [`Columns::parse`] knows beside `rigid`, of terms that need the motion alone.
@@ -184,5 +195,27 @@ impl fmt::Display for Columns {
 impl fmt::Debug for Columns {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         write!(f, "{self}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_that_cannot_be_estimated_say_what_keeps_them() {
+        for term in Term::ALL {
+            let text = format!("rigid+{}", term.entry().name);
+            let found = Columns::parse_estimable(&text);
+            let needs = term.entry().needs;
+            match found {
+                Ok(columns) => assert!(needs.is_motion() && columns.has(*term)),
+                Err(ColumnsError::Load { name, .. }) => assert!(needs.load && name == term.entry().name),
+                Err(ColumnsError::Warmth { name, .. }) => assert!(needs.warmth && name == term.entry().name),
+                Err(other) => panic!("{text}: {other}"),
+            }
+        }
+        let fault = Columns::parse_estimable("rigid+stiction").unwrap_err().to_string();
+        assert!(fault.contains("rigid+stiction") && fault.contains("coulomb"), "{fault}");
     }
 }

@@ -12,14 +12,16 @@
 
 mod bundled;
 mod columns;
+mod columns_error;
 mod drive;
 mod friction;
 mod joint;
 mod motor_circuit;
+mod parameter_id;
 mod parameters;
 mod point;
 mod robot;
-mod robot_fault;
+mod robot_error;
 mod servo;
 mod shape;
 pub mod format;
@@ -27,13 +29,15 @@ pub mod term;
 
 pub use bundled::{BundledRobot, bundled};
 pub use columns::{Columns, MOST_TERMS};
+pub use columns_error::ColumnsError;
 pub use drive::Drive;
 pub use friction::smooth_sign;
 pub use joint::{DhConvention, DhRow, Joint, JointKind, Limits, exact_sincos};
 pub use motor_circuit::MotorCircuit;
-pub use parameters::{DriveParameters, ParameterId, ParameterKind, StandardParameters};
+pub use parameter_id::{ParameterId, ParameterKind};
+pub use parameters::{DriveParameters, StandardParameters};
 pub use point::NamedPoint;
 pub use robot::{Robot, RobotSpec};
-pub use robot_fault::RobotFault;
+pub use robot_error::RobotError;
 pub use servo::{EffortInterface, ServoTuning};
 pub use shape::{Capsule, Cuboid, Obstacle, Shape, Solid};

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Vector3};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::robot_fault::{RobotFault, check_joint, check_points, check_servo, check_surroundings};
+use super::robot_error::{RobotError, check_joint, check_points, check_servo, check_surroundings};
 use super::{Drive, EffortInterface, Joint, NamedPoint, Obstacle, ServoTuning, Shape};
 use crate::input::size::JOINTS;
 use crate::provenance::sha256;
@@ -78,7 +78,7 @@ impl<'de> Deserialize<'de> for Robot {
 
 impl Robot {
     /// The same robot through the checks of a specification.
-    fn checked(self) -> Result<Self, RobotFault> {
+    fn checked(self) -> Result<Self, RobotError> {
         let Self {
             name,
             gravity,
@@ -103,16 +103,16 @@ impl Robot {
     /// Checks a specification.
     ///
     /// # Errors
-    /// [`RobotFault`] with what was found and what is possible.
-    pub fn new(spec: RobotSpec) -> Result<Self, RobotFault> {
+    /// [`RobotError`] with what was found and what is possible.
+    pub fn new(spec: RobotSpec) -> Result<Self, RobotError> {
         let RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch } = spec;
         if joints.is_empty() {
-            return Err(RobotFault::NoJoints { robot: name });
+            return Err(RobotError::NoJoints { robot: name });
         }
         JOINTS.check_count("number of joints", joints.len())?;
         for (i, joint) in joints.iter().enumerate() {
             if joints[..i].iter().any(|other| other.name == joint.name) {
-                return Err(RobotFault::DuplicateJoint { joint: joint.name.clone() });
+                return Err(RobotError::DuplicateJoint { joint: joint.name.clone() });
             }
             check_joint(joint)?;
         }
@@ -120,7 +120,7 @@ impl Robot {
         if let Some(c) = &coupling
             && (c.shape() != (n, n) || c.clone().try_inverse().is_none())
         {
-            return Err(RobotFault::Coupling { rows: c.nrows(), columns: c.ncols(), dof: n });
+            return Err(RobotError::Coupling { rows: c.nrows(), columns: c.ncols(), dof: n });
         }
         check_surroundings(&gravity, &base, &shapes, &obstacles, &may_touch, n)?;
         let axes = joints.iter().map(Joint::axis).collect();
@@ -296,8 +296,8 @@ impl Robot {
     /// The same robot with every joint changed, as for other limits or another friction law.
     ///
     /// # Errors
-    /// [`RobotFault`] if a joint is no longer possible.
-    pub fn with_joints(mut self, mut change: impl FnMut(&mut Joint)) -> Result<Self, RobotFault> {
+    /// [`RobotError`] if a joint is no longer possible.
+    pub fn with_joints(mut self, mut change: impl FnMut(&mut Joint)) -> Result<Self, RobotError> {
         for joint in &mut self.joints {
             change(joint);
             check_joint(joint)?;

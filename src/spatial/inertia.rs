@@ -24,7 +24,7 @@ pub struct Inertia {
 
 /// Why these ten parameters are physically inconsistent.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum InertiaFault {
+pub enum InertiaError {
     /// A parameter is NaN or infinite.
     #[error("parameter {index} of the ten is {value}, expected a finite number")]
     NotFinite {
@@ -104,15 +104,15 @@ impl Inertia {
     /// Checks physical consistency: the pseudo-inertia is positive definite.
     ///
     /// # Errors
-    /// [`InertiaFault`] with the number that failed.
-    pub fn check(&self) -> Result<(), InertiaFault> {
+    /// [`InertiaError`] with the number that failed.
+    pub fn check(&self) -> Result<(), InertiaError> {
         for (index, &value) in self.to_array().iter().enumerate() {
             if !value.is_finite() {
-                return Err(InertiaFault::NotFinite { index, value });
+                return Err(InertiaError::NotFinite { index, value });
             }
         }
         let eigenvalue = self.pseudo().smallest_eigenvalue();
-        if eigenvalue > 0.0 { Ok(()) } else { Err(InertiaFault::NotPositiveDefinite { eigenvalue }) }
+        if eigenvalue > 0.0 { Ok(()) } else { Err(InertiaError::NotPositiveDefinite { eigenvalue }) }
     }
 }
 
@@ -168,7 +168,7 @@ mod tests {
         assert!(brick.check().is_ok());
         let impossible = Inertia::from_com(1.0, Vector3::x(), Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 3.0)));
         assert!(
-            matches!(impossible.check(), Err(InertiaFault::NotPositiveDefinite { eigenvalue }) if eigenvalue < 0.0)
+            matches!(impossible.check(), Err(InertiaError::NotPositiveDefinite { eigenvalue }) if eigenvalue < 0.0)
         );
     }
 

@@ -12,7 +12,7 @@
 
 use nalgebra::Matrix4;
 
-use super::{Inertia, InertiaFault, PseudoInertia};
+use super::{Inertia, InertiaError, PseudoInertia};
 
 /// Log-Cholesky coordinates of a body's inertia: `α, d1, d2, d3, s12, s23, s13, t1, t2, t3`; `t` in m, `d` the
 /// logarithm of a length in m.
@@ -29,8 +29,8 @@ impl LogCholesky {
     /// The coordinates of an inertia.
     ///
     /// # Errors
-    /// [`InertiaFault`] where it is physically inconsistent.
-    pub fn of(inertia: &Inertia) -> Result<Self, InertiaFault> {
+    /// [`InertiaError`] where it is physically inconsistent.
+    pub fn of(inertia: &Inertia) -> Result<Self, InertiaError> {
         inertia.check()?;
         let u = upper_factor(&inertia.pseudo().0);
         let scale = u[(3, 3)];
@@ -153,6 +153,6 @@ mod tests {
     #[test]
     fn what_cannot_exist_has_no_coordinates() {
         let flat = Inertia::from_com(1.0, Vector3::zeros(), Matrix3::from_diagonal(&Vector3::new(1.0, 1.0, 3.0)));
-        assert!(matches!(LogCholesky::of(&flat), Err(InertiaFault::NotPositiveDefinite { .. })));
+        assert!(matches!(LogCholesky::of(&flat), Err(InertiaError::NotPositiveDefinite { .. })));
     }
 }

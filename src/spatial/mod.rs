@@ -10,7 +10,7 @@ mod log_cholesky;
 mod placement;
 mod vectors;
 
-pub use inertia::{Inertia, InertiaFault, PseudoInertia};
+pub use inertia::{Inertia, InertiaError, PseudoInertia};
 pub use log_cholesky::LogCholesky;
 pub use placement::Placement;
 pub use vectors::{Force, Motion};

@@ -1,6 +1,6 @@
 //! The designs of a study: one trajectory per family and start, with its certificate and how it was found.
 
-use super::plan::{DesignMethod, HarmonicsPlan};
+use super::family_plan::{DesignMethod, HarmonicsPlan};
 use super::radkhah2007::table_one;
 use super::{StudyError, StudySetup, plan_error};
 use crate::excitation::{

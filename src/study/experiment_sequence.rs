@@ -9,21 +9,18 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::family_plan::DesignMethod;
 use super::measured_motion::MeasuredMotions;
 use super::outcome::{Outcome, ScoredEstimate};
-use super::plan::DesignMethod;
+use super::performed::Performed;
 use super::plan_error::{StudyPlanError, family_name, number};
 use super::{Failure, RunId, StudyDesign, StudyError, StudyPlan, StudySetup};
 use crate::dynamics::States;
 use crate::estimation::Estimate;
 use crate::excitation::CriterionKind;
-use crate::experiment::{ArmError, Ending, Recording};
 
 /// Why no estimate came of a sequence.
 const NOT_DEFINITE: &str = "the covariance of an estimate is not positive definite";
-
-/// What came of one experiment: the recording and how it ended, or why it did not begin.
-pub type Performed = Result<(Recording, Ending), ArmError>;
 
 impl StudySetup {
     /// The family that `family` continues.

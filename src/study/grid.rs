@@ -1,6 +1,6 @@
 //! A grid of families of designs: every criterion × family of trajectories × number of harmonics.
 
-use super::plan::{DesignMethod, FamilyPlan, HarmonicsPlan};
+use super::family_plan::{DesignMethod, FamilyPlan, HarmonicsPlan};
 
 /// One table `[[grid]]` of a `study.toml`.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -15,12 +15,14 @@ mod error;
 mod evidence;
 mod examples;
 mod failure;
+mod family_plan;
 mod family_score;
 mod criterion_correlation;
 mod grid;
 mod measured_motion;
 mod metric;
 mod outcome;
+mod performed;
 mod plan;
 mod plan_error;
 pub mod radkhah2007;
@@ -46,16 +48,15 @@ pub use effect_sensitivity::{EffectSensitivity, ParameterBias, SensitivityEntry}
 pub use error::StudyError;
 pub use evidence::{DesignRow, Evidence, Findings};
 pub use examples::{Examples, LimitExample, PredictionExample, exact_states};
-pub use experiment_sequence::Performed;
 pub use failure::{Failure, FailureKind};
+pub use family_plan::{DesignMethod, FamilyPlan, HarmonicsPlan};
 pub use family_score::{FamilyScore, ParameterScore};
 pub use grid::GridPlan;
 pub use measured_motion::MeasuredMotions;
 pub use metric::Metric;
 pub use outcome::{Outcome, ScoredEstimate};
-pub use plan::{
-    DesignMethod, ExperimentSettings, FamilyPlan, HarmonicsPlan, IdentificationSettings, StudyPlan, ValidationSettings,
-};
+pub use performed::Performed;
+pub use plan::{ExperimentSettings, IdentificationSettings, StudyPlan, ValidationSettings};
 pub use plan_error::StudyPlanError;
 pub use random_truth::{Centre, RandomTruths, TruthError};
 pub use result::{JointLine, ParameterLine, ReportInput, StudyResult};

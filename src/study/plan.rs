@@ -1,18 +1,16 @@
 //! What a study does: robot, experiment, families of designs, estimators, metrics. The text of `study.toml`.
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
+use super::family_plan::{DesignMethod, FamilyPlan};
 use super::grid::GridPlan;
 use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
 use super::units::ReferenceUnits;
 use crate::estimation::{Estimator, EstimatorKind};
-use crate::excitation::CriterionKind;
 use crate::experiment::Effects;
 use crate::model::{Columns, format::FormatError};
 use crate::seed::Seed;
-use crate::trajectory::Family;
 
 /// A whole study. Two runs of one plan give the same bytes.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -112,64 +110,6 @@ pub struct ValidationSettings {
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 const fn is_zero(count: &usize) -> bool {
     *count == 0
-}
-
-/// How the designs of a family are made.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum DesignMethod {
-    /// By the optimiser, from independent starts.
-    Optimised,
-    /// The best of as many random draws as the optimiser has evaluations.
-    Random,
-    /// `radkhah2007` Table I, corrected.
-    TableOne,
-    /// The designs of the family that it continues, once more.
-    Repeated,
-}
-
-/// Harmonics of every joint, or of each.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(untagged)]
-pub enum HarmonicsPlan {
-    /// The same of every joint.
-    Every(usize),
-    /// One number for each joint.
-    Each(Vec<usize>),
-}
-
-/// Designs of one method and criterion; a criterion is judged by its family, never by one design.
-#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct FamilyPlan {
-    /// Name in tables and figures.
-    pub name: String,
-    /// How its designs are made.
-    #[serde(rename = "making", alias = "method")]
-    pub method: DesignMethod,
-    /// What is optimised, or by what the best draw is chosen; absent for a fixed trajectory.
-    #[serde(default)]
-    pub criterion: Option<String>,
-    /// In which family of trajectories; Fourier series where absent.
-    #[serde(default)]
-    pub family: Option<String>,
-    /// Harmonics, where they differ from the experiment's.
-    #[serde(default)]
-    pub harmonics: Option<HarmonicsPlan>,
-    /// Joints that stand still, by name, and where, rad.
-    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
-    pub freeze: BTreeMap<String, f64>,
-    /// An earlier family whose experiment goes before: its information counts, and its estimates too.
-    #[serde(default)]
-    pub after: Option<String>,
-    /// Number of designs, each from a start of its own.
-    pub starts: usize,
-    /// Evaluations of the criterion that each design may use; a gradient counts as one more.
-    #[serde(default)]
-    pub evaluations: usize,
-    /// Runs of each design, where it differs from the study's.
-    #[serde(default)]
-    pub runs: Option<usize>,
 }
 
 impl StudyPlan {
@@ -324,12 +264,11 @@ impl StudyPlan {
     /// The columns that are estimated.
     ///
     /// # Errors
-    /// [`StudyPlanError::Name`].
+    /// [`StudyPlanError::Columns`].
     pub fn columns(&self) -> Result<Columns, StudyPlanError> {
         let found = &self.identification.columns;
-        let known = || ["rigid"].into_iter().chain(Columns::words());
-        let columns = Columns::parse(found).filter(|columns| columns.beyond_motion().is_none());
-        columns.ok_or_else(|| name("identification.columns", found, known()))
+        let columns = Columns::parse_estimable(found);
+        columns.map_err(|fault| StudyPlanError::Columns { found: found.clone(), fault })
     }
 
     /// The estimators that are compared: of those from outside, and of [`EstimatorKind`].
@@ -360,27 +299,6 @@ impl StudyPlan {
     #[must_use]
     pub fn runs_of(&self, family: usize) -> usize {
         self.designs[family].runs.unwrap_or(self.runs)
-    }
-}
-
-impl FamilyPlan {
-    /// The criterion of an optimised or random family.
-    ///
-    /// # Errors
-    /// [`StudyPlanError::Name`] where it is absent or unknown.
-    pub fn criterion(&self) -> Result<CriterionKind, StudyPlanError> {
-        let found = self.criterion.as_deref().unwrap_or("");
-        CriterionKind::parse(found)
-            .ok_or_else(|| name("design.criterion", found, CriterionKind::ALL.iter().map(|c| c.name())))
-    }
-
-    /// The family of trajectories.
-    ///
-    /// # Errors
-    /// [`StudyPlanError::Name`] where it is unknown.
-    pub fn family(&self) -> Result<Family, StudyPlanError> {
-        let found = self.family.as_deref().unwrap_or(Family::Fourier.name());
-        Family::parse(found).ok_or_else(|| name("design.family", found, Family::ALL.map(Family::name)))
     }
 }
 

@@ -1,7 +1,7 @@
 //! Why a plan cannot be carried out.
 
 use crate::input::{FileNameError, TooLarge};
-use crate::model::format::FormatError;
+use crate::model::{ColumnsError, format::FormatError};
 
 /// Why a plan cannot be carried out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -25,6 +25,14 @@ pub enum StudyPlanError {
         found: String,
         /// The families that could be meant.
         families: Vec<String>,
+    },
+    /// Columns that cannot be estimated.
+    #[error("identification.columns: {fault}")]
+    Columns {
+        /// What was found.
+        found: String,
+        /// Why not.
+        fault: ColumnsError,
     },
     /// An entry that is in its list already.
     #[error("{key} has \"{found}\" twice, expected each once")]
@@ -65,6 +73,7 @@ impl StudyPlanError {
             Self::Name { key, found, .. } | Self::Family { key, found, .. } => (*key, found.as_str()),
             Self::Number { key, found, .. } => (key.as_str(), found.as_str()),
             Self::Twice { key, found } => (*key, found.as_str()),
+            Self::Columns { found, .. } => ("columns", found.as_str()),
             Self::FileName(FileNameError { key, found, .. }) => (key.as_str(), found.as_str()),
             // A number may be written in more ways than one.
             Self::Size(TooLarge { key, .. }) => (key.as_str(), ""),

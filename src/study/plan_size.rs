@@ -1,6 +1,7 @@
 //! How much a plan asks for, and by which names: looked at before anything is made of it.
 
-use super::plan::{HarmonicsPlan, StudyPlan};
+use super::family_plan::HarmonicsPlan;
+use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
 use crate::input::check_file_name;
 use crate::input::size::{

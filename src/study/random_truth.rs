@@ -15,7 +15,7 @@ use super::Truth;
 use crate::model::Columns;
 use crate::model::term::Term;
 use crate::seed::Seed;
-use crate::spatial::{Inertia, InertiaFault, LogCholesky};
+use crate::spatial::{Inertia, InertiaError, LogCholesky};
 
 /// Random truths: how many, around what, and how far.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -74,7 +74,7 @@ pub struct TruthError {
     /// Number of the link, from one.
     pub link: usize,
     /// What is wrong with it.
-    pub fault: InertiaFault,
+    pub fault: InertiaError,
 }
 
 impl RandomTruths {
@@ -125,7 +125,7 @@ impl RandomTruths {
         if term.is_inertia() { self.rotor_spread } else { self.friction_spread }
     }
 
-    fn link(&self, link: &Inertia, rng: &mut impl Rng) -> Result<Inertia, InertiaFault> {
+    fn link(&self, link: &Inertia, rng: &mut impl Rng) -> Result<Inertia, InertiaError> {
         let own = LogCholesky::of(link)?;
         let mut change = LogCholesky([0.0; 10].map(|_| self.inertia_spread * normal(rng)));
         change.0[0] = 0.5 * self.mass_spread * normal(rng);

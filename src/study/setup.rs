@@ -13,9 +13,9 @@ use nalgebra::DMatrix;
 
 use super::bound::{cramer_rao_std, torque_covariance};
 use super::evidence::{DesignRow, Evidence, Findings};
-use super::experiment_sequence::Performed;
 use super::measured_motion::MeasuredMotions;
 use super::outcome::{Outcome, ScoredEstimate};
+use super::performed::Performed;
 use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
 use super::{Centre, ConditionResult, Failure, RunId, Scorer, StatusCount, StudyDesign, StudyError, Truth, TruthError};

@@ -17,8 +17,5 @@ pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(
 
 /// Reads a set of columns: `rigid`, or `rigid` and names of torque terms joined by `+`.
 pub(crate) fn columns(text: &str) -> Result<Columns, String> {
-    let found = Columns::parse(text).filter(|columns| columns.beyond_motion().is_none());
-    found.ok_or_else(|| {
-        format!("expected rigid, or rigid and any of these joined by +: {}", Columns::words().join(", "))
-    })
+    Columns::parse_estimable(text).map_err(|fault| fault.to_string())
 }

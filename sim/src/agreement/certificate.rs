@@ -8,7 +8,7 @@ use armid::seed::Seed;
 use super::free_motion::{CERTIFIED, FreeMotion, StepError, distance, order};
 use super::{Tolerance, closed_loop, equations};
 use crate::Engine;
-use crate::engine::EngineFault;
+use crate::engine::EngineError;
 
 /// What engines are asked to agree on.
 #[derive(Clone, Copy, Debug)]
@@ -125,13 +125,13 @@ pub fn agree(case: &Case<'_>, engines: &[Engine]) -> Agreement {
     let (mut absent, mut failed) = (Vec::new(), Vec::new());
     let mut present = Vec::new();
     for &engine in engines {
-        if let Err(EngineFault { engine, reason }) = engine.plant(case.robot, case.truth) {
+        if let Err(EngineError { engine, reason }) = engine.plant(case.robot, case.truth) {
             absent.push(Absent { engine, reason });
             continue;
         }
         match measure(case, &smooth, &motion, engine) {
             Ok(measured) => present.push(measured),
-            Err(EngineFault { engine, reason }) => failed.push(Absent { engine, reason }),
+            Err(EngineError { engine, reason }) => failed.push(Absent { engine, reason }),
         }
     }
     let mut pairs = Vec::new();
@@ -167,7 +167,7 @@ fn measure(
     smooth: &StandardParameters,
     motion: &FreeMotion<'_>,
     engine: Engine,
-) -> Result<Measured, EngineFault> {
+) -> Result<Measured, EngineError> {
     let followed = motion.follow(engine)?;
     // Below this an error is the reference's or rounding's.
     let floor = motion.reference_error.max(f64::EPSILON * motion.travel.max(1.0));

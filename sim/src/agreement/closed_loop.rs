@@ -4,7 +4,7 @@ use armid::experiment::{Ending, ExperimentPlan, Flow, Phase, RawSample, Recordin
 
 use super::Case;
 use crate::Engine;
-use crate::engine::EngineFault;
+use crate::engine::EngineError;
 
 /// True positions and efforts of the recorded period, one row of n per sample.
 #[derive(Debug)]
@@ -26,8 +26,8 @@ impl Sink for Unheard {
 
 /// One period of the experiment with sensors that read exactly what is there, so that no rounding to counts hides or
 /// enlarges a difference.
-pub(super) fn perform(engine: Engine, case: &Case<'_>) -> Result<Performed, EngineFault> {
-    let fault = |reason: String| EngineFault { engine, reason };
+pub(super) fn perform(engine: Engine, case: &Case<'_>) -> Result<Performed, EngineError> {
+    let fault = |reason: String| EngineError { engine, reason };
     let plan = ExperimentPlan::clone(case.plan).with_periods(1);
     let plant = engine.plant(case.robot, case.truth)?;
     let servo = Servo::new(case.robot, case.nominal, plant).map_err(|error| fault(error.to_string()))?;

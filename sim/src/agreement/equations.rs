@@ -7,7 +7,7 @@ use rand::RngExt;
 
 use super::free_motion::draw_state;
 use crate::Engine;
-use crate::engine::EngineFault;
+use crate::engine::EngineError;
 
 /// How many states are looked at.
 const STATES: u64 = 20;
@@ -18,7 +18,7 @@ pub(super) fn residual(
     robot: &Robot,
     parameters: &StandardParameters,
     seed: Seed,
-) -> Result<f64, EngineFault> {
+) -> Result<f64, EngineError> {
     let mut dynamics = Dynamics::new(robot, parameters);
     let mut most: f64 = 0.0;
     for run in 0..STATES {

@@ -8,7 +8,7 @@ use rand::{Rng, RngExt};
 
 use super::reference;
 use crate::Engine;
-use crate::engine::EngineFault;
+use crate::engine::EngineError;
 
 /// Interval between the instants at which positions are compared, s: the coarsest step.
 const INTERVAL: f64 = 1.0 / 64.0;
@@ -108,7 +108,7 @@ impl<'a> FreeMotion<'a> {
         INTERVAL * POINTS as f64
     }
 
-    pub(super) fn follow(&self, engine: Engine) -> Result<Followed, EngineFault> {
+    pub(super) fn follow(&self, engine: Engine) -> Result<Followed, EngineError> {
         let mut plant = engine.plant(self.robot, self.parameters)?;
         let mut followed = Followed { errors: Vec::new(), positions: Vec::new(), energy: 0.0 };
         let dynamics = Dynamics::new(self.robot, self.parameters);
@@ -143,7 +143,7 @@ impl<'a> FreeMotion<'a> {
         plant: &mut dyn Plant,
         start: &Start,
         halvings: u32,
-    ) -> Result<(Vec<Vec<f64>>, Vec<Vec<f64>>), EngineFault> {
+    ) -> Result<(Vec<Vec<f64>>, Vec<Vec<f64>>), EngineError> {
         let still = vec![0.0; start.q.len()];
         let (mut positions, mut velocities) = (vec![start.q.clone()], vec![start.qd.clone()]);
         plant.reset(&start.q, &start.qd);
@@ -151,7 +151,7 @@ impl<'a> FreeMotion<'a> {
             for _ in 0..1_u32 << halvings {
                 plant
                     .step(&still, Self::step_s(halvings))
-                    .map_err(|fault| EngineFault { engine, reason: fault.to_string() })?;
+                    .map_err(|fault| EngineError { engine, reason: fault.to_string() })?;
             }
             let (q, qd) = plant.state();
             positions.push(q.to_vec());

@@ -2,7 +2,7 @@
 
 use std::marker::PhantomData;
 
-use armid::dynamics::{TermFault, check_simulable};
+use armid::dynamics::{TermError, check_simulable};
 use armid::experiment::{Plant, PlantError};
 use armid::model::{Robot, StandardParameters};
 
@@ -54,7 +54,7 @@ pub enum AnalyticError {
     },
     /// A torque term that the plant cannot simulate.
     #[error(transparent)]
-    Term(#[from] TermFault),
+    Term(#[from] TermError),
 }
 
 /// The largest number of joints.

@@ -1,6 +1,6 @@
 //! Why there is no MuJoCo, or why it does not take a robot.
 
-use armid::dynamics::TermFault;
+use armid::dynamics::TermError;
 use std::path::PathBuf;
 
 use super::places::{FILE, VERSION};
@@ -65,7 +65,7 @@ pub enum MujocoError {
     },
     /// A torque term that the engine cannot simulate.
     #[error(transparent)]
-    Term(#[from] TermFault),
+    Term(#[from] TermError),
     /// A number of the model that is NaN or infinite.
     #[error("joint \"{joint}\": {quantity} is {value}, expected a finite number")]
     NotFinite {

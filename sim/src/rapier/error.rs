@@ -1,7 +1,7 @@
 //! Why a robot cannot be simulated by this engine.
 
-use armid::dynamics::TermFault;
-use armid::spatial::InertiaFault;
+use armid::dynamics::TermError;
+use armid::spatial::InertiaError;
 
 /// Why a robot cannot be simulated by this engine.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -20,7 +20,7 @@ pub enum RapierError {
         /// Number of the link, from one.
         link: usize,
         /// What is wrong with it.
-        fault: InertiaFault,
+        fault: InertiaError,
     },
     /// A rotor with negative inertia.
     #[error("joint \"{joint}\": rotor inertia is {rotor} kg·m², expected zero or more")]
@@ -32,5 +32,5 @@ pub enum RapierError {
     },
     /// A torque term that the engine cannot simulate.
     #[error(transparent)]
-    Term(#[from] TermFault),
+    Term(#[from] TermError),
 }

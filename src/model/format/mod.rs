@@ -14,6 +14,7 @@
 //! Keys carry their unit as a suffix. A link is called after the joint that moves it, the one that stands still is
 //! `base`. Every fault is a [`FormatError`] that says what was found, what was expected, and the line and column.
 
+mod coupling_table;
 mod drive_table;
 mod element;
 mod error;
@@ -26,6 +27,7 @@ mod point_tables;
 mod reading;
 mod relative_uncertainty;
 mod robot_file;
+mod shape_parameters;
 mod shape_tables;
 mod tree;
 mod urdf;

@@ -6,9 +6,9 @@ use toml::Spanned;
 
 use super::FormatError;
 use super::drive_table::{CIRCUIT, DriveTable, TORQUE_CONSTANT};
+use super::reading::quoted;
 use super::reading::{Check, Number, Row, read};
 use super::relative_uncertainty::{RelativeUncertainty, UncertaintyTable};
-use super::robot_file::quoted;
 use crate::model::term::{Sign, Term};
 use crate::model::{Drive, DriveParameters, Robot, StandardParameters};
 use crate::spatial::Inertia;

@@ -91,3 +91,8 @@ pub(super) fn roll_pitch_yaw(degrees: [f64; 3]) -> Matrix3<f64> {
         .compose(&Placement::rotation_x(roll.0, roll.1));
     turn.rotation
 }
+
+/// Names for a message: `"a", "b", "c"`.
+pub(super) fn quoted(names: &[&str]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
+}

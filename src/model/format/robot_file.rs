@@ -3,18 +3,19 @@
 use std::collections::BTreeMap;
 use std::ops::Range;
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
 use serde::Deserialize;
 use toml::Spanned;
 
 use super::FormatError;
+use super::coupling_table::{CouplingTable, read_coupling};
 use super::point_tables::{PointTable, read_points};
 use super::reading::{Check, Number, Row, STANDARD_GRAVITY, read, roll_pitch_yaw};
+use super::shape_parameters::read_shape_parameters;
 use super::shape_tables::{
     FloorTable, ObstacleTable, ShapeTable, TouchTable, link_index, read_obstacles, read_shape, read_touch,
 };
 use crate::input::size::RATE_HZ;
-use crate::model::term::{ShapeParameter, Term};
 use crate::model::{
     DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, MotorCircuit, Robot, RobotSpec, ServoTuning,
 };
@@ -123,12 +124,6 @@ struct DriveTable {
     shape: BTreeMap<Spanned<String>, Number>,
 }
 
-#[derive(Deserialize)]
-#[serde(deny_unknown_fields)]
-struct CouplingTable {
-    motor_from_joint: Spanned<Vec<Row>>,
-}
-
 /// Reads a `robot.toml`.
 ///
 /// Angles and speeds are in the units that their keys name, and SI inside. A limit that is not given is infinite, a
@@ -204,34 +199,6 @@ fn read_servo(check: Check<'_>, table: &ServoTable) -> Result<ServoTuning, Forma
         damping: check.positive("damping", &table.damping)?,
         integral_hz: check.not_negative("integral_hz", &table.integral_hz)?,
     })
-}
-
-fn read_coupling(check: Check<'_>, table: &CouplingTable, n: usize) -> Result<DMatrix<f64>, FormatError> {
-    let rows = table.motor_from_joint.get_ref();
-    let whole = table.motor_from_joint.span();
-    if rows.len() != n {
-        return check.fault(whole, format!("motor_from_joint has {} rows, expected {n}, one per motor", rows.len()));
-    }
-    let mut matrix = DMatrix::zeros(n, n);
-    for (i, row) in rows.iter().enumerate() {
-        if row.get_ref().len() != n {
-            let found = row.get_ref().len();
-            return check
-                .fault(row.span(), format!("row {} of motor_from_joint has {found} numbers, expected {n}", i + 1));
-        }
-        for (j, number) in row.get_ref().iter().enumerate() {
-            matrix[(i, j)] = check.finite("motor_from_joint", number)?;
-        }
-    }
-    if matrix.clone().try_inverse().is_none() {
-        return check.fault(whole, "motor_from_joint is singular, expected a matrix with an inverse");
-    }
-    Ok(matrix)
-}
-
-/// Names for a message: `"a", "b", "c"`.
-pub(super) fn quoted(names: &[&str]) -> String {
-    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
 /// Reads one `[[joint]]`.
@@ -381,32 +348,12 @@ impl JointReader<'_> {
         )? {
             drive.coulomb_velocity = check.not_negative(key, x)?;
         }
-        for (key, number) in &table.shape {
-            drive.shapes.insert(self.shape_key(key)?.to_owned(), check.finite(key.get_ref(), number)?);
-        }
+        drive.shapes = read_shape_parameters(check, &table.shape)?;
         drive.circuit = self.circuit(table, drive.torque_constant)?;
         if let Some(x) = &table.voltage_noise_v {
             drive.voltage_noise = check.not_negative("voltage_noise_v", x)?;
         }
         Ok(drive)
-    }
-
-    /// The key of a shape parameter of some term; the Coulomb velocity has a place of its own.
-    fn shape_key(&self, key: &Spanned<String>) -> Result<&'static str, FormatError> {
-        let mut known: Vec<&str> = Vec::new();
-        for shape in Term::ALL.iter().flat_map(|term| term.entry().shapes) {
-            if *shape != ShapeParameter::COULOMB_VELOCITY && !known.contains(&shape.key) {
-                known.push(shape.key);
-            }
-        }
-        match known.iter().find(|known| *known == key.get_ref()) {
-            Some(known) => Ok(known),
-            None => {
-                let message =
-                    format!("shape parameter \"{}\" is no term's, expected one of {}", key.get_ref(), quoted(&known));
-                self.check.fault(key.span(), message)
-            }
-        }
     }
 
     /// The motor's circuit, where its resistance is given.

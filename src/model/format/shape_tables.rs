@@ -26,8 +26,7 @@ use serde::Deserialize;
 use toml::Spanned;
 
 use super::FormatError;
-use super::reading::{Check, Number, Row, roll_pitch_yaw};
-use super::robot_file::quoted;
+use super::reading::{Check, Number, Row, quoted, roll_pitch_yaw};
 use crate::model::{Capsule, Cuboid, Obstacle, Shape, Solid};
 use crate::spatial::Placement;
 

@@ -11,7 +11,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::FormatError;
 use super::reading::Check;
-use super::robot_file::quoted;
+use super::reading::quoted;
 use crate::model::{
     Drive, DriveParameters, EffortInterface, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters,
 };

@@ -96,7 +96,7 @@ fn bodies(
     let mut order: Vec<usize> = (0..links.len()).filter(|&link| carrier[link].is_none()).collect();
     if order.len() != 1 {
         let roots: Vec<&str> = order.iter().map(|&link| names[link]).collect();
-        let found = if roots.is_empty() { "a loop".to_owned() } else { super::robot_file::quoted(&roots) };
+        let found = if roots.is_empty() { "a loop".to_owned() } else { super::reading::quoted(&roots) };
         return root.fault(format!("the links that hang on nothing are {found}, expected exactly one"));
     }
     let mut next = 0;

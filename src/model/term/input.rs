@@ -93,3 +93,10 @@ impl TermBlock<'_> {
         }
     }
 }
+
+/// A number of each of several runs.
+pub trait Runs: Number {
+    /// A law that is written for single samples, run by run.
+    #[must_use]
+    fn apart(input: &TermInput<Self>, law: impl FnMut(&TermInput<f64>) -> f64) -> Self;
+}

@@ -37,7 +37,7 @@ pub use entry::{
     ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
 };
 pub use handle::Term;
-pub use input::{MOST_SHAPES, Shapes, TermBlock, TermInput};
+pub use input::{MOST_SHAPES, Runs, Shapes, TermBlock, TermInput};
 pub use joint_spring::JointSpring;
 pub use law::{TermLaw, TorqueTerm};
 pub use list::*;
@@ -47,7 +47,7 @@ pub use motor_load_friction::MotorLoadFriction;
 pub use motor_stribeck::MotorStribeck;
 pub use motor_viscous::MotorViscousFriction;
 pub use motor_warm_viscous::MotorWarmViscousFriction;
-pub use number::{Number, Runs, Scale, Slope};
+pub use number::{Number, Scale, Slope};
 pub use offset::Offset;
 pub use rotor::RotorInertia;
 pub use stribeck::Stribeck;

@@ -2,7 +2,6 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::TermInput;
 use crate::model::smooth_sign;
 
 /// A positive number that laws divide by: a velocity scale. An engine that shares one evaluation among several runs
@@ -45,13 +44,6 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     /// `eˣ`.
     #[must_use]
     fn exponential(self) -> Self;
-}
-
-/// A number of each of several runs.
-pub trait Runs: Number {
-    /// A law that is written for single samples, run by run.
-    #[must_use]
-    fn apart(input: &TermInput<Self>, law: impl FnMut(&TermInput<f64>) -> f64) -> Self;
 }
 
 impl Number for f64 {

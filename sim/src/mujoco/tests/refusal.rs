@@ -1,7 +1,7 @@
 //! What cannot be simulated is refused with its reason, and it is what MuJoCo itself refuses.
 
 use armid::conformance::chains;
-use armid::dynamics::TermFault;
+use armid::dynamics::TermError;
 use armid::model::StandardParameters;
 use armid::model::term::{COULOMB, ROTOR};
 use armid::seed::Seed;
@@ -108,7 +108,7 @@ fn what_is_refused_is_named() {
     let plain = robot.with_joints(|joint| joint.drive.coulomb_velocity = 0.0).unwrap();
     assert_eq!(
         MujocoPlant::new(&plain, &parameters).unwrap_err(),
-        MujocoError::Term(TermFault::Jump {
+        MujocoError::Term(TermError::Jump {
             joint: "shoulder".to_owned(),
             term: "Coulomb friction",
             value: 2.0,

@@ -20,7 +20,7 @@ const RIGID: &str = "an orthonormal right-handed rotation and a finite translati
 
 /// Why a robot cannot be as specified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum RobotFault {
+pub enum RobotError {
     /// No joints.
     #[error("robot \"{robot}\" has no joints, expected at least one")]
     NoJoints {
@@ -114,7 +114,7 @@ pub(super) fn check_surroundings(
     obstacles: &[Obstacle],
     may_touch: &[(usize, usize)],
     dof: usize,
-) -> Result<(), RobotFault> {
+) -> Result<(), RobotError> {
     let robot = || "robot".to_owned();
     if !gravity.iter().all(|x| x.is_finite()) {
         return fault(robot(), "gravity", format!("{:?}", gravity.as_slice()), FINITE);
@@ -124,7 +124,7 @@ pub(super) fn check_surroundings(
     }
     for (index, Shape { link, solid }) in shapes.iter().enumerate() {
         if *link > dof {
-            return Err(RobotFault::Shape { index: index + 1, found: *link, dof });
+            return Err(RobotError::Shape { index: index + 1, found: *link, dof });
         }
         check_solid(solid, || format!("shape {}", index + 1))?;
     }
@@ -144,12 +144,12 @@ pub(super) fn check_surroundings(
         }
     }
     match may_touch.iter().find(|(first, second)| first > second || *second > dof) {
-        Some(&(first, second)) => Err(RobotFault::MayTouch { first, second, dof }),
+        Some(&(first, second)) => Err(RobotError::MayTouch { first, second, dof }),
         None => Ok(()),
     }
 }
 
-fn check_solid(solid: &Solid, place: impl Fn() -> String) -> Result<(), RobotFault> {
+fn check_solid(solid: &Solid, place: impl Fn() -> String) -> Result<(), RobotError> {
     match solid {
         Solid::Capsule(Capsule { radius, .. }) if !(radius.is_finite() && *radius > 0.0) => {
             fault(place(), "radius", radius.to_string(), FINITE_ABOVE_ZERO)
@@ -167,17 +167,17 @@ fn check_solid(solid: &Solid, place: impl Fn() -> String) -> Result<(), RobotFau
     }
 }
 
-pub(super) fn check_points(points: &[NamedPoint], dof: usize) -> Result<(), RobotFault> {
+pub(super) fn check_points(points: &[NamedPoint], dof: usize) -> Result<(), RobotError> {
     let wrong = |point: &&NamedPoint| point.link > dof || !point.position.iter().all(|x| x.is_finite());
     match points.iter().find(wrong) {
         Some(NamedPoint { name, link, position }) => {
-            Err(RobotFault::Point { point: name.clone(), link: *link, position: (*position).into(), dof })
+            Err(RobotError::Point { point: name.clone(), link: *link, position: (*position).into(), dof })
         }
         None => Ok(()),
     }
 }
 
-pub(super) fn check_servo(servo: &ServoTuning) -> Result<(), RobotFault> {
+pub(super) fn check_servo(servo: &ServoTuning) -> Result<(), RobotError> {
     let ServoTuning { rate_hz, bandwidth_hz, damping, integral_hz } = *servo;
     let place = || "servo".to_owned();
     for (quantity, value) in [("rate_hz", rate_hz), ("bandwidth_hz", bandwidth_hz), ("damping", damping)] {
@@ -191,8 +191,8 @@ pub(super) fn check_servo(servo: &ServoTuning) -> Result<(), RobotFault> {
     Ok(())
 }
 
-fn fault<T>(place: String, quantity: &'static str, found: String, expected: &'static str) -> Result<T, RobotFault> {
-    Err(RobotFault::Quantity { place, quantity, found, expected })
+fn fault<T>(place: String, quantity: &'static str, found: String, expected: &'static str) -> Result<T, RobotError> {
+    Err(RobotError::Quantity { place, quantity, found, expected })
 }
 
 fn shown(placement: &Placement) -> String {
@@ -204,9 +204,9 @@ fn same(a: &Placement, b: &Placement) -> bool {
     (a.rotation - b.rotation).amax() <= ROUNDING && (a.translation - b.translation).amax() <= ROUNDING
 }
 
-pub(super) fn check_joint(joint: &Joint) -> Result<(), RobotFault> {
+pub(super) fn check_joint(joint: &Joint) -> Result<(), RobotError> {
     let fault = |quantity, found: String, expected| {
-        Err(RobotFault::Joint { joint: joint.name.clone(), quantity, found, expected })
+        Err(RobotError::Joint { joint: joint.name.clone(), quantity, found, expected })
     };
     for (quantity, placement) in [("frame before it", &joint.before), ("frame after it", &joint.after)] {
         if !placement.is_rigid() {
@@ -265,12 +265,12 @@ pub(super) fn check_joint(joint: &Joint) -> Result<(), RobotFault> {
 }
 
 /// A DH row and the frames that were made from it say the same: formulas use the one, dynamics the other.
-fn check_dh(joint: &Joint, convention: DhConvention, row: &DhRow) -> Result<(), RobotFault> {
+fn check_dh(joint: &Joint, convention: DhConvention, row: &DhRow) -> Result<(), RobotError> {
     let (before, after) = row.placements(convention);
     if same(&before, &joint.before) && same(&after, &joint.after) {
         return Ok(());
     }
-    Err(RobotFault::Joint {
+    Err(RobotError::Joint {
         joint: joint.name.clone(),
         quantity: "DH row",
         found: format!("{row:?}"),
@@ -278,10 +278,10 @@ fn check_dh(joint: &Joint, convention: DhConvention, row: &DhRow) -> Result<(), 
     })
 }
 
-fn check_circuit(joint: &Joint, circuit: &MotorCircuit) -> Result<(), RobotFault> {
+fn check_circuit(joint: &Joint, circuit: &MotorCircuit) -> Result<(), RobotError> {
     let MotorCircuit { resistance, inductance, back_emf, brush_drop, supply } = *circuit;
     let fault = |quantity, found: f64, expected| {
-        Err(RobotFault::Joint { joint: joint.name.clone(), quantity, found: found.to_string(), expected })
+        Err(RobotError::Joint { joint: joint.name.clone(), quantity, found: found.to_string(), expected })
     };
     if !(resistance.is_finite() && resistance > 0.0) {
         return fault("resistance", resistance, FINITE_ABOVE_ZERO);

@@ -1,0 +1,41 @@
+//! Why a name is not that of columns that can be estimated.
+
+/// Why a name is not that of columns that can be estimated from motion and torque.
+#[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
+pub enum ColumnsError {
+    /// No columns have this name.
+    #[error("\"{found}\" is not rigid, or rigid and any of these joined by +: {}", words.join(", "))]
+    Unknown {
+        /// What was found.
+        found: String,
+        /// The words that there are beside `rigid`.
+        words: Vec<&'static str>,
+    },
+    /// A term's law depends on parameters that are estimated beside it.
+    #[error(
+        "\"{name}\", {meaning}, multiplies the torque that the links take, and so the links' parameters, which are estimated too: \
+         the model is not linear in both, and with the torque of other, nominal links their error would be one of the \
+         estimate; expected terms of the motion alone: {}", words.join(", ")
+    )]
+    Load {
+        /// Name of the term.
+        name: &'static str,
+        /// What it is.
+        meaning: &'static str,
+        /// Names of the terms that can be estimated.
+        words: Vec<&'static str>,
+    },
+    /// A term's law depends on what no recording has.
+    #[error(
+        "\"{name}\", {meaning}, multiplies the temperature of the gear, which no recording has; expected terms of the motion \
+         alone: {}", words.join(", ")
+    )]
+    Warmth {
+        /// Name of the term.
+        name: &'static str,
+        /// What it is.
+        meaning: &'static str,
+        /// Names of the terms that can be estimated.
+        words: Vec<&'static str>,
+    },
+}
