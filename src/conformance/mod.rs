@@ -6,6 +6,7 @@ pub mod estimator_laws;
 pub mod family_laws;
 pub mod criterion_laws;
 pub mod plant_laws;
+pub mod plant_term_laws;
 pub mod term_laws;
 pub mod trajectory_laws;
 mod broken_law;

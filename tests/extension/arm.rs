@@ -84,7 +84,7 @@ fn plan() -> ExperimentPlan {
         joint("shoulder", [0.8, -0.9, 0.4], [0.2, 0.5, -0.8], 0.1),
         joint("elbow", [-0.5, 1.0, 0.7], [0.9, -0.3, 0.6], -0.3),
     ];
-    let trajectory = FourierTrajectory::new(5.0, joints).unwrap();
+    let trajectory = FourierTrajectory::new(5.0, joints).expect("a trajectory with a harmonic");
     ExperimentPlan { settle_s: 0.2, ramp_s: 1.0, periods: 4, ..ExperimentPlan::new(trajectory) }
 }
 

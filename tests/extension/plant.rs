@@ -2,9 +2,10 @@
 
 use armid::conformance::chains::planar_2r;
 use armid::conformance::plant_laws::{self, PlantTolerance};
+use armid::conformance::plant_term_laws::{self, TermTolerance};
 use armid::dynamics::Dynamics;
 use armid::experiment::{Plant, PlantError};
-use armid::model::term::{OFFSET, ROTOR, VISCOUS};
+use armid::model::term::{OFFSET, ROTOR, Term, VISCOUS};
 use armid::model::{DriveParameters, Robot, StandardParameters};
 use armid::spatial::Inertia;
 use nalgebra::{Matrix3, Vector3};
@@ -73,4 +74,16 @@ fn a_plant_from_outside_obeys_the_laws() {
     }
     parameters.drives.fill(DriveParameters::of(&[(ROTOR, 0.2), (VISCOUS, 1.0), (OFFSET, 0.3)]));
     plant_laws::check(&planar_2r(), &parameters, &PlantTolerance::FOURTH_ORDER, Integrated::new).unwrap();
+}
+
+#[test]
+fn a_plant_from_outside_has_every_term_and_one_that_lacks_them_is_found() {
+    for &term in Term::ALL {
+        plant_term_laws::check(term, &TermTolerance::FOURTH_ORDER, Integrated::new)
+            .unwrap_or_else(|broken| panic!("{}: {broken}", term.symbol()));
+        let bare = |robot: &Robot, parameters: &StandardParameters| Integrated::new(robot, &parameters.links_alone());
+        // What is no term of the motion is the servo's, whatever the plant.
+        let lacks = plant_term_laws::check(term, &TermTolerance::FOURTH_ORDER, bare).is_err();
+        assert_eq!(lacks, term.entry().needs.is_motion(), "{}", term.symbol());
+    }
 }
