@@ -57,7 +57,7 @@ fn designs_by_default_settings_pass_the_preflight() {
     let robots: Vec<&str> = listed.as_array().unwrap().iter().map(|r| r["name"].as_str().unwrap()).collect();
     assert!(robots.len() >= 4, "{listed}");
     for robot in robots {
-        let (design, recording) = (path(folder.path(), "T.toml"), path(folder.path(), "R.mcap"));
+        let (design, recording) = (path(folder.path(), "T.toml"), path(folder.path(), &format!("{robot}.mcap")));
         let small = ["--starts", "1", "--evaluations", "60", "--no-baseline", "--period", "4", "--harmonics", "4"];
         let arguments = ["design", robot, "--criterion", "d-optimal", "-o", &design, "--json"];
         let found = json(&armid(arguments.iter().chain(&small)).success());

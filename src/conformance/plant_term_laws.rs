@@ -98,6 +98,16 @@ impl Arm {
         let mut rng = Seed::new(6).stream("plant term laws", run);
         let coupled = term.is_motors() || run.is_multiple_of(2);
         let (robot, parameters) = ChainRecipe { coupled, tilted: true, ..ChainRecipe::new(3) }.draw(&mut rng);
+        // A speed or a place at which a law turns over stands where the random states are, so that the term shows.
+        let drives = robot.joints().iter().map(|joint| {
+            let mut drive = joint.drive.clone();
+            for shape in term.entry().shapes.iter().filter(|shape| !shape.smooths) {
+                drive.shapes.insert(shape.key.to_owned(), rng.random_range(0.5..1.5));
+            }
+            drive
+        });
+        let drives = drives.collect();
+        let robot = robot.with_drives(drives);
         let mut parameters = parameters.links_alone();
         for (index, drive) in parameters.drives.iter_mut().enumerate() {
             if term.is_at(&robot, index) {

@@ -68,7 +68,10 @@ fn locked(file: File, path: &Path) -> Result<File, Error> {
 }
 
 fn taken(part: &Path) -> Error {
-    let message = format!("{} is there: an experiment was cut short, expected no part of a recording", part.display());
+    let message = format!(
+        "{} is there: an experiment was cut short or is under way, expected no part of a recording",
+        part.display()
+    );
     Error::new(message)
         .help("--resume goes on with it (MCAP); -o chooses another place; move or delete it to begin anew")
 }

@@ -6,8 +6,8 @@ use std::path::Path;
 
 use armid::input::size::RECORDING_BYTES;
 
-use super::journal::Piece;
 use super::line_chain::{Broken, LineChain};
+use super::piece::Piece;
 use crate::error::Error;
 
 /// Which work the pieces are of.

