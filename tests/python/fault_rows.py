@@ -5,7 +5,8 @@ from dataclasses import dataclass
 HANDED, STREAMED, TOPIC = "trajectory", "stream", "topic"
 BOTH = (HANDED, STREAMED)
 # What somebody else on the network can cause, whatever armid notices first.
-OTHERS = ("interference", "robot-stopped", "link", "stale-state", "position-jump", "following-error")
+# States of two robots at once look like anything.
+OTHERS = ("interference", "robot-stopped", "link", "stale-state", "position-jump", "following-error", "overspeed", "soft-limit")
 
 
 @dataclass(frozen=True)

@@ -327,7 +327,8 @@ class Run:
             if self.struck_s is None:
                 raise Broken("the fault did not strike")
         if self.name == "panic":
-            self.struck_s = self.log.began() + self.at_s
+            # A stream begins with a set-point at rest, in the lead.
+            self.struck_s = self.log.began() + self.at_s + (LEAD_S if self.mode == STREAMED else 0.0)
 
     def by_itself(self, times):
         """Nobody could see to it: the arm rests within the horizon of its last piece, or when its watchdog says so."""
