@@ -217,7 +217,8 @@ impl Thread {
         goal.status = status;
         goal.end = Some((status, FollowResult { error_code, error_string: reason }));
         // Goals that were replaced and are not said to have ended yet.
-        for old in self.goals.values_mut().filter(|old| old.end.is_none() && old.status == GoalStatusEnum::Executing) {
+        let said = |status| matches!(status, GoalStatusEnum::Executing | GoalStatusEnum::Canceling);
+        for old in self.goals.values_mut().filter(|old| old.end.is_none() && said(old.status)) {
             old.status = GoalStatusEnum::Canceled;
             old.end = Some((old.status, FollowResult::default()));
         }
@@ -253,6 +254,10 @@ impl Thread {
             };
             self.orders.send(Order::Cancel)?;
             let _ = self.server.send_cancel_response(request, CancelGoalResponse { return_code, goals_canceling });
+            if let Some(goal) = self.under_way.and_then(|number| self.goals.get_mut(&number)) {
+                goal.status = GoalStatusEnum::Canceling;
+                self.publish_statuses();
+            }
         }
         while let Ok(Some((request, wanted))) = self.server.receive_result_request() {
             self.results.push((request, wanted.goal_id));

@@ -126,9 +126,13 @@ impl Sender {
     /// Hands a motion over, or a piece of one, which takes the place of what was handed over before. Nothing happens in
     /// the mode `stream`.
     pub(crate) fn hand_over(&mut self, trajectory: JointTrajectory) -> Result<(), LinkError> {
-        self.cancel = (false, false);
+        let cancelled = std::mem::take(&mut self.cancel).0;
         match &mut self.way {
             Way::Action(action) => {
+                if cancelled {
+                    // A motion that begins after a cancel of ours: what is said of earlier goals is of no matter.
+                    action.goals.clear();
+                }
                 let sent = action.client.send_goal(FollowGoal { trajectory, ..Default::default() });
                 let (request, id) = sent.map_err(|error| LinkError::middleware("goal", &error))?;
                 action.ours.push(id);
@@ -249,7 +253,8 @@ impl Sender {
 }
 
 impl Action {
-    /// Somebody else's goal that is under way, or a cancel of ours that we did not ask for.
+    /// Somebody else's goal that is under way, or a cancel of ours that we did not ask for: of the goal before the newest as
+    /// well, whose next piece may have come while the arm braked for it.
     fn read_statuses(&mut self) -> Result<Option<LinkError>, LinkError> {
         use GoalStatusEnum::{Accepted, Canceling, Executing};
         let mut found = None;
@@ -262,7 +267,7 @@ impl Action {
                 if !self.ours.iter().rev().any(|ours| *ours == id) {
                     let what = format!("the robot controller follows a goal of somebody else ({id:?})");
                     found = Some(LinkError::Interference(what));
-                } else if status.status == Canceling && self.goals.last().is_some_and(|goal| goal.id == id) {
+                } else if status.status == Canceling && self.goals.iter().any(|goal| goal.id == id) {
                     found = Some(LinkError::Interference("somebody else cancels the motion".to_owned()));
                 }
             }
