@@ -89,7 +89,7 @@ pub fn csv(bytes: &[u8]) {
 /// URDF: the chain of a robot.
 ///
 /// # Panics
-/// As [`tree`].
+/// A panic where what was read is not what was written.
 pub fn urdf(bytes: &[u8]) {
     tree(bytes, parse_urdf);
 }
@@ -97,7 +97,7 @@ pub fn urdf(bytes: &[u8]) {
 /// MJCF: the chain of a robot.
 ///
 /// # Panics
-/// As [`tree`].
+/// A panic where what was read is not what was written.
 pub fn mjcf(bytes: &[u8]) {
     tree(bytes, parse_mjcf);
 }

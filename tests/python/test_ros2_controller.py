@@ -15,10 +15,10 @@ from cyclonedds.domain import Domain, DomainParticipant
 from cyclonedds.pub import DataWriter
 from cyclonedds.sub import DataReader
 from cyclonedds.topic import Topic
-from robot_peer import (
+from robot_peer import RATE_HZ
+from ros2_types import (
     LOOPBACK,
     QOS,
-    RATE_HZ,
     Duration_,
     Header_,
     JointState_,

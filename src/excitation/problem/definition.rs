@@ -24,13 +24,14 @@ use crate::trajectory::{Family, PeriodicTrajectory, Timeline};
 /// use armid::excitation::{CriterionKind, DesignBudget, DesignProblem};
 /// use armid::model::{Columns, bundled, format::parse_robot};
 /// let robot = parse_robot(bundled()[0].robot).unwrap();
-/// let mut problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::Condition).unwrap();
-/// assert_eq!(problem.base().rank(), 36);
+/// let mut problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::Condition).unwrap();
+/// assert_eq!(problem.base().rank(), 58);
 /// assert_eq!((problem.space().period_s(), problem.space().harmonics()[0]), (10.0, 5));
 /// problem.set_budget(DesignBudget::new(60).unwrap());
 /// let held_still = problem.space().clone().with_frozen(3, 0.2).unwrap();
 /// problem.set_space(held_still).unwrap();
-/// assert!(problem.base().rank() < 36);
+/// // Friction of a joint at rest is not revealed.
+/// assert!(problem.base().rank() < 58);
 /// ```
 #[derive(Clone, Debug)]
 pub struct DesignProblem {
