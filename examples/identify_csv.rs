@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
         return Err("expected LOG.csv ROBOT PERIOD_S SKIP_S".into());
     };
 
-    let settings = LogSettings { skip_s: skip_s.parse()?, ..LogSettings::periodic(period_s.parse()?) };
+    let settings = LogSettings { from_s: skip_s.parse()?, ..LogSettings::periodic(period_s.parse()?) };
     let processed = Log::read(Path::new(log))?.process(robot::named(name)?, &settings)?;
     let estimate = processed.identify(Columns::RIGID_ROTOR_FRICTION, EstimatorKind::Wls)?;
 

@@ -78,6 +78,7 @@ pub mod excitation;
 pub mod experiment;
 pub mod signal;
 pub mod estimation;
+pub mod diagnosis;
 pub mod calibration;
 pub mod study;
 pub mod conformance;

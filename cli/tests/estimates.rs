@@ -102,11 +102,11 @@ fn identity_a_csv_gives_what_the_recording_gives() {
 fn a_csv_with_a_wrong_header_is_shown_with_line_and_column() {
     let folder = temporary();
     for (text, wanted) in [
-        ("time,q1,tau1\n0,1,2\n", "log.csv:1:1: heading \"t\" is missing"),
+        ("when,q1,tau1\n0,1,2\n", "log.csv:1:1: heading \"t\" is missing"),
         ("t,q1,q2,tau1\n0,1,2,3\n", "log.csv:1:1: heading \"tau2\" is missing"),
-        ("t,q1,tau1,extra\n0,1,2,3\n", "log.csv:1:11: found heading \"extra\""),
         ("t,q1,tau1\n0,1,2\n0.001,x,2\n", "log.csv:3:7: q1: found \"x\""),
-        ("t,q1,tau1\n0,1,2\n0.001,1,2\n0.5,1,2\n", "log.csv:3:1: t: found a step of"),
+        ("t,q1,tau1\n0,1,2\n0.001,1,2\n0.002,1\n", "log.csv:4:1: found 2 values, expected 3"),
+        ("t,q1,tau1\n0,1,2\n0.001,1,2\n5,1,2\n5.001,1,2\n", "t: no stretch of 0.5 s without a break"),
         ("t,q1,tau1\n0,1,2\n0.001,1,2\n", "log.csv holds 1 joints, expected the 6 of robot \"crs-a460\""),
     ] {
         let log = write(folder.path(), "log.csv", text);

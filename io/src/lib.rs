@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | a name or a file | [`LoadedRobot`]: robot, nominal parameters, text | [`robot::named`], [`robot::load`] |
 //! | MCAP or CSV | [`Log`] | [`Log::read`], [`log::parse_csv`], [`log::parse_mcap`] |
+//! | tables of any shape | [`Log`] | [`log::find`], [`log::parse_tables`] with a [`log::Mapping`] |
 //! | a log and a robot | [`ProcessedLog`]: samples with their noise | [`Log::process`] |
 //! | samples | an estimate with its intervals and findings | [`ProcessedLog::identify`] |
 //! | an estimate and another log | how well it predicts | [`ProcessedLog::validate`] |
@@ -69,6 +70,7 @@ pub mod bundled_experiments;
 pub mod error;
 pub mod estimate;
 pub mod experiment;
+pub mod inputs;
 pub mod log;
 pub mod output;
 pub mod prior;
@@ -82,6 +84,7 @@ pub mod trajectory;
 
 pub use error::{Error, ErrorKind};
 pub use experiment::Experiment;
+pub use inputs::Inputs;
 pub use log::{Log, LogSettings, ProcessedLog};
 pub use robot::LoadedRobot;
 pub use text::Text;

@@ -20,6 +20,7 @@ pub mod figures;
 pub mod document;
 mod comparison;
 mod design;
+mod estimate;
 mod study;
 
 pub use comparison::{ComparisonInput, Prediction, comparison_document};
@@ -28,6 +29,7 @@ pub use document::{Block, Cell, Column, Document, RenderedFigure, Section, Table
 pub use drawing::axis::{Axis, Scale};
 pub use drawing::rows::{Band, Level};
 pub use error::{DocumentError, FigureError};
+pub use estimate::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, estimate_document};
 pub use figures::*;
 pub use heading::Heading;
 pub use study::study_document;

@@ -4,6 +4,7 @@ use std::fmt;
 
 use crate::base::BaseError;
 use crate::linalg::LeastSquaresError;
+use crate::signal::SignalError;
 
 /// Why there is no estimate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -86,6 +87,9 @@ pub enum EstimationError {
     /// The robot has no base parameters.
     #[error("base parameters: {0}")]
     Base(#[from] BaseError),
+    /// A filter cannot be made.
+    #[error("{0}")]
+    Signal(#[from] SignalError),
     /// The equations themselves are at fault.
     #[error("least squares: {0}")]
     LeastSquares(#[from] LeastSquaresError),

@@ -91,7 +91,7 @@ impl Finding {
             Self::FewPeriods { .. } => "record at least 4 periods",
             Self::NoiseFromResidual => "record a periodic motion at least 4 times to separate noise from model errors",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
-                "use an estimator that enforces physical consistency before simulating with this model"
+                "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
             }
         }
     }

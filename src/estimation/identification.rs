@@ -5,11 +5,15 @@
 //! ```
 
 use super::{Estimate, EstimationError, EstimationProblem, Estimator, Observation, Validation, validate};
-use crate::base::{BaseReduction, Method, reduce};
+use crate::base::{BaseReduction, Method, reduce, reduce_on};
+use crate::dynamics::States;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::Samples;
+
+/// States that tell what a motion reveals, at most.
+const MOTION_STATES: usize = 500;
 
 /// Regressor and base parameters of a robot, which every experiment on it shares.
 ///
@@ -55,6 +59,20 @@ impl<'a> Identification<'a> {
     pub fn new(robot: &'a Robot, columns: Columns) -> Result<Self, EstimationError> {
         // The structural reduction draws nothing: any seed gives the same.
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
+        Ok(Self { robot, nominal: None, regressor: JointTorqueRegressor::new(robot, columns), base })
+    }
+
+    /// What is estimated where a motion does not show every parameter, a joint stands still, say: the base that these states
+    /// reveal, at most 500 of them, by QR.
+    ///
+    /// # Errors
+    /// [`EstimationError::Base`] where the states are too few, not finite, or of another robot.
+    pub fn on_motion(robot: &'a Robot, columns: Columns, states: &States) -> Result<Self, EstimationError> {
+        let mut few = States::new(states.dof);
+        for k in (0..states.len()).step_by(states.len().div_ceil(MOTION_STATES).max(1)) {
+            few.push(states.q(k), states.qd(k), states.qdd(k));
+        }
+        let base = reduce_on(robot, columns, Method::Qr, &few)?;
         Ok(Self { robot, nominal: None, regressor: JointTorqueRegressor::new(robot, columns), base })
     }
 

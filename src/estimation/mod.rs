@@ -28,6 +28,7 @@ mod prediction;
 mod problem;
 mod residual;
 mod termination;
+mod torque_residual;
 mod weighted;
 #[cfg(test)]
 mod tests;
@@ -49,4 +50,5 @@ pub use prediction::{Validation, predict, validate};
 pub use problem::EstimationProblem;
 pub use residual::{residual_noise, scatter_noise};
 pub use termination::Termination;
+pub use torque_residual::{DEFAULT_BANDWIDTH_HZ, RowShares, TorqueResidual, TorqueSeries};
 pub use weighted::WeightedLeastSquares;

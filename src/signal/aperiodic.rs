@@ -7,7 +7,7 @@ use super::{Butterworth, Derivatives, Processing, Samples, SignalError, TorqueFi
 use crate::dynamics::States;
 use crate::model::{EffortInterface, Robot};
 
-/// A record of any motion: `q` and `effort` are N × n, row-major.
+/// A record of any motion: `q`, `qd` and `effort` are N × n, row-major.
 #[derive(Clone, Copy, Debug)]
 pub struct AperiodicRecord<'a> {
     /// Number of joints n.
@@ -16,9 +16,68 @@ pub struct AperiodicRecord<'a> {
     pub rate_hz: f64,
     /// Positions, rad or m.
     pub q: &'a [f64],
+    /// Measured velocities, rad/s or m/s; `None` takes them from the positions.
+    pub qd: Option<&'a [f64]>,
     /// Efforts, in the unit that the arm reports.
     pub effort: &'a [f64],
+    /// Samples of each stretch without a break, in order; none where the record is one stretch. Filters and differences
+    /// do not reach across a break.
+    pub stretches: &'a [usize],
+    /// Which samples give no equation of a joint, N × n: its effort was saturated, say. None where all do.
+    pub excluded: &'a [bool],
 }
+
+impl<'a> AperiodicRecord<'a> {
+    /// A record without measured velocities, in one stretch, of which every sample counts.
+    #[must_use]
+    pub const fn new(dof: usize, rate_hz: f64, q: &'a [f64], effort: &'a [f64]) -> Self {
+        Self { dof, rate_hz, q, qd: None, effort, stretches: &[], excluded: &[] }
+    }
+
+    /// First sample and number of samples of each stretch.
+    fn spans(&self, len: usize) -> Vec<(usize, usize)> {
+        if self.stretches.is_empty() {
+            return vec![(0, len)];
+        }
+        let mut first = 0;
+        self.stretches
+            .iter()
+            .map(|&count| {
+                first += count;
+                (first - count, count)
+            })
+            .collect()
+    }
+
+    fn check(&self, robot: &Robot) -> Result<usize, SignalError> {
+        let n = self.dof;
+        if robot.dof() != n {
+            return Err(SignalError::Joints { found: n, expected: robot.dof() });
+        }
+        let len = self.q.len() / n;
+        if len < SHORTEST || !self.q.len().is_multiple_of(n) {
+            let (found, least) = (self.q.len(), SHORTEST * n);
+            return Err(SignalError::Length { quantity: "positions", found, block: n, of: "joints", least });
+        }
+        let marks = if self.excluded.is_empty() { self.q.len() } else { self.excluded.len() };
+        let counts = [
+            ("efforts", self.effort.len(), self.q.len()),
+            ("velocities", self.qd.map_or(self.q.len(), <[f64]>::len), self.q.len()),
+            ("marks of samples", marks, self.q.len()),
+            ("samples of all stretches", self.spans(len).iter().map(|(_, count)| count).sum(), len),
+        ];
+        if let Some(&(quantity, found, expected)) = counts.iter().find(|(_, found, expected)| found != expected) {
+            return Err(SignalError::Unequal { quantity, found, other: "positions", expected });
+        }
+        check_finite("position", self.q, n)?;
+        check_finite("velocity", self.qd.unwrap_or_default(), n)?;
+        check_finite("effort", self.effort, n)?;
+        Ok(len)
+    }
+}
+
+/// Fewest samples that can be processed.
+const SHORTEST: usize = 8;
 
 /// Processes a record without periods by zero-phase low pass and central differences. `rate_hz` is the rate of the
 /// equations, Hz: blocks of samples are averaged to come near it.
@@ -36,21 +95,8 @@ pub fn process_aperiodic(
     processing: &Processing,
 ) -> Result<Samples, SignalError> {
     processing.check()?;
+    let len = record.check(robot)?;
     let n = record.dof;
-    if robot.dof() != n {
-        return Err(SignalError::Joints { found: n, expected: robot.dof() });
-    }
-    let len = record.q.len() / n;
-    if len < 8 || !record.q.len().is_multiple_of(n) {
-        let (found, least) = (record.q.len(), 8 * n);
-        return Err(SignalError::Length { quantity: "positions", found, block: n, of: "joints", least });
-    }
-    if record.effort.len() != record.q.len() {
-        let (found, expected) = (record.effort.len(), record.q.len());
-        return Err(SignalError::Unequal { quantity: "efforts", found, other: "positions", expected });
-    }
-    check_finite("position", record.q, n)?;
-    check_finite("effort", record.effort, n)?;
     let cutoff_hz = processing.cutoff_hz(0.0);
     let filter = Butterworth::new(processing.filter_order, cutoff_hz, record.rate_hz)?;
     if !(rate_hz.is_finite() && rate_hz > 0.0) {
@@ -60,23 +106,50 @@ pub fn process_aperiodic(
             expected: "a finite number above zero",
         });
     }
+    let spans = record.spans(len);
+    let longest = spans.iter().map(|(_, count)| *count).max().unwrap_or(len);
+    let block = ((record.rate_hz / rate_hz).round() as usize).clamp(1, (longest / SHORTEST).max(1));
     let mut tau = map_rows(record.effort, &torque_map(robot, effort));
     let mut states = States::with_len(n, len);
     let same = processing.torque_filter == TorqueFilter::SameAsPositions;
-    for i in 0..n {
-        let q = filter.zero_phase_reflected(&column(record.q, n, i));
-        let (qd, qdd) = differences(&q, 1.0 / record.rate_hz);
-        put_column(&mut states.q, n, i, &q);
-        put_column(&mut states.qd, n, i, &qd);
-        put_column(&mut states.qdd, n, i, &qdd);
-        if same {
-            let filtered = filter.zero_phase_reflected(&column(&tau, n, i));
-            put_column(&mut tau, n, i, &filtered);
+    // Only whole blocks of a stretch give equations: what is left at its end is filtered with it, and goes.
+    let mut kept = Vec::with_capacity(len);
+    for (first, count) in spans {
+        let rows = first * n..(first + count) * n;
+        for i in 0..n {
+            let q = filter.zero_phase_reflected(&column(&record.q[rows.clone()], n, i));
+            let (mut qd, mut qdd) = differences(&q, 1.0 / record.rate_hz);
+            if let Some(measured) = record.qd {
+                qd = filter.zero_phase_reflected(&column(&measured[rows.clone()], n, i));
+                (qdd, _) = differences(&qd, 1.0 / record.rate_hz);
+            }
+            put_column(&mut states.q[rows.clone()], n, i, &q);
+            put_column(&mut states.qd[rows.clone()], n, i, &qd);
+            put_column(&mut states.qdd[rows.clone()], n, i, &qdd);
+            if same {
+                let filtered = filter.zero_phase_reflected(&column(&tau[rows.clone()], n, i));
+                put_column(&mut tau[rows.clone()], n, i, &filtered);
+            }
+        }
+        kept.extend(first..first + count - if record.stretches.len() > 1 { count % block } else { 0 });
+    }
+    let mut excluded = record.excluded.to_vec();
+    if kept.len() < len {
+        for table in [&mut states.q, &mut states.qd, &mut states.qdd, &mut tau] {
+            *table = kept.iter().flat_map(|&k| table[k * n..(k + 1) * n].to_vec()).collect();
+        }
+        if !excluded.is_empty() {
+            excluded = kept.iter().flat_map(|&k| excluded[k * n..(k + 1) * n].to_vec()).collect();
         }
     }
-    let block = ((record.rate_hz / rate_hz).round() as usize).clamp(1, len / 8);
+    let mut used = used_blocks(&states, block, processing.reversal_fraction);
+    for (block, rows) in used.chunks_exact_mut(n).zip(excluded.chunks(n * block)) {
+        for (i, used) in block.iter_mut().enumerate() {
+            *used &= !rows.iter().skip(i).step_by(n).any(|&excluded| excluded);
+        }
+    }
     Ok(Samples {
-        used: used_blocks(&states, block, processing.reversal_fraction),
+        used,
         states,
         tau,
         units: effort_units(robot),

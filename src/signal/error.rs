@@ -99,6 +99,16 @@ pub enum SignalError {
         /// Samples in one period.
         expected: usize,
     },
+    /// Experiments that do not go together.
+    #[error("{quantity}: found {found}, expected {expected} as in the first experiment")]
+    Parts {
+        /// What differs.
+        quantity: &'static str,
+        /// What was found.
+        found: String,
+        /// What the first one has.
+        expected: String,
+    },
     /// The record belongs to another robot.
     #[error("the record has {found} joints, the robot has {expected}")]
     Joints {

@@ -11,7 +11,8 @@
 //! al.), or zero-phase low pass and central differences (`radkhah2007` IV.B). Torque passes the same low pass.
 //! A record without periods goes through [`process_aperiodic`]; its noise is left to the estimator's residual.
 //!
-//! Not here: outliers, missing samples, unequal sampling. Reference: J. Swevers, C. Ganseman, D. B. Tükel, J. De
+//! Uneven stamps are brought onto an even grid first ([`resample`]); a break in a record ends a stretch, and filters stay
+//! inside it. Not here: outliers. Reference: J. Swevers, C. Ganseman, D. B. Tükel, J. De
 //! Schutter, H. Van Brussel, *Optimal robot excitation and identification*, IEEE T-RA 13(5), 1997, eqs. 19-22.
 
 mod aperiodic;
@@ -26,6 +27,7 @@ mod period_average;
 mod periodic;
 mod processing;
 mod recorded;
+mod resampling;
 mod samples;
 mod scatter;
 mod torque;
@@ -41,5 +43,6 @@ pub use period_average::{PeriodAverage, PeriodicRecord};
 pub use periodic::process_periods;
 pub use processing::{Derivatives, Processing, TorqueFilter};
 pub use recorded::process;
+pub use resampling::{Interpolation, resample};
 pub use samples::Samples;
 pub use torque::{torque_map, torque_per_current};

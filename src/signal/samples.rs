@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Derivatives, NoiseModel};
+use super::{Derivatives, NoiseModel, SignalError};
 use crate::dynamics::States;
 use crate::provenance::Provenance;
 
@@ -138,6 +138,74 @@ impl Samples {
             }
         }
         means
+    }
+
+    /// The samples of several experiments on one arm as one, in their order.
+    ///
+    /// Periods that repeat are periods of one experiment only: the result has none, and estimators take its noise from their
+    /// residual. The last instant of an experiment counts as a neighbour of the first of the next where the residual's
+    /// correlation in time is measured; that is one product among as many as there are blocks.
+    ///
+    /// # Errors
+    /// [`SignalError::Parts`] where they are of unlike arms, rates or blocks, or there are none.
+    pub fn joined(parts: Vec<Self>) -> Result<Self, SignalError> {
+        let mut parts = parts.into_iter();
+        let fault = |quantity, found: String, expected: String| SignalError::Parts { quantity, found, expected };
+        let mut all = parts.next().ok_or_else(|| fault("experiments", "none".to_owned(), "at least one".to_owned()))?;
+        let mut count = 1;
+        for part in parts {
+            if part.dof() != all.dof() || part.units != all.units {
+                return Err(fault("joints", part.units.join(" "), all.units.join(" ")));
+            }
+            if part.rate_hz.to_bits() != all.rate_hz.to_bits() {
+                return Err(fault("sampling rate, Hz", part.rate_hz.to_string(), all.rate_hz.to_string()));
+            }
+            if part.block != all.block {
+                return Err(fault("samples in a block", part.block.to_string(), all.block.to_string()));
+            }
+            all.keep_whole_blocks();
+            all.states.q.extend(part.states.q);
+            all.states.qd.extend(part.states.qd);
+            all.states.qdd.extend(part.states.qdd);
+            all.tau.extend(part.tau);
+            all.used.extend(part.used);
+            for (band, other) in all.position_band_hz.iter_mut().zip(part.position_band_hz) {
+                *band = band.min(other);
+            }
+            all.torque_band_hz = all.torque_band_hz.zip(part.torque_band_hz).map(|(band, other)| band.max(other));
+            if all.provenance != part.provenance {
+                all.provenance = None;
+            }
+            count += 1;
+        }
+        if count > 1 {
+            all.periods = 1;
+            (all.period_s, all.torque_covariance, all.position_noise, all.noise) = (None, None, None, None);
+        }
+        Ok(all)
+    }
+
+    /// The same with some joints (from one) held where they are on average: their own rows are no equations, since friction at
+    /// rest is anything up to its largest value.
+    #[must_use]
+    pub fn with_joints_at_rest(mut self, joints: &[usize]) -> Self {
+        let (n, len) = (self.dof(), self.len().max(1) as f64);
+        for i in joints.iter().map(|joint| joint - 1) {
+            let mean = self.states.q.iter().skip(i).step_by(n).sum::<f64>() / len;
+            self.states.q.iter_mut().skip(i).step_by(n).for_each(|q| *q = mean);
+            self.states.qd.iter_mut().skip(i).step_by(n).for_each(|qd| *qd = 0.0);
+            self.states.qdd.iter_mut().skip(i).step_by(n).for_each(|qdd| *qdd = 0.0);
+            self.used.iter_mut().skip(i).step_by(n).for_each(|used| *used = false);
+        }
+        self
+    }
+
+    /// Leaves out the samples behind the last whole block.
+    fn keep_whole_blocks(&mut self) {
+        let values = self.blocks() * self.block * self.dof();
+        for table in [&mut self.states.q, &mut self.states.qd, &mut self.states.qdd, &mut self.tau] {
+            table.truncate(values);
+        }
     }
 
     /// Samples whose states and torque are known exactly, without noise: for tests and bounds. `tau` is N × n, every sample

@@ -2,6 +2,9 @@
 
 pub(crate) mod comparison;
 pub(crate) mod design;
+pub(crate) mod estimate;
+pub(crate) mod estimate_page;
 pub(crate) mod exchange;
+pub(crate) mod findings;
 pub(crate) mod run;
 pub(crate) mod study;

@@ -1,55 +1,159 @@
-//! Which log, of which robot, and how it becomes samples: what `identify` and `validate` share.
+//! Which logs, of which robot, and how they become samples: what `identify` and `validate` share.
 
-use std::path::Path;
+use std::path::PathBuf;
 
+use armid::estimation::DEFAULT_BANDWIDTH_HZ;
+use armid::model::EffortInterface;
+use armid::provenance::sha256;
 use armid::signal::{Derivatives, Processing};
-use armid_io::{Error, Log, LogSettings, ProcessedLog};
+use armid_io::inputs::RobotSource;
+use armid_io::log::{FoundLogs, HeldOut, find, is_table, process_all};
+use armid_io::{Error, Inputs, LoadedRobot, LogSettings, ProcessedLog};
 
 use super::{ChainArguments, one_of};
 
-/// Which log, of which robot, and how it becomes samples.
-#[derive(Clone, Debug, clap::Args)]
+/// Which logs, of which robot, and how they become samples.
+#[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct LogArguments {
     /// The robot, where the recording does not contain it, or another one
     #[arg(long)]
     robot: Option<String>,
     #[command(flatten)]
     chain: ChainArguments,
+    /// What the columns of a table are: "t=time_ms ms, q=joint_[1-6] deg, current=i_[1-6] mA". Keys t, q, qd, tau, current;
+    /// headings with [1-6] for the joints, or #2 for the second column, `file:heading` for files side by side; then unit,
+    /// motor, gear=, sign=, offset_deg=, constant= (N·m/A), rated= (of %), values of each joint with / between them
+    #[arg(long, value_name = "COLUMNS", help_heading = "Logs")]
+    map: Option<String>,
+    /// Rows per second of a table without a column of times
+    #[arg(long, value_name = "HZ", help_heading = "Logs")]
+    rate: Option<f64>,
+    /// What the efforts are where the log does not say it; otherwise the robot decides
+    #[arg(long, value_parser = one_of(&EffortInterface::ALL, EffortInterface::name), help_heading = "Logs")]
+    effort: Option<EffortInterface>,
+    /// Seconds of a log at which it begins to count, where it does not say what counts
+    #[arg(long, visible_alias = "skip", value_name = "S", help_heading = "Logs")]
+    from: Option<f64>,
+    /// Seconds of a log at which it ends to count
+    #[arg(long, value_name = "S", help_heading = "Logs")]
+    until: Option<f64>,
+    /// Take velocities as measured (qd) instead of from the positions
+    #[arg(long, help_heading = "Processing")]
+    measured_velocity: bool,
     /// Period of a log that does not state it, s; without one the log is processed as aperiodic
     #[arg(long, value_name = "S", help_heading = "Processing")]
     period: Option<f64>,
-    /// Seconds to skip at the beginning of a log without phases
-    #[arg(long, value_name = "S", default_value_t = 0.0, help_heading = "Processing")]
-    skip: f64,
-    /// Velocities and accelerations: through Fourier coefficients, or filtered differences
-    #[arg(long, default_value = "fourier", value_parser = one_of(&Derivatives::ALL, Derivatives::name), help_heading = "Processing")]
-    derivatives: Derivatives,
+    /// Velocities and accelerations: through Fourier coefficients (the default), or filtered differences
+    #[arg(long, value_parser = one_of(&Derivatives::ALL, Derivatives::name), help_heading = "Processing")]
+    derivatives: Option<Derivatives>,
     /// Cut-off of the low pass ahead of differences; 5 times the highest commanded frequency, at least 10
     #[arg(long, value_name = "HZ", help_heading = "Processing")]
     cutoff_hz: Option<f64>,
-    /// Samples of the averaged period that are kept
-    #[arg(long, value_name = "N", default_value_t = 250, help_heading = "Processing")]
-    samples: usize,
+    /// Samples of the averaged period that are kept, 250 by default
+    #[arg(long, value_name = "N", help_heading = "Processing")]
+    samples: Option<usize>,
+    /// Cut-off of the low pass through which measured and predicted torque are compared, 20 by default
+    #[arg(long, value_name = "HZ", help_heading = "Processing")]
+    bandwidth_hz: Option<f64>,
 }
 
 impl LogArguments {
-    /// Reads a log and processes it.
-    pub(crate) fn process(&self, path: &Path) -> Result<ProcessedLog, Error> {
-        let log = Log::read(path)?;
-        let robot = match &self.robot {
-            Some(name) => self.chain.load(name)?,
-            None if log.robot.is_none() => {
-                let message = format!("{} does not say which robot it is of, expected --robot ROBOT", log.name);
-                return Err(Error::new(message));
-            }
-            None => log.robot()?,
+    /// Reads logs and processes them. What was not said is as `remembered` has it: what an estimate was made with; `exactly`
+    /// are settings that hold whatever was said.
+    pub(crate) fn process(
+        &self,
+        paths: &[PathBuf],
+        remembered: Option<&Inputs>,
+        held_out: HeldOut,
+        exactly: Option<&LogSettings>,
+    ) -> Result<(ProcessedLog, Inputs), Error> {
+        // Other kinds of logs say themselves what an estimate remembers of tables.
+        let of_tables = remembered.filter(|_| paths.iter().all(|path| is_table(path)));
+        let mapping = self.map.clone().or_else(|| of_tables.and_then(|inputs| inputs.mapping.clone()));
+        let rate_hz = self.rate.or_else(|| of_tables.and_then(|inputs| inputs.rate_hz));
+        let found = find(paths, mapping.as_deref(), rate_hz)?;
+        let (robot, source) = self.robot(&found, remembered)?;
+        let settings = match exactly {
+            Some(settings) => settings.clone(),
+            None => self.settings(&found, remembered, held_out)?,
         };
-        log.process(robot, &self.settings())
+        let names_itself = found.logs.iter().any(|log| log.recording.is_none());
+        let files = found.logs.iter().flat_map(|log| log.origin.files.clone()).collect();
+        let mapping = found.logs.iter().find_map(|log| log.origin.mapping.clone());
+        let prepared = process_all(found.logs, &robot, &settings)?;
+        let rate_hz = rate_hz.filter(|_| names_itself);
+        let logs = paths.iter().map(|path| path.display().to_string()).collect();
+        Ok((prepared, Inputs { robot: source, logs, held_out_log: None, files, mapping, rate_hz, settings }))
     }
 
-    fn settings(&self) -> LogSettings {
-        let (derivatives, cutoff_hz, samples_per_period) = (self.derivatives, self.cutoff_hz, self.samples);
-        let processing = Processing { derivatives, cutoff_hz, samples_per_period, ..Processing::default() };
-        LogSettings { period_s: self.period, skip_s: self.skip, processing }
+    /// The robot, and what it was called.
+    fn robot(&self, found: &FoundLogs, remembered: Option<&Inputs>) -> Result<(LoadedRobot, RobotSource), Error> {
+        let said = self.robot.clone().or_else(|| found.robot.clone());
+        let of = |name: Option<String>, loaded: &LoadedRobot, chain: &ChainArguments| RobotSource {
+            name,
+            sha256: sha256(&loaded.text.content),
+            base_link: chain.base_link.clone(),
+            tip_link: chain.tip_link.clone(),
+        };
+        if let Some(name) = said {
+            let loaded = self.chain.load(&name)?;
+            let source = of(Some(name), &loaded, &self.chain);
+            return Ok((loaded, source));
+        }
+        if let Some(log) = found.logs.iter().find(|log| log.robot.is_some()) {
+            let loaded = log.robot()?;
+            let source = of(None, &loaded, &self.chain);
+            return Ok((loaded, source));
+        }
+        match remembered.map(|inputs| &inputs.robot) {
+            Some(RobotSource { name: Some(name), base_link, tip_link, .. }) => {
+                let chain = ChainArguments { base_link: base_link.clone(), tip_link: tip_link.clone() };
+                let loaded = chain.load(name)?;
+                let source = of(Some(name.clone()), &loaded, &chain);
+                Ok((loaded, source))
+            }
+            _ => {
+                let name = found.logs.first().map_or("the log", |log| log.name.as_str());
+                Err(Error::new(format!("{name} does not say which robot it is of, expected --robot ROBOT")))
+            }
+        }
+    }
+
+    fn settings(
+        &self,
+        found: &FoundLogs,
+        remembered: Option<&Inputs>,
+        held_out: HeldOut,
+    ) -> Result<LogSettings, Error> {
+        let before = remembered.map(|inputs| inputs.settings.clone()).unwrap_or_default();
+        let processing = Processing {
+            derivatives: self.derivatives.unwrap_or(before.processing.derivatives),
+            cutoff_hz: self.cutoff_hz.or(before.processing.cutoff_hz),
+            samples_per_period: self.samples.unwrap_or(before.processing.samples_per_period),
+            ..before.processing
+        };
+        let bandwidth_hz = self.bandwidth_hz.unwrap_or(before.bandwidth_hz);
+        if !(bandwidth_hz.is_finite() && bandwidth_hz > 0.0) {
+            return Err(Error::new(format!("--bandwidth-hz is {bandwidth_hz}, expected a number above zero")));
+        }
+        // A recording of armid's own says its period, whatever an estimate was made with.
+        let foreign = found.logs.iter().any(|log| log.recording.is_none());
+        let period_s = self.period.or(found.period_s).or(before.period_s.filter(|_| foreign));
+        if self.samples.is_some() && foreign && period_s.is_none() {
+            let message = "--samples is of an averaged period, found a log without --period";
+            return Err(Error::new(message).help("--cutoff-hz sets how many equations a log without periods gives"));
+        }
+        Ok(LogSettings {
+            period_s,
+            from_s: self.from.or(found.part_s.0).unwrap_or(0.0),
+            until_s: self.until.or(found.part_s.1),
+            held_out,
+            measured_velocity: self.measured_velocity || (foreign && before.measured_velocity),
+            effort: self.effort.or(before.effort),
+            bandwidth_hz,
+            processing,
+        })
     }
 }
+
+const _: () = assert!(DEFAULT_BANDWIDTH_HZ == 20.0, "the help text of --bandwidth-hz says it");

@@ -8,7 +8,8 @@ use armid::estimation::{ConsistentSet, Estimate, consistent_set};
 use armid::model::{Columns, StandardParameters};
 use armid::seed::Seed;
 use armid_io::estimate::{self, check_robot};
-use armid_io::{Error, LoadedRobot, Text};
+use armid_io::inputs::RobotSource;
+use armid_io::{Error, Inputs, LoadedRobot, Text};
 use miette::Result;
 use serde_json::{Value, json};
 
@@ -42,7 +43,7 @@ pub(crate) struct Arguments {
     /// Format of the file
     #[arg(long, value_parser = one_of(&Exchange::ALL, Exchange::name))]
     to: Exchange,
-    /// The robot, where it is not the bundled one that the estimate names
+    /// The robot, where it is not the one that the estimate was made with
     #[arg(long)]
     robot: Option<String>,
     #[command(flatten)]
@@ -52,8 +53,17 @@ pub(crate) struct Arguments {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let text = Text::read(&arguments.estimate)?;
     let estimate = estimate::parse(&text)?;
-    let name = arguments.robot.as_deref().unwrap_or(&estimate.robot);
-    let loaded = arguments.chain.load(name)?;
+    let loaded = match Inputs::of_estimate(&text)?.map(|inputs| inputs.robot) {
+        // The estimate remembers which file its robot came from.
+        Some(RobotSource { name: Some(name), base_link, tip_link, .. }) if arguments.robot.is_none() => {
+            let chain = ChainArguments {
+                base_link: arguments.chain.base_link.clone().or(base_link),
+                tip_link: arguments.chain.tip_link.clone().or(tip_link),
+            };
+            chain.load(&name)?
+        }
+        _ => arguments.chain.load(arguments.robot.as_deref().unwrap_or(&estimate.robot))?,
+    };
     let destination = destination(&loaded, arguments.to, console)?;
     let set = consistent(&text, &estimate, &loaded)?;
     let written = arguments.to.write(&loaded.robot, &set.parameters, &header(&estimate, &set))?;

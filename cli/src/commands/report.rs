@@ -7,24 +7,28 @@ use armid_io::study::read_study;
 use miette::Result;
 use serde_json::json;
 
-use crate::answers::comparison;
+use crate::answers::{comparison, estimate_page};
 use crate::study::write_report;
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
-Everything that a report shows is stored by `armid study`; this command computes nothing.
+Everything that the report of a study shows is stored by `armid study`; this draws it again and computes
+nothing. Of an estimate it shows measured against predicted torque, what is left over time and over
+velocity, the parameters with their intervals, and a verdict with its reason; the logs are read again
+from where they were.
 
 Examples:
   armid report reports/01-criteria
   armid report reports/01-criteria -o /tmp/page
+  armid report E.json -o page
   armid report --compare simulated measured -o page";
 
-/// Regenerate the report of a stored study
+/// Draw the page of an estimate, or regenerate the report of a stored study
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// Folders that `armid study` wrote
-    #[arg(required_unless_present = "compare", value_name = "DIR")]
+    /// Folders that `armid study` wrote, or files of `armid identify`
+    #[arg(required_unless_present = "compare", value_name = "DIR|FILE")]
     folders: Vec<PathBuf>,
     /// Set two estimates side by side: JSON files of `armid identify`, or folders with estimate.json and validation.json
     #[arg(long, num_args = 2, value_names = ["A", "B"], conflicts_with = "folders")]
@@ -39,9 +43,19 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     let mut pages = Vec::new();
     for folder in &arguments.folders {
+        if folder.is_file() {
+            let output = match console.output() {
+                Some(output) if arguments.folders.len() > 1 => {
+                    Some(output.join(folder.file_stem().unwrap_or_default()))
+                }
+                output => output.map(Path::to_path_buf),
+            };
+            pages.push(estimate_page::report(folder, output.as_deref())?);
+            continue;
+        }
         if !folder.is_dir() {
             return Err(Error::new(format!(
-                "not a study directory: {}, expected one that `armid study` wrote",
+                "not a study directory, nor a file of `armid identify`: {}",
                 folder.display()
             ))
             .into());

@@ -3,17 +3,22 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use armid::estimation::{Estimate, Validation};
-use armid_io::{Error, ProcessedLog, Text, estimate};
+use armid::estimation::{Estimate, TorqueResidual, Validation};
+use armid_io::log::HeldOut;
+use armid_io::{Error, Inputs, ProcessedLog, Text, estimate};
 use miette::Result;
 use serde_json::{Value, json};
 
+use crate::answers::estimate::{joint_names, left_out, percent, residual_json};
 use crate::arguments::LogArguments;
 use crate::terminal::{Align, Answer, Console, Ending, Table, number};
 
 const AFTER_HELP: &str = "\
 The verdict is `passed` (exit 0) where every joint's difference, as a share of its measured
-effort's RMS, is within --limit, and `failed` (exit 1) otherwise.
+effort's RMS, is within --limit, and `failed` (exit 1) otherwise. It is taken over the rows that
+would be used for a fit: those where the joint moves faster than 2 % of its top speed and no channel
+is at fault. Beside it stand the shares over all rows and in total, below a fixed --bandwidth-hz.
+Robot, mapping and processing are those of the estimate unless others are named.
 
 Examples:
   armid validate E.json other.mcap
@@ -25,8 +30,9 @@ Examples:
 pub(crate) struct Arguments {
     /// The estimate, of `armid identify`
     estimate: PathBuf,
-    /// The recording: MCAP or CSV
-    recording: PathBuf,
+    /// The logs: MCAP, tables, or TOML files with a [log] table
+    #[arg(required = true, value_name = "LOG")]
+    logs: Vec<PathBuf>,
     /// Largest difference that passes, as a share of the measured RMS
     #[arg(long, default_value_t = 0.1)]
     limit: f64,
@@ -40,7 +46,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     let text = Text::read(&arguments.estimate)?;
     let estimates = estimate::parse_all(&text)?;
-    let prepared = arguments.log.process(&arguments.recording)?;
+    let inputs = Inputs::of_estimate(&text)?;
+    let (prepared, now) = arguments.log.process(&arguments.logs, inputs.as_ref(), HeldOut::Nothing, None)?;
+    if let Some(inputs) = inputs.filter(|inputs| inputs.robot.name.is_some() && inputs.robot.name == now.robot.name) {
+        inputs.check_robot(&prepared.robot, &text.name)?;
+    }
     let mut verdicts = Vec::new();
     for estimate in &estimates {
         verdicts.push(Verdict::of(estimate, &prepared, arguments.limit, &text)?);
@@ -58,13 +68,15 @@ struct Verdict<'a> {
     estimate: &'a Estimate,
     prepared: &'a ProcessedLog,
     validation: Validation,
+    residual: TorqueResidual,
     limit: f64,
 }
 
 impl<'a> Verdict<'a> {
     fn of(estimate: &'a Estimate, prepared: &'a ProcessedLog, limit: f64, text: &Text) -> Result<Self> {
         let validation = prepared.validate(estimate, &text.name)?;
-        Ok(Self { estimate, prepared, validation, limit })
+        let (residual, _) = prepared.residual(estimate, &text.name)?;
+        Ok(Self { estimate, prepared, validation, residual, limit })
     }
 
     fn passed(&self) -> bool {
@@ -79,11 +91,13 @@ impl<'a> Verdict<'a> {
         json!({
             "estimator": self.estimate.estimator,
             "robot": self.estimate.robot,
-            "recording": self.prepared.log.name,
+            "recording": self.prepared.name(),
             "rms": self.validation.rms,
             "units": self.validation.units,
             "relative_rms": self.validation.relative_rms,
             "limit": self.limit,
+            "residual": residual_json(&self.residual),
+            "logs": self.prepared.reports,
             "verdict": Self::word(self.passed()),
         })
     }
@@ -91,7 +105,7 @@ impl<'a> Verdict<'a> {
     fn text(&self) -> String {
         let mut text = format!(
             "{} by {}: {} (limit {} %)\n\n",
-            self.prepared.log.name,
+            self.prepared.name(),
             self.estimate.estimator,
             Self::word(self.passed()),
             number(100.0 * self.limit)
@@ -102,18 +116,30 @@ impl<'a> Verdict<'a> {
             ("", Align::Left),
             ("of the measured", Align::Right),
             ("", Align::Left),
+            ("below the bandwidth", Align::Right),
+            ("on all rows", Align::Right),
         ]);
-        for (i, joint) in self.prepared.robot.robot.joints().iter().enumerate() {
+        for (i, joint) in joint_names(self.prepared).into_iter().enumerate() {
             let share = self.validation.relative_rms[i];
             table.row([
-                joint.name.clone(),
+                joint,
                 number(self.validation.rms[i]),
                 self.validation.units[i].clone(),
                 format!("{:.2} %", 100.0 * share),
                 Self::word(share <= self.limit).to_owned(),
+                percent(self.residual.used.share[i]),
+                percent(self.residual.all.share[i]),
             ]);
         }
-        let _ = write!(text, "{}", table.render(2));
+        let total = [percent(self.residual.used.total), percent(self.residual.all.total)];
+        table.row(["total", "", "", "", "", &total[0], &total[1]]);
+        let _ = write!(
+            text,
+            "{}\n  the bandwidth is {} Hz\n{}",
+            table.render(2),
+            number(self.residual.bandwidth_hz),
+            left_out(self.prepared)
+        );
         text
     }
 }

@@ -1,40 +1,31 @@
 //! Joint states that something else recorded.
 
-use std::collections::BTreeMap;
-
 use armid::cdr::JointState;
 
+use super::conversion::Conversion;
 use super::joint_log::Log;
-use super::state_table::columns;
+use super::origin::Origin;
+use super::raw_log::RawLog;
+use super::state_table::{columns, velocities};
 use crate::error::Error;
 
-/// A log whose rate comes from the stamps.
+/// A log whose times are the stamps of its messages.
 pub(super) fn log(name: &str, states: &[JointState]) -> Result<Log, Error> {
     let joints = states[0].name.clone();
     let (q, effort) = columns(name, &joints, states)?;
-    let n = states.len();
-    if n < 2 {
-        return Err(Error::new(format!("{name} has {n} sample, expected at least 2")));
-    }
-    let (first, last) = (states[0].stamp.ns(), states[n - 1].stamp.ns());
-    if last <= first {
-        return Err(Error::new(format!("{name}: time goes from {first} to {last} ns, expected it to rise")));
-    }
-    let rate = (n - 1) as f64 / ((last - first) as f64 * 1e-9);
-    let whole = rate.round();
-    // The stamps of a real robot jitter: a rate within a thousandth of a whole number of Hz is meant to be that.
-    let rate_hz = if whole > 0.0 && (rate / whole - 1.0).abs() < 1e-3 { whole } else { rate };
-    Ok(Log {
+    let first = states[0].stamp.ns();
+    let raw = RawLog {
         name: name.to_owned(),
         dof: joints.len(),
+        t: states.iter().map(|state| (i128::from(state.stamp.ns()) - i128::from(first)) as f64 * 1e-9).collect(),
+        rate_hz: None,
+        qd: velocities(&joints, states),
         joints: Some(joints),
-        rate_hz,
-        effort_unit: None,
         q,
         effort,
-        robot: None,
-        recording: None,
-        notes: BTreeMap::new(),
-        complete: true,
-    })
+        effort_unit: None,
+        conversion: Conversion::default(),
+        origin: Origin::default(),
+    };
+    raw.even(|row, message| Error::new(format!("{name}: message {}: {message}", row + 1)))
 }

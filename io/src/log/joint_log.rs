@@ -7,11 +7,23 @@ use armid::experiment::Recording;
 use armid::input::size::RECORDING_BYTES;
 use armid::model::EffortInterface;
 use armid::model::format::ChainEnds;
+use armid::provenance::sha256_of_bytes;
 
-use super::{csv, mcap};
+use super::conversion::Conversion;
+use super::origin::{FileHash, Origin};
+use super::{bag, csv, mcap};
 use crate::error::Error;
 use crate::robot::LoadedRobot;
 use crate::text::{Text, read_bytes};
+
+/// Samples of a log without a break.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Stretch {
+    /// Time of the first, since the beginning of the log, s.
+    pub start_s: f64,
+    /// How many there are.
+    pub samples: usize,
+}
 
 /// Positions and efforts of some joints at a constant rate.
 #[derive(Clone, Debug)]
@@ -28,8 +40,14 @@ pub struct Log {
     pub effort_unit: Option<EffortInterface>,
     /// Joint coordinates, rad (m); N × n.
     pub q: Vec<f64>,
+    /// Measured velocities, rad/s (m/s); N × n, where the file has them.
+    pub qd: Option<Vec<f64>>,
     /// Efforts, A or N·m (N); N × n.
     pub effort: Vec<f64>,
+    /// Which samples give no equation of which joint, N × n; empty where all do.
+    pub excluded: Vec<bool>,
+    /// The stretches without a break that the samples come in, one after the other.
+    pub stretches: Vec<Stretch>,
     /// The robot that was recorded, where the file holds it.
     pub robot: Option<RecordedRobot>,
     /// The experiment, where armid performed it.
@@ -38,6 +56,10 @@ pub struct Log {
     pub notes: BTreeMap<String, String>,
     /// Whether the file is whole.
     pub complete: bool,
+    /// What is to be done to the values once the robot is known.
+    pub(crate) conversion: Conversion,
+    /// Where it came from, and what was found in it.
+    pub origin: Origin,
 }
 
 /// The robot as a recording holds it: texts.
@@ -52,15 +74,20 @@ pub struct RecordedRobot {
 }
 
 impl Log {
-    /// Reads a log: MCAP by its first bytes, CSV otherwise. An MCAP that was cut off is read to its last whole chunk
+    /// Reads a log: a folder as a bag, MCAP by its first bytes, CSV otherwise. An MCAP that was cut off is read to its last whole chunk
     /// where its name ends in `.part`.
     ///
     /// # Errors
     /// [`Error`] where the file cannot be read or is no log.
     pub fn read(path: &Path) -> Result<Self, Error> {
+        if path.is_dir() {
+            return bag::read(path);
+        }
         let bytes = read_bytes(path, &RECORDING_BYTES)?;
         if bytes.starts_with(::mcap::MAGIC) {
-            return mcap::parse(path, &bytes);
+            let mut log = mcap::parse(path, &bytes)?;
+            log.origin.files = vec![FileHash { path: path.display().to_string(), sha256: sha256_of_bytes(&bytes) }];
+            return Ok(log);
         }
         if path.extension().is_some_and(|extension| extension == "mcap") {
             let message = format!("{} does not begin as an MCAP file does", path.display());

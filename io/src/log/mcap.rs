@@ -24,6 +24,8 @@ pub(super) struct Contents {
     pub(super) states: Vec<JointState>,
     /// Time, ns, and motor voltages.
     pub(super) voltages: Vec<(u64, Vec<f64>)>,
+    /// Joint states on other topics, by channel: the topic, and every state.
+    others: BTreeMap<u16, (String, Vec<JointState>)>,
     /// Whether its end is there.
     whole: bool,
 }
@@ -35,7 +37,10 @@ pub(super) struct Contents {
 /// [`Error`] where the bytes are no MCAP, are damaged or cut off, or hold no joint states.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
     let name = path.display().to_string();
-    let contents = contents(&name, bytes)?;
+    let mut contents = contents(&name, bytes)?;
+    if contents.states.is_empty() {
+        contents.states = contents.of_one_topic(&name)?;
+    }
     if !contents.whole && path.extension().is_none_or(|extension| extension != "part") {
         let last = contents.states.last().map_or(0.0, |state| state.stamp.seconds());
         let message = format!(
@@ -57,6 +62,27 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
     };
     log.complete = whole;
     Ok(log)
+}
+
+impl Contents {
+    /// The joint states of the only topic that has any, where it is not the usual one; none where no topic has.
+    fn of_one_topic(&mut self, name: &str) -> Result<Vec<JointState>, Error> {
+        let mut found = std::mem::take(&mut self.others).into_values().filter(|(_, states)| !states.is_empty());
+        let Some((topic, states)) = found.next() else { return Ok(Vec::new()) };
+        let others: Vec<String> = found.map(|(topic, _)| topic).collect();
+        if others.is_empty() {
+            return Ok(states);
+        }
+        let message =
+            format!("{name} holds joint states on {topic}, {}, expected {STATES} or one topic", others.join(", "));
+        Err(Error::new(message))
+    }
+}
+
+/// The joint states of one file of a bag.
+pub(super) fn bag_states(name: &str, bytes: &[u8]) -> Result<Vec<JointState>, Error> {
+    let mut contents = contents(name, bytes)?;
+    if contents.states.is_empty() { contents.of_one_topic(name) } else { Ok(contents.states) }
 }
 
 fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
@@ -88,6 +114,19 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
                     return Err(Error::new(message));
                 }
                 channel = Some(found.id);
+            }
+            Ok(Record::Channel(found)) if schema == Some(found.schema_id) && found.message_encoding == "cdr" => {
+                contents.others.insert(found.id, (found.topic, Vec::new()));
+            }
+            Ok(Record::Message { header, data }) if contents.others.contains_key(&header.channel_id) => {
+                let (topic, states) = contents.others.entry(header.channel_id).or_default();
+                match JointState::decode(&data) {
+                    Ok(state) => states.push(state),
+                    Err(error) => {
+                        let message = format!("{name}: message {} on {topic}: {error}", states.len() + 1);
+                        undecodable.get_or_insert_with(|| Error::new(message));
+                    }
+                }
             }
             Ok(Record::Message { header, data }) if Some(header.channel_id) == channel => {
                 let number = contents.states.len() + 1;

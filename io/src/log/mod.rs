@@ -3,22 +3,49 @@
 //! | file | holds |
 //! |---|---|
 //! | MCAP of `armid run` | the recording with its plan, its robot and its provenance |
-//! | MCAP of other tools | `sensor_msgs/msg/JointState` on `/joint_states`; the rate comes from the stamps |
-//! | CSV | `t,q1..qn,tau1..taun` (N·m) or `t,q1..qn,current1..currentn` (A) |
+//! | MCAP of other tools, or a folder of `ros2 bag` with such files | `sensor_msgs/msg/JointState` on `/joint_states`, or on the one topic that has them; the rate comes from the stamps |
+//! | CSV of armid | `t,q1..qn,tau1..taun` (N·m) or `t,q1..qn,current1..currentn` (A) |
+//! | tables of other tools | whatever their headings; a [`Mapping`] says what the columns are |
+//!
+//! What something else recorded is brought onto an even grid, in stretches without a break; what is left out on the way is
+//! counted in its [`Origin`].
 
+mod arrangement;
+mod bag;
+mod channels;
+mod conversion;
 mod csv;
+mod cut;
+mod find;
 mod foreign;
+mod foreign_csv;
 mod gaps;
 mod joint_log;
+mod log_file;
+mod mapping;
 mod mcap;
 mod mcap_records;
+mod origin;
+mod processed_log;
 mod processing;
+mod raw_log;
 mod recorded;
+mod settings;
+mod stamps;
 mod state_table;
 
+pub use channels::{ChannelFault, ChannelState};
 pub use csv::{parse as parse_csv, write as write_csv};
+pub use find::{FoundLogs, find, is_table};
+pub use foreign_csv::parse as parse_tables;
 pub use gaps::Gaps;
-pub use joint_log::{Log, RecordedRobot};
+pub use joint_log::{Log, RecordedRobot, Stretch};
+pub use log_file::LogFile;
+pub use mapping::{ColumnMap, Mapping, Quantity, Unit};
 pub use mcap::parse as parse_mcap;
 pub(crate) use mcap_records::Records;
-pub use processing::{LogSettings, ProcessedLog};
+pub use origin::{FileHash, Origin};
+pub use processed_log::{LogReport, ProcessedLog};
+pub use processing::process_all;
+pub use settings::{HeldOut, LogSettings};
+pub use stamps::Timing;

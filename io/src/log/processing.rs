@@ -1,168 +1,165 @@
 //! From a log to samples of a robot.
 
-use armid::estimation::{Estimate, EstimationError, EstimatorKind, Identification, Validation};
+use armid::diagnosis::standing_joints;
 use armid::input::size::PERIOD_SAMPLES;
-use armid::model::{Columns, Robot};
+use armid::model::Robot;
 use armid::signal::{
-    AperiodicRecord, PeriodicRecord, Processing, Samples, SignalError, process, process_aperiodic, process_periods,
+    AperiodicRecord, PeriodicRecord, Samples, SignalError, process, process_aperiodic, process_periods,
 };
 
+use super::arrangement::arranged;
+use super::conversion::Conversion;
 use super::gaps::Gaps;
 use super::joint_log::Log;
+use super::processed_log::{LogReport, ProcessedLog};
+use super::settings::LogSettings;
 use crate::error::Error;
 use crate::robot::LoadedRobot;
 
-/// What a log does not contain, and how it becomes samples.
-#[derive(Clone, Debug, Default, PartialEq)]
-pub struct LogSettings {
-    /// Period of a log that does not say it, s; without one it is taken as not periodic.
-    pub period_s: Option<f64>,
-    /// Seconds to leave out at the beginning of a log that does not say what counts.
-    pub skip_s: f64,
-    /// Derivatives, cut-off, samples that are kept.
-    pub processing: Processing,
-}
-
-impl LogSettings {
-    /// For a log of a motion that repeats itself every `period_s` seconds.
-    #[must_use]
-    pub fn periodic(period_s: f64) -> Self {
-        Self { period_s: Some(period_s), ..Self::default() }
-    }
-}
-
-/// A log that has become samples.
-#[derive(Clone, Debug)]
-pub struct ProcessedLog {
-    /// The log, with the robot's joints in the robot's order.
-    pub log: Log,
-    /// The robot.
-    pub robot: LoadedRobot,
-    /// What identification works on.
-    pub samples: Samples,
-    /// What was missing, where anything was.
-    pub gaps: Option<Gaps>,
-}
+/// Periods of a log of which the last is kept aside.
+const PERIODS_FOR_ONE: usize = 5;
 
 impl Log {
-    /// Samples of a robot: joints in its order, periods with missing samples left out, periods averaged.
+    /// Samples of a robot: joints in its order, values at its joints, periods with missing samples left out, periods
+    /// averaged; of a log that something else recorded, the last part kept aside.
     ///
     /// # Errors
     /// [`Error`] where the log is of other joints, its period is no whole number of samples, or nothing is left.
     pub fn process(self, robot: LoadedRobot, settings: &LogSettings) -> Result<ProcessedLog, Error> {
+        let kept = settings.processing.samples_per_period;
+        PERIOD_SAMPLES.check_count("number of samples that a period is reduced to", kept)?;
         let mut log = arranged(self, &robot.robot)?;
+        Conversion::apply(&mut log, &robot.robot)?;
         let gaps = Gaps::leave_out(&mut log)?;
-        let samples = samples(&log, &robot.robot, settings)?;
-        Ok(ProcessedLog { log, robot, samples, gaps })
+        let fault = |error: SignalError| -> Error { Error::new(format!("{}: {error}", log.name)) };
+        let (used, held_out) = if let Some(recording) = &log.recording {
+            refuse_cuts(&log, settings)?;
+            (process(recording, &robot.robot, &settings.processing).map_err(fault)?, None)
+        } else {
+            let (used, held_out) = foreign(&mut log, &robot, settings)?;
+            // What a joint at rest shows is estimated with it at rest.
+            let at_rest = standing_joints(&used);
+            (used.with_joints_at_rest(&at_rest), held_out.map(|samples| samples.with_joints_at_rest(&at_rest)))
+        };
+        let report = LogReport::new(&log, gaps, &used, held_out.as_ref());
+        Ok(ProcessedLog {
+            samples: used.clone(),
+            parts: vec![used],
+            held_out: held_out.into_iter().collect(),
+            reports: vec![report],
+            logs: vec![log],
+            settings: settings.clone(),
+            robot,
+        })
     }
 }
 
-impl ProcessedLog {
-    /// Estimates the base parameters of these columns.
-    ///
-    /// # Errors
-    /// [`Error`] where the motion does not reveal them or the equations have no answer.
-    pub fn identify(&self, columns: Columns, estimator: EstimatorKind) -> Result<Estimate, Error> {
-        let mut estimates = self.identify_by(columns, &[estimator])?;
-        estimates.pop().ok_or_else(|| Error::new("no estimator is named, expected one"))
-    }
-
-    /// The same by several estimators.
-    ///
-    /// # Errors
-    /// As [`Self::identify`].
-    pub fn identify_by(&self, columns: Columns, estimators: &[EstimatorKind]) -> Result<Vec<Estimate>, Error> {
-        let named = |error: EstimationError| self.unestimated(&error);
-        let mut identification = Identification::new(&self.robot.robot, columns).map_err(named)?;
-        if let Some(guess) = self.robot.guess() {
-            identification = identification.with_nominal(guess);
+/// Samples of several logs of one robot. Logs that something else recorded at unlike rates are brought onto the lowest of them.
+///
+/// # Errors
+/// As [`Log::process`] and [`ProcessedLog::joined`].
+pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) -> Result<ProcessedLog, Error> {
+    let foreign = |log: &&Log| log.recording.is_none();
+    let lowest = logs.iter().filter(foreign).map(|log| log.rate_hz).fold(f64::INFINITY, f64::min);
+    let processed = logs.into_iter().map(|mut log| {
+        if log.recording.is_none() && log.rate_hz > lowest * (1.0 + 1e-9) {
+            let remark = format!("brought from {} Hz onto {lowest} Hz, the lowest rate of the logs", log.rate_hz);
+            log = log.resampled(lowest);
+            log.origin.remarks.push(remark);
         }
-        estimators.iter().map(|kind| identification.estimate(&self.samples, kind.estimator()).map_err(named)).collect()
-    }
+        log.process(robot.clone(), settings)
+    });
+    ProcessedLog::joined(processed.collect::<Result<_, _>>()?)
+}
 
-    /// Compares what an estimate predicts with this log. `name` is what errors call the estimate.
-    ///
-    /// # Errors
-    /// [`Error`] where the estimate is of another robot or of other parameters.
-    pub fn validate(&self, estimate: &Estimate, name: &str) -> Result<Validation, Error> {
-        let robot = &self.robot.robot;
-        if estimate.robot != robot.name() {
-            let message = format!("{name} is of robot \"{}\", expected \"{}\"", estimate.robot, robot.name());
-            return Err(Error::mismatch(message));
+/// A recording of armid's own says itself what counts.
+fn refuse_cuts(log: &Log, settings: &LogSettings) -> Result<(), Error> {
+    if let Some(period) = settings.period_s {
+        return Err(Error::new(format!("{} says its own period, found a period of {period} s", log.name)));
+    }
+    if settings.from_s != 0.0 || settings.until_s.is_some() {
+        let message =
+            format!("{} says itself which of its samples count, found seconds to begin or to end at", log.name);
+        return Err(Error::new(message));
+    }
+    if settings.measured_velocity {
+        return Err(Error::new(format!("{} holds no measured velocities", log.name)));
+    }
+    Ok(())
+}
+
+/// Samples that are used, and those that are kept aside.
+fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result<(Samples, Option<Samples>), Error> {
+    let (from, until) = (settings.from_s, settings.until_s.unwrap_or(f64::INFINITY));
+    if !(from.is_finite() && from >= 0.0) {
+        return Err(Error::new(format!("skip is {from} s, expected seconds not below zero")));
+    }
+    if until.is_nan() || until <= from {
+        return Err(Error::new(format!(
+            "the part of the log ends at {until} s, expected more than its beginning, {from} s"
+        )));
+    }
+    let share = settings.held_out.share(true);
+    if !(0.0..=0.9).contains(&share) {
+        return Err(Error::new(format!("the part that is kept aside is {share}, expected 0 to 0.9")));
+    }
+    if settings.measured_velocity && log.qd.is_none() {
+        let message = format!("{} holds no measured velocities, expected a column qd for each joint", log.name);
+        return Err(Error::new(message));
+    }
+    // A robot that says what its efforts are decides where the log does not.
+    let unit = settings.effort.or(log.effort_unit).unwrap_or_else(|| robot.robot.effort());
+    log.effort_unit = Some(unit);
+    robot.check_constants(unit, &log.name)?;
+    let whole = log.between(from, until);
+    match settings.period_s {
+        Some(period) => periodic(&whole, &robot.robot, settings, period, share),
+        None => {
+            let (used, aside) = whole.split(whole.len() - (share * whole.len() as f64).round() as usize);
+            let used = aperiodic(&used, &robot.robot, settings)?;
+            Ok((used, if aside.is_empty() { None } else { Some(aperiodic(&aside, &robot.robot, settings)?) }))
         }
-        let columns = Columns::parse(&estimate.columns).ok_or_else(|| {
-            let names = Columns::ALL.map(|columns| columns.to_string()).join(", ");
-            Error::new(format!("{name}: columns is \"{}\", expected one of {names}", estimate.columns))
-        })?;
-        let named = |error: EstimationError| Error::mismatch(format!("{name}: {error}"));
-        Identification::new(robot, columns).and_then(|of| of.validate(estimate, &self.samples)).map_err(named)
     }
+}
 
-    fn unestimated(&self, error: &EstimationError) -> Error {
-        let shown = Error::new(format!("{}: {error}", self.log.name));
+fn aperiodic(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples, Error> {
+    let processing = &settings.processing;
+    let stretches: Vec<usize> = log.stretches.iter().map(|stretch| stretch.samples).collect();
+    let record = AperiodicRecord {
+        qd: log.qd.as_deref().filter(|_| settings.measured_velocity),
+        stretches: &stretches,
+        excluded: &log.excluded,
+        ..AperiodicRecord::new(log.dof, log.rate_hz, &log.q, &log.effort)
+    };
+    let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
+    let thinned = (4.0 * processing.cutoff_hz(0.0)).min(log.rate_hz);
+    process_aperiodic(&record, robot, unit, thinned, processing).map_err(|error| {
+        let shown = Error::new(format!("{}: {error}", log.name));
         match error {
-            EstimationError::NotExcited { .. } => shown.help(
-                "`armid reduce ROBOT --trajectory T.toml` shows what a motion reveals; `armid design` finds one that \
-                 reveals all",
-            ),
+            SignalError::Cutoff { .. } if log.rate_hz < 5.0 => {
+                shown.help("are the stamps milliseconds? --map \"t=… ms, …\" says so")
+            }
             _ => shown,
         }
-    }
+    })
 }
 
-/// The log with the robot's joints in the robot's order; joints of other things, a gripper's, are left out.
-fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {
-    let expected: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
-    let Some(joints) = &log.joints else {
-        if log.dof == robot.dof() {
-            return Ok(log);
-        }
-        let (found, expected) = (log.dof, robot.dof());
-        let message =
-            format!("{} holds {found} joints, expected the {expected} of robot \"{}\"", log.name, robot.name());
-        return Err(Error::mismatch(message));
-    };
-    if *joints == expected {
-        return Ok(log);
+fn periodic(
+    log: &Log,
+    robot: &Robot,
+    settings: &LogSettings,
+    period: f64,
+    share: f64,
+) -> Result<(Samples, Option<Samples>), Error> {
+    if settings.measured_velocity {
+        let message = format!("{}: velocities of a motion with a period come from its positions", log.name);
+        return Err(Error::new(message).help("leave out --measured-velocity, or --period"));
     }
-    let order: Option<Vec<usize>> = expected.iter().map(|name| joints.iter().position(|found| found == name)).collect();
-    let Some(order) = order.filter(|_| log.recording.is_none()) else {
-        let (found, expected) = (joints.join(", "), expected.join(", "));
-        let message =
-            format!("{} holds the joints {found}, expected {expected} of robot \"{}\"", log.name, robot.name());
-        return Err(Error::mismatch(message));
-    };
-    let pick = |table: &[f64]| -> Vec<f64> {
-        table.chunks_exact(joints.len()).flat_map(|row| order.iter().map(|&joint| row[joint])).collect()
-    };
-    (log.q, log.effort) = (pick(&log.q), pick(&log.effort));
-    log.dof = robot.dof();
-    log.joints = Some(expected.into_iter().map(str::to_owned).collect());
-    Ok(log)
-}
-
-fn samples(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples, Error> {
-    let processing = &settings.processing;
-    PERIOD_SAMPLES.check_count("number of samples that a period is reduced to", processing.samples_per_period)?;
-    let fault = |error: SignalError| -> Error { Error::new(format!("{}: {error}", log.name)) };
-    if let Some(recording) = &log.recording {
-        if let Some(period) = settings.period_s {
-            let message = format!("{} says its own period, found a period of {period} s", log.name);
-            return Err(Error::new(message));
-        }
-        return process(recording, robot, processing).map_err(fault);
-    }
-    if !(settings.skip_s.is_finite() && settings.skip_s >= 0.0) {
-        return Err(Error::new(format!("skip is {} s, expected seconds not below zero", settings.skip_s)));
-    }
-    let n = log.dof;
-    let effort_unit = log.effort_unit.unwrap_or_else(|| robot.effort());
-    let first = ((settings.skip_s * log.rate_hz).round() as usize).min(log.q.len() / n);
-    let (q, effort) = (&log.q[first * n..], &log.effort[first * n..]);
-    let Some(period) = settings.period_s else {
-        let record = AperiodicRecord { dof: n, rate_hz: log.rate_hz, q, effort };
-        let thinned = (4.0 * processing.cutoff_hz(0.0)).min(log.rate_hz);
-        return process_aperiodic(&record, robot, effort_unit, thinned, processing).map_err(fault);
+    let even = log.origin.timing.as_ref().is_none_or(|timing| timing.even);
+    let log = &if even {
+        log.pieces(|stretch, _| (0, stretch.samples))
+    } else {
+        log.resampled((period * log.rate_hz).round().max(1.0) / period)
     };
     let whole = period * log.rate_hz;
     let period_samples = whole.round();
@@ -175,17 +172,58 @@ fn samples(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples, 
         return Err(Error::new(message));
     }
     let period_samples = period_samples as usize;
-    let periods = q.len() / (n * period_samples);
-    if periods == 0 {
+    let mut starts = Vec::new();
+    let mut before = 0;
+    let begin = log.stretches.first().map_or(0.0, |stretch| stretch.start_s);
+    for stretch in &log.stretches {
+        // Periods are counted from the beginning of the log: those that a break cuts are left out.
+        let phase = ((stretch.start_s - begin) * log.rate_hz).round() as usize;
+        let mut first = (period_samples - phase % period_samples) % period_samples;
+        while first + period_samples <= stretch.samples {
+            starts.push(before + first);
+            first += period_samples;
+        }
+        before += stretch.samples;
+    }
+    if starts.is_empty() {
         let message = format!(
             "{} holds {:.3} s after those that are skipped, expected at least one period of {period} s",
             log.name,
-            (q.len() / n) as f64 / log.rate_hz
+            log.len() as f64 / log.rate_hz
         );
         return Err(Error::new(message));
     }
-    let rows = 0..periods * period_samples * n;
-    let record =
-        PeriodicRecord { dof: n, rate_hz: log.rate_hz, period_samples, q: &q[rows.clone()], effort: &effort[rows] };
-    process_periods(&record, robot, effort_unit, 0.0, processing).map_err(fault)
+    let aside = if settings.held_out.is_share() {
+        (share * starts.len() as f64).round() as usize
+    } else if share > 0.0 {
+        starts.len() / PERIODS_FOR_ONE
+    } else {
+        0
+    };
+    let (used, aside) = starts.split_at(starts.len() - aside.min(starts.len() - 1));
+    let average = |starts: &[usize]| average(log, robot, settings, starts, period_samples);
+    Ok((average(used)?, if aside.is_empty() { None } else { Some(average(aside)?) }))
+}
+
+/// The average of the periods that begin at these samples.
+fn average(log: &Log, robot: &Robot, settings: &LogSettings, starts: &[usize], count: usize) -> Result<Samples, Error> {
+    let n = log.dof;
+    let pick = |table: &[f64]| -> Vec<f64> {
+        starts.iter().flat_map(|&first| table[first * n..(first + count) * n].iter().copied()).collect()
+    };
+    let (q, effort) = (pick(&log.q), pick(&log.effort));
+    let record = PeriodicRecord { dof: n, rate_hz: log.rate_hz, period_samples: count, q: &q, effort: &effort };
+    let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
+    let mut samples = process_periods(&record, robot, unit, 0.0, &settings.processing)
+        .map_err(|error| Error::new(format!("{}: {error}", log.name)))?;
+    if !log.excluded.is_empty() {
+        // What was at fault in one period is in the average.
+        let block = samples.block;
+        for (at, used) in samples.used.iter_mut().enumerate() {
+            let (m, i) = (at / n, at % n);
+            let at_fault = |first: usize| (m * block..(m + 1) * block).any(|k| log.excluded[(first + k) * n + i]);
+            *used &= !starts.iter().any(|&first| at_fault(first));
+        }
+    }
+    Ok(samples)
 }

@@ -8,8 +8,10 @@ use armid::model::{EffortInterface, format::ChainEnds};
 use armid::provenance::Provenance;
 use armid::trajectory::PeriodicTrajectory;
 
-use super::joint_log::{Log, RecordedRobot};
+use super::conversion::Conversion;
+use super::joint_log::{Log, RecordedRobot, Stretch};
 use super::mcap::Contents;
+use super::origin::Origin;
 use super::state_table::columns;
 use crate::error::Error;
 
@@ -75,12 +77,17 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         dof,
         rate_hz,
         effort_unit: Some(effort_unit),
+        stretches: vec![Stretch { start_s: 0.0, samples: states.len() }],
         q,
+        qd: None,
         effort,
+        excluded: Vec::new(),
         robot: Some(robot),
         recording: Some(recording),
         notes: metadata.iter().chain(&contents.ending).map(|(key, value)| (key.clone(), value.clone())).collect(),
         complete: true,
+        conversion: Conversion::default(),
+        origin: Origin::default(),
     })
 }
 

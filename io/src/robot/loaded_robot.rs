@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::model::format::{ChainEnds, RelativeUncertainty, parse_nominal, parse_robot};
-use armid::model::{BundledRobot, Robot, StandardParameters};
+use armid::model::{BundledRobot, Drive, EffortInterface, Robot, StandardParameters};
 use armid::study::{Truth, truth_text};
 
 use super::tree;
@@ -73,6 +73,29 @@ impl LoadedRobot {
             }
         };
         Truth::from_toml(&text.content, &self.robot).map_err(|error| Error::of_format(&text, &error))
+    }
+
+    /// Torque follows from the efforts of a log: a robot from a URDF or MJCF says neither torque constants nor gears, and
+    /// currents are no torques.
+    ///
+    /// # Errors
+    /// [`Error`] where the efforts are currents and no drive has a torque constant. `name` is that of the log.
+    pub(crate) fn check_constants(&self, effort: EffortInterface, name: &str) -> Result<(), Error> {
+        let ideal = |drive: &Drive| drive.torque_constant == 1.0 && drive.gear == 1.0;
+        if effort == EffortInterface::Torque
+            || self.own.is_none()
+            || !self.robot.joints().iter().all(|joint| ideal(&joint.drive))
+        {
+            return Ok(());
+        }
+        let message = format!(
+            "{name} holds currents, and robot \"{}\" says neither torque constants nor gear ratios: no torque follows",
+            self.robot.name()
+        );
+        Err(Error::mismatch(message).help(
+            "say them beside the columns: --map \"…, current=i_[1-6] constant=0.05 gear=100\" (N·m/A at the motor; values of \
+             each joint with / between them)",
+        ))
     }
 
     /// A robot that is compiled in.

@@ -131,13 +131,6 @@ impl NumberTable {
     pub(crate) fn pick(&self, row: usize, columns: &[usize]) -> Vec<f64> {
         columns.iter().map(|&column| self.value(row, column)).collect()
     }
-
-    /// A fault at a row.
-    pub(crate) fn row_fault(&self, row: usize, message: impl Into<String>) -> Error {
-        let start = self.starts[row];
-        let end = self.text.content[start..].find('\n').map_or(self.text.content.len(), |length| start + length);
-        Error::new(message).at(&self.text, start..end, "this row")
-    }
 }
 
 /// No line is longer than a table's can be, before any is taken apart.
@@ -196,7 +189,6 @@ mod tests {
         let table = NumberTable::parse(Text::new("t.csv", "# a log\nq1,q2\n\n1,2\n# more\n 3 , 4e-1\r\n")).unwrap();
         assert_eq!(table.len(), 2);
         assert_eq!(table.pick(1, &[1, 0]), [0.4, 3.0]);
-        assert_eq!(table.row_fault(1, "odd").to_string(), "t.csv:6:1: odd");
     }
 
     #[test]

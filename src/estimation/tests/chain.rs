@@ -167,7 +167,7 @@ fn identity_a_record_without_periods() {
     let arm = Arm::new();
     let rows = 6 * 1300;
     let (q, current) = (arm.q.repeat(2)[..rows].to_vec(), arm.current.repeat(2)[..rows].to_vec());
-    let record = AperiodicRecord { dof: 6, rate_hz: RATE_HZ, q: &q, effort: &current };
+    let record = AperiodicRecord::new(6, RATE_HZ, &q, &current);
     let samples = process_aperiodic(&record, &arm.robot, EffortInterface::Current, 25.0, &differences(20.0)).unwrap();
     assert_eq!((samples.block, samples.periods, samples.noise.is_none()), (4, 1, true));
     let estimate = arm.estimate(EstimatorKind::Wls, &samples);

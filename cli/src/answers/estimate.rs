@@ -1,0 +1,260 @@
+//! What `armid identify` answers: as a text and as JSON.
+
+use std::fmt::Write;
+
+use armid::diagnosis::Suspicion;
+use armid::estimation::{Estimate, RowShares, TorqueResidual};
+use armid_io::{Error, Inputs, ProcessedLog};
+use serde_json::{Value, json};
+
+use super::findings::{findings, paragraph};
+use crate::terminal::{Align, Table, number};
+
+/// An estimate with everything that is said of it.
+pub(crate) struct EstimateAnswer<'a> {
+    estimate: &'a Estimate,
+    prepared: &'a ProcessedLog,
+    inputs: &'a Inputs,
+    used: TorqueResidual,
+    held_out: Option<TorqueResidual>,
+    expressions: Vec<String>,
+    suspicions: &'a [Suspicion],
+}
+
+/// Keys of the residual over some rows.
+fn shares_json(shares: &RowShares) -> Value {
+    json!({
+        "samples": shares.samples,
+        "rms": shares.rms,
+        "measured_rms": shares.measured_rms,
+        "share": shares.share,
+        "total": shares.total,
+    })
+}
+
+/// Keys of a residual.
+pub(crate) fn residual_json(residual: &TorqueResidual) -> Value {
+    json!({
+        "bandwidth_hz": residual.bandwidth_hz,
+        "used_rows": shares_json(&residual.used),
+        "all_rows": shares_json(&residual.all),
+    })
+}
+
+/// The keys of a suspicion, with its sentence and what to try.
+fn suspicion_json(suspicion: &Suspicion) -> Value {
+    let mut json = json!(suspicion);
+    json["text"] = json!(suspicion.mistake.to_string());
+    json["advice"] = json!(suspicion.mistake.correction());
+    json
+}
+
+/// A share in percent.
+pub(crate) fn percent(share: Option<f64>) -> String {
+    share.map_or_else(|| "–".to_owned(), |share| format!("{:.2} %", 100.0 * share))
+}
+
+/// Residuals joint by joint, and in total.
+pub(crate) fn residual_table(
+    joints: &[String],
+    units: &[String],
+    used: &TorqueResidual,
+    held_out: Option<&TorqueResidual>,
+) -> String {
+    let mut headings = vec![
+        ("joint", Align::Left),
+        ("residual RMS", Align::Right),
+        ("", Align::Left),
+        ("of the measured", Align::Right),
+        ("on all rows", Align::Right),
+    ];
+    if held_out.is_some() {
+        headings.extend([("kept aside", Align::Right), ("all rows of it", Align::Right)]);
+    }
+    let mut table = Table::new(&headings);
+    for (i, joint) in joints.iter().enumerate() {
+        let mut row = vec![joint.clone(), number(used.used.rms[i]), units[i].clone()];
+        row.extend([percent(used.used.share[i]), percent(used.all.share[i])]);
+        if let Some(held_out) = held_out {
+            row.extend([percent(held_out.used.share[i]), percent(held_out.all.share[i])]);
+        }
+        table.row(row);
+    }
+    let mut row = vec!["total".to_owned(), String::new(), String::new()];
+    row.extend([percent(used.used.total), percent(used.all.total)]);
+    if let Some(held_out) = held_out {
+        row.extend([percent(held_out.used.total), percent(held_out.all.total)]);
+    }
+    table.row(row);
+    table.render(2)
+}
+
+/// Which rows were left out, and why; nothing where all count.
+pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
+    let mut text = String::new();
+    for report in &prepared.reports {
+        let shares: Vec<String> = report
+            .equations
+            .iter()
+            .map(|count| format!("{:.0} %", 100.0 * (1.0 - *count as f64 / report.blocks.max(1) as f64)))
+            .collect();
+        let slow = 100.0 * prepared.settings.processing.reversal_fraction;
+        if report.equations.iter().any(|count| *count < report.blocks) {
+            let sentence = format!(
+                "{}: left out of the fit, where a joint is slower than {slow} % of its top speed or a channel is at fault: {} of \
+                 the rows of its joints",
+                report.name,
+                shares.join(", ")
+            );
+            text.push_str(&paragraph(&sentence, 2));
+        }
+        for sentence in report.origin.sentences() {
+            text.push_str(&paragraph(&format!("{}: {sentence}", report.name), 2));
+        }
+        if let Some(gaps) = &report.gaps {
+            text.push_str(&paragraph(gaps.text().trim_end(), 2));
+        }
+        if !report.complete {
+            text.push_str("  the recording is cut off; its whole periods were used\n");
+        }
+    }
+    text
+}
+
+/// Names of the robot's joints.
+pub(crate) fn joint_names(prepared: &ProcessedLog) -> Vec<String> {
+    prepared.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
+}
+
+impl<'a> EstimateAnswer<'a> {
+    pub(crate) fn new(
+        estimate: &'a Estimate,
+        prepared: &'a ProcessedLog,
+        inputs: &'a Inputs,
+        suspicions: &'a [Suspicion],
+    ) -> Result<Self, Error> {
+        let (used, held_out) = prepared.residual(estimate, "the estimate")?;
+        let expressions = prepared.expressions(estimate, "the estimate")?;
+        Ok(Self { estimate, prepared, inputs, used, held_out, expressions, suspicions })
+    }
+
+    /// The estimate's own keys; beside each finding's numbers its sentence and advice; what it was made from.
+    pub(crate) fn json(&self) -> Value {
+        let mut json = serde_json::to_value(self.estimate).unwrap_or_default();
+        if let Some(base) = json.get_mut("base").and_then(Value::as_array_mut) {
+            for (value, expression) in base.iter_mut().zip(&self.expressions) {
+                value["expression"] = json!(expression);
+            }
+        }
+        if let Some(findings) = json.get_mut("findings").and_then(Value::as_array_mut) {
+            for (value, finding) in findings.iter_mut().zip(&self.estimate.findings) {
+                value["text"] = json!(finding.to_string());
+                value["advice"] = json!(finding.advice());
+            }
+        }
+        if let [report] = self.prepared.reports.as_slice()
+            && let Some(gaps) = &report.gaps
+        {
+            json["gaps"] = gaps.json();
+        }
+        json["suspicions"] = self.suspicions.iter().map(suspicion_json).collect();
+        json["joints"] = json!(joint_names(self.prepared));
+        json["residual"] = residual_json(&self.used);
+        json["held_out"] = self.held_out.as_ref().map_or(Value::Null, residual_json);
+        json["logs"] = json!(self.prepared.reports);
+        json["inputs"] = json!(self.inputs);
+        json
+    }
+
+    pub(crate) fn text(&self, verbose: bool) -> String {
+        let estimate = self.estimate;
+        let time = |of: fn(&armid_io::log::LogReport) -> f64| self.prepared.reports.iter().map(of).sum::<f64>();
+        let averaged = if self.prepared.samples.period_s.is_some() {
+            let plural = if estimate.periods == 1 { "" } else { "s" };
+            format!("{} period{plural} averaged", estimate.periods)
+        } else {
+            "no periods".to_owned()
+        };
+        let mut text = format!(
+            "{} by {}: {} base parameters of \"{}\" ({})\n",
+            self.prepared.name(),
+            estimate.estimator,
+            estimate.base.len(),
+            estimate.robot,
+            estimate.columns,
+        );
+        let sentence = format!(
+            "{} s used, {} s kept aside, {averaged}; {} samples; condition {} ({} with columns of unit length)",
+            number(time(|report| report.used_s)),
+            number(time(|report| report.held_out_s)),
+            estimate.samples,
+            number(estimate.condition),
+            number(estimate.condition_scaled),
+        );
+        let _ = writeln!(text, "{}", paragraph(&sentence, 0));
+        for suspicion in self.suspicions {
+            text += &paragraph(&suspicion.mistake.to_string(), 2);
+            let _ = writeln!(text, "{}", paragraph(&format!("→ {}", suspicion.mistake.correction()), 4));
+        }
+        let _ = writeln!(text, "torque below {} Hz that the estimate does not explain", number(self.used.bandwidth_hz));
+        text += &residual_table(&joint_names(self.prepared), &estimate.units, &self.used, self.held_out.as_ref());
+        let rows = left_out(self.prepared);
+        if !rows.is_empty() {
+            let _ = write!(text, "\n{rows}");
+        }
+        text.push('\n');
+        text += &self.parameters();
+        match estimate.consistent {
+            Some(true) => text.push_str("\nthe full set of parameters is physically consistent\n"),
+            Some(false) => text.push_str("\nthe full set of parameters is not physically consistent\n"),
+            None => {}
+        }
+        if verbose && let Some(standard) = &estimate.standard {
+            let mut table = Table::new(&[("standard parameter", Align::Left), ("value", Align::Right)]);
+            for parameter in standard {
+                table.row([parameter.name.clone(), format!("{:.6}", parameter.value)]);
+            }
+            let _ = write!(text, "\n{}", table.render(2));
+        }
+        text.push_str(&findings(&estimate.findings));
+        text
+    }
+
+    fn parameters(&self) -> String {
+        let mut table = Table::new(&[
+            ("parameter", Align::Left),
+            ("value", Align::Right),
+            ("std", Align::Right),
+            ("95 % interval", Align::Right),
+            ("", Align::Right),
+            ("unit", Align::Left),
+            ("stands for", Align::Left),
+        ]);
+        for (parameter, expression) in self.estimate.base.iter().zip(&self.expressions) {
+            let decimals = decimals(parameter.std);
+            let [value, low, high] =
+                [parameter.value, parameter.ci95[0], parameter.ci95[1]].map(|number| format!("{number:.decimals$}"));
+            let std = format!("{:.decimals$}", parameter.std);
+            let stands_for = if *expression == parameter.name { String::new() } else { expression.clone() };
+            table.row([parameter.name.clone(), value, std, low, high, parameter.unit.clone(), stands_for]);
+        }
+        table.render(2)
+    }
+}
+
+/// Decimals that show two digits of a standard deviation.
+fn decimals(std: f64) -> usize {
+    if std.is_finite() && std > 0.0 { (1.0 - std.log10().floor()).clamp(0.0, 12.0) as usize } else { 6 }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::decimals;
+
+    #[test]
+    fn two_digits_of_the_deviation_are_shown() {
+        for (std, expected) in [(0.014, 3), (2.9e-3, 4), (0.99, 2), (25.0, 0), (1e-30, 12), (f64::INFINITY, 6)] {
+            assert_eq!(decimals(std), expected, "{std}");
+        }
+    }
+}

@@ -1,0 +1,164 @@
+//! `armid report E.json`: the page of an estimate, from its file and the logs that it remembers.
+
+use std::path::{Path, PathBuf};
+
+use armid::estimation::{Estimate, TorqueResidual, TorqueSeries};
+use armid::signal::Samples;
+use armid_io::output::write_text;
+use armid_io::{Error, Inputs, ProcessedLog, Text, estimate};
+use armid_reports::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, estimate_document};
+use miette::Result;
+
+use super::estimate::{joint_names, percent};
+use crate::arguments::LogArguments;
+
+/// Points of a line on the page, at most.
+const POINTS: usize = 1500;
+
+/// Share of the torque that a model may leave unexplained to be called good on rows that it has not seen.
+const GOOD: f64 = 0.1;
+
+/// Draws the page of an estimate into a folder; the path of the page.
+pub(crate) fn report(path: &Path, folder: Option<&Path>) -> Result<PathBuf> {
+    let text = Text::read(path)?;
+    let estimate = estimate::parse(&text)?;
+    let Some(inputs) = Inputs::of_estimate(&text)? else {
+        let message = format!("{} does not say which logs it was made from", text.name);
+        return Err(Error::new(message).help("identify again, with -o").into());
+    };
+    let logs: Vec<PathBuf> = inputs.logs.iter().map(PathBuf::from).collect();
+    let arguments = LogArguments::default();
+    let (mut prepared, now) =
+        arguments.process(&logs, Some(&inputs), inputs.settings.held_out, Some(&inputs.settings))?;
+    inputs.check_files(&now.files, &text.name)?;
+    inputs.check_robot(&prepared.robot, &text.name)?;
+    if let Some(other) = &inputs.held_out_log {
+        let settings = inputs.settings.clone();
+        let (others, _) =
+            arguments.process(&[PathBuf::from(other)], Some(&inputs), settings.held_out, Some(&settings))?;
+        prepared.hold_out(&others);
+    }
+    let page = Page { estimate: &estimate, prepared: &prepared, name: &text.name };
+    let input = page.input(&inputs)?;
+    let fault = |error: armid_reports::DocumentError| Error::new(format!("the report cannot be drawn: {error}"));
+    let document = estimate_document(&input).map_err(fault)?;
+    let stem = path.file_stem().map_or_else(|| "estimate".into(), |stem| stem.to_string_lossy().into_owned());
+    let folder = folder.map_or_else(|| Path::new("reports").join(stem), Path::to_path_buf);
+    for (name, svg) in document.svg_files().map_err(fault)? {
+        write_text(&folder.join(name), svg)?;
+    }
+    let file = folder.join("report.html");
+    write_text(&file, &document.html().map_err(fault)?)?;
+    Ok(file)
+}
+
+struct Page<'a> {
+    estimate: &'a Estimate,
+    prepared: &'a ProcessedLog,
+    name: &'a str,
+}
+
+impl Page<'_> {
+    fn input(&self, inputs: &Inputs) -> Result<EstimateInput, Error> {
+        let (used, held_out) = self.prepared.residual(self.estimate, self.name)?;
+        let expressions = self.prepared.expressions(self.estimate, self.name)?;
+        let joints = joint_names(self.prepared);
+        let aside = !self.prepared.held_out.is_empty();
+        let parts = if aside { &self.prepared.held_out[..1] } else { &self.prepared.parts[..1] };
+        let series = self.prepared.series(self.estimate, self.name, parts)?;
+        let traces = (0..joints.len()).map(|i| trace(&joints[i], i, &parts[0], &series[0])).collect();
+        let mut shares = vec![in_percent("used rows", &used, true), in_percent("all rows", &used, false)];
+        shares.extend(held_out.as_ref().map(|residual| in_percent("kept aside", residual, false)));
+        let parameters = self.estimate.base.iter().zip(expressions).map(|(parameter, expression)| ParameterRow {
+            name: parameter.name.clone(),
+            expression,
+            value: parameter.value,
+            std: parameter.std,
+            interval: parameter.ci95,
+            unit: parameter.unit.clone(),
+        });
+        let mut provenance = vec![("robot file, SHA-256".to_owned(), inputs.robot.sha256.clone())];
+        provenance.extend(inputs.files.iter().map(|file| (file.path.clone(), file.sha256.clone())));
+        provenance.extend(inputs.mapping.clone().map(|mapping| ("mapping".to_owned(), mapping)));
+        Ok(EstimateInput {
+            robot: self.estimate.robot.clone(),
+            subtitle: format!(
+                "{} base parameters ({}) by {} from {}",
+                self.estimate.base.len(),
+                self.estimate.columns,
+                self.estimate.estimator,
+                self.prepared.name()
+            ),
+            verdict: self.verdict(&used, held_out.as_ref()),
+            joints,
+            unit: self.estimate.units.first().cloned().unwrap_or_default(),
+            bandwidth_hz: used.bandwidth_hz,
+            shares,
+            traces,
+            traces_of: if aside { "kept aside, not used for the fit".into() } else { "used for the fit".into() },
+            parameters: parameters.collect(),
+            left_out: self.prepared.reports.iter().flat_map(|report| report.origin.sentences()).collect(),
+            findings: self.estimate.findings.iter().map(|finding| format!("{finding}: {}", finding.advice())).collect(),
+            provenance,
+        })
+    }
+
+    /// The verdict with its reason.
+    fn verdict(&self, used: &TorqueResidual, held_out: Option<&TorqueResidual>) -> Vec<String> {
+        let bandwidth = used.bandwidth_hz;
+        let poor = self.estimate.base.iter().filter(|p| 3.0 * p.std > p.value.abs()).count();
+        let first = match held_out.and_then(|residual| residual.all.total) {
+            Some(total) if total <= GOOD => format!(
+                "The model **predicts** torque that it has not seen: {} of it is left unexplained below {bandwidth} Hz, {} on \
+                 the rows of the fit.",
+                percent(Some(total)),
+                percent(used.all.total)
+            ),
+            Some(total) => format!(
+                "The model does **not predict** torque that it has not seen well: {} of it is left unexplained below \
+                 {bandwidth} Hz, more than {:.0} %; {} on the rows of the fit.",
+                percent(Some(total)),
+                100.0 * GOOD,
+                percent(used.all.total)
+            ),
+            None => format!(
+                "Nothing was kept aside, so **nothing is known of its prediction**; {} of the torque of the fit is left \
+                 unexplained below {bandwidth} Hz.",
+                percent(used.all.total)
+            ),
+        };
+        let second = format!(
+            "{poor} of {} parameters have a standard deviation of more than a third of their value; the condition number with \
+             columns of unit length is {:.0}.",
+            self.estimate.base.len(),
+            self.estimate.condition_scaled
+        );
+        vec![first, second]
+    }
+}
+
+fn in_percent(label: &str, residual: &TorqueResidual, used: bool) -> ResidualShares {
+    let rows = if used { &residual.used } else { &residual.all };
+    ResidualShares {
+        label: label.to_owned(),
+        joints: rows.share.iter().map(|share| share.map(|share| 100.0 * share)).collect(),
+        total: rows.total.map(|share| 100.0 * share),
+    }
+}
+
+/// The lines of a joint, thinned to what a page can show.
+fn trace(joint: &str, i: usize, samples: &Samples, series: &TorqueSeries) -> TorqueTrace {
+    let n = samples.dof();
+    let step = samples.len().div_ceil(POINTS).max(1);
+    let rows: Vec<usize> = (0..samples.len()).step_by(step).collect();
+    let pick = |table: &[f64]| -> Vec<f64> { rows.iter().map(|&k| table[k * n + i]).collect() };
+    let (measured, predicted) = (pick(&series.measured), pick(&series.predicted));
+    TorqueTrace {
+        joint: joint.to_owned(),
+        times: rows.iter().map(|&k| k as f64 / samples.rate_hz).collect(),
+        residual: measured.iter().zip(&predicted).map(|(measured, predicted)| measured - predicted).collect(),
+        measured,
+        predicted,
+        velocity: pick(&samples.states.qd),
+    }
+}

@@ -1,0 +1,131 @@
+//! Findings of an estimate, grouped, the most important first, at most a screen of them.
+
+use armid::estimation::Finding;
+
+use crate::terminal::{Align, Table};
+
+/// Findings of one kind.
+struct Group<'a> {
+    rank: usize,
+    finding: &'a Finding,
+    of_kind: Vec<&'a Finding>,
+}
+
+/// Sentences of one kind that are shown one by one.
+const SHOWN: usize = 3;
+
+/// How important a kind is; the least comes first.
+const fn rank(finding: &Finding) -> usize {
+    match finding {
+        Finding::ResidualAboveNoise { .. } => 0,
+        Finding::NegativeDrive { .. } => 1,
+        Finding::InconsistentLink { .. } => 2,
+        Finding::LargeCondition { .. } => 3,
+        Finding::PoorlyDetermined { .. } => 4,
+        Finding::ResidualCorrelated { .. } => 5,
+        Finding::FewPeriods { .. } => 6,
+        Finding::NoiseFromResidual => 7,
+    }
+}
+
+/// What many findings of a kind have in common, and what each is about.
+fn summary(found: &[&Finding]) -> Option<String> {
+    let list = |names: Vec<String>| names.join(", ");
+    let count = found.len();
+    Some(match found.first()? {
+        Finding::PoorlyDetermined { .. } => {
+            let names = found.iter().filter_map(|finding| match finding {
+                Finding::PoorlyDetermined { parameter, .. } => Some(parameter.clone()),
+                _ => None,
+            });
+            let names = list(names.collect());
+            format!("{count} parameters have a standard deviation of more than a third of their value: {names}")
+        }
+        Finding::NegativeDrive { .. } => {
+            let names = found.iter().filter_map(|finding| match finding {
+                Finding::NegativeDrive { parameter, .. } => Some(parameter.clone()),
+                _ => None,
+            });
+            format!("{count} drive parameters are negative: {}", list(names.collect()))
+        }
+        Finding::InconsistentLink { .. } => {
+            let links = found.iter().filter_map(|finding| match finding {
+                Finding::InconsistentLink { link, .. } => Some(link.to_string()),
+                _ => None,
+            });
+            format!("the completed parameters of links {} are those of no real body", list(links.collect()))
+        }
+        Finding::ResidualAboveNoise { .. } => {
+            let joints = found.iter().filter_map(|finding| match finding {
+                Finding::ResidualAboveNoise { joint, ratio, .. } => Some(format!("{joint} ({ratio:.1} times)")),
+                _ => None,
+            });
+            format!("the residual is above what noise explains at joints {}", list(joints.collect()))
+        }
+        Finding::ResidualCorrelated { .. } => {
+            let joints = found.iter().filter_map(|finding| match finding {
+                Finding::ResidualCorrelated { joint, correlation, .. } => Some(format!("{joint} ({correlation:.2})")),
+                _ => None,
+            });
+            format!("neighbouring residuals correlate at joints {}", list(joints.collect()))
+        }
+        Finding::LargeCondition { .. } | Finding::FewPeriods { .. } | Finding::NoiseFromResidual => return None,
+    })
+}
+
+/// The findings as a text.
+pub(crate) fn findings(all: &[Finding]) -> String {
+    let mut groups: Vec<Group<'_>> = Vec::new();
+    for finding in all {
+        let rank = rank(finding);
+        match groups.iter_mut().find(|group| group.rank == rank) {
+            Some(group) => group.of_kind.push(finding),
+            None => groups.push(Group { rank, finding, of_kind: vec![finding] }),
+        }
+    }
+    groups.sort_by_key(|group| group.rank);
+    let mut text = String::new();
+    for group in groups {
+        text.push('\n');
+        let sentences = match summary(&group.of_kind).filter(|_| group.of_kind.len() > SHOWN) {
+            Some(summary) => vec![summary],
+            None => group.of_kind.iter().map(|finding| finding.to_string()).collect(),
+        };
+        for sentence in sentences {
+            text.push_str(&paragraph(&sentence, 2));
+        }
+        text.push_str(&paragraph(&format!("→ {}", group.finding.advice()), 4));
+    }
+    text
+}
+
+/// A sentence, broken between words.
+pub(crate) fn paragraph(sentence: &str, indent: usize) -> String {
+    let mut table = Table::new(&[("", Align::Left)]);
+    table.row([sentence]);
+    table.render(indent).trim_start_matches('\n').to_owned()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::findings;
+    use armid::estimation::Finding;
+
+    #[test]
+    fn many_of_a_kind_become_one_sentence_behind_what_matters_more() {
+        let mut all: Vec<Finding> = (0..33)
+            .map(|k| Finding::PoorlyDetermined {
+                parameter: format!("mcx{k}"),
+                value: 1.0,
+                std: 0.5,
+                unit: "kg·m".into(),
+            })
+            .collect();
+        all.push(Finding::NegativeDrive { parameter: "Fv2".into(), value: -1.0 });
+        let text = findings(&all);
+        assert!(text.lines().count() < 12, "{text}");
+        let place = |word: &str| text.find(word).unwrap();
+        assert!(place("Fv2 = ") < place("33 parameters have") && text.contains("mcx32"), "{text}");
+        assert!(text.lines().all(|line| line.chars().count() <= 100), "{text}");
+    }
+}

@@ -1,0 +1,238 @@
+//! Logs that something else recorded: tables of every shape, uneven stamps, gaps, several files and several logs.
+
+mod support;
+
+use std::fmt::Write;
+use std::path::Path;
+
+use serde_json::Value;
+use support::{armid, json, stderr, stdout, temporary, write};
+
+/// One row: time, positions, currents.
+type Row = (f64, Vec<f64>, Vec<f64>);
+
+/// A motion of the TX40, whose wrist is coupled, of 1 + 1 + 4 + 4 + 1 s at 500 Hz, without periods as far as the log says.
+fn recorded(folder: &Path) -> Vec<Row> {
+    let mut text = "period_s = 4.0\nharmonics = 2\n".to_owned();
+    for (k, name) in ["waist", "shoulder", "elbow", "wrist_roll", "wrist_pitch", "tool_roll"].iter().enumerate() {
+        let (a, b) = (0.8 + 0.1 * k as f64, 0.7 - 0.05 * k as f64);
+        text += &format!("\n[[joint]]\nname = \"{name}\"\na = [{a:?}, {b:?}]\nb = [{b:?}, -{a:?}]\nq0 = 0.1\n");
+    }
+    write(folder, "T.toml", &text);
+    let experiment = "robot = \"staubli-tx40\"\ntrajectory = \"T.toml\"\nperiods = 1\nrate_hz = 500\nramp_s = 1\n";
+    let experiment = write(folder, "x.toml", experiment);
+    let out = folder.join("R.csv");
+    armid(["run", &experiment, "-o", out.to_str().unwrap()]).success();
+    let text = std::fs::read_to_string(out).unwrap();
+    assert!(text.starts_with("t,q1,q2,q3,q4,q5,q6,current1"), "{}", &text[..60]);
+    text.lines()
+        .skip(1)
+        .map(|line| {
+            let row: Vec<f64> = line.split(',').map(|value| value.parse().unwrap()).collect();
+            (row[0], row[1..7].to_vec(), row[7..13].to_vec())
+        })
+        .collect()
+}
+
+fn table(headings: &str, separator: &str, rows: &[Row], values: impl Fn(usize, &Row) -> Vec<f64>) -> String {
+    let mut text = String::new();
+    if !headings.is_empty() {
+        let _ = writeln!(text, "{headings}");
+    }
+    for (k, row) in rows.iter().enumerate() {
+        let values: Vec<String> = values(k, row).iter().map(f64::to_string).collect();
+        let _ = writeln!(text, "{}", values.join(separator));
+    }
+    text
+}
+
+fn identify(arguments: &[&str]) -> Value {
+    let all = ["identify"].into_iter().chain(arguments.iter().copied()).chain(["--robot", "staubli-tx40", "--json"]);
+    let done = armid(all);
+    let code = done.get_output().status.code();
+    assert!(matches!(code, Some(0 | 1)), "{}", stderr(&done));
+    json(&done)
+}
+
+/// Largest difference between the base parameters of two estimates, in standard deviations of the first.
+fn distance(a: &Value, b: &Value) -> f64 {
+    let (a, b) = (a["base"].as_array().unwrap(), b["base"].as_array().unwrap());
+    assert_eq!(a.len(), b.len());
+    let differs = |(a, b): (&Value, &Value)| {
+        (a["value"].as_f64().unwrap() - b["value"].as_f64().unwrap()) / a["std"].as_f64().unwrap()
+    };
+    a.iter().zip(b).map(differs).fold(0.0, |worst, x| worst.max(x.abs()))
+}
+
+const GEARS: [f64; 6] = [32.0, 32.0, 45.0, 48.0, 45.0, 32.0];
+const GAINS: [f64; 6] = [35.24, 32.04, 23.94, 9.05, 15.5, 6.56];
+
+#[test]
+fn identity_a_table_of_any_shape_gives_what_the_plain_one_gives() {
+    let folder = temporary();
+    let rows = recorded(folder.path());
+    let plain = identify(&[folder.path().join("R.csv").to_str().unwrap()]);
+    assert!(plain["held_out"]["all_rows"]["total"].as_f64().is_some());
+    assert_eq!(plain["suspicions"], Value::from(Vec::<Value>::new()));
+    let degrees = |row: &Row| row.1.iter().map(|q| q.to_degrees()).collect::<Vec<_>>();
+
+    // Milliseconds, degrees, milliamperes, other columns, semicolons, decimal commas.
+    let headings = "zeit_ms;a1_pos;a2_pos;a3_pos;a4_pos;a5_pos;a6_pos;mode;i1;i2;i3;i4;i5;i6";
+    let text = table(headings, ";", &rows, |_, row| {
+        let mut values = vec![1e3 * row.0];
+        values.extend(degrees(row));
+        values.push(7.0);
+        values.extend(row.2.iter().map(|i| 1e3 * i));
+        values
+    });
+    let file = write(folder.path(), "german.csv", &text.replace('.', ","));
+    let map = "t=zeit_ms, q=a[1-6]_pos deg, current=i[1-6] mA";
+    let found = identify(&[&file, "--map", map]);
+    assert!(distance(&plain, &found) < 1e-6, "{}", distance(&plain, &found));
+    assert_eq!(found["logs"][0]["skipped_columns"], Value::from(vec!["mode"]));
+    assert_eq!(found["inputs"]["mapping"], map);
+    assert_eq!(found["inputs"]["files"][0]["sha256"].as_str().unwrap().len(), 64);
+
+    // No headings, no times, values at the motors in two files, a sign and an offset.
+    let motors = |row: &Row| {
+        let q = &row.1;
+        (0..6).map(|k| GEARS[k] * (q[k] + if k == 5 { q[4] } else { 0.0 })).collect::<Vec<_>>()
+    };
+    let positions = table("", " ", &rows, |_, row| {
+        motors(row).iter().enumerate().map(|(k, q)| if k == 3 { -q } else { *q }).collect()
+    });
+    let torques = table("", "\t", &rows, |_, row| (0..6).map(|k| row.2[k] * GAINS[k] / GEARS[k]).collect());
+    write(folder.path(), "pos.txt", &positions);
+    write(folder.path(), "trq.txt", &torques);
+    let toml = "[log]\nfiles = [\"pos.txt\", \"trq.txt\"]\nrobot = \"staubli-tx40\"\nrate_hz = 500\n\
+                q = \"pos:#[1-6] motor gear=32/32/45/-48/45/32\"\ntau = \"trq:#[1-6] motor\"\n";
+    let file = write(folder.path(), "log.toml", toml);
+    let found = json(&armid(["identify", &file, "--json"]).success());
+    assert!(distance(&plain, &found) < 1e-6, "{}", distance(&plain, &found));
+}
+
+#[test]
+fn uneven_stamps_gaps_resets_and_faults_of_channels_are_found_counted_and_said() {
+    let folder = temporary();
+    let mut rows = recorded(folder.path());
+    let plain = identify(&[folder.path().join("R.csv").to_str().unwrap(), "--held-out", "none"]);
+    // A third of the samples is missing at random: steps of 2, 4 and more ms.
+    let mut state = 1_u64;
+    rows.retain(|_| {
+        state = state.wrapping_mul(6_364_136_223_846_793_005).wrapping_add(1_442_695_040_888_963_407);
+        state >> 62 != 0
+    });
+    // A second is missing in the middle, a stamp occurs twice, the clock begins anew, a value is missing.
+    let mut seen = rows.clone();
+    seen.retain(|row| !(5.0..6.0).contains(&row.0));
+    seen[100].0 = seen[99].0;
+    for row in seen.iter_mut().filter(|row| row.0 > 8.0) {
+        row.0 -= 7.0;
+    }
+    let headings = "t,q1,q2,q3,q4,q5,q6,current1,current2,current3,current4,current5,current6";
+    let text = table(headings, ",", &seen, |_, row| [vec![row.0], row.1.clone(), row.2.clone()].concat());
+    let mut lines: Vec<String> = text.lines().map(str::to_owned).collect();
+    lines[200] = lines[200].rsplit_once(',').unwrap().0.to_owned() + ",";
+    let file = write(folder.path(), "gaps.csv", &lines.join("\n"));
+    let found = identify(&[&file, "--held-out", "none"]);
+    let timing = &found["logs"][0]["timing"];
+    assert_eq!(
+        (timing["gaps"].as_u64(), timing["resets"].as_u64(), timing["duplicates"].as_u64()),
+        (Some(1), Some(1), Some(1)),
+        "{timing}"
+    );
+    assert_eq!((timing["incomplete_rows"].as_u64(), timing["even"].as_bool()), (Some(1), Some(false)));
+    let text = stdout(&armid(["identify", &file, "--robot", "staubli-tx40"]));
+    for said in [
+        "brought onto",
+        "1 gaps, together",
+        "the clock goes back 1 times",
+        "with the stamp of the row before",
+        "a value is missing",
+    ] {
+        assert!(text.contains(said), "{said} not in {text}");
+    }
+    // Friction at the larger joints is that of the even log.
+    let value = |estimate: &Value, name: &str| {
+        let base = estimate["base"].as_array().unwrap();
+        base.iter().find(|parameter| parameter["name"] == name).unwrap()["value"].as_f64().unwrap()
+    };
+    for name in ["Fv1", "Fc1", "Fv2", "Fc2", "Fc3"] {
+        let ratio = value(&found, name) / value(&plain, name);
+        assert!((ratio - 1.0).abs() < 0.05, "{name}: {ratio}");
+    }
+
+    // The current of the first joint runs into its end, the position of the second stands still and jumps.
+    let mut clipped = recorded(folder.path());
+    let most = clipped.iter().map(|row| row.2[0].abs()).fold(0.0, f64::max);
+    for row in &mut clipped {
+        row.2[0] = row.2[0].clamp(-0.5 * most, 0.5 * most);
+    }
+    let held = clipped[2000].1[1];
+    for row in &mut clipped[2000..2080] {
+        row.1[1] = held;
+    }
+    let text = table(headings, ",", &clipped, |_, row| [vec![row.0], row.1.clone(), row.2.clone()].concat());
+    let found = identify(&[&write(folder.path(), "clipped.csv", &text)]);
+    let states: Vec<(u64, &str)> = found["logs"][0]["channels"]
+        .as_array()
+        .unwrap()
+        .iter()
+        .map(|fault| (fault["joint"].as_u64().unwrap(), fault["state"].as_str().unwrap()))
+        .collect();
+    assert!(states.contains(&(1, "saturated")) && states.contains(&(2, "frozen-position")), "{states:?}");
+    assert_eq!(states.len(), 2, "{states:?}");
+}
+
+#[test]
+fn several_logs_make_one_fit_and_a_part_or_another_log_is_kept_aside() {
+    let folder = temporary();
+    let rows = recorded(folder.path());
+    let headings = "t,q1,q2,q3,q4,q5,q6,current1,current2,current3,current4,current5,current6";
+    let part = |name: &str, rows: &[Row]| {
+        let text = table(headings, ",", rows, |_, row| [vec![row.0], row.1.clone(), row.2.clone()].concat());
+        write(folder.path(), name, &text)
+    };
+    let (a, b) = (part("a.csv", &rows[..3000]), part("b.csv", &rows[3000..]));
+    let both = identify(&[&a, &b, "--held-out", "none"]);
+    assert_eq!((both["logs"].as_array().unwrap().len(), &both["held_out"]), (2, &Value::Null));
+    let whole = identify(&[&part("whole.csv", &rows), "--held-out", "none"]);
+    // The filter sees two ends more.
+    assert!(distance(&whole, &both) < 1.0, "{}", distance(&whole, &both));
+
+    let other = identify(&[&a, "--held-out", &b]);
+    assert!(other["held_out"]["used_rows"]["total"].as_f64().unwrap() < 0.2);
+    let cut = identify(&[&part("whole.csv", &rows), "--from", "1", "--until", "7", "--held-out", "50%"]);
+    assert_eq!((cut["logs"][0]["used_s"].as_f64(), cut["logs"][0]["held_out_s"].as_f64()), (Some(3.0), Some(3.0)));
+
+    let estimate = folder.path().join("E.json");
+    let estimate = estimate.to_str().unwrap();
+    armid(["identify", &a, "--robot", "staubli-tx40", "-o", estimate]);
+    // Robot and processing are those of the estimate.
+    let verdict = json(&armid(["validate", estimate, &b, "--json", "--limit", "0.5"]).success());
+    assert_eq!(verdict["residual"]["bandwidth_hz"], 20.0);
+    let text = stdout(&armid(["validate", estimate, &b, "--limit", "0.5"]).success());
+    assert!(text.contains("total") && text.contains("left out of the fit") && text.contains("on all rows"), "{text}");
+    armid(["export", estimate, "--to", "json", "-o", folder.path().join("x.json").to_str().unwrap()]);
+}
+
+#[test]
+fn what_a_log_lacks_is_said_with_what_helps() {
+    let folder = temporary();
+    let file = write(folder.path(), "log.csv", "time_ms,j1,j2,i1,i2\n0,1,2,3,4\n1,1,2,3,4\n2,1,2,3,4\n");
+    let bare = write(folder.path(), "bare.csv", "0,1,2,3,4\n1,1,2,3,4\n");
+    for (arguments, wanted) in [
+        (vec![file.as_str()], "heading \"q1\" is missing"),
+        (vec![&bare], "there are no headings over 5 columns"),
+        (vec![&file, "--map", "q=k[1-2], current=i[1-2]"], "heading \"k1\" is missing"),
+        (vec![&file, "--map", "q=j[1-2], current=i[1-2]"], "has no column of times"),
+        (vec![&file, "--map", "q=j[1-2], current=i1"], "current names 1 columns, expected 2"),
+        (vec![&file, "--map", "q=j[1-2] motor gear=1/2/3, current=i[1-2]", "--rate", "5"], "gear has 3 values"),
+        (vec![&file, "--map", "q=j[1-2], curent=i[1-2]"], "did you mean \"current\"?"),
+        (vec![&file, &bare, "--map", "q=log:j[1-2], current=bare:#[4-5]", "--rate", "5"], "has 3 rows and"),
+    ] {
+        let all = ["identify", "--robot", "planar-2r"].into_iter().chain(arguments);
+        let fault = stderr(&armid(all).code(2));
+        assert!(fault.contains(wanted), "{wanted} not in {fault}");
+    }
+}

@@ -1,0 +1,367 @@
+//! Tables that something else wrote: one file, or several side by side, by a mapping or by their own headings.
+
+use armid::model::EffortInterface;
+use armid::provenance::sha256;
+
+use super::Log;
+use super::conversion::{AtMotors, Conversion};
+use super::mapping::{ColumnMap, Mapping, Quantity, Unit, expand};
+use super::origin::{FileHash, Origin};
+use super::raw_log::RawLog;
+use crate::error::Error;
+use crate::suggestion;
+use crate::table::ForeignTable;
+use crate::text::Text;
+
+/// Columns of one quantity in one table.
+struct Found {
+    quantity: Quantity,
+    table: usize,
+    columns: Vec<usize>,
+    map: ColumnMap,
+    unit: Unit,
+}
+
+/// Reads a log from the texts of its files, whose rows stand side by side. Without a mapping the headings say what the
+/// columns are: `t` or `time`, `q1..qn`, `tau1..taun` or `current1..currentn`, `qd1..qdn`, each with its unit at the end
+/// where it is not SI (`time_ms`, `q1_deg`). `rate_hz` takes the place of stamps.
+///
+/// # Errors
+/// [`Error`] with line and column where a table is not as the mapping says.
+pub fn parse(texts: Vec<Text>, mapping: Option<&Mapping>, rate_hz: Option<f64>) -> Result<Log, Error> {
+    let files = texts.iter().map(|text| FileHash { path: text.name.clone(), sha256: sha256(&text.content) }).collect();
+    let tables = texts.into_iter().map(ForeignTable::parse).collect::<Result<Vec<_>, _>>()?;
+    let Some(first) = tables.first() else { return Err(Error::new("no file is named, expected at least one")) };
+    if let Some(rate) = rate_hz
+        && !(rate.is_finite() && rate > 0.0)
+    {
+        return Err(Error::new(format!("the rate is {rate} Hz, expected a number above zero")));
+    }
+    if let Some(other) = tables.iter().find(|table| table.len() != first.len()) {
+        let message = format!(
+            "{} has {} rows and {} has {}, expected as many side by side",
+            first.text.name,
+            first.len(),
+            other.text.name,
+            other.len()
+        );
+        return Err(Error::mismatch(message));
+    }
+    let found = match mapping {
+        Some(mapping) => by_mapping(&tables, mapping)?,
+        None => by_headings(&tables, rate_hz.is_some())?,
+    };
+    let raw = Reader { tables: &tables, found, rate_hz }.read(files)?;
+    let time = tables
+        .iter()
+        .position(|table| table.names().iter().any(|name| Quantity::Time.names().contains(&name.as_str())));
+    raw.even(|row, message| tables[time.unwrap_or(0)].row_fault(row, format!("t: {message}")))
+}
+
+/// The columns that a mapping names.
+fn by_mapping(tables: &[ForeignTable], mapping: &Mapping) -> Result<Vec<Found>, Error> {
+    let mut found = Vec::new();
+    for map in &mapping.columns {
+        let key = map.quantity.key();
+        let names = expand(&map.columns).map_err(|fault| Error::new(format!("{key}: {fault}")))?;
+        let candidates: Vec<usize> = match &map.file {
+            Some(file) => tables
+                .iter()
+                .enumerate()
+                .filter(|(_, table)| is_called(&table.text.name, file))
+                .map(|(k, _)| k)
+                .collect(),
+            None => (0..tables.len()).collect(),
+        };
+        if candidates.is_empty() {
+            let list: Vec<&str> = tables.iter().map(|table| table.text.name.as_str()).collect();
+            let message = format!(
+                "{key}: found the file \"{}\", expected one of {}",
+                map.file.as_deref().unwrap_or_default(),
+                list.join(", ")
+            );
+            return Err(Error::unknown(message));
+        }
+        let mut matches = candidates.iter().filter_map(|&k| columns(&tables[k], &names).map(|columns| (k, columns)));
+        let Some((table, columns)) = matches.next() else {
+            return Err(missing(&tables[candidates[0]], key, &names));
+        };
+        if let Some((other, _)) = matches.next()
+            && map.quantity != Quantity::Time
+        {
+            let (a, b) = (&tables[table].text.name, &tables[other].text.name);
+            let message = format!("{key}: \"{}\" is in {a} and in {b}, expected in one", map.columns);
+            return Err(Error::new(message).help(format!("say the file: {key}={}:{}", stem(a), map.columns)));
+        }
+        found.push(with_unit(
+            tables,
+            Found { quantity: map.quantity, table, columns, map: map.clone(), unit: map.quantity.units()[0] },
+        ));
+    }
+    Ok(found)
+}
+
+/// Where columns of these names are, or of their numbers; `None` where one is missing.
+fn columns(table: &ForeignTable, names: &[String]) -> Option<Vec<usize>> {
+    let headings = table.names();
+    names
+        .iter()
+        .map(|name| {
+            let numbered = || {
+                name.strip_prefix('#').and_then(|n| n.parse::<usize>().ok()).filter(|n| (1..=table.width).contains(n))
+            };
+            headings.iter().position(|heading| heading == name).or_else(|| numbered().map(|number| number - 1))
+        })
+        .collect()
+}
+
+fn missing(table: &ForeignTable, key: &str, names: &[String]) -> Error {
+    let headings = table.names();
+    let name = names.iter().find(|name| columns(table, &[(*name).clone()]).is_none()).cloned().unwrap_or_default();
+    let near = suggestion::nearest(&name, headings.iter().map(String::as_str))
+        .map(|near| format!("the nearest there is: \"{near}\""));
+    table.heading_fault(format!("{key}: heading \"{name}\" is missing")).maybe_help(near)
+}
+
+/// Whether a file may be called so: its path, its name, or its name without ending.
+fn is_called(path: &str, name: &str) -> bool {
+    path == name || path.rsplit(['/', '\\']).next() == Some(name) || stem(path) == name
+}
+
+fn stem(path: &str) -> &str {
+    let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
+    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+}
+
+/// With the unit that the mapping says, or that the heading ends with, or SI.
+fn with_unit(tables: &[ForeignTable], mut found: Found) -> Found {
+    let heading = &tables[found.table].names()[found.columns[0]];
+    let units = found.quantity.units();
+    let said = found.map.unit.or_else(|| Unit::of_heading(heading, units).map(|(unit, _)| unit));
+    found.unit = said.filter(|unit| *unit != Unit::Percent || found.map.rated.is_some()).unwrap_or(units[0]);
+    found
+}
+
+/// The columns by what their headings say.
+fn by_headings(tables: &[ForeignTable], has_rate: bool) -> Result<Vec<Found>, Error> {
+    let mut all: Vec<Found> = Vec::new();
+    for quantity in Quantity::ALL {
+        for (table, rows) in tables.iter().enumerate() {
+            if rows.headings.is_none() || all.iter().any(|found| found.quantity == quantity) {
+                continue;
+            }
+            let headings = rows.names();
+            let names: Vec<&str> = headings
+                .iter()
+                .map(|heading| Unit::of_heading(heading, quantity.units()).map_or(heading.as_str(), |(_, front)| front))
+                .collect();
+            let at = |name: &str| names.iter().position(|found| found.eq_ignore_ascii_case(name));
+            let columns = quantity.names().iter().find_map(|prefix| {
+                if quantity == Quantity::Time {
+                    return at(prefix).map(|column| vec![column]);
+                }
+                [(1, ""), (1, "_"), (0, ""), (0, "_")].into_iter().find_map(|(first, between)| {
+                    let columns: Vec<usize> = (first..).map_while(|k| at(&format!("{prefix}{between}{k}"))).collect();
+                    (!columns.is_empty()).then_some(columns)
+                })
+            });
+            if let Some(columns) = columns {
+                let map = ColumnMap::new(quantity, headings[columns[0]].clone());
+                all.push(with_unit(tables, Found { quantity, table, columns, map, unit: quantity.units()[0] }));
+            }
+        }
+    }
+    let first = &tables[0];
+    let fault = |name: &str| -> Error {
+        let headings = first.names();
+        let near = suggestion::nearest(name, headings.iter().map(String::as_str))
+            .map(|near| format!("; the nearest there is: \"{near}\""));
+        first
+            .heading_fault(format!("heading \"{name}\" is missing"))
+            .help(format!("{EXPECTED}{}", near.unwrap_or_default()))
+    };
+    if first.headings.is_none() {
+        let message = format!("there are no headings over {} columns, expected them or a mapping", first.width);
+        return Err(first
+            .heading_fault(message)
+            .help("say what the columns are: --map \"t=#1, q=#[2-7] deg, tau=#[8-13]\""));
+    }
+    let has = |quantity| all.iter().find(|found: &&Found| found.quantity == quantity);
+    if has(Quantity::Time).is_none() && !has_rate {
+        return Err(fault("t"));
+    }
+    let Some(dof) = has(Quantity::Position).map(|found| found.columns.len()) else { return Err(fault("q1")) };
+    // Torques are taken where both are there: they need no constants.
+    match (
+        has(Quantity::Torque).map(|found| found.columns.len()),
+        has(Quantity::Current).map(|found| found.columns.len()),
+    ) {
+        (Some(count), _) if count == dof => all.retain(|found| found.quantity != Quantity::Current),
+        (_, Some(count)) if count == dof => all.retain(|found| found.quantity != Quantity::Torque),
+        (Some(count), _) => return Err(fault(&format!("tau{}", count + 1))),
+        (None, Some(count)) => return Err(fault(&format!("current{}", count + 1))),
+        (None, None) => return Err(fault("tau1")),
+    }
+    // Velocities of some joints are of no use.
+    all.retain(|found| found.quantity != Quantity::Velocity || found.columns.len() == dof);
+    Ok(all)
+}
+
+const EXPECTED: &str = "expected the headings t,q1..qn,tau1..taun (N·m) or t,q1..qn,current1..currentn (A), or --map, which \
+                        says what other headings mean: --map \"t=time_ms, q=joint_[1-6]_pos deg, current=i_[1-6] mA\"";
+
+/// From found columns to values.
+struct Reader<'a> {
+    tables: &'a [ForeignTable],
+    found: Vec<Found>,
+    rate_hz: Option<f64>,
+}
+
+impl Reader<'_> {
+    fn read(&self, files: Vec<FileHash>) -> Result<RawLog, Error> {
+        let position = self.get(Quantity::Position).ok_or_else(|| Error::new("q is missing"))?;
+        let dof = position.columns.len();
+        for found in self.found.iter().filter(|found| found.quantity != Quantity::Time && found.columns.len() != dof) {
+            let (key, count) = (found.quantity.key(), found.columns.len());
+            return Err(Error::new(format!("{key} names {count} columns, expected {dof}, as many as q")));
+        }
+        let effort = self.get(Quantity::Torque).or_else(|| self.get(Quantity::Current));
+        let effort = effort.ok_or_else(|| Error::new("tau or current is missing"))?;
+        let velocity = self.get(Quantity::Velocity);
+        let at_motors = |found: &Found| match (&found.map.gear, found.map.motor) {
+            (Some(_), _) => Some(AtMotors::Geared),
+            (None, true) => Some(AtMotors::RobotsGear),
+            (None, false) => None,
+        };
+        // A current with a constant is a torque of its motor.
+        let with_constant = effort.map.constant.is_some();
+        let effort_at_motors = if effort.quantity == Quantity::Torque || with_constant {
+            at_motors(effort).or(with_constant.then_some(AtMotors::RobotsGear))
+        } else {
+            None
+        };
+        let t = match (self.rate_hz, self.get(Quantity::Time)) {
+            (None, None) => {
+                let message = format!("{} has no column of times", self.tables[0].text.name);
+                return Err(Error::new(message).help("say how many rows a second has: --rate HZ"));
+            }
+            (None, Some(time)) => self.values(time, 1)?,
+            (Some(_), _) => Vec::new(),
+        };
+        let offset = self.of_each(position, position.map.offset.as_deref(), 0.0, "offset", dof)?;
+        let is_torque = effort.quantity == Quantity::Torque || with_constant;
+        Ok(RawLog {
+            name: self.tables.iter().map(|table| table.text.name.as_str()).collect::<Vec<_>>().join(" + "),
+            joints: None,
+            dof,
+            t,
+            rate_hz: self.rate_hz,
+            q: self.values(position, dof)?,
+            qd: velocity.map(|velocity| self.values(velocity, dof)).transpose()?,
+            effort: self.values(effort, dof)?,
+            effort_unit: Some(if is_torque { EffortInterface::Torque } else { EffortInterface::Current }),
+            conversion: Conversion {
+                q: at_motors(position),
+                qd: velocity.and_then(at_motors),
+                effort: effort_at_motors,
+                offset: if offset.iter().all(|x| *x == 0.0) { Vec::new() } else { offset },
+            },
+            origin: self.origin(files),
+        })
+    }
+
+    fn get(&self, quantity: Quantity) -> Option<&Found> {
+        self.found.iter().find(|found| found.quantity == quantity)
+    }
+
+    /// Values in SI units with sign and, where the mapping has it, gear; `n` columns.
+    fn values(&self, found: &Found, n: usize) -> Result<Vec<f64>, Error> {
+        let mut values = self.tables[found.table].values(&found.columns)?;
+        let map = &found.map;
+        let of_each = |list: Option<&[f64]>, otherwise, what| self.of_each(found, list, otherwise, what, n);
+        let (sign, gear) = (of_each(map.sign.as_deref(), 1.0, "sign")?, of_each(map.gear.as_deref(), 1.0, "gear")?);
+        let (constant, rated) =
+            (of_each(map.constant.as_deref(), 1.0, "constant")?, of_each(map.rated.as_deref(), 1.0, "rated")?);
+        let is_effort = matches!(found.quantity, Quantity::Torque | Quantity::Current);
+        let factor: Vec<f64> = (0..n)
+            .map(|i| {
+                let gear = if is_effort { gear[i] } else { gear[i].recip() };
+                found.unit.si() * sign[i] * gear * constant[i] * rated[i]
+            })
+            .collect();
+        for row in values.chunks_exact_mut(n) {
+            for (value, factor) in row.iter_mut().zip(&factor) {
+                *value *= factor;
+            }
+        }
+        Ok(values)
+    }
+
+    /// One value for each joint.
+    fn of_each(
+        &self,
+        found: &Found,
+        list: Option<&[f64]>,
+        otherwise: f64,
+        what: &str,
+        n: usize,
+    ) -> Result<Vec<f64>, Error> {
+        match list {
+            None => Ok(vec![otherwise; n]),
+            Some([one]) => Ok(vec![*one; n]),
+            Some(list) if list.len() == n => Ok(list.to_vec()),
+            Some(list) => {
+                let (key, count) = (found.quantity.key(), list.len());
+                Err(Error::new(format!("{key}: {what} has {count} values, expected 1 or {n}, one for each joint")))
+            }
+        }
+    }
+
+    fn origin(&self, files: Vec<FileHash>) -> Origin {
+        let mut remarks = Vec::new();
+        for (k, table) in self.tables.iter().enumerate() {
+            let mut how = Vec::new();
+            if table.dialect.separator != crate::table::Separator::Comma {
+                how.push(format!("values separated by {}", table.dialect.separator.name()));
+            }
+            if table.dialect.decimal_comma {
+                how.push("decimal commas".to_owned());
+            }
+            if table.headings.is_none() {
+                how.push("no headings".to_owned());
+            }
+            if table.cut_off {
+                how.push("the last row was cut off and is left out".to_owned());
+            }
+            if !how.is_empty() {
+                remarks.push(format!("{}: {}", files[k].path, how.join(", ")));
+            }
+        }
+        if self.rate_hz.is_some() && self.get(Quantity::Time).is_some() {
+            remarks.push("the stamps are not used: the rate was given".to_owned());
+        }
+        let columns = self.found.iter().filter(|found| found.quantity != Quantity::Time || self.rate_hz.is_none());
+        let columns = columns.map(|found| {
+            let names = self.tables[found.table].names();
+            let listed: Vec<&str> = found.columns.iter().map(|&column| names[column].as_str()).collect();
+            let said = if found.map.unit.is_none() && found.unit != found.quantity.units()[0] {
+                ", as the heading says"
+            } else {
+                ""
+            };
+            let side = if found.map.motor { " at the motors" } else { "" };
+            format!("{} from {} in {}{side}{said}", found.quantity.key(), listed.join(" "), found.unit.name())
+        });
+        let mut skipped = Vec::new();
+        for (k, table) in self.tables.iter().enumerate() {
+            for (column, name) in table.names().into_iter().enumerate() {
+                if !name.is_empty()
+                    && !self.found.iter().any(|found| found.table == k && found.columns.contains(&column))
+                {
+                    skipped.push(name);
+                }
+            }
+        }
+        Origin { files, columns: columns.collect(), skipped_columns: skipped, remarks, ..Origin::default() }
+    }
+}

@@ -1,0 +1,200 @@
+//! One quantity of a log: its columns, and how their values become those of the joints.
+
+use super::{Quantity, Unit};
+use crate::suggestion;
+
+/// The columns of one quantity.
+///
+/// ```text
+/// at the joints   x_joint = sign · unit · x + offset
+/// at the motors   x_motor = sign · unit · x / gear (efforts: times gear),  then the coupling of the robot's motors,  + offset
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct ColumnMap {
+    /// What they hold.
+    pub quantity: Quantity,
+    /// The file that holds them: its name, with or without folder and ending; `None` where only one can be meant.
+    pub file: Option<String>,
+    /// Headings, or `#` and the number of a column from one; `[1-6]` stands for the joints.
+    pub columns: String,
+    /// Their unit; `None` takes the one that the heading ends with, else SI.
+    pub unit: Option<Unit>,
+    /// Whether they are those of the motors.
+    pub motor: bool,
+    /// Motor turns per joint turn, one for all or one for each; `None` takes the robot's. Below zero where the motor turns
+    /// the other way.
+    pub gear: Option<Vec<f64>>,
+    /// +1 or −1, one for all or one for each.
+    pub sign: Option<Vec<f64>>,
+    /// What is added at the joint, rad (m), one for all or one for each.
+    pub offset: Option<Vec<f64>>,
+    /// N·m of motor torque per ampere, one for all or one for each.
+    pub constant: Option<Vec<f64>>,
+    /// What 100 % are, in A or N·m, one for all or one for each.
+    pub rated: Option<Vec<f64>>,
+}
+
+/// What may stand behind the columns.
+const WORDS: [&str; 9] =
+    ["a unit", "motor", "gear=…", "sign=…", "offset=…", "offset_deg=…", "offset_rad=…", "constant=…", "rated=…"];
+
+impl ColumnMap {
+    /// The columns of a quantity by their headings, in SI units at the joints.
+    #[must_use]
+    pub fn new(quantity: Quantity, columns: impl Into<String>) -> Self {
+        Self {
+            quantity,
+            file: None,
+            columns: columns.into(),
+            unit: None,
+            motor: false,
+            gear: None,
+            sign: None,
+            offset: None,
+            constant: None,
+            rated: None,
+        }
+    }
+
+    /// Reads what stands behind `q=`.
+    ///
+    /// # Errors
+    /// A sentence that says what was found and what was expected.
+    pub fn parse(quantity: Quantity, text: &str) -> Result<Self, String> {
+        let key = quantity.key();
+        let mut words = words(text).into_iter();
+        let first = words.next().ok_or_else(|| format!("{key}: found nothing, expected columns"))?;
+        let mut map = Self::new(quantity, first.clone());
+        if let Some((file, columns)) = first.rsplit_once(':') {
+            (map.file, map.columns) = (Some(file.to_owned()), columns.to_owned());
+        }
+        let mut offset_unit = None;
+        for word in words {
+            match word.split_once('=') {
+                None if word == "motor" && quantity != Quantity::Time => map.motor = true,
+                None => map.unit = Some(Self::unit(quantity, &word)?),
+                Some(("gear", values)) => map.gear = Some(list(key, "gear", values, |gear| gear != 0.0)?),
+                Some(("sign", values)) => map.sign = Some(signs(key, values)?),
+                Some((name @ ("offset" | "offset_deg" | "offset_rad"), values)) if quantity == Quantity::Position => {
+                    offset_unit = match name {
+                        "offset_deg" => Some(Unit::Deg),
+                        "offset_rad" => Some(Unit::Rad),
+                        _ => None,
+                    };
+                    map.offset = Some(list(key, name, values, |_| true)?);
+                }
+                Some(("constant", values)) if quantity == Quantity::Current => {
+                    map.constant = Some(list(key, "constant", values, |constant| constant > 0.0)?);
+                }
+                Some(("rated", values)) => map.rated = Some(list(key, "rated", values, |rated| rated > 0.0)?),
+                Some((name, _)) => {
+                    let near = suggestion::nearest(name, ["gear", "sign", "offset", "constant", "rated"])
+                        .map_or_else(String::new, |near| format!("; did you mean \"{near}=\"?"));
+                    return Err(format!("{key}: found \"{word}\", expected {}{near}", WORDS.join(", ")));
+                }
+            }
+        }
+        // An offset without a unit of its own is in that of the columns.
+        let unit = offset_unit.or(map.unit).unwrap_or(quantity.units()[0]);
+        for offset in map.offset.iter_mut().flatten() {
+            *offset *= unit.si();
+        }
+        if (map.unit == Some(Unit::Percent)) != map.rated.is_some() {
+            return Err(format!("{key}: % and rated=… belong together, expected both or neither"));
+        }
+        if map.gear.is_some() && !map.motor && quantity != Quantity::Current {
+            return Err(format!("{key}: gear=… is of values at the motors, expected the word motor beside it"));
+        }
+        if quantity == Quantity::Current && (map.gear.is_some() || map.motor) && map.constant.is_none() {
+            return Err(format!(
+                "{key}: gear=… of a current needs constant=… (N·m/A); without both the robot's are taken"
+            ));
+        }
+        Ok(map)
+    }
+
+    fn unit(quantity: Quantity, word: &str) -> Result<Unit, String> {
+        Unit::parse(word, quantity.units()).ok_or_else(|| {
+            let names: Vec<&str> = quantity.units().iter().map(|unit| unit.name()).collect();
+            format!(
+                "{}: found \"{word}\", expected one of the units {}, or {}",
+                quantity.key(),
+                names.join(", "),
+                WORDS[1..].join(", ")
+            )
+        })
+    }
+}
+
+/// Words of a text; quotes keep blanks together, and so do brackets.
+fn words(text: &str) -> Vec<String> {
+    let (mut words, mut word, mut quoted) = (Vec::new(), String::new(), false);
+    for c in text.chars() {
+        match c {
+            '"' | '\'' => quoted = !quoted,
+            c if c.is_whitespace() && !quoted => {
+                if !word.is_empty() {
+                    words.push(std::mem::take(&mut word));
+                }
+            }
+            c => word.push(c),
+        }
+    }
+    if !word.is_empty() {
+        words.push(word);
+    }
+    words
+}
+
+/// Numbers with `/` between them.
+fn list(key: &str, name: &str, text: &str, allowed: fn(f64) -> bool) -> Result<Vec<f64>, String> {
+    text.split('/')
+        .map(|value| match value.trim().parse::<f64>() {
+            Ok(value) if value.is_finite() && allowed(value) => Ok(value),
+            _ => Err(format!("{key}: {name} is \"{}\", expected numbers with / between them", value.trim())),
+        })
+        .collect()
+}
+
+/// Signs as `+-+` or `1/-1/1`.
+fn signs(key: &str, text: &str) -> Result<Vec<f64>, String> {
+    if text.chars().all(|c| c == '+' || c == '-') && !text.is_empty() {
+        return Ok(text.chars().map(|c| if c == '+' { 1.0 } else { -1.0 }).collect());
+    }
+    list(key, "sign", text, |sign| sign.abs() == 1.0)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::ColumnMap;
+    use crate::log::mapping::{Quantity, Unit};
+
+    #[test]
+    fn words_behind_the_columns_are_read() {
+        let map =
+            ColumnMap::parse(Quantity::Position, "pos:Joint_[1-3] deg motor gear=32/45/-48 offset=0/90/0").unwrap();
+        assert_eq!((map.file.as_deref(), map.columns.as_str()), (Some("pos"), "Joint_[1-3]"));
+        assert_eq!((map.unit, map.motor, map.gear), (Some(Unit::Deg), true, Some(vec![32.0, 45.0, -48.0])));
+        assert!((map.offset.unwrap()[1] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
+        let map = ColumnMap::parse(Quantity::Torque, "\"motor torque [1-2]\" sign=+-").unwrap();
+        assert_eq!((map.columns.as_str(), map.sign), ("motor torque [1-2]", Some(vec![1.0, -1.0])));
+    }
+
+    #[test]
+    fn what_makes_no_sense_is_said() {
+        for (quantity, text, wanted) in [
+            (Quantity::Position, "", "q: found nothing, expected columns"),
+            (Quantity::Position, "p A", "q: found \"A\", expected one of the units rad, deg"),
+            (Quantity::Position, "p gaer=3", "did you mean \"gear=\"?"),
+            (Quantity::Position, "p gear=3", "expected the word motor"),
+            (Quantity::Position, "p motor gear=0", "gear is \"0\""),
+            (Quantity::Position, "p sign=2", "sign is \"2\""),
+            (Quantity::Current, "i %", "% and rated=… belong together"),
+            (Quantity::Current, "i gear=100", "needs constant=…"),
+            (Quantity::Torque, "i offset=3", "found \"offset=3\""),
+        ] {
+            let fault = ColumnMap::parse(quantity, text).unwrap_err();
+            assert!(fault.contains(wanted), "{text}: {fault}");
+        }
+    }
+}

@@ -1,0 +1,129 @@
+//! A whole mapping from its text.
+
+use super::{ColumnMap, Quantity};
+use crate::error::Error;
+use crate::suggestion;
+
+/// Which columns of a log mean what.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mapping {
+    /// One entry for each quantity, in the order of [`Quantity`].
+    pub columns: Vec<ColumnMap>,
+}
+
+impl Mapping {
+    /// Reads a mapping, as `--map` has it.
+    ///
+    /// ```
+    /// use armid_io::log::{Mapping, Quantity};
+    /// let mapping = Mapping::parse("t=time_ms, q=joint_[1-6]_pos deg, current=actual_current_[1-6]")?;
+    /// assert_eq!(mapping.of(Quantity::Position).map(|map| map.columns.as_str()), Some("joint_[1-6]_pos"));
+    /// # Ok::<(), armid_io::Error>(())
+    /// ```
+    ///
+    /// # Errors
+    /// [`Error`] that says which entry is at fault and what was expected.
+    pub fn parse(text: &str) -> Result<Self, Error> {
+        let entries = entries(text);
+        Self::of_entries(entries.iter().map(|(key, value)| (key.as_str(), value.as_str())))
+            .map_err(|fault| Error::new(format!("the mapping \"{text}\": {fault}")).help(EXAMPLE))
+    }
+
+    /// The same from keys and what they are mapped to.
+    ///
+    /// # Errors
+    /// A sentence.
+    pub(crate) fn of_entries<'a>(entries: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, String> {
+        let mut mapping = Self::default();
+        for (key, value) in entries {
+            let keys = Quantity::ALL.map(Quantity::key);
+            let Some(quantity) = Quantity::ALL.into_iter().find(|quantity| quantity.key() == key) else {
+                let expected = suggestion::help(key, &keys);
+                return Err(format!("found \"{key}\"; {expected}"));
+            };
+            if mapping.of(quantity).is_some() {
+                return Err(format!("\"{key}\" occurs twice, expected each once"));
+            }
+            mapping.columns.push(ColumnMap::parse(quantity, value)?);
+        }
+        mapping.columns.sort_by_key(|map| map.quantity);
+        if mapping.of(Quantity::Position).is_none() {
+            return Err("q is missing, expected the columns of the positions".to_owned());
+        }
+        match (mapping.of(Quantity::Current), mapping.of(Quantity::Torque)) {
+            (None, None) => Err("expected the columns of current or of tau".to_owned()),
+            (Some(_), Some(_)) => Err("found current and tau, expected one of them".to_owned()),
+            _ => Ok(mapping),
+        }
+    }
+
+    /// The columns of a quantity, where the mapping has them.
+    #[must_use]
+    pub fn of(&self, quantity: Quantity) -> Option<&ColumnMap> {
+        self.columns.iter().find(|map| map.quantity == quantity)
+    }
+
+    /// Whether the mapping names files: then the files of a log stand side by side.
+    #[must_use]
+    pub fn names_files(&self) -> bool {
+        self.columns.iter().any(|map| map.file.is_some())
+    }
+}
+
+const EXAMPLE: &str = "for example: t=time_ms ms, q=joint_[1-6]_pos deg, current=actual_current_[1-6] mA";
+
+/// Keys and values of `key=value, key=value`: a comma inside quotes or brackets is text, and so is one that no key follows.
+fn entries(text: &str) -> Vec<(String, String)> {
+    let (mut parts, mut part, mut quoted, mut depth) = (Vec::new(), String::new(), false, 0_i32);
+    for c in text.chars() {
+        match c {
+            '"' => quoted = !quoted,
+            '[' => depth += 1,
+            ']' => depth -= 1,
+            ',' if !quoted && depth <= 0 => {
+                parts.push(std::mem::take(&mut part));
+                continue;
+            }
+            _ => {}
+        }
+        part.push(c);
+    }
+    parts.push(part);
+    parts
+        .iter()
+        .filter(|part| !part.trim().is_empty())
+        .map(|part| {
+            let (key, value) = part.split_once('=').unwrap_or((part, ""));
+            (key.trim().to_owned(), value.trim().to_owned())
+        })
+        .collect()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::Mapping;
+    use crate::log::mapping::Quantity;
+
+    #[test]
+    fn entries_are_read_in_any_order() {
+        let mapping = Mapping::parse("tau=\"torque, [1-2]\" Nm, q=p[1-2], t=time_ms").unwrap();
+        let columns: Vec<&str> = mapping.columns.iter().map(|map| map.columns.as_str()).collect();
+        assert_eq!(columns, ["time_ms", "p[1-2]", "torque, [1-2]"]);
+        assert!(!mapping.names_files() && mapping.of(Quantity::Velocity).is_none());
+        assert!(Mapping::parse("q=a:p[1-2], tau=b:p[1-2]").unwrap().names_files());
+    }
+
+    #[test]
+    fn what_is_missing_or_unknown_is_said() {
+        for (text, wanted) in [
+            ("t=t, tau=x[1-2]", "q is missing"),
+            ("t=t, q=x[1-2]", "expected the columns of current or of tau"),
+            ("q=x, current=y, tau=z", "found current and tau"),
+            ("q=x, q=y, tau=z", "\"q\" occurs twice"),
+            ("q=x, curent=y", "did you mean \"current\"?"),
+        ] {
+            let fault = Mapping::parse(text).unwrap_err().to_string();
+            assert!(fault.contains(wanted), "{text}: {fault}");
+        }
+    }
+}

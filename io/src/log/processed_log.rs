@@ -1,0 +1,261 @@
+//! Logs that have become samples, and what is done with them.
+
+use armid::diagnosis::{Mistake, Suspicion, diagnose, standing_joints};
+use armid::estimation::{
+    Estimate, EstimationError, EstimatorKind, Identification, TorqueResidual, TorqueSeries, Validation,
+};
+use armid::model::Columns;
+use armid::regressor::JointTorqueRegressor;
+use armid::signal::Samples;
+use serde::Serialize;
+
+use super::gaps::Gaps;
+use super::joint_log::Log;
+use super::origin::Origin;
+use super::settings::LogSettings;
+use crate::error::Error;
+use crate::robot::LoadedRobot;
+
+/// Logs that have become samples.
+#[derive(Clone, Debug)]
+pub struct ProcessedLog {
+    /// The logs, with the robot's joints in the robot's order.
+    pub logs: Vec<Log>,
+    /// The robot.
+    pub robot: LoadedRobot,
+    /// What identification works on: those of all logs, in their order.
+    pub samples: Samples,
+    /// The same, log by log.
+    pub parts: Vec<Samples>,
+    /// Samples that are kept aside.
+    pub held_out: Vec<Samples>,
+    /// What was found in each log.
+    pub reports: Vec<LogReport>,
+    /// How they were processed.
+    pub settings: LogSettings,
+}
+
+/// What was found in a log, and how much of it is used.
+#[derive(Clone, Debug, Serialize)]
+pub struct LogReport {
+    /// What it is called.
+    pub name: String,
+    /// Whether its end is there.
+    pub complete: bool,
+    /// Periods that were averaged; 1 where it has none.
+    pub periods: usize,
+    /// Samples per second, Hz.
+    pub rate_hz: f64,
+    /// Time that is used, s.
+    pub used_s: f64,
+    /// Time that is kept aside, s.
+    pub held_out_s: f64,
+    /// Blocks of samples, each of which could be an equation of every joint.
+    pub blocks: usize,
+    /// Those that are one, for each joint.
+    pub equations: Vec<usize>,
+    /// What was missing in a recording of armid's own.
+    #[serde(skip)]
+    pub gaps: Option<Gaps>,
+    /// Where it came from, and what was found in it.
+    #[serde(flatten)]
+    pub origin: Origin,
+}
+
+impl LogReport {
+    pub(super) fn new(log: &Log, gaps: Option<Gaps>, used: &Samples, held_out: Option<&Samples>) -> Self {
+        let n = used.dof();
+        let time = |samples: &Samples| (samples.len() * samples.periods) as f64 / samples.rate_hz;
+        Self {
+            name: log.name.clone(),
+            complete: log.complete,
+            periods: used.periods,
+            rate_hz: log.rate_hz,
+            used_s: time(used),
+            held_out_s: held_out.map_or(0.0, time),
+            blocks: used.blocks(),
+            equations: (0..n).map(|i| used.used.iter().skip(i).step_by(n).filter(|used| **used).count()).collect(),
+            gaps,
+            origin: log.origin.clone(),
+        }
+    }
+}
+
+impl ProcessedLog {
+    /// Several logs of one robot as one.
+    ///
+    /// # Errors
+    /// [`Error`] where they are of unlike robots, rates or blocks, or there are none.
+    pub fn joined(logs: Vec<Self>) -> Result<Self, Error> {
+        let mut logs = logs.into_iter();
+        let mut all = logs.next().ok_or_else(|| Error::new("no log is named, expected at least one"))?;
+        for log in logs {
+            let (found, expected) = (log.robot.robot.name(), all.robot.robot.name());
+            if found != expected {
+                let message =
+                    format!("{} is of robot \"{found}\", expected \"{expected}\" as the first log", log.name());
+                return Err(Error::mismatch(message));
+            }
+            all.parts.extend(log.parts);
+            all.held_out.extend(log.held_out);
+            all.reports.extend(log.reports);
+            all.logs.extend(log.logs);
+        }
+        all.samples =
+            Samples::joined(all.parts.clone()).map_err(|error| Error::mismatch(format!("{}: {error}", all.name())))?;
+        Ok(all)
+    }
+
+    /// Takes other logs, whole, as those that are kept aside.
+    pub fn hold_out(&mut self, others: &Self) {
+        self.held_out = others.parts.iter().chain(&others.held_out).cloned().collect();
+    }
+
+    /// What the logs are called.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.logs.iter().map(|log| log.name.as_str()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Estimates the base parameters of these columns.
+    ///
+    /// # Errors
+    /// [`Error`] where the motion does not reveal them or the equations have no answer.
+    pub fn identify(&self, columns: Columns, estimator: EstimatorKind) -> Result<Estimate, Error> {
+        let mut estimates = self.identify_by(columns, &[estimator])?;
+        estimates.pop().ok_or_else(|| Error::new("no estimator is named, expected one"))
+    }
+
+    /// The same by several estimators.
+    ///
+    /// # Errors
+    /// As [`Self::identify`].
+    pub fn identify_by(&self, columns: Columns, estimators: &[EstimatorKind]) -> Result<Vec<Estimate>, Error> {
+        let named = |error: EstimationError| self.unestimated(&error);
+        let mut identification = self.identification(columns).map_err(named)?;
+        if let Some(guess) = self.robot.guess() {
+            identification = identification.with_nominal(guess);
+        }
+        estimators.iter().map(|kind| identification.estimate(&self.samples, kind.estimator()).map_err(named)).collect()
+    }
+
+    /// What is estimated: the robot's base, or where joints stand still, the base that the motion reveals.
+    fn identification(&self, columns: Columns) -> Result<Identification<'_>, EstimationError> {
+        if self.is_foreign() && !standing_joints(&self.samples).is_empty() {
+            return Identification::on_motion(&self.robot.robot, columns, &self.samples.states);
+        }
+        Identification::new(&self.robot.robot, columns)
+    }
+
+    fn is_foreign(&self) -> bool {
+        self.logs.iter().all(|log| log.recording.is_none())
+    }
+
+    /// Mistakes that the logs seem to have been made with, or in the robot file; none for recordings of armid's own.
+    ///
+    /// # Errors
+    /// [`Error`] where the robot has no base parameters of these columns.
+    pub fn suspicions(&self, columns: Columns) -> Result<Vec<Suspicion>, Error> {
+        if !self.is_foreign() {
+            return Ok(Vec::new());
+        }
+        let standing = standing_joints(&self.samples);
+        if !standing.is_empty() {
+            let at_rest = |joint| Suspicion { mistake: Mistake::AtRest { joint }, cost: 0.0, corrected_cost: 0.0 };
+            return Ok(standing.into_iter().map(at_rest).collect());
+        }
+        let found = diagnose(&self.robot.robot, columns, &self.samples);
+        Ok(found.map_err(|error| Error::new(format!("{}: {error}", self.name())))?.into_iter().collect())
+    }
+
+    /// Compares what an estimate predicts with these logs. `name` is what errors call the estimate.
+    ///
+    /// # Errors
+    /// [`Error`] where the estimate is of another robot or of other parameters.
+    pub fn validate(&self, estimate: &Estimate, name: &str) -> Result<Validation, Error> {
+        let columns = self.columns_of(estimate, name)?;
+        let named = |error: EstimationError| Error::mismatch(format!("{name}: {error}"));
+        let identification = Identification::new(&self.robot.robot, columns);
+        identification.and_then(|of| of.validate(estimate, &self.samples)).map_err(named)
+    }
+
+    /// How much of the measured torque an estimate leaves unexplained, at the bandwidth of the settings: in what is used,
+    /// and in what is kept aside where anything is.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn residual(&self, estimate: &Estimate, name: &str) -> Result<(TorqueResidual, Option<TorqueResidual>), Error> {
+        let columns = self.columns_of(estimate, name)?;
+        let regressor = JointTorqueRegressor::new(&self.robot.robot, columns);
+        let of = |parts: &[Samples]| {
+            TorqueResidual::new(estimate, &regressor, parts, self.settings.bandwidth_hz)
+                .map_err(|error| Error::mismatch(format!("{name}: {error}")))
+        };
+        let held_out = if self.held_out.is_empty() { None } else { Some(of(&self.held_out)?) };
+        Ok((of(&self.parts)?, held_out))
+    }
+
+    /// Measured and predicted torque of each log, and of what is kept aside, below the bandwidth of the settings.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn series(&self, estimate: &Estimate, name: &str, parts: &[Samples]) -> Result<Vec<TorqueSeries>, Error> {
+        let columns = self.columns_of(estimate, name)?;
+        let regressor = JointTorqueRegressor::new(&self.robot.robot, columns);
+        let of = |samples: &Samples| {
+            let bandwidth = self.settings.bandwidth_hz.min(0.4 * samples.rate_hz);
+            TorqueSeries::new(estimate, &regressor, samples, bandwidth)
+                .map_err(|error| Error::mismatch(format!("{name}: {error}")))
+        };
+        parts.iter().map(of).collect()
+    }
+
+    /// What each base parameter of an estimate stands for, in its order.
+    ///
+    /// # Errors
+    /// [`Error`] where the estimate is of another robot or of other parameters.
+    pub fn expressions(&self, estimate: &Estimate, name: &str) -> Result<Vec<String>, Error> {
+        let columns = self.columns_of(estimate, name)?;
+        let robot = &self.robot.robot;
+        let identification = self.identification(columns);
+        let identification =
+            identification.map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
+        let base = identification.base();
+        let (names, expressions) = (base.names(), base.expressions(robot));
+        estimate
+            .base
+            .iter()
+            .map(|parameter| {
+                let at = names.iter().position(|name| *name == parameter.name);
+                at.map(|at| expressions[at].clone()).ok_or_else(|| {
+                    let message =
+                        format!("{name}: \"{}\" is no base parameter of \"{}\"", parameter.name, robot.name());
+                    Error::mismatch(message)
+                })
+            })
+            .collect()
+    }
+
+    fn columns_of(&self, estimate: &Estimate, name: &str) -> Result<Columns, Error> {
+        let robot = &self.robot.robot;
+        if estimate.robot != robot.name() {
+            let message = format!("{name} is of robot \"{}\", expected \"{}\"", estimate.robot, robot.name());
+            return Err(Error::mismatch(message));
+        }
+        Columns::parse(&estimate.columns).ok_or_else(|| {
+            let names = Columns::ALL.map(|columns| columns.to_string()).join(", ");
+            Error::new(format!("{name}: columns is \"{}\", expected one of {names}", estimate.columns))
+        })
+    }
+
+    fn unestimated(&self, error: &EstimationError) -> Error {
+        let shown = Error::new(format!("{}: {error}", self.name()));
+        match error {
+            EstimationError::NotExcited { .. } => shown.help(
+                "`armid reduce ROBOT --trajectory T.toml` shows what a motion reveals; `armid design` finds one that \
+                 reveals all",
+            ),
+            _ => shown,
+        }
+    }
+}

@@ -1,0 +1,125 @@
+//! A log as it was recorded, row by row, and how it becomes an even one.
+
+use armid::model::EffortInterface;
+use armid::signal::{Interpolation, resample};
+
+use super::channels;
+use super::conversion::Conversion;
+use super::joint_log::{Log, Stretch};
+use super::origin::Origin;
+use super::stamps::{Stamps, StretchRows};
+use crate::error::Error;
+
+/// Rows of a log: a value that is missing is NaN.
+#[derive(Clone, Debug)]
+pub(super) struct RawLog {
+    pub(super) name: String,
+    /// Names of the joints, where the file has them.
+    pub(super) joints: Option<Vec<String>>,
+    pub(super) dof: usize,
+    /// Stamps, s; none where `rate_hz` says how far apart the rows are.
+    pub(super) t: Vec<f64>,
+    /// Rows per second, where there are no stamps or they are not to be used.
+    pub(super) rate_hz: Option<f64>,
+    pub(super) q: Vec<f64>,
+    pub(super) qd: Option<Vec<f64>>,
+    pub(super) effort: Vec<f64>,
+    pub(super) effort_unit: Option<EffortInterface>,
+    pub(super) conversion: Conversion,
+    pub(super) origin: Origin,
+}
+
+impl RawLog {
+    /// An even log, in stretches without a break. `at_row` makes a fault that points at a row.
+    ///
+    /// # Errors
+    /// [`Error`] where the stamps are no times or nothing is left.
+    pub(super) fn even(mut self, at_row: impl Fn(usize, String) -> Error) -> Result<Log, Error> {
+        let n = self.dof;
+        let rows = self.q.len() / n.max(1);
+        let complete: Vec<usize> = (0..rows).filter(|&row| self.is_complete(row)).collect();
+        if complete.len() < 2 {
+            let message = format!("{} has {} samples, expected at least 2", self.name, complete.len());
+            return Err(Error::new(message));
+        }
+        let mut stamps = match self.rate_hz {
+            // A row that is missing is a step of two.
+            Some(rate) if complete.len() < rows => {
+                let t: Vec<f64> = complete.iter().map(|&row| row as f64 / rate).collect();
+                Stamps::of(&t).map_err(|(at, message)| at_row(complete[at], message))?
+            }
+            Some(rate) => Stamps::even(rows, rate),
+            None => {
+                let t: Vec<f64> = complete.iter().map(|&row| self.t[row]).collect();
+                Stamps::of(&t).map_err(|(at, message)| at_row(complete[at], message))?
+            }
+        };
+        stamps.timing.rows = rows;
+        stamps.timing.incomplete_rows = rows - complete.len();
+        let kept: Vec<usize> = stamps.kept.iter().map(|&at| complete[at]).collect();
+        let t: Vec<f64> = match self.rate_hz {
+            Some(rate) => kept.iter().map(|&row| row as f64 / rate).collect(),
+            None => kept.iter().map(|&row| self.t[row]).collect(),
+        };
+        if kept.len() < rows {
+            let pick = |table: &[f64]| -> Vec<f64> {
+                kept.iter().flat_map(|&row| table[row * n..(row + 1) * n].iter().copied()).collect()
+            };
+            (self.q, self.effort) = (pick(&self.q), pick(&self.effort));
+            self.qd = self.qd.as_deref().map(pick);
+        }
+        let (faults, excluded) = channels::look(&self.q, &self.effort, n);
+        let rate_hz = stamps.timing.rate_hz;
+        let mut log = Log {
+            rate_hz,
+            q: Vec::new(),
+            qd: self.qd.as_ref().map(|_| Vec::new()),
+            effort: Vec::new(),
+            excluded: Vec::new(),
+            stretches: Vec::new(),
+            name: self.name,
+            joints: self.joints,
+            dof: n,
+            effort_unit: self.effort_unit,
+            robot: None,
+            recording: None,
+            notes: std::collections::BTreeMap::new(),
+            complete: true,
+            conversion: self.conversion,
+            origin: Origin { channels: faults, ..self.origin },
+        };
+        for stretch in &stamps.stretches {
+            let StretchRows { rows, even, start_s } = stretch;
+            let span = rows.start * n..rows.end * n;
+            let t = &t[rows.clone()];
+            let count = if *even { rows.len() } else { ((t[t.len() - 1] - t[0]) * rate_hz + 1e-6) as usize + 1 };
+            let onto = |table: &[f64], way: Interpolation| -> Vec<f64> {
+                if *even {
+                    table[span.clone()].to_vec()
+                } else {
+                    resample(t, &table[span.clone()], n, rate_hz, count, way)
+                }
+            };
+            log.q.extend(onto(&self.q, Interpolation::Cubic));
+            if let (Some(all), Some(qd)) = (&mut log.qd, &self.qd) {
+                all.extend(onto(qd, Interpolation::Cubic));
+            }
+            log.effort.extend(onto(&self.effort, Interpolation::Lines));
+            if !excluded.is_empty() {
+                // A sample counts where both rows that it lies between do.
+                let marks: Vec<f64> = excluded.iter().map(|&mark| f64::from(u8::from(mark))).collect();
+                log.excluded.extend(onto(&marks, Interpolation::Lines).into_iter().map(|mark| mark > 0.0));
+            }
+            log.stretches.push(Stretch { start_s: *start_s, samples: count });
+        }
+        log.origin.timing = Some(stamps.timing);
+        Ok(log)
+    }
+
+    fn is_complete(&self, row: usize) -> bool {
+        let span = row * self.dof..(row + 1) * self.dof;
+        let stamp = self.rate_hz.is_some() || self.t.get(row).is_some_and(|t| t.is_finite());
+        let finite = |table: &[f64]| table[span.clone()].iter().all(|x| x.is_finite());
+        stamp && finite(&self.q) && finite(&self.effort) && self.qd.as_deref().is_none_or(finite)
+    }
+}

@@ -1,0 +1,268 @@
+//! The page of one estimate: does it explain the torque, where not, and what it found.
+
+use crate::document::{Cell, Column, Table};
+use crate::{
+    Axis, Bar, BarFigure, BarRow, Document, DocumentError, Group, GroupStyle, Heading, Line, ScatterFigure,
+    ScatterGroup, ScatterPanel, ScatterPoint, Section, TimePanel, TimeSeriesFigure,
+};
+
+/// Joints in one figure.
+const PANELS: usize = 12;
+
+/// Measured and predicted torque of one joint.
+#[derive(Clone, Debug, PartialEq)]
+pub struct TorqueTrace {
+    /// Name of the joint.
+    pub joint: String,
+    /// Times, s.
+    pub times: Vec<f64>,
+    /// Measured torque.
+    pub measured: Vec<f64>,
+    /// Predicted torque.
+    pub predicted: Vec<f64>,
+    /// Their difference.
+    pub residual: Vec<f64>,
+    /// Velocity at those times.
+    pub velocity: Vec<f64>,
+}
+
+/// One base parameter.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ParameterRow {
+    /// Its name.
+    pub name: String,
+    /// What it stands for.
+    pub expression: String,
+    /// Its value.
+    pub value: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// 95 % interval.
+    pub interval: [f64; 2],
+    /// Unit.
+    pub unit: String,
+}
+
+/// Shares of the measured torque that are not explained, percent.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResidualShares {
+    /// What they are of: used rows, rows kept aside.
+    pub label: String,
+    /// Of each joint; `None` where nothing was measured.
+    pub joints: Vec<Option<f64>>,
+    /// Of all joints.
+    pub total: Option<f64>,
+}
+
+/// What the page of an estimate shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct EstimateInput {
+    /// The robot.
+    pub robot: String,
+    /// Estimator, columns, logs, in words.
+    pub subtitle: String,
+    /// The verdict and its reason, a paragraph each.
+    pub verdict: Vec<String>,
+    /// Names of the joints.
+    pub joints: Vec<String>,
+    /// Unit of the torque.
+    pub unit: String,
+    /// Cut-off below which torque is compared, Hz.
+    pub bandwidth_hz: f64,
+    /// Shares on used rows, all rows, rows kept aside.
+    pub shares: Vec<ResidualShares>,
+    /// Torque over time, joint by joint; of what is kept aside where anything is.
+    pub traces: Vec<TorqueTrace>,
+    /// What those are of.
+    pub traces_of: String,
+    /// Parameters.
+    pub parameters: Vec<ParameterRow>,
+    /// What was left out, and what was found in the logs.
+    pub left_out: Vec<String>,
+    /// Findings with their advice.
+    pub findings: Vec<String>,
+    /// What produced the estimate.
+    pub provenance: Vec<(String, String)>,
+}
+
+/// The page of an estimate.
+///
+/// # Errors
+/// [`DocumentError`] where a figure cannot be drawn.
+pub fn estimate_document(input: &EstimateInput) -> Result<Document, DocumentError> {
+    let document = Document::new(format!("{}: identified parameters", input.robot)).subtitle(input.subtitle.clone());
+    let document = input.verdict.iter().fold(document, |document, paragraph| document.summary(paragraph.clone()));
+    let document =
+        document.section(torque(input)?).section(shares(input)?).section(diagnostics(input)?).section(found(input));
+    let document = document.section(parameters(input));
+    let provenance = input.provenance.iter();
+    let document =
+        provenance.fold(document, |document, (name, value)| document.provenance(name.clone(), value.clone()));
+    Ok(document.provenance("armid", env!("CARGO_PKG_VERSION")))
+}
+
+fn torque(input: &EstimateInput) -> Result<Section, DocumentError> {
+    let panels = input.traces.iter().take(PANELS).map(|trace| TimePanel {
+        title: trace.joint.clone(),
+        lines: vec![
+            Line::new("measured", GroupStyle::nth(0), trace.times.clone(), trace.measured.clone()),
+            Line::new("predicted", GroupStyle::nth(1), trace.times.clone(), trace.predicted.clone()),
+        ],
+        limits: Vec::new(),
+    });
+    let figure = TimeSeriesFigure {
+        heading: Heading::new("torque", "Measured and predicted torque")
+            .subtitle(format!("{}, below {} Hz", input.traces_of, input.bandwidth_hz))
+            .caption("Both passed the same low pass. Where only one line shows, both are the same."),
+        time: Axis::linear("time", "s"),
+        value: Axis::linear("torque", input.unit.clone()),
+        columns: 2,
+        same_range: false,
+        panels: panels.collect(),
+    };
+    Section::new("Torque").figure(&figure)
+}
+
+fn shares(input: &EstimateInput) -> Result<Section, DocumentError> {
+    let rows = input.joints.iter().enumerate().map(|(j, joint)| BarRow {
+        label: joint.clone(),
+        bars: input.shares.iter().map(|share| share.joints[j].map(|value| Bar { value, interval: None })).collect(),
+    });
+    let total = BarRow {
+        label: "total".into(),
+        bars: input.shares.iter().map(|share| share.total.map(|value| Bar { value, interval: None })).collect(),
+    };
+    let figure = BarFigure {
+        heading: Heading::new("shares", "Torque that is not explained")
+            .caption("Bars: RMS of measured less predicted torque over the RMS of the measured."),
+        value: Axis::linear("share of the measured RMS", "%"),
+        groups: Group::assign(input.shares.iter().map(|share| share.label.clone())),
+        rows: rows.chain(std::iter::once(total)).collect(),
+        levels: Vec::new(),
+        digits: Some(2),
+    };
+    Section::new("Residual").figure(&figure)
+}
+
+fn diagnostics(input: &EstimateInput) -> Result<Section, DocumentError> {
+    let over_time = TimeSeriesFigure {
+        heading: Heading::new("residual-time", "Residual over time").caption(
+            "What is left is to look like noise: slow waves are missing physics, peaks at reversals friction.",
+        ),
+        time: Axis::linear("time", "s"),
+        value: Axis::linear("residual", input.unit.clone()),
+        columns: 2,
+        same_range: false,
+        panels: input
+            .traces
+            .iter()
+            .take(PANELS)
+            .map(|trace| TimePanel {
+                title: trace.joint.clone(),
+                lines: vec![Line::new("residual", GroupStyle::nth(2), trace.times.clone(), trace.residual.clone())],
+                limits: Vec::new(),
+            })
+            .collect(),
+    };
+    let over_velocity = ScatterFigure {
+        heading: Heading::new("residual-velocity", "Residual over velocity")
+            .caption("A step at zero is Coulomb friction that the model lacks, a bend friction that is not linear."),
+        columns: 2,
+        panels: input
+            .traces
+            .iter()
+            .take(PANELS)
+            .map(|trace| ScatterPanel {
+                title: trace.joint.clone(),
+                x: Axis::linear("velocity", "rad/s"),
+                y: Axis::linear("residual", input.unit.clone()),
+                groups: vec![ScatterGroup {
+                    label: "residual".into(),
+                    style: GroupStyle::nth(2),
+                    points: trace
+                        .velocity
+                        .iter()
+                        .zip(&trace.residual)
+                        .map(|(&velocity, &residual)| ScatterPoint::new(velocity, residual))
+                        .collect(),
+                }],
+                references: Vec::new(),
+            })
+            .collect(),
+    };
+    Section::new("Diagnostics").figure(&over_time)?.figure(&over_velocity)
+}
+
+fn found(input: &EstimateInput) -> Section {
+    let section = Section::new("What was found");
+    let all: Vec<String> = input.left_out.iter().chain(&input.findings).cloned().collect();
+    if all.is_empty() { section.text("Nothing was left out, and there are no findings.") } else { section.list(all) }
+}
+
+fn parameters(input: &EstimateInput) -> Section {
+    let columns = vec![
+        Column::text("parameter"),
+        Column::text("unit"),
+        Column::number("value", ""),
+        Column::number("std", ""),
+        Column::number("from", ""),
+        Column::number("to", ""),
+        Column::text("stands for"),
+    ];
+    let table = input.parameters.iter().fold(Table::new("Base parameters with 95 % intervals", columns), |table, p| {
+        table.row(vec![
+            Cell::text(p.name.clone()),
+            Cell::text(p.unit.clone()),
+            Cell::number(p.value, 5),
+            Cell::number(p.std, 2),
+            Cell::number(p.interval[0], 5),
+            Cell::number(p.interval[1], 5),
+            Cell::text(p.expression.clone()),
+        ])
+    });
+    Section::new("Parameters").table(table)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_page_holds_every_part() {
+        let trace = TorqueTrace {
+            joint: "elbow".into(),
+            times: vec![0.0, 1.0, 2.0],
+            measured: vec![1.0, 2.0, 1.5],
+            predicted: vec![1.1, 1.9, 1.5],
+            residual: vec![-0.1, 0.1, 0.0],
+            velocity: vec![0.0, 1.0, -1.0],
+        };
+        let input = EstimateInput {
+            robot: "arm".into(),
+            subtitle: "wls".into(),
+            verdict: vec!["The model **explains** it.".into()],
+            joints: vec!["elbow".into()],
+            unit: "N·m".into(),
+            bandwidth_hz: 20.0,
+            shares: vec![ResidualShares { label: "used rows".into(), joints: vec![Some(5.0)], total: Some(5.0) }],
+            traces: vec![trace],
+            traces_of: "used rows".into(),
+            parameters: vec![ParameterRow {
+                name: "Izz1".into(),
+                expression: "Izz1 + Ia1".into(),
+                value: 1.25,
+                std: 0.01,
+                interval: [1.23, 1.27],
+                unit: "kg·m²".into(),
+            }],
+            left_out: Vec::new(),
+            findings: vec!["the noise is taken from the residual".into()],
+            provenance: vec![("log".into(), "a.csv".into())],
+        };
+        let html = estimate_document(&input).unwrap().html().unwrap();
+        for part in ["Izz1 + Ia1", "Residual over velocity", "<strong>explains</strong>", "the noise is taken", "a.csv"]
+        {
+            assert!(html.contains(part), "{part}");
+        }
+    }
+}

@@ -1,0 +1,245 @@
+//! Some hundred instants of a log, and how well a fit explains them.
+
+use nalgebra::{Cholesky, DMatrix, DVector};
+
+use super::Mistake;
+use crate::base::{BaseError, Method, reduce};
+use crate::linalg::transpose_product;
+use crate::model::term::{COULOMB, VISCOUS};
+use crate::model::{Columns, ParameterKind, Robot};
+use crate::regressor::JointTorqueRegressor;
+use crate::seed::Seed;
+use crate::signal::Samples;
+
+/// Instants that are looked at, at most.
+const INSTANTS: usize = 160;
+/// Least torque of a joint, as a part of the largest joint's, that its residual is compared with: below it, it is noise.
+const LEAST_TORQUE: f64 = 0.02;
+/// Added to the diagonal of the normal equations with columns of unit length: a motion that does not show a parameter is no
+/// reason to fail.
+const RIDGE: f64 = 1e-9;
+/// What a joint beyond its limits adds to the cost.
+const BEYOND_LIMITS: f64 = 0.3;
+/// A limit counts as exceeded beyond this multiple of it.
+const LIMIT_SLACK: f64 = 1.3;
+
+/// States and torque at some instants, K × n each.
+#[derive(Clone, Debug)]
+pub(super) struct Instants {
+    pub(super) q: Vec<f64>,
+    pub(super) qd: Vec<f64>,
+    pub(super) qdd: Vec<f64>,
+    pub(super) tau: Vec<f64>,
+}
+
+/// The regressor of one robot, and which columns are fitted.
+pub(super) struct Model {
+    pub(super) robot: Robot,
+    regressor: JointTorqueRegressor,
+    kept: Vec<usize>,
+    /// Joint and column of friction that cannot be below zero, and whether it is Coulomb's.
+    friction: Vec<(usize, usize, bool)>,
+}
+
+impl Model {
+    pub(super) fn new(robot: Robot, columns: Columns) -> Result<Self, BaseError> {
+        let base = reduce(&robot, columns, Method::Structural, Seed::new(0))?;
+        let regressor = JointTorqueRegressor::new(&robot, columns);
+        let friction = base
+            .kept
+            .iter()
+            .enumerate()
+            .filter_map(|(at, &column)| match base.parameters[column].kind {
+                ParameterKind::Term(term) if term == COULOMB || term == VISCOUS => {
+                    Some((base.parameters[column].index, at, term == COULOMB))
+                }
+                _ => None,
+            })
+            .collect();
+        Ok(Self { robot, regressor, kept: base.kept, friction })
+    }
+
+    /// Rows of the base columns at one state, n × b.
+    fn rows(&self, q: &[f64], qd: &[f64], qdd: &[f64], all: &mut [f64]) -> Vec<f64> {
+        self.regressor.evaluate(q, qd, qdd, all);
+        all.chunks_exact(self.regressor.cols()).flat_map(|row| self.kept.iter().map(move |&c| row[c])).collect()
+    }
+
+    /// The cost J of a fit.
+    pub(super) fn cost(&self, instants: &Instants) -> f64 {
+        let (n, b) = (self.robot.dof(), self.kept.len());
+        let count = instants.q.len() / n;
+        let scale = torque_scale(&instants.tau, n);
+        let mut w = DMatrix::zeros(count * n, b);
+        let mut y = DVector::zeros(count * n);
+        let mut all = vec![0.0; n * self.regressor.cols()];
+        for k in 0..count {
+            let span = k * n..(k + 1) * n;
+            let rows = self.rows(&instants.q[span.clone()], &instants.qd[span.clone()], &instants.qdd[span], &mut all);
+            for i in 0..n {
+                for (c, value) in rows[i * b..(i + 1) * b].iter().enumerate() {
+                    w[(k * n + i, c)] = value / scale[i];
+                }
+                y[k * n + i] = instants.tau[k * n + i] / scale[i];
+            }
+        }
+        let lengths: Vec<f64> = w.column_iter().map(|c| c.norm()).map(|l| if l > 0.0 { l } else { 1.0 }).collect();
+        for (mut column, length) in w.column_iter_mut().zip(&lengths) {
+            column /= *length;
+        }
+        let mut normal = transpose_product(&w, &w);
+        for c in 0..b {
+            normal[(c, c)] += RIDGE;
+        }
+        let right = transpose_product(&w, &DMatrix::from_column_slice(count * n, 1, y.as_slice()));
+        let Some(factor) = Cholesky::new(normal) else { return f64::INFINITY };
+        let scaled = factor.solve(&right.column(0).into_owned());
+        let mut left = y;
+        for (column, &value) in w.column_iter().zip(scaled.iter()) {
+            left.axpy(-value, &column, 1.0);
+        }
+        let residual = left.iter().map(|e| e * e).sum::<f64>() / (count * n) as f64;
+        let beta = DVector::from_iterator(b, scaled.iter().zip(&lengths).map(|(beta, length)| beta / length));
+        residual + self.implausible(instants, &beta, &scale) + self.beyond_limits(instants)
+    }
+
+    /// Friction that drives and inertia that is negative, as parts of each joint's torque, squared.
+    fn implausible(&self, instants: &Instants, beta: &DVector<f64>, scale: &[f64]) -> f64 {
+        let n = self.robot.dof();
+        let rms = |rows: &[f64], i: usize| -> f64 {
+            let squares: f64 = rows.iter().skip(i).step_by(n).map(|x| x * x).sum();
+            (squares / (rows.len() / n).max(1) as f64).sqrt()
+        };
+        let mut cost = 0.0;
+        let mut friction = vec![0.0; n];
+        for &(joint, at, coulomb) in &self.friction {
+            friction[joint] += beta[at] * if coulomb { 1.0 } else { rms(&instants.qd, joint) };
+        }
+        for (joint, torque) in friction.iter().enumerate() {
+            cost += (torque.min(0.0) / scale[joint]).powi(2);
+        }
+        let (still, mut all) = (vec![0.0; n], vec![0.0; n * self.regressor.cols()]);
+        let b = self.kept.len();
+        let states: Vec<&[f64]> = instants.q.chunks_exact(n).step_by((instants.q.len() / n / 8).max(1)).collect();
+        for i in 0..n {
+            let mut unit = still.clone();
+            unit[i] = 1.0;
+            let mut mean = 0.0;
+            for q in &states {
+                let moved = self.rows(q, &still, &unit, &mut all);
+                let held = self.rows(q, &still, &still, &mut all);
+                mean += (0..b).map(|c| (moved[i * b + c] - held[i * b + c]) * beta[c]).sum::<f64>();
+            }
+            mean /= states.len().max(1) as f64;
+            cost += (mean.min(0.0) * rms(&instants.qdd, i) / scale[i]).powi(2);
+        }
+        cost / n as f64
+    }
+
+    /// How far joints are beyond what they can do.
+    fn beyond_limits(&self, instants: &Instants) -> f64 {
+        let n = self.robot.dof();
+        let largest = |rows: &[f64], i: usize| rows.iter().skip(i).step_by(n).fold(0.0_f64, |a, x| a.max(x.abs()));
+        let mut cost = 0.0;
+        for (i, joint) in self.robot.joints().iter().enumerate() {
+            let limits = &joint.limits;
+            let range = limits.position.0.abs().max(limits.position.1.abs());
+            let beyond = largest(&instants.q, i) > LIMIT_SLACK * range
+                || largest(&instants.qd, i) > 2.0 * LIMIT_SLACK * limits.velocity
+                || largest(&instants.tau, i) > 2.0 * LIMIT_SLACK * limits.torque;
+            cost += if beyond { BEYOND_LIMITS } else { 0.0 };
+        }
+        cost / n as f64
+    }
+}
+
+/// RMS torque of each joint, n; not less than a part of the largest.
+fn torque_scale(tau: &[f64], n: usize) -> Vec<f64> {
+    let rms: Vec<f64> = (0..n)
+        .map(|i| {
+            let squares: f64 = tau.iter().skip(i).step_by(n).map(|x| x * x).sum();
+            (squares / (tau.len() / n).max(1) as f64).sqrt()
+        })
+        .collect();
+    let largest = rms.iter().copied().fold(0.0, f64::max);
+    rms.iter().map(|x| x.max(LEAST_TORQUE * largest).max(f64::MIN_POSITIVE)).collect()
+}
+
+impl Instants {
+    /// Blocks of samples that are spread over a log: the mean torque, and the states in the middle.
+    pub(super) fn of(samples: &Samples) -> Self {
+        let n = samples.dof();
+        let step = samples.blocks().div_ceil(INSTANTS).max(1);
+        let mean = samples.block_means(&samples.tau, n);
+        let mut instants = Self { q: Vec::new(), qd: Vec::new(), qdd: Vec::new(), tau: Vec::new() };
+        for m in (0..samples.blocks()).step_by(step) {
+            let k = m * samples.block + samples.block / 2;
+            instants.q.extend_from_slice(samples.states.q(k));
+            instants.qd.extend_from_slice(samples.states.qd(k));
+            instants.qdd.extend_from_slice(samples.states.qdd(k));
+            instants.tau.extend_from_slice(&mean[m * n..(m + 1) * n]);
+        }
+        instants
+    }
+
+    /// The same with a mistake undone.
+    pub(super) fn corrected(&self, mistake: &Mistake, robot: &Robot) -> Self {
+        let n = robot.dof();
+        let mut out = self.clone();
+        let gear: Vec<f64> = robot.joints().iter().map(|joint| joint.drive.gear).collect();
+        let motion = |out: &mut Self, i: usize, factor: f64| {
+            for rows in [&mut out.q, &mut out.qd, &mut out.qdd] {
+                rows.iter_mut().skip(i).step_by(n).for_each(|x| *x *= factor);
+            }
+        };
+        let effort = |out: &mut Self, i: usize, factor: f64| {
+            out.tau.iter_mut().skip(i).step_by(n).for_each(|x| *x *= factor);
+        };
+        let swap = |rows: &mut [f64], [a, b]: [usize; 2]| {
+            rows.chunks_exact_mut(n).for_each(|row| row.swap(a - 1, b - 1));
+        };
+        match *mistake {
+            Mistake::Degrees => (0..n).for_each(|i| motion(&mut out, i, std::f64::consts::PI / 180.0)),
+            Mistake::MotorAngles => {
+                (0..n).for_each(|i| motion(&mut out, i, gear[i].recip()));
+                if let Some(inverse) = robot.coupling().and_then(|coupling| coupling.clone().try_inverse()) {
+                    for rows in [&mut out.q, &mut out.qd, &mut out.qdd] {
+                        *rows = mapped(rows, &inverse);
+                    }
+                }
+            }
+            Mistake::MotorTorques => {
+                (0..n).for_each(|i| effort(&mut out, i, gear[i]));
+                if let Some(coupling) = robot.coupling() {
+                    out.tau = mapped(&out.tau, &coupling.transpose());
+                }
+            }
+            Mistake::EffortUnit { factor } => (0..n).for_each(|i| effort(&mut out, i, factor)),
+            Mistake::PositionSign { joint } => motion(&mut out, joint - 1, -1.0),
+            Mistake::EffortSign { joint } | Mistake::EitherSign { joint } => effort(&mut out, joint - 1, -1.0),
+            Mistake::PositionsSwapped { joints } => {
+                [&mut out.q, &mut out.qd, &mut out.qdd].into_iter().for_each(|rows| swap(rows, joints));
+            }
+            Mistake::EffortsSwapped { joints } => swap(&mut out.tau, joints),
+            Mistake::JointsSwapped { joints } => {
+                [&mut out.q, &mut out.qd, &mut out.qdd, &mut out.tau].into_iter().for_each(|rows| swap(rows, joints));
+            }
+            Mistake::PositionScale { joint, factor } => motion(&mut out, joint - 1, factor),
+            Mistake::EffortScale { joint, factor } => effort(&mut out, joint - 1, factor),
+            Mistake::ZeroOffset { joint, degrees } => {
+                out.q.iter_mut().skip(joint - 1).step_by(n).for_each(|q| *q += degrees.to_radians());
+            }
+            // Nothing in the log itself is to be changed.
+            Mistake::Gravity { .. } | Mistake::AtRest { .. } => {}
+        }
+        out
+    }
+}
+
+/// The map applied to every row.
+fn mapped(rows: &[f64], map: &DMatrix<f64>) -> Vec<f64> {
+    let n = map.nrows();
+    rows.chunks_exact(n)
+        .flat_map(|row| (0..n).map(move |i| row.iter().enumerate().map(|(j, x)| map[(i, j)] * x).sum::<f64>()))
+        .collect()
+}

@@ -1,0 +1,225 @@
+//! Mistakes that logs are made with, on three robots: which are named, and that sound logs are left alone.
+
+use armid::diagnosis::{Mistake, diagnose, standing_joints};
+use armid::dynamics::{Dynamics, States};
+use armid::model::format::parse_robot;
+use armid::model::{Columns, Robot, StandardParameters, bundled};
+use armid::seed::Seed;
+use armid::signal::Samples;
+use armid::study::{Truth, truth_text};
+use nalgebra::Vector3;
+use rand::{Rng, RngExt};
+
+const ROBOTS: [&str; 3] = ["crs-a460", "puma-560", "staubli-tx40"];
+const RATE_HZ: f64 = 50.0;
+const SAMPLES: usize = 900;
+
+fn robot(name: &str) -> (Robot, StandardParameters) {
+    let entry = bundled().iter().find(|entry| entry.name == name).expect("a bundled robot");
+    let robot = parse_robot(entry.robot).expect("a robot");
+    let truth = Truth::from_toml(truth_text(name).expect("a truth"), &robot).expect("parameters");
+    (robot, truth.parameters)
+}
+
+fn uniform(rng: &mut impl Rng, low: f64, high: f64) -> f64 {
+    rng.random_range(low..high)
+}
+
+/// A motion inside the limits, the torque that gives it, and noise of 2 % of each joint's torque.
+fn log(robot: &Robot, truth: &StandardParameters, seed: u64) -> Samples {
+    let n = robot.dof();
+    let mut rng = Seed::new(seed).stream("log", 0);
+    let mut waves = Vec::new();
+    for joint in robot.joints() {
+        let (low, high) = joint.limits.position;
+        let (middle, half) = (0.5 * (low.max(-3.0) + high.min(3.0)), 0.5 * (high.min(3.0) - low.max(-3.0)));
+        let each: Vec<[f64; 3]> = (0..4)
+            .map(|l| {
+                let w = 0.5 * f64::from(l + 1) + uniform(&mut rng, 0.0, 0.4);
+                [0.2 * half.min(1.2) / f64::from(l + 1).sqrt(), w, uniform(&mut rng, 0.0, 6.0)]
+            })
+            .collect();
+        waves.push((middle + 0.2 * half * uniform(&mut rng, -1.0, 1.0), each));
+    }
+    let mut dynamics = Dynamics::new(robot, truth);
+    let (mut states, mut tau) = (States::new(n), Vec::new());
+    for k in 0..SAMPLES {
+        let t = k as f64 / RATE_HZ;
+        let (mut q, mut qd, mut qdd, mut one) = (vec![0.0; n], vec![0.0; n], vec![0.0; n], vec![0.0; n]);
+        for (i, (middle, each)) in waves.iter().enumerate() {
+            q[i] = *middle;
+            for [a, w, phase] in each {
+                q[i] += a * (w * t + phase).sin();
+                qd[i] += a * w * (w * t + phase).cos();
+                qdd[i] -= a * w * w * (w * t + phase).sin();
+            }
+        }
+        dynamics.inverse(&q, &qd, &qdd, &mut one);
+        states.push(&q, &qd, &qdd);
+        tau.extend(one);
+    }
+    for i in 0..n {
+        let rms = (tau.iter().skip(i).step_by(n).map(|x| x * x).sum::<f64>() / SAMPLES as f64).sqrt();
+        for x in tau.iter_mut().skip(i).step_by(n) {
+            *x += 0.02 * rms * 1.7 * uniform(&mut rng, -1.0, 1.0);
+        }
+    }
+    Samples::exact(states, tau, vec!["N·m".to_owned(); n], RATE_HZ)
+}
+
+fn scale_motion(samples: &mut Samples, i: usize, factor: f64) {
+    let n = samples.dof();
+    let states = &mut samples.states;
+    for rows in [&mut states.q, &mut states.qd, &mut states.qdd] {
+        rows.iter_mut().skip(i).step_by(n).for_each(|x| *x *= factor);
+    }
+}
+
+fn scale_effort(samples: &mut Samples, i: usize, factor: f64) {
+    let n = samples.dof();
+    samples.tau.iter_mut().skip(i).step_by(n).for_each(|x| *x *= factor);
+}
+
+fn swap_motion(samples: &mut Samples, a: usize, b: usize) {
+    let n = samples.dof();
+    let states = &mut samples.states;
+    for rows in [&mut states.q, &mut states.qd, &mut states.qdd] {
+        rows.chunks_exact_mut(n).for_each(|row| row.swap(a, b));
+    }
+}
+
+fn swap_effort(samples: &mut Samples, a: usize, b: usize) {
+    let n = samples.dof();
+    samples.tau.chunks_exact_mut(n).for_each(|row| row.swap(a, b));
+}
+
+/// What a mistake does to a log, joint by joint as the mappings would have it.
+type Fault = (&'static str, fn(&Robot, &mut Samples), fn(&Mistake) -> bool);
+
+const FAULTS: [Fault; 15] = [
+    (
+        "degrees",
+        |_, s| (0..6).for_each(|i| scale_motion(s, i, 180.0 / std::f64::consts::PI)),
+        |m| *m == Mistake::Degrees,
+    ),
+    (
+        "position of joint 2 the other way",
+        |_, s| scale_motion(s, 1, -1.0),
+        |m| matches!(m, Mistake::PositionSign { joint: 2 } | Mistake::EitherSign { joint: 2 }),
+    ),
+    (
+        "position of joint 3 the other way",
+        |_, s| scale_motion(s, 2, -1.0),
+        |m| matches!(m, Mistake::PositionSign { joint: 3 } | Mistake::EitherSign { joint: 3 }),
+    ),
+    (
+        "effort of joint 1 the other way",
+        |_, s| scale_effort(s, 0, -1.0),
+        |m| matches!(m, Mistake::EffortSign { joint: 1 } | Mistake::EitherSign { joint: 1 }),
+    ),
+    (
+        "effort of joint 3 the other way",
+        |_, s| scale_effort(s, 2, -1.0),
+        |m| matches!(m, Mistake::EffortSign { joint: 3 } | Mistake::EitherSign { joint: 3 }),
+    ),
+    (
+        "joints 2 and 3 exchanged",
+        |_, s| {
+            swap_motion(s, 1, 2);
+            swap_effort(s, 1, 2);
+        },
+        |m| *m == Mistake::JointsSwapped { joints: [2, 3] },
+    ),
+    (
+        "positions of joints 1 and 2 exchanged",
+        |_, s| swap_motion(s, 0, 1),
+        |m| *m == Mistake::PositionsSwapped { joints: [1, 2] },
+    ),
+    (
+        "efforts of joints 2 and 4 exchanged",
+        |_, s| swap_effort(s, 1, 3),
+        |m| *m == Mistake::EffortsSwapped { joints: [2, 4] },
+    ),
+    (
+        "gear of joint 3: positions doubled",
+        |_, s| scale_motion(s, 2, 2.0),
+        |m| matches!(m, Mistake::PositionScale { joint: 3, factor } if (factor / 0.5 - 1.0).abs() < 0.1),
+    ),
+    (
+        "gear of joint 2: efforts halved",
+        |_, s| scale_effort(s, 1, 0.5),
+        |m| matches!(m, Mistake::EffortScale { joint: 2, factor } if (factor / 2.0 - 1.0).abs() < 0.1),
+    ),
+    (
+        "angles of the motors",
+        |robot, s| {
+            let n = robot.dof();
+            if let Some(coupling) = robot.coupling() {
+                for rows in [&mut s.states.q, &mut s.states.qd, &mut s.states.qdd] {
+                    for row in rows.chunks_exact_mut(n) {
+                        let at_motors = coupling * nalgebra::DVector::from_column_slice(row);
+                        row.copy_from_slice(at_motors.as_slice());
+                    }
+                }
+            }
+            for (i, joint) in robot.joints().iter().enumerate() {
+                scale_motion(s, i, joint.drive.gear);
+            }
+        },
+        |m| *m == Mistake::MotorAngles,
+    ),
+    (
+        "efforts in thousandths",
+        |_, s| (0..6).for_each(|i| scale_effort(s, i, 1e3)),
+        |m| *m == Mistake::EffortUnit { factor: 1e-3 },
+    ),
+    (
+        "zero of joint 2 off by 90°",
+        |_, s| s.states.q.iter_mut().skip(1).step_by(6).for_each(|q| *q += 0.5 * std::f64::consts::PI),
+        |m| *m == Mistake::ZeroOffset { joint: 2, degrees: -90.0 },
+    ),
+    ("gravity along x", |_, _| {}, |m| *m == Mistake::Gravity { direction: [1, 0, 0] }),
+    ("joint 4 at rest", |_, _| {}, |m| *m == Mistake::AtRest { joint: 4 }),
+];
+
+/// What is said of a log.
+fn named(robot: &Robot, samples: &Samples) -> Option<Mistake> {
+    if let Some(&joint) = standing_joints(samples).first() {
+        return Some(Mistake::AtRest { joint });
+    }
+    diagnose(robot, Columns::RIGID_ROTOR_FRICTION, samples)
+        .expect("a robot with base parameters")
+        .map(|found| found.mistake)
+}
+
+#[test]
+fn nine_of_ten_mistakes_are_named_and_sound_logs_are_left_alone() {
+    let (mut right, mut all, mut wrong) = (0, 0, Vec::new());
+    for name in ROBOTS {
+        let (robot, truth) = robot(name);
+        for seed in 1..4 {
+            let sound = log(&robot, &truth, seed);
+            assert_eq!(named(&robot, &sound), None, "{name}: a sound log, seed {seed}");
+        }
+        for (fault, make, is_right) in FAULTS {
+            let mut samples = match fault {
+                "gravity along x" => log(&robot.clone().with_gravity(Vector3::new(9.81, 0.0, 0.0)), &truth, 1),
+                _ => log(&robot, &truth, 1),
+            };
+            if fault == "joint 4 at rest" {
+                let (n, held) = (samples.dof(), samples.states.q[3]);
+                samples.states.q.iter_mut().skip(3).step_by(n).for_each(|q| *q = held);
+            }
+            make(&robot, &mut samples);
+            let found = named(&robot, &samples);
+            all += 1;
+            if found.as_ref().is_some_and(is_right) {
+                right += 1;
+            } else {
+                wrong.push(format!("{name}: {fault}: {found:?}"));
+            }
+        }
+    }
+    println!("{right} of {all}\n{}", wrong.join("\n"));
+    assert!(all >= 30 && right * 10 >= all * 9, "{right} of {all} named rightly:\n{}", wrong.join("\n"));
+}
