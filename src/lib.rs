@@ -65,6 +65,7 @@ pub mod provenance;
 mod plain;
 pub mod input;
 pub mod cdr;
+pub mod lanes;
 pub mod linalg;
 pub mod optimiser;
 pub mod statistics;

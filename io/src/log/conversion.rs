@@ -96,7 +96,7 @@ fn mapped(rows: &[f64], map: &DMatrix<f64>) -> Vec<f64> {
 
 #[cfg(test)]
 mod tests {
-    use super::{AtMotors, Conversion, Log};
+    use super::{AtMotors, Conversion};
     use crate::robot;
     use crate::text::Text;
 

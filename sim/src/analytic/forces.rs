@@ -4,8 +4,8 @@ use armid::model::term::{Shapes, Term, TermInput};
 use armid::model::{Columns, Robot, StandardParameters};
 
 use super::forward::Factor;
-use super::lane::Lane;
 use super::law_numbers::{Lanes, Rates};
+use armid::lanes::Lane;
 
 /// One term of N coordinates, of the joints or of the motors.
 #[derive(Clone, Debug)]

@@ -11,7 +11,7 @@
 //! Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, tables 5.1 and 6.2.
 
 use super::chain::{Chain, Link, Twist};
-use super::lane::Lane;
+use armid::lanes::{Lane, sines};
 
 type Three<V> = [V; 3];
 
@@ -239,7 +239,7 @@ impl<const N: usize> Chain<N> {
             let offset = one.splat(links[i].offset);
             angles[i] = if links[i].prismatic { offset } else { q[i] + offset };
         }
-        let sines = V::sines(&angles);
+        let sines = sines(&angles);
         let mut poses = [Pose { sin: zero, cos: zero, origin: none }; N];
         for i in 0..N {
             let mut origin = splat(one, &links[i].origin);

@@ -10,7 +10,7 @@
 
 use super::chain::Chain;
 use super::forward::Factor;
-use super::lane::Lane;
+use armid::lanes::Lane;
 
 /// Largest `λ h` of a part of a step.
 const STIFFNESS: f64 = 1.2;

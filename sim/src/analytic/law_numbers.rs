@@ -2,8 +2,8 @@
 
 use armid::model::term::{Number, Runs, Scale, TermInput};
 
-use super::elementary;
-use super::lane::Lane;
+use armid::lanes;
+use armid::lanes::Lane;
 
 /// A number of each of several runs, as torque laws take it.
 #[derive(Clone, Copy)]
@@ -59,12 +59,12 @@ impl<V: Lane> Number for Lanes<V> {
 
     #[inline(always)]
     fn smooth_sign(self, scale: Scale) -> Self {
-        Self(elementary::tanh(self.0 * self.0.splat(scale.reciprocal)))
+        Self(lanes::tanh(self.0 * self.0.splat(scale.reciprocal)))
     }
 
     #[inline(always)]
     fn exponential(self) -> Self {
-        Self(elementary::exp(self.0))
+        Self(lanes::exp(self.0))
     }
 }
 
@@ -153,13 +153,13 @@ impl<V: Lane> Number for Rates<V> {
     #[inline(always)]
     fn smooth_sign(self, scale: Scale) -> Self {
         let reciprocal = self.value.splat(scale.reciprocal);
-        let t = elementary::tanh(self.value * reciprocal);
+        let t = lanes::tanh(self.value * reciprocal);
         Self { value: t, slope: self.slope * reciprocal * (t.splat(1.0) - t * t) }
     }
 
     #[inline(always)]
     fn exponential(self) -> Self {
-        let e = elementary::exp(self.value);
+        let e = lanes::exp(self.value);
         Self { value: e, slope: self.slope * e }
     }
 }

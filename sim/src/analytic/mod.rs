@@ -10,16 +10,13 @@
 //! Not modelled: elasticity, backlash, stiction beyond the smooth law, contact, motor electrics.
 
 mod chain;
-mod elementary;
 mod forward;
 mod forces;
 mod integrator;
-mod lane;
 mod law_numbers;
 mod plant;
 mod runs;
 mod team;
-mod wide;
 
 pub use plant::{AnalyticError, AnalyticPlant, MOST_JOINTS};
 pub use runs::{TeamRun, perform_runs, record_runs};

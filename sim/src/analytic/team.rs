@@ -8,7 +8,7 @@ use pulp::{Arch, Simd, WithSimd};
 use super::chain::Chain;
 use super::integrator::{self, State};
 use super::plant::AnalyticPlant;
-use super::wide::{MOST_LANES, Wide};
+use armid::lanes::{MOST_LANES, Wide};
 
 /// Several runs of the same arm: equal equations, states and torques of their own, one step for all.
 ///

@@ -7,18 +7,21 @@ use pulp::Simd;
 use super::lane::{Lane, ROUND};
 
 /// More lanes than any processor has.
-pub(super) const MOST_LANES: usize = 16;
+pub const MOST_LANES: usize = 16;
 
 /// A number of each of `S::F64_LANES` runs.
-#[derive(Clone, Copy)]
-pub(crate) struct Wide<S: Simd> {
+#[derive(Clone, Copy, Debug)]
+pub struct Wide<S: Simd> {
     simd: S,
-    pub(crate) x: S::f64s,
+    /// One number per lane.
+    pub x: S::f64s,
 }
 
 impl<S: Simd> Wide<S> {
+    /// These numbers.
     #[inline(always)]
-    pub(crate) fn new(simd: S, x: S::f64s) -> Self {
+    #[must_use]
+    pub fn new(simd: S, x: S::f64s) -> Self {
         Self { simd, x }
     }
 }

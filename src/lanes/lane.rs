@@ -1,16 +1,12 @@
-//! One number, or one number of each of several runs: the arithmetic that the equations of motion are written in.
+//! One number, or one number of each of several runs: the arithmetic that recursions are written in.
 //!
 //! Every operation is the IEEE one on each lane, nothing is contracted or reordered, so that a run has the same bits
 //! whether it is computed alone or beside others, and on the width of the lanes.
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use super::elementary;
-
 /// A number per run.
-pub(crate) trait Lane:
-    Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self>
-{
+pub trait Lane: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self> + Neg<Output = Self> {
     /// The number `x` for as many runs as this one is of.
     fn splat(self, x: f64) -> Self;
 
@@ -38,22 +34,13 @@ pub(crate) trait Lane:
     /// `2^self` for whole numbers between −1000 and 1000.
     fn power_of_two(self) -> Self;
 
-    /// A function of single numbers, run by run.
+    /// A function of single numbers, lane by lane.
+    #[must_use]
     fn each<const K: usize>(x: [Self; K], f: impl FnMut([f64; K]) -> f64) -> Self;
-
-    /// Sines and cosines of N numbers.
-    #[inline(always)]
-    fn sines<const N: usize>(x: &[Self; N]) -> [(Self, Self); N] {
-        let mut out = [(x[0], x[0]); N];
-        for i in 0..N {
-            out[i] = elementary::sin_cos(x[i]);
-        }
-        out
-    }
 }
 
 /// Adding and taking away this number rounds to a whole number.
-pub(crate) const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 · 2⁵²
+pub(super) const ROUND: f64 = 6_755_399_441_055_744.0; // 1.5 · 2⁵²
 
 impl Lane for f64 {
     #[inline(always)]

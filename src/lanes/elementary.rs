@@ -17,7 +17,8 @@ const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
 
 /// Sine and cosine, within 1.5 units in the last place of 1 for |x| < 10⁵ rad.
 #[inline(always)]
-pub(crate) fn sin_cos<V: Lane>(x: V) -> (V, V) {
+#[must_use]
+pub fn sin_cos<V: Lane>(x: V) -> (V, V) {
     let c = |value: f64| x.splat(value);
     let k = (x * c(std::f64::consts::FRAC_2_PI)).nearest();
     let r = (x - k * c(HALF_PI[0])) - k * c(HALF_PI[1]);
@@ -49,9 +50,21 @@ pub(crate) fn sin_cos<V: Lane>(x: V) -> (V, V) {
     (sign_sine * a, sign_cosine * b)
 }
 
+/// Sines and cosines of N numbers.
+#[inline(always)]
+#[must_use]
+pub fn sines<const N: usize, V: Lane>(x: &[V; N]) -> [(V, V); N] {
+    let mut out = [(x[0], x[0]); N];
+    for i in 0..N {
+        out[i] = sin_cos(x[i]);
+    }
+    out
+}
+
 /// Hyperbolic tangent, within 4e-16; exactly ±1 beyond ±20.
 #[inline(always)]
-pub(crate) fn tanh<V: Lane>(x: V) -> V {
+#[must_use]
+pub fn tanh<V: Lane>(x: V) -> V {
     let c = |value: f64| x.splat(value);
     // In this order NaN stays NaN.
     let w = c(20.0).smaller(x.magnitude()) * c(-2.0);
@@ -68,7 +81,8 @@ pub(crate) fn tanh<V: Lane>(x: V) -> V {
 
 /// `eˣ`, within 4 units in the last place for |x| < 690; beyond, as at ±690.
 #[inline(always)]
-pub(crate) fn exp<V: Lane>(x: V) -> V {
+#[must_use]
+pub fn exp<V: Lane>(x: V) -> V {
     let c = |value: f64| x.splat(value);
     // In this order NaN stays NaN.
     let w = -c(690.0).smaller(-c(690.0).smaller(x));

@@ -1,0 +1,16 @@
+//! One number, or one of each of several samples or runs: the arithmetic of everything that is computed side by side.
+//!
+//! ```text
+//! f(x₁), f(x₂), …, f(x_L)        one recursion f, written once for any Lane; L as many as the processor has lanes for
+//! ```
+//! Every operation is the IEEE one on each lane. Nothing is contracted, and no sum runs across lanes, so that what a lane holds
+//! has the same bits alone ([`f64`]), beside others ([`Wide`]), and on whatever width. Which width there is is found out when
+//! the program runs (the crate `pulp`).
+
+mod elementary;
+mod lane;
+mod wide;
+
+pub use elementary::{exp, sin_cos, sines, tanh};
+pub use lane::Lane;
+pub use wide::{MOST_LANES, Wide};
