@@ -13,6 +13,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::symmetric::Symmetric3;
+use crate::lanes::sin_cos;
 use crate::model::{JointKind, Robot};
 use crate::spatial::{Force, Inertia, Motion, Placement};
 
@@ -103,10 +104,37 @@ impl JointFrame {
     #[inline]
     pub(super) fn pose(&self, q: f64) -> JointPose {
         let (angle, slide) = if self.revolute { (self.offset + q, 0.0) } else { (self.offset, q) };
-        let (sin, cos) = libm::sincos(angle);
+        let (sin, cos) = sin_cos(angle);
         let (sin_alpha, cos_alpha) = (self.sin_alpha, self.cos_alpha);
         let origin = Vector3::new(self.origin.x, self.origin.y - sin_alpha * slide, self.origin.z + cos_alpha * slide);
         JointPose { sin, cos, sin_alpha, cos_alpha, origin }
+    }
+}
+
+impl JointFrame {
+    /// Velocity and acceleration of the child from those of its parent, both given in the child's frame:
+    /// `v + S q̇`, `a + S q̈ + v × S q̇`.
+    #[inline]
+    pub(super) fn moved(&self, v: &Motion, a: &Motion, qd: f64, qdd: f64) -> (Motion, Motion) {
+        let (mut v, mut a) = (*v, *a);
+        // v × ẑ q̇, of either half.
+        let turned = |x: &Vector3<f64>| Vector3::new(x.y * qd, -(x.x * qd), 0.0);
+        if self.revolute {
+            (a.ang, a.lin) = (a.ang + turned(&v.ang), a.lin + turned(&v.lin));
+            v.ang.z += qd;
+            a.ang.z += qdd;
+        } else {
+            a.lin += turned(&v.ang);
+            v.lin.z += qd;
+            a.lin.z += qdd;
+        }
+        (v, a)
+    }
+
+    /// What a force on the child asks of the joint: `Sᵀ f`.
+    #[inline]
+    pub(super) fn effort(&self, f: &Force) -> f64 {
+        if self.revolute { f.ang.z } else { f.lin.z }
     }
 }
 

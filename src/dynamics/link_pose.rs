@@ -2,8 +2,9 @@
 
 use nalgebra::{Matrix3, Vector3};
 
+use crate::lanes::{Lane, sin_cos};
 use crate::model::{Joint, JointKind};
-use crate::spatial::Placement;
+use crate::spatial::{LanePlacement, Placement};
 
 /// `T(q) = before · J(q) · after` as twelve numbers that are linear in two functions of q:
 ///
@@ -49,15 +50,23 @@ impl LinkPose {
     /// The pose at coordinate `q`, rad or m.
     #[inline]
     pub(crate) fn at(&self, q: f64) -> Placement {
-        let (y, x) = match self.kind {
-            JointKind::Revolute => libm::sincos(q),
-            JointKind::Prismatic => (0.0, q),
-        };
-        let t: [f64; 12] = std::array::from_fn(|k| self.constant[k] + x * self.first[k] + y * self.second[k]);
+        let LanePlacement { axes: [x, y, z], origin } = self.in_lanes(q);
         Placement {
-            rotation: Matrix3::new(t[0], t[3], t[6], t[1], t[4], t[7], t[2], t[5], t[8]),
-            translation: Vector3::new(t[9], t[10], t[11]),
+            rotation: Matrix3::new(x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]),
+            translation: origin.into(),
         }
+    }
+
+    /// The poses of several samples.
+    #[inline(always)]
+    pub(crate) fn in_lanes<V: Lane>(&self, q: V) -> LanePlacement<V> {
+        let (y, x) = match self.kind {
+            JointKind::Revolute => sin_cos(q),
+            JointKind::Prismatic => (q.splat(0.0), q),
+        };
+        let number = |k: usize| q.splat(self.constant[k]) + x * q.splat(self.first[k]) + y * q.splat(self.second[k]);
+        let three = |k: usize| [number(k), number(k + 1), number(k + 2)];
+        LanePlacement { axes: [three(0), three(3), three(6)], origin: three(9) }
     }
 }
 

@@ -4,10 +4,10 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::articulated::{self, ArticulatedJoint};
 use super::composite;
-use super::joint_frames::JointChain;
+use super::joint_frames::{JointChain, JointPose};
 use super::{LinkPose, TermState, TorqueTerms};
 use crate::model::{Columns, Robot, StandardParameters};
-use crate::spatial::{Force, Inertia, Motion, Placement};
+use crate::spatial::{Force, Inertia, Motion};
 
 /// Repetitions after which an acceleration under load-dependent friction is given up.
 const MOST_REPETITIONS: usize = 200;
@@ -43,8 +43,8 @@ pub struct Dynamics {
     pub(super) term_inertia: Vec<f64>,
     coupled: bool,
     chain: JointChain,
-    placements: Vec<Placement>,
-    forces: Vec<Force>,
+    /// Pose of each joint's frame, and the force that its link takes.
+    carried: Vec<(JointPose, Force)>,
     articulated: Vec<ArticulatedJoint>,
     composite: composite::Workspace,
     /// Diagonal of `term_inertia`.
@@ -79,6 +79,7 @@ impl Dynamics {
             term_inertia: term_inertia.transpose().as_slice().to_vec(),
             articulated: articulated::workspace(&chain),
             composite: composite::Workspace::new(&chain),
+            carried: chain.joints.iter().map(|joint| (joint.pose(0.0), Force::zero())).collect(),
             chain,
             term_torque: vec![0.0; n],
             zeros: vec![0.0; n],
@@ -90,8 +91,6 @@ impl Dynamics {
             terms,
             term_values,
             base_acceleration: Motion::new(Vector3::zeros(), -robot.gravity()),
-            placements: vec![Placement::identity(); n],
-            forces: vec![Force::zero(); n],
         }
     }
 
@@ -109,7 +108,7 @@ impl Dynamics {
     /// τ_i = S_iᵀ f_i + τ_terms,i                             (radkhah2007 eq. 2)
     /// ```
     /// `q`, `qd`, `qdd` in rad, rad/s, rad/s² and `tau` in N·m, n each (m and N for a prismatic joint). Featherstone,
-    /// table 5.1, in link coordinates.
+    /// table 5.1, in frames that stand on the joints.
     ///
     /// # Panics
     /// If a slice is shorter than n.
@@ -121,21 +120,19 @@ impl Dynamics {
     /// The efforts that the links alone take, without any term.
     #[inline]
     fn inverse_of_links(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
-        let n = self.dof();
-        let (mut v, mut a) = (Motion::zero(), self.base_acceleration);
-        for i in 0..n {
-            let x = self.poses[i].at(q[i]);
-            let rate = self.axes[i] * qd[i];
-            v = x.motion_to_child(&v) + rate;
-            a = x.motion_to_child(&a) + self.axes[i] * qdd[i] + v.cross(&rate);
-            self.placements[i] = x;
-            self.forces[i] = self.links[i].apply(&a) + v.cross_force(&self.links[i].apply(&v));
+        let mut v = Motion::zero();
+        let mut a = Motion::new(Vector3::zeros(), self.chain.base_acceleration);
+        let steps = self.carried.iter_mut().zip(self.chain.joints.iter().zip(&self.chain.bodies));
+        for (i, ((pose, force), (joint, body))) in steps.enumerate() {
+            *pose = joint.pose(q[i]);
+            (v, a) = joint.moved(&pose.motion_to_child(&v), &pose.motion_to_child(&a), qd[i], qdd[i]);
+            *force = body.wrench(&v, &a);
         }
         let mut f = Force::zero();
-        for i in (0..n).rev() {
-            f += self.forces[i];
-            tau[i] = self.axes[i].dot(&f);
-            f = self.placements[i].force_to_parent(&f);
+        for (i, ((pose, force), joint)) in self.carried.iter().zip(&self.chain.joints).enumerate().rev() {
+            f += *force;
+            tau[i] = joint.effort(&f);
+            f = pose.force_to_parent(&f);
         }
     }
 

@@ -201,6 +201,38 @@ impl TorqueTerms {
         }
     }
 
+    /// The terms' columns at several states at once, for terms of motion alone: calls `put(row, column, d, g)`, where
+    /// `d g[s]` is the entry of state s. `q`, `qd` and `qdd` hold W numbers of each joint, joint after joint.
+    pub(crate) fn each_column<const W: usize>(
+        &self,
+        [q, qd, qdd]: [&[f64]; 3],
+        mut put: impl FnMut(usize, usize, f64, &[f64; W]),
+    ) {
+        let mut g = [0.0; W];
+        for bank in &self.banks {
+            for &(index, column) in &bank.members {
+                let shape = &[bank.shapes[index]; W];
+                let own = index * W..(index + 1) * W;
+                if bank.through_coupling {
+                    let row = self.coupling_row(index);
+                    let at_motor = |x: &[f64]| -> [f64; W] {
+                        std::array::from_fn(|s| row.iter().enumerate().fold(0.0, |sum, (j, d)| sum + d * x[j * W + s]))
+                    };
+                    let [q, qd, qdd] = [at_motor(q), at_motor(qd), at_motor(qdd)];
+                    let block = TermBlock { q: &q, qd: &qd, qdd: &qdd, load: &[], warmth: &[], shape };
+                    bank.term.law().torques(&block, &mut g);
+                    for (joint, &d) in row.iter().enumerate() {
+                        put(joint, column, d, &g);
+                    }
+                } else {
+                    let (q, qd, qdd) = (&q[own.clone()], &qd[own.clone()], &qdd[own]);
+                    bank.term.law().torques(&TermBlock { q, qd, qdd, load: &[], warmth: &[], shape }, &mut g);
+                    put(index, column, 1.0, &g);
+                }
+            }
+        }
+    }
+
     /// Adds the gradient of `Σ w ∘ Y` over the terms' columns to `slopes`, by `(q, q̇, q̈, τ_t)` of the joints, n each;
     /// the row-major weights `w` have the layout of [`write_columns`](Self::write_columns).
     pub(crate) fn add_gradient(

@@ -1,9 +1,10 @@
 //! The wrench on one body as a linear function of its ten parameters.
 
-use nalgebra::{Matrix3, SMatrix, SVector, Vector3};
+use nalgebra::{SMatrix, Vector3};
 
 use crate::dynamics::Symmetric3;
-use crate::spatial::{Force, Motion};
+use crate::lanes::Lane;
+use crate::spatial::{Force, LaneMotion, Motion, cross, sum};
 
 /// `K(v, a)` with `K φ = I a + v ×* I v`, φ the ten parameters of one body in its frame (Atkeson, An, Hollerbach,
 /// "Estimation of inertial parameters of manipulator loads and links", IJRR 5(3), 1986, eq. 12, angular part first).
@@ -30,13 +31,13 @@ use crate::spatial::{Force, Motion};
 /// assert!((at_once.ang - wrench.ang).norm() < 1e-14 && (at_once.lin - wrench.lin).norm() < 1e-14);
 /// ```
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct BodyRegressor {
+pub struct BodyRegressor<V = f64> {
     /// Acceleration of the point at the frame's origin, `b = a_lin + ω × v_lin`.
-    pub b: Vector3<f64>,
-    /// `[α]× + [ω]×[ω]×`: force per first moment.
-    pub moment: Matrix3<f64>,
-    /// `L(α) + [ω]× L(ω)`: moment per rotational inertia.
-    pub inertia: SMatrix<f64, 3, 6>,
+    pub b: [V; 3],
+    /// Rows of `[α]× + [ω]×[ω]×`: force per first moment.
+    pub moment: [[V; 3]; 3],
+    /// Rows of `L(α) + [ω]× L(ω)`: moment per rotational inertia.
+    pub inertia: [[V; 6]; 3],
 }
 
 /// Weights P of the entries of K: rows of the moment, and of the force's first four columns; the rest of K is zero.
@@ -61,52 +62,81 @@ impl Weights {
     }
 }
 
+impl<V: Lane> BodyRegressor<V> {
+    /// For bodies with spatial velocity `v` and acceleration `a`, each in its own frame.
+    #[inline(always)]
+    #[must_use]
+    pub fn of(v: &LaneMotion<V>, a: &LaneMotion<V>) -> Self {
+        let ([x, y, z], [dx, dy, dz]) = (v.ang, a.ang);
+        let (xx, yy, zz) = (x * x, y * y, z * z);
+        let (xy, xz, yz) = (x * y, x * z, y * z);
+        #[rustfmt::skip]
+        let moment = [
+            [-yy - zz, xy - dz,  xz + dy],
+            [xy + dz,  -xx - zz, yz - dx],
+            [xz - dy,  yz + dx,  -xx - yy],
+        ];
+        #[rustfmt::skip]
+        let inertia = [
+            [dx,  dy - xz, dz + xy, -yz, yy - zz, yz],
+            [xz,  dx + yz, zz - xx, dy,  dz - xy, -xz],
+            [-xy, xx - yy, dx - yz, xy,  dy + xz, dz],
+        ];
+        Self { b: sum(&a.lin, &cross(&v.ang, &v.lin)), moment, inertia }
+    }
+
+    /// Entry `c` of `sᵀ K`: what the parameter of number `c` of the ten contributes to the effort along the axis `s`, given in
+    /// the body's frame.
+    ///
+    /// # Panics
+    /// Unless `c` is below ten.
+    #[inline(always)]
+    #[must_use]
+    pub fn entry(&self, s: &LaneMotion<V>, c: usize) -> V {
+        let (n, f) = (&s.ang, &s.lin);
+        match c {
+            0 => self.b[0] * f[0] + self.b[1] * f[1] + self.b[2] * f[2],
+            1..=3 => {
+                // b × n, and the column of [α]× + [ω]×[ω]×.
+                let (c, next, last) = (c - 1, c % 3, (c + 1) % 3);
+                let k = &self.moment;
+                let turned = self.b[next] * n[last] - self.b[last] * n[next];
+                turned + (k[0][c] * f[0] + k[1][c] * f[1] + k[2][c] * f[2])
+            }
+            _ => {
+                let k = &self.inertia;
+                k[0][c - 4] * n[0] + k[1][c - 4] * n[1] + k[2][c - 4] * n[2]
+            }
+        }
+    }
+
+    /// `sᵀ K`: what the ten parameters contribute to the effort along the axis `s`, given in the body's frame.
+    #[inline(always)]
+    #[must_use]
+    pub fn project(&self, s: &LaneMotion<V>) -> [V; 10] {
+        let e = |c: usize| self.entry(s, c);
+        [e(0), e(1), e(2), e(3), e(4), e(5), e(6), e(7), e(8), e(9)]
+    }
+}
+
 impl BodyRegressor {
     /// For a body with spatial velocity `v` and acceleration `a`, in its own frame.
     #[inline]
     #[must_use]
     pub fn new(v: &Motion, a: &Motion) -> Self {
-        let (w, dw) = (&v.ang, &a.ang);
-        let (xx, yy, zz) = (w.x * w.x, w.y * w.y, w.z * w.z);
-        let (xy, xz, yz) = (w.x * w.y, w.x * w.z, w.y * w.z);
-        #[rustfmt::skip]
-        let moment = Matrix3::new(
-            -yy - zz,    xy - dw.z,   xz + dw.y,
-            xy + dw.z,   -xx - zz,    yz - dw.x,
-            xz - dw.y,   yz + dw.x,   -xx - yy,
-        );
-        #[rustfmt::skip]
-        let inertia = SMatrix::<f64, 3, 6>::new(
-            dw.x,  dw.y - xz,  dw.z + xy,  -yz,   yy - zz,    yz,
-            xz,    dw.x + yz,  zz - xx,    dw.y,  dw.z - xy,  -xz,
-            -xy,   xx - yy,    dw.x - yz,  xy,    dw.y + xz,  dw.z,
-        );
-        Self { b: a.lin + w.cross(&v.lin), moment, inertia }
-    }
-
-    /// `sᵀ K`: what the ten parameters contribute to the effort along the axis `s`, given in the body's frame.
-    #[inline]
-    pub fn project(&self, s: &Motion, out: &mut [f64; 10]) {
-        let (n, f) = (&s.ang, &s.lin);
-        let (b, k) = (&self.b, &self.moment);
-        out[0] = b.dot(f);
-        let turned = b.cross(n);
-        for c in 0..3 {
-            out[1 + c] = turned[c] + (k[(0, c)] * f.x + k[(1, c)] * f.y + k[(2, c)] * f.z);
-        }
-        for c in 0..6 {
-            let column = self.inertia.column(c);
-            out[4 + c] = column[0] * n.x + column[1] * n.y + column[2] * n.z;
-        }
+        Self::of(&v.into(), &a.into())
     }
 
     /// `K φ`: the wrench on a body with these ten parameters.
     #[inline]
     #[must_use]
     pub fn wrench(&self, phi: &[f64; 10]) -> Force {
+        let b = Vector3::from(self.b);
         let moment = Vector3::new(phi[1], phi[2], phi[3]);
-        let rotational = SVector::from_column_slice(&phi[4..]);
-        Force { ang: moment.cross(&self.b) + self.inertia * rotational, lin: self.b * phi[0] + self.moment * moment }
+        let row = |row: &[f64], of: &[f64]| row.iter().zip(of).fold(0.0, |sum, (k, phi)| sum + k * phi);
+        let [x, y, z] = self.inertia.map(|inertia| row(&inertia, &phi[4..]));
+        let [fx, fy, fz] = self.moment.map(|by_moment| row(&by_moment, &phi[1..4]));
+        Force { ang: moment.cross(&b) + Vector3::new(x, y, z), lin: b * phi[0] + Vector3::new(fx, fy, fz) }
     }
 
     /// Slopes of `L = Σ_rc P_rc K_rc` with respect to `v` and `a`, where `v` is what this was made with.
@@ -140,10 +170,17 @@ impl BodyRegressor {
     #[must_use]
     pub fn matrix(&self) -> SMatrix<f64, 6, 10> {
         let mut k = SMatrix::<f64, 6, 10>::zeros();
-        k.fixed_view_mut::<3, 3>(0, 1).copy_from(&(-self.b.cross_matrix()));
-        k.fixed_view_mut::<3, 6>(0, 4).copy_from(&self.inertia);
-        k.fixed_view_mut::<3, 1>(3, 0).copy_from(&self.b);
-        k.fixed_view_mut::<3, 3>(3, 1).copy_from(&self.moment);
+        let b = Vector3::from(self.b);
+        k.fixed_view_mut::<3, 3>(0, 1).copy_from(&(-b.cross_matrix()));
+        k.fixed_view_mut::<3, 1>(3, 0).copy_from(&b);
+        for row in 0..3 {
+            for c in 0..6 {
+                k[(row, 4 + c)] = self.inertia[row][c];
+            }
+            for c in 0..3 {
+                k[(3 + row, 1 + c)] = self.moment[row][c];
+            }
+        }
         k
     }
 }

@@ -1,13 +1,14 @@
-//! The regressor of joint efforts, at one sample and over many.
+//! The regressor of joint efforts at one sample.
 
 use std::ops::Range;
 
-use nalgebra::{DMatrix, Vector3};
+use nalgebra::Vector3;
 
 use super::BodyRegressor;
-use crate::dynamics::{LinkPose, States, TermState, TorqueTerms};
+use crate::dynamics::{LinkPose, TermState, TorqueTerms};
+use crate::lanes::Lane;
 use crate::model::{Columns, ParameterId, Robot, StandardParameters};
-use crate::spatial::Motion;
+use crate::spatial::{LaneMotion, Motion};
 
 /// Up to this many joints no evaluation allocates.
 const INLINE_JOINTS: usize = 8;
@@ -138,7 +139,7 @@ impl JointTorqueRegressor {
     /// `rows`.
     pub(super) fn evaluate_from(
         &self,
-        (mut v, mut a): (Motion, Motion),
+        (v, a): (Motion, Motion),
         rows: Range<usize>,
         q: &[f64],
         qd: &[f64],
@@ -148,37 +149,62 @@ impl JointTorqueRegressor {
         let (n, p) = (self.rows(), self.cols());
         let out = &mut out[..n * p];
         // Axes of the joints so far, in the frame of the current link.
-        let mut inline = [Motion::zero(); INLINE_JOINTS];
+        let mut inline = [LaneMotion::splat(0.0, &Motion::zero()); INLINE_JOINTS];
         let mut heap = Vec::new();
-        let carried: &mut [Motion] = if n <= INLINE_JOINTS {
+        let carried: &mut [LaneMotion<f64>] = if n <= INLINE_JOINTS {
             &mut inline
         } else {
-            heap.resize(n, Motion::zero());
+            heap.resize(n, inline[0]);
             &mut heap
         };
-        for k in 0..n {
-            let x = self.poses[k].at(q[k]);
-            let axis = &self.axes[k];
-            let rate = *axis * qd[k];
-            v = x.motion_to_child(&v) + rate;
-            a = x.motion_to_child(&a) + *axis * qdd[k] + v.cross(&rate);
-            for s in &mut carried[rows.start.min(k)..rows.end.min(k)] {
-                *s = x.motion_to_child(s);
-            }
-            carried[k] = *axis;
-            let body = BodyRegressor::new(&v, &a);
-            for (i, row) in rows.clone().zip(out[rows.start * p..].chunks_exact_mut(p)) {
-                let block = row[10 * k..].first_chunk_mut().expect("a row holds ten columns per link");
-                // A link further in does not load joint i.
-                if i <= k { body.project(&carried[i], block) } else { *block = [0.0; 10] }
-            }
-        }
+        self.walk(
+            (&v).into(),
+            (&a).into(),
+            |k| [q[k], qd[k], qdd[k]],
+            rows.clone(),
+            carried,
+            |k, body, axes| {
+                for (i, row) in rows.clone().zip(out[rows.start * p..].chunks_exact_mut(p)) {
+                    let block = row[10 * k..].first_chunk_mut().expect("a row holds ten columns per link");
+                    // A link further in does not load joint i.
+                    *block = if i <= k { body.project(&axes[i]) } else { [0.0; 10] };
+                }
+            },
+        );
         for row in out[rows.start * p..].chunks_exact_mut(p).take(rows.len()) {
             row[10 * n..].fill(0.0);
         }
         let load = self.load(rows, out);
         let state = TermState { q: &q[..n], qd: &qd[..n], qdd: &qdd[..n], load: &load };
         self.terms.write_columns(&state, 10 * n, p, out);
+    }
+
+    /// The recursion itself, for as many samples as V has lanes, from a base with velocity `v` and acceleration `a`. Calls
+    /// `visit` for each link with its body's regressor and the axes of the joints `rows` up to it, in its frame; `state` gives
+    /// position, velocity and acceleration of a joint.
+    #[inline(always)]
+    pub(super) fn walk<V: Lane>(
+        &self,
+        mut v: LaneMotion<V>,
+        mut a: LaneMotion<V>,
+        mut state: impl FnMut(usize) -> [V; 3],
+        rows: Range<usize>,
+        axes: &mut [LaneMotion<V>],
+        mut visit: impl FnMut(usize, &BodyRegressor<V>, &[LaneMotion<V>]),
+    ) {
+        for (k, (pose, axis)) in self.poses.iter().zip(&self.axes).enumerate() {
+            let [q, qd, qdd] = state(k);
+            let x = pose.in_lanes(q);
+            let axis = LaneMotion::splat(q, axis);
+            let rate = axis.times(qd);
+            v = x.motion_to_child(&v).plus(&rate);
+            a = x.motion_to_child(&a).plus(&axis.times(qdd)).plus(&v.cross(&rate));
+            for s in &mut axes[rows.start.min(k)..rows.end.min(k)] {
+                *s = x.motion_to_child(s);
+            }
+            axes[k] = axis;
+            visit(k, &BodyRegressor::of(&v, &a), axes);
+        }
     }
 
     /// The torque that the links take of the joints `rows`, by what stands in their columns; empty where no term needs it.
@@ -192,39 +218,13 @@ impl JointTorqueRegressor {
         }
         load
     }
-
-    /// All samples: `W`, (n·N) × p, where row `k n + i` is joint i at sample k.
-    ///
-    /// # Panics
-    /// If the states are not those of n joints.
-    #[must_use]
-    pub fn stack(&self, states: &States) -> DMatrix<f64> {
-        let (n, p, samples) = (self.rows(), self.cols(), states.len());
-        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
-        let mut w = DMatrix::zeros(n * samples, p);
-        // Blocks small enough for the first cache, transposed into the matrix's columns.
-        const BLOCK: usize = 8;
-        let mut rows = vec![0.0; BLOCK * n * p];
-        for start in (0..samples).step_by(BLOCK) {
-            let count = BLOCK.min(samples - start);
-            for (k, out) in (start..start + count).zip(rows.chunks_exact_mut(n * p)) {
-                self.evaluate(states.q(k), states.qd(k), states.qdd(k), out);
-            }
-            for (c, mut column) in w.column_iter_mut().enumerate() {
-                for r in 0..count * n {
-                    column[start * n + r] = rows[r * p + c];
-                }
-            }
-        }
-        w
-    }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::conformance::chains::{self, ChainRecipe};
-    use crate::dynamics::Dynamics;
+    use crate::dynamics::{Dynamics, States};
     use crate::seed::Seed;
 
     #[test]

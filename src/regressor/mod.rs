@@ -8,6 +8,9 @@
 //! costs six numbers per pair where carrying `K_k` inwards would cost sixty. After the links' columns come those of
 //! the drives, from the same [`TorqueTerms`](crate::dynamics::TorqueTerms) that inverse and forward dynamics use.
 //!
+//! The recursion is written once, for as many samples as the processor has lanes: one at a time, or many into the columns that
+//! are wanted, with the same bits.
+//!
 //! Columns are in the order of [`Columns::parameters`](crate::model::Columns::parameters), in link frames, and none is
 //! dropped: finding out which the torque reveals is the next module's.
 
@@ -17,6 +20,7 @@ mod body;
 mod forward_mode;
 mod joint_torque;
 mod moving_base;
+mod stack;
 
 pub use body::BodyRegressor;
 pub use joint_torque::JointTorqueRegressor;

@@ -6,11 +6,13 @@
 //! This module knows no robot. Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, ch. 2.
 
 mod inertia;
+mod lane_motion;
 mod log_cholesky;
 mod placement;
 mod vectors;
 
 pub use inertia::{Inertia, InertiaError, PseudoInertia};
+pub use lane_motion::{LaneMotion, LanePlacement, Three, cross, sum};
 pub use log_cholesky::LogCholesky;
 pub use placement::Placement;
 pub use vectors::{Force, Motion};

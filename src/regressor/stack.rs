@@ -1,0 +1,273 @@
+//! The regressor of many samples, in lanes.
+//!
+//! ```text
+//! W, (n·M) × columns        row k n + i: joint i, mean over block k of consecutive samples
+//! ```
+//! A lane holds a block: its samples are walked one after the other and summed in that order. Only the columns that are wanted
+//! are computed, and they go straight into their places.
+
+use nalgebra::DMatrix;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::JointTorqueRegressor;
+use crate::dynamics::States;
+use crate::lanes::Wide;
+use crate::spatial::{LaneMotion, Motion};
+
+/// Blocks that are worked on together: a whole number of lanes of any processor.
+const TOGETHER: usize = 8;
+
+impl JointTorqueRegressor {
+    /// All samples: `W`, (n·N) × p, where row `k n + i` is joint i at sample k. Bit by bit what
+    /// [`evaluate`](Self::evaluate) gives.
+    ///
+    /// # Panics
+    /// If the states are not those of n joints.
+    #[must_use]
+    pub fn stack(&self, states: &States) -> DMatrix<f64> {
+        let all: Vec<usize> = (0..self.cols()).collect();
+        self.stack_means(states, &all, 1)
+    }
+
+    /// These columns alone, with the mean over each `block` of consecutive samples as one equation per joint,
+    /// (n·M) × as many; samples beyond the last whole block are left out.
+    ///
+    /// # Panics
+    /// If the states are not those of n joints, `block` is zero, or a column is beyond p.
+    #[must_use]
+    pub fn stack_means(&self, states: &States, columns: &[usize], block: usize) -> DMatrix<f64> {
+        let n = self.rows();
+        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
+        let blocks = states.len() / block;
+        let mut w = DMatrix::zeros(n * blocks, columns.len());
+        if w.is_empty() {
+            return w;
+        }
+        if self.links.is_empty() {
+            Arch::new().dispatch(Stack { cells: Cells::new(self, columns), states, block, w: w.as_mut_slice() });
+        } else {
+            self.stack_under_load(states, columns, block, &mut w);
+        }
+        w
+    }
+
+    /// Sample by sample, for terms that depend on the torque that all links take.
+    fn stack_under_load(&self, states: &States, columns: &[usize], block: usize, w: &mut DMatrix<f64>) {
+        let (n, p) = (self.rows(), self.cols());
+        let mut rows = vec![0.0; n * p];
+        for m in 0..states.len() / block {
+            for k in m * block..(m + 1) * block {
+                self.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
+                for (c, &column) in columns.iter().enumerate() {
+                    for i in 0..n {
+                        w[(m * n + i, c)] += rows[i * p + column];
+                    }
+                }
+            }
+        }
+        if block > 1 {
+            *w *= 1.0 / block as f64;
+        }
+    }
+}
+
+/// A number of each block, in a cache line of its own, so that no access touches two.
+#[derive(Clone, Copy)]
+#[repr(align(64))]
+struct Line([f64; TOGETHER]);
+
+/// Sums of the blocks that are worked on, one place for each joint and wanted column.
+struct Cells<'a> {
+    regressor: &'a JointTorqueRegressor,
+    /// Wanted columns of each link: which of its ten, and its place among the wanted.
+    links: Vec<Vec<(usize, usize)>>,
+    /// Place of each of the terms' columns among the wanted.
+    terms: Vec<Option<usize>>,
+    /// Number of wanted columns.
+    wanted: usize,
+    /// Row-major n × wanted.
+    sums: Vec<Line>,
+}
+
+impl<'a> Cells<'a> {
+    fn new(regressor: &'a JointTorqueRegressor, columns: &[usize]) -> Self {
+        let (n, wanted) = (regressor.rows(), columns.len());
+        let mut links = vec![Vec::new(); n];
+        let mut terms = vec![None; regressor.cols() - 10 * n];
+        for (place, &column) in columns.iter().enumerate() {
+            if column < 10 * n {
+                links[column / 10].push((column % 10, place));
+            } else {
+                terms[column - 10 * n] = Some(place);
+            }
+        }
+        Self { regressor, links, terms, wanted, sums: vec![Line([0.0; TOGETHER]); n * wanted] }
+    }
+
+    /// Adds one sample of each block.
+    #[inline(always)]
+    fn add<S: Simd>(&mut self, simd: S, state: &Together, axes: &mut [LaneMotion<Wide<S>>]) {
+        let Self { regressor, links, terms, wanted, sums } = self;
+        let wanted = *wanted;
+        let (v, a) = regressor.base_at_rest();
+        let one = Wide::new(simd, simd.splat_f64s(0.0));
+        let n = regressor.rows();
+        for vector in 0..TOGETHER / S::F64_LANES {
+            let at = |x: &[[f64; TOGETHER]], k: usize| Wide::new(simd, S::as_simd_f64s(&x[k]).0[vector]);
+            regressor.walk(
+                LaneMotion::splat(one, &v),
+                LaneMotion::splat(one, &a),
+                #[inline(always)]
+                |k| [at(&state.q, k), at(&state.qd, k), at(&state.qdd, k)],
+                0..n,
+                axes,
+                #[inline(always)]
+                |k, body, axes| {
+                    for (i, axis) in axes[..=k].iter().enumerate() {
+                        for &(c, place) in &links[k] {
+                            let sum = &mut S::as_mut_simd_f64s(&mut sums[i * wanted + place].0).0[vector];
+                            *sum = simd.add_f64s(*sum, body.entry(axis, c).x);
+                        }
+                    }
+                },
+            );
+        }
+        let flat = [&state.q, &state.qd, &state.qdd].map(|x| x.as_flattened());
+        regressor.terms.each_column(flat, |row, column, d, g: &[f64; TOGETHER]| {
+            if let Some(place) = terms[column] {
+                for (sum, g) in sums[row * wanted + place].0.iter_mut().zip(g) {
+                    *sum += d * g;
+                }
+            }
+        });
+    }
+}
+
+/// One sample of each of the blocks that are worked on, joint by joint.
+struct Together {
+    q: Vec<[f64; TOGETHER]>,
+    qd: Vec<[f64; TOGETHER]>,
+    qdd: Vec<[f64; TOGETHER]>,
+}
+
+impl Together {
+    /// The samples `first`, `first + step`, …, `count` of them; the last again in the places beyond.
+    fn fill(&mut self, states: &States, first: usize, step: usize, count: usize) {
+        for lane in 0..TOGETHER {
+            let k = first + lane.min(count - 1) * step;
+            for (to, from) in [(&mut self.q, states.q(k)), (&mut self.qd, states.qd(k)), (&mut self.qdd, states.qdd(k))]
+            {
+                for (to, &from) in to.iter_mut().zip(from) {
+                    to[lane] = from;
+                }
+            }
+        }
+    }
+}
+
+struct Stack<'a> {
+    cells: Cells<'a>,
+    states: &'a States,
+    block: usize,
+    /// Columns of n·M entries.
+    w: &'a mut [f64],
+}
+
+impl WithSimd for Stack<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { mut cells, states, block, w } = self;
+        let n = states.dof;
+        let (blocks, scale) = (states.len() / block, 1.0 / block as f64);
+        let mut state =
+            Together { q: vec![[0.0; TOGETHER]; n], qd: vec![[0.0; TOGETHER]; n], qdd: vec![[0.0; TOGETHER]; n] };
+        let zero = Wide::new(simd, simd.splat_f64s(0.0));
+        let mut axes = vec![LaneMotion::splat(zero, &Motion::zero()); n];
+        for first in (0..blocks).step_by(TOGETHER) {
+            let count = TOGETHER.min(blocks - first);
+            cells.sums.fill(Line([0.0; TOGETHER]));
+            for k in 0..block {
+                state.fill(states, first * block + k, block, count);
+                cells.add(simd, &state, &mut axes);
+            }
+            for (place, column) in w.chunks_exact_mut(n * blocks).enumerate() {
+                let column = &mut column[first * n..(first + count) * n];
+                for (i, sums) in cells.sums.iter().skip(place).step_by(cells.wanted).enumerate() {
+                    for (out, sum) in column.iter_mut().skip(i).step_by(n).zip(&sums.0) {
+                        *out = sum * scale;
+                    }
+                }
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::conformance::chains::{self, ChainRecipe};
+    use crate::model::Columns;
+    use crate::seed::Seed;
+
+    fn states(dof: usize, count: usize, run: u64) -> States {
+        let mut rng = Seed::new(13).stream("stack", run);
+        let mut states = States::new(dof);
+        for _ in 0..count {
+            let (q, qd, qdd) = chains::random_state(&mut rng, dof);
+            states.push(&q, &qd, &qdd);
+        }
+        states
+    }
+
+    #[test]
+    fn identity_many_samples_are_each_alone_to_the_bit_on_every_width() {
+        for run in 0..20 {
+            let dof = 1 + usize::try_from(run % 9).unwrap();
+            let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
+            let (robot, _) = recipe.draw(&mut Seed::new(13).stream("chains", run));
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let (p, states) = (regressor.cols(), states(dof, 21, run));
+            let w = regressor.stack(&states);
+            let mut y = vec![0.0; dof * p];
+            for k in 0..states.len() {
+                regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y);
+                for i in 0..dof {
+                    for c in 0..p {
+                        assert_eq!(w[(k * dof + i, c)], y[i * p + c], "chain {run}, sample {k}, joint {i}, column {c}");
+                    }
+                }
+            }
+            let all: Vec<usize> = (0..p).collect();
+            let mut narrow = DMatrix::zeros(w.nrows(), p);
+            let cells = Cells::new(&regressor, &all);
+            Arch::Scalar.dispatch(Stack { cells, states: &states, block: 1, w: narrow.as_mut_slice() });
+            assert_eq!(narrow, w);
+        }
+    }
+
+    #[test]
+    fn identity_means_over_blocks_of_chosen_columns() {
+        for coupled in [false, true] {
+            let recipe = ChainRecipe { coupled, ..ChainRecipe::new(5) };
+            let (robot, parameters) = recipe.draw(&mut Seed::new(14).stream("chains", 0));
+            let states = states(5, 71, 1);
+            let free = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let loaded = JointTorqueRegressor::with_load(&robot, Columns::RIGID_ROTOR_FRICTION, &parameters);
+            for regressor in [free, loaded] {
+                let columns: Vec<usize> = (0..regressor.cols()).filter(|c| c % 3 != 1).collect();
+                let (w, means) = (regressor.stack(&states), regressor.stack_means(&states, &columns, 7));
+                assert_eq!(means.shape(), (50, columns.len()));
+                for m in 0..10 {
+                    for i in 0..5 {
+                        for (c, &column) in columns.iter().enumerate() {
+                            let mean = (0..7).map(|k| w[((7 * m + k) * 5 + i, column)]).sum::<f64>() / 7.0;
+                            assert!((means[(m * 5 + i, c)] - mean).abs() < 1e-13 * mean.abs().max(100.0));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}
