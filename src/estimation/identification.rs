@@ -4,7 +4,9 @@
 //! robot, columns → Y, K        samples → W_b, y        W_b β = y + ε → β̂, cov β̂
 //! ```
 
-use super::{Estimate, EstimationError, EstimationProblem, Estimator, Observation, Validation, validate};
+use super::{
+    Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Observation, Validation, validate,
+};
 use crate::base::{BaseReduction, Method, reduce, reduce_on};
 use crate::dynamics::States;
 use crate::model::{Columns, Robot, StandardParameters};
@@ -94,9 +96,27 @@ impl<'a> Identification<'a> {
     /// [`EstimationError`] where the samples are of another robot or the equations have no answer.
     pub fn estimate(&self, samples: &Samples, estimator: &dyn Estimator) -> Result<Estimate, EstimationError> {
         let observation = Observation::new(self.robot, &self.regressor, &self.base, samples)?;
-        let mut problem = EstimationProblem::new(&observation).with_robot(self.robot).with_samples(samples);
-        problem.nominal = self.nominal;
-        estimator.estimate(&problem)
+        estimator.estimate(&self.problem(&observation, samples))
+    }
+
+    /// The same by several estimators, which share one factorisation of the equations.
+    ///
+    /// # Errors
+    /// [`EstimationError`] of the first estimator that has no answer.
+    pub fn estimate_by(
+        &self,
+        samples: &Samples,
+        estimators: &[&dyn Estimator],
+    ) -> Result<Vec<Estimate>, EstimationError> {
+        let observation = Observation::new(self.robot, &self.regressor, &self.base, samples)?;
+        let equations = Factorisation::new(&observation)?;
+        let problem = self.problem(&observation, samples).with_factorisation(&equations);
+        estimators.iter().map(|estimator| estimator.estimate(&problem)).collect()
+    }
+
+    fn problem<'b>(&'b self, observation: &'b Observation, samples: &'b Samples) -> EstimationProblem<'b> {
+        let problem = EstimationProblem::new(observation).with_robot(self.robot).with_samples(samples);
+        EstimationProblem { nominal: self.nominal, ..problem }
     }
 
     /// Compares what an estimate predicts with samples that it was not made from.

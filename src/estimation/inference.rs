@@ -12,12 +12,13 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
-use super::residual::{joint_rms, neighbour_correlation};
+use super::expected_residual::{COLUMNS, ExpectedResidual};
+use super::residual::{ResidualScale, neighbour_correlation};
 use super::{
-    BaseEstimate, Estimate, EstimationError, EstimationProblem, Finding, IntervalBasis, Observation, StandardEstimate,
-    Termination, complete, residual_noise,
+    BaseEstimate, Estimate, EstimationError, EstimationProblem, Factorisation, Finding, Instruments, IntervalBasis,
+    Observation, StandardEstimate, Termination, complete, residual_noise,
 };
-use crate::linalg::{LeastSquares, LeastSquaresError, product, transpose_product};
+use crate::linalg::{LeastSquares, product};
 use crate::signal::NoiseModel;
 use crate::statistics::student_quantile;
 
@@ -38,7 +39,7 @@ const FEW_PERIODS: usize = 4;
 /// From a solution to an [`Estimate`]: covariance, intervals, completed standard parameters, findings. An estimator fills the
 /// fields and calls [`Inference::estimate`].
 ///
-/// A solution that is no least-squares fit comes in by [`LeastSquares::from_factors`], with B in place of P W.
+/// A solution that is no least-squares fit comes in by [`LeastSquares::from_factors`], with its B as [`Instruments::Rows`].
 #[derive(Clone, Copy, Debug)]
 pub struct Inference<'a> {
     /// Name of the estimator.
@@ -47,8 +48,8 @@ pub struct Inference<'a> {
     pub problem: &'a EstimationProblem<'a>,
     /// β̂ and A⁻¹, with the condition of the equations.
     pub fit: &'a LeastSquares,
-    /// P W, or B, (n·M) × b; zero in rows that are no equation.
-    pub weighted: &'a DMatrix<f64>,
+    /// P W, or B.
+    pub instruments: Instruments<'a>,
     /// Noise of the equations: of [`scatter_noise`](super::scatter_noise) where there is one, else of
     /// [`residual_noise`](super::residual_noise).
     pub noise: &'a NoiseModel,
@@ -66,17 +67,23 @@ impl Inference<'_> {
     pub fn estimate(self) -> Result<Estimate, EstimationError> {
         let observation = self.problem.observation;
         let beta = self.fit.solution();
-        let residual = observation.residual(beta);
-        let residual_rms = joint_rms(residual.as_slice(), &observation.used, observation.dof);
-        let (spread, covariance) = self.covariance(self.noise);
-        let expected = ExpectedResidual::new(&self, &spread, &covariance);
-        let misfit = self.misfit(&residual_rms, &expected);
-        let (covariance, freedom, interval_basis) = if misfit.is_empty() {
-            (covariance, self.noise.degrees_of_freedom(), self.basis)
-        } else {
-            let seen = residual_noise(observation, &residual);
-            (self.covariance(&seen).1, seen.degrees_of_freedom(), IntervalBasis::Residual)
-        };
+        let equations = self.problem.factorised()?;
+        let residual_rms = ResidualScale::of(observation).rms(&equations.residual_products(beta));
+        let (noise, mut covariance) = self.covariance(&equations, self.noise)?;
+        let (mut freedom, mut interval_basis) = (self.noise.degrees_of_freedom(), self.basis);
+        let mut beyond = Vec::new();
+        if self.basis == IntervalBasis::Scatter {
+            let expected = ExpectedResidual::new(self.problem, self.fit, self.instruments, &noise, &covariance)?;
+            let residual = observation.residual(beta);
+            beyond = self.correlated(&residual, &expected);
+            let misfit = self.misfit(&residual_rms, &expected);
+            if !misfit.is_empty() {
+                let seen = residual_noise(observation, &residual);
+                covariance = self.covariance(&equations, &seen)?.1;
+                (freedom, interval_basis) = (seen.degrees_of_freedom(), IntervalBasis::Residual);
+            }
+            beyond.extend(misfit);
+        }
         let t = student_quantile(0.975, freedom);
         let base: Vec<BaseEstimate> = observation
             .base
@@ -89,8 +96,8 @@ impl Inference<'_> {
                 BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit }
             })
             .collect();
-        let mut findings = self.findings(&base, &residual, &expected);
-        findings.extend(misfit);
+        let mut findings = self.findings(&base);
+        findings.extend(beyond);
         let completion = match self.problem.nominal {
             Some(nominal) => Some(complete(&observation.base, beta, nominal)?),
             None => None,
@@ -125,36 +132,52 @@ impl Inference<'_> {
         })
     }
 
-    /// C P W and cov β̂ for one noise.
-    fn covariance(&self, noise: &NoiseModel) -> (DMatrix<f64>, DMatrix<f64>) {
-        let of = |noise: &NoiseModel| {
-            let spread = noise.apply(self.weighted);
-            let covariance = self.fit.sandwich(&transpose_product(self.weighted, &spread));
-            (spread, covariance)
-        };
-        let (spread, covariance) = of(noise);
+    /// cov β̂ for one noise, and that noise as it was believed.
+    fn covariance(
+        &self,
+        equations: &Factorisation<'_>,
+        noise: &NoiseModel,
+    ) -> Result<(NoiseModel, DMatrix<f64>), EstimationError> {
+        let of = |noise: &NoiseModel| Ok::<_, EstimationError>(self.fit.sandwich(&self.products(equations, noise)?));
         if noise.length() == 0 {
-            return (spread, covariance);
+            return Ok((noise.clone(), of(noise)?));
         }
         // Neighbours of opposite sign shorten error bars. By more than this is not believed of measured lags, whose
         // sum can even be negative.
-        let white = NoiseModel::white(noise.covariance().clone(), false, noise.degrees_of_freedom());
-        let (_, least) = of(&white);
-        let (spread, covariance) =
-            if (0..covariance.nrows()).all(|j| covariance[(j, j)] > LEAST_VARIANCE * least[(j, j)]) {
-                (spread, covariance)
-            } else {
-                of(&noise.tapered())
-            };
-        let covariance = raised(covariance, &least);
-        (spread, covariance)
+        let least = of(&NoiseModel::white(noise.covariance().clone(), false, noise.degrees_of_freedom()))?;
+        let (mut believed, mut covariance) = (noise.clone(), of(noise)?);
+        if !(0..covariance.nrows()).all(|j| covariance[(j, j)] > LEAST_VARIANCE * least[(j, j)]) {
+            believed = noise.tapered();
+            covariance = of(&believed)?;
+        }
+        Ok((believed, raised(covariance, &least)))
+    }
+
+    /// `Bᵀ C B`, b × b: by the factorisation where the noise is white in time, else from the rows, a few columns at a time.
+    fn products(&self, equations: &Factorisation<'_>, noise: &NoiseModel) -> Result<DMatrix<f64>, EstimationError> {
+        match self.instruments {
+            Instruments::Regressor if noise.length() == 0 => {
+                return equations.white_noise_products(None, noise.covariance());
+            }
+            Instruments::Weighted(weights) if noise.length() == 0 => {
+                return equations.white_noise_products(Some(weights), noise.covariance());
+            }
+            Instruments::Regressor | Instruments::Weighted(_) | Instruments::Rows(_) => {}
+        }
+        let observation = self.problem.observation;
+        let b = self.fit.solution().len();
+        let operator = noise.operator(observation.samples());
+        let mut products = DMatrix::zeros(b, b);
+        for first in (0..b).step_by(COLUMNS) {
+            let range = first..(first + COLUMNS).min(b);
+            let spread = operator.apply(&self.instruments.columns(observation, range.clone())?);
+            products.columns_range_mut(range).copy_from(&self.instruments.transposed_product(observation, &spread)?);
+        }
+        Ok(products)
     }
 
     /// Joints whose residual is much larger than scatter explains.
     fn misfit(&self, rms: &[f64], expected: &ExpectedResidual) -> Vec<Finding> {
-        if self.basis == IntervalBasis::Residual {
-            return Vec::new();
-        }
         let joints = rms.iter().zip(&expected.rms).zip(&self.problem.observation.units).enumerate();
         joints
             .filter(|(_, ((residual_rms, expected_rms), _))| **residual_rms > LARGE_RESIDUAL * **expected_rms)
@@ -168,8 +191,19 @@ impl Inference<'_> {
             .collect()
     }
 
-    fn findings(&self, base: &[BaseEstimate], residual: &DVector<f64>, expected: &ExpectedResidual) -> Vec<Finding> {
-        let observation = self.problem.observation;
+    /// Joints whose residual is related to the one before more than noise is.
+    fn correlated(&self, residual: &DVector<f64>, expected: &ExpectedResidual) -> Vec<Finding> {
+        let found = neighbour_correlation(residual.as_slice(), self.problem.observation.dof);
+        found
+            .into_iter()
+            .zip(&expected.correlation)
+            .enumerate()
+            .filter(|(_, (correlation, expected))| *correlation > **expected + LARGE_CORRELATION)
+            .map(|(i, (correlation, &expected))| Finding::ResidualCorrelated { joint: i + 1, correlation, expected })
+            .collect()
+    }
+
+    fn findings(&self, base: &[BaseEstimate]) -> Vec<Finding> {
         let mut findings = Vec::new();
         for p in base.iter().filter(|p| 3.0 * p.std > p.value.abs()) {
             let (parameter, unit) = (p.name.clone(), p.unit.clone());
@@ -179,18 +213,11 @@ impl Inference<'_> {
         if condition_scaled > LARGE_CONDITION {
             findings.push(Finding::LargeCondition { condition_scaled });
         }
-        if self.basis == IntervalBasis::Residual {
-            findings.push(Finding::NoiseFromResidual);
-            return findings;
-        }
-        if observation.periods < FEW_PERIODS {
-            findings.push(Finding::FewPeriods { periods: observation.periods });
-        }
-        for (i, correlation) in neighbour_correlation(residual.as_slice(), observation.dof).into_iter().enumerate() {
-            let expected = expected.correlation[i];
-            if correlation > expected + LARGE_CORRELATION {
-                findings.push(Finding::ResidualCorrelated { joint: i + 1, correlation, expected });
-            }
+        let periods = self.problem.observation.periods;
+        match self.basis {
+            IntervalBasis::Residual => findings.push(Finding::NoiseFromResidual),
+            IntervalBasis::Scatter if periods < FEW_PERIODS => findings.push(Finding::FewPeriods { periods }),
+            IntervalBasis::Scatter => {}
         }
         findings
     }
@@ -215,51 +242,6 @@ fn raised(covariance: DMatrix<f64>, least: &DMatrix<f64>) -> DMatrix<f64> {
     product(&root, &root.transpose())
 }
 
-/// What noise alone would leave as residual, per joint.
-///
-/// ```text
-/// r = (1 − W G) ε,  G = (WᵀPW)⁻¹ (PW)ᵀ        cov r = C − W G C − (W G C)ᵀ + W (cov β̂) Wᵀ
-/// ```
-/// Not simply the noise of that joint: in an ordinary fit the noise of a strong joint moves parameters that a quiet
-/// joint feels.
-struct ExpectedResidual {
-    rms: Vec<f64>,
-    /// Correlation of neighbours.
-    correlation: Vec<f64>,
-}
-
-impl ExpectedResidual {
-    /// `spread` is C P W.
-    fn new(inference: &Inference<'_>, spread: &DMatrix<f64>, covariance: &DMatrix<f64>) -> Self {
-        let observation = inference.problem.observation;
-        let (n, w) = (observation.dof, &observation.regressor);
-        // Rows in turn, so work on transposes: column k of each is what belongs to equation k.
-        let gain = product(&inference.fit.inverse_information().transpose(), &w.transpose());
-        let fitted = product(covariance, &w.transpose());
-        let (w, spread) = (w.transpose(), spread.transpose());
-        let noise = inference.noise;
-        let (mut power, mut neighbours, mut counts) = (vec![0.0; n], vec![0.0; n], vec![0_u32; n]);
-        for row in 0..observation.y.len() {
-            let i = row % n;
-            let next = row + n;
-            for (other, sums) in [(row, &mut power), (next, &mut neighbours)] {
-                if other < observation.y.len() && observation.used[row] && observation.used[other] {
-                    let own = noise.covariance()[(i, i)];
-                    let raw = if other == row { own } else { own * noise.correlation(i, 1) };
-                    sums[i] +=
-                        raw - gain.column(row).dot(&spread.column(other)) - gain.column(other).dot(&spread.column(row))
-                            + fitted.column(row).dot(&w.column(other));
-                }
-            }
-            counts[i] += u32::from(observation.used[row]);
-        }
-        Self {
-            rms: power.iter().zip(&counts).map(|(p, &c)| (p.max(0.0) / f64::from(c.max(1))).sqrt()).collect(),
-            correlation: power.iter().zip(&neighbours).map(|(&p, n)| if p > 0.0 { n / p } else { 0.0 }).collect(),
-        }
-    }
-}
-
 /// Solves `min ‖y − W β‖` for weighted equations of an observation, (n·M) × b, and names a column that the trajectory does
 /// not excite.
 ///
@@ -267,11 +249,5 @@ impl ExpectedResidual {
 /// [`EstimationError::NotExcited`] with the parameter's name; [`EstimationError::LeastSquares`] for what else can be wrong with
 /// the equations.
 pub fn solve(observation: &Observation, w: &DMatrix<f64>, y: &DVector<f64>) -> Result<LeastSquares, EstimationError> {
-    LeastSquares::solve(w, y).map_err(|error| match error {
-        LeastSquaresError::Dependent { column, independent, least } => {
-            let parameter = observation.base.names()[column].clone();
-            EstimationError::NotExcited { parameter, independent, least }
-        }
-        other => other.into(),
-    })
+    LeastSquares::solve(w, y).map_err(|error| observation.named(error))
 }

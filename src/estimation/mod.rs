@@ -6,7 +6,7 @@
 //! [`Observation`] holds the equations, [`EstimationProblem`] adds what else an estimator may look at, and an
 //! [`Estimator`] turns it into an [`Estimate`]: base parameters with covariance, intervals, residuals, and the
 //! [`Finding`]s a reader must know. Each estimator is one file and one line in [`EstimatorKind`]; one from outside implements
-//! [`Estimator`] with [`solve`], [`scatter_noise`] and [`Inference`], and passes [`crate::conformance::estimator_laws`].
+//! [`Estimator`] with [`Factorisation`] or [`solve`], [`scatter_noise`] and [`Inference`], and passes [`crate::conformance::estimator_laws`].
 //!
 //! The equations' error bars come from the noise that scattered over periods, with its correlation in time; where no
 //! period was repeated, from the residual. No estimator sees the truth: the types that hold it come after this module.
@@ -17,9 +17,12 @@ mod consistent_set;
 mod error;
 mod estimate;
 mod estimator;
+mod expected_residual;
+mod factorisation;
 mod finding;
 mod identification;
 mod inference;
+mod instruments;
 mod kind;
 mod law;
 mod observation;
@@ -39,9 +42,11 @@ pub use consistent_set::{ConsistentSet, consistent_set};
 pub use error::{EstimationError, ProblemPart};
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::Estimator;
+pub use factorisation::Factorisation;
 pub use finding::Finding;
 pub use identification::Identification;
 pub use inference::{Inference, solve};
+pub use instruments::Instruments;
 pub use kind::EstimatorKind;
 pub use law::{EstimatorLaw, LawException};
 pub use observation::Observation;

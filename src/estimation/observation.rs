@@ -4,6 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::EstimationError;
 use crate::base::BaseReduction;
+use crate::linalg::LeastSquaresError;
+use crate::linalg::product::add_product;
 use crate::model::{Columns, ParameterId, Robot};
 use crate::provenance::Provenance;
 use crate::regressor::JointTorqueRegressor;
@@ -74,7 +76,7 @@ impl Observation {
             let (found, expected) = (samples.used.len(), samples.blocks() * n);
             return Err(EstimationError::Count { quantity: "marks of used equations", found, expected });
         }
-        let mut w = block_regressor(regressor, base, samples);
+        let mut w = regressor.stack_means(&samples.states, &base.kept, samples.block);
         let mut y = DVector::from_vec(samples.block_means(&samples.tau, n));
         for (row, _) in samples.used.iter().enumerate().filter(|(_, used)| !**used) {
             w.row_mut(row).fill(0.0);
@@ -114,38 +116,21 @@ impl Observation {
     #[must_use]
     pub fn residual(&self, beta: &DVector<f64>) -> DVector<f64> {
         let mut residual = self.y.clone();
-        for (column, &value) in self.regressor.column_iter().zip(beta.iter()) {
-            residual.axpy(-value, &column, 1.0);
-        }
+        let negative: Vec<f64> = beta.iter().map(|value| -value).collect();
+        add_product(self.regressor.as_slice(), &negative, self.y.len(), residual.as_mut_slice());
         residual
     }
-}
 
-/// W_b with the mean over each block of samples as one equation per joint, (n·M) × b.
-fn block_regressor(regressor: &JointTorqueRegressor, base: &BaseReduction, samples: &Samples) -> DMatrix<f64> {
-    let (n, p, b) = (regressor.rows(), regressor.cols(), base.rank());
-    let (states, block) = (&samples.states, samples.block);
-    let scale = 1.0 / block as f64;
-    let mut w = DMatrix::zeros(n * samples.blocks(), b);
-    let mut rows = vec![0.0; n * p];
-    let mut sums = vec![0.0; n * b];
-    for m in 0..samples.blocks() {
-        sums.fill(0.0);
-        for k in m * block..(m + 1) * block {
-            regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
-            for (sums, row) in sums.chunks_exact_mut(b).zip(rows.chunks_exact(p)) {
-                for (sum, &column) in sums.iter_mut().zip(&base.kept) {
-                    *sum += row[column];
-                }
+    /// An error of the equations, with the name of a column that the trajectory does not excite.
+    pub(super) fn named(&self, error: LeastSquaresError) -> EstimationError {
+        match error {
+            LeastSquaresError::Dependent { column, independent, least } => {
+                let parameter = self.base.names()[column].clone();
+                EstimationError::NotExcited { parameter, independent, least }
             }
-        }
-        for (i, sums) in sums.chunks_exact(b).enumerate() {
-            for (j, sum) in sums.iter().enumerate() {
-                w[(m * n + i, j)] = sum * scale;
-            }
+            other => other.into(),
         }
     }
-    w
 }
 
 /// Unit of a parameter, which for a term depends on whether its joint turns or slides.

@@ -7,8 +7,8 @@
 //! covariance is that of the measured noise, not of an assumed equal one.
 
 use super::{
-    Estimate, EstimationError, EstimationProblem, Estimator, Inference, IntervalBasis, Termination, residual_noise,
-    scatter_noise, solve,
+    Estimate, EstimationError, EstimationProblem, Estimator, Inference, Instruments, IntervalBasis, Termination,
+    residual_noise, scatter_noise,
 };
 
 /// Ordinary least squares on the base columns.
@@ -25,17 +25,18 @@ impl Estimator for OrdinaryLeastSquares {
     }
 
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let observation = problem.observation;
-        let fit = solve(observation, &observation.regressor, &observation.y)?;
+        let (observation, equations) = (problem.observation, problem.factorised()?);
+        let problem = problem.with_factorisation(&equations);
+        let fit = equations.least_squares()?;
         let (noise, basis) = match scatter_noise(observation) {
             Some(noise) => (noise, IntervalBasis::Scatter),
             None => (residual_noise(observation, &observation.residual(fit.solution())), IntervalBasis::Residual),
         };
         Inference {
             estimator: self.name(),
-            problem,
-            fit: &fit,
-            weighted: &observation.regressor,
+            problem: &problem,
+            fit,
+            instruments: Instruments::Regressor,
             noise: &noise,
             basis,
             termination: Termination::Direct,

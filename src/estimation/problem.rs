@@ -1,12 +1,14 @@
 //! Everything an estimator may look at.
 
-use super::{EstimationError, Observation, ProblemPart};
+use std::borrow::Cow;
+
+use super::{EstimationError, Factorisation, Observation, ProblemPart};
 use crate::model::{Robot, StandardParameters};
 use crate::signal::Samples;
 
 /// The equations, and what else is known.
 ///
-/// Linear estimators need the equations alone. One that simulates the arm (direct and inverse identification, say) or makes
+/// Linear estimators need the equations alone, by [`EstimationProblem::factorised`]. One that simulates the arm (direct and inverse identification, say) or makes
 /// instruments from simulated states needs the robot; one that corrects the states, or differentiates them again, needs the
 /// samples; one that regularises needs the nominal set. [`EstimationProblem::robot_for`] and its like give what is there, or
 /// the error that names what is missing.
@@ -28,13 +30,15 @@ pub struct EstimationProblem<'a> {
     pub samples: Option<&'a Samples>,
     /// What an experimenter would have guessed.
     pub nominal: Option<&'a StandardParameters>,
+    /// The factorisation of the equations, which several estimators may share.
+    pub factorisation: Option<&'a Factorisation<'a>>,
 }
 
 impl<'a> EstimationProblem<'a> {
     /// The equations alone.
     #[must_use]
     pub const fn new(observation: &'a Observation) -> Self {
-        Self { observation, robot: None, samples: None, nominal: None }
+        Self { observation, robot: None, samples: None, nominal: None, factorisation: None }
     }
 
     /// With the robot.
@@ -49,6 +53,24 @@ impl<'a> EstimationProblem<'a> {
     pub const fn with_samples(mut self, samples: &'a Samples) -> Self {
         self.samples = Some(samples);
         self
+    }
+
+    /// With the factorisation of its equations.
+    #[must_use]
+    pub const fn with_factorisation(mut self, factorisation: &'a Factorisation<'a>) -> Self {
+        self.factorisation = Some(factorisation);
+        self
+    }
+
+    /// The factorisation of its equations: the one that it holds, where that is of this observation, or a new one.
+    ///
+    /// # Errors
+    /// As [`Factorisation::new`].
+    pub fn factorised(&self) -> Result<Cow<'a, Factorisation<'a>>, EstimationError> {
+        match self.factorisation {
+            Some(known) if std::ptr::eq(known.observation(), self.observation) => Ok(Cow::Borrowed(known)),
+            _ => Factorisation::new(self.observation).map(Cow::Owned),
+        }
     }
 
     /// The robot, for an estimator that cannot do without.

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::Observation;
 use crate::linalg::BlockWhitening;
-use crate::signal::NoiseModel;
+use crate::signal::{LagProducts, NoiseModel};
 
 /// The noise that scattered over periods; `None` where nothing was repeated or some joint did not scatter at all.
 #[must_use]
@@ -22,23 +22,39 @@ pub fn scatter_noise(observation: &Observation) -> Option<NoiseModel> {
 #[must_use]
 pub fn residual_noise(observation: &Observation, r: &DVector<f64>) -> NoiseModel {
     let (dof, wraps, count) = (observation.dof, observation.periodic, observation.samples());
-    let used = |k: usize, i: usize| observation.used[k * dof + i];
-    let left = (1.0 - observation.base.rank() as f64 / observation.equations().max(1) as f64).max(f64::EPSILON);
-    let counts: Vec<f64> = (0..dof).map(|i| (0..count).filter(|&k| used(k, i)).count().max(1) as f64).collect();
-    let shared = DMatrix::from_fn(dof, dof, |i, j| (counts[i] * counts[j]).sqrt());
-    let lag = |l: usize| {
-        let mut sum = DMatrix::zeros(dof, dof);
-        for k in 0..(if wraps { count } else { count - l }) {
-            let other = (k + l) % count;
-            for i in 0..dof {
-                for j in 0..dof {
-                    sum[(i, j)] += r[k * dof + i] * r[other * dof + j];
-                }
-            }
-        }
-        sum.component_div(&shared) / left
-    };
-    NoiseModel::adaptive(lag, count / 4, wraps, observation.equations() as f64 / dof as f64 * left)
+    let scale = ResidualScale::of(observation);
+    let mut products = LagProducts::new(r.as_slice(), dof, wraps);
+    let lag = |l: usize| scale.covariance(&products.at(l));
+    NoiseModel::adaptive(lag, count / 4, wraps, observation.equations() as f64 / dof as f64 * scale.left)
+}
+
+/// What sums of products of residuals are divided by.
+pub(super) struct ResidualScale {
+    /// `√(M_i M_j)`.
+    shared: DMatrix<f64>,
+    /// `1 − b/E`: the part of the noise that a fit leaves.
+    left: f64,
+}
+
+impl ResidualScale {
+    pub(super) fn of(observation: &Observation) -> Self {
+        let n = observation.dof;
+        let counts: Vec<f64> = (0..n)
+            .map(|i| observation.used.iter().skip(i).step_by(n).filter(|used| **used).count().max(1) as f64)
+            .collect();
+        let left = 1.0 - observation.base.rank() as f64 / observation.equations().max(1) as f64;
+        Self { shared: DMatrix::from_fn(n, n, |i, j| (counts[i] * counts[j]).sqrt()), left: left.max(f64::EPSILON) }
+    }
+
+    /// The covariance with these sums.
+    pub(super) fn covariance(&self, products: &DMatrix<f64>) -> DMatrix<f64> {
+        products.component_div(&self.shared) / self.left
+    }
+
+    /// RMS of each joint with these sums, n.
+    pub(super) fn rms(&self, products: &DMatrix<f64>) -> Vec<f64> {
+        products.diagonal().iter().zip(self.shared.diagonal().iter()).map(|(sum, count)| (sum / count).sqrt()).collect()
+    }
 }
 
 /// RMS of each joint's entries of `r` (n·M) where they are used, n.

@@ -8,11 +8,9 @@
 //! matter to β̂. Where the noise is correlated in time, the weights stay those of single samples and the covariance
 //! is the sandwich with all lags, so that the error bars are right although the weights are not the best.
 
-use nalgebra::DMatrix;
-
 use super::{
-    Estimate, EstimationError, EstimationProblem, Estimator, Inference, IntervalBasis, Termination, residual_noise,
-    scatter_noise, solve,
+    Estimate, EstimationError, EstimationProblem, Estimator, Inference, Instruments, IntervalBasis, Termination,
+    residual_noise, scatter_noise,
 };
 use crate::linalg::BlockWhitening;
 
@@ -30,29 +28,23 @@ impl Estimator for WeightedLeastSquares {
     }
 
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let observation = problem.observation;
-        let (seen, basis) = match scatter_noise(observation) {
-            Some(noise) => (noise, IntervalBasis::Scatter),
-            None => {
-                let start = solve(observation, &observation.regressor, &observation.y)?;
-                (residual_noise(observation, &observation.residual(start.solution())), IntervalBasis::Residual)
-            }
+        let (observation, equations) = (problem.observation, problem.factorised()?);
+        let problem = problem.with_factorisation(&equations);
+        let scatter = scatter_noise(observation);
+        let weights = match &scatter {
+            Some(noise) => BlockWhitening::new(noise.covariance())?,
+            None => BlockWhitening::new(&equations.residual_covariance(equations.least_squares()?.solution()))?,
         };
-        let mut whitening = BlockWhitening::new(seen.covariance())?;
-        let w = whitening.whiten(&observation.regressor, &observation.used)?;
-        let y = whitening
-            .whiten(&DMatrix::from_column_slice(observation.y.len(), 1, observation.y.as_slice()), &observation.used)?;
-        let fit = solve(observation, &w, &y.column(0).into_owned())?;
-        let weighted = whitening.whiten_transposed(&w, &observation.used)?;
-        let noise = match basis {
-            IntervalBasis::Scatter => seen,
-            IntervalBasis::Residual => residual_noise(observation, &observation.residual(fit.solution())),
+        let fit = equations.weighted(&weights)?;
+        let (noise, basis) = match scatter {
+            Some(noise) => (noise, IntervalBasis::Scatter),
+            None => (residual_noise(observation, &observation.residual(fit.solution())), IntervalBasis::Residual),
         };
         Inference {
             estimator: self.name(),
-            problem,
+            problem: &problem,
             fit: &fit,
-            weighted: &weighted,
+            instruments: Instruments::Weighted(&weights),
             noise: &noise,
             basis,
             termination: Termination::Direct,

@@ -65,6 +65,15 @@ impl BlockWhitening {
         })
     }
 
+    /// `Σ⁻¹` times every block of rows.
+    ///
+    /// # Errors
+    /// As [`Self::whiten`].
+    pub fn precision(&mut self, w: &DMatrix<f64>, used: &[bool]) -> Result<DMatrix<f64>, LeastSquaresError> {
+        let white = self.whiten(w, used)?;
+        self.whiten_transposed(&white, used)
+    }
+
     fn on_blocks(
         &mut self,
         w: &DMatrix<f64>,

@@ -89,27 +89,6 @@ impl Gram {
     }
 }
 
-/// The product A B, (m × k)(k × n), each entry summed over k in ascending order: the same bits on every CPU.
-///
-/// # Panics
-/// If A has not as many columns as B has rows.
-#[must_use]
-pub fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    assert_eq!(a.ncols(), b.nrows(), "inner sizes agree");
-    let mut c = DMatrix::zeros(a.nrows(), b.ncols());
-    for j in 0..b.ncols() {
-        let column = &mut c.as_mut_slice()[j * a.nrows()..(j + 1) * a.nrows()];
-        for k in 0..a.ncols() {
-            let factor = b[(k, j)];
-            let source = &a.as_slice()[k * a.nrows()..(k + 1) * a.nrows()];
-            for (entry, &value) in column.iter_mut().zip(source) {
-                *entry += value * factor;
-            }
-        }
-    }
-    c
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -128,12 +107,5 @@ mod tests {
         assert!((whole.information() - w.tr_mul(&w)).norm() < 1e-13);
         assert!((whole.moment() - w.tr_mul(&y)).norm() < 1e-13);
         assert!((whole.energy() - y.norm_squared()).abs() < 1e-13);
-    }
-
-    #[test]
-    fn identity_product_of_matrices() {
-        let a = DMatrix::from_fn(5, 7, |i, j| libm::sin((7 * i + 3 * j) as f64));
-        let b = DMatrix::from_fn(7, 3, |i, j| libm::cos((2 * i + 5 * j) as f64));
-        assert!((product(&a, &b) - &a * &b).norm() < 1e-14);
     }
 }

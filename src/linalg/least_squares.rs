@@ -1,18 +1,17 @@
 //! Linear least squares with the factors of the covariance.
 //!
 //! ```text
-//! min ‖y − W β‖        W D⁻¹ = Q R, D = diag(‖w_j‖)        β̂ = D⁻¹ R⁻¹ Qᵀ y
+//! min ‖y − W β‖        [W D⁻¹, y] = Q [R, z], D = diag(‖w_j‖)        β̂ = D⁻¹ R⁻¹ z
 //! (WᵀW)⁻¹ = D⁻¹ R⁻¹ R⁻ᵀ D⁻¹        cov β̂ = (WᵀW)⁻¹ Wᵀ C W (WᵀW)⁻¹   for cov y = C
 //! ```
-//! Householder QR of the matrix with columns of unit length: the error of β̂ grows with the condition number and not,
+//! Householder QR ([`RowFactor`], block of rows by block of rows): the error of β̂ grows with the condition number and not,
 //! as with normal equations, with its square. Weights come in by [`super::BlockWhitening`].
 //!
 //! Reference: Å. Björck, *Numerical Methods for Least Squares Problems*, SIAM 1996, ch. 2.
 
 use nalgebra::{DMatrix, DVector};
 
-use super::dot::dot_of_columns;
-use super::{RankTolerance, condition, product, solve_upper};
+use super::{RankTolerance, RowFactor, condition, product, solve_upper};
 
 /// Why a least-squares problem has no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -108,22 +107,36 @@ impl LeastSquares {
         if let Some((row, value)) = bad.or_else(|| y.iter().position(|v| !v.is_finite()).map(|row| (row, y[row]))) {
             return Err(LeastSquaresError::NotFinite { row, value });
         }
-        let scales: Vec<f64> = w.column_iter().map(|column| column.norm()).collect();
-        let mut scaled = w.clone();
-        for (mut column, &scale) in scaled.column_iter_mut().zip(&scales) {
-            if scale > 0.0 {
-                column.unscale_mut(scale);
-            }
+        let mut factor = RowFactor::new(columns + 1);
+        factor.add(rows, |row, column| if column < columns { w[(row, column)] } else { y[row] });
+        Self::from_triangle(&factor.finish())
+    }
+
+    /// The solution from the triangular factor of the equations with their measurements as the last column, by which all of
+    /// them are known:
+    ///
+    /// ```text
+    /// [W y] = Q [ R  z ]        β̂ = R⁻¹ z        ‖y − W β̂‖ = |ρ|
+    ///           [ 0  ρ ]
+    /// ```
+    /// # Errors
+    /// [`LeastSquaresError::Dependent`] where a column depends on those before it, [`LeastSquaresError::NotFinite`] where a
+    /// number of the factor is not finite.
+    pub fn from_triangle(factor: &DMatrix<f64>) -> Result<Self, LeastSquaresError> {
+        let columns = factor.ncols().saturating_sub(1);
+        if let Some(at) = factor.iter().position(|value| !value.is_finite()) {
+            return Err(LeastSquaresError::NotFinite { row: at % factor.nrows(), value: factor[at] });
         }
-        let qr = scaled.qr();
-        let r = qr.r();
+        // Lengths of the columns of W are those of the columns of R.
+        let scales: Vec<f64> = (0..columns).map(|j| factor.view((0, j), (j + 1, 1)).norm()).collect();
+        let r = DMatrix::from_fn(columns, columns, |i, j| {
+            if i <= j && scales[j] > 0.0 { factor[(i, j)] / scales[j] } else { 0.0 }
+        });
         let least = RankTolerance::default().independent;
         if let Some(column) = (0..columns).find(|&j| r[(j, j)].abs() <= least) {
             return Err(LeastSquaresError::Dependent { column, independent: r[(column, column)].abs(), least });
         }
-        let mut projected = y.clone();
-        qr.q_tr_mul(&mut projected);
-        let mut solution = solve_upper(&r, &projected.rows(0, columns).into_owned());
+        let mut solution = solve_upper(&r, &factor.view((0, columns), (columns, 1)).column(0).into_owned());
         let mut root = inverse_upper(&r);
         for (j, &scale) in scales.iter().enumerate() {
             solution[j] /= scale;
@@ -214,22 +227,10 @@ fn inverse_upper(r: &DMatrix<f64>) -> DMatrix<f64> {
     inverse
 }
 
-/// `Aᵀ B` for A (m × a) and B (m × b), every entry summed in one fixed order: the same bits on every CPU.
-///
-/// # Panics
-/// If the matrices have not the same number of rows.
-#[must_use]
-pub fn transpose_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
-    assert_eq!(a.nrows(), b.nrows(), "as many rows in both");
-    let rows = a.nrows();
-    DMatrix::from_fn(a.ncols(), b.ncols(), |i, j| {
-        dot_of_columns(&a.as_slice()[i * rows..(i + 1) * rows], &b.as_slice()[j * rows..(j + 1) * rows])
-    })
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::linalg::transpose_product;
     use crate::seed::Seed;
     use rand::RngExt;
 

@@ -174,6 +174,21 @@ fn radices(mut n: usize) -> Vec<usize> {
     factors
 }
 
+/// The smallest length from `least` on with no prime factor above five.
+pub(super) fn smooth_length(least: usize) -> usize {
+    (least.max(1)..)
+        .find(|&length| {
+            let mut rest = length;
+            for p in [2, 3, 5] {
+                while rest.is_multiple_of(p) {
+                    rest /= p;
+                }
+            }
+            rest == 1
+        })
+        .unwrap_or(least)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

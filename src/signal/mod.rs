@@ -17,10 +17,12 @@
 
 mod aperiodic;
 mod butterworth;
+mod covariance_operator;
 mod differences;
 mod error;
 mod fourier_transform;
 mod harmonics;
+mod lag_products;
 mod noise;
 mod noise_spectrum;
 mod period_average;
@@ -38,6 +40,7 @@ pub use differences::{differences, differences_periodic};
 pub use error::SignalError;
 pub use fourier_transform::FourierTransform;
 pub use harmonics::{Bandwidth, HarmonicSeries};
+pub(crate) use lag_products::LagProducts;
 pub use noise::NoiseModel;
 pub use period_average::{PeriodAverage, PeriodicRecord};
 pub use periodic::process_periods;

@@ -16,10 +16,7 @@ use nalgebra::DMatrix;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::noise_spectrum::NoiseSpectrum;
-
-/// Lags up to which sums over lags are faster than transforms.
-const FEW_LAGS: usize = 16;
+use super::covariance_operator::CovarianceOperator;
 
 /// Lag covariances of a stationary noise on n joints.
 ///
@@ -173,70 +170,13 @@ impl NoiseModel {
     pub fn apply(&self, w: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, rows) = (self.dof(), w.nrows());
         assert!(rows.is_multiple_of(n), "{rows} rows are no multiple of {n} joints");
-        let count = rows / n;
-        // Two transforms of some 40 operations a sample are worth as many lags.
-        let spectrum = (self.length() > FEW_LAGS && self.length() < count)
-            .then(|| NoiseSpectrum::new(&self.weighted_lags(), self.wraps, count));
-        let mut out = DMatrix::zeros(rows, w.ncols());
-        // One series per joint, so that the inner loop runs over consecutive numbers.
-        let (mut from, mut to) = (vec![vec![0.0; count]; n], vec![vec![0.0; count]; n]);
-        for column in 0..w.ncols() {
-            for (row, &value) in w.column(column).iter().enumerate() {
-                from[row % n][row / n] = value;
-                to[row % n][row / n] = 0.0;
-            }
-            match &spectrum {
-                Some(spectrum) => spectrum.apply(&from, &mut to),
-                None => self.add_lags(&from, &mut to),
-            }
-            for (row, value) in out.column_mut(column).iter_mut().enumerate() {
-                *value = to[row % n][row / n];
-            }
-        }
-        out
+        self.operator(rows / n).apply(w)
     }
 
-    fn weighted_lags(&self) -> Vec<DMatrix<f64>> {
-        self.lags.iter().zip(&self.weights).map(|(r, &weight)| r * weight).collect()
-    }
-
-    fn add_lags(&self, from: &[Vec<f64>], to: &mut [Vec<f64>]) {
-        let count = from.first().map_or(0, Vec::len);
-        for (l, r) in self.weighted_lags().iter().enumerate().take(count) {
-            for (i, to) in to.iter_mut().enumerate() {
-                for (j, from) in from.iter().enumerate() {
-                    self.add_lag(to, from, r[(i, j)], l, true);
-                    if l > 0 {
-                        self.add_lag(to, from, r[(j, i)], l, false);
-                    }
-                }
-            }
-        }
-    }
-
-    /// Adds `value` times the samples `lag` later (or earlier) to each sample.
-    fn add_lag(&self, to: &mut [f64], from: &[f64], value: f64, lag: usize, later: bool) {
-        if value == 0.0 {
-            return;
-        }
-        let inner = to.len() - lag;
-        let add = |to: &mut [f64], from: &[f64]| {
-            for (to, from) in to.iter_mut().zip(from) {
-                *to += value * from;
-            }
-        };
-        if later {
-            add(&mut to[..inner], &from[lag..]);
-        } else {
-            add(&mut to[lag..], &from[..inner]);
-        }
-        if self.wraps {
-            if later {
-                add(&mut to[inner..], &from[..lag]);
-            } else {
-                add(&mut to[..lag], &from[inner..]);
-            }
-        }
+    /// C for `count` samples, to be applied more than once.
+    pub(crate) fn operator(&self, count: usize) -> CovarianceOperator {
+        let lags = self.lags.iter().zip(&self.weights).map(|(r, &weight)| r * weight).collect();
+        CovarianceOperator::new(lags, self.wraps, count)
     }
 }
 
@@ -286,30 +226,6 @@ mod tests {
         let ones = DMatrix::from_element(50, 1, 1.0);
         assert!((noise.apply(&ones).sum() / 50.0 + 0.2).abs() < 1e-14);
         assert!((noise.tapered().apply(&ones).sum() / 50.0 - 0.4).abs() < 1e-14);
-    }
-
-    #[test]
-    fn identity_many_lags_by_transform_equal_the_sums() {
-        for count in [61, 200] {
-            let lags: Vec<DMatrix<f64>> = (0..40)
-                .map(|l| DMatrix::from_fn(3, 3, |i, j| libm::cos((7 * l + 3 * i + 5 * j) as f64) / (l + 1) as f64))
-                .collect();
-            let w = DMatrix::from_fn(3 * count, 2, |i, j| libm::sin((3 * i + 5 * j) as f64));
-            for wraps in [false, true] {
-                let noise = NoiseModel { lags: lags.clone(), weights: vec![1.0; 40], wraps, degrees_of_freedom: 1.0 };
-                let by_transform = noise.apply(&w);
-                let mut expected = vec![vec![0.0; count]; 3];
-                for column in 0..2 {
-                    let from: Vec<Vec<f64>> =
-                        (0..3).map(|i| (0..count).map(|k| w[(3 * k + i, column)]).collect()).collect();
-                    expected.iter_mut().for_each(|series| series.fill(0.0));
-                    noise.add_lags(&from, &mut expected);
-                    for row in 0..3 * count {
-                        assert!((by_transform[(row, column)] - expected[row % 3][row / 3]).abs() < 1e-12);
-                    }
-                }
-            }
-        }
     }
 
     #[test]

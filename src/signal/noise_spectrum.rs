@@ -9,6 +9,7 @@
 use nalgebra::{Complex, DMatrix};
 
 use super::FourierTransform;
+use super::fourier_transform::smooth_length;
 
 /// Lag covariances as spectra, for series of one length.
 pub(super) struct NoiseSpectrum {
@@ -25,27 +26,34 @@ impl NoiseSpectrum {
         let (n, lead) = (lags[0].nrows(), lags.len() - 1);
         let transform = FourierTransform::new(smooth_length(count + 2 * lead));
         let len = transform.len();
-        let kernels = (0..n * n)
-            .map(|at| {
-                let (i, j) = (at / n, at % n);
-                let mut kernel = vec![0.0; len];
-                for (l, r) in lags.iter().enumerate() {
-                    kernel[(len - l) % len] = r[(i, j)];
-                    if l > 0 {
-                        kernel[l] = r[(j, i)];
-                    }
+        let kernel = |at: usize| {
+            let (i, j) = (at / n, at % n);
+            let mut kernel = vec![0.0; len];
+            for (l, r) in lags.iter().enumerate() {
+                kernel[(len - l) % len] = r[(i, j)];
+                if l > 0 {
+                    kernel[l] = r[(j, i)];
                 }
-                transform.forward_real(&kernel)
-            })
-            .collect();
+            }
+            kernel
+        };
+        let mut kernels = Vec::with_capacity(n * n);
+        for at in (0..n * n).step_by(2) {
+            if at + 1 < n * n {
+                let (first, second) = transform.forward_pair(&kernel(at), &kernel(at + 1));
+                kernels.extend([first, second]);
+            } else {
+                kernels.push(transform.forward_real(&kernel(at)));
+            }
+        }
         Self { transform, wraps, lead, kernels }
     }
 
-    /// Writes C w, one series per joint.
-    pub(super) fn apply(&self, from: &[Vec<f64>], to: &mut [Vec<f64>]) {
+    /// Writes C w, one series per joint. Real and imaginary part are two series of their own, since C is real.
+    pub(super) fn apply(&self, from: &[Vec<Complex<f64>>], to: &mut [Vec<Complex<f64>>]) {
         let (n, len) = (from.len(), self.transform.len());
         let spectra: Vec<Vec<Complex<f64>>> =
-            from.iter().map(|series| self.transform.forward_real(&self.continued(series))).collect();
+            from.iter().map(|series| self.transform.forward(&self.continued(series))).collect();
         for (i, to) in to.iter_mut().enumerate() {
             let mut sum = vec![Complex::new(0.0, 0.0); len];
             for (j, spectrum) in spectra.iter().enumerate() {
@@ -56,14 +64,14 @@ impl NoiseSpectrum {
             }
             let back = self.transform.forward(&sum);
             for (to, value) in to.iter_mut().zip(&back[self.lead..]) {
-                *to = value.re / len as f64;
+                *to = value.conj() / len as f64;
             }
         }
     }
 
-    fn continued(&self, series: &[f64]) -> Vec<f64> {
+    fn continued(&self, series: &[Complex<f64>]) -> Vec<Complex<f64>> {
         let (count, lead) = (series.len(), self.lead);
-        let mut x = vec![0.0; self.transform.len()];
+        let mut x = vec![Complex::new(0.0, 0.0); self.transform.len()];
         x[lead..lead + count].copy_from_slice(series);
         if self.wraps {
             x[..lead].copy_from_slice(&series[count - lead..]);
@@ -71,19 +79,4 @@ impl NoiseSpectrum {
         }
         x
     }
-}
-
-/// The smallest length from `least` on with no prime factor above five.
-fn smooth_length(least: usize) -> usize {
-    (least.max(1)..)
-        .find(|&length| {
-            let mut rest = length;
-            for p in [2, 3, 5] {
-                while rest.is_multiple_of(p) {
-                    rest /= p;
-                }
-            }
-            rest == 1
-        })
-        .unwrap_or(least)
 }

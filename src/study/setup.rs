@@ -21,7 +21,7 @@ use super::plan_error::StudyPlanError;
 use super::{Centre, ConditionResult, Failure, RunId, Scorer, StatusCount, StudyDesign, StudyError, Truth, TruthError};
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
-use crate::estimation::{Estimate, EstimationProblem, Estimator, Observation};
+use crate::estimation::{Estimate, EstimationProblem, Estimator, Factorisation, Observation};
 use crate::excitation::{ExcitationError, radkhah2007_start};
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
@@ -271,7 +271,14 @@ impl StudySetup {
             Ok(observation) => observation,
             Err(fault) => return self.estimators.iter().map(|_| Err(Failure::estimator(&fault))).collect(),
         };
-        let problem = EstimationProblem::new(&observation).with_robot(&self.robot).with_samples(samples);
+        let equations = match Factorisation::new(&observation) {
+            Ok(equations) => equations,
+            Err(fault) => return self.estimators.iter().map(|_| Err(Failure::estimator(&fault))).collect(),
+        };
+        let problem = EstimationProblem::new(&observation)
+            .with_factorisation(&equations)
+            .with_robot(&self.robot)
+            .with_samples(samples);
         let estimate =
             |estimator: &Arc<dyn Estimator>| estimator.estimate(&problem).map_err(|fault| Failure::estimator(&fault));
         self.estimators.iter().map(estimate).collect()

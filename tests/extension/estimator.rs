@@ -6,8 +6,9 @@ use armid::base::{Method, reduce};
 use armid::conformance::estimator_laws;
 use armid::dynamics::Dynamics;
 use armid::estimation::{
-    Estimate, EstimationError, EstimationProblem, Estimator, EstimatorLaw, Inference, IntervalBasis, LawException,
-    Observation, OrdinaryLeastSquares, ProblemPart, Termination, residual_noise, scatter_noise, solve,
+    Estimate, EstimationError, EstimationProblem, Estimator, EstimatorLaw, Inference, Instruments as InstrumentRows,
+    IntervalBasis, LawException, Observation, OrdinaryLeastSquares, ProblemPart, Termination, residual_noise,
+    scatter_noise, solve,
 };
 use armid::linalg::LeastSquares;
 use armid::model::format::{parse_nominal, parse_robot};
@@ -73,7 +74,7 @@ impl Estimator for Huber {
             estimator: self.name(),
             problem,
             fit: &fit,
-            weighted: &weighted,
+            instruments: InstrumentRows::Rows(&weighted),
             noise: &noise,
             basis,
             termination: termination.unwrap_or(Termination::IterationLimit { iterations: 50, last_step }),
@@ -127,7 +128,7 @@ impl Estimator for Instruments {
             estimator: self.name(),
             problem,
             fit: &fit,
-            weighted: &z,
+            instruments: InstrumentRows::Rows(&z),
             noise: &noise,
             basis: if observation.noise.is_some() { IntervalBasis::Scatter } else { IntervalBasis::Residual },
             termination: Termination::Direct,

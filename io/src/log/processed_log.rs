@@ -136,7 +136,8 @@ impl ProcessedLog {
         if let Some(guess) = self.robot.guess() {
             identification = identification.with_nominal(guess);
         }
-        estimators.iter().map(|kind| identification.estimate(&self.samples, kind.estimator()).map_err(named)).collect()
+        let estimators: Vec<_> = estimators.iter().map(|kind| kind.estimator()).collect();
+        identification.estimate_by(&self.samples, &estimators).map_err(named)
     }
 
     /// What is estimated: the robot's base, or where joints stand still, the base that the motion reveals.

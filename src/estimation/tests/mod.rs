@@ -2,5 +2,6 @@
 
 mod chain;
 mod coverage;
+mod factorisation;
 mod recovery;
 mod setting;
