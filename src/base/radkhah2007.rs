@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::{BaseReduction, Method};
-use crate::linalg::{LeftToRight, RankRevealingQr, RankTolerance, triangular_factor};
+use crate::linalg::{LeftToRight, RankRevealingQr, RankTolerance, RowFactor, normalised_columns};
 use crate::model::ParameterId;
 
 /// The sets that `radkhah2007`'s procedure fills, as column indices of φ_tot, and its coefficients α.
@@ -14,9 +14,9 @@ use crate::model::ParameterId;
 ///                                                   else f_i raises rank L       →  i ∈ D_BS, f_i into L
 ///                                                   else                         →  i ∈ D, f_i out of φ_tot, f_i = L α_i
 /// ```
-/// Ranks are those of columns scaled to unit length, by QR with column exchange. They are taken from the triangular
-/// factor of φ_tot, which has the dependencies of φ_tot and some fifty rows instead of thousands; α_i solves the least
-/// squares problem of `radkhah2007`'s normal equations by QR.
+/// Ranks are those of columns scaled to unit length. They are taken from the triangular factor of φ_tot, which has the
+/// dependencies of φ_tot and some fifty rows instead of thousands; α_i solves the least squares problem of `radkhah2007`'s
+/// normal equations by QR.
 ///
 /// ```
 /// use armid::base::Radkhah2007Sets;
@@ -39,38 +39,36 @@ pub struct Radkhah2007Sets {
 
 impl Radkhah2007Sets {
     /// Runs steps 3–5 on φ_tot (rows × columns).
+    ///
+    /// What the procedure asks column by column is answered for all columns at once. Which ones lower the rank
+    /// ([`RankRevealingQr::indispensable`]) does not depend on the columns that were taken out before: those are combinations
+    /// of columns that stay. Whether f_i raises the rank of L, and by which α it does not, is what QR from left to right finds. The
+    /// tests follow the procedure to the letter.
     #[must_use]
     pub fn of(phi_tot: &DMatrix<f64>) -> Self {
         let tolerance = RankTolerance::default();
-        let rank = |columns: &DMatrix<f64>| RankRevealingQr::new(columns, tolerance).rank();
         // Step 4 first, so that the rest need not look at zero columns again.
-        let unidentifiable = LeftToRight::new(phi_tot, tolerance).zero;
-        let mut remaining: Vec<usize> = (0..phi_tot.ncols()).filter(|j| !unidentifiable.contains(j)).collect();
-        let reduced = triangular_factor(&phi_tot.select_columns(&remaining));
-        let column_of = |j: usize| remaining_position(&unidentifiable, j);
-        let select =
-            |columns: &[usize]| reduced.select_columns(&columns.iter().map(|&j| column_of(j)).collect::<Vec<_>>());
-        // Step 3.
-        let r = rank(&reduced);
-        // Step 5.
-        let (mut alone, mut base, mut dependent) = (Vec::new(), Vec::new(), Vec::new());
-        for i in remaining.clone() {
-            let without: Vec<usize> = remaining.iter().copied().filter(|&j| j != i).collect();
-            if rank(&select(&without)) < r {
-                alone.push(i);
-                base.push(i);
-                continue;
-            }
-            let mut l = base.clone();
-            l.push(i);
-            if rank(&select(&l)) > base.len() {
-                base.push(i);
-            } else {
-                remaining.retain(|&j| j != i);
-                dependent.push((i, last_in_terms_of_others(&select(&l), tolerance)));
-            }
+        let (_, lengths) = normalised_columns(phi_tot);
+        let longest = lengths.iter().copied().fold(0.0, f64::max);
+        let (unidentifiable, remaining): (Vec<usize>, Vec<usize>) =
+            (0..phi_tot.ncols()).partition(|&j| lengths[j] <= tolerance.zero * longest);
+        let mut factor = RowFactor::new(remaining.len());
+        factor.add(phi_tot.nrows(), |row, column| phi_tot[(row, remaining[column])]);
+        let reduced = factor.finish();
+        // Step 3, and S of step 5.
+        let alone = RankRevealingQr::new(&reduced, tolerance).indispensable();
+        // The rest of step 5.
+        let qr = LeftToRight::new(&reduced, tolerance);
+        let dependent = (0..remaining.len()).filter(|j| qr.kept.binary_search(j).is_err()).map(|j| {
+            let before = qr.kept.partition_point(|&kept| kept < j);
+            (remaining[j], qr.coefficients.column(j).iter().take(before).copied().collect())
+        });
+        Self {
+            dependent: dependent.collect(),
+            alone: alone.iter().map(|&j| remaining[j]).collect(),
+            base: qr.kept.iter().map(|&j| remaining[j]).collect(),
+            unidentifiable,
         }
-        Self { unidentifiable, alone, base, dependent }
     }
 
     /// K as the sets have it: `β_b = θ_b + Σ_i α_bi θ_i`.
@@ -89,22 +87,15 @@ impl Radkhah2007Sets {
     }
 }
 
-/// Position of column j among those that are not zero; `zero` ascends.
-fn remaining_position(zero: &[usize], j: usize) -> usize {
-    j - zero.partition_point(|&z| z < j)
-}
-
-/// α with `last column = (columns before it) α`; the columns before are independent.
-fn last_in_terms_of_others(l: &DMatrix<f64>, tolerance: RankTolerance) -> Vec<f64> {
-    let qr = LeftToRight::new(l, tolerance);
-    qr.coefficients.column(l.ncols() - 1).iter().copied().collect()
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::base::Category;
-    use crate::model::{ParameterId, ParameterKind};
+    use crate::conformance::chains::{self, ChainRecipe};
+    use crate::dynamics::States;
+    use crate::model::{Columns, ParameterId, ParameterKind};
+    use crate::regressor::JointTorqueRegressor;
+    use crate::seed::Seed;
 
     #[test]
     fn identity_the_sets_and_one_qr_agree() {
@@ -125,5 +116,56 @@ mod tests {
         assert_eq!((&paper.kept, &paper.categories), (&qr.kept, &qr.categories));
         assert!((&paper.k - &qr.k).norm() < 1e-13);
         assert_eq!(paper.count(Category::Combination), 2);
+    }
+
+    /// Steps 3–5 to the letter: a rank for every question.
+    fn to_the_letter(phi_tot: &DMatrix<f64>) -> Radkhah2007Sets {
+        let tolerance = RankTolerance::default();
+        let rank = |columns: &[usize]| RankRevealingQr::new(&phi_tot.select_columns(columns), tolerance).rank();
+        let unidentifiable = LeftToRight::new(phi_tot, tolerance).zero;
+        let mut remaining: Vec<usize> = (0..phi_tot.ncols()).filter(|j| !unidentifiable.contains(j)).collect();
+        let r = rank(&remaining);
+        let (mut alone, mut base, mut dependent) = (Vec::new(), Vec::new(), Vec::new());
+        for i in remaining.clone() {
+            let without: Vec<usize> = remaining.iter().copied().filter(|&j| j != i).collect();
+            let l: Vec<usize> = base.iter().copied().chain([i]).collect();
+            if rank(&without) < r {
+                alone.push(i);
+                base.push(i);
+            } else if rank(&l) > base.len() {
+                base.push(i);
+            } else {
+                remaining.retain(|&j| j != i);
+                let qr = LeftToRight::new(&phi_tot.select_columns(&l), tolerance);
+                dependent.push((i, qr.coefficients.column(l.len() - 1).iter().copied().collect()));
+            }
+        }
+        Radkhah2007Sets { unidentifiable, alone, base, dependent }
+    }
+
+    #[test]
+    fn published_procedure_to_the_letter_fills_the_same_sets() {
+        for run in 0..12 {
+            let dof = 1 + usize::try_from(run % 6).unwrap();
+            let mut rng = Seed::new(41).stream("chains", run);
+            let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
+            let (robot, _) = recipe.draw(&mut rng);
+            let columns = if run % 2 == 0 { Columns::RIGID } else { Columns::RIGID_ROTOR_FRICTION };
+            let mut states = States::new(dof);
+            for _ in 0..(3 * columns.parameters(&robot).len()).div_ceil(dof) {
+                let (q, qd, qdd) = chains::random_state(&mut rng, dof);
+                states.push(&q, &qd, &qdd);
+            }
+            let phi_tot = JointTorqueRegressor::new(&robot, columns).stack(&states);
+            let (found, expected) = (Radkhah2007Sets::of(&phi_tot), to_the_letter(&phi_tot));
+            assert_eq!(found.unidentifiable, expected.unidentifiable, "chain {run}");
+            assert_eq!((&found.alone, &found.base), (&expected.alone, &expected.base), "chain {run}");
+            assert_eq!(found.dependent.len(), expected.dependent.len());
+            for ((i, found), (j, expected)) in found.dependent.iter().zip(&expected.dependent) {
+                assert_eq!((i, found.len()), (j, expected.len()));
+                let size = expected.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
+                assert!(found.iter().zip(expected).all(|(x, y)| (x - y).abs() < 1e-9 * size), "chain {run}, {i}");
+            }
+        }
     }
 }
