@@ -7,7 +7,7 @@
 use super::{
     Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Observation, Validation, validate,
 };
-use crate::base::{BaseReduction, Method, reduce, reduce_on};
+use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
@@ -64,18 +64,28 @@ impl<'a> Identification<'a> {
         Ok(Self { robot, nominal: None, regressor: JointTorqueRegressor::new(robot, columns), base })
     }
 
-    /// What is estimated where a motion does not show every parameter, a joint stands still, say: the base that these states
-    /// reveal, at most 500 of them, by QR.
+    /// What is estimated where a motion does not show every parameter, a joint stands still, say: the base that the equations of
+    /// these samples reveal, at most 500 states of them, by QR.
     ///
-    /// # Errors
-    /// [`EstimationError::Base`] where the states are too few, not finite, or of another robot.
-    pub fn on_motion(robot: &'a Robot, columns: Columns, states: &States) -> Result<Self, EstimationError> {
-        let mut few = States::new(states.dof);
+    /// # Panics
+    /// If the samples are of another robot.
+    #[must_use]
+    pub fn on_motion(robot: &'a Robot, columns: Columns, samples: &Samples) -> Self {
+        let (states, n) = (&samples.states, samples.dof());
+        let mut few = States::new(n);
         for k in (0..states.len()).step_by(states.len().div_ceil(MOTION_STATES).max(1)) {
             few.push(states.q(k), states.qd(k), states.qdd(k));
         }
-        let base = reduce_on(robot, columns, Method::Qr, &few)?;
-        Ok(Self { robot, nominal: None, regressor: JointTorqueRegressor::new(robot, columns), base })
+        let regressor = JointTorqueRegressor::new(robot, columns);
+        let mut w = regressor.stack(&few);
+        // A joint none of whose rows is an equation reveals nothing by its own torque.
+        for i in (0..n).filter(|&i| !samples.used.iter().skip(i).step_by(n).any(|used| *used)) {
+            for k in 0..few.len() {
+                w.row_mut(k * n + i).fill(0.0);
+            }
+        }
+        let base = BaseReduction::from_stack(regressor.parameters(), &w, Method::Qr);
+        Self { robot, nominal: None, regressor, base }
     }
 
     /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].

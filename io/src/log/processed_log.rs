@@ -143,7 +143,7 @@ impl ProcessedLog {
     /// What is estimated: the robot's base, or where joints stand still, the base that the motion reveals.
     fn identification(&self, columns: Columns) -> Result<Identification<'_>, EstimationError> {
         if self.is_foreign() && !standing_joints(&self.samples).is_empty() {
-            return Identification::on_motion(&self.robot.robot, columns, &self.samples.states);
+            return Ok(Identification::on_motion(&self.robot.robot, columns, &self.samples));
         }
         Identification::new(&self.robot.robot, columns)
     }
