@@ -192,6 +192,32 @@ fn named(robot: &Robot, samples: &Samples) -> Option<Mistake> {
         .map(|found| found.mistake)
 }
 
+/// Friction that the fitted model lacks: proportional to the load, and larger near rest.
+fn with_unmodelled_friction(samples: &mut Samples, load: f64, stribeck: f64) {
+    let n = samples.dof();
+    for i in 0..n {
+        let rms = (samples.tau.iter().skip(i).step_by(n).map(|x| x * x).sum::<f64>() / SAMPLES as f64).sqrt();
+        for (tau, qd) in samples.tau.iter_mut().zip(&samples.states.qd).skip(i).step_by(n) {
+            *tau += (load * tau.abs() + stribeck * rms * (-(qd / 0.1).powi(2)).exp()) * qd.signum();
+        }
+    }
+}
+
+#[test]
+fn a_model_error_is_no_mistake_of_the_log() {
+    for name in ROBOTS {
+        let (robot, truth) = robot(name);
+        for (load, stribeck) in [(0.05, 0.0), (0.15, 0.0), (0.0, 0.1), (0.0, 0.3), (0.1, 0.2)] {
+            for seed in 1..2 {
+                let mut samples = log(&robot, &truth, seed);
+                with_unmodelled_friction(&mut samples, load, stribeck);
+                let found = named(&robot, &samples);
+                assert_eq!(found, None, "{name}: load friction {load}, Stribeck {stribeck}, seed {seed}");
+            }
+        }
+    }
+}
+
 #[test]
 fn nine_of_ten_mistakes_are_named_and_sound_logs_are_left_alone() {
     let (mut right, mut all, mut wrong) = (0, 0, Vec::new());

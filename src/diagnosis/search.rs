@@ -8,10 +8,10 @@ use crate::base::BaseError;
 use crate::model::{Columns, Robot};
 use crate::signal::Samples;
 
-/// A cost from which on a log is suspect: a residual of a tenth of the torque at every joint.
-const SUSPECT: f64 = 0.01;
+/// A cost from which on a log is suspect: a residual of 2.2 % of the torque at every joint.
+const SUSPECT: f64 = 5e-4;
 /// The cost after a correction over that before, at most.
-const MUCH_BETTER: f64 = 0.35;
+const MUCH_BETTER: f64 = 0.5;
 /// What a correction with a free factor must be better by than one without.
 const HANDICAP: f64 = 1.5;
 /// Costs that are taken as equal.

@@ -34,7 +34,7 @@ impl Table {
             .map(|c| self.rows.iter().map(|row| row.get(c).map_or(0, |cell| width(cell))).max().unwrap_or(0))
             .collect();
         let before_last: usize = indent + widths[..columns - 1].iter().map(|w| w + 2).sum::<usize>();
-        let room = 98_usize.saturating_sub(before_last).max(30);
+        let room = 98_usize.saturating_sub(before_last).max(20);
         let mut text = String::new();
         for row in &self.rows {
             let mut line = " ".repeat(indent);

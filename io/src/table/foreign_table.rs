@@ -4,6 +4,7 @@
 use std::ops::Range;
 
 use super::dialect::{Dialect, comment, is_comment};
+use super::line_length::check_lines;
 use crate::error::Error;
 use crate::text::Text;
 
@@ -28,6 +29,7 @@ impl ForeignTable {
     /// # Errors
     /// [`Error`] where it has no rows, or a row has another number of values than the others.
     pub(crate) fn parse(text: Text) -> Result<Self, Error> {
+        check_lines(&text)?;
         let content = text.content.clone();
         let bom = if content.starts_with('\u{feff}') { '\u{feff}'.len_utf8() } else { 0 };
         let dialect = Dialect::of(&content[bom..]);

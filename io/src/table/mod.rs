@@ -2,6 +2,7 @@
 
 mod dialect;
 mod foreign_table;
+mod line_length;
 mod number_table;
 mod parquet_table;
 mod states_csv;

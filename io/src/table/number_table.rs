@@ -2,7 +2,9 @@
 
 use std::ops::Range;
 
-use armid::input::size::{COLUMNS, LINE_BYTES};
+use armid::input::size::COLUMNS;
+
+use super::line_length::check_lines;
 
 use crate::error::Error;
 use crate::suggestion;
@@ -131,18 +133,6 @@ impl NumberTable {
     pub(crate) fn pick(&self, row: usize, columns: &[usize]) -> Vec<f64> {
         columns.iter().map(|&column| self.value(row, column)).collect()
     }
-}
-
-/// No line is longer than a table's can be, before any is taken apart.
-fn check_lines(text: &Text) -> Result<(), Error> {
-    let mut start = 0;
-    for line in text.content.split_inclusive('\n') {
-        LINE_BYTES
-            .check_count("length of the line", line.len())
-            .map_err(|error| Error::from(error).at(text, start..start, "this line"))?;
-        start += line.len();
-    }
-    Ok(())
 }
 
 /// Where a record's own line begins: the reader's position includes the comments and blank lines before it.
