@@ -64,9 +64,21 @@ impl LinkPose {
             JointKind::Revolute => sin_cos(q),
             JointKind::Prismatic => (q.splat(0.0), q),
         };
-        let number = |k: usize| q.splat(self.constant[k]) + x * q.splat(self.first[k]) + y * q.splat(self.second[k]);
-        let three = |k: usize| [number(k), number(k + 1), number(k + 2)];
-        LanePlacement { axes: [three(0), three(3), three(6)], origin: three(9) }
+        LanePlacement {
+            axes: [self.three(0, q, x, y), self.three(3, q, x, y), self.three(6, q, x, y)],
+            origin: self.three(9, q, x, y),
+        }
+    }
+
+    /// Three numbers of the pose. Functions, since a closure that is not inlined is compiled without the processor's lanes.
+    #[inline(always)]
+    fn three<V: Lane>(&self, k: usize, one: V, x: V, y: V) -> [V; 3] {
+        [self.number(k, one, x, y), self.number(k + 1, one, x, y), self.number(k + 2, one, x, y)]
+    }
+
+    #[inline(always)]
+    fn number<V: Lane>(&self, k: usize, one: V, x: V, y: V) -> V {
+        one.splat(self.constant[k]) + x * one.splat(self.first[k]) + y * one.splat(self.second[k])
     }
 }
 

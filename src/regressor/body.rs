@@ -114,8 +114,19 @@ impl<V: Lane> BodyRegressor<V> {
     #[inline(always)]
     #[must_use]
     pub fn project(&self, s: &LaneMotion<V>) -> [V; 10] {
-        let e = |c: usize| self.entry(s, c);
-        [e(0), e(1), e(2), e(3), e(4), e(5), e(6), e(7), e(8), e(9)]
+        let y = self;
+        [
+            y.entry(s, 0),
+            y.entry(s, 1),
+            y.entry(s, 2),
+            y.entry(s, 3),
+            y.entry(s, 4),
+            y.entry(s, 5),
+            y.entry(s, 6),
+            y.entry(s, 7),
+            y.entry(s, 8),
+            y.entry(s, 9),
+        ]
     }
 }
 

@@ -9,7 +9,7 @@
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::JointTorqueRegressor;
+use super::{BodyRegressor, JointTorqueRegressor};
 use crate::dynamics::States;
 use crate::lanes::Wide;
 use crate::spatial::{LaneMotion, Motion};
@@ -79,35 +79,49 @@ struct Line([f64; TOGETHER]);
 /// Sums of the blocks that are worked on, one place for each joint and wanted column.
 struct Cells<'a> {
     regressor: &'a JointTorqueRegressor,
-    /// Wanted columns of each link: which of its ten, and its place among the wanted.
-    links: Vec<Vec<(usize, usize)>>,
+    /// Of each link's ten columns, the place among the wanted, or [`UNWANTED`].
+    links: Vec<[usize; 10]>,
     /// Place of each of the terms' columns among the wanted.
     terms: Vec<Option<usize>>,
     /// Number of wanted columns.
     wanted: usize,
     /// Row-major n × wanted.
     sums: Vec<Line>,
+    /// Those that anything was added to; the others are zero for every state.
+    touched: Vec<usize>,
+    is_touched: Vec<bool>,
 }
+
+/// The place of a column that is not wanted.
+const UNWANTED: usize = usize::MAX;
 
 impl<'a> Cells<'a> {
     fn new(regressor: &'a JointTorqueRegressor, columns: &[usize]) -> Self {
         let (n, wanted) = (regressor.rows(), columns.len());
-        let mut links = vec![Vec::new(); n];
+        let mut links = vec![[UNWANTED; 10]; n];
         let mut terms = vec![None; regressor.cols() - 10 * n];
         for (place, &column) in columns.iter().enumerate() {
             if column < 10 * n {
-                links[column / 10].push((column % 10, place));
+                links[column / 10][column % 10] = place;
             } else {
                 terms[column - 10 * n] = Some(place);
             }
         }
-        Self { regressor, links, terms, wanted, sums: vec![Line([0.0; TOGETHER]); n * wanted] }
+        let mut touched = Vec::new();
+        for (k, places) in links.iter().enumerate() {
+            // A link loads the joints up to its own.
+            let places = places.iter().filter(|place| **place != UNWANTED);
+            touched.extend(places.flat_map(|&place| (0..=k).map(move |i| i * wanted + place)));
+        }
+        let mut is_touched = vec![false; n * wanted];
+        touched.iter().for_each(|&cell| is_touched[cell] = true);
+        Self { regressor, links, terms, wanted, sums: vec![Line([0.0; TOGETHER]); n * wanted], touched, is_touched }
     }
 
     /// Adds one sample of each block.
     #[inline(always)]
     fn add<S: Simd>(&mut self, simd: S, state: &Together, axes: &mut [LaneMotion<Wide<S>>]) {
-        let Self { regressor, links, terms, wanted, sums } = self;
+        let Self { regressor, links, terms, wanted, sums, touched, is_touched } = self;
         let wanted = *wanted;
         let (v, a) = regressor.base_at_rest();
         let one = Wide::new(simd, simd.splat_f64s(0.0));
@@ -123,11 +137,19 @@ impl<'a> Cells<'a> {
                 axes,
                 #[inline(always)]
                 |k, body, axes| {
-                    for (i, axis) in axes[..=k].iter().enumerate() {
-                        for &(c, place) in &links[k] {
-                            let sum = &mut S::as_mut_simd_f64s(&mut sums[i * wanted + place].0).0[vector];
-                            *sum = simd.add_f64s(*sum, body.entry(axis, c).x);
-                        }
+                    let places = &links[k];
+                    for (axis, sums) in axes[..=k].iter().zip(sums.chunks_exact_mut(wanted)) {
+                        // One by one, so that each entry is compiled for its column.
+                        add_entry(simd, sums, places, body, axis, 0, vector);
+                        add_entry(simd, sums, places, body, axis, 1, vector);
+                        add_entry(simd, sums, places, body, axis, 2, vector);
+                        add_entry(simd, sums, places, body, axis, 3, vector);
+                        add_entry(simd, sums, places, body, axis, 4, vector);
+                        add_entry(simd, sums, places, body, axis, 5, vector);
+                        add_entry(simd, sums, places, body, axis, 6, vector);
+                        add_entry(simd, sums, places, body, axis, 7, vector);
+                        add_entry(simd, sums, places, body, axis, 8, vector);
+                        add_entry(simd, sums, places, body, axis, 9, vector);
                     }
                 },
             );
@@ -135,11 +157,33 @@ impl<'a> Cells<'a> {
         let flat = [&state.q, &state.qd, &state.qdd].map(|x| x.as_flattened());
         regressor.terms.each_column(flat, |row, column, d, g: &[f64; TOGETHER]| {
             if let Some(place) = terms[column] {
-                for (sum, g) in sums[row * wanted + place].0.iter_mut().zip(g) {
+                let cell = row * wanted + place;
+                if !is_touched[cell] {
+                    is_touched[cell] = true;
+                    touched.push(cell);
+                }
+                for (sum, g) in sums[cell].0.iter_mut().zip(g) {
                     *sum += d * g;
                 }
             }
         });
+    }
+}
+
+/// Adds entry `c` of `sᵀ K` to its place among the sums of the joint with the axis `s`, where it is wanted.
+#[inline(always)]
+fn add_entry<S: Simd>(
+    simd: S,
+    sums: &mut [Line],
+    places: &[usize; 10],
+    body: &BodyRegressor<Wide<S>>,
+    axis: &LaneMotion<Wide<S>>,
+    c: usize,
+    vector: usize,
+) {
+    if let Some(sum) = sums.get_mut(places[c]) {
+        let sum = &mut S::as_mut_simd_f64s(&mut sum.0).0[vector];
+        *sum = simd.add_f64s(*sum, body.entry(axis, c).x);
     }
 }
 
@@ -185,6 +229,7 @@ impl WithSimd for Stack<'_> {
             Together { q: vec![[0.0; TOGETHER]; n], qd: vec![[0.0; TOGETHER]; n], qdd: vec![[0.0; TOGETHER]; n] };
         let zero = Wide::new(simd, simd.splat_f64s(0.0));
         let mut axes = vec![LaneMotion::splat(zero, &Motion::zero()); n];
+        let mut seen = 0;
         for first in (0..blocks).step_by(TOGETHER) {
             let count = TOGETHER.min(blocks - first);
             cells.sums.fill(Line([0.0; TOGETHER]));
@@ -192,12 +237,16 @@ impl WithSimd for Stack<'_> {
                 state.fill(states, first * block + k, block, count);
                 cells.add(simd, &state, &mut axes);
             }
-            for (place, column) in w.chunks_exact_mut(n * blocks).enumerate() {
-                let column = &mut column[first * n..(first + count) * n];
-                for (i, sums) in cells.sums.iter().skip(place).step_by(cells.wanted).enumerate() {
-                    for (out, sum) in column.iter_mut().skip(i).step_by(n).zip(&sums.0) {
-                        *out = sum * scale;
-                    }
+            if cells.touched.len() != seen {
+                seen = cells.touched.len();
+                cells.touched.sort_unstable_by_key(|cell| (cell % cells.wanted, cell / cells.wanted));
+            }
+            for &cell in &cells.touched {
+                let (i, place) = (cell / cells.wanted, cell % cells.wanted);
+                let column = &mut w[place * n * blocks + first * n + i..];
+                let sums = &cells.sums[cell].0;
+                for lane in 0..count {
+                    column[lane * n] = sums[lane] * scale;
                 }
             }
         }
