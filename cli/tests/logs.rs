@@ -25,13 +25,13 @@ fn recorded(folder: &Path) -> Vec<Row> {
     let experiment = "robot = \"staubli-tx40\"\ntrajectory = \"T.toml\"\nperiods = 1\nrate_hz = 500\nramp_s = 1\n";
     let experiment = write(folder, "x.toml", experiment);
     let out = folder.join("R.csv");
-    armid(["run", &experiment, "-o", out.to_str().unwrap()]).success();
-    let text = std::fs::read_to_string(out).unwrap();
+    armid(["run", &experiment, "-o", out.to_str().expect("a path in UTF-8")]).success();
+    let text = std::fs::read_to_string(out).expect("the recording");
     assert!(text.starts_with("t,q1,q2,q3,q4,q5,q6,current1"), "{}", &text[..60]);
     text.lines()
         .skip(1)
         .map(|line| {
-            let row: Vec<f64> = line.split(',').map(|value| value.parse().unwrap()).collect();
+            let row: Vec<f64> = line.split(',').map(|value| value.parse().expect("a number")).collect();
             (row[0], row[1..7].to_vec(), row[7..13].to_vec())
         })
         .collect()
@@ -59,10 +59,12 @@ fn identify(arguments: &[&str]) -> Value {
 
 /// Largest difference between the base parameters of two estimates, in standard deviations of the first.
 fn distance(a: &Value, b: &Value) -> f64 {
-    let (a, b) = (a["base"].as_array().unwrap(), b["base"].as_array().unwrap());
+    let (a, b) =
+        (a["base"].as_array().expect("a list of parameters"), b["base"].as_array().expect("a list of parameters"));
     assert_eq!(a.len(), b.len());
     let differs = |(a, b): (&Value, &Value)| {
-        (a["value"].as_f64().unwrap() - b["value"].as_f64().unwrap()) / a["std"].as_f64().unwrap()
+        (a["value"].as_f64().expect("a number") - b["value"].as_f64().expect("a number"))
+            / a["std"].as_f64().expect("a number")
     };
     a.iter().zip(b).map(differs).fold(0.0, |worst, x| worst.max(x.abs()))
 }

@@ -221,7 +221,8 @@ impl Reader<'_> {
     fn read(&self, files: Vec<FileHash>) -> Result<RawLog, Error> {
         let position = self.get(Quantity::Position).ok_or_else(|| Error::new("q is missing"))?;
         let dof = position.columns.len();
-        for found in self.found.iter().filter(|found| found.quantity != Quantity::Time && found.columns.len() != dof) {
+        let mut sized = self.found.iter().filter(|found| found.quantity != Quantity::Time);
+        if let Some(found) = sized.find(|found| found.columns.len() != dof) {
             let (key, count) = (found.quantity.key(), found.columns.len());
             return Err(Error::new(format!("{key} names {count} columns, expected {dof}, as many as q")));
         }
