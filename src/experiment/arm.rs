@@ -122,13 +122,22 @@ impl Ending {
         matches!(self, Self::Completed)
     }
 
+    /// Whether an arm that was asked to stop was seen at rest; `None` where none was asked.
+    #[must_use]
+    pub const fn rest(&self) -> Option<&Rest> {
+        match self {
+            Self::Stopped { rest, .. } => Some(rest),
+            Self::Tripped { trip, .. } => Some(&trip.rest),
+            Self::Completed | Self::Diverged { .. } => None,
+        }
+    }
+
     /// Whether the arm was asked to stop and nobody saw it at rest.
     #[must_use]
     pub const fn is_unconfirmed(&self) -> bool {
-        match self {
-            Self::Stopped { rest, .. } => rest.is_unconfirmed(),
-            Self::Tripped { trip, .. } => trip.rest.is_unconfirmed(),
-            Self::Completed | Self::Diverged { .. } => false,
+        match self.rest() {
+            Some(rest) => rest.is_unconfirmed(),
+            None => false,
         }
     }
 }

@@ -60,15 +60,6 @@ impl Done {
         })
     }
 
-    /// Whether an arm that was asked to stop was seen at rest; null where none was asked.
-    fn rest(&self) -> Value {
-        match &self.performed.ending {
-            Ending::Stopped { rest, .. } => json!(rest),
-            Ending::Tripped { trip, .. } => json!(trip.rest),
-            Ending::Completed | Ending::Diverged { .. } => Value::Null,
-        }
-    }
-
     fn json(&self) -> Value {
         let plan = &self.experiment.planned.plan;
         let (ending, detail) = self.ending();
@@ -81,7 +72,7 @@ impl Done {
             "ending": ending,
             "detail": detail,
             "trip": self.trip(),
-            "rest": self.rest(),
+            "rest": self.performed.ending.rest(),
             "speed": self.speed.part(),
             "guard": self.performed.guard,
             "stamps": self.performed.stamps,

@@ -279,15 +279,30 @@ fn perform(
             Some(part) => part.perform(experiment, arguments.recording.as_deref(), sink),
         }
     };
-    let performed = if experiment.arm == ArmKind::Ros2 {
+    let (performed, passed_on) = if experiment.arm == ArmKind::Ros2 {
         // No signal ends this process before the arm is at rest.
         let _moving = interrupt::moving();
-        beside(&mut *sink, interrupt::asked, work)?
+        beside(&mut *sink, interrupt::asked, work)
     } else {
-        work(&mut *sink)?
+        (work(&mut *sink), Ok(()))
     };
-    let written = sink.finish(&performed.ending, performed.remarks())?;
+    let performed = performed?;
+    let finished = sink.finish(&performed.ending, performed.remarks());
     bar.finish_and_clear();
+    let written = match passed_on.and(finished) {
+        Ok(written) => written,
+        // That nobody saw the arm at rest counts more than the file, and decides the exit status.
+        Err(error) if performed.ending.is_unconfirmed() => {
+            console.alarm(&format!("the recording is not whole: {error}"));
+            part_of(path)
+        }
+        Err(error) => {
+            if let Some(rest) = performed.ending.rest() {
+                console.note(format!("the arm was stopped: {rest}"));
+            }
+            return Err(error.into());
+        }
+    };
     Ok(Done { experiment: experiment.clone(), performed, samples: taken.into_inner(), written, speed })
 }
 

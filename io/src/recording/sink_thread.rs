@@ -5,21 +5,26 @@ use std::sync::mpsc::{SyncSender, sync_channel};
 
 use armid::experiment::{Flow, Phase, RawSample, Recording, Sink};
 
+use crate::error::Error;
+
 /// How far a sink may fall behind before it is waited for: two minutes at 500 Hz.
 const BEHIND: usize = 1 << 16;
 
 /// Does `work` with a sink that passes on what it receives and does not wait; `sink` takes it on another thread, and has taken
 /// all of it when this returns. Where `sink` wants to stop, or `asked` says so, one of the next samples is answered so.
+///
+/// Returns what `work` gave, and the error where `sink` panicked: the work was asked to stop then, like any other time, and what
+/// it has to say of the arm is not lost.
 pub fn beside<T>(
     sink: &mut (impl Sink + Send + ?Sized),
     asked: fn() -> bool,
     work: impl FnOnce(&mut dyn Sink) -> T,
-) -> T {
+) -> (T, Result<(), Error>) {
     let (sender, received) = sync_channel(BEHIND);
     let stop = AtomicBool::new(false);
     std::thread::scope(|scope| {
         let wants = &stop;
-        scope.spawn(move || {
+        let taker = scope.spawn(move || {
             for received in received {
                 let flow = match received {
                     Received::Begin(recording) => {
@@ -34,7 +39,9 @@ pub fn beside<T>(
             }
         });
         // Once it is dropped, the thread has received everything.
-        work(&mut Relay { sender, stop: &stop, asked })
+        let done = work(&mut Relay { sender, stop: &stop, asked });
+        let taken = taker.join().map_err(|_| Error::new("the thread that writes the recording has panicked"));
+        (done, taken)
     })
 }
 
@@ -134,7 +141,7 @@ mod tests {
     fn a_disk_that_stands_still_holds_nobody_up_and_loses_nothing() {
         let (release, go) = channel();
         let mut disk = Disk { go, room: 500, indices: Vec::new() };
-        beside(
+        let ((), taken) = beside(
             &mut disk,
             || false,
             |sink| {
@@ -143,6 +150,7 @@ mod tests {
                 (0..100).for_each(|_| release.send(()).unwrap());
             },
         );
+        assert!(taken.is_ok());
         assert_eq!(disk.indices, (0..100).collect::<Vec<_>>());
     }
 
@@ -151,7 +159,7 @@ mod tests {
         let (release, go) = channel();
         (0..1000).for_each(|_| release.send(()).unwrap());
         let mut disk = Disk { go, room: 3, indices: Vec::new() };
-        let answered = beside(
+        let (answered, taken) = beside(
             &mut disk,
             || false,
             |sink| {
@@ -160,6 +168,16 @@ mod tests {
                 answers.into_iter().any(|stop| stop)
             },
         );
-        assert!(answered && disk.indices == [0, 1, 2]);
+        assert!(answered && taken.is_ok() && disk.indices == [0, 1, 2]);
+    }
+
+    #[test]
+    fn a_thread_that_panics_stops_the_experiment_and_is_named() {
+        let (release, go) = channel();
+        drop(release);
+        let mut disk = Disk { go, room: 3, indices: Vec::new() };
+        let (stopped, taken) =
+            beside(&mut disk, || false, |sink| (0..10_000_000).any(|index| sink.sample(&sample(index)).ends()));
+        assert!(stopped && taken.is_err_and(|error| error.message().contains("panicked")));
     }
 }
