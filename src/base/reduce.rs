@@ -4,7 +4,8 @@ use nalgebra::DMatrix;
 
 use super::geometry::Geometry;
 use super::random_states::LEAST_STATES;
-use super::{BaseError, BaseMotion, BaseReduction, Method, Radkhah2007Sets, structural};
+use super::scaled_stack::scaled_stack;
+use super::{BaseError, BaseMotion, BaseReduction, Method, Radkhah2007Sets, dependence, structural};
 use crate::dynamics::States;
 use crate::model::{Columns, ParameterId, Robot};
 use crate::regressor::JointTorqueRegressor;
@@ -12,8 +13,9 @@ use crate::seed::Seed;
 
 /// The base parameters of a robot under motions of every kind.
 ///
-/// [`Method::Radkhah2007`] and [`Method::Qr`] draw random states from `seed`; [`Method::Structural`] draws nothing. All three
-/// give the same kept columns and, to rounding, the same K.
+/// [`Method::Radkhah2007`] and [`Method::Qr`] draw random states from `seed`; [`Method::Structural`] needs none. All three
+/// give the same kept columns and, to rounding, the same K. Columns that no torque sensor could tell from the others are then
+/// left out, the same for every method and seed ([`NearlyDependent`]); [`structural_base`] keeps them.
 ///
 /// ```
 /// use armid::base::{Method, reduce};
@@ -30,6 +32,21 @@ use crate::seed::Seed;
 /// # Errors
 /// [`BaseError::NotFinite`] if the robot's geometry is not finite.
 pub fn reduce(robot: &Robot, columns: Columns, method: Method, seed: Seed) -> Result<BaseReduction, BaseError> {
+    let whole = structural_base(robot, columns, method, seed)?;
+    dependence::leave_out(robot, &Geometry::of(robot), columns, whole)
+}
+
+/// The base parameters that structure reveals, however little: a column stands in the base if it differs from the others
+/// by more than rounding.
+///
+/// # Errors
+/// [`BaseError::NotFinite`] if the robot's geometry is not finite.
+pub fn structural_base(
+    robot: &Robot,
+    columns: Columns,
+    method: Method,
+    seed: Seed,
+) -> Result<BaseReduction, BaseError> {
     let geometry = Geometry::of(robot);
     let parameters = columns.parameters(robot);
     if method == Method::Structural {
@@ -107,25 +124,16 @@ pub fn reduce_on(robot: &Robot, columns: Columns, method: Method, states: &State
 fn reduce_stack(
     geometry: &Geometry,
     parameters: &[ParameterId],
-    mut w: DMatrix<f64>,
+    w: DMatrix<f64>,
     method: Method,
 ) -> Result<BaseReduction, BaseError> {
-    let n = geometry.dof();
-    let units = geometry.units(parameters);
-    for (mut column, unit) in w.column_iter_mut().zip(&units) {
-        for (row, entry) in column.iter_mut().enumerate() {
-            if !entry.is_finite() {
-                return Err(BaseError::NotFinite { sample: row / n, value: *entry });
-            }
-            *entry *= unit / geometry.effort_unit(row % n);
-        }
-    }
+    let w = scaled_stack(geometry, parameters, w)?;
     let reduction = match method {
         Method::Radkhah2007 => Radkhah2007Sets::of(&w).reduction(parameters),
         Method::Qr => BaseReduction::from_stack(parameters, &w, Method::Qr),
         Method::Structural => return Err(BaseError::NoTrajectory { method }),
     };
-    Ok(reduction.with_units(&units))
+    Ok(reduction.with_units(&geometry.units(parameters)))
 }
 
 /// States alone say nothing of a term that depends on more than the motion.

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{BaseMotion, Method};
+use super::{BaseMotion, Method, NearlyDependent};
 use crate::linalg::{LeftToRight, RankTolerance, product};
 use crate::model::ParameterId;
 
@@ -68,6 +68,8 @@ pub struct BaseReduction {
     pub method: Method,
     /// How the base of the robot moves.
     pub base_motion: BaseMotion,
+    /// What was left out of it because no torque sensor would see it.
+    pub nearly_dependent: Option<NearlyDependent>,
 }
 
 /// Coefficients of K smaller than this are rounding and become zero, in units in which robot and motion are of size 1.
@@ -181,12 +183,26 @@ impl BaseReduction {
             }
         }
         let categories = categories(&kept, &k);
-        Self { parameters: parameters.to_vec(), categories, kept, k, method, base_motion: BaseMotion::Fixed }
+        Self {
+            parameters: parameters.to_vec(),
+            categories,
+            kept,
+            k,
+            method,
+            base_motion: BaseMotion::Fixed,
+            nearly_dependent: None,
+        }
     }
 
     /// The same with another motion of the base.
     pub(super) const fn with_base_motion(mut self, base_motion: BaseMotion) -> Self {
         self.base_motion = base_motion;
+        self
+    }
+
+    /// The same, which says what was left out.
+    pub(super) fn without(mut self, left_out: NearlyDependent) -> Self {
+        self.nearly_dependent = Some(left_out);
         self
     }
 

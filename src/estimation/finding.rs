@@ -58,6 +58,13 @@ pub enum Finding {
     },
     /// Nothing was repeated: the noise was taken from the residual, and model errors with it.
     NoiseFromResidual,
+    /// Columns that no torque sensor tells from the others were left out of the base.
+    NearlyDependent {
+        /// Names of the parameters that structure alone would keep.
+        parameters: Vec<String>,
+        /// The fraction of the others' columns by which theirs differ at most.
+        tolerance: f64,
+    },
     /// The completed standard parameters of a link are physically inconsistent.
     InconsistentLink {
         /// Link, from one.
@@ -90,6 +97,9 @@ impl Finding {
             Self::ResidualCorrelated { .. } => "look at the residual over time and over velocity for what is missing",
             Self::FewPeriods { .. } => "record at least 4 periods",
             Self::NoiseFromResidual => "record a periodic motion at least 4 times to separate noise from model errors",
+            Self::NearlyDependent { .. } => {
+                "check the geometry: axes that should be parallel, perpendicular or meet may be off by a rounding of the file"
+            }
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
                 "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
             }
@@ -117,6 +127,11 @@ impl fmt::Display for Finding {
             ),
             Self::FewPeriods { periods } => write!(f, "{periods} periods are too few to estimate the noise"),
             Self::NoiseFromResidual => write!(f, "no repeated periods: the noise is taken from the residual"),
+            Self::NearlyDependent { parameters, tolerance } => write!(
+                f,
+                "{} left out of the base: the columns differ from the others by less than {tolerance:.0e}",
+                parameters.join(", ")
+            ),
             Self::InconsistentLink { link, eigenvalue } => {
                 write!(
                     f,

@@ -98,6 +98,10 @@ impl Inference<'_> {
             .collect();
         let mut findings = self.findings(&base);
         findings.extend(beyond);
+        findings.extend(observation.base.nearly_dependent.as_ref().map(|left_out| Finding::NearlyDependent {
+            parameters: left_out.parameters.clone(),
+            tolerance: left_out.tolerance,
+        }));
         let completion = match self.problem.nominal {
             Some(nominal) => Some(complete(&observation.base, beta, nominal)?),
             None => None,

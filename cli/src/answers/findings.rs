@@ -25,6 +25,7 @@ const fn rank(finding: &Finding) -> usize {
         Finding::ResidualCorrelated { .. } => 5,
         Finding::FewPeriods { .. } => 6,
         Finding::NoiseFromResidual => 7,
+        Finding::NearlyDependent { .. } => 8,
     }
 }
 
@@ -69,7 +70,10 @@ fn summary(found: &[&Finding]) -> Option<String> {
             });
             format!("neighbouring residuals correlate at joints {}", list(joints.collect()))
         }
-        Finding::LargeCondition { .. } | Finding::FewPeriods { .. } | Finding::NoiseFromResidual => return None,
+        Finding::LargeCondition { .. }
+        | Finding::FewPeriods { .. }
+        | Finding::NoiseFromResidual
+        | Finding::NearlyDependent { .. } => return None,
     })
 }
 

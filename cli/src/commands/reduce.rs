@@ -15,7 +15,8 @@ use crate::terminal::{Align, Answer, Console, Ending, Table};
 const AFTER_HELP: &str = "\
 The methods give the same base parameters: `structural` walks the links and draws no random
 numbers, `qr` factorises a regressor of random states, `paper` takes steps 1 to 5 of Radkhah et al.
-(2007). With --trajectory the categories are those of that motion alone (`paper` or `qr`).
+(2007). Columns that no torque sensor tells from the others, by 1e-6 over random states, are left out
+with a finding. With --trajectory the categories are those of that motion alone (`paper` or `qr`).
 
 Examples:
   armid reduce crs-a460
@@ -70,11 +71,17 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         }
         (Some(_), motion) => refused(format!("--trajectory with --base {}, expected a fixed base", motion.name()))?,
     };
-    console.answer(&answer(robot, columns, &reduction, arguments.trajectory.as_deref()))?;
+    console.answer(&answer(robot, columns, &reduction, arguments.trajectory.as_deref(), &loaded.remarks))?;
     Ok(Ending::Done)
 }
 
-fn answer(robot: &Robot, columns: Columns, base: &BaseReduction, trajectory: Option<&str>) -> Answer {
+fn answer(
+    robot: &Robot,
+    columns: Columns,
+    base: &BaseReduction,
+    trajectory: Option<&str>,
+    remarks: &[String],
+) -> Answer {
     let names = base.names();
     let expressions = base.expressions(robot);
     let parameters: Vec<_> = base
@@ -100,11 +107,17 @@ fn answer(robot: &Robot, columns: Columns, base: &BaseReduction, trajectory: Opt
         "base_motion": base.base_motion.name(),
         "trajectory": trajectory,
         "rank": base.rank(),
+        "structural_rank": base.nearly_dependent.as_ref().map_or(base.rank(), |left_out| left_out.structural_rank),
+        "findings": remarks.iter().cloned().chain(base.nearly_dependent.iter().map(ToString::to_string)).collect::<Vec<_>>(),
         "counts": Category::ALL.map(|c| (c.name(), base.count(c))).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
         "parameters": parameters,
         "base": rows,
     });
-    Answer { text: text(robot, columns, base, trajectory, &expressions), json }
+    let mut text = text(robot, columns, base, trajectory, &expressions);
+    for finding in remarks.iter().cloned().chain(base.nearly_dependent.iter().map(ToString::to_string)) {
+        let _ = write!(text, "\n{finding}\n");
+    }
+    Answer { text, json }
 }
 
 fn text(

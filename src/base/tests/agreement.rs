@@ -4,19 +4,20 @@ use nalgebra::{DVector, dmatrix};
 use rand::RngExt;
 
 use super::chains::{a460, bundled_robots, parts, random_chains, relengthened};
-use crate::base::{BaseReduction, Method, reduce};
+use crate::base::{BaseReduction, Method, reduce, structural_base};
 use crate::conformance::chains::planar_2r;
 use crate::linalg::product;
 use crate::model::{Columns, Robot};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
+use crate::spatial::Placement;
 
 /// The random states carry 1e-15 of rounding, amplified where an arm is nearly special: over 4000 chains of 1 to 7
 /// joints the largest difference was 1.2e-10 of K's largest entry.
 const SAME_K: f64 = 1e-9;
 
 fn three(robot: &Robot, columns: Columns) -> [BaseReduction; 3] {
-    Method::ALL.map(|method| reduce(robot, columns, method, Seed::new(3)).unwrap())
+    Method::ALL.map(|method| structural_base(robot, columns, method, Seed::new(3)).unwrap())
 }
 
 fn assert_same(a: &BaseReduction, b: &BaseReduction, robot: &Robot) {
@@ -74,7 +75,7 @@ fn identity_base_regressor_gives_the_same_torque() {
     let mut rng = Seed::new(8).stream("torques", 0);
     let bundled = bundled_robots().into_iter().map(|robot| (robot, Columns::RIGID_ROTOR_FRICTION));
     for (robot, columns) in bundled.chain(random_chains(42)) {
-        let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
+        let base = structural_base(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
         let regressor = JointTorqueRegressor::new(&robot, columns);
         // Parameters of any value, physical or not: the identity is linear.
         let phi = DVector::from_fn(regressor.cols(), |_, _| rng.random_range(-1.0..1.0));
@@ -98,7 +99,7 @@ fn identity_base_regressor_gives_the_same_torque() {
 fn identity_neither_the_seed_nor_the_unit_of_length_matters() {
     let arm = a460();
     let [_, first, structural] = three(&arm, Columns::RIGID_ROTOR_FRICTION);
-    let second = reduce(&arm, Columns::RIGID_ROTOR_FRICTION, Method::Qr, Seed::new(4)).unwrap();
+    let second = structural_base(&arm, Columns::RIGID_ROTOR_FRICTION, Method::Qr, Seed::new(4)).unwrap();
     assert_same(&first, &second, &arm);
     // An arm of half a millimetre, and one of a kilometre.
     for factor in [5e-4, 1e3] {
@@ -113,7 +114,7 @@ fn identity_neither_the_seed_nor_the_unit_of_length_matters() {
 #[test]
 fn identity_k_is_an_echelon_form_whose_rows_span_those_of_the_regressor() {
     for (robot, columns) in random_chains(21) {
-        let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
+        let base = structural_base(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
         for (row, &kept) in base.kept.iter().enumerate() {
             assert!(base.k.column(kept).iter().enumerate().all(|(i, &x)| x == if i == row { 1.0 } else { 0.0 }));
             assert!(base.k.row(row).iter().take(kept).all(|&x| x == 0.0), "nothing left of a kept column");
@@ -130,4 +131,43 @@ fn identity_k_is_an_echelon_form_whose_rows_span_those_of_the_regressor() {
         let rebuilt = product(&base.select_columns(&w), &base.k);
         assert!((&w - rebuilt).norm() <= 1e-10 * base.k.amax().max(1.0) * w.norm(), "{}", robot.name());
     }
+}
+
+#[test]
+fn identity_what_torque_hardly_shows_is_left_out_by_every_method_alike() {
+    // The shoulder's axis turned out of its plane: 1e-8 rad no sensor sees, 1e-2 rad it does.
+    let tilted = |by: f64| {
+        let mut spec = parts(&a460());
+        for joint in &mut spec.joints {
+            joint.dh = None;
+        }
+        let (s, c) = libm::sincos(by);
+        let turn = Placement::rotation_x(s, c).compose(&Placement::rotation_y(s, c));
+        spec.joints[1].before = turn.compose(&spec.joints[1].before);
+        Robot::new(spec).unwrap()
+    };
+    let columns = Columns::RIGID_ROTOR_FRICTION;
+    let exact = reduce(&a460(), columns, Method::Structural, Seed::new(1)).unwrap();
+    assert_eq!((exact.rank(), &exact.nearly_dependent), (58, &None));
+    for method in Method::ALL {
+        let reduced = reduce(&tilted(1e-8), columns, method, Seed::new(2)).unwrap();
+        assert_eq!((reduced.names(), &reduced.categories), (exact.names(), &exact.categories), "{method:?}");
+        let left_out = reduced.nearly_dependent.expect("columns were left out");
+        assert!(left_out.structural_rank > 58 && !left_out.parameters.is_empty(), "{left_out:?}");
+        assert!(left_out.to_string().contains("1e-6"), "{left_out}");
+        let seen = reduce(&tilted(1e-2), columns, method, Seed::new(2)).unwrap();
+        assert!(seen.rank() > 58, "{method:?}");
+    }
+    // What is left out changes the torque by less than the tolerance.
+    let robot = tilted(1e-8);
+    let base = reduce(&robot, columns, Method::Structural, Seed::new(1)).unwrap();
+    let mut rng = Seed::new(2).stream("nearly dependent", 0);
+    let mut states = crate::dynamics::States::new(robot.dof());
+    for _ in 0..30 {
+        let (q, qd, qdd) = crate::conformance::chains::random_state(&mut rng, robot.dof());
+        states.push(&q, &qd, &qdd);
+    }
+    let w = JointTorqueRegressor::new(&robot, columns).stack(&states);
+    let rebuilt = product(&base.select_columns(&w), &base.k);
+    assert!((&w - rebuilt).norm() <= 1e-6 * w.norm());
 }

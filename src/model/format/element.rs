@@ -53,10 +53,21 @@ impl<'a> Element<'a> {
         self.node.tag_name().name()
     }
 
+    /// Whether its tag has this prefix, as in `xacro:macro`.
+    pub(super) fn is_of(&self, prefix: &str) -> bool {
+        let written = &self.check.text()[self.node.range()];
+        written.strip_prefix('<').and_then(|rest| rest.strip_prefix(prefix)).is_some_and(|rest| rest.starts_with(':'))
+    }
+
     /// Where its opening tag begins, up to the end of the tag's name.
     pub(super) fn span(&self) -> Range<usize> {
         let start = self.node.range().start;
         start..start + 1 + self.tag().len()
+    }
+
+    /// All of it in the text, to the end of its closing tag.
+    pub(super) fn range(&self) -> Range<usize> {
+        self.node.range()
     }
 
     pub(super) fn fault<T>(&self, message: impl Into<String>) -> Result<T, FormatError> {
@@ -155,12 +166,63 @@ impl<'a> Element<'a> {
 
 /// Sine and cosine of an angle in rad, exact where the text means a multiple of 90°: within four roundings of one.
 pub(super) fn sincos(angle: f64) -> (f64, f64) {
-    let quarters = (angle / std::f64::consts::FRAC_PI_2).round();
-    let right = quarters * std::f64::consts::FRAC_PI_2;
-    if (angle - right).abs() <= 4.0 * f64::EPSILON * right.abs() {
-        exact_sincos(90.0 * quarters)
+    let right = RightAngle::nearest(angle);
+    if right.is_rounding() { right.sincos() } else { libm::sincos(angle) }
+}
+
+/// How far from a multiple of 90° an angle of the geometry may be that means one, rad: half a unit of the fourth decimal.
+///
+/// Files write π/2 as 1.5708 or 1.57079632679. An axis that is off by that much makes parameters visible that no torque
+/// sensor resolves (their columns are 1e-6 to 1e-11 of the others), and a tool a metre away moves by 0.05 mm at most.
+pub(super) const RIGHT_ANGLE: f64 = 5e-5;
+
+/// The multiple of 90° that is nearest to an angle.
+#[derive(Clone, Copy)]
+struct RightAngle {
+    quarters: f64,
+    /// The angle minus the multiple, rad.
+    off: f64,
+}
+
+impl RightAngle {
+    fn nearest(angle: f64) -> Self {
+        let quarters = (angle / std::f64::consts::FRAC_PI_2).round();
+        Self { quarters, off: angle - quarters * std::f64::consts::FRAC_PI_2 }
+    }
+
+    fn is_rounding(self) -> bool {
+        self.off.abs() <= 4.0 * f64::EPSILON * (self.quarters * std::f64::consts::FRAC_PI_2).abs()
+    }
+
+    fn sincos(self) -> (f64, f64) {
+        exact_sincos(90.0 * self.quarters)
+    }
+}
+
+/// Sine and cosine of an angle of the geometry, exact within [`RIGHT_ANGLE`] of a multiple of 90°, and by how much the
+/// angle was off, rad: zero where it means what it says.
+pub(super) fn snapped_sincos(angle: f64) -> ((f64, f64), f64) {
+    let right = RightAngle::nearest(angle);
+    if right.is_rounding() {
+        (right.sincos(), 0.0)
+    } else if right.off.abs() <= RIGHT_ANGLE {
+        (right.sincos(), right.off.abs())
     } else {
-        libm::sincos(angle)
+        (libm::sincos(angle), 0.0)
+    }
+}
+
+/// A direction of the geometry, along a coordinate axis where it is within [`RIGHT_ANGLE`] of one, and by how much it
+/// was off, rad.
+pub(super) fn snapped_direction(axis: &Vector3<f64>) -> (Vector3<f64>, f64) {
+    let along = axis.iamax();
+    let across = axis.iter().enumerate().filter(|&(i, _)| i != along).fold(0.0, |sum, (_, x)| libm::hypot(sum, *x));
+    if across <= RIGHT_ANGLE {
+        let mut exact = Vector3::zeros();
+        exact[along] = if axis[along] < 0.0 { -1.0 } else { 1.0 };
+        (exact, across)
+    } else {
+        (*axis, 0.0)
     }
 }
 
@@ -182,6 +244,7 @@ pub(super) fn turn_z_to(axis: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 #[cfg(test)]
+#[allow(clippy::float_cmp, reason = "right angles are exact")]
 mod tests {
     use super::*;
 
@@ -216,5 +279,27 @@ mod tests {
         assert_eq!(sincos(PI), (0.0, -1.0));
         assert_eq!(sincos(1.57), libm::sincos(1.57));
         assert_eq!(sincos(1e-17), libm::sincos(1e-17));
+    }
+
+    #[test]
+    fn analytic_angles_of_the_geometry_are_right_within_half_a_unit_of_the_fourth_decimal() {
+        use std::f64::consts::{FRAC_PI_2, PI};
+        for (written, meant) in
+            [(1.5708, (1.0, 0.0)), (-1.5708, (-1.0, 0.0)), (3.14159, (0.0, -1.0)), (4e-5, (0.0, 1.0))]
+        {
+            let (found, off) = snapped_sincos(written);
+            assert_eq!(found, meant);
+            let exact = (written - (written / FRAC_PI_2).round() * FRAC_PI_2).abs();
+            assert!((off - exact).abs() < 1e-15 && off > 0.0, "{written}: {off}");
+        }
+        assert_eq!(snapped_sincos(PI), ((0.0, -1.0), 0.0));
+        for other in [1.57, 1.5707, 6e-5, 0.7854] {
+            assert_eq!(snapped_sincos(other), (libm::sincos(other), 0.0));
+        }
+        let (axis, off) = snapped_direction(&Vector3::new(3e-5, -1.0, 4e-5).normalize());
+        assert_eq!(axis, -Vector3::y());
+        assert!((off - 5e-5).abs() < 1e-12);
+        let tilted = Vector3::new(6e-5, 0.0, 1.0).normalize();
+        assert_eq!(snapped_direction(&tilted), (tilted, 0.0));
     }
 }

@@ -7,8 +7,9 @@
 //! T(q) = body · Tr(axis · q)                             (slide)
 //! ```
 //! Read: nested bodies with one hinge or slide each, `inertial`, `armature`, `damping`, `frictionloss`, `range`,
-//! `actuatorfrcrange`, gravity, classes of defaults for joints. What would change the motion and is not supported is
-//! refused by name (springs, balls, tendons, equalities, includes, frames, inertia from shapes, …); shapes, assets,
+//! `actuatorfrcrange`, gravity, classes of defaults for joints, and the armature of a fixed tendon: the rotor of a coupled motor,
+//! `q_motor = Σ c_j q_j`. What would change the motion and is not supported is
+//! refused by name (springs, balls, spatial tendons, equalities, includes, frames, inertia from shapes, …); shapes, assets,
 //! sensors and actuators are passed over. Reference: the MuJoCo XML reference, version 3.
 
 use crate::input::size::LINKS;
@@ -21,7 +22,7 @@ use roxmltree::Attribute;
 use super::FormatError;
 use super::element::{Element, parse_xml, turn_z_to};
 use super::mjcf_settings::{InertiaFromShapes, Settings};
-use super::tree::{Body, ChainEnds, Connection, ImportedModel, MovingJoint, Tree, moved};
+use super::tree::{Body, ChainEnds, Connection, CoupledRotor, ImportedModel, MovingJoint, Tree, moved};
 use crate::model::{DriveParameters, JointKind, Limits};
 use crate::spatial::{Inertia, Placement};
 
@@ -60,6 +61,7 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         name: "world".to_owned(),
         parent: None,
         placement: Placement::identity(),
+        snapped: None,
         connection: Connection::Fixed,
         inertia: Ok(Inertia::zero()),
         at: root.span(),
@@ -68,10 +70,44 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         reader.children(world, 0, None)?;
     }
     let bodies = reader.bodies;
+    let mut rotors = Vec::new();
+    for tendons in root.all("tendon") {
+        for tendon in tendons.elements() {
+            rotors.extend(coupled_rotor(tendon)?);
+        }
+    }
     let name = root.attribute("model").map_or("unnamed", |name| name.value()).to_owned();
-    Tree { check: root.check(), at: root.span(), name, gravity: settings.gravity, bodies, remarks: Vec::new() }
+    Tree { check: root.check(), at: root.span(), name, gravity: settings.gravity, bodies, rotors, remarks: Vec::new() }
         .chain(ends)
         .map(|model| model.read_from(text))
+}
+
+/// The rotor that a fixed tendon stands for; none where it has no armature.
+fn coupled_rotor(tendon: Element<'_>) -> Result<Option<CoupledRotor>, FormatError> {
+    if tendon.tag() != "fixed" {
+        return tendon.fault(format!("<{}> in <tendon> is not supported, expected <fixed>", tendon.tag()));
+    }
+    for key in ["stiffness", "damping", "frictionloss"] {
+        if let Some(attribute) = tendon.attribute(key)
+            && !attribute.value().split_ascii_whitespace().all(|word| word.parse() == Ok(0.0))
+        {
+            let message = format!("{key} of a tendon is {}, expected 0: only its armature is read", attribute.value());
+            return tendon.check().fault(attribute.range_value(), message);
+        }
+    }
+    let mut joints = Vec::new();
+    for joint in tendon.elements() {
+        if joint.tag() != "joint" {
+            return joint.fault(format!("<{}> in <fixed> is not supported, expected <joint>", joint.tag()));
+        }
+        joints.push((joint.required("joint")?.value().to_owned(), joint.required_number("coef")?));
+    }
+    let inertia = tendon.number("armature")?.unwrap_or(0.0);
+    if inertia < 0.0 {
+        return tendon.fault(format!("armature is {inertia}, expected a number not below zero"));
+    }
+    let motor = tendon.attribute("name").and_then(|name| name.value().strip_prefix("motor")?.parse().ok());
+    Ok((inertia > 0.0).then_some(CoupledRotor { motor, inertia, joints, at: tendon.span() }))
 }
 
 /// Reads nested bodies, parents before children.
@@ -113,7 +149,7 @@ impl<'a> BodyReader<'_, 'a> {
         let inertia = self.inertia(element, &name);
         let placement = self.settings.placement(element)?;
         let at = element.span();
-        self.bodies.push(Body { name, parent: Some(parent), placement, connection, inertia, at });
+        self.bodies.push(Body { name, parent: Some(parent), placement, snapped: None, connection, inertia, at });
         self.children(element, index, class)
     }
 

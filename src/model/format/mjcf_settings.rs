@@ -66,6 +66,8 @@ impl<'a> Settings<'a> {
                 "default" => settings.defaults(section, &BTreeMap::new(), true)?,
                 // Motors: their gears and gains say nothing about the torque that a motion needs.
                 "actuator" => {}
+                // Read after the bodies.
+                "tendon" => {}
                 tag if WITHOUT_DYNAMICS.contains(&tag) => {}
                 tag => return section.fault(format!("<{tag}> is not supported")),
             }

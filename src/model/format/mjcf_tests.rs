@@ -101,7 +101,13 @@ fn analytic_every_fault_names_its_place() {
         ("<default class=\"heavy\">", "¶<default>", "<default> has no class"),
         ("class=\"main\"", "class=\"¶light\"", "class \"light\" is not there"),
         ("<option ", "¶<include file=\"x\"/><option ", "<include> is not supported"),
-        ("<option ", "¶<tendon/><option ", "<tendon> is not supported"),
+        ("<option ", "<tendon>¶<spatial/></tendon><option ", "<spatial> in <tendon> is not supported"),
+        ("<option ", "<tendon><fixed damping=\"¶1\"/></tendon><option ", "damping of a tendon is 1, expected 0"),
+        (
+            "<option ",
+            "<tendon>¶<fixed armature=\"1\"><joint joint=\"first\" coef=\"1\"/></fixed></tendon><option ",
+            "has a rotor of its own",
+        ),
         ("<option ", "¶<equality/><option ", "<equality> is not supported"),
         ("<geom type=\"plane\" size=\"1 1 1\"/>", "¶<frame/>", "<frame> in <worldbody> is not supported"),
         ("quat=\"2 0 1 0.5\"", "quat=\"¶0 0 0 0\"", "quat is zero"),
@@ -152,6 +158,31 @@ fn analytic_every_fault_names_its_place() {
     expect_fault(parse, &shaped.replacen("<body name=\"hand\"", "¶<body name=\"hand\"", 1), "from its shapes");
     let massless = shaped.replacen("<geom size=\"1\"/>", "<geom size=\"1\" mass=\"0\"/>", 1);
     assert_eq!(parse(&massless).unwrap().parameters.links[2].mass, 0.0);
+}
+
+#[test]
+fn analytic_the_armature_of_a_tendon_is_the_rotor_of_a_coupled_motor() {
+    let tendon = "<tendon><fixed name=\"motor3\" armature=\"0.4\"><joint joint=\"second\" coef=\"-0.5\"/><joint joint=\"third\" \
+                  coef=\"2\"/></fixed><fixed name=\"seen\"><joint joint=\"first\" coef=\"1\"/></fixed></tendon>";
+    let text = MIXED
+        .replace("class=\"main\"", "class=\"main\" armature=\"0\"")
+        .replace("</mujoco>", &format!("{tendon}</mujoco>"));
+    let (plain, model) =
+        (parse(&MIXED.replace("class=\"main\"", "class=\"main\" armature=\"0\"")).unwrap(), parse(&text).unwrap());
+    let coupling = model.robot.coupling().unwrap();
+    assert_eq!(coupling.row(2).iter().copied().collect::<Vec<f64>>(), [0.0, -0.5, 2.0]);
+    assert_eq!(model.parameters.drives[2][ROTOR], 0.4);
+    // The rotor adds Ia cᵀ q̈ c.
+    let (q, qd, qdd) = ([0.4, -0.1, 1.2], [0.0; 3], [-1.5, 0.8, 3.0]);
+    let torque = |model: &ImportedModel| {
+        let mut tau = [0.0; 3];
+        Dynamics::new(&model.robot, &model.parameters).inverse(&q, &qd, &qdd, &mut tau);
+        tau
+    };
+    let turned = 0.4 * (-0.5 * 0.8 + 2.0 * 3.0);
+    for ((found, expected), c) in torque(&model).iter().zip(torque(&plain)).zip([0.0, -0.5, 2.0]) {
+        assert!((found - expected - c * turned).abs() < 1e-13, "{found} {expected}");
+    }
 }
 
 /// A robot as MJCF whose bodies stand in the link frames.

@@ -9,11 +9,13 @@
 //! | URDF | [`parse_urdf`] | [`ImportedModel`] |
 //! | MJCF | [`parse_mjcf`] | [`ImportedModel`] |
 //!
-//! [`write_parameters`] and [`write_urdf`] go the other way.
+//! [`write_parameters`] and [`write_urdf`] go the other way; [`edit_urdf`] puts parameters into a URDF that is there.
 //!
 //! Keys carry their unit as a suffix. A link is called after the joint that moves it, the one that stands still is
 //! `base`. Every fault is a [`FormatError`] that says what was found, what was expected, and the line and column.
 
+mod arm;
+mod chain;
 mod coupling_table;
 mod drive_table;
 mod element;
@@ -31,6 +33,7 @@ mod shape_parameters;
 mod shape_tables;
 mod tree;
 mod urdf;
+mod urdf_edit;
 mod urdf_writer;
 #[cfg(test)]
 #[allow(clippy::float_cmp, reason = "a number of the text is read to its last bit")]
@@ -53,4 +56,5 @@ pub use relative_uncertainty::RelativeUncertainty;
 pub use robot_file::parse_robot;
 pub use tree::{ChainEnds, ImportedModel};
 pub use urdf::parse_urdf;
+pub use urdf_edit::{EditedUrdf, edit_urdf};
 pub use urdf_writer::write_urdf;

@@ -34,6 +34,11 @@ impl<'a> Check<'a> {
         Self { text }
     }
 
+    /// The text itself.
+    pub(super) fn text(&self) -> &'a str {
+        self.text
+    }
+
     pub(super) fn fault<T>(&self, span: Range<usize>, message: impl Into<String>) -> Result<T, FormatError> {
         Err(FormatError::at(self.text, span, message))
     }

@@ -7,11 +7,12 @@
 
 use std::ops::Range;
 
-use nalgebra::{Matrix3, Vector3};
+use nalgebra::{DMatrix, Matrix3, RowDVector, Vector3};
+
+use crate::model::term::ROTOR;
 
 use super::FormatError;
 use super::reading::Check;
-use super::reading::quoted;
 use crate::model::{
     Drive, DriveParameters, EffortInterface, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters,
 };
@@ -22,7 +23,8 @@ use crate::spatial::{Inertia, Placement};
 pub struct ChainEnds {
     /// The link (URDF) or body (MJCF) that stands still; the root where not given.
     pub base: Option<String>,
-    /// The link or body that the chain ends at; the end of the longest chain where not given.
+    /// The link or body that the chain ends at. Where not given, the last joint of the only chain; where chains part, the
+    /// place where they do, provided that they are a gripper's: each has at most half as many joints as the arm before.
     pub tip: Option<String>,
 }
 
@@ -81,7 +83,12 @@ fn impossible(robot: &Robot, parameters: &StandardParameters) -> Vec<String> {
 pub(super) enum Connection {
     Fixed,
     Moving(MovingJoint),
-    /// A joint with more than one degree of freedom, or one that follows another: its name and what it is.
+    /// A joint that follows another.
+    Follows {
+        joint: String,
+        leader: String,
+    },
+    /// A joint with more than one degree of freedom: its name and what it is.
     Unsupported(String, String),
 }
 
@@ -101,9 +108,22 @@ pub(super) struct Body {
     pub(super) parent: Option<usize>,
     /// Pose of its frame in the parent's, at zero.
     pub(super) placement: Placement,
+    /// The joint that carries it and by how much its angles were off the right ones that they are read as, rad.
+    pub(super) snapped: Option<(String, f64)>,
     pub(super) connection: Connection,
     /// In its own frame; a fault that counts only where the body moves.
     pub(super) inertia: Result<Inertia, FormatError>,
+    pub(super) at: Range<usize>,
+}
+
+/// A rotor that turns by `Σ c_j q_j`.
+pub(super) struct CoupledRotor {
+    /// Number of its motor, from one, where its name says it.
+    pub(super) motor: Option<usize>,
+    /// Its inertia, kg·m².
+    pub(super) inertia: f64,
+    /// Joints by name, with their c.
+    pub(super) joints: Vec<(String, f64)>,
     pub(super) at: Range<usize>,
 }
 
@@ -115,53 +135,35 @@ pub(super) struct Tree<'a> {
     pub(super) name: String,
     pub(super) gravity: Vector3<f64>,
     pub(super) bodies: Vec<Body>,
+    /// Rotors that turn with several joints.
+    pub(super) rotors: Vec<CoupledRotor>,
     pub(super) remarks: Vec<String>,
 }
 
 impl Tree<'_> {
-    /// The serial chain between two bodies.
-    pub(super) fn chain(self, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
-        let base = ends.base.as_ref().map_or(Ok(0), |name| self.find("base", name))?;
-        let tip = match &ends.tip {
-            Some(name) => self.find("tip", name)?,
-            None => self.only_tip(base)?,
-        };
-        if !self.path(tip).contains(&base) {
-            let (base, tip) = (&self.bodies[base].name, &self.bodies[tip].name);
-            return self
-                .check
-                .fault(self.at.clone(), format!("\"{tip}\" does not hang on \"{base}\", expected a tip that does"));
+    /// For each body beyond the base: the link of the chain that carries it (0 the base), and its pose in that link.
+    pub(super) fn carried(&self, base: usize, moving: &[usize]) -> Vec<Option<(usize, Placement)>> {
+        let mut carried: Vec<Option<(usize, Placement)>> = vec![None; self.bodies.len()];
+        carried[base] = Some((0, Placement::identity()));
+        for (b, body) in self.bodies.iter().enumerate() {
+            let Some((link, pose)) = body.parent.and_then(|parent| carried[parent]) else { continue };
+            carried[b] = Some(match moving.iter().position(|&m| m == b) {
+                Some(index) => (index + 1, Placement::identity()),
+                None => (link, pose.compose(&body.placement)),
+            });
         }
-        let moving = self.moving(base, tip);
-        if moving.is_empty() {
-            let (base, tip) = (&self.bodies[base].name, &self.bodies[tip].name);
-            let message = format!("no joint moves between \"{base}\" and \"{tip}\", expected at least one");
-            return self.check.fault(self.at.clone(), message);
-        }
-        self.assemble(base, &moving)
-    }
-
-    /// A body by its name.
-    fn find(&self, end: &str, name: &str) -> Result<usize, FormatError> {
-        self.bodies.iter().position(|body| body.name == name).map_or_else(
-            || {
-                let names: Vec<&str> = self.bodies.iter().map(|body| body.name.as_str()).collect();
-                let message = format!("{end} \"{name}\" is not there, expected one of {}", quoted(&names));
-                self.check.fault(self.at.clone(), message)
-            },
-            Ok,
-        )
+        carried
     }
 
     /// The bodies from the root to this one.
-    fn path(&self, body: usize) -> Vec<usize> {
+    pub(super) fn path(&self, body: usize) -> Vec<usize> {
         let mut path: Vec<usize> = std::iter::successors(Some(body), |&b| self.bodies[b].parent).collect();
         path.reverse();
         path
     }
 
     /// The bodies below `base` on the way to `tip` that move against their parent.
-    fn moving(&self, base: usize, tip: usize) -> Vec<usize> {
+    pub(super) fn moving(&self, base: usize, tip: usize) -> Vec<usize> {
         let path = self.path(tip);
         path.into_iter()
             .skip_while(|&b| b != base)
@@ -170,27 +172,7 @@ impl Tree<'_> {
             .collect()
     }
 
-    /// The leaf at the end of the longest chain, provided that no joint moves outside of that chain.
-    fn only_tip(&self, base: usize) -> Result<usize, FormatError> {
-        let is_leaf = |b: &usize| !self.bodies.iter().any(|body| body.parent == Some(*b));
-        let leaves: Vec<usize> =
-            (0..self.bodies.len()).filter(is_leaf).filter(|&b| self.path(b).contains(&base)).collect();
-        let chains: Vec<Vec<usize>> = leaves.iter().map(|&leaf| self.moving(base, leaf)).collect();
-        let mut longest = 0;
-        for (i, chain) in chains.iter().enumerate() {
-            if chain.len() > chains[longest].len() {
-                longest = i;
-            }
-        }
-        if chains.iter().all(|chain| chains[longest].starts_with(chain)) {
-            return Ok(leaves[longest]);
-        }
-        let names: Vec<&str> = leaves.iter().map(|&leaf| self.bodies[leaf].name.as_str()).collect();
-        let message = format!("the robot is a tree, expected a tip to choose the chain, one of {}", quoted(&names));
-        self.check.fault(self.at.clone(), message)
-    }
-
-    fn assemble(self, base: usize, moving: &[usize]) -> Result<ImportedModel, FormatError> {
+    pub(super) fn assemble(self, base: usize, moving: &[usize]) -> Result<ImportedModel, FormatError> {
         let n = moving.len();
         let mut parameters = StandardParameters::zero(n);
         let mut joints = Vec::with_capacity(n);
@@ -208,12 +190,26 @@ impl Tree<'_> {
                     parameters.drives[index].clone_from(&joint.drive);
                     (index + 1, Placement::identity())
                 }
+                (Connection::Follows { joint, leader }, Some(_)) => {
+                    let message = format!(
+                        "joint \"{joint}\" is a mimic of joint \"{leader}\", expected a chain whose joints move on their own"
+                    );
+                    return self.check.fault(body.at.clone(), message);
+                }
+                (Connection::Follows { joint, leader }, None) => {
+                    locked.push(format!("{joint} (a mimic of {leader})"));
+                    (link, pose)
+                }
                 (Connection::Unsupported(name, what), Some(_)) => {
                     let message = format!("joint \"{name}\" is {what}, expected a joint with one degree of freedom");
                     return self.check.fault(body.at.clone(), message);
                 }
-                (Connection::Moving(MovingJoint { name, .. }) | Connection::Unsupported(name, _), None) => {
+                (Connection::Moving(MovingJoint { name, .. }), None) => {
                     locked.push(name.clone());
+                    (link, pose)
+                }
+                (Connection::Unsupported(name, what), None) => {
+                    locked.push(format!("{name} ({what})"));
                     (link, pose)
                 }
                 (Connection::Fixed, _) => (link, pose),
@@ -231,8 +227,8 @@ impl Tree<'_> {
                 .path(base)
                 .iter()
                 .fold(Placement::identity(), |pose, &b| pose.compose(&self.bodies[b].placement)),
+            coupling: self.coupling(&joints, &mut parameters)?,
             joints,
-            coupling: None,
             shapes: Vec::new(),
             obstacles: Vec::new(),
             may_touch: Vec::new(),
@@ -252,6 +248,41 @@ impl Tree<'_> {
             }
             Err(fault) => self.check.fault(self.at.clone(), fault.to_string()),
         }
+    }
+}
+
+impl Tree<'_> {
+    /// `q_motor = C q` and the inertia of the rotors behind it. A rotor stands for the motor that its name says, else for
+    /// the last of its joints that has no rotor of its own.
+    fn coupling(
+        &self,
+        joints: &[Joint],
+        parameters: &mut StandardParameters,
+    ) -> Result<Option<DMatrix<f64>>, FormatError> {
+        let n = joints.len();
+        let mut coupling = DMatrix::identity(n, n);
+        let mut taken = vec![false; n];
+        for rotor in &self.rotors {
+            let mut row = vec![0.0; n];
+            for (name, coefficient) in &rotor.joints {
+                if let Some(j) = joints.iter().position(|joint| joint.name == *name) {
+                    row[j] += coefficient;
+                }
+            }
+            if row.iter().all(|&c| c == 0.0) {
+                continue;
+            }
+            let is_free = |&j: &usize| !taken[j] && row[j] != 0.0 && parameters.drives[j][ROTOR] == 0.0;
+            let named = rotor.motor.and_then(|motor| motor.checked_sub(1)).filter(|&j| j < n).filter(is_free);
+            let Some(motor) = named.or_else(|| (0..n).rfind(is_free)) else {
+                let message = "each joint of the tendon has a rotor of its own, expected one whose motor this is";
+                return self.check.fault(rotor.at.clone(), message);
+            };
+            taken[motor] = true;
+            parameters.drives[motor][ROTOR] = rotor.inertia;
+            coupling.set_row(motor, &RowDVector::from_vec(row));
+        }
+        Ok(taken.contains(&true).then_some(coupling))
     }
 }
 

@@ -6,15 +6,17 @@
 //! ```text
 //! T(q) = origin · Rot(axis, q) = (origin · R) · Rz(q) · Rᵀ        R z = axis
 //! ```
-//! Not read: meshes, collision shapes, transmissions, sensors, simulator extensions.
+//! Not read: meshes, collision shapes (a remark counts them), transmissions, sensors, simulator extensions.
 //! Reference: the URDF/XML specification of the Robot Operating System.
 
 use crate::input::size::LINKS;
 use crate::model::term::{COULOMB, VISCOUS};
+use std::collections::BTreeMap;
+
 use nalgebra::{Matrix3, Vector3};
 
 use super::FormatError;
-use super::element::{Element, parse_xml, sincos, turn_z_to};
+use super::element::{Element, parse_xml, sincos, snapped_direction, snapped_sincos, turn_z_to};
 use super::reading::STANDARD_GRAVITY;
 use super::tree::{Body, ChainEnds, Connection, ImportedModel, MovingJoint, Tree, moved};
 use crate::model::{DriveParameters, JointKind, Limits};
@@ -25,7 +27,8 @@ use crate::spatial::{Inertia, Placement};
 /// Links that fixed joints connect become one. Where no tip is given and every moving joint lies on one chain, that
 /// chain is taken. Effort limits, `damping` and `friction` become torque limit, viscous and Coulomb friction; the
 /// effort interface is a torque, gravity 9.81 m/s² along −z of the root. Joints off the chain are held at zero and
-/// listed. A limit of zero is what exporters write for none, and is read so, with a remark.
+/// listed. A limit of zero is what exporters write for none, and is read so, with a remark. Angles and axes of the
+/// chain within 5e-5 rad of a right angle are right, with a remark that names the joints: `1.5708` means π/2.
 ///
 /// ```
 /// use armid::model::format::{ChainEnds, parse_urdf};
@@ -43,9 +46,16 @@ use crate::spatial::{Inertia, Placement};
 /// hangs twice, a tree without a tip (the leaves are listed), a planar, floating or mimic joint on the chain.
 pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
     let document = parse_xml(text)?;
-    let root = Element::root(&document);
+    read_tree(Element::root(&document), text)?.chain(ends).map(|model| model.read_from(text))
+}
+
+/// The tree of a whole file.
+pub(super) fn read_tree<'a>(root: Element<'a>, text: &str) -> Result<Tree<'a>, FormatError> {
     if root.tag() != "robot" {
         return root.fault(format!("the root element is <{}>, expected <robot>", root.tag()));
+    }
+    if text.contains("xmlns:xacro") && root.elements().any(|element| element.is_of("xacro")) {
+        return root.fault("the file is a xacro template, expected a URDF; `xacro FILE > arm.urdf` makes one");
     }
     let links: Vec<Element<'_>> = root.all("link").collect();
     if let Err(fault) = LINKS.check_count("number of links", links.len()) {
@@ -63,7 +73,7 @@ pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
     if links.is_empty() {
         return root.fault("the robot has no links, expected at least two");
     }
-    let mut remarks = Vec::new();
+    let mut remarks: Vec<String> = collisions_left_out(&links).into_iter().collect();
     // The joint that carries each link.
     let mut carrier: Vec<Option<UrdfJoint<'_>>> = links.iter().map(|_| None).collect();
     for element in root.all("joint") {
@@ -74,15 +84,32 @@ pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
             return element.fault(format!("{message}, expected a tree"));
         }
     }
-    let tree = Tree {
+    Ok(Tree {
         check: root.check(),
         at: root.span(),
         name: root.attribute("name").map_or("unnamed", |name| name.value()).to_owned(),
         gravity: Vector3::from(STANDARD_GRAVITY),
         bodies: bodies(root, &links, &names, &carrier, &mut remarks)?,
+        rotors: Vec::new(),
         remarks,
-    };
-    tree.chain(ends).map(|model| model.read_from(text))
+    })
+}
+
+/// How many collision shapes the file has, which no clearance is held against.
+fn collisions_left_out(links: &[Element<'_>]) -> Option<String> {
+    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
+    for link in links {
+        for collision in link.all("collision") {
+            for geometry in collision.all("geometry") {
+                for shape in geometry.elements() {
+                    *counts.entry(shape.tag()).or_default() += 1;
+                }
+            }
+        }
+    }
+    let counts: Vec<String> = counts.iter().map(|(kind, count)| format!("{count} × {kind}")).collect();
+    (!counts.is_empty())
+        .then(|| format!("collision shapes are not read, and no clearance is held against them: {}", counts.join(", ")))
 }
 
 /// The bodies from the root outwards.
@@ -109,6 +136,7 @@ fn bodies(
                 name: names[link].to_owned(),
                 parent: None,
                 placement: Placement::identity(),
+                snapped: None,
                 connection: Connection::Fixed,
                 inertia,
                 at: links[link].span(),
@@ -117,6 +145,7 @@ fn bodies(
                 name: names[link].to_owned(),
                 parent: order.iter().position(|&parent| parent == joint.parent),
                 placement: joint.origin,
+                snapped: joint.snapped()?,
                 connection: joint.connection(remarks)?,
                 inertia,
                 at: joint.element.span(),
@@ -138,6 +167,8 @@ struct UrdfJoint<'a> {
     parent: usize,
     child: usize,
     origin: Placement,
+    /// By how much its angles were off the right angles that they are read as, rad.
+    off: f64,
 }
 
 impl<'a> UrdfJoint<'a> {
@@ -155,24 +186,47 @@ impl<'a> UrdfJoint<'a> {
                 Ok,
             )
         };
+        let (origin, off) = read_snapped_origin(element)?;
         Ok(Self {
             name: element.required("name")?.value().to_owned(),
             parent: end("parent")?,
             child: end("child")?,
-            origin: read_origin(element)?,
+            origin,
+            off,
             element,
         })
+    }
+
+    /// The joint's axis, along a coordinate axis where it nearly is, and by how much it was off, rad.
+    fn axis(&self) -> Result<(Vector3<f64>, f64), FormatError> {
+        match self.element.only("axis")? {
+            Some(axis) => Ok(snapped_direction(&axis.direction_of(&axis.required("xyz")?)?)),
+            None => Ok((Vector3::x(), 0.0)),
+        }
+    }
+
+    /// Its name and the largest angle by which it was off what it is read as, rad.
+    fn snapped(&self) -> Result<Option<(String, f64)>, FormatError> {
+        let moves = self.element.required("type")?.value() != "fixed";
+        let off = if moves { self.off.max(self.axis()?.1) } else { self.off };
+        Ok((off > 0.0).then(|| (self.name.clone(), off)))
     }
 
     fn connection(&self, remarks: &mut Vec<String>) -> Result<Connection, FormatError> {
         let kind = self.element.required("type")?;
         let unsupported = |what: &str| Ok(Connection::Unsupported(self.name.clone(), what.to_owned()));
-        if let Some(mimic) = self.element.only("mimic")? {
-            let leader = mimic.required("joint")?;
-            return unsupported(&format!("a mimic of joint \"{}\"", leader.value()));
+        let mimic = self.element.only("mimic")?;
+        if kind.value() == "fixed" {
+            if mimic.is_some() {
+                remarks.push(format!("joint \"{}\": the mimic of a fixed joint is passed over", self.name));
+            }
+            return Ok(Connection::Fixed);
+        }
+        if let Some(mimic) = mimic {
+            let leader = mimic.required("joint")?.value().to_owned();
+            return Ok(Connection::Follows { joint: self.name.clone(), leader });
         }
         let (kind, limited) = match kind.value() {
-            "fixed" => return Ok(Connection::Fixed),
             "revolute" => (JointKind::Revolute, true),
             "continuous" => (JointKind::Revolute, false),
             "prismatic" => (JointKind::Prismatic, true),
@@ -184,10 +238,7 @@ impl<'a> UrdfJoint<'a> {
                 return self.element.check().fault(kind.range_value(), message);
             }
         };
-        let axis = match self.element.only("axis")? {
-            Some(axis) => axis.direction_of(&axis.required("xyz")?)?,
-            None => Vector3::x(),
-        };
+        let (axis, _) = self.axis()?;
         Ok(Connection::Moving(MovingJoint {
             name: self.name.clone(),
             kind,
@@ -242,19 +293,36 @@ impl<'a> UrdfJoint<'a> {
     }
 }
 
-/// The `<origin>` of a joint or an inertial, the identity where there is none.
-fn read_origin(element: Element<'_>) -> Result<Placement, FormatError> {
-    let Some(origin) = element.only("origin")? else { return Ok(Placement::identity()) };
-    let [x, y, z] = origin.numbers("xyz")?.unwrap_or([0.0; 3]);
-    let [roll, pitch, yaw] = origin.numbers("rpy")?.unwrap_or([0.0; 3]).map(sincos);
-    Ok(Placement::translation(x, y, z)
+/// The `<origin>` of an inertial, the identity where there is none.
+pub(super) fn read_origin(element: Element<'_>) -> Result<Placement, FormatError> {
+    let Some((xyz, rpy)) = origin_numbers(element)? else { return Ok(Placement::identity()) };
+    Ok(placed(xyz, rpy.map(sincos)))
+}
+
+/// The `<origin>` of a joint with right angles where it nearly has them, and by how much one was off at most, rad.
+fn read_snapped_origin(element: Element<'_>) -> Result<(Placement, f64), FormatError> {
+    let Some((xyz, rpy)) = origin_numbers(element)? else { return Ok((Placement::identity(), 0.0)) };
+    let angles = rpy.map(snapped_sincos);
+    let off = angles.iter().fold(0.0, |most: f64, (_, off)| most.max(*off));
+    Ok((placed(xyz, angles.map(|(angle, _)| angle)), off))
+}
+
+/// `xyz` and `rpy` of an element's `<origin>`.
+fn origin_numbers(element: Element<'_>) -> Result<Option<([f64; 3], [f64; 3])>, FormatError> {
+    let Some(origin) = element.only("origin")? else { return Ok(None) };
+    Ok(Some((origin.numbers("xyz")?.unwrap_or([0.0; 3]), origin.numbers("rpy")?.unwrap_or([0.0; 3]))))
+}
+
+/// `Tr(xyz) Rz(yaw) Ry(pitch) Rx(roll)`, each angle by its sine and cosine.
+fn placed([x, y, z]: [f64; 3], [roll, pitch, yaw]: [(f64, f64); 3]) -> Placement {
+    Placement::translation(x, y, z)
         .compose(&Placement::rotation_z(yaw.0, yaw.1))
         .compose(&Placement::rotation_y(pitch.0, pitch.1))
-        .compose(&Placement::rotation_x(roll.0, roll.1)))
+        .compose(&Placement::rotation_x(roll.0, roll.1))
 }
 
 /// The inertia of a link in its own frame; zero where the file gives none.
-fn read_inertial(link: Element<'_>) -> Result<Inertia, FormatError> {
+pub(super) fn read_inertial(link: Element<'_>) -> Result<Inertia, FormatError> {
     let Some(inertial) = link.only("inertial")? else { return Ok(Inertia::zero()) };
     let required = |tag: &'static str| match inertial.only(tag)? {
         Some(element) => Ok(element),

@@ -93,7 +93,7 @@ fn analytic_ends_choose_the_chain() {
     let fault = parse(&gripper).unwrap_err();
     assert_eq!((fault.line, fault.column), (2, 1));
     assert!(
-        fault.message.ends_with("expected a tip to choose the chain, one of \"camera\", \"jaw\", \"tool\""),
+        fault.message.ends_with("a tip link to choose the chain, one of \"jaw\" (2 joints), \"tool\" (2 joints)"),
         "{fault}"
     );
     let model = parse_urdf(&gripper, &ends(None, Some("tool"))).unwrap();
@@ -107,6 +107,79 @@ fn analytic_ends_choose_the_chain() {
         let fault = parse_urdf(TREE, &ends(base, tip)).unwrap_err();
         assert!(fault.message.contains(says), "{fault}");
     }
+}
+
+/// An arm of four joints about alternating axes, whose right angles are written as `angle` and `axis`, and what follows.
+fn arm(angle: &str, axis: &str, more: &str) -> String {
+    let mut text = "<robot name=\"arm\"><link name=\"l0\"/>".to_owned();
+    for k in 1..=4 {
+        let rpy = if k % 2 == 0 { angle } else { "0 0 0" };
+        text.push_str(&format!(
+            "<link name=\"l{k}\"><inertial><mass value=\"1\"/><inertia ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" \
+             iyz=\"0\" izz=\"0.1\"/></inertial></link><joint name=\"j{k}\" type=\"continuous\"><origin xyz=\"0.1 0 0.2\" \
+             rpy=\"{rpy}\"/><parent link=\"l{}\"/><child link=\"l{k}\"/><axis xyz=\"{axis}\"/></joint>",
+            k - 1
+        ));
+    }
+    text + more + "</robot>"
+}
+
+#[test]
+fn identity_rounded_right_angles_give_the_robot_of_exact_ones() {
+    use crate::base::{Method, reduce};
+    use crate::model::Columns;
+    use crate::seed::Seed;
+    let exact = parse(&arm("1.5707963267948966 0 3.141592653589793", "0 0 1", "")).unwrap();
+    assert!(exact.remarks.is_empty());
+    for (angle, axis) in [("1.5708 0 3.1416", "0 0 1"), ("1.57079632679 0 3.14159", "1e-5 -2e-7 1")] {
+        let rounded = parse(&arm(angle, axis, "")).unwrap();
+        assert_eq!(rounded.robot.poses(&[0.1, 0.2, 0.3, 0.4]), exact.robot.poses(&[0.1, 0.2, 0.3, 0.4]));
+        assert!(
+            rounded.remarks[0].contains("within 5e-5 rad") && rounded.remarks[0].contains("\"j2\" by "),
+            "{rounded:?}"
+        );
+        for method in Method::ALL {
+            let rank = |model: &ImportedModel| {
+                reduce(&model.robot, Columns::RIGID_ROTOR_FRICTION, method, Seed::new(1)).unwrap().names()
+            };
+            assert_eq!(rank(&rounded), rank(&exact), "{method:?}");
+        }
+    }
+    // The amount is that of the worst angle: 3.1416 is 7.3464e-6 rad too large.
+    let rounded = parse(&arm("1.5708 0 3.1416", "0 0 1", "")).unwrap();
+    assert!(rounded.remarks[0].ends_with("joint \"j2\" by 7.3e-6, \"j4\" by 7.3e-6 rad"), "{:?}", rounded.remarks);
+    // Further away an angle is what it says.
+    let tilted = parse(&arm("1.571 0 3.1416", "0 0 1", "")).unwrap();
+    assert!((tilted.robot.joints()[1].before.rotation[(2, 2)] - libm::cos(1.571)).abs() < 1e-15);
+}
+
+#[test]
+fn analytic_a_gripper_is_no_choice_of_chains() {
+    let finger = |name: &str, more: &str| {
+        format!(
+            "<link name=\"{name}\"/><joint name=\"{name}\" type=\"prismatic\"><parent link=\"l4\"/><child link=\"{name}\"/>\
+             <limit lower=\"0\" upper=\"0.04\"/>{more}</joint>"
+        )
+    };
+    let mimic = "<mimic joint=\"left\"/>";
+    for (more, locked) in [
+        (finger("left", "") + &finger("right", ""), ["left", "right"]),
+        (finger("left", "") + &finger("right", mimic), ["left", "right (a mimic of left)"]),
+    ] {
+        let model = parse(&arm("1.5708 0 0", "0 0 1", &more)).unwrap();
+        assert_eq!((model.robot.dof(), model.locked.as_slice()), (4, locked.map(str::to_owned).as_slice()));
+        assert_eq!(model.remarks.iter().any(|r| r.contains("gripper of 2 branches")), !more.contains("mimic"));
+    }
+    // A mimic that is fixed moves nothing; many links are not listed one and all.
+    let fixed = finger("left", mimic).replace("prismatic", "fixed");
+    let model = parse(&arm("0 0 0", "0 0 1", &fixed)).unwrap();
+    assert!(model.remarks.contains(&"joint \"left\": the mimic of a fixed joint is passed over".to_owned()));
+    let many: String = (0..9).map(|k| format!("<link name=\"p{k}\"/><joint name=\"p{k}\" type=\"continuous\"><parent link=\"l0\"/><child link=\"p{k}\"/></joint>")).collect();
+    let fault = parse(&arm("0 0 0", "0 0 1", &many)).unwrap_err();
+    assert!(fault.message.contains("one of \"l4\" (4 joints), \"p0\" (1 joint)"), "{fault}");
+    assert!(fault.message.ends_with("and 4 more"), "{fault}");
+    let macros = "<robot xmlns:xacro=\"http://ros.org/wiki/xacro\"><xacro:macro name=\"arm\"/></robot>";
+    assert!(parse(macros).unwrap_err().message.contains("xacro template"));
 }
 
 #[test]
