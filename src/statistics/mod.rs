@@ -8,12 +8,14 @@
 //! neither on the number of threads nor on the CPU.
 
 mod bootstrap;
+mod chi_squared;
 mod distribution;
 mod interval;
 mod rank_correlation;
 mod sample;
 
 pub use bootstrap::bootstrap_interval;
+pub use chi_squared::chi_squared_quantile;
 pub use distribution::{normal_quantile, student_quantile};
 pub use interval::{Interval, t_interval, wilson_interval};
 pub use rank_correlation::rank_correlation;

@@ -1,6 +1,6 @@
 //! The distance from a guess that grows without bound towards what is physically inconsistent.
 
-use nalgebra::{DMatrix, DVector, Matrix4};
+use nalgebra::{DVector, Matrix4};
 
 use crate::base::BaseReduction;
 use crate::model::term::Sign;
@@ -10,10 +10,13 @@ use crate::spatial::{Inertia, PseudoInertia};
 /// Part of a link's pseudo-inertia that stands for what a guess does not say: where P₀ is not positive definite.
 const INFLATION: f64 = 1e-3;
 
-/// A drive's rotor inertia or friction where nobody guesses it, SI.
+/// The scale of a rotor inertia or a friction that neither guess nor estimate tells, SI.
 const UNKNOWN_DRIVE: f64 = 1e-3;
 
-/// The distance from the guess and its derivatives.
+/// The distance from the guess, as a barrier: `D = Σ ( tr(P₀⁻¹ P) − ln det P ) + Σ ( x/x₀ − ln x ) + ½ Σ ((o − o₀)/s)²`.
+///
+/// Its Hessian maps a change S of P to P⁻¹ S P⁻¹, so the inverse is P G P: nothing is factored, and a link on the edge of what
+/// is possible costs no digits.
 pub(super) struct Distance {
     parameters: Vec<ParameterId>,
     /// Position of the ten of each link among the parameters, and P₀ with its inverse.
@@ -22,18 +25,18 @@ pub(super) struct Distance {
     drives: Vec<(usize, f64)>,
     /// Position, guess and size of each offset.
     offsets: Vec<(usize, f64, f64)>,
-    /// Pseudo-inertia of each of the ten parameters.
-    units: [Matrix4<f64>; 10],
 }
 
 impl Distance {
-    pub(super) fn of(base: &BaseReduction, guess: &StandardParameters) -> Self {
+    /// The distance from a guess. Where it says nothing of a drive, x₀ is the estimate `beta`, with the standard deviations
+    /// `std`, of the base parameter that the drive stands for, but not less than its standard deviation.
+    pub(super) fn of(
+        base: &BaseReduction,
+        guess: &StandardParameters,
+        beta: &DVector<f64>,
+        std: &DVector<f64>,
+    ) -> Self {
         let parameters = base.parameters.clone();
-        let units = std::array::from_fn(|k| {
-            let mut ten = [0.0; 10];
-            ten[k] = 1.0;
-            Inertia::from_array(&ten).pseudo().0
-        });
         let (mut links, mut drives, mut offsets) = (Vec::new(), Vec::new(), Vec::new());
         for (c, &id) in parameters.iter().enumerate() {
             let value = guess.get(id);
@@ -45,7 +48,11 @@ impl Distance {
                 }
                 ParameterKind::Term(term) => match term.entry().sign {
                     Sign::Any => offsets.push((c, value, value.abs().max(1.0))),
-                    Sign::NotNegative => drives.push((c, if value > 0.0 { value } else { UNKNOWN_DRIVE })),
+                    Sign::NotNegative => {
+                        let estimated = base.kept.iter().position(|&kept| kept == c);
+                        let unknown = estimated.map_or(UNKNOWN_DRIVE, |row| beta[row].max(std[row]));
+                        drives.push((c, if value > 0.0 { value } else { unknown }));
+                    }
                 },
                 // The other nine stand beside their mass.
                 ParameterKind::Mcx
@@ -59,14 +66,14 @@ impl Distance {
                 | ParameterKind::Izz => {}
             }
         }
-        Self { parameters, links, drives, offsets, units }
+        Self { parameters, links, drives, offsets }
     }
 
-    /// The guess, or what stands for it where it is not consistent.
+    /// The guess, or what stands for it where it is not consistent: the minimum of the distance.
     pub(super) fn centre(&self) -> DVector<f64> {
         let mut phi = DVector::zeros(self.parameters.len());
         for (at, p0, _) in &self.links {
-            phi.rows_mut(*at, 10).copy_from_slice(&PseudoInertia(*p0).inertia().to_array());
+            put(&mut phi, *at, p0);
         }
         for &(at, x0) in &self.drives {
             phi[at] = x0;
@@ -77,19 +84,16 @@ impl Distance {
         phi
     }
 
-    fn pseudo(&self, phi: &DVector<f64>, at: usize) -> Matrix4<f64> {
-        let mut p = Matrix4::zeros();
-        for (k, unit) in self.units.iter().enumerate() {
-            p += unit * phi[at + k];
-        }
-        p
+    /// Barrier parameter ν of the logarithms.
+    pub(super) fn barrier(&self) -> f64 {
+        (4 * self.links.len() + self.drives.len()) as f64
     }
 
     /// Infinite where the set is not consistent.
     pub(super) fn value(&self, phi: &DVector<f64>) -> f64 {
         let mut sum = 0.0;
         for (at, _, inverse) in &self.links {
-            let p = self.pseudo(phi, *at);
+            let p = pseudo(phi, *at);
             let Some(factor) = p.cholesky() else { return f64::INFINITY };
             let log_det: f64 = factor.l_dirty().diagonal().iter().map(|&d| 2.0 * libm::log(d)).sum();
             sum += (inverse * p).trace() - log_det;
@@ -103,30 +107,77 @@ impl Distance {
         sum + self.offsets.iter().map(|&(at, x0, size)| 0.5 * ((phi[at] - x0) / size).powi(2)).sum::<f64>()
     }
 
-    /// Gradient and Hessian at a consistent set.
-    pub(super) fn derivatives(&self, phi: &DVector<f64>) -> (DVector<f64>, DMatrix<f64>) {
-        let p = phi.len();
-        let (mut gradient, mut hessian) = (DVector::zeros(p), DMatrix::zeros(p, p));
+    /// The part of D without its logarithms: what holds a set near the guess.
+    pub(super) fn growth(&self, phi: &DVector<f64>) -> f64 {
+        let links: f64 = self.links.iter().map(|(at, _, inverse)| (inverse * pseudo(phi, *at)).trace()).sum();
+        let drives: f64 = self.drives.iter().map(|&(at, x0)| phi[at] / x0).sum();
+        links + drives + self.offsets.iter().map(|&(at, x0, size)| 0.5 * ((phi[at] - x0) / size).powi(2)).sum::<f64>()
+    }
+
+    /// Newton's step of the distance alone, `−∇²D⁻¹ ∇D`: P − P P₀⁻¹ P for a link.
+    pub(super) fn pull(&self, phi: &DVector<f64>) -> DVector<f64> {
+        let mut step = DVector::zeros(phi.len());
         for (at, _, inverse) in &self.links {
-            let now = self.pseudo(phi, *at).try_inverse().unwrap_or_else(Matrix4::identity);
-            let turned: Vec<Matrix4<f64>> = self.units.iter().map(|unit| now * unit).collect();
-            for k in 0..10 {
-                gradient[at + k] += (inverse * self.units[k]).trace() - turned[k].trace();
-                for l in 0..10 {
-                    hessian[(at + k, at + l)] += (turned[k] * turned[l]).trace();
-                }
-            }
+            let p = pseudo(phi, *at);
+            put(&mut step, *at, &(p - p * inverse * p));
         }
         for &(at, x0) in &self.drives {
-            gradient[at] += 1.0 / x0 - 1.0 / phi[at];
-            hessian[(at, at)] += 1.0 / (phi[at] * phi[at]);
+            step[at] = phi[at] - phi[at] * phi[at] / x0;
         }
-        for &(at, x0, size) in &self.offsets {
-            gradient[at] += (phi[at] - x0) / (size * size);
-            hessian[(at, at)] += 1.0 / (size * size);
+        for &(at, x0, _) in &self.offsets {
+            step[at] = x0 - phi[at];
         }
-        (gradient, hessian)
+        step
     }
+
+    /// `∇²D⁻¹ g`.
+    pub(super) fn inverse_hessian(&self, phi: &DVector<f64>, g: &DVector<f64>) -> DVector<f64> {
+        let mut out = DVector::zeros(phi.len());
+        for (at, _, _) in &self.links {
+            let p = pseudo(phi, *at);
+            put(&mut out, *at, &(p * dual(g, *at) * p));
+        }
+        for &(at, _) in &self.drives {
+            out[at] = phi[at] * phi[at] * g[at];
+        }
+        for &(at, _, size) in &self.offsets {
+            out[at] = size * size * g[at];
+        }
+        out
+    }
+
+    /// `dᵀ ∇²D d`; infinite where the set is not consistent.
+    pub(super) fn curvature(&self, phi: &DVector<f64>, d: &DVector<f64>) -> f64 {
+        let mut sum = 0.0;
+        for (at, _, _) in &self.links {
+            let Some(factor) = pseudo(phi, *at).cholesky() else { return f64::INFINITY };
+            let l = factor.l();
+            let half = l.solve_lower_triangular(&pseudo(d, *at)).unwrap_or_else(Matrix4::zeros);
+            let whole = l.solve_lower_triangular(&half.transpose()).unwrap_or_else(Matrix4::zeros);
+            sum += whole.norm_squared();
+        }
+        sum += self.drives.iter().map(|&(at, _)| (d[at] / phi[at]).powi(2)).sum::<f64>();
+        sum + self.offsets.iter().map(|&(at, _, size)| (d[at] / size).powi(2)).sum::<f64>()
+    }
+}
+
+/// The pseudo-inertia of the ten that begin at `at`.
+fn pseudo(phi: &DVector<f64>, at: usize) -> Matrix4<f64> {
+    let ten: [f64; 10] = std::array::from_fn(|k| phi[at + k]);
+    Inertia::from_array(&ten).pseudo().0
+}
+
+fn put(phi: &mut DVector<f64>, at: usize, p: &Matrix4<f64>) {
+    phi.rows_mut(at, 10).copy_from_slice(&PseudoInertia(*p).inertia().to_array());
+}
+
+/// The symmetric G with `tr(G P) = g · φ` for the ten that begin at `at`.
+fn dual(g: &DVector<f64>, at: usize) -> Matrix4<f64> {
+    let [m, x, y, z, xx, xy, xz, yy, yz, zz]: [f64; 10] = std::array::from_fn(|k| g[at + k]);
+    // P holds tr(I)/2 1 − I, so Ixx counts −½, ½, ½ on the diagonal and Ixy −1 twice beside it.
+    let (xy, xz, yz) = (-0.5 * xy, -0.5 * xz, -0.5 * yz);
+    let (x, y, z) = (0.5 * x, 0.5 * y, 0.5 * z);
+    Matrix4::new(yy + zz, xy, xz, x, xy, xx + zz, yz, y, xz, yz, xx + yy, z, x, y, z, m)
 }
 
 /// The pseudo-inertia itself where a body can have it, else one with small bodies added.
@@ -152,25 +203,30 @@ mod tests {
     fn analytic_derivatives_of_the_distance_are_its_differences() {
         let guess = crs_a460_nominal();
         let base = reduce(&crs_a460(), Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(0)).unwrap();
-        let distance = Distance::of(&base, &guess);
+        let b = base.rank();
+        let distance = Distance::of(&base, &guess, &DVector::zeros(b), &DVector::from_element(b, 1.0));
         let mut rng = Seed::new(51).stream("consistent set", 0);
-        let phi = distance.centre().map(|x| x * (1.0 + 0.01 * rng.random_range(-1.0..1.0)));
-        let (gradient, hessian) = distance.derivatives(&phi);
-        for i in (0..phi.len()).step_by(7) {
-            let h = 1e-5 / hessian[(i, i)].sqrt();
-            let at = |side: f64| {
-                let mut moved = phi.clone();
-                moved[i] += side * h;
-                moved
-            };
-            let slope = (distance.value(&at(1.0)) - distance.value(&at(-1.0))) / (2.0 * h);
-            let size = hessian[(i, i)].sqrt();
-            assert!((slope - gradient[i]).abs() < 1e-6 * (size + gradient[i].abs()), "{i}: {slope} {}", gradient[i]);
-            let curvature = (distance.derivatives(&at(1.0)).0 - distance.derivatives(&at(-1.0)).0) / (2.0 * h);
-            for j in 0..phi.len() {
-                let size = size * hessian[(j, j)].sqrt();
-                assert!((curvature[j] - hessian[(i, j)]).abs() < 1e-6 * size, "{i} {j}");
-            }
+        let centre = distance.centre();
+        let phi = centre.map(|x| x * (1.0 + 0.01 * rng.random_range(-1.0..1.0)));
+        for _ in 0..20 {
+            // A direction of the size of the distance's own curvature.
+            let g = DVector::from_fn(phi.len(), |c, _| rng.random_range(-1.0..1.0) / (1e-6 + phi[c].abs()));
+            let mut d = distance.inverse_hessian(&phi, &g);
+            d /= distance.curvature(&phi, &d).sqrt();
+            let h = 1e-3;
+            let at = |side: f64| distance.value(&(&phi + &d * (side * h)));
+            let slope = (at(1.0) - at(-1.0)) / (2.0 * h);
+            let bend = (at(1.0) - 2.0 * at(0.0) + at(-1.0)) / (h * h);
+            // ∇D · d = −pullᵀ ∇²D d by polarisation of the curvature.
+            let pull = distance.pull(&phi);
+            let of = |v: DVector<f64>| distance.curvature(&phi, &v);
+            let expected = -0.25 * (of(&pull + &d) - of(&pull - &d));
+            assert!((slope - expected).abs() < 1e-5 * (1.0 + of(pull).sqrt()), "{slope} {expected}");
+            assert!((bend - 1.0).abs() < 1e-4, "{bend}");
+            // The inverse Hessian undoes the Hessian: gᵀ H⁻¹ g is the curvature of H⁻¹ g.
+            let step = distance.inverse_hessian(&phi, &g);
+            assert!((g.dot(&step) / distance.curvature(&phi, &step) - 1.0).abs() < 1e-9);
         }
+        assert!(distance.pull(&centre).amax() < 1e-12 * centre.amax());
     }
 }

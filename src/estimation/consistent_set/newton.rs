@@ -1,37 +1,49 @@
-//! Newton's method for distance and data, and the projection onto the estimated base parameters.
+//! Newton's method along the path from the guess to the data.
+//!
+//! ```text
+//! step d of  ½ λ χ² + D:      (K H⁻¹ Kᵀ + C/λ) z = r + K pull        d = pull − H⁻¹ Kᵀ z        H = ∇²D, pull = −H⁻¹ ∇D
+//! decrement δ² = dᵀ H d + λ (K d)ᵀ C⁻¹ (K d)                          length 1/(1 + δ) keeps inside and descends
+//! ```
+//! The equations are b × b, and neither a large λ nor a link on the edge of what is possible spoils them; λ = ∞ is the
+//! equation K φ = β̂ itself. Reference for the length: S. Boyd, L. Vandenberghe, "Convex Optimization", section 9.6.4.
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::distance::Distance;
-use crate::base::BaseReduction;
 use crate::estimation::Termination;
 
-/// Newton steps for one λ.
-const STEPS: usize = 100;
+/// Newton steps for one λ: some ten are enough but where links must grow far beyond the guess.
+const STEPS: usize = 2000;
 
-/// Decrease that counts as none: half the squared Newton decrement.
-const CONVERGED: f64 = 1e-11;
+/// Squared decrement above which a step longer than Newton's is tried.
+const FAR: f64 = 1.0;
 
-/// Decrease that is lost in the rounding of the value, as a part of it.
-const ROUNDING: f64 = 1e-12;
+/// Squared decrement at which a minimum is reached.
+const CONVERGED: f64 = 1e-14;
 
-/// Halvings of a Newton step.
-const SHORTENINGS: i32 = 60;
+/// Squared decrement below which only rounding keeps it from falling as fast as Newton's method does.
+const ROUNDING: f64 = 1e-6;
 
-/// Projections onto the equation: the first does it but for rounding.
-const PROJECTIONS: usize = 3;
+/// Part of the promised decrease that a step must give to be longer than theory asks.
+const ARMIJO: f64 = 0.1;
 
-/// How far a set is from the estimated base parameters: `½ rᵀ L r` with `r = K φ − β̂` and the information L, times λ.
+/// The estimated base parameters: `r = K φ − β̂` with its covariance C and information C⁻¹.
 pub(super) struct DataTerm<'a> {
     pub(super) k: &'a DMatrix<f64>,
     pub(super) beta: &'a DVector<f64>,
+    pub(super) covariance: DMatrix<f64>,
     pub(super) information: DMatrix<f64>,
 }
 
 impl DataTerm<'_> {
-    fn value(&self, phi: &DVector<f64>) -> f64 {
-        let r = self.k * phi - self.beta;
-        0.5 * r.dot(&(&self.information * &r))
+    fn residual(&self, phi: &DVector<f64>) -> DVector<f64> {
+        self.k * phi - self.beta
+    }
+
+    /// χ², the squared Mahalanobis distance of a set from the estimate.
+    pub(super) fn chi_squared(&self, phi: &DVector<f64>) -> f64 {
+        let r = self.residual(phi);
+        r.dot(&(&self.information * &r))
     }
 }
 
@@ -42,63 +54,89 @@ pub(super) struct Minimum {
     pub(super) termination: Termination,
 }
 
-/// Damped Newton steps from a consistent set to the minimum of distance and data term; every iterate is consistent.
-pub(super) fn newton(mut phi: DVector<f64>, distance: &Distance, data: &DataTerm<'_>) -> Minimum {
-    let value = |phi: &DVector<f64>| distance.value(phi) + data.value(phi);
-    let curvature = data.k.tr_mul(&(&data.information * data.k));
-    let mut last_step = 0.0;
+/// `H⁻¹ Kᵀ` at a set, and the factor of `K H⁻¹ Kᵀ + C/λ`.
+pub(super) struct StepEquations {
+    spread: DMatrix<f64>,
+    factor: Scaled,
+}
+
+impl StepEquations {
+    /// `None` where the matrix is not positive definite, which only numbers that are none can do.
+    pub(super) fn of(phi: &DVector<f64>, distance: &Distance, data: &DataTerm<'_>, weight: f64) -> Option<Self> {
+        let columns: Vec<_> = data.k.row_iter().map(|row| distance.inverse_hessian(phi, &row.transpose())).collect();
+        let spread = DMatrix::from_columns(&columns);
+        let matrix = data.k * &spread + &data.covariance / weight;
+        let factor = Scaled::of(&((&matrix + matrix.transpose()) * 0.5))?;
+        Some(Self { spread, factor })
+    }
+
+    /// How the set follows the estimate: `∂φ/∂β̂`, p × b.
+    pub(super) fn sensitivity(&self) -> DMatrix<f64> {
+        let b = self.spread.ncols();
+        let columns: Vec<_> =
+            (0..b).map(|i| self.factor.solve(&DVector::from_fn(b, |j, _| f64::from(u8::from(i == j))))).collect();
+        &self.spread * DMatrix::from_columns(&columns)
+    }
+}
+
+/// From a consistent set to the minimum of `½ λ χ² + D`; every iterate is consistent. With λ = ∞ the set that it starts
+/// from must have the estimated base parameters, and so has the minimum.
+pub(super) fn minimise(mut phi: DVector<f64>, distance: &Distance, data: &DataTerm<'_>, weight: f64) -> Minimum {
+    let (mut last_step, mut before) = (0.0, f64::INFINITY);
     for iterations in 0..STEPS {
-        let (mut gradient, mut hessian) = distance.derivatives(&phi);
-        gradient += data.k.tr_mul(&(&data.information * (data.k * &phi - data.beta)));
-        hessian += &curvature;
-        let Some(factor) = Scaled::of(&hessian) else {
+        let Some(equations) = StepEquations::of(&phi, distance, data, weight) else {
             return Minimum { phi, termination: Termination::Singular { iterations } };
         };
-        let step = -factor.solve(&gradient);
-        let promised = -gradient.dot(&step);
-        if promised.is_nan() {
+        let (r, pull) = (data.residual(&phi), distance.pull(&phi));
+        let z = equations.factor.solve(&(&r + data.k * &pull));
+        let step = pull - &equations.spread * z;
+        let shift = data.k * &step;
+        // ½ λ χ² along the step: its slope and its curvature.
+        let (slope, bend) = if weight.is_finite() {
+            let pushed = &data.information * &shift;
+            (weight * r.dot(&pushed), weight * shift.dot(&pushed))
+        } else {
+            (0.0, 0.0)
+        };
+        let squared = distance.curvature(&phi, &step) + bend;
+        if squared.is_nan() {
             return Minimum { phi, termination: Termination::Singular { iterations } };
         }
-        if 0.5 * promised < CONVERGED {
+        if squared < CONVERGED || (squared < ROUNDING && squared > 0.1 * before) {
             return Minimum { phi, termination: Termination::Converged { iterations, last_step } };
         }
-        let before = value(&phi);
-        let lengths = (0..SHORTENINGS).map(|halvings| libm::exp2(-f64::from(halvings)));
-        let trials = lengths.map(|length| (length, &phi + &step * length));
-        let mut better = trials.filter(|(length, trial)| value(trial) <= before - 1e-4 * length * promised);
-        let Some((_, trial)) = better.next() else {
-            drop(better);
-            // The last digits of a large value hide a small decrease: nothing is left to gain.
-            let termination = if promised <= ROUNDING * before.abs() {
-                Termination::Converged { iterations, last_step }
-            } else {
-                Termination::Stalled { iterations, last_step }
-            };
-            return Minimum { phi, termination };
+        before = squared;
+        let start = distance.value(&phi);
+        let change = |length: f64| {
+            let value = distance.value(&(&phi + &step * length));
+            value - start + length * slope + 0.5 * length * length * bend
         };
-        drop(better);
+        let safe = 1.0 / (1.0 + squared.sqrt());
+        let is_enough = |length: &f64| change(*length) <= -ARMIJO * length * squared;
+        let mut halved =
+            std::iter::successors(Some(1.0_f64), |length| Some(0.5 * length)).take_while(|&length| length > safe);
+        let mut length = halved.find(is_enough).unwrap_or(safe);
+        // Far from the minimum the way is longer than the quadratic says.
+        while length >= 1.0 && squared > FAR && change(2.0 * length) < change(length) {
+            length *= 2.0;
+        }
+        let trial = &phi + &step * length;
+        if !distance.value(&trial).is_finite() {
+            return Minimum { phi, termination: Termination::Stalled { iterations, last_step } };
+        }
         last_step = (&trial - &phi).norm() / trial.norm();
         phi = trial;
     }
     Minimum { phi, termination: Termination::IterationLimit { iterations: STEPS, last_step } }
 }
 
-/// The nearest set, in the curvature of the distance, with exactly these base parameters: consistent only where the set
-/// that it starts from is close.
-pub(super) fn project(
-    phi: &DVector<f64>,
-    distance: &Distance,
-    base: &BaseReduction,
-    beta: &DVector<f64>,
-) -> Option<DVector<f64>> {
-    let mut phi = phi.clone();
-    for _ in 0..PROJECTIONS {
-        let (_, hessian) = distance.derivatives(&phi);
-        let factor = Scaled::of(&hessian)?;
-        let spread =
-            DMatrix::from_columns(&base.k.row_iter().map(|row| factor.solve(&row.transpose())).collect::<Vec<_>>());
-        let missing = Scaled::of(&(&base.k * &spread))?.solve(&(beta - base.beta(&phi)));
-        phi += spread * missing;
+/// The nearest set, in the curvature of the distance, with exactly the estimated base parameters: `None` where it is not
+/// consistent.
+pub(super) fn project(mut phi: DVector<f64>, distance: &Distance, data: &DataTerm<'_>) -> Option<DVector<f64>> {
+    // The first step does it but for rounding.
+    for _ in 0..3 {
+        let equations = StepEquations::of(&phi, distance, data, f64::INFINITY)?;
+        phi -= &equations.spread * equations.factor.solve(&data.residual(&phi));
         if !distance.value(&phi).is_finite() {
             return None;
         }
@@ -132,21 +170,26 @@ mod tests {
     use crate::model::Columns;
     use crate::seed::Seed;
 
-    /// Ends of the search on the A460 for a data term with this information on every base parameter.
-    fn ends(information: f64) -> Termination {
+    /// The end of the search on the A460 for a variance of every base parameter and a weight.
+    fn end(variance: f64, weight: f64) -> Termination {
         let (robot, guess) = (crs_a460(), crs_a460_nominal());
         let base = reduce(&robot, Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(0)).unwrap();
-        let distance = Distance::of(&base, &guess);
         let beta = base.beta(&guess.vector(&robot, Columns::RIGID_ROTOR_FRICTION)) * 1.1;
-        let data = DataTerm { k: &base.k, beta: &beta, information: DMatrix::identity(58, 58) * information };
-        newton(distance.centre(), &distance, &data).termination
+        let distance = Distance::of(&base, &guess, &beta, &DVector::from_element(58, variance.sqrt()));
+        let covariance = DMatrix::identity(58, 58) * variance;
+        let information = DMatrix::identity(58, 58) / variance;
+        let data = DataTerm { k: &base.k, beta: &beta, covariance, information };
+        minimise(distance.centre(), &distance, &data, weight).termination
     }
 
     #[test]
     fn an_end_says_whether_the_minimum_was_reached() {
-        assert!(matches!(ends(100.0), Termination::Converged { iterations: 1.., .. }), "{:?}", ends(100.0));
-        // Information that is none makes the matrix of the step indefinite.
-        assert_eq!(ends(-1e9), Termination::Singular { iterations: 0 });
-        assert_eq!(ends(f64::NAN), Termination::Singular { iterations: 0 });
+        for weight in [1e-6, 1.0, 1e6, 1e12] {
+            let found = end(0.01, weight);
+            assert!(matches!(found, Termination::Converged { iterations: 1..50, .. }), "{weight}: {found:?}");
+        }
+        // A covariance that is none makes the matrix of the step indefinite.
+        assert_eq!(end(0.01, -1e-12), Termination::Singular { iterations: 0 });
+        assert_eq!(end(f64::NAN, 1.0), Termination::Singular { iterations: 0 });
     }
 }

@@ -3,30 +3,64 @@
 use nalgebra::DVector;
 
 use super::distance::Distance;
-use super::newton::{DataTerm, Minimum, newton, project};
+use super::newton::{DataTerm, Minimum, StepEquations, minimise, project};
 use crate::base::BaseReduction;
 use crate::estimation::{BaseEstimate, Estimate, EstimationError, Termination};
-use crate::model::StandardParameters;
+use crate::model::{ParameterId, StandardParameters};
+use crate::statistics::chi_squared_quantile;
 
-/// λ of the series, one after the other.
-const WEIGHTS: [f64; 7] = [1.0, 10.0, 1e2, 1e3, 1e4, 1e5, 1e6];
+/// λ grows by this factor from one minimum to the next.
+const GROWTH: f64 = 10.0;
+
+/// Minima at most: from any χ² of an estimate to its rounding.
+const MINIMA: usize = 60;
+
+/// The search ends where no set within [`HORIZON`] has a χ² that is lower by more than this part of it.
+const SETTLED: f64 = 1e-2;
+
+/// How much farther from the guess than the set that was found others are considered, as a factor on `Σ tr(P₀⁻¹ P) + Σ x/x₀`.
+const HORIZON: f64 = 10.0;
+
+/// χ² at which the estimated base parameters may be had exactly.
+const NEARLY_EXACT: f64 = 1e-2;
+
+/// χ² at which a set cannot be told from the estimate.
+const INDISTINGUISHABLE: f64 = 1e-8;
+
+/// Probability of the joint region of all base parameters.
+const CONFIDENCE: f64 = 0.95;
 
 /// A consistent set of standard parameters.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ConsistentSet {
     /// The set.
     pub parameters: StandardParameters,
+    /// Standard deviation of each parameter of the columns, SI: what the uncertainty of the estimate makes of it, the guess
+    /// taken as it is.
+    pub std: Vec<(ParameterId, f64)>,
     /// Its base parameters minus the estimated ones, over their standard deviations (b).
     pub deviations: Vec<f64>,
     /// Whether its base parameters are the estimated ones.
     pub is_exact: bool,
-    /// Names of the base parameters outside their 95 % intervals.
+    /// `(K φ − β̂)ᵀ C⁻¹ (K φ − β̂)`.
+    pub chi_squared: f64,
+    /// The value that the estimate's own χ² exceeds with a probability of 5 %: beyond it the set contradicts the data.
+    pub chi_squared_limit: f64,
+    /// Names of the base parameters outside their own 95 % intervals, of which one in twenty is expected.
     pub outside: Vec<String>,
-    /// How the minimisation ended that gave the set.
+    /// How the search ended; its iterations are those of all weights.
     pub termination: Termination,
 }
 
-/// The consistent set of parameters that is nearest to a guess and has the base parameters of an estimate.
+impl ConsistentSet {
+    /// Whether the set lies in the joint 95 % region of the estimate.
+    #[must_use]
+    pub fn is_within(&self) -> bool {
+        self.chi_squared <= self.chi_squared_limit
+    }
+}
+
+/// The consistent set of parameters that agrees best with an estimate, and of several the one nearest to a guess.
 ///
 /// # Errors
 /// [`EstimationError::OtherBase`] where the estimate is not one of this base, [`EstimationError::Count`] where the guess is of
@@ -45,32 +79,95 @@ pub fn consistent_set(
         return Err(EstimationError::Count { quantity: "links of the nominal set", found, expected: links });
     }
     let Some(information) = estimate.information() else { return Err(EstimationError::NotDefinite) };
-    let distance = Distance::of(base, guess);
     let (beta, std) = (estimate.beta(), estimate.std());
-    let mut last = Minimum { phi: distance.centre(), termination: Termination::Direct };
-    let mut within = None;
-    for weight in WEIGHTS {
-        let data = DataTerm { k: &base.k, beta: &beta, information: &information * weight };
-        last = newton(last.phi, &distance, &data);
-        within = within.or_else(|| outside(base, estimate, &last.phi).is_empty().then(|| last.clone()));
-    }
-    let exact = project(&last.phi, &distance, base, &beta);
-    let is_exact = exact.is_some();
-    let Minimum { phi, termination } = match exact {
-        Some(phi) => Minimum { phi, ..last },
-        None => within.unwrap_or(last),
-    };
+    let distance = Distance::of(base, guess, &beta, &std);
+    let data = DataTerm { k: &base.k, beta: &beta, covariance: estimate.covariance_matrix(), information };
+    let Path { minimum: Minimum { phi, termination }, weight } = follow(&distance, &data);
     let mut parameters = guess.clone();
     for (c, &id) in base.parameters.iter().enumerate() {
         parameters.set(id, phi[c]);
     }
     Ok(ConsistentSet {
         parameters,
+        std: spread(base, &phi, &distance, &data, weight)?,
         deviations: (base.beta(&phi) - &beta).component_div(&std).as_slice().to_vec(),
-        is_exact,
+        is_exact: weight.is_infinite(),
+        chi_squared: if weight.is_infinite() { 0.0 } else { data.chi_squared(&phi) },
+        chi_squared_limit: chi_squared_quantile(CONFIDENCE, base.rank() as f64),
         outside: outside(base, estimate, &phi),
         termination,
     })
+}
+
+/// The end of the path and its weight: infinite where the base parameters are the estimated ones.
+struct Path {
+    minimum: Minimum,
+    weight: f64,
+}
+
+/// Follows the minima of `½ λ χ² + D` from the guess for growing λ.
+fn follow(distance: &Distance, data: &DataTerm<'_>) -> Path {
+    let mut phi = distance.centre();
+    // Where data and distance weigh alike; rounding alone is no distance.
+    let mut weight = (distance.barrier() / data.chi_squared(&phi).max(INDISTINGUISHABLE)).min(1.0);
+    let mut total = 0;
+    let ended = |phi: DVector<f64>, termination: Termination, weight: f64| Path {
+        minimum: Minimum { phi, termination },
+        weight,
+    };
+    for _ in 0..MINIMA {
+        let minimum = minimise(phi, distance, data, weight);
+        let Termination::Converged { iterations, last_step } = minimum.termination else {
+            return Path { minimum, weight };
+        };
+        total += iterations;
+        phi = minimum.phi;
+        let now = data.chi_squared(&phi);
+        let converged = Termination::Converged { iterations: total, last_step };
+        if now <= NEARLY_EXACT
+            && let Some(exact) = project(phi.clone(), distance, data)
+        {
+            let minimum = minimise(exact, distance, data, f64::INFINITY);
+            if let Termination::Converged { iterations, last_step } = minimum.termination {
+                let termination = Termination::Converged { iterations: total + iterations, last_step };
+                return ended(minimum.phi, termination, f64::INFINITY);
+            }
+        }
+        if now <= INDISTINGUISHABLE {
+            return ended(phi, converged, weight);
+        }
+        if gap(distance, &phi, weight) <= SETTLED * now {
+            return ended(phi, converged, weight);
+        }
+        weight *= GROWTH;
+    }
+    let last_step = 0.0;
+    ended(phi, Termination::IterationLimit { iterations: total, last_step }, weight / GROWTH)
+}
+
+/// By how much χ² of a consistent set within the horizon may be lower than at a minimum φ of `½ λ χ² + S − Σ ln det P − Σ ln x`:
+/// convexity gives `½ λ (χ²(φ) − χ²(φ')) ≤ ν + S(φ') − S(φ)`.
+fn gap(distance: &Distance, phi: &DVector<f64>, weight: f64) -> f64 {
+    2.0 * (distance.barrier() + (HORIZON - 1.0) * distance.growth(phi)) / weight
+}
+
+/// Standard deviations of the set: `∂φ/∂β̂ C (∂φ/∂β̂)ᵀ`.
+fn spread(
+    base: &BaseReduction,
+    phi: &DVector<f64>,
+    distance: &Distance,
+    data: &DataTerm<'_>,
+    weight: f64,
+) -> Result<Vec<(ParameterId, f64)>, EstimationError> {
+    let Some(equations) = StepEquations::of(phi, distance, data, weight) else {
+        return Err(EstimationError::NotDefinite);
+    };
+    let sensitivity = equations.sensitivity();
+    let of = |c: usize| {
+        let row = sensitivity.row(c).transpose();
+        row.dot(&(&data.covariance * &row)).max(0.0).sqrt()
+    };
+    Ok(base.parameters.iter().enumerate().map(|(c, &id)| (id, of(c))).collect())
 }
 
 /// Base parameters outside their intervals.
@@ -85,43 +182,16 @@ fn outside(base: &BaseReduction, estimate: &Estimate, phi: &DVector<f64>) -> Vec
 mod tests {
     use super::*;
     use crate::base::{Method, reduce};
-    use crate::estimation::IntervalBasis;
+    use crate::estimation::consistent_set::fixtures::estimate_of;
     use crate::excitation::fixtures::{crs_a460, crs_a460_nominal};
     use crate::model::Columns;
     use crate::model::term::{COULOMB, ROTOR, VISCOUS};
     use crate::seed::Seed;
     use crate::spatial::Inertia;
+    use nalgebra::DMatrix;
 
     fn estimate(base: &BaseReduction, beta: &DVector<f64>, std: &DVector<f64>) -> Estimate {
-        let b = beta.len();
-        let of = |i: usize| BaseEstimate {
-            name: base.names()[i].clone(),
-            value: beta[i],
-            std: std[i],
-            ci95: [beta[i] - 1.96 * std[i], beta[i] + 1.96 * std[i]],
-            unit: String::new(),
-        };
-        Estimate {
-            estimator: "wls".to_owned(),
-            robot: "crs-a460".to_owned(),
-            columns: "rigid".to_owned(),
-            base: (0..b).map(of).collect(),
-            covariance: (0..b).map(|i| (0..b).map(|j| if i == j { std[i] * std[i] } else { 0.0 }).collect()).collect(),
-            standard: None,
-            consistent: None,
-            residual_rms: Vec::new(),
-            noise_std: Vec::new(),
-            units: Vec::new(),
-            condition: 1.0,
-            condition_scaled: 1.0,
-            interval_basis: IntervalBasis::Scatter,
-            degrees_of_freedom: 100.0,
-            samples: 1,
-            periods: 1,
-            findings: Vec::new(),
-            termination: Termination::Direct,
-            provenance: None,
-        }
+        estimate_of(base, beta, &DMatrix::from_diagonal(&std.component_mul(std)))
     }
 
     fn setting() -> (BaseReduction, StandardParameters, DVector<f64>, DVector<f64>) {
@@ -142,7 +212,7 @@ mod tests {
     fn identity_the_guess_itself_where_it_has_the_base_parameters() {
         let (base, guess, beta, std) = setting();
         let set = consistent_set(&base, &estimate(&base, &beta, &std), &guess).unwrap();
-        assert!(set.is_exact && set.outside.is_empty() && set.termination.was_successful(), "{:?}", set.termination);
+        assert!(set.is_exact && set.is_within() && set.termination.was_successful(), "{:?}", set.termination);
         for (found, expected) in set.parameters.links.iter().zip(&guess.links) {
             for (found, expected) in found.to_array().iter().zip(expected.to_array()) {
                 assert!((found - expected).abs() < 1e-9, "{found} {expected}");
@@ -166,7 +236,7 @@ mod tests {
         let found = base.beta(&set.parameters.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         assert!((&found - &beta).amax() < 1e-9 * beta.amax(), "{}", (found - beta).amax());
         // Nearer to the guess than the other arm is, by the distance itself.
-        let distance = Distance::of(&base, &guess);
+        let distance = Distance::of(&base, &guess, &beta, &std);
         let value = |set: &StandardParameters| distance.value(&set.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         assert!(value(&set.parameters) < value(&other));
     }
@@ -185,6 +255,46 @@ mod tests {
         std[at] = 0.001;
         let set = consistent_set(&base, &estimate(&base, &beta, &std), &guess).unwrap();
         assert_eq!(set.outside, ["Fv6"]);
+        assert!(
+            (set.chi_squared - 100.0).abs() < 0.5 && !set.is_within(),
+            "{} {}",
+            set.chi_squared,
+            set.chi_squared_limit
+        );
         assert!(is_consistent(&set.parameters) && set.termination.was_successful(), "{:?}", set.termination);
+    }
+
+    #[test]
+    fn analytic_uncertainty_of_what_stands_alone_is_that_of_the_estimate() {
+        let (base, guess, beta, std) = setting();
+        let set = consistent_set(&base, &estimate(&base, &beta, &std), &guess).unwrap();
+        let of = |name: &str| set.std.iter().find(|(id, _)| id.to_string() == name).unwrap().1;
+        for (row, name) in base.names().iter().enumerate() {
+            if base.terms(row).len() == 1 {
+                assert!((of(name) / std[row] - 1.0).abs() < 1e-6, "{name}: {} {}", of(name), std[row]);
+            }
+        }
+    }
+
+    #[test]
+    fn identity_the_uncertainty_is_how_the_set_follows_the_estimate() {
+        let (base, guess, beta, std) = setting();
+        let at = base.names().iter().position(|name| name == "Ixx3").unwrap();
+        let find = |shift: f64| {
+            let mut moved = beta.clone();
+            moved[at] += shift;
+            let set = consistent_set(&base, &estimate(&base, &moved, &std), &guess).unwrap();
+            assert!(set.is_exact);
+            set.parameters.vector(&crs_a460(), Columns::RIGID_ROTOR_FRICTION)
+        };
+        // One parameter in doubt alone: the spread of each is its slope times that doubt.
+        let h = 0.02 * std[at];
+        let slope = (find(h) - find(-h)) / (2.0 * h);
+        let only = DVector::from_fn(std.len(), |i, _| if i == at { std[at] } else { 1e-9 * std[i] });
+        let set = consistent_set(&base, &estimate(&base, &beta, &only), &guess).unwrap();
+        for (c, (id, found)) in set.std.iter().enumerate() {
+            let expected = slope[c].abs() * std[at];
+            assert!((found - expected).abs() < 1e-3 * (expected + std[at]), "{id}: {found} {expected}");
+        }
     }
 }
