@@ -26,9 +26,11 @@ fn identity_every_format_reads_back_with_the_torque_of_the_regressor() {
         let out = path(folder.path(), name);
         let done = json(&armid(["export", &estimate, "--to", to, "-o", &out, "--json"]).success());
         assert_eq!(done["consistent"], true, "{to}");
-        assert!(done["outside"].as_array().unwrap().is_empty());
+        assert!(done["chi_squared"].as_f64().unwrap() < done["chi_squared_limit"].as_f64().unwrap());
+        let parameters = done["parameters"].as_array().unwrap();
+        assert!(parameters.len() >= 78 && parameters.iter().all(|p| p["std"].as_f64().unwrap() >= 0.0), "{done}");
         assert!(done["reload"]["largest_relative_difference"].as_f64().unwrap() < 1e-9, "{done}");
-        assert!(done["largest_deviation_std"].as_f64().unwrap() < 2.0);
+        assert!(done["largest_deviation_std"].as_f64().unwrap() < 4.0);
     }
     // The map is what `armid dynamics` takes, the trees are robots of their own, and all say the same torque.
     let states = "q1,q2,q3,q4,q5,q6,qd1,qd2,qd3,qd4,qd5,qd6,qdd1,qdd2,qdd3,qdd4,qdd5,qdd6\n\

@@ -123,6 +123,8 @@ pub(crate) struct DesignAnswer<'a> {
     pub(crate) destination: Destination,
     /// What was drawn beside it.
     pub(crate) figures: Vec<PathBuf>,
+    /// What was read of the robot otherwise than it is written, and what was not: collision shapes among it.
+    pub(crate) remarks: &'a [String],
     /// What it adds to the information so far, where there is any.
     pub(crate) gain: Option<Gain>,
 }
@@ -132,6 +134,8 @@ impl DesignAnswer<'_> {
         let (best, certificate) = (self.best, &self.best.certificate);
         json!({
             "robot": self.problem.robot().name(),
+            "remarks": self.remarks,
+            "collision_shapes": self.problem.robot().shapes().len(),
             "criterion": best.criterion,
             "columns": self.problem.objective().columns().to_string(),
             "family": self.problem.space().family().name(),
@@ -218,6 +222,13 @@ impl DesignAnswer<'_> {
             let [first, second] = &nearest.pair;
             let (distance, t) = (number(nearest.distance_m), nearest.t);
             let _ = writeln!(text, "\n  nearest: {distance} m, \"{first}\" to \"{second}\", t = {t:.3} s");
+        }
+        if self.problem.limits().clearance_m().is_some() {
+            let held = self.problem.robot().shapes().len();
+            let _ = writeln!(text, "\n  clearance is held between {held} shapes of the robot and its surroundings");
+        }
+        for remark in self.remarks {
+            let _ = writeln!(text, "  {remark}");
         }
         if let Some(inside) = &certificate.efforts_inside {
             let [low, high] = inside.ci95.map(|share| 100.0 * share);

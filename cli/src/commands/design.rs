@@ -130,6 +130,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         seconds,
         destination,
         figures,
+        remarks: &loaded.remarks,
         gain: Gain::of(&problem, best, arguments.prior.len()).map_err(|error| impossible(&error))?,
     };
     console.show(&Answer { text: done.text(console.verbose()), json: done.json(interrupted && !feasible) })?;

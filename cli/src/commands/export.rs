@@ -5,7 +5,7 @@ use std::path::PathBuf;
 
 use armid::base::{Method, reduce};
 use armid::estimation::{ConsistentSet, Estimate, consistent_set};
-use armid::model::{Columns, StandardParameters};
+use armid::model::{Columns, ParameterId, StandardParameters};
 use armid::seed::Seed;
 use armid_io::estimate::{self, check_robot};
 use armid_io::inputs::RobotSource;
@@ -19,15 +19,17 @@ use crate::terminal::{Answer, Console, Destination, Ending, number, report_folde
 
 const AFTER_HELP: &str = "\
 Torque identifies base parameters; other tools need the mass, centre of mass and inertia of each link.
-The set that is written has the estimated base parameters and, among those that have, is the nearest
-to the nominal one that is physically consistent (positive definite pseudo-inertia, friction above
-zero). Where no such set has exactly the estimated values, every base parameter stays inside its 95 %
-interval; where that is impossible too, those outside are named and the exit status is 1. It is 1 as
-well where the search did not converge. The file is read back, and its torque is compared with that
-of the regressor.
+The set that is written is physically consistent (positive definite pseudo-inertia, friction above
+zero). Of all such sets it agrees best with the estimated base parameters (least chi squared, their
+squared Mahalanobis distance); of several that do, it is the nearest to the nominal one. Where chi
+squared exceeds the 95 % limit of the joint distribution of all base parameters, no real arm has what
+was estimated, and the exit status is 1. It is 1 as well where the search did not converge. The file is
+read back, and its torque is compared with that of the regressor. --json gives the standard deviation
+of every number that is written.
 
-URDF has no place for rotor inertia and torque offset, MJCF none for the offset: they are in the
-comment at the top.
+A robot that came as a URDF is written as that file with other inertias, damping and friction; names,
+meshes, comments and formatting stay. URDF has no place for rotor inertia and torque offset, MJCF none
+for the offset: the answer says what torque lacks without them.
 
 Examples:
   armid export E.json --to urdf -o a460.urdf
@@ -66,11 +68,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     };
     let destination = destination(&loaded, arguments.to, console)?;
     let set = consistent(&text, &estimate, &loaded)?;
-    let written = arguments.to.write(&loaded.robot, &set.parameters, &header(&estimate, &set))?;
-    let reloaded = Reloaded::compare(arguments.to, &written, &loaded.robot, &set.parameters)?;
+    let (written, remarks) = arguments.to.write(&loaded, &set.parameters, &header(&estimate, &set))?;
+    let reloaded = Reloaded::compare(arguments.to, &written, &loaded, &set.parameters)?;
     console.deliver(&destination, &written)?;
-    let sound = set.outside.is_empty() && set.termination.was_successful() && reloaded.is_sound();
-    let done = Done { estimate: &estimate, format: arguments.to, set, reloaded, destination };
+    let sound = set.is_within() && set.termination.was_successful() && reloaded.is_sound();
+    let joints = loaded.robot.joints().iter().map(|joint| joint.name.clone()).collect();
+    let remarks = loaded.remarks.iter().cloned().chain(remarks).collect();
+    let done = Done { estimate: &estimate, format: arguments.to, set, reloaded, remarks, joints, destination };
     console.show(&Answer { text: done.text(), json: done.json() })?;
     Ok(if sound { Ending::Done } else { Ending::Negative })
 }
@@ -120,13 +124,17 @@ fn header(estimate: &Estimate, set: &ConsistentSet) -> String {
 }
 
 fn verdict(set: &ConsistentSet) -> String {
+    let (found, limit) = (number(set.chi_squared), number(set.chi_squared_limit));
     if set.is_exact {
-        "exactly the estimated ones".to_owned()
-    } else if set.outside.is_empty() {
-        format!("within the 95 % intervals of the estimate, at most {} standard deviations away", number(worst(set)))
-    } else {
-        format!("outside the 95 % intervals of the estimate: {}", set.outside.join(", "))
+        return "exactly the estimated ones".to_owned();
     }
+    let outside = if set.outside.is_empty() {
+        String::new()
+    } else {
+        format!("; outside their own 95 % intervals: {}", set.outside.join(", "))
+    };
+    let joint = if set.is_within() { "in the joint 95 % region of the estimate" } else { "no real arm has them" };
+    format!("{joint} (chi squared {found}, limit {limit}){outside}")
 }
 
 /// The largest distance of a base parameter from its estimate, in standard deviations.
@@ -139,6 +147,8 @@ struct Done<'a> {
     format: Exchange,
     set: ConsistentSet,
     reloaded: Reloaded,
+    remarks: Vec<String>,
+    joints: Vec<String>,
     destination: Destination,
 }
 
@@ -152,13 +162,28 @@ impl Done<'_> {
             "consistent": consistent_links(&self.set.parameters),
             "exact": self.set.is_exact,
             "largest_deviation_std": worst(&self.set),
+            "chi_squared": self.set.chi_squared,
+            "chi_squared_limit": self.set.chi_squared_limit,
+            "parameters": self.parameters(),
             "outside": self.set.outside,
             "termination": self.set.termination,
             "reload": {
                 "states": self.reloaded.states,
                 "largest_relative_difference": self.reloaded.difference,
+                "largest_friction_difference": self.reloaded.friction,
             },
+            "left_out": self.reloaded.left_out.as_ref().map(|left| json!({
+                "terms": left.meanings,
+                "missing_torque_relative_rms": left.missing,
+            })),
+            "remarks": self.remarks,
         })
+    }
+
+    /// Every parameter that is written, with what the uncertainty of the estimate makes of it.
+    fn parameters(&self) -> Vec<Value> {
+        let of = |(id, std): &(ParameterId, f64)| json!({ "name": id.to_string(), "value": self.set.parameters.get(*id), "std": std });
+        self.set.std.iter().map(of).collect()
     }
 
     fn text(&self) -> String {
@@ -166,10 +191,20 @@ impl Done<'_> {
         let _ = writeln!(text, "the search for the nearest consistent set {}", self.set.termination);
         let _ = writeln!(
             text,
-            "read back, its rigid torque is that of the regressor to {} of the largest, over {} random states",
+            "read back, its torque is that of the regressor to {} of the largest, over {} random states",
             number(self.reloaded.difference),
             self.reloaded.states
         );
+        if let Some(left) = &self.reloaded.left_out {
+            let worst = (0..left.missing.len()).max_by(|&a, &b| left.missing[a].total_cmp(&left.missing[b]));
+            let worst = worst.map_or_else(String::new, |i| {
+                format!(", {} % of the torque of joint \"{}\"", number(100.0 * left.missing[i]), self.joints[i])
+            });
+            let _ = writeln!(text, "{} has no place for: {}{worst}", self.format.name(), left.meanings.join(", "));
+        }
+        for remark in &self.remarks {
+            let _ = writeln!(text, "{remark}");
+        }
         text
     }
 }

@@ -27,6 +27,8 @@ pub struct LoadedRobot {
     pub own: Option<StandardParameters>,
     /// What was read otherwise than it is written, a sentence each.
     pub remarks: Vec<String>,
+    /// The chain that was read, where the text is a URDF.
+    pub urdf: Option<ChainEnds>,
     /// Where the parameters are that a simulated arm is made of.
     truth: TruthSource,
 }
@@ -131,8 +133,10 @@ impl LoadedRobot {
         if !model.locked.is_empty() {
             remarks.push(format!("joints off the chain are held at zero: {}", model.locked.join(", ")));
         }
+        let urdf = (!tree::is_mjcf(&text.content)).then(|| chain.clone());
         Ok(Self {
             robot: model.robot,
+            urdf,
             text,
             nominal: None,
             uncertainty: None,
@@ -157,6 +161,7 @@ impl LoadedRobot {
             nominal_text,
             own: None,
             remarks: Vec::new(),
+            urdf: None,
             truth,
         })
     }

@@ -12,7 +12,7 @@ pub(super) fn parse(text: &Text, chain: &ChainEnds) -> Result<ImportedModel, Err
 }
 
 /// Is the first element, past declarations and comments, MuJoCo's?
-fn is_mjcf(text: &str) -> bool {
+pub(super) fn is_mjcf(text: &str) -> bool {
     let mut rest = text.trim_start_matches('\u{feff}').trim_start();
     loop {
         let end = if rest.starts_with("<!--") {

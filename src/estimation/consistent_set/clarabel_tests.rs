@@ -186,6 +186,8 @@ fn clarabel_chi_squared_is_that_of_the_semidefinite_program() {
         }
         let estimate = estimate_of(&base, &beta, &covariance);
         let set = consistent_set(&base, &estimate, &guess).unwrap();
+        // Noise as large as the parameters asks for links a thousand times the guess; the search then says that it did not end.
+        unfinished += usize::from(!set.termination.was_successful());
         assert!(set.parameters.links.iter().all(|link| link.check().is_ok()), "{run}");
         let information = estimate.information().unwrap();
         let least = lower_bound(&base, &beta, &information, &truth, set.chi_squared);
