@@ -37,7 +37,7 @@ ARMS = [
     ("panda_description/urdf/panda_collision.urdf", None, None, 7),
     ("so_arm_description/urdf/so100.urdf", None, None, 6),
     ("so_arm_description/urdf/so101.urdf", None, None, 6),
-    ("talos_data/robots/talos_left_arm.urdf", None, None, 6),
+    ("talos_data/robots/talos_left_arm.urdf", None, None, 7),
     ("ur_description/urdf/ur3_robot.urdf", None, None, 6),
     ("ur_description/urdf/ur3_gripper.urdf", None, None, 6),
     ("ur_description/urdf/ur3_joint_limited_robot.urdf", None, None, 6),
@@ -207,9 +207,10 @@ class ClosedLoop(unittest.TestCase):
         rng = np.random.default_rng(11)
         true = pin.buildModelFromUrdf(str(path))
         n = true.nv
-        for inertia in true.inertias[1:]:
-            inertia.mass *= rng.uniform(0.8, 1.3)
-            inertia.lever += rng.uniform(-0.01, 0.01, 3)
+        for i in range(1, true.njoints):
+            own = true.inertias[i]
+            lever = own.lever + rng.uniform(-0.01, 0.01, 3)
+            true.inertias[i] = pin.Inertia(own.mass * rng.uniform(0.8, 1.3), lever, own.inertia)
         viscous, coulomb = rng.uniform(0.1, 0.5, n), rng.uniform(0.1, 0.5, n)
         data = true.createData()
         t = np.arange(int(self.PERIOD * self.RATE * self.PERIODS)) / self.RATE
