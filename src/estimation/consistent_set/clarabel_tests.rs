@@ -74,7 +74,8 @@ fn lower_bound(
     let inverses: Vec<Matrix4<f64>> =
         truth.links.iter().map(|link| link.pseudo().0.cholesky().unwrap().l().try_inverse().unwrap()).collect();
     // Rows and what is added to them: in second-order cones by threes, and not below zero.
-    let (mut rows, mut half_spaces): (Vec<DVector<f64>>, Vec<(DVector<f64>, f64)>) = (Vec::new(), Vec::new());
+    let mut rows: Vec<DVector<f64>> = Vec::new();
+    let mut half_spaces: Vec<(DVector<f64>, f64)> = Vec::new();
     for (&at, inverse) in links.iter().zip(&inverses) {
         let of = |u: usize, v: usize| form(p, at, inverse, &Vector4::ith(u, 1.0), &Vector4::ith(v, 1.0));
         for i in 0..4 {

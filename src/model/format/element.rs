@@ -244,7 +244,11 @@ pub(super) fn turn_z_to(axis: &Vector3<f64>) -> Matrix3<f64> {
 }
 
 #[cfg(test)]
-#[allow(clippy::float_cmp, reason = "right angles are exact")]
+#[allow(
+    clippy::float_cmp,
+    clippy::approx_constant,
+    reason = "right angles are exact, and files write them with few digits"
+)]
 mod tests {
     use super::*;
 

@@ -295,22 +295,22 @@ impl<'a> UrdfJoint<'a> {
 
 /// The `<origin>` of an inertial, the identity where there is none.
 pub(super) fn read_origin(element: Element<'_>) -> Result<Placement, FormatError> {
-    let Some((xyz, rpy)) = origin_numbers(element)? else { return Ok(Placement::identity()) };
+    let Some([xyz, rpy]) = origin_numbers(element)? else { return Ok(Placement::identity()) };
     Ok(placed(xyz, rpy.map(sincos)))
 }
 
 /// The `<origin>` of a joint with right angles where it nearly has them, and by how much one was off at most, rad.
 fn read_snapped_origin(element: Element<'_>) -> Result<(Placement, f64), FormatError> {
-    let Some((xyz, rpy)) = origin_numbers(element)? else { return Ok((Placement::identity(), 0.0)) };
+    let Some([xyz, rpy]) = origin_numbers(element)? else { return Ok((Placement::identity(), 0.0)) };
     let angles = rpy.map(snapped_sincos);
     let off = angles.iter().fold(0.0, |most: f64, (_, off)| most.max(*off));
     Ok((placed(xyz, angles.map(|(angle, _)| angle)), off))
 }
 
 /// `xyz` and `rpy` of an element's `<origin>`.
-fn origin_numbers(element: Element<'_>) -> Result<Option<([f64; 3], [f64; 3])>, FormatError> {
+fn origin_numbers(element: Element<'_>) -> Result<Option<[[f64; 3]; 2]>, FormatError> {
     let Some(origin) = element.only("origin")? else { return Ok(None) };
-    Ok(Some((origin.numbers("xyz")?.unwrap_or([0.0; 3]), origin.numbers("rpy")?.unwrap_or([0.0; 3]))))
+    Ok(Some([origin.numbers("xyz")?.unwrap_or([0.0; 3]), origin.numbers("rpy")?.unwrap_or([0.0; 3])]))
 }
 
 /// `Tr(xyz) Rz(yaw) Ry(pitch) Rx(roll)`, each angle by its sine and cosine.
