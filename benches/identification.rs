@@ -132,7 +132,7 @@ fn alone() {
     aperiodic(&robot, &nominal);
 }
 
-/// Records of Table I's motion at 1 kHz, taken for one without a period, with noise and a model error that never dies out.
+/// Records of Table I's motion at 1 kHz, taken for one without a period, with noise and a model error that does not decay.
 fn aperiodic(robot: &Robot, nominal: &StandardParameters) {
     let n = robot.dof();
     let period = table_one::corrected().sample(10_000);

@@ -1,6 +1,6 @@
 //! Lists the TOML files of `experiments/`, so that they are compiled in.
 
-#![allow(clippy::print_stdout, reason = "this is how a build script speaks to cargo")]
+#![allow(clippy::print_stdout, reason = "this is how a build script passes settings to cargo")]
 
 use std::fmt::Write;
 use std::path::{Path, PathBuf};

@@ -218,7 +218,7 @@ fn identity_designs_read_back() {
     let limited = small_design(bundled_robot("planar-2r"));
     assert!(limited.value.is_finite());
     read_back(&limited);
-    // Singular, with limits that nobody states: infinite figures of both signs.
+    // Singular, with limits that are not stated: infinite figures of both signs.
     let mut singular = limited;
     singular.value = f64::NEG_INFINITY;
     singular.history[0].value = f64::NEG_INFINITY;

@@ -1,6 +1,6 @@
 //! The real arm: its ROS 2 interface, the guard that every command passes, and a simulated robot controller.
 //!
-//! Nothing else in armid can move metal, and nothing here moves it except through the guard.
+//! Nothing else in armid can move a real arm, and nothing here moves one except through the guard.
 #![forbid(unsafe_code)]
 
 pub mod computer;

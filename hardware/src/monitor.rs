@@ -1,4 +1,4 @@
-//! Looking on while a robot moves: what it says, how often, and what the guard says.
+//! Read-only monitoring of a moving robot: its states, their rate, and the state of the guard.
 
 use std::collections::VecDeque;
 use std::time::{Duration, Instant};
@@ -21,7 +21,7 @@ pub struct Monitor {
     _endpoint: Endpoint,
     map: JointMap,
     states: Inbox<JointState>,
-    computer: Option<Inbox<Text>>,
+    controller_state: Option<Inbox<Text>>,
     guard: Inbox<Text>,
     began: Instant,
     arrivals: VecDeque<Instant>,
@@ -45,7 +45,7 @@ pub struct Snapshot {
     /// What the stamps reported so far.
     pub stamps: StampFindings,
     /// The state of the robot controller in words, where it reports.
-    pub computer: Option<String>,
+    pub controller_state: Option<String>,
     /// The last report of a guard, and its age, s.
     pub guard: Option<(GuardState, f64)>,
     /// The last message that made no sense, in words.
@@ -61,11 +61,11 @@ impl Monitor {
         let names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
         let mut endpoint = Endpoint::join(settings, "armid_monitor")?;
-        let (text, qos) = (("std_msgs", "String"), settings.looking_qos());
+        let (text, qos) = (("std_msgs", "String"), settings.monitor_qos());
         let topic = settings.full(&settings.joint_states);
         let states = endpoint.subscription(&topic, ("sensor_msgs", "JointState"), &qos)?;
         let states = Inbox::new("joint states", states)?;
-        let computer = if settings.robot_state.is_empty() {
+        let controller_state = if settings.robot_state.is_empty() {
             None
         } else {
             let topic = settings.full(&settings.robot_state);
@@ -76,7 +76,7 @@ impl Monitor {
             _endpoint: endpoint,
             map,
             states,
-            computer,
+            controller_state,
             guard: Inbox::new("guard state", guard)?,
             began: Instant::now(),
             arrivals: VecDeque::new(),
@@ -115,9 +115,9 @@ impl Monitor {
             }
             self.received = Some(received.at);
         }
-        while let Some(received) = self.computer.as_ref().and_then(Inbox::take) {
+        while let Some(received) = self.controller_state.as_ref().and_then(Inbox::take) {
             if let Ok(text) = received.message {
-                self.snapshot.computer = Some(text.data);
+                self.snapshot.controller_state = Some(text.data);
             }
         }
         while let Some(received) = self.guard.take() {

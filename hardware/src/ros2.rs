@@ -1,4 +1,4 @@
-//! The robot on the other side of the wire, and the only way to it: through the guard.
+//! A real robot over ROS 2, reached only through the guard.
 
 use armid::experiment::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Sink};
 use armid::model::Robot;
@@ -10,7 +10,7 @@ use crate::message::Text;
 /// Topic on which a guard reports its state, below the namespace of the link: JSON in `std_msgs/msg/String`.
 pub const GUARD_STATE: &str = "armid/guard_state";
 
-/// A robot that speaks ROS 2, watched.
+/// A robot over ROS 2, behind the guard.
 pub struct GuardedRos2 {
     guarded: Guarded<Approached<Ros2Arm>>,
 }
@@ -20,7 +20,7 @@ pub struct GuardedRos2 {
 /// There is no other way to a [`Ros2Arm`], and none to a [`Confirmation`] but the operator's confirmation.
 ///
 /// # Errors
-/// [`LinkError`] where a setting is impossible, nobody answers, or the joints are not those of the robot file.
+/// [`LinkError`] where a setting is impossible, there is no answer, or the joints are not those of the robot file.
 pub fn guarded_ros2(
     settings: &LinkSettings,
     guard: &GuardSettings,
@@ -38,7 +38,7 @@ pub fn guarded_ros2(
     let approached = Approached::new(arm, robot, guard, confirmation);
     let guarded = Guarded::new(approached, robot, guard, mode).with_disable(disables);
     let guarded = guarded.with_observer(Box::new(move |state| {
-        // Whoever looks on misses one look; nothing else depends on it.
+        // A monitor misses one report; nothing else depends on it.
         if let Ok(data) = serde_json::to_string(state) {
             let _ = status_publisher.publish(Text { data });
         }
@@ -91,7 +91,7 @@ fn unavailable(error: &LinkError) -> ArmError {
 impl Machine for Ros2Arm {
     fn survey(&mut self) -> Result<Survey, ArmError> {
         let reading = self.reading().map_err(|error| unavailable(&error))?;
-        // Whoever got this far has mapped every joint by its name.
+        // At this point every joint has been mapped by its name.
         let joints = self.robot().joints().iter().map(|joint| joint.name.clone()).collect();
         // What is on the list says all of it: homed, drives on, no emergency stop. No other state is accepted.
         let ready = reading.state.as_ref().map(|state| self.ready_states().iter().any(|ready| ready == state.trim()));

@@ -9,7 +9,7 @@ use std::ops::Range;
 use std::path::Path;
 use std::sync::Arc;
 
-use armid::input::TooLarge;
+use armid::input::SizeError;
 use armid::model::format::FormatError;
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
@@ -201,8 +201,8 @@ fn can_be_shown(text: &str, span: &Range<usize>) -> bool {
     on(on(end)) - back(back(start)) <= SHOWN
 }
 
-impl From<TooLarge> for Error {
-    fn from(error: TooLarge) -> Self {
+impl From<SizeError> for Error {
+    fn from(error: SizeError) -> Self {
         Self::new(error.to_string())
     }
 }

@@ -1,6 +1,6 @@
 //! `experiment.toml`: which robot, which motion, how often, and how fast it is sampled.
 //!
-//! What the file says of the arm that performs it (`arm`, `[ros2]`, `[guard]`) is left to whoever has such an arm: the
+//! What the file says of the arm that performs it (`arm`, `[ros2]`, `[guard]`) is left to the program that has such an arm: the
 //! text comes with the experiment.
 
 use std::path::{Path, PathBuf};

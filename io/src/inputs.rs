@@ -1,4 +1,4 @@
-//! What an estimate was made from, as its file remembers it: robot, logs, mapping, processing.
+//! What an estimate was made from, as its file records it: robot, logs, mapping, processing.
 
 use serde::{Deserialize, Serialize};
 use serde_json::Value;

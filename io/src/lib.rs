@@ -15,7 +15,7 @@
 //! | `study.toml`, a folder | a plan, the work as it gets done, the results | [`study`] |
 //!
 //! Reduction ([`armid::base::reduce`]), design ([`armid::excitation::design`]) and everything else that computes is in
-//! [`armid`] itself. Whatever is wrong with a file is an [`Error`] with its kind, its place and what helps. Every file
+//! [`armid`] itself. Every fault of a file is an [`Error`] with its kind, its place and what helps. Every file
 //! that is written at once goes through [`output`], whole or not at all, through a power cut too.
 //!
 //! The whole way, from a log to parameters and a check of them:

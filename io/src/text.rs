@@ -1,4 +1,4 @@
-//! Texts that know what they are called, so that an error can point into them.
+//! Texts with their names, so that an error can point into them.
 
 use std::fs::File;
 use std::io::Read;

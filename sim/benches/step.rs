@@ -13,7 +13,7 @@ use armid::seed::Seed;
 use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
 use armid::trajectory::FourierTrajectory;
-use armid_sim::{AnalyticPlant, RapierPlant, TeamRun, record_runs};
+use armid_sim::{AnalyticPlant, BatchRun, RapierPlant, record_runs};
 
 struct Nowhere;
 
@@ -46,16 +46,16 @@ fn main() {
     }
     println!("forward dynamics with friction: {best:.0} ns");
 
-    let mut team = plant.team(8);
+    let mut batch = plant.batch(8);
     best = f64::INFINITY;
     for _ in 0..10 {
         for run in 0..8 {
-            team.reset(run, &[0.3, 0.4, -0.2, 0.5, 0.6, 0.7], &[1.0, -0.8, 0.7, -1.2, 1.1, 0.9]);
-            team.push(run, &[10.0, 20.0, 5.0, 2.0, 2.0, 1.0]);
+            batch.reset(run, &[0.3, 0.4, -0.2, 0.5, 0.6, 0.7], &[1.0, -0.8, 0.7, -1.2, 1.1, 0.9]);
+            batch.push(run, &[10.0, 20.0, 5.0, 2.0, 2.0, 1.0]);
         }
         let begin = Instant::now();
         for _ in 0..100 {
-            team.step(1e-3);
+            batch.step(1e-3);
         }
         best = best.min(begin.elapsed().as_secs_f64() * 1e6 / 800.0);
     }
@@ -128,7 +128,7 @@ fn main() {
             steps as f64 * 1e-3,
             best * 1e6 / steps as f64
         );
-        let runs: Vec<TeamRun<'_>> = (0..16).map(|run| TeamRun { plan: &plan, seed: Seed::new(1), run }).collect();
+        let runs: Vec<BatchRun<'_>> = (0..16).map(|run| BatchRun { plan: &plan, seed: Seed::new(1), run }).collect();
         let begin = Instant::now();
         let together = record_runs(&servo, &runs);
         let each = begin.elapsed().as_secs_f64() / runs.len() as f64;

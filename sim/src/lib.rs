@@ -7,7 +7,7 @@ mod engine;
 mod mujoco;
 mod rapier;
 
-pub use analytic::{AnalyticError, AnalyticPlant, AnalyticTeam, MOST_JOINTS, TeamRun, perform_runs, record_runs};
+pub use analytic::{AnalyticBatch, AnalyticError, AnalyticPlant, BatchRun, MOST_JOINTS, perform_runs, record_runs};
 pub use engine::{Engine, EngineError};
 pub use mujoco::{
     MujocoError, MujocoModel, MujocoPlant, MujocoScheme, MujocoStatus, MujocoStepper, mjcf, mjcf_for_exchange,

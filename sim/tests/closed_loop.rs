@@ -14,7 +14,7 @@ use armid::signal::{Processing, process};
 use armid::study::radkhah2007::table_one;
 use armid::study::truth_text;
 use armid::trajectory::FourierTrajectory;
-use armid_sim::{AnalyticPlant, TeamRun, record_runs};
+use armid_sim::{AnalyticPlant, BatchRun, record_runs};
 
 fn arm(name: &str) -> (Robot, StandardParameters, Servo<AnalyticPlant>) {
     let entry = bundled().iter().find(|entry| entry.name == name).unwrap();
@@ -166,13 +166,13 @@ fn identity_runs_together_have_the_bits_of_each_alone() {
         discarded_periods: 0,
         ..ExperimentPlan::new(gentle(&robot, 2.0))
     };
-    // Longer than the others, and one that nobody can perform.
+    // Longer than the others, and one that cannot be performed.
     let longer = plan.clone().with_periods(2);
     let none = plan.clone().with_periods(0);
-    let runs: Vec<TeamRun<'_>> = [&plan, &plan, &longer, &none, &plan, &longer]
+    let runs: Vec<BatchRun<'_>> = [&plan, &plan, &longer, &none, &plan, &longer]
         .iter()
         .zip(0..)
-        .map(|(plan, run)| TeamRun { plan, seed: Seed::new(run % 2), run })
+        .map(|(plan, run)| BatchRun { plan, seed: Seed::new(run % 2), run })
         .collect();
     let together = record_runs(&servo, &runs);
     assert_eq!(together.len(), runs.len());

@@ -12,7 +12,7 @@ use armid::model::{Joint, Robot, StandardParameters, bundled};
 use armid::seed::Seed;
 use armid::study::{Truth, truth_text};
 use armid::trajectory::{FourierJoint, FourierTrajectory};
-use armid_sim::{AnalyticPlant, Engine, RapierPlant, TeamRun, record_runs};
+use armid_sim::{AnalyticPlant, BatchRun, Engine, RapierPlant, record_runs};
 
 fn planar() -> (Robot, StandardParameters, StandardParameters) {
     let entry = bundled().iter().find(|entry| entry.name == "planar-2r").unwrap();
@@ -187,7 +187,7 @@ fn identity_without_effects_every_bit_is_what_it_was() {
     let arm = ActualArm::new(&Effects::none(), &robot, &truth);
     assert_eq!((arm.robot(), arm.parameters()), (&robot, &truth));
     let with = plain.clone().with_effects(arm);
-    let runs = [0, 1].map(|run| TeamRun { plan: &plan, seed: Seed::new(5), run });
+    let runs = [0, 1].map(|run| BatchRun { plan: &plan, seed: Seed::new(5), run });
     for (a, b) in record_runs(&plain, &runs).iter().zip(record_runs(&with, &runs)) {
         assert_eq!(a, &b);
     }
@@ -207,7 +207,7 @@ fn identity_runs_beside_each_other_have_the_bits_of_runs_alone_with_every_effect
         let arm = ActualArm::new(&effects, &robot, &truth);
         let plant = AnalyticPlant::new(arm.robot(), arm.parameters()).unwrap();
         let servo = Servo::new(&robot, &nominal, plant).unwrap().with_effects(arm);
-        let runs = [0, 1, 2].map(|run| TeamRun { plan: &plan, seed: Seed::new(5), run });
+        let runs = [0, 1, 2].map(|run| BatchRun { plan: &plan, seed: Seed::new(5), run });
         for (member, together) in runs.iter().zip(record_runs(&servo, &runs)) {
             let (recording, ending) = together.unwrap();
             assert!(ending.is_complete(), "{ending:?}");

@@ -1,4 +1,4 @@
-//! What a reduction needs to know of a robot, in units in which everything is of size 1.
+//! What a reduction needs of a robot, in units in which everything is of size 1.
 
 use nalgebra::{DMatrix, Vector3};
 

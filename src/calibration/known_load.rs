@@ -64,7 +64,10 @@ impl HiddenLoad {
 impl fmt::Display for HiddenLoad {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         let Self { joint, load_rms, unit, reason } = self;
-        write!(f, "joint \"{joint}\": the payload adds {load_rms:.3} {unit} RMS, which does not show: {reason}")
+        write!(
+            f,
+            "joint \"{joint}\": the payload adds {load_rms:.3} {unit} RMS, which does not identify the torque constant: {reason}"
+        )
     }
 }
 
@@ -188,11 +191,11 @@ fn one(
     let terms = |k: usize| (0..10).map(|i| (own[(k, last + i)] * phi[i]).powi(2)).sum::<f64>();
     let size = (0..rows.len()).map(|k| rows[k].0.load * terms(k)).sum::<f64>().sqrt();
     if load.norm() <= RankTolerance::default().independent * size {
-        return Err(hidden("the joint feels nothing of it".to_owned()));
+        return Err(hidden("it causes no torque at the joint".to_owned()));
     }
     let fit = LeastSquares::solve(&w, &y).map_err(|fault| match fault {
         LeastSquaresError::Dependent { column, .. } if column == kept.ncols() => {
-            hidden("the joint's own torque looks the same on this motion".to_owned())
+            hidden("it cannot be distinguished from the joint's own torque on this motion".to_owned())
         }
         fault => hidden(fault.to_string()),
     })?;

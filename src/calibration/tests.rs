@@ -152,7 +152,7 @@ fn what_is_missing_is_named() {
 const RATIO: [f64; 2] = [1.07, 0.96];
 
 /// Samples of a swinging planar arm without and with a payload on its last link, with noise of 0.05 N·m. Their torque is
-/// that of Newton and Euler; a fit knows only the regressor.
+/// that of Newton and Euler; a fit has only the regressor.
 fn without_and_with(robot: &Robot, load: &Inertia, run: u64) -> [Samples; 2] {
     let mut truth = StandardParameters::zero(2);
     for (i, link) in truth.links.iter_mut().enumerate() {

@@ -22,7 +22,7 @@ pub enum CdrError {
         found: u16,
     },
     /// A text is none.
-    #[error("{what} is no UTF-8 text")]
+    #[error("{what} is not UTF-8 text")]
     Text {
         /// Which one.
         what: &'static str,

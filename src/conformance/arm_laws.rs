@@ -6,7 +6,7 @@
 //! - when the sink says stop, no sample follows, and the ending says so;
 //! - a plan that cannot be performed is refused before anything is announced.
 
-use super::BrokenLaw;
+use super::LawError;
 use crate::experiment::{Arm, Ending, ExperimentPlan, Flow, Layout, Phase, RawSample, Recording, Sink};
 use crate::trajectory::{FourierJoint, FourierTrajectory};
 
@@ -33,11 +33,11 @@ impl ArmTolerance {
 /// ```
 ///
 /// # Errors
-/// [`BrokenLaw`]: the first law that does not hold, with what was found.
-pub fn check<A: Arm>(plan: &ExperimentPlan, tolerance: &ArmTolerance, make: impl Fn() -> A) -> Result<(), BrokenLaw> {
+/// [`LawError`]: the first law that does not hold, with what was found.
+pub fn check<A: Arm>(plan: &ExperimentPlan, tolerance: &ArmTolerance, make: impl Fn() -> A) -> Result<(), LawError> {
     let whole = perform("an experiment ends as planned", &mut make(), plan, usize::MAX)?;
     let layout = whole.layout.clone();
-    BrokenLaw::unless(
+    LawError::unless(
         "an experiment ends as planned",
         whole.ending == Ending::Completed && whole.recording.len() == layout.samples(),
         format!("{:?} after {} samples", whole.ending, whole.recording.len()),
@@ -47,7 +47,7 @@ pub fn check<A: Arm>(plan: &ExperimentPlan, tolerance: &ArmTolerance, make: impl
     samples(plan, tolerance, &whole)?;
     if tolerance.repeatable {
         let again = perform("an experiment can be repeated", &mut make(), plan, usize::MAX)?;
-        BrokenLaw::unless(
+        LawError::unless(
             "an experiment can be repeated",
             again.recording == whole.recording,
             "another recording",
@@ -108,13 +108,13 @@ fn witness(until: usize) -> Witness {
     Witness { announced: 0, early: false, recording: None, phases, indices, tracking: 0.0, until }
 }
 
-fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: usize) -> Result<Received, BrokenLaw> {
-    let fault = |found: String, expected: &str| BrokenLaw { law, found, expected: expected.to_owned() };
+fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: usize) -> Result<Received, LawError> {
+    let fault = |found: String, expected: &str| LawError { law, found, expected: expected.to_owned() };
     let layout = plan.layout().map_err(|e| fault(e.to_string(), "a plan that can be performed"))?;
     let mut witness = witness(until);
     let ending = arm.perform(plan, &mut witness).map_err(|e| fault(e.to_string(), "an experiment"))?;
     let law = "a recording is announced once, before its samples";
-    BrokenLaw::unless(
+    LawError::unless(
         law,
         witness.announced == 1 && !witness.early,
         format!("{} announcements", witness.announced),
@@ -125,54 +125,54 @@ fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: u
     Ok(Received { layout, ending, recording, phases, indices, tracking })
 }
 
-fn announcement(plan: &ExperimentPlan, received: &Received) -> Result<(), BrokenLaw> {
+fn announcement(plan: &ExperimentPlan, received: &Received) -> Result<(), LawError> {
     let law = "a recording says what the plan says";
     let recording = &received.recording;
     let n = plan.trajectory.dof();
-    BrokenLaw::unless(law, recording.dof == n, recording.dof.to_string(), format!("{n} joints"))?;
-    BrokenLaw::unless(law, recording.joints.len() == n, format!("{:?}", recording.joints), format!("{n} names"))?;
-    BrokenLaw::unless_at_most(law, (recording.rate_hz - plan.rate_hz).abs(), 1e-9 * plan.rate_hz)?;
+    LawError::unless(law, recording.dof == n, recording.dof.to_string(), format!("{n} joints"))?;
+    LawError::unless(law, recording.joints.len() == n, format!("{:?}", recording.joints), format!("{n} names"))?;
+    LawError::unless_at_most(law, (recording.rate_hz - plan.rate_hz).abs(), 1e-9 * plan.rate_hz)?;
     let (found, expected) = (recording.period_samples, received.layout.period_samples);
-    BrokenLaw::unless(law, found == expected, format!("{found} samples"), format!("{expected} in a period"))?;
-    BrokenLaw::unless(
+    LawError::unless(law, found == expected, format!("{found} samples"), format!("{expected} in a period"))?;
+    LawError::unless(
         law,
         recording.periods() == plan.periods,
         format!("{} periods", recording.periods()),
         format!("{} recorded periods", plan.periods),
     )?;
-    BrokenLaw::unless(law, recording.trajectory == plan.trajectory, "another trajectory", "the plan's")
+    LawError::unless(law, recording.trajectory == plan.trajectory, "another trajectory", "the plan's")
 }
 
-fn samples(plan: &ExperimentPlan, tolerance: &ArmTolerance, received: &Received) -> Result<(), BrokenLaw> {
+fn samples(plan: &ExperimentPlan, tolerance: &ArmTolerance, received: &Received) -> Result<(), LawError> {
     let law = "samples come one per tick in the plan's phases";
     let recording = &received.recording;
     let total = recording.len();
     let lengths = (recording.q.len(), recording.effort.len());
     let expected = total * recording.dof;
-    BrokenLaw::unless(law, lengths == (expected, expected), format!("{lengths:?} values"), expected.to_string())?;
+    LawError::unless(law, lengths == (expected, expected), format!("{lengths:?} values"), expected.to_string())?;
     for k in 0..total {
-        BrokenLaw::unless(law, received.indices[k] == k, format!("index {}", received.indices[k]), k.to_string())?;
+        LawError::unless(law, received.indices[k] == k, format!("index {}", received.indices[k]), k.to_string())?;
         let tick = (recording.t[k] * plan.rate_hz - k as f64).abs();
-        BrokenLaw::unless_at_most(law, tick, tolerance.jitter.max(1e-12 * k as f64))?;
+        LawError::unless_at_most(law, tick, tolerance.jitter.max(1e-12 * k as f64))?;
         let (found, expected) = (received.phases[k], received.layout.phase(k));
-        BrokenLaw::unless(law, found == expected, found.name(), expected.name())?;
+        LawError::unless(law, found == expected, found.name(), expected.name())?;
     }
     let finite = recording.q.iter().chain(&recording.effort).all(|x| x.is_finite());
-    BrokenLaw::unless("every value is finite", finite, "one that is not", "finite numbers")?;
-    BrokenLaw::unless_at_most("the arm follows its command", received.tracking, tolerance.tracking)
+    LawError::unless("every value is finite", finite, "one that is not", "finite numbers")?;
+    LawError::unless_at_most("the arm follows its command", received.tracking, tolerance.tracking)
 }
 
-fn stopping<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), BrokenLaw> {
+fn stopping<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), LawError> {
     let law = "when the sink says stop no sample follows";
     let until = plan.layout().map_or(1, |layout| layout.samples() / 2).max(1);
     let received = perform(law, &mut make(), plan, until)?;
     let found = received.recording.len();
-    BrokenLaw::unless(law, found == until, format!("{found} samples"), until.to_string())?;
+    LawError::unless(law, found == until, format!("{found} samples"), until.to_string())?;
     let said = matches!(&received.ending, Ending::Stopped { phase, .. } if *phase == received.layout.phase(until - 1));
-    BrokenLaw::unless(law, said, format!("{:?}", received.ending), "Stopped in the phase of the last sample")
+    LawError::unless(law, said, format!("{:?}", received.ending), "Stopped in the phase of the last sample")
 }
 
-fn refusal<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), BrokenLaw> {
+fn refusal<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), LawError> {
     let law = "a plan that cannot be performed is refused before anything is announced";
     let still = |j: usize| FourierJoint { name: format!("extra{j}"), a: vec![0.0], b: vec![0.0], q0: 0.0 };
     let joints = (0..=plan.trajectory.dof()).map(still).collect();
@@ -183,8 +183,8 @@ fn refusal<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), B
     for impossible in [wide, never, between] {
         let mut witness = witness(1);
         let answer = make().perform(&impossible, &mut witness);
-        BrokenLaw::unless(law, answer.is_err(), format!("{answer:?}"), "an error")?;
-        BrokenLaw::unless(law, witness.announced == 0, "an announcement", "none")?;
+        LawError::unless(law, answer.is_err(), format!("{answer:?}"), "an error")?;
+        LawError::unless(law, witness.announced == 0, "an announcement", "none")?;
     }
     Ok(())
 }

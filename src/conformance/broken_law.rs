@@ -3,7 +3,7 @@
 /// A law that an implementation breaks.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{law}: found {found}, expected {expected}")]
-pub struct BrokenLaw {
+pub struct LawError {
     /// The law, in words.
     pub law: &'static str,
     /// What was found.
@@ -12,7 +12,7 @@ pub struct BrokenLaw {
     pub expected: String,
 }
 
-impl BrokenLaw {
+impl LawError {
     /// Breaks unless `value` is at most `most`; NaN breaks.
     pub(super) fn unless_at_most(law: &'static str, value: f64, most: f64) -> Result<(), Self> {
         if value <= most {

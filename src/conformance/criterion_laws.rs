@@ -12,7 +12,7 @@
 use nalgebra::DMatrix;
 use rand::RngExt;
 
-use super::BrokenLaw;
+use super::LawError;
 use crate::excitation::criterion::Criterion;
 use crate::seed::{Seed, Stream};
 
@@ -42,9 +42,9 @@ const RUNS: u64 = 8;
 /// ```
 ///
 /// # Errors
-/// [`BrokenLaw`]: the first law that does not hold, with what was found.
-pub fn check(criterion: &dyn Criterion, invariance: Invariance) -> Result<(), BrokenLaw> {
-    BrokenLaw::unless("a criterion has a name", !criterion.name().is_empty(), "none", "one")?;
+/// [`LawError`]: the first law that does not hold, with what was found.
+pub fn check(criterion: &dyn Criterion, invariance: Invariance) -> Result<(), LawError> {
+    LawError::unless("a criterion has a name", !criterion.name().is_empty(), "none", "one")?;
     for run in 0..RUNS {
         let mut rng = Seed::new(41).stream("criterion laws", run);
         gradient(criterion, &mut rng)?;
@@ -55,7 +55,7 @@ pub fn check(criterion: &dyn Criterion, invariance: Invariance) -> Result<(), Br
     }
     singular(criterion)?;
     let better = criterion.report(1.0) - criterion.report(2.0);
-    BrokenLaw::unless(
+    LawError::unless(
         "the number that people read is better where the value is lower",
         if criterion.is_larger_better() { better > 0.0 } else { better < 0.0 },
         format!("{} at 1 and {} at 2", criterion.report(1.0), criterion.report(2.0)),
@@ -76,19 +76,19 @@ fn value(criterion: &dyn Criterion, m: &DMatrix<f64>) -> f64 {
     criterion.evaluate(m, None).value
 }
 
-fn gradient(criterion: &dyn Criterion, rng: &mut Stream) -> Result<(), BrokenLaw> {
+fn gradient(criterion: &dyn Criterion, rng: &mut Stream) -> Result<(), LawError> {
     let m = information(rng);
     let mut s = DMatrix::zeros(SIZE, SIZE);
     let score = criterion.evaluate(&m, Some(&mut s));
     let alone = criterion.evaluate(&m, None);
     let size = 1.0 + score.value.abs();
-    BrokenLaw::unless_at_most(
+    LawError::unless_at_most(
         "the value is the same with its gradient",
         (score.value - alone.value).abs(),
         1e-12 * size,
     )?;
-    BrokenLaw::unless_at_most("smoothing bounds from above", score.exact - score.value, 1e-12 * size)?;
-    BrokenLaw::unless_at_most("the gradient is symmetric", (&s - s.transpose()).norm(), 1e-12 * (1.0 + s.norm()))?;
+    LawError::unless_at_most("smoothing bounds from above", score.exact - score.value, 1e-12 * size)?;
+    LawError::unless_at_most("the gradient is symmetric", (&s - s.transpose()).norm(), 1e-12 * (1.0 + s.norm()))?;
     let d = DMatrix::from_fn(SIZE, SIZE, |_, _| rng.random_range(-1.0..1.0));
     let d = &d + d.transpose();
     // Fourth-order differences: h⁴/30 of a fifth derivative of 1e6, where the largest eigenvalues lie 0.4 apart.
@@ -96,14 +96,14 @@ fn gradient(criterion: &dyn Criterion, rng: &mut Stream) -> Result<(), BrokenLaw
     let h = 2e-4;
     let difference = (8.0 * (at(h) - at(-h)) - (at(2.0 * h) - at(-2.0 * h))) / (12.0 * h);
     let expected = s.component_mul(&d).sum();
-    BrokenLaw::unless_at_most(
+    LawError::unless_at_most(
         "the gradient is that of central differences",
         (difference - expected).abs(),
         1e-6 * (1.0 + expected.abs()),
     )
 }
 
-fn invariances(criterion: &dyn Criterion, invariance: Invariance, rng: &mut Stream) -> Result<(), BrokenLaw> {
+fn invariances(criterion: &dyn Criterion, invariance: Invariance, rng: &mut Stream) -> Result<(), LawError> {
     let (m, other) = (information(rng), information(rng));
     // A cycle of all parameters.
     let order = DMatrix::from_fn(SIZE, SIZE, |i, j| if (i + 1) % SIZE == j { 1.0 } else { 0.0 });
@@ -113,9 +113,8 @@ fn invariances(criterion: &dyn Criterion, invariance: Invariance, rng: &mut Stre
         let turned = t.transpose() * m * t;
         value(criterion, &(0.5 * (&turned + turned.transpose()))) - value(criterion, m)
     };
-    BrokenLaw::unless_at_most("the order of the parameters does not count", moved(&m, &order).abs(), 1e-10)?;
-    let constant =
-        |law, t: &DMatrix<f64>| BrokenLaw::unless_at_most(law, (moved(&m, t) - moved(&other, t)).abs(), 1e-9);
+    LawError::unless_at_most("the order of the parameters does not count", moved(&m, &order).abs(), 1e-10)?;
+    let constant = |law, t: &DMatrix<f64>| LawError::unless_at_most(law, (moved(&m, t) - moved(&other, t)).abs(), 1e-9);
     if invariance != Invariance::Order {
         constant("other units move every value by one constant", &units)?;
     }
@@ -125,21 +124,21 @@ fn invariances(criterion: &dyn Criterion, invariance: Invariance, rng: &mut Stre
     Ok(())
 }
 
-fn more_information(criterion: &dyn Criterion, rng: &mut Stream) -> Result<(), BrokenLaw> {
+fn more_information(criterion: &dyn Criterion, rng: &mut Stream) -> Result<(), LawError> {
     let m = information(rng);
     let v = DMatrix::from_fn(SIZE, 1, |_, _| rng.random_range(-1.0..1.0));
     let worse = value(criterion, &(&m + &v * v.transpose())) - value(criterion, &m);
-    BrokenLaw::unless_at_most("more information is never worse", worse, 1e-12)
+    LawError::unless_at_most("more information is never worse", worse, 1e-12)
 }
 
-fn singular(criterion: &dyn Criterion) -> Result<(), BrokenLaw> {
+fn singular(criterion: &dyn Criterion) -> Result<(), LawError> {
     let mut m = DMatrix::identity(SIZE, SIZE);
     m[(2, 2)] = 0.0;
     let mut s = DMatrix::from_element(SIZE, SIZE, 1.0);
     let score = criterion.evaluate(&m, Some(&mut s));
     let law = "information that leaves a parameter unknown is infinitely bad, with no gradient";
     let found = format!("{} with a gradient of size {}", score.value, s.norm());
-    BrokenLaw::unless(law, score.value == f64::INFINITY && s.norm() == 0.0, found, "inf with a gradient of size 0")
+    LawError::unless(law, score.value == f64::INFINITY && s.norm() == 0.0, found, "inf with a gradient of size 0")
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{BrokenLaw, chains};
+use super::{LawError, chains};
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{
@@ -35,18 +35,18 @@ const COVERAGE: [f64; 2] = [0.88, 0.99];
 /// use armid::conformance::estimator_laws;
 /// use armid::estimation::OrdinaryLeastSquares;
 /// estimator_laws::check(&OrdinaryLeastSquares)?;
-/// # Ok::<(), armid::conformance::BrokenLaw>(())
+/// # Ok::<(), armid::conformance::LawError>(())
 /// ```
 ///
 /// # Errors
-/// [`BrokenLaw`]: the first law that does not hold and is no declared exception, or an exception without a reason.
-pub fn check(estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+/// [`LawError`]: the first law that does not hold and is no declared exception, or an exception without a reason.
+pub fn check(estimator: &dyn Estimator) -> Result<(), LawError> {
     let setting = Setting::new();
     for law in EstimatorLaw::ALL {
         match estimator.exceptions().iter().find(|exception| exception.law == law) {
             Some(LawException { reason, .. }) => {
                 let holds = !reason.trim().is_empty();
-                BrokenLaw::unless("an exception states its reason", holds, format!("none for: {law}"), "a reason")?;
+                LawError::unless("an exception states its reason", holds, format!("none for: {law}"), "a reason")?;
             }
             None => setting.check(law, estimator)?,
         }
@@ -98,7 +98,7 @@ impl Setting {
         Self { robot, truth, regressor, base, beta, exact, sigma }
     }
 
-    fn check(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+    fn check(&self, law: EstimatorLaw, estimator: &dyn Estimator) -> Result<(), LawError> {
         match law {
             EstimatorLaw::Recovery => self.recovery(estimator),
             EstimatorLaw::TorqueUnits => self.torque_units(estimator),
@@ -124,7 +124,7 @@ impl Setting {
         samples
     }
 
-    fn observation(&self, law: EstimatorLaw, samples: &Samples) -> Result<Observation, BrokenLaw> {
+    fn observation(&self, law: EstimatorLaw, samples: &Samples) -> Result<Observation, LawError> {
         Observation::new(&self.robot, &self.regressor, &self.base, samples).map_err(|error| refused(law, &error))
     }
 
@@ -141,18 +141,18 @@ impl Setting {
         estimator.estimate(&problem.with_nominal(&nominal))
     }
 
-    fn made(&self, law: EstimatorLaw, estimator: &dyn Estimator, samples: &Samples) -> Result<Estimate, BrokenLaw> {
+    fn made(&self, law: EstimatorLaw, estimator: &dyn Estimator, samples: &Samples) -> Result<Estimate, LawError> {
         let observation = self.observation(law, samples)?;
         self.estimate(estimator, &observation, samples).map_err(|error| refused(law, &error))
     }
 
-    fn recovery(&self, estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+    fn recovery(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
         let law = EstimatorLaw::Recovery;
         let found = self.made(law, estimator, &self.exact)?;
-        BrokenLaw::unless_at_most(law.sentence(), (found.beta() - &self.beta).norm() / self.beta.norm(), RECOVERY)
+        LawError::unless_at_most(law.sentence(), (found.beta() - &self.beta).norm() / self.beta.norm(), RECOVERY)
     }
 
-    fn torque_units(&self, estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+    fn torque_units(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
         let law = EstimatorLaw::TorqueUnits;
         let samples = self.noisy(0);
         let factor = 1000.0;
@@ -164,7 +164,7 @@ impl Setting {
         same(law, &own, &other, |_| factor)
     }
 
-    fn parameter_units(&self, estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+    fn parameter_units(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
         let law = EstimatorLaw::ParameterUnits;
         let samples = self.noisy(0);
         let observation = self.observation(law, &samples)?;
@@ -180,7 +180,7 @@ impl Setting {
         same(law, &of(&observation)?, &of(&scaled)?, |j| 1.0 / factor(j))
     }
 
-    fn too_few(&self, estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+    fn too_few(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
         let law = EstimatorLaw::TooFewEquations;
         let mut observation = self.observation(law, &self.exact)?;
         for row in self.base.rank() - 1..observation.y.len() {
@@ -190,21 +190,21 @@ impl Setting {
         }
         let samples = Samples { used: observation.used.clone(), ..self.exact.clone() };
         let answer = self.estimate(estimator, &observation, &samples);
-        BrokenLaw::unless(law.sentence(), answer.is_err(), "an estimate", "an error")
+        LawError::unless(law.sentence(), answer.is_err(), "an estimate", "an error")
     }
 
-    fn determinism(&self, estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+    fn determinism(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
         let law = EstimatorLaw::Determinism;
         let samples = self.noisy(0);
         let (first, second) = (self.made(law, estimator, &samples)?, self.made(law, estimator, &samples)?);
-        BrokenLaw::unless(law.sentence(), first == second, "another estimate", "the same bits")
+        LawError::unless(law.sentence(), first == second, "another estimate", "the same bits")
     }
 
-    fn report(&self, estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+    fn report(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
         let law = EstimatorLaw::Report;
         let found = self.made(law, estimator, &self.noisy(0))?;
         let unless =
-            |holds: bool, what: String, expected: &str| BrokenLaw::unless(law.sentence(), holds, what, expected);
+            |holds: bool, what: String, expected: &str| LawError::unless(law.sentence(), holds, what, expected);
         unless(found.names() == self.base.names(), found.names().join(" "), "the names of the base parameters")?;
         unless(found.estimator == estimator.name(), found.estimator.clone(), estimator.name())?;
         let b = self.base.rank();
@@ -232,7 +232,7 @@ impl Setting {
         unless(found.termination.was_successful(), format!("{:?}", found.termination), "a successful termination")
     }
 
-    fn misfit(&self, estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+    fn misfit(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
         let law = EstimatorLaw::Misfit;
         let mut samples = self.noisy(0);
         // A torque that no column has: a ripple over joint 1.
@@ -243,7 +243,7 @@ impl Setting {
         let found = self.made(law, estimator, &samples)?;
         let reported = |finding: &Finding| matches!(finding, Finding::ResidualAboveNoise { joint: 1, .. });
         let holds = found.findings.iter().any(reported);
-        BrokenLaw::unless(
+        LawError::unless(
             law.sentence(),
             holds,
             format!("{:?}", found.findings),
@@ -251,7 +251,7 @@ impl Setting {
         )
     }
 
-    fn coverage(&self, estimator: &dyn Estimator) -> Result<(), BrokenLaw> {
+    fn coverage(&self, estimator: &dyn Estimator) -> Result<(), LawError> {
         let law = EstimatorLaw::Coverage;
         let (mut covered, mut all) = (0_u32, 0_u32);
         for run in 0..EXPERIMENTS {
@@ -263,26 +263,21 @@ impl Setting {
         }
         let share = f64::from(covered) / f64::from(all);
         let holds = (COVERAGE[0]..=COVERAGE[1]).contains(&share);
-        BrokenLaw::unless(law.sentence(), holds, format!("{share:.3} of {all}"), format!("{COVERAGE:?}"))
+        LawError::unless(law.sentence(), holds, format!("{share:.3} of {all}"), format!("{COVERAGE:?}"))
     }
 }
 
-fn refused(law: EstimatorLaw, error: &EstimationError) -> BrokenLaw {
-    BrokenLaw { law: law.sentence(), found: error.to_string(), expected: "an estimate".to_owned() }
+fn refused(law: EstimatorLaw, error: &EstimationError) -> LawError {
+    LawError { law: law.sentence(), found: error.to_string(), expected: "an estimate".to_owned() }
 }
 
 /// Whether the second estimate is the first with parameter j in a unit `factor(j)` times smaller.
-fn same(
-    law: EstimatorLaw,
-    first: &Estimate,
-    second: &Estimate,
-    factor: impl Fn(usize) -> f64,
-) -> Result<(), BrokenLaw> {
+fn same(law: EstimatorLaw, first: &Estimate, second: &Estimate, factor: impl Fn(usize) -> f64) -> Result<(), LawError> {
     for (j, (first, second)) in first.base.iter().zip(&second.base).enumerate() {
         let factor = factor(j);
         let values = (second.value / factor - first.value).abs() / first.std;
         let deviations = (second.std / factor / first.std - 1.0).abs();
-        BrokenLaw::unless_at_most(law.sentence(), values.max(deviations), EQUAL)?;
+        LawError::unless_at_most(law.sentence(), values.max(deviations), EQUAL)?;
     }
     Ok(())
 }

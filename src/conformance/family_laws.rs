@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 use rand::RngExt;
 
-use super::BrokenLaw;
+use super::LawError;
 use crate::seed::{Seed, Stream};
 use crate::trajectory::{MotionScale, Quantity, ShapeFunctions, TrajectoryFamily};
 
@@ -37,11 +37,11 @@ const HIDDEN: f64 = 0.1;
 /// ```
 ///
 /// # Errors
-/// [`BrokenLaw`]: the first law that does not hold, with what was found.
-pub fn check(family: &dyn TrajectoryFamily) -> Result<(), BrokenLaw> {
-    BrokenLaw::unless("a family has a name", !family.name().is_empty(), "none", "one")?;
+/// [`LawError`]: the first law that does not hold, with what was found.
+pub fn check(family: &dyn TrajectoryFamily) -> Result<(), LawError> {
+    LawError::unless("a family has a name", !family.name().is_empty(), "none", "one")?;
     let least = family.least_harmonics();
-    BrokenLaw::unless("a joint that moves has a harmonic", least > 0, least.to_string(), "one or more")?;
+    LawError::unless("a joint that moves has a harmonic", least > 0, least.to_string(), "one or more")?;
     for run in 0..RUNS {
         let mut rng = Seed::new(43).stream("family laws", run);
         let case = Case {
@@ -65,7 +65,7 @@ struct Case<'a> {
 }
 
 impl Case<'_> {
-    fn members(&self, rng: &mut Stream) -> Result<(), BrokenLaw> {
+    fn members(&self, rng: &mut Stream) -> Result<(), LawError> {
         let shapes = self.harmonics.map(|harmonics| self.family.shape(self.period_s, harmonics));
         let blocks: Vec<Vec<f64>> =
             shapes.iter().map(|shape| (0..shape.count()).map(|_| rng.random_range(-1.0..1.0)).collect()).collect();
@@ -73,7 +73,7 @@ impl Case<'_> {
         let member = self.family.trajectory(self.period_s, names.iter().cloned().zip(blocks.iter().cloned()).collect());
         let law = "a member has the period and the joints that it was made with";
         let found = format!("{} s, {:?}", member.period_s(), member.names());
-        BrokenLaw::unless(
+        LawError::unless(
             law,
             (member.period_s() / self.period_s - 1.0).abs() < 1e-15 && member.names() == names,
             found,
@@ -82,7 +82,7 @@ impl Case<'_> {
         for (joint, ((shape, block), harmonics)) in shapes.iter().zip(&blocks).zip(self.harmonics).enumerate() {
             let law = "the coefficients of a member are those that it was made with";
             let found = self.family.coefficients(&member, joint, harmonics);
-            BrokenLaw::unless(law, found.as_ref() == Ok(block), format!("{found:?}"), format!("{block:?}"))?;
+            LawError::unless(law, found.as_ref() == Ok(block), format!("{found:?}"), format!("{block:?}"))?;
             let mut row = vec![0.0; shape.count()];
             for order in 0..=3 {
                 let curve = member.derivative(joint, order);
@@ -94,7 +94,7 @@ impl Case<'_> {
                     let sum: f64 = row.iter().zip(block).map(|(shape, x)| shape * x).sum();
                     let law = "a member moves as its coefficients times the shape functions say";
                     // Rounding of sums of terms that cancel.
-                    BrokenLaw::unless_at_most(law, (sum - curve.value(phase)).abs() / size, 1e-9)?;
+                    LawError::unless_at_most(law, (sum - curve.value(phase)).abs() / size, 1e-9)?;
                 }
             }
             for quantity in [Quantity::Velocity, Quantity::Acceleration] {
@@ -103,18 +103,18 @@ impl Case<'_> {
                 let on_grid = (0..grid).map(|k| curve.value(TAU * k as f64 / grid as f64).abs()).fold(0.0, f64::max);
                 let most = curve.maximum().value.max(-curve.minimum().value);
                 let law = "on the grid of the shape functions no peak of speed or acceleration hides";
-                BrokenLaw::unless_at_most(law, (most - on_grid) / most, HIDDEN)?;
+                LawError::unless_at_most(law, (most - on_grid) / most, HIDDEN)?;
             }
         }
         Ok(())
     }
 }
 
-fn shapes(shape: &dyn ShapeFunctions, period_s: f64) -> Result<(), BrokenLaw> {
+fn shapes(shape: &dyn ShapeFunctions, period_s: f64) -> Result<(), LawError> {
     let count = shape.count();
     let still = shape.constant();
     let law = "standing still is a member";
-    BrokenLaw::unless(law, still.len() == count, still.len().to_string(), format!("{count} coefficients"))?;
+    LawError::unless(law, still.len() == count, still.len().to_string(), format!("{count} coefficients"))?;
     let samples = 8 * count;
     let mut table = DMatrix::zeros(samples, count);
     let mut row = vec![0.0; count];
@@ -124,7 +124,7 @@ fn shapes(shape: &dyn ShapeFunctions, period_s: f64) -> Result<(), BrokenLaw> {
             let size = row.iter().fold(1.0_f64, |most, x| most.max(x.abs()));
             let sum: f64 = row.iter().zip(&still).map(|(shape, x)| shape * x).sum();
             let expected = if order == 0 { 1.0 } else { 0.0 };
-            BrokenLaw::unless_at_most(law, (sum - expected).abs() / size, 1e-10)?;
+            LawError::unless_at_most(law, (sum - expected).abs() / size, 1e-10)?;
             if order == 0 {
                 table.row_mut(k).copy_from_slice(&row);
             }
@@ -136,11 +136,11 @@ fn shapes(shape: &dyn ShapeFunctions, period_s: f64) -> Result<(), BrokenLaw> {
     }
     let smallest = table.singular_values().min();
     let law = "the shape functions are independent";
-    BrokenLaw::unless(law, smallest > 1e-6, format!("a singular value of {smallest:e}"), "1e-6 or more")?;
+    LawError::unless(law, smallest > 1e-6, format!("a singular value of {smallest:e}"), "1e-6 or more")?;
     let scale = MotionScale { range: 2.0, speed: 1.5, omega: TAU / period_s };
     let scales = shape.scales(&scale);
     let sound = scales.len() == count && scales.iter().all(|scale| scale.is_finite() && *scale > 0.0);
-    BrokenLaw::unless("every coefficient has a scale", sound, format!("{scales:?}"), format!("{count} above zero"))
+    LawError::unless("every coefficient has a scale", sound, format!("{scales:?}"), format!("{count} above zero"))
 }
 
 #[cfg(test)]

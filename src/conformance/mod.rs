@@ -11,4 +11,4 @@ pub mod term_laws;
 pub mod trajectory_laws;
 mod broken_law;
 
-pub use broken_law::BrokenLaw;
+pub use broken_law::LawError;

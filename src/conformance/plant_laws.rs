@@ -7,7 +7,7 @@
 //! - without friction the energy changes by the work of the torques;
 //! - a torque that is not a number ends in an error, not in a panic.
 
-use super::BrokenLaw;
+use super::LawError;
 use crate::dynamics::Dynamics;
 use crate::experiment::Plant;
 use crate::model::term::Dissipation;
@@ -47,13 +47,13 @@ impl PlantTolerance {
 /// ```
 ///
 /// # Errors
-/// [`BrokenLaw`]: the first law that does not hold, with what was found.
+/// [`LawError`]: the first law that does not hold, with what was found.
 pub fn check<P: Plant>(
     robot: &Robot,
     parameters: &StandardParameters,
     tolerance: &PlantTolerance,
     make: impl Fn(&Robot, &StandardParameters) -> P,
-) -> Result<(), BrokenLaw> {
+) -> Result<(), LawError> {
     let case = Case { robot, parameters, tolerance, make: &make };
     case.reset()?;
     case.determinism()?;
@@ -106,9 +106,9 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
         tau: &[f64],
         dt: f64,
         steps: usize,
-    ) -> Result<(Vec<f64>, Vec<f64>), BrokenLaw> {
+    ) -> Result<(Vec<f64>, Vec<f64>), LawError> {
         for _ in 0..steps {
-            plant.step(tau, dt).map_err(|fault| BrokenLaw {
+            plant.step(tau, dt).map_err(|fault| LawError {
                 law,
                 found: fault.to_string(),
                 expected: "a plant that goes on".to_owned(),
@@ -118,23 +118,23 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
         Ok((q.to_vec(), qd.to_vec()))
     }
 
-    fn reset(&self) -> Result<(), BrokenLaw> {
+    fn reset(&self) -> Result<(), LawError> {
         let law = "a reset state is the state";
         let n = self.robot.dof();
         let mut plant = self.plant();
-        BrokenLaw::unless(law, plant.dof() == n, plant.dof().to_string(), format!("{n} joints"))?;
+        LawError::unless(law, plant.dof() == n, plant.dof().to_string(), format!("{n} joints"))?;
         for run in 0..5 {
             let (q, qd, _) = draw(self.robot, self.parameters, run);
             plant.reset(&q, &qd);
             let (own_q, own_qd) = plant.state();
-            BrokenLaw::unless(law, own_q.len() == n && own_qd.len() == n, own_q.len().to_string(), n.to_string())?;
+            LawError::unless(law, own_q.len() == n && own_qd.len() == n, own_q.len().to_string(), n.to_string())?;
             let error = distance(&q, own_q).max(distance(&qd, own_qd));
-            BrokenLaw::unless_at_most(law, error, self.tolerance.reset)?;
+            LawError::unless_at_most(law, error, self.tolerance.reset)?;
         }
         Ok(())
     }
 
-    fn determinism(&self) -> Result<(), BrokenLaw> {
+    fn determinism(&self) -> Result<(), LawError> {
         let law = "equal states and torques give equal bits after any history";
         let mut plant = self.plant();
         for run in 0..3 {
@@ -150,12 +150,12 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
                 .chain(&first.1)
                 .zip(second.0.iter().chain(&second.1))
                 .all(|(a, b)| a.to_bits() == b.to_bits());
-            BrokenLaw::unless(law, same, format!("{first:?}"), format!("{second:?}"))?;
+            LawError::unless(law, same, format!("{first:?}"), format!("{second:?}"))?;
         }
         Ok(())
     }
 
-    fn rest(&self) -> Result<(), BrokenLaw> {
+    fn rest(&self) -> Result<(), LawError> {
         let law = "under the torque that holds it an arm stays at rest";
         let mut plant = self.plant();
         let mut dynamics = Dynamics::new(self.robot, self.parameters);
@@ -165,12 +165,12 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
             dynamics.inverse(&q, &zero, &zero, &mut tau);
             plant.reset(&q, &zero);
             let (_, qd) = self.run(law, &mut plant, &tau, 1e-3, 200)?;
-            BrokenLaw::unless_at_most(law, distance(&qd, &zero), self.tolerance.rest)?;
+            LawError::unless_at_most(law, distance(&qd, &zero), self.tolerance.rest)?;
         }
         Ok(())
     }
 
-    fn acceleration(&self) -> Result<(), BrokenLaw> {
+    fn acceleration(&self) -> Result<(), LawError> {
         let law = "velocity grows as forward dynamics say, position as the velocity says";
         let dt = 1e-5;
         let mut plant = self.plant();
@@ -183,16 +183,16 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
             let (q_end, qd_end) = self.run(law, &mut plant, &tau, dt, 1)?;
             let size = qdd.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
             let rate: Vec<f64> = qd_end.iter().zip(&qd).map(|(b, a)| (b - a) / dt).collect();
-            BrokenLaw::unless_at_most(law, distance(&rate, &qdd) / size, self.tolerance.acceleration)?;
+            LawError::unless_at_most(law, distance(&rate, &qdd) / size, self.tolerance.acceleration)?;
             let moved: Vec<f64> = q_end.iter().zip(&q).map(|(b, a)| (b - a) / dt).collect();
             // Half an acceleration or a whole one, as the engine's order has it, and the reset's own error.
             let allowed = 1.5 * size * dt + 2.0 * self.tolerance.reset / dt + 1e-10;
-            BrokenLaw::unless_at_most(law, distance(&moved, &qd), allowed)?;
+            LawError::unless_at_most(law, distance(&moved, &qd), allowed)?;
         }
         Ok(())
     }
 
-    fn splitting(&self) -> Result<(), BrokenLaw> {
+    fn splitting(&self) -> Result<(), LawError> {
         let law = "one step and two of half its length arrive at the same state";
         let mut plant = self.plant();
         for run in 0..5 {
@@ -202,12 +202,12 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
             plant.reset(&q, &qd);
             let halves = self.run(law, &mut plant, &tau, 5e-4, 100)?;
             let error = distance(&whole.0, &halves.0).max(distance(&whole.1, &halves.1));
-            BrokenLaw::unless_at_most(law, error, self.tolerance.splitting)?;
+            LawError::unless_at_most(law, error, self.tolerance.splitting)?;
         }
         Ok(())
     }
 
-    fn energy(&self) -> Result<(), BrokenLaw> {
+    fn energy(&self) -> Result<(), LawError> {
         let law = "without friction the energy changes by the work of the torques";
         let mut parameters = self.parameters.clone();
         for drive in &mut parameters.drives {
@@ -225,19 +225,19 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
             let work: f64 = (0..q.len()).map(|i| tau[i] * (q_end[i] - q[i])).sum();
             let moved = before.kinetic + after.kinetic + work.abs() + (after.potential - before.potential).abs();
             let error = (after.total() - before.total() - work).abs() / moved;
-            BrokenLaw::unless_at_most(law, error, self.tolerance.energy)?;
+            LawError::unless_at_most(law, error, self.tolerance.energy)?;
         }
         Ok(())
     }
 
-    fn not_a_number(&self) -> Result<(), BrokenLaw> {
+    fn not_a_number(&self) -> Result<(), LawError> {
         let law = "a torque that is not a number ends in an error";
         let (q, qd, mut tau) = draw(self.robot, self.parameters, 0);
         let mut plant = self.plant();
         plant.reset(&q, &qd);
         tau[0] = f64::NAN;
         let ended = (0..3).any(|_| plant.step(&tau, 1e-3).is_err());
-        BrokenLaw::unless(law, ended, "three steps without one", "an error")?;
+        LawError::unless(law, ended, "three steps without one", "an error")?;
         // And a reset makes it good again.
         plant.reset(&q, &qd);
         tau[0] = 0.0;
@@ -257,8 +257,8 @@ mod tests {
     #[derive(Clone, Copy, Debug)]
     enum Flaw {
         None,
-        ForgetsVelocity,
-        Remembers,
+        DropsVelocity,
+        KeepsHistory,
         Heavy,
         Drifts,
     }
@@ -274,8 +274,8 @@ mod tests {
 
         fn reset(&mut self, q: &[f64], qd: &[f64]) {
             match self.1 {
-                Flaw::ForgetsVelocity => self.0.reset(q, &vec![0.0; qd.len()]),
-                Flaw::Remembers => {
+                Flaw::DropsVelocity => self.0.reset(q, &vec![0.0; qd.len()]),
+                Flaw::KeepsHistory => {
                     let old = self.0.state().0[0];
                     let mut q = q.to_vec();
                     q[0] += 1e-18 + 1e-12 * old;
@@ -305,8 +305,8 @@ mod tests {
         assert_eq!(judge(Flaw::None, &exact), Ok(()));
         let lax = PlantTolerance { reset: 1e-9, ..exact };
         for (flaw, tolerance, law) in [
-            (Flaw::ForgetsVelocity, exact, "a reset state is the state"),
-            (Flaw::Remembers, lax, "equal states and torques give equal bits after any history"),
+            (Flaw::DropsVelocity, exact, "a reset state is the state"),
+            (Flaw::KeepsHistory, lax, "equal states and torques give equal bits after any history"),
             (Flaw::Heavy, exact, "velocity grows as forward dynamics say, position as the velocity says"),
             (Flaw::Drifts, exact, "under the torque that holds it an arm stays at rest"),
         ] {

@@ -14,7 +14,7 @@
 
 use rand::RngExt;
 
-use super::BrokenLaw;
+use super::LawError;
 use super::chains::{ChainRecipe, random_state};
 use crate::dynamics::Dynamics;
 use crate::excitation::radkhah2007_start;
@@ -67,12 +67,12 @@ const SHOWN: f64 = 30.0;
 /// ```
 ///
 /// # Errors
-/// [`BrokenLaw`]: the first law that does not hold, with what was found.
+/// [`LawError`]: the first law that does not hold, with what was found.
 pub fn check<P: Plant>(
     term: Term,
     tolerance: &TermTolerance,
     make: impl Fn(&Robot, &StandardParameters) -> P,
-) -> Result<(), BrokenLaw> {
+) -> Result<(), LawError> {
     if !term.entry().needs.is_motion() {
         return (0..EXPERIMENTS).try_for_each(|run| Arm::draw(term, run).effort(tolerance, &make));
     }
@@ -82,7 +82,7 @@ pub fn check<P: Plant>(
     }
     let law = "a term shows in the accelerations of an arm";
     let expected = SHOWN * tolerance.acceleration;
-    BrokenLaw::unless(law, shown >= expected, format!("{shown:e}"), format!("{expected:e} or more"))
+    LawError::unless(law, shown >= expected, format!("{shown:e}"), format!("{expected:e} or more"))
 }
 
 /// An arm of links and one term.
@@ -139,7 +139,7 @@ impl Arm {
         &self,
         tolerance: &TermTolerance,
         make: impl Fn(&Robot, &StandardParameters) -> P,
-    ) -> Result<f64, BrokenLaw> {
+    ) -> Result<f64, LawError> {
         let law = "under the torque of the regressor the velocity grows at the acceleration";
         let regressor = JointTorqueRegressor::new(&self.robot, self.columns());
         let mut links = Dynamics::new(&self.robot, &self.parameters.links_alone());
@@ -151,9 +151,9 @@ impl Arm {
             // Beyond the speeds at which a friction turns over, where its slope is steepest.
             qd.iter_mut().for_each(|qd| *qd = (qd.abs() + 0.3).copysign(*qd));
             let [tau, _] = self.predicted(&regressor, (&q, &qd, &qdd));
-            let mut rate = |dt: f64| -> Result<Vec<f64>, BrokenLaw> {
+            let mut rate = |dt: f64| -> Result<Vec<f64>, LawError> {
                 plant.reset(&q, &qd);
-                plant.step(&tau, dt).map_err(|fault| BrokenLaw {
+                plant.step(&tau, dt).map_err(|fault| LawError {
                     law,
                     found: fault.to_string(),
                     expected: "a plant that goes on".to_owned(),
@@ -168,7 +168,7 @@ impl Arm {
                 // Twice extrapolated: the errors of the first and the second power of the step cancel.
                 let [first, second] = [2.0 * rates[1][i] - rates[0][i], 2.0 * rates[2][i] - rates[1][i]];
                 let found = (4.0 * second - first) / 3.0;
-                BrokenLaw::unless_at_most(law, (found - qdd[i]).abs() / size, tolerance.acceleration)?;
+                LawError::unless_at_most(law, (found - qdd[i]).abs() / size, tolerance.acceleration)?;
                 shown = shown.max((without[i] - qdd[i]).abs() / size);
             }
         }
@@ -180,9 +180,9 @@ impl Arm {
         &self,
         tolerance: &TermTolerance,
         make: impl Fn(&Robot, &StandardParameters) -> P,
-    ) -> Result<(), BrokenLaw> {
+    ) -> Result<(), LawError> {
         let law = "along an experiment the effort of the motors is the regressor times the parameters";
-        let broken = |found: String| BrokenLaw { law, found, expected: "an experiment".to_owned() };
+        let broken = |found: String| LawError { law, found, expected: "an experiment".to_owned() };
         let trajectory = radkhah2007_start(&self.robot, 4.0, 2, Seed::new(6), 0).map_err(|e| broken(e.to_string()))?;
         let plan = ExperimentPlan { settle_s: 0.1, ramp_s: 0.5, periods: 1, ..ExperimentPlan::new(trajectory) };
         let plan = ExperimentPlan { discarded_periods: 0, ..plan };
@@ -198,8 +198,8 @@ impl Arm {
         let dt = cycle.dt() / parts as f64;
         loop {
             let (q, qd) = plant.state();
-            if let Next::End(ending) = cycle.advance(q, qd, &mut Unheard, &mut |_| {}) {
-                BrokenLaw::unless(law, ending.is_complete(), format!("{ending:?}"), "an experiment to its end")?;
+            if let Next::End(ending) = cycle.advance(q, qd, &mut Discarding, &mut |_| {}) {
+                LawError::unless(law, ending.is_complete(), format!("{ending:?}"), "an experiment to its end")?;
                 break;
             }
             let motors = cycle.tau().to_vec();
@@ -225,14 +225,14 @@ impl Arm {
                 }
             }
         }
-        BrokenLaw::unless_at_most(law, (errors / sizes).sqrt(), tolerance.effort)
+        LawError::unless_at_most(law, (errors / sizes).sqrt(), tolerance.effort)
     }
 }
 
-/// Hears everything and goes on.
-struct Unheard;
+/// Receives everything and goes on.
+struct Discarding;
 
-impl Sink for Unheard {
+impl Sink for Discarding {
     fn begin(&mut self, _: &Recording) {}
 
     fn sample(&mut self, _: &RawSample<'_>) -> Flow {

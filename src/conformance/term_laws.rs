@@ -11,7 +11,7 @@
 
 use rand::RngExt;
 
-use super::BrokenLaw;
+use super::LawError;
 use super::chains::{ChainRecipe, random_state};
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::{Dynamics, States};
@@ -30,12 +30,12 @@ const ARMS: u64 = 16;
 /// use armid::conformance::term_laws;
 /// use armid::model::term::VISCOUS;
 /// term_laws::check(VISCOUS)?;
-/// # Ok::<(), armid::conformance::BrokenLaw>(())
+/// # Ok::<(), armid::conformance::LawError>(())
 /// ```
 ///
 /// # Errors
-/// [`BrokenLaw`]: the first law that does not hold, with what was found.
-pub fn check(term: Term) -> Result<(), BrokenLaw> {
+/// [`LawError`]: the first law that does not hold, with what was found.
+pub fn check(term: Term) -> Result<(), LawError> {
     entry(term)?;
     affine(term)?;
     energy_and_dissipation(term)?;
@@ -52,33 +52,33 @@ pub fn check(term: Term) -> Result<(), BrokenLaw> {
 /// Checks that parameter files carry a term of the list.
 ///
 /// # Errors
-/// [`BrokenLaw`] where what is read is not what was written.
-pub fn check_files(term: Term) -> Result<(), BrokenLaw> {
+/// [`LawError`] where what is read is not what was written.
+pub fn check_files(term: Term) -> Result<(), LawError> {
     let law = "a parameter file gives back what was written";
     for run in 0..ARMS {
         let Arm { robot, parameters, .. } = Arm::draw(term, run);
         let text = write_parameters(&robot, &parameters, "a test");
-        let read = parse_parameters(&text, &robot, false).map_err(|fault| BrokenLaw {
+        let read = parse_parameters(&text, &robot, false).map_err(|fault| LawError {
             law,
             found: fault.to_string(),
             expected: text.clone(),
         })?;
-        BrokenLaw::unless(law, read.parameters == parameters, format!("{:?}", read.parameters.drives), text)?;
+        LawError::unless(law, read.parameters == parameters, format!("{:?}", read.parameters.drives), text)?;
     }
     Ok(())
 }
 
-fn entry(term: Term) -> Result<(), BrokenLaw> {
+fn entry(term: Term) -> Result<(), LawError> {
     let law = "an entry is complete";
     let entry = term.entry();
     for text in [entry.symbol, entry.name, entry.meaning, entry.group, entry.unit.revolute, entry.prior.key] {
-        BrokenLaw::unless(law, !text.is_empty(), "an empty text", "a text")?;
+        LawError::unless(law, !text.is_empty(), "an empty text", "a text")?;
     }
     let alike = Term::ALL.iter().filter(|other| other.symbol() == term.symbol()).count();
-    BrokenLaw::unless(law, alike <= 1, term.symbol(), "a symbol of its own")?;
+    LawError::unless(law, alike <= 1, term.symbol(), "a symbol of its own")?;
     for kind in [JointKind::Revolute, JointKind::Prismatic] {
         let alike = Term::ALL.iter().filter(|other| **other != term && other.entry().key.is(entry.key.of(kind)));
-        BrokenLaw::unless(law, alike.count() == 0, entry.key.of(kind), "a key of its own")?;
+        LawError::unless(law, alike.count() == 0, entry.key.of(kind), "a key of its own")?;
     }
     Ok(())
 }
@@ -91,14 +91,14 @@ fn random_input(rng: &mut Stream) -> TermInput<f64> {
     TermInput { q, qd, qdd, load, warmth, shape: [Scale::new(0.05 + 0.04 * draw(1.0)), Scale::new(0.1)] }
 }
 
-fn affine(term: Term) -> Result<(), BrokenLaw> {
+fn affine(term: Term) -> Result<(), LawError> {
     let law = "slopes are central differences, and that by acceleration is constant";
     let mut rng = Seed::new(0).stream("term laws", 0);
     let constant = term.slopes(&random_input(&mut rng))[2];
     for _ in 0..50 {
         let x = random_input(&mut rng);
         let slopes = term.slopes(&x);
-        BrokenLaw::unless(law, slopes[2] == constant, slopes[2].to_string(), constant.to_string())?;
+        LawError::unless(law, slopes[2] == constant, slopes[2].to_string(), constant.to_string())?;
         let h = 1e-6;
         let at = |part: usize, step: f64| {
             let mut moved = x;
@@ -108,13 +108,13 @@ fn affine(term: Term) -> Result<(), BrokenLaw> {
         for (part, slope) in slopes.into_iter().enumerate() {
             let found = (at(part, h) - at(part, -h)) / (2.0 * h);
             // Truncation h² g‴/6, with g‴ up to 2/v_s³ = 1e6 times a load of 30; rounding 1e-16 · 30 / h.
-            BrokenLaw::unless_at_most(law, (found - slope).abs(), 1e-4)?;
+            LawError::unless_at_most(law, (found - slope).abs(), 1e-4)?;
         }
     }
     Ok(())
 }
 
-fn energy_and_dissipation(term: Term) -> Result<(), BrokenLaw> {
+fn energy_and_dissipation(term: Term) -> Result<(), LawError> {
     let mut rng = Seed::new(0).stream("term laws", 1);
     for _ in 0..200 {
         let x = random_input(&mut rng);
@@ -122,15 +122,15 @@ fn energy_and_dissipation(term: Term) -> Result<(), BrokenLaw> {
         match term.entry().dissipation {
             Dissipation::Always => {
                 let law = "a term that dissipates takes power at every speed";
-                BrokenLaw::unless_at_most(law, -power, 0.0)?;
+                LawError::unless_at_most(law, -power, 0.0)?;
                 let signed = term.entry().sign == Sign::NotNegative;
-                BrokenLaw::unless(law, signed, "a coefficient of any sign", "one that is not negative")?;
+                LawError::unless(law, signed, "a coefficient of any sign", "one that is not negative")?;
             }
             Dissipation::Beside(other) => {
                 let law = "beside the term that it names, as large, a term takes power at every speed";
                 let found = Term::ALL.iter().copied().find(|term| term.symbol() == other);
                 let Some(other) = found else {
-                    return Err(BrokenLaw { law, found: other.to_owned(), expected: "a term of the list".to_owned() });
+                    return Err(LawError { law, found: other.to_owned(), expected: "a term of the list".to_owned() });
                 };
                 // Shape parameters by key: the other term's may stand in another order.
                 let own = term.entry().shapes;
@@ -139,7 +139,7 @@ fn energy_and_dissipation(term: Term) -> Result<(), BrokenLaw> {
                     own.iter().position(|shape| Some(shape.key) == wanted).map_or(x.shape[k], |at| x.shape[at])
                 });
                 let beside = other.torque(&TermInput { shape, ..x }) * x.qd;
-                BrokenLaw::unless_at_most(law, power.abs() - beside, 1e-15)?;
+                LawError::unless_at_most(law, power.abs() - beside, 1e-15)?;
             }
             Dissipation::Stores => {
                 let law = "the power of a term that stores is the rate of its energy";
@@ -149,11 +149,11 @@ fn energy_and_dissipation(term: Term) -> Result<(), BrokenLaw> {
                     term.law().energy(&TermInput { q, qd, ..x })
                 };
                 let rate = (at(h) - at(-h)) / (2.0 * h);
-                BrokenLaw::unless_at_most(law, (rate - power).abs(), 1e-6)?;
+                LawError::unless_at_most(law, (rate - power).abs(), 1e-6)?;
             }
             Dissipation::No(reason) => {
                 let law = "a term that may give energy says why";
-                BrokenLaw::unless(law, !reason.is_empty(), "nothing", "a reason")?;
+                LawError::unless(law, !reason.is_empty(), "nothing", "a reason")?;
             }
         }
     }
@@ -188,7 +188,7 @@ impl Arm {
         JointTorqueRegressor::with_load(&self.robot, self.columns, &self.parameters)
     }
 
-    fn inverse_is_regressor_times_parameters(&self) -> Result<(), BrokenLaw> {
+    fn inverse_is_regressor_times_parameters(&self) -> Result<(), LawError> {
         let law = "inverse dynamics are the regressor times the parameters";
         let (regressor, phi) = (self.regressor(), self.parameters.vector(&self.robot, self.columns));
         let mut dynamics = Dynamics::new(&self.robot, &self.parameters);
@@ -203,13 +203,13 @@ impl Arm {
             for (row, tau) in y.chunks_exact(p).zip(&tau) {
                 let found: f64 = row.iter().zip(&phi).map(|(y, phi)| y * phi).sum();
                 // Rounding of some hundred operations on torques of this size.
-                BrokenLaw::unless_at_most(law, (found - tau).abs(), 1e-12 * size)?;
+                LawError::unless_at_most(law, (found - tau).abs(), 1e-12 * size)?;
             }
         }
         Ok(())
     }
 
-    fn forward_undoes_inverse(&self) -> Result<(), BrokenLaw> {
+    fn forward_undoes_inverse(&self) -> Result<(), LawError> {
         let law = "forward dynamics undo inverse dynamics";
         let mut dynamics = Dynamics::new(&self.robot, &self.parameters);
         let mut rng = self.rng.clone();
@@ -222,14 +222,14 @@ impl Arm {
             dynamics.forward_articulated(&q, &qd, &tau, &mut b);
             for i in 0..n {
                 // Rounding times the condition number of the mass matrix, at most some thousands.
-                BrokenLaw::unless_at_most(law, (a[i] - qdd[i]).abs(), 1e-8)?;
-                BrokenLaw::unless_at_most(law, (b[i] - qdd[i]).abs(), 1e-8)?;
+                LawError::unless_at_most(law, (a[i] - qdd[i]).abs(), 1e-8)?;
+                LawError::unless_at_most(law, (b[i] - qdd[i]).abs(), 1e-8)?;
             }
         }
         Ok(())
     }
 
-    fn gradient(&self) -> Result<(), BrokenLaw> {
+    fn gradient(&self) -> Result<(), LawError> {
         let law = "the gradient of the regressor is its central difference";
         let regressor = self.regressor();
         let mut rng = self.rng.clone();
@@ -253,13 +253,13 @@ impl Arm {
                 let wide = (along(2.0 * h) - along(-2.0 * h)) / (4.0 * h);
                 let narrow = (along(h) - along(-h)) / (2.0 * h);
                 let expected = (4.0 * narrow - wide) / 3.0;
-                BrokenLaw::unless_at_most(law, (found[j] - expected).abs(), 1e-6 * expected.abs().max(100.0))?;
+                LawError::unless_at_most(law, (found[j] - expected).abs(), 1e-6 * expected.abs().max(100.0))?;
             }
         }
         Ok(())
     }
 
-    fn structural_reduction(&self) -> Result<(), BrokenLaw> {
+    fn structural_reduction(&self) -> Result<(), LawError> {
         let law = "the structural reduction is that of a QR on random states";
         let regressor = self.regressor();
         let mut rng = self.rng.clone();
@@ -279,10 +279,10 @@ impl Arm {
         }
         let qr = BaseReduction::from_stack(regressor.parameters(), &regressor.stack(&states), Method::Qr);
         let structural = reduce(&self.robot, self.columns, Method::Structural, Seed::new(0))
-            .map_err(|fault| BrokenLaw { law, found: fault.to_string(), expected: "a reduction".to_owned() })?;
-        BrokenLaw::unless(law, structural.names() == qr.names(), structural.names().join(" "), qr.names().join(" "))?;
+            .map_err(|fault| LawError { law, found: fault.to_string(), expected: "a reduction".to_owned() })?;
+        LawError::unless(law, structural.names() == qr.names(), structural.names().join(" "), qr.names().join(" "))?;
         let error = (&structural.k - &qr.k).amax() / qr.k.amax().max(1.0);
-        BrokenLaw::unless_at_most(law, error, 1e-7)
+        LawError::unless_at_most(law, error, 1e-7)
     }
 }
 

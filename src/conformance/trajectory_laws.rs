@@ -11,7 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use super::BrokenLaw;
+use super::LawError;
 use crate::trajectory::PeriodicMotion;
 
 /// Panels of a period on which integrals are taken.
@@ -33,15 +33,15 @@ type State = [Vec<f64>; 3];
 /// ```
 ///
 /// # Errors
-/// [`BrokenLaw`]: the first law that does not hold, with what was found.
-pub fn check<M: PeriodicMotion + Clone>(motion: &M) -> Result<(), BrokenLaw> {
+/// [`LawError`]: the first law that does not hold, with what was found.
+pub fn check<M: PeriodicMotion + Clone>(motion: &M) -> Result<(), LawError> {
     let (n, period) = (motion.dof(), motion.period_s());
     let law = "a motion has a period, joints and a name for each";
     let found = format!("{period} s, {n} joints, {} names", motion.names().len());
     let sound = period.is_finite() && period > 0.0 && n > 0 && motion.names().len() == n;
-    BrokenLaw::unless(law, sound, found, "a finite number above zero, one or more, as many")?;
+    LawError::unless(law, sound, found, "a finite number above zero, one or more, as many")?;
     let highest = motion.highest_hz();
-    BrokenLaw::unless(
+    LawError::unless(
         "the highest frequency is finite and not below that of the period",
         highest.is_finite() && highest * period >= 1.0 - 1e-9,
         format!("{highest} Hz"),
@@ -76,19 +76,19 @@ fn scale<M: PeriodicMotion>(motion: &M) -> [f64; 3] {
     [0, 1, 2].map(|k| states.iter().flat_map(|state| &state[k]).fold(1.0_f64, |most, x| most.max(x.abs())))
 }
 
-fn periodic<M: PeriodicMotion>(motion: &M) -> Result<(), BrokenLaw> {
+fn periodic<M: PeriodicMotion>(motion: &M) -> Result<(), LawError> {
     let (period, scale) = (motion.period_s(), scale(motion));
     for k in 0..37 {
         let t = period * (0.01 + f64::from(k) / 37.0);
         for later in [t + period, t + 3.0 * period] {
             let away = difference(&at(motion, t), &at(motion, later), &scale);
-            BrokenLaw::unless_at_most("the motion comes back after a period", away, 1e-9)?;
+            LawError::unless_at_most("the motion comes back after a period", away, 1e-9)?;
         }
     }
     Ok(())
 }
 
-fn integrals<M: PeriodicMotion>(motion: &M) -> Result<(), BrokenLaw> {
+fn integrals<M: PeriodicMotion>(motion: &M) -> Result<(), LawError> {
     let (n, scale) = (motion.dof(), scale(motion));
     let step = motion.period_s() / PANELS as f64;
     let start = at(motion, 0.0);
@@ -108,29 +108,29 @@ fn integrals<M: PeriodicMotion>(motion: &M) -> Result<(), BrokenLaw> {
                 // A corner of the acceleration leaves the square of a panel of 1/2000 of the period.
                 let away = (now[order][joint] - start[order][joint] - sum[joint]).abs() / scale[order + 1];
                 let law = ["velocity integrates to position", "acceleration integrates to velocity"][order];
-                BrokenLaw::unless_at_most(law, away, 1e-5 * motion.period_s().max(1.0))?;
+                LawError::unless_at_most(law, away, 1e-5 * motion.period_s().max(1.0))?;
             }
         }
     }
     Ok(())
 }
 
-fn curves<M: PeriodicMotion>(motion: &M, joint: usize) -> Result<(), BrokenLaw> {
+fn curves<M: PeriodicMotion>(motion: &M, joint: usize) -> Result<(), LawError> {
     let (period, scale) = (motion.period_s(), scale(motion));
     for order in 0..3 {
         let curve = motion.curve(joint, order);
         let (low, high) = (curve.minimum(), curve.maximum());
         for extremum in [low, high] {
             let away = (curve.value(extremum.phase) - extremum.value).abs() / scale[order];
-            BrokenLaw::unless_at_most("a curve reaches its extrema", away, 1e-9)?;
+            LawError::unless_at_most("a curve reaches its extrema", away, 1e-9)?;
         }
         for k in 0..733 {
             let t = period * f64::from(k) / 733.0;
             let value = curve.value(TAU * t / period);
             let away = (value - at(motion, t)[order][joint]).abs() / scale[order];
-            BrokenLaw::unless_at_most("a curve is the evaluation", away, 1e-8)?;
+            LawError::unless_at_most("a curve is the evaluation", away, 1e-8)?;
             let beyond = (value - high.value).max(low.value - value) / scale[order];
-            BrokenLaw::unless_at_most("the extrema of a curve bound it", beyond, 1e-8)?;
+            LawError::unless_at_most("the extrema of a curve bound it", beyond, 1e-8)?;
         }
     }
     let jerk = motion.curve(joint, 3);
@@ -144,12 +144,12 @@ fn curves<M: PeriodicMotion>(motion: &M, joint: usize) -> Result<(), BrokenLaw> 
         }
         let now = at(motion, period * (panel + 1) as f64 / PANELS as f64)[2][joint];
         // Jerk may jump inside a panel, which leaves a part of the panel times the jump.
-        BrokenLaw::unless_at_most("jerk integrates to acceleration", (now - start - sum).abs() / size, 1e-2)?;
+        LawError::unless_at_most("jerk integrates to acceleration", (now - start - sum).abs() / size, 1e-2)?;
     }
     Ok(())
 }
 
-fn adjusting<M: PeriodicMotion + Clone>(motion: &M, joint: usize) -> Result<(), BrokenLaw> {
+fn adjusting<M: PeriodicMotion + Clone>(motion: &M, joint: usize) -> Result<(), LawError> {
     let (mut scaled, mut shifted) = (motion.clone(), motion.clone());
     scaled.adjust(joint, 0.5, 0.0);
     shifted.adjust(joint, 1.0, 0.3);
@@ -159,33 +159,33 @@ fn adjusting<M: PeriodicMotion + Clone>(motion: &M, joint: usize) -> Result<(), 
         for order in [1, 2] {
             let size = 1.0 + before[order][joint].abs();
             let away = (half[order][joint] - 0.5 * before[order][joint]).abs() / size;
-            BrokenLaw::unless_at_most("adjusting scales a joint's velocity", away, 1e-9)?;
+            LawError::unless_at_most("adjusting scales a joint's velocity", away, 1e-9)?;
             let away = (moved[order][joint] - before[order][joint]).abs() / size;
-            BrokenLaw::unless_at_most("a shift leaves a joint's velocity", away, 1e-9)?;
+            LawError::unless_at_most("a shift leaves a joint's velocity", away, 1e-9)?;
         }
         let away = (moved[0][joint] - before[0][joint] - 0.3).abs();
-        BrokenLaw::unless_at_most("a shift moves a joint's position", away, 1e-9)?;
+        LawError::unless_at_most("a shift moves a joint's position", away, 1e-9)?;
         for other in (0..motion.dof()).filter(|&other| other != joint) {
             let same = (0..3).all(|k| half[k][other] == before[k][other] && moved[k][other] == before[k][other]);
-            BrokenLaw::unless("adjusting a joint leaves the others alone", same, "another motion", "the same bits")?;
+            LawError::unless("adjusting a joint leaves the others alone", same, "another motion", "the same bits")?;
         }
     }
     Ok(())
 }
 
-fn slowing<M: PeriodicMotion + Clone>(motion: &M) -> Result<(), BrokenLaw> {
+fn slowing<M: PeriodicMotion + Clone>(motion: &M) -> Result<(), LawError> {
     let (part, scale) = (0.25, scale(motion));
     let mut slow = motion.clone();
     slow.slow_down(part);
     let law = "slower is a longer period";
-    BrokenLaw::unless_at_most(law, (slow.period_s() * part / motion.period_s() - 1.0).abs(), 1e-12)?;
+    LawError::unless_at_most(law, (slow.period_s() * part / motion.period_s() - 1.0).abs(), 1e-12)?;
     for k in 0..29 {
         let t = motion.period_s() * (0.003 + f64::from(k) / 29.0);
         let [q, qd, qdd] = at(motion, t);
         let times = |values: Vec<f64>, factor: f64| values.into_iter().map(|x| factor * x).collect();
         let expected = [q, times(qd, part), times(qdd, part * part)];
         let away = difference(&at(&slow, t / part), &expected, &scale);
-        BrokenLaw::unless_at_most("slower is the same path, with its part of the speed", away, 1e-9)?;
+        LawError::unless_at_most("slower is the same path, with its part of the speed", away, 1e-9)?;
     }
     Ok(())
 }

@@ -85,16 +85,16 @@ impl Mistake {
     #[must_use]
     pub fn correction(&self) -> String {
         match self {
-            Self::Degrees => "say the unit: --map \"q=… deg\"".to_owned(),
-            Self::MotorAngles => "say the side: --map \"q=… motor\", with gear=… where the robot has none".to_owned(),
+            Self::Degrees => "state the unit: --map \"q=… deg\"".to_owned(),
+            Self::MotorAngles => "state the side: --map \"q=… motor\", with gear=… where the robot has none".to_owned(),
             Self::MotorTorques => {
-                "say the side: --map \"tau=… motor\", with gear=… where the robot has none".to_owned()
+                "state the side: --map \"tau=… motor\", with gear=… where the robot has none".to_owned()
             }
             Self::EffortUnit { factor } if *factor == 1e-3 => {
-                "say the unit: --map \"current=… mA\" or \"tau=… mNm\"".to_owned()
+                "state the unit: --map \"current=… mA\" or \"tau=… mNm\"".to_owned()
             }
             Self::EffortUnit { .. } => {
-                "say what they are: --map \"current=… % rated=…\" (A), or \"tau=… % rated=…\" (N·m)".to_owned()
+                "state what they are: --map \"current=… % rated=…\" (A), or \"tau=… % rated=…\" (N·m)".to_owned()
             }
             Self::Gravity { direction: [x, y, z] } => {
                 format!("turn gravity_m_s2 in the robot file along [{x}, {y}, {z}], or the base as it is mounted")
@@ -114,16 +114,18 @@ impl Mistake {
             }
             Self::JointsSwapped { joints: [a, b] } => format!("exchange the columns of joints {a} and {b}"),
             Self::PositionScale { joint, factor } => {
-                format!("look at the gear ratio of joint {joint}: its positions times {factor:.4}")
+                format!("check the gear ratio of joint {joint}: its positions times {factor:.4}")
             }
             Self::EffortScale { joint, factor } => {
-                format!("look at gear ratio and torque constant of joint {joint}: its efforts times {factor:.4}")
+                format!("check gear ratio and torque constant of joint {joint}: its efforts times {factor:.4}")
             }
             Self::ZeroOffset { joint, degrees } => {
                 format!("add the offset of its zero: --map \"q=… offset_deg=…\", {degrees} at joint {joint}")
             }
             Self::AtRest { joint } => {
-                format!("move joint {joint} as well; the parameters that it alone shows are left out of this fit")
+                format!(
+                    "move joint {joint} as well; the parameters that only its motion excites are left out of this fit"
+                )
             }
         }
     }
@@ -143,7 +145,7 @@ impl fmt::Display for Mistake {
                 write!(f, "the efforts are beyond the limits of the joints; times {factor} they are not")
             }
             Self::Gravity { direction: [x, y, z] } => {
-                write!(f, "gravity seems to act along [{x}, {y}, {z}] of the base, not as the robot file says")
+                write!(f, "gravity seems to act along [{x}, {y}, {z}] of the base, not as in the robot file")
             }
             Self::PositionSign { joint } => write!(f, "the position of joint {joint} seems to count the other way"),
             Self::EffortSign { joint } => write!(f, "the effort of joint {joint} seems to count the other way"),
@@ -166,7 +168,7 @@ impl fmt::Display for Mistake {
             Self::ZeroOffset { joint, degrees } => {
                 write!(f, "the zero of joint {joint} seems to be off by {degrees}°")
             }
-            Self::AtRest { joint } => write!(f, "joint {joint} stands still"),
+            Self::AtRest { joint } => write!(f, "joint {joint} is at rest"),
         }
     }
 }

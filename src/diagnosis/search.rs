@@ -57,7 +57,7 @@ pub fn standing_joints(samples: &Samples) -> Vec<usize> {
 }
 
 /// Looks for a mistake that the samples of a log were made with; `None` where the log is explained as it stands, or no mistake
-/// that is known explains it much better. Joints that stand still are told by [`standing_joints`].
+/// that is known explains it much better. Joints at rest are found by [`standing_joints`].
 ///
 /// # Errors
 /// [`BaseError`] where the robot has no base parameters of these columns.
@@ -155,7 +155,8 @@ fn directions(gravity: Vector3<f64>) -> Vec<([i8; 3], Vector3<f64>)> {
         .collect()
 }
 
-/// The factor of least cost: the best of a list, then by halving the interval around it on a logarithmic scale.
+/// The factor of least cost: the best of a list, then by steps on a logarithmic scale, each 0.6 of the one before. It is
+/// given to the last step, `0.12 · 0.6⁸ = 0.2 %`.
 fn best_factor(cost: impl Fn(f64) -> f64) -> (f64, f64) {
     let (mut factor, mut least) = (1.0, f64::INFINITY);
     for start in FACTORS {

@@ -3,8 +3,8 @@
 //! ```text
 //! r = (1 − W G) ε,  G = A⁻¹ Bᵀ        cov r = C − W G C − (W G C)ᵀ + W (cov β̂) Wᵀ
 //! ```
-//! Not simply the noise of that joint: in an ordinary fit the noise of a strong joint moves parameters that a quiet
-//! joint feels. Only the diagonal and its neighbours in time are needed, summed over each joint's equations; columns are taken a few
+//! Not simply the noise of that joint: in an ordinary fit the noise of a strong joint moves parameters that act
+//! on a quiet joint. Only the diagonal and its neighbours in time are needed, summed over each joint's equations; columns are taken a few
 //! at a time, so that nothing of the size of W is made.
 
 use nalgebra::DMatrix;

@@ -120,7 +120,7 @@ impl<'a> Factorisation<'a> {
     }
 
     /// `1/(√(M_i M_j) (1 − b/E)) Σ_k r_ik r_jk` of the residual of β (b), n × n: the covariance of one sample's noise as far
-    /// as the residual tells, R(0) of [`residual_noise`](super::residual_noise).
+    /// from the residual, R(0) of [`residual_noise`](super::residual_noise).
     #[must_use]
     pub fn residual_covariance(&self, beta: &DVector<f64>) -> DMatrix<f64> {
         ResidualScale::of(self.observation).covariance(&self.residual_products(beta))

@@ -94,7 +94,7 @@ impl Finding {
                 "the model misses something: friction law, torque constant, flexibility, or too narrow a filter; the \
                  intervals are taken from the residual"
             }
-            Self::ResidualCorrelated { .. } => "look at the residual over time and over velocity for what is missing",
+            Self::ResidualCorrelated { .. } => "check the residual over time and over velocity for what is missing",
             Self::FewPeriods { .. } => "record at least 4 periods",
             Self::NoiseFromResidual => "record a periodic motion at least 4 times to separate noise from model errors",
             Self::NearlyDependent { .. } => {

@@ -14,7 +14,7 @@ use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::Samples;
 
-/// States that tell what a motion reveals, at most.
+/// States from which it is decided what a motion reveals, at most.
 const MOTION_STATES: usize = 500;
 
 /// Regressor and base parameters of a robot, which every experiment on it shares.

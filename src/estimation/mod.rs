@@ -1,4 +1,4 @@
-//! From samples to parameters with honest error bars.
+//! From samples to parameters with tested error bars.
 //!
 //! ```text
 //! y = W_b β + ε        cov ε = C        OLS: min ‖y − W_b β‖        WLS: min (y − W_b β)ᵀ Σ⁻¹ (y − W_b β)   (radkhah2007 eq. 6)

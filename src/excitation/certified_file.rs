@@ -23,7 +23,7 @@ impl PeriodicTrajectory {
     pub fn to_certified_toml(&self, certificate: &Certificate) -> String {
         let table = toml::to_string(&Out { certificate }).expect("names, numbers and lists of them have a TOML form");
         format!(
-            "{}\n# What the motion is worth and that it is safe; `armid run` looks at it again.\n{table}",
+            "{}\n# Value of the criteria and use of the limits; `armid run` verifies it again.\n{table}",
             self.to_toml()
         )
     }
@@ -112,7 +112,7 @@ mod tests {
         assert!(matches!(fault, VerificationError::Contact(_)) && fault.to_string().contains("\"table\""), "{fault}");
         let mut strained = certificate.clone();
         strained.worst.torque.as_mut().unwrap().ratio = 1.2;
-        // Whoever changes a figure breaks the checksum; a certificate that was made that way says what it asks.
+        // A changed figure breaks the checksum; a certificate that was made that way says what it asks.
         assert_eq!(verify_certificate(robot, &motion, &strained, None), Err(VerificationError::Changed));
         let strained = strained.with_checksum();
         let fault = verify_certificate(robot, &motion, &strained, None).unwrap_err();

@@ -90,7 +90,8 @@ impl LimitRows {
         }
     }
 
-    /// Newton steps to a local peak of `sign · quantity` from a phase near it, each of at most `reach`.
+    /// Newton steps to a local peak of `sign · quantity` from a phase near it, each of at most `reach`. The limit is held
+    /// wherever they end: the row of any phase is a true one, and the next program asks again for the rows it breaks.
     fn polish(&self, joint: usize, quantity: Quantity, sign: f64, x: &[f64], from: f64, reach: f64) -> f64 {
         let omega = self.basis.omega();
         let mut phase = from;

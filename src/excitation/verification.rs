@@ -124,7 +124,7 @@ fn shown(ramp_s: Option<f64>) -> String {
     ramp_s.map_or_else(|| "no ramps".to_owned(), |ramp| format!("ramps of {ramp} s"))
 }
 
-/// Checks that a certificate is that of this trajectory and of this robot's file, that nobody has changed it, and that
+/// Checks that a certificate is that of this trajectory and of this robot's file, that it is unchanged, and that
 /// no limit is exceeded: all of them are computed anew. Torque and current are by the parameters in `efforts`, with the
 /// certificate's own number of standard deviations as their multiple; without `efforts` they are read off the
 /// certificate.

@@ -1,9 +1,10 @@
 //! What performs an experiment, simulated or real, and where its samples go.
 
+use super::expectation::Expectation;
 use super::phase::Phase;
 use super::plan::ExperimentPlan;
 use super::plan_error::PlanError;
-use super::plan_mismatch::PlanMismatch;
+use super::plan_mismatch::PlanMismatchError;
 use super::plant::PlantError;
 use super::raw_sample::RawSample;
 use super::recording::Recording;
@@ -13,13 +14,13 @@ use super::trip::{Rest, SafeAction, TripReport};
 ///
 /// Laws that every arm obeys are in `conformance::arm_laws`.
 pub trait Arm: Send {
-    /// Performs a plan from beginning to end, or until the sink says stop.
+    /// Performs a plan from beginning to end, or until the sink asks to stop.
     ///
     /// `sink` gets [`Sink::begin`] once, before the first sample, and then every sample in the order of time. An arm in
     /// real time also passes on what is no part of the experiment, before it and in between ([`Sink::unrecorded`]).
     ///
     /// # Errors
-    /// [`ArmError`] where the experiment cannot begin. One that begins and goes wrong has an [`Ending`] that says how,
+    /// [`ArmError`] where the experiment cannot begin. One that begins and fails has an [`Ending`] that says how,
     /// and its samples up to there count.
     fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError>;
 }
@@ -32,14 +33,14 @@ impl<A: Arm + ?Sized> Arm for Box<A> {
 
 /// Where samples go: into memory, into a file, into a running average.
 pub trait Sink {
-    /// Hears what is about to be recorded: a [`Recording`] that has every field but no samples yet.
+    /// Receives what is about to be recorded: a [`Recording`] that has every field but no samples yet.
     fn begin(&mut self, recording: &Recording);
 
     /// Takes one sample and says whether to go on.
     fn sample(&mut self, sample: &RawSample<'_>) -> Flow;
 
-    /// Hears a sample that is no part of the experiment: the arm is on its way to the start pose, or stands there, or at
-    /// the end of its motion. A guard judges it, nobody records it. Its index means nothing, and its time counts on to
+    /// Receives a sample that is no part of the experiment: the arm is on its way to the start pose, or stands there, or at
+    /// the end of its motion. A guard checks it, nothing records it. Its index means nothing, and its time counts on to
     /// the first sample of the experiment and on from the last, from zero along a way to the start pose. Who does not
     /// care is asked as in a silence that has not begun.
     fn unrecorded(&mut self, sample: &RawSample<'_>) -> Flow {
@@ -47,14 +48,14 @@ pub trait Sink {
         self.idle(0.0)
     }
 
-    /// Hears that no sample has come for `age_s` by the local monotonic clock, and says whether to go on. An arm in
+    /// Is called where no sample has come for `age_s` by the local monotonic clock, and returns whether to go on. An arm in
     /// real time calls it at least every 5 ms while it waits; a simulated one, which never waits, does not.
     fn idle(&mut self, age_s: f64) -> Flow {
         let _ = age_s;
         Flow::Continue
     }
 
-    /// Hears a set-point (rad, m; n values) before it is sent, and says whether to send it. An arm that streams asks
+    /// Receives a set-point (rad, m; n values) before it is sent, and returns whether to send it. An arm that streams asks
     /// for each one; one that hands its motion over whole does not. `age_s` is the time since the set-point was due.
     fn command(&mut self, set_point: &[f64], age_s: f64) -> Flow {
         let _ = (set_point, age_s);
@@ -102,7 +103,7 @@ pub enum Ending {
         /// In which phase.
         phase: Phase,
         /// What went wrong.
-        reason: Divergence,
+        reason: DivergenceError,
     },
     /// A guard, ours or the robot's own, tripped and asked for its safe action.
     Tripped {
@@ -132,7 +133,7 @@ impl Ending {
         }
     }
 
-    /// Whether the arm was asked to stop and nobody saw it at rest.
+    /// Whether the arm was asked to stop and was not seen at rest.
     #[must_use]
     pub const fn is_unconfirmed(&self) -> bool {
         match self.rest() {
@@ -142,10 +143,10 @@ impl Ending {
     }
 }
 
-/// How a motion ran away.
+/// How a motion diverged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum Divergence {
-    /// The plant gave up.
+pub enum DivergenceError {
+    /// The plant failed.
     #[error(transparent)]
     Plant(#[from] PlantError),
     /// A joint is faster than ten times its limit.
@@ -176,7 +177,7 @@ pub enum ArmError {
     },
     /// A stored recording is of another experiment.
     #[error(transparent)]
-    Mismatch(#[from] PlanMismatch),
+    Mismatch(#[from] PlanMismatchError),
     /// A check before the first motion did not pass.
     #[error("preflight, {check}: found {found}, expected {expected}")]
     Refused {
@@ -184,8 +185,8 @@ pub enum ArmError {
         check: &'static str,
         /// What was found.
         found: String,
-        /// What was expected.
-        expected: String,
+        /// What the check asks for.
+        expected: Expectation,
     },
     /// The arm itself cannot begin: no link, not homed, not enabled.
     #[error("{arm}: {reason}")]

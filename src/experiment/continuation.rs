@@ -5,7 +5,7 @@
 //! second   settle → ramp in → discard →              │ period k+1 … P → ramp out
 //! joined   settle → ramp in → discard → period 1 … k │ period k+1 … P → ramp out
 //! ```
-//! The arm comes to the motion again as it did the first time, so that its transient has died out before the missing
+//! The arm comes to the motion again as it did the first time, so that its transient has decayed before the missing
 //! periods; that second approach is performed and not kept. The joined recording has the phases and the times of the
 //! whole plan.
 
@@ -15,7 +15,7 @@ use super::layout::Layout;
 use super::phase::Phase;
 use super::plan::ExperimentPlan;
 use super::plan_error::PlanError;
-use super::plan_mismatch::PlanMismatch;
+use super::plan_mismatch::PlanMismatchError;
 use super::raw_sample::RawSample;
 use super::recording::Recording;
 
@@ -36,7 +36,7 @@ pub enum ContinuationError {
     Plan(#[from] PlanError),
     /// The recording is of another experiment.
     #[error(transparent)]
-    Mismatch(#[from] PlanMismatch),
+    Mismatch(#[from] PlanMismatchError),
 }
 
 impl Continuation {
@@ -48,16 +48,16 @@ impl Continuation {
     pub fn new(plan: &ExperimentPlan, mut cut: Recording) -> Result<Self, ContinuationError> {
         let layout = plan.check(cut.dof)?;
         if (cut.rate_hz - plan.rate_hz).abs() > 1e-9 * plan.rate_hz {
-            return Err(PlanMismatch::Rate { found: cut.rate_hz, planned: plan.rate_hz }.into());
+            return Err(PlanMismatchError::Rate { found: cut.rate_hz, planned: plan.rate_hz }.into());
         }
         if cut.trajectory != plan.trajectory {
-            return Err(PlanMismatch::Trajectory.into());
+            return Err(PlanMismatchError::Trajectory.into());
         }
         for span in layout.spans.iter().filter(|span| span.phase < Phase::Record) {
             let found = cut.phases.iter().find(|found| found.phase == span.phase).map_or(0..0, |s| s.samples.clone());
             let planned = span.samples.clone();
             if found != planned {
-                return Err(PlanMismatch::Span { phase: span.phase, found, planned }.into());
+                return Err(PlanMismatchError::Span { phase: span.phase, found, planned }.into());
             }
         }
         cut.phases.clone_from(&layout.spans);

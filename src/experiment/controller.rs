@@ -82,7 +82,7 @@ impl JointPid {
         &self.kp
     }
 
-    /// Forgets everything but the gains.
+    /// Resets everything but the gains.
     pub fn reset(&mut self) {
         self.integral.fill(0.0);
         self.rate.fill(0.0);

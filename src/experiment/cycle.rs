@@ -4,7 +4,9 @@
 use std::sync::Arc;
 
 use super::effects::SampleClock;
-use super::{CommandTable, Divergence, Ending, JointLoop, Layout, Phase, PlantError, RawSample, Rest, Sink, Tracking};
+use super::{
+    CommandTable, DivergenceError, Ending, JointLoop, Layout, Phase, PlantError, RawSample, Rest, Sink, Tracking,
+};
 use crate::model::Robot;
 
 /// The true state behind one sample, for tests, scoring and bounds; no sensor sees it. All slices have length n.
@@ -160,12 +162,12 @@ impl Cycle {
         Next::Step
     }
 
-    /// Ends the experiment because the plant gave up.
+    /// Ends the experiment because the plant failed.
     pub fn fail(&mut self, fault: PlantError) -> Ending {
         let phase = self.layout.spans.get(self.phase).map_or(Phase::RampOut, |span| span.phase);
         let t = self.step as f64 * self.dt();
         self.tracking.finish();
-        Ending::Diverged { t, phase, reason: Divergence::Plant(fault) }
+        Ending::Diverged { t, phase, reason: DivergenceError::Plant(fault) }
     }
 
     fn end(&mut self, ending: Ending) -> Next {
@@ -173,12 +175,12 @@ impl Cycle {
         Next::End(ending)
     }
 
-    fn runaway(&self, q: &[f64], qd: &[f64]) -> Option<Divergence> {
+    fn runaway(&self, q: &[f64], qd: &[f64]) -> Option<DivergenceError> {
         if let Some(fault) = PlantError::of_state(q, qd) {
-            return Some(Divergence::Plant(fault));
+            return Some(DivergenceError::Plant(fault));
         }
         let i = (0..qd.len()).find(|&i| qd[i].abs() > self.runaway[i])?;
-        Some(Divergence::Speed { joint: self.names[i].clone(), found: qd[i].abs(), limit: self.runaway[i] / 10.0 })
+        Some(DivergenceError::Speed { joint: self.names[i].clone(), found: qd[i].abs(), limit: self.runaway[i] / 10.0 })
     }
 }
 
@@ -225,11 +227,11 @@ mod tests {
             let plant = Runaway(FlyWheels::new(1), torque);
             let ending = servo(plant).perform(&plan, &mut Until(9e9)).unwrap();
             match ending {
-                Ending::Diverged { reason: Divergence::Speed { found, limit, .. }, t, .. } => {
+                Ending::Diverged { reason: DivergenceError::Speed { found, limit, .. }, t, .. } => {
                     // 1e4 N·m on 2 kg·m² passes 30 rad/s after 6 ms.
                     assert!(torque.is_finite() && found > 10.0 * limit && (0.005..0.008).contains(&t));
                 }
-                Ending::Diverged { reason: Divergence::Plant(PlantError::NotFinite { joint: 1, .. }), .. } => {
+                Ending::Diverged { reason: DivergenceError::Plant(PlantError::NotFinite { joint: 1, .. }), .. } => {
                     assert!(torque.is_nan());
                 }
                 other => panic!("{other:?}"),

@@ -36,7 +36,7 @@ pub struct JointLoop {
     motors: Motors,
     controller: JointPid,
     sensors: Sensors,
-    /// What the arm's drives make of set points; `None` where they exert what they are told.
+    /// What the arm's drives make of set points; `None` where they exert the commanded torque.
     drives: Option<Box<ActualDrives>>,
     /// Whether no current has been held since the motors were switched on.
     fresh: bool,
@@ -142,7 +142,7 @@ impl JointLoop {
         self.controller.dt()
     }
 
-    /// Forgets the past of the controller: before the motors are switched on again.
+    /// Resets the state of the controller: before the motors are switched on again.
     pub fn reset(&mut self) {
         self.controller.reset();
         self.fresh = true;

@@ -10,7 +10,7 @@ pub enum Phase {
     Settle,
     /// From rest into the periodic motion.
     RampIn,
-    /// Whole periods that are performed and thrown away: the transient dies out.
+    /// Whole periods that are performed and discarded: the transient decays.
     Discard,
     /// Whole periods that count.
     Record,

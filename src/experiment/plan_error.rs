@@ -1,7 +1,7 @@
 //! Why a plan cannot be performed.
 
 use super::phase::Phase;
-use crate::input::TooLarge;
+use crate::input::SizeError;
 
 /// Why a plan cannot be performed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -18,7 +18,7 @@ pub enum PlanError {
     },
     /// It asks for more than is allowed.
     #[error(transparent)]
-    Size(#[from] TooLarge),
+    Size(#[from] SizeError),
     /// A period does not hold a whole number of samples.
     #[error("a period of {period_s} s holds {samples} samples at {rate_hz} Hz, expected a whole number")]
     PeriodNotWhole {

@@ -6,7 +6,7 @@ use super::phase::Phase;
 
 /// What a recording and a plan do not have in common.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-pub enum PlanMismatch {
+pub enum PlanMismatchError {
     /// The sampling rate.
     #[error("the recording's rate_hz is {found}, expected the plan's {planned}")]
     Rate {

@@ -25,7 +25,7 @@ pub trait Plant: Send {
     /// Advances by `dt` seconds under the torque `tau`, held constant.
     ///
     /// # Errors
-    /// [`PlantError`] where the motion is no longer a number or the engine gives up; the state is then undefined until
+    /// [`PlantError`] where the motion is no longer a number or the engine fails; the state is then undefined until
     /// the next reset.
     fn step(&mut self, tau: &[f64], dt: f64) -> Result<(), PlantError>;
 }

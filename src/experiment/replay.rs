@@ -5,7 +5,7 @@ use super::command::Command;
 use super::layout::Layout;
 use super::phase::Phase;
 use super::plan::ExperimentPlan;
-use super::plan_mismatch::PlanMismatch;
+use super::plan_mismatch::PlanMismatchError;
 use super::raw_sample::RawSample;
 use super::recording::Recording;
 use super::trip::Rest;
@@ -20,17 +20,17 @@ impl Replay {
         let recording = &self.0;
         let layout = plan.check(recording.dof)?;
         if (recording.rate_hz - plan.rate_hz).abs() > 1e-9 * plan.rate_hz {
-            return Err(PlanMismatch::Rate { found: recording.rate_hz, planned: plan.rate_hz }.into());
+            return Err(PlanMismatchError::Rate { found: recording.rate_hz, planned: plan.rate_hz }.into());
         }
         if recording.period_samples != layout.period_samples {
             let (found, planned) = (recording.period_samples, layout.period_samples);
-            return Err(PlanMismatch::PeriodSamples { found, planned }.into());
+            return Err(PlanMismatchError::PeriodSamples { found, planned }.into());
         }
         if recording.trajectory != plan.trajectory {
-            return Err(PlanMismatch::Trajectory.into());
+            return Err(PlanMismatchError::Trajectory.into());
         }
         if recording.periods() < plan.periods {
-            return Err(PlanMismatch::Periods { found: recording.periods(), planned: plan.periods }.into());
+            return Err(PlanMismatchError::Periods { found: recording.periods(), planned: plan.periods }.into());
         }
         Ok(())
     }

@@ -43,7 +43,7 @@ pub enum Rest {
         /// Time from the request to the last state of those that show it, ms.
         after_ms: f64,
     },
-    /// The request was repeated for as long as the motion could have lasted, and nobody saw the arm at rest.
+    /// The request was repeated for as long as the motion could have lasted, and the arm was not seen at rest.
     NotConfirmed {
         /// What was missing.
         reason: String,
@@ -53,7 +53,7 @@ pub enum Rest {
 }
 
 impl Rest {
-    /// Whether somebody has to go and look: the arm may still be moving.
+    /// Whether a person has to check the arm: it may still be moving.
     #[must_use]
     pub const fn is_unconfirmed(&self) -> bool {
         matches!(self, Self::NotConfirmed { .. })

@@ -8,4 +8,4 @@ mod file_name;
 pub mod size;
 
 pub use file_name::{FileNameError, check_file_name};
-pub use size::{SizeLimit, TooLarge};
+pub use size::{SizeError, SizeLimit};

@@ -16,7 +16,7 @@ pub struct SizeLimit {
 /// An input asks for more than is allowed.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} is {}{}, expected at most {}{}: {}", shown(*.found), limit.unit, limit.most, limit.unit, limit.reason)]
-pub struct TooLarge {
+pub struct SizeError {
     /// What the input calls it.
     pub key: String,
     /// What was asked for.
@@ -178,16 +178,16 @@ impl SizeLimit {
     /// Checks what an input asks for under a key; what is no number is too large.
     ///
     /// # Errors
-    /// [`TooLarge`] with what was found, what is allowed and why.
-    pub fn check(&self, key: &str, found: f64) -> Result<(), TooLarge> {
-        if found <= self.most as f64 { Ok(()) } else { Err(TooLarge { key: key.to_owned(), found, limit: *self }) }
+    /// [`SizeError`] with what was found, what is allowed and why.
+    pub fn check(&self, key: &str, found: f64) -> Result<(), SizeError> {
+        if found <= self.most as f64 { Ok(()) } else { Err(SizeError { key: key.to_owned(), found, limit: *self }) }
     }
 
     /// Checks a number of things.
     ///
     /// # Errors
     /// As [`SizeLimit::check`].
-    pub fn check_count(&self, key: &str, found: usize) -> Result<(), TooLarge> {
+    pub fn check_count(&self, key: &str, found: usize) -> Result<(), SizeError> {
         self.check(key, found as f64)
     }
 }

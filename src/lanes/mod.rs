@@ -4,7 +4,7 @@
 //! f(x₁), f(x₂), …, f(x_L)        one recursion f, written once for any Lane; L as many as the processor has lanes for
 //! ```
 //! Every operation is the IEEE one on each lane. Nothing is contracted, and no sum runs across lanes, so that what a lane holds
-//! has the same bits alone ([`f64`]), beside others ([`Wide`]), and on whatever width. Which width there is is found out when
+//! has the same bits alone ([`f64`]), beside others ([`Wide`]), and on any width. Which width there is is found out when
 //! the program runs (the crate `pulp`).
 
 mod elementary;

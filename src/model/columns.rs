@@ -141,7 +141,7 @@ impl Columns {
         })
     }
 
-    /// The words that [`Columns::parse`] knows beside `rigid`, of terms that need the motion alone.
+    /// The words that [`Columns::parse`] reads beside `rigid`, of terms that need the motion alone.
     #[must_use]
     pub fn words() -> Vec<&'static str> {
         let mut words = vec![FRICTION];

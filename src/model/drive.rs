@@ -17,7 +17,7 @@ pub struct Drive {
     /// Largest current, A.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub current_limit: f64,
-    /// Largest root mean square of the current over a period, A; infinite where nobody states it.
+    /// Largest root mean square of the current over a period, A; infinite where it is not stated.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub continuous_current: f64,
     /// Encoder counts per joint revolution (per m for a prismatic joint).

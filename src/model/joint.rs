@@ -76,7 +76,7 @@ impl DhRow {
     }
 }
 
-/// How far, how fast and how hard a joint may go. A limit that nobody states is infinite.
+/// How far, how fast and how hard a joint may go. A limit that is not stated is infinite.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Limits {
@@ -96,7 +96,7 @@ pub struct Limits {
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub torque: f64,
     /// Largest root mean square of the effort over a period, N·m or N: what the drive can give for ever. Infinite
-    /// where nobody states it: the peak then bounds the mean square as well.
+    /// where it is not stated: the peak then bounds the mean square as well.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]
     pub continuous_torque: f64,
 }

@@ -6,7 +6,7 @@ use super::{
     Capsule, Cuboid, DhConvention, DhRow, Joint, JointKind, MotorCircuit, NamedPoint, Obstacle, ServoTuning, Shape,
     Solid,
 };
-use crate::input::TooLarge;
+use crate::input::SizeError;
 use crate::spatial::Placement;
 
 /// How far the length of a plane's normal may be from one, and a frame from that of its DH row: rounding.
@@ -29,7 +29,7 @@ pub enum RobotError {
     },
     /// More joints than are allowed.
     #[error(transparent)]
-    Size(#[from] TooLarge),
+    Size(#[from] SizeError),
     /// Two joints of one name.
     #[error("joint name \"{joint}\" occurs twice, expected each name once")]
     DuplicateJoint {

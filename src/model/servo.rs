@@ -50,7 +50,7 @@ pub struct ServoTuning {
 }
 
 impl Default for ServoTuning {
-    /// 1 kHz, 8 Hz, damping 0.8 and a mild integral: assumed, for arms whose servo nobody has published.
+    /// 1 kHz, 8 Hz, damping 0.8 and a mild integral: assumed, for arms whose servo is not published.
     fn default() -> Self {
         Self { rate_hz: 1000.0, bandwidth_hz: 8.0, damping: 0.8, integral_hz: 0.5 }
     }

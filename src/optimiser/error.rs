@@ -7,7 +7,7 @@ pub enum QuadraticError {
     #[error("the inverse Hessian is not positive definite")]
     NotConvex,
     /// No step satisfies all rows.
-    #[error("no step satisfies all rows; one is violated by {excess:.3e} whatever the step")]
+    #[error("no step satisfies all rows; one is violated by {excess:.3e} at every step")]
     Infeasible {
         /// By how much the row that could not be added is violated.
         excess: f64,

@@ -4,7 +4,7 @@
 //! min f(x)   so that   A x ≤ b,   g(x) ≤ 0
 //! ```
 //! Sequential quadratic programming whose rows come from a [`RowSource`] as they are violated, so that a limit can be
-//! held at the extrema of a curve, wherever they lie. Nothing here knows of trajectories or robots.
+//! held at the extrema of a curve, wherever they lie. Nothing here depends on trajectories or robots.
 
 mod active_set;
 mod brent;

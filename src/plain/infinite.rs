@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Deserializer};
 
-/// +∞ for `null`: a limit that nobody states, a condition number of a singular matrix.
+/// +∞ for `null`: a limit that is not stated, a condition number of a singular matrix.
 pub(crate) fn positive<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::INFINITY))
 }
@@ -12,7 +12,7 @@ pub(crate) fn negative<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NEG_INFINITY))
 }
 
-/// Not a number for `null`, where only the owner of the value knows which infinity it was and puts it there.
+/// Not a number for `null`, where the sign of the infinity follows from the owner of the value, which restores it.
 pub(crate) fn undecided<'de, D: Deserializer<'de>>(deserializer: D) -> Result<f64, D::Error> {
     Ok(Option::deserialize(deserializer)?.unwrap_or(f64::NAN))
 }

@@ -20,27 +20,27 @@ pub struct AperiodicRecord<'a> {
     pub qd: Option<&'a [f64]>,
     /// Efforts, in the unit that the arm reports.
     pub effort: &'a [f64],
-    /// Samples of each stretch without a break, in order; none where the record is one stretch. Filters and differences
+    /// Samples of each segment without a break, in order; none where the record is one segment. Filters and differences
     /// do not reach across a break.
-    pub stretches: &'a [usize],
+    pub segments: &'a [usize],
     /// Which samples give no equation of a joint, N × n: its effort was saturated, say. None where all do.
     pub excluded: &'a [bool],
 }
 
 impl<'a> AperiodicRecord<'a> {
-    /// A record without measured velocities, in one stretch, of which every sample counts.
+    /// A record without measured velocities, in one segment, of which every sample counts.
     #[must_use]
     pub const fn new(dof: usize, rate_hz: f64, q: &'a [f64], effort: &'a [f64]) -> Self {
-        Self { dof, rate_hz, q, qd: None, effort, stretches: &[], excluded: &[] }
+        Self { dof, rate_hz, q, qd: None, effort, segments: &[], excluded: &[] }
     }
 
-    /// First sample and number of samples of each stretch.
+    /// First sample and number of samples of each segment.
     fn spans(&self, len: usize) -> Vec<(usize, usize)> {
-        if self.stretches.is_empty() {
+        if self.segments.is_empty() {
             return vec![(0, len)];
         }
         let mut first = 0;
-        self.stretches
+        self.segments
             .iter()
             .map(|&count| {
                 first += count;
@@ -64,7 +64,7 @@ impl<'a> AperiodicRecord<'a> {
             ("efforts", self.effort.len(), self.q.len()),
             ("velocities", self.qd.map_or(self.q.len(), <[f64]>::len), self.q.len()),
             ("marks of samples", marks, self.q.len()),
-            ("samples of all stretches", self.spans(len).iter().map(|(_, count)| count).sum(), len),
+            ("samples of all segments", self.spans(len).iter().map(|(_, count)| count).sum(), len),
         ];
         if let Some(&(quantity, found, expected)) = counts.iter().find(|(_, found, expected)| found != expected) {
             return Err(SignalError::Unequal { quantity, found, other: "positions", expected });
@@ -112,7 +112,7 @@ pub fn process_aperiodic(
     let mut tau = map_rows(record.effort, &torque_map(robot, effort));
     let mut states = States::with_len(n, len);
     let same = processing.torque_filter == TorqueFilter::SameAsPositions;
-    // Only whole blocks of a stretch give equations: what is left at its end is filtered with it, and goes.
+    // Only whole blocks of a segment give equations: what is left at its end is filtered with it, and goes.
     let mut kept = Vec::with_capacity(len);
     for (first, count) in spans {
         let rows = first * n..(first + count) * n;
@@ -131,7 +131,7 @@ pub fn process_aperiodic(
                 put_column(&mut tau[rows.clone()], n, i, &filtered);
             }
         }
-        kept.extend(first..first + count - if record.stretches.len() > 1 { count % block } else { 0 });
+        kept.extend(first..first + count - if record.segments.len() > 1 { count % block } else { 0 });
     }
     let mut excluded = record.excluded.to_vec();
     if kept.len() < len {

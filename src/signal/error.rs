@@ -99,15 +99,32 @@ pub enum SignalError {
         /// Samples in one period.
         expected: usize,
     },
-    /// Experiments that do not go together.
-    #[error("{quantity}: found {found}, expected {expected} as in the first experiment")]
-    Parts {
-        /// What differs.
-        quantity: &'static str,
-        /// What was found.
-        found: String,
+    /// No experiment to join.
+    #[error("no experiment, expected at least one")]
+    NoExperiment,
+    /// Experiments whose efforts have other units, or other numbers of joints.
+    #[error("joints: found efforts in {}, expected {} as in the first experiment", found.join(" "), first.join(" "))]
+    JointUnits {
+        /// What was found, one for each joint.
+        found: Vec<String>,
         /// What the first one has.
-        expected: String,
+        first: Vec<String>,
+    },
+    /// Experiments at other rates.
+    #[error("sampling rate: found {found} Hz, expected {first} Hz as in the first experiment")]
+    Rates {
+        /// What was found, Hz.
+        found: f64,
+        /// What the first one has, Hz.
+        first: f64,
+    },
+    /// Experiments in other blocks.
+    #[error("samples in a block: found {found}, expected {first} as in the first experiment")]
+    Blocks {
+        /// What was found.
+        found: usize,
+        /// What the first one has.
+        first: usize,
     },
     /// The record belongs to another robot.
     #[error("the record has {found} joints, the robot has {expected}")]

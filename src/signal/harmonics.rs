@@ -18,7 +18,7 @@ use super::FourierTransform;
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Bandwidth {
-    /// Joint by joint, up to where the signal sinks into the noise: the last harmonic h at which the mean power of the
+    /// Joint by joint, up to where the signal falls below the noise: the last harmonic h at which the mean power of the
     /// harmonics from 7/8 h to 9/8 h is twice that of the noise, `4 s²/N` for a variance s² of one averaged sample.
     /// Signal and noise are equal there: keeping more adds more noise than signal, keeping less takes away more signal
     /// than noise, in q, q̇ and q̈ alike, since all are weighted with the same power of h. The noise is what the periods

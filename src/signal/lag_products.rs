@@ -4,7 +4,7 @@
 //! c_ij(l) = Σ_k x_i,k x_j,k+l
 //! ```
 //! over all k that have a partner; in a period the last sample is followed by the first. The first lags are summed as they are
-//! written. Whoever asks for more gets all of them by the convolution theorem, `O(n² N log N)` instead of a product for each
+//! written. A caller that asks for more gets all of them by the convolution theorem, `O(n² N log N)` instead of a product for each
 //! sample and lag.
 
 use nalgebra::{Complex, DMatrix};

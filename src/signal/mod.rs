@@ -11,7 +11,7 @@
 //! al.), or zero-phase low pass and central differences (`radkhah2007` IV.B). Torque passes the same low pass.
 //! A record without periods goes through [`process_aperiodic`]; its noise is left to the estimator's residual.
 //!
-//! Uneven stamps are brought onto an even grid first ([`resample`]); a break in a record ends a stretch, and filters stay
+//! Uneven stamps are brought onto an even grid first ([`resample`]); a break in a record ends a segment, and filters stay
 //! inside it. Not here: outliers. Reference: J. Swevers, C. Ganseman, D. B. Tükel, J. De
 //! Schutter, H. Van Brussel, *Optimal robot excitation and identification*, IEEE T-RA 13(5), 1997, eqs. 19-22.
 

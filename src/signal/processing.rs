@@ -10,7 +10,7 @@
 //! differences 50 Hz   3.2e-3    80 %        2.7e-3   94 %
 //! differences 10 Hz   2.4e-2     9 %        1.1e-2   34 %     2.8e-2   24 %
 //! ```
-//! Positions need a band far beyond the commanded 0.5 Hz, for the loop answers each reversal of friction with a kick.
+//! Positions need a band far beyond the commanded 0.5 Hz, for the loop responds to each reversal of friction with a transient.
 //! Filtering torque as well makes it worse, since the Coulomb columns are not filtered. 125 to 500 equations a period
 //! do alike; at 1000 the noise of the acceleration shows, and coverage falls to 84 %.
 

@@ -147,21 +147,21 @@ impl Samples {
     /// correlation in time is measured; that is one product among as many as there are blocks.
     ///
     /// # Errors
-    /// [`SignalError::Parts`] where they are of unlike arms, rates or blocks, or there are none.
+    /// [`SignalError::JointUnits`], [`SignalError::Rates`] or [`SignalError::Blocks`] where they differ,
+    /// [`SignalError::NoExperiment`] where there are none.
     pub fn joined(parts: Vec<Self>) -> Result<Self, SignalError> {
         let mut parts = parts.into_iter();
-        let fault = |quantity, found: String, expected: String| SignalError::Parts { quantity, found, expected };
-        let mut all = parts.next().ok_or_else(|| fault("experiments", "none".to_owned(), "at least one".to_owned()))?;
+        let mut all = parts.next().ok_or(SignalError::NoExperiment)?;
         let mut count = 1;
         for part in parts {
             if part.dof() != all.dof() || part.units != all.units {
-                return Err(fault("joints", part.units.join(" "), all.units.join(" ")));
+                return Err(SignalError::JointUnits { found: part.units, first: all.units });
             }
             if part.rate_hz.to_bits() != all.rate_hz.to_bits() {
-                return Err(fault("sampling rate, Hz", part.rate_hz.to_string(), all.rate_hz.to_string()));
+                return Err(SignalError::Rates { found: part.rate_hz, first: all.rate_hz });
             }
             if part.block != all.block {
-                return Err(fault("samples in a block", part.block.to_string(), all.block.to_string()));
+                return Err(SignalError::Blocks { found: part.block, first: all.block });
             }
             all.keep_whole_blocks();
             all.states.q.extend(part.states.q);

@@ -3,7 +3,7 @@
 //! Angular part first, always: a motion is `(ω, v)`, a force `(n, f)`. `radkhah2007` writes its eqs. 2-4 force first,
 //! `γ = (f, n)`; the permutation that swaps the two halves is the only difference.
 //!
-//! This module knows no robot. Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, ch. 2.
+//! This module does not depend on robots. Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, ch. 2.
 
 mod inertia;
 mod lane_motion;

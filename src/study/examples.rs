@@ -157,7 +157,7 @@ mod tests {
         let robot = fixtures::crs_a460().with_joints(|joint| joint.limits.velocity = f64::INFINITY).unwrap();
         let trajectory: PeriodicTrajectory = table_one::corrected().into();
         let example = LimitExample::of(&robot, None, &trajectory);
-        // What nobody limits has no share, and torques are unknown without parameters.
+        // What has no limit has no share, and torques are unknown without parameters.
         assert!(example.velocity.iter().chain(&example.torque).all(Vec::is_empty));
         for (j, joint) in robot.joints().iter().enumerate() {
             let (low, high) = joint.limits.position;

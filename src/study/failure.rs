@@ -1,6 +1,6 @@
 //! Why a run gave no estimate: a kind that can be counted, and the reason in words.
 
-use crate::experiment::{ArmError, Divergence, PlantError, TripReport};
+use crate::experiment::{ArmError, DivergenceError, PlantError, TripReport};
 
 /// Why a run, or one estimator of it, gave no estimate.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, thiserror::Error)]
@@ -68,11 +68,11 @@ impl Failure {
 
     /// A motion that ran away at time `t`, s.
     #[must_use]
-    pub fn diverged(t: f64, divergence: &Divergence) -> Self {
+    pub fn diverged(t: f64, divergence: &DivergenceError) -> Self {
         let kind = match divergence {
-            Divergence::Speed { .. } => FailureKind::DivergedSpeed,
-            Divergence::Plant(PlantError::NotFinite { .. }) => FailureKind::DivergedNotFinite,
-            Divergence::Plant(PlantError::Engine { .. }) => FailureKind::DivergedEngine,
+            DivergenceError::Speed { .. } => FailureKind::DivergedSpeed,
+            DivergenceError::Plant(PlantError::NotFinite { .. }) => FailureKind::DivergedNotFinite,
+            DivergenceError::Plant(PlantError::Engine { .. }) => FailureKind::DivergedEngine,
         };
         Self { kind, reason: format!("diverged at t = {t:.3} s: {divergence}") }
     }

@@ -10,7 +10,7 @@ use nalgebra::DVector;
 
 use crate::estimation::Observation;
 
-/// What an arm measured on motions that no fit has seen.
+/// What an arm measured on held-out motions.
 #[derive(Clone, Debug)]
 pub struct MeasuredMotions(Vec<Observation>);
 

@@ -250,7 +250,7 @@ impl StudyPlan {
         self.truths.as_ref().map_or(0, |truths| 1 + (run % truths.count as u64) as usize)
     }
 
-    /// Checks the names of engines against those that there are, which the core does not know.
+    /// Checks the names of engines against those that there are, which are not in the core.
     ///
     /// # Errors
     /// [`StudyPlanError::Name`].

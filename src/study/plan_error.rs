@@ -1,6 +1,6 @@
 //! Why a plan cannot be carried out.
 
-use crate::input::{FileNameError, TooLarge};
+use crate::input::{FileNameError, SizeError};
 use crate::model::{ColumnsError, format::FormatError};
 
 /// Why a plan cannot be carried out.
@@ -54,7 +54,7 @@ pub enum StudyPlanError {
     },
     /// More than may be asked for.
     #[error(transparent)]
-    Size(#[from] TooLarge),
+    Size(#[from] SizeError),
     /// A name that would leave its folder.
     #[error(transparent)]
     FileName(#[from] FileNameError),
@@ -76,7 +76,7 @@ impl StudyPlanError {
             Self::Columns { found, .. } => ("columns", found.as_str()),
             Self::FileName(FileNameError { key, found, .. }) => (key.as_str(), found.as_str()),
             // A number may be written in more ways than one.
-            Self::Size(TooLarge { key, .. }) => (key.as_str(), ""),
+            Self::Size(SizeError { key, .. }) => (key.as_str(), ""),
         };
         let key = key.rsplit('.').next().unwrap_or(key);
         // What is counted together stands behind the key that counts most.

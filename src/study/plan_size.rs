@@ -1,4 +1,4 @@
-//! How much a plan asks for, and by which names: looked at before anything is made of it.
+//! How much a plan asks for, and by which names: checked before work begins.
 
 use super::family_plan::HarmonicsPlan;
 use super::plan::StudyPlan;

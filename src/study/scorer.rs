@@ -18,7 +18,7 @@ use crate::dynamics::States;
 use crate::model::Robot;
 use crate::regressor::JointTorqueRegressor;
 
-/// Knows the truth and scores estimates against it.
+/// Scores estimates against the truth, which it holds.
 #[derive(Clone, Debug)]
 pub struct Scorer {
     truths: Vec<DVector<f64>>,

@@ -120,7 +120,7 @@ impl StudySetup {
         &self.truths[self.plan.truth_of(run)]
     }
 
-    /// The scorer, which knows the truth.
+    /// The scorer, which holds the truth.
     #[must_use]
     pub const fn scorer(&self) -> &Scorer {
         &self.scorer

@@ -6,15 +6,35 @@ use crate::input::{FileNameError, check_file_name};
 /// Stored work does not fit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StoredWorkError {
-    /// A number that points at nothing, or a list of another length.
+    /// A number that points at nothing.
+    #[error("{what} is {found}, expected less than {count}")]
+    Index {
+        /// Which number.
+        what: String,
+        /// What was found.
+        found: usize,
+        /// How many there are.
+        count: usize,
+    },
+    /// Another number, or a list of another length, than this study has.
     #[error("{what} is {found}, expected {expected}")]
-    Misfit {
+    Number {
         /// Which number, or the length of which list.
         what: String,
         /// What was found.
-        found: String,
+        found: usize,
         /// What would fit.
-        expected: String,
+        expected: usize,
+    },
+    /// Estimates by another estimator than the plan names there.
+    #[error("an estimator of {run} is {found}, expected {planned}")]
+    Estimator {
+        /// The run.
+        run: String,
+        /// What was found.
+        found: String,
+        /// The estimator of the plan.
+        planned: String,
     },
     /// The plan of stored results cannot be one.
     #[error(transparent)]
@@ -26,16 +46,12 @@ pub enum StoredWorkError {
 
 type Checked = Result<(), StoredWorkError>;
 
-fn misfit(what: impl Into<String>, found: impl ToString, expected: impl ToString) -> StoredWorkError {
-    StoredWorkError::Misfit { what: what.into(), found: found.to_string(), expected: expected.to_string() }
-}
-
 fn below(what: impl Into<String>, found: usize, count: usize) -> Checked {
-    if found < count { Ok(()) } else { Err(misfit(what, found, format!("less than {count}"))) }
+    if found < count { Ok(()) } else { Err(StoredWorkError::Index { what: what.into(), found, count }) }
 }
 
 fn equal(what: impl Into<String>, found: usize, expected: usize) -> Checked {
-    if found == expected { Ok(()) } else { Err(misfit(what, found, expected)) }
+    if found == expected { Ok(()) } else { Err(StoredWorkError::Number { what: what.into(), found, expected }) }
 }
 
 impl StudySetup {
@@ -70,7 +86,8 @@ impl StudySetup {
         equal(format!("the number of estimates of {run}"), outcome.estimates.len(), expected)?;
         for (estimate, name) in outcome.estimates.iter().zip(names) {
             if estimate.estimator != *name {
-                return Err(misfit(format!("an estimator of {run}"), &estimate.estimator, name));
+                let (found, planned) = (estimate.estimator.clone(), name.clone());
+                return Err(StoredWorkError::Estimator { run, found, planned });
             }
             let Some(score) = &estimate.score else { continue };
             let what = |list: &str| format!("the number of {list} by {name} in {run}");

@@ -118,7 +118,7 @@ mod tests {
             // 0.02 kg·m² taken here and given there: what is left is the rounding of sums of order one.
             assert!((&a - &b).amax() < 1e-12 * a.amax(), "{}", method.name());
         }
-        // And by the torques themselves, which know no reduction.
+        // And by the torques themselves, which use no reduction.
         let mut rng = Seed::new(2).stream("states", 0);
         let (mut by_published, mut by_truth) = (Dynamics::new(&robot, &published), Dynamics::new(&robot, &truth));
         for _ in 0..50 {

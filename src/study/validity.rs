@@ -18,6 +18,12 @@ use crate::base::BaseReduction;
 use crate::model::{Capsule, Robot};
 use crate::statistics::Interval;
 
+/// Steps of an ascent at most; the A460's come to rest within 150.
+const ASCENT_STEPS: usize = 2000;
+
+/// Length of a step that counts as rest, m.
+const AT_REST: f64 = 1e-12;
+
 /// For every base parameter the interval of values that links of at most `max_mass` kg inside their shapes can have.
 ///
 /// A link without a shape of its own takes those of its neighbours nearest to the base.
@@ -112,26 +118,33 @@ impl Quadratic {
 
     /// The largest value over the capsules: projected gradient ascent from points spread over ends, middles and
     /// surfaces. A quadratic on a ball has at most two local maxima that are not global (Martínez 1994), so the spread
-    /// of starts finds the global one.
+    /// of starts finds the global one. Infinite where an ascent does not come to rest: a maximum that was not reached
+    /// rules no value out.
     fn maximum(&self, capsules: &[Capsule]) -> f64 {
-        let step = 0.5 / (self.square.norm() + self.linear.norm() + f64::MIN_POSITIVE);
         let mut best = f64::NEG_INFINITY;
         for capsule in capsules {
             for start in starts(capsule) {
-                let mut x = start;
-                for _ in 0..200 {
-                    let gradient = self.linear + self.square * x * 2.0;
-                    let next = project(&(x + gradient * step), capsule);
-                    let moved = (next - x).norm();
-                    x = next;
-                    if moved < 1e-12 {
-                        break;
-                    }
-                }
-                best = best.max(self.at(&x)).max(self.at(&start));
+                let top = self.ascent(start, capsule).map_or(f64::INFINITY, |top| self.at(&top));
+                best = best.max(top).max(self.at(&start));
             }
         }
         best
+    }
+
+    /// Where a projected gradient ascent comes to rest; `None` if it does not in [`ASCENT_STEPS`].
+    fn ascent(&self, start: Vector3<f64>, capsule: &Capsule) -> Option<Vector3<f64>> {
+        let step = 0.5 / (self.square.norm() + self.linear.norm() + f64::MIN_POSITIVE);
+        let mut x = start;
+        for _ in 0..ASCENT_STEPS {
+            let gradient = self.linear + self.square * x * 2.0;
+            let next = project(&(x + gradient * step), capsule);
+            let moved = (next - x).norm();
+            x = next;
+            if moved < AT_REST {
+                return Some(x);
+            }
+        }
+        None
     }
 }
 
@@ -162,6 +175,10 @@ fn project(x: &Vector3<f64>, capsule: &Capsule) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::base::{Method, reduce};
+    use crate::excitation::fixtures::crs_a460;
+    use crate::model::Columns;
+    use crate::seed::Seed;
 
     #[test]
     fn analytic_extremes_over_a_ball_and_a_capsule() {
@@ -182,5 +199,20 @@ mod tests {
         assert!((of(1).negated().maximum(&[rod]) - 0.5).abs() < 1e-9);
         // Izz = x² + y² is largest at the far end: (3.5)².
         assert!((of(9).maximum(&[rod]) - 12.25).abs() < 1e-8);
+    }
+
+    #[test]
+    fn an_ascent_that_does_not_come_to_rest_rules_nothing_out() {
+        let ball = Capsule { from: Vector3::zeros(), to: Vector3::zeros(), radius: 1.0 };
+        let broken = Quadratic { constant: 0.0, linear: Vector3::repeat(f64::NAN), square: Matrix3::zeros() };
+        assert_eq!(broken.maximum(&[ball]), f64::INFINITY);
+    }
+
+    #[test]
+    fn identity_ranges_of_the_a460_are_finite_but_for_friction_offsets_and_rotors() {
+        let robot = crs_a460();
+        let base = reduce(&robot, Columns::RIGID, Method::Structural, Seed::new(0)).unwrap();
+        let ranges = feasible_ranges(&robot, &base, 30.0);
+        assert!(ranges.iter().all(|range| range.low.is_finite() && range.high.is_finite() && range.low <= 0.0));
     }
 }

@@ -41,7 +41,7 @@ pub enum TrajectoryError {
     },
     /// A joint has another number of amplitudes than the first one.
     #[error(
-        "trajectory: joint \"{joint}\" is {a} values in a and {b} in b, expected {harmonics} in each, one for each harmonic"
+        "trajectory: joint \"{joint}\" has {a} values in a and {b} in b, expected {harmonics} in each, one for each harmonic"
     )]
     Amplitudes {
         /// Name of the joint.
@@ -99,7 +99,7 @@ pub enum TrajectoryError {
         expected: usize,
     },
     /// A joint has another number of speeds than there are segments.
-    #[error("trajectory: joint \"{joint}\" is {found} speeds, expected {segments}, one for each segment")]
+    #[error("trajectory: joint \"{joint}\" has {found} speeds, expected {segments}, one for each segment")]
     Speeds {
         /// Name of the joint.
         joint: String,

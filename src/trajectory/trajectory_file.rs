@@ -138,7 +138,7 @@ impl PeriodicTrajectory {
                 write(&SplinesOut { family: "b-spline", period_s: *period_s, degree: *degree, joint: joints })
             }
             Self::ConstantSpeed(ConstantSpeedTrajectory { change_s, stretch_s, joints }) => {
-                write(&StretchesOut { family: "constant-speed", change_s: *change_s, stretch_s, joint: joints })
+                write(&SegmentsOut { family: "constant-speed", change_s: *change_s, stretch_s, joint: joints })
             }
             Self::Custom(motion) => motion.to_toml(),
         }
@@ -207,26 +207,26 @@ impl BSplineTrajectory {
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct StretchesIn {
+struct SegmentsIn {
     #[serde(rename = "family")]
     _family: String,
     change_s: f64,
     stretch_s: Vec<f64>,
-    joint: Spanned<Vec<StretchIn>>,
+    joint: Spanned<Vec<SegmentIn>>,
     #[serde(rename = "certificate")]
     _certificate: Option<serde::de::IgnoredAny>,
 }
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]
-struct StretchIn {
+struct SegmentIn {
     name: Spanned<String>,
     q0: f64,
     speed: Vec<f64>,
 }
 
 #[derive(Serialize)]
-struct StretchesOut<'a> {
+struct SegmentsOut<'a> {
     family: &'static str,
     change_s: f64,
     stretch_s: &'a [f64],
@@ -240,7 +240,7 @@ impl ConstantSpeedTrajectory {
     /// [`TrajectoryError::File`] with line and column if the text is not TOML, has a key that the format does not
     /// have or lacks one, or if a number is impossible.
     pub fn from_toml(text: &str) -> Result<Self, TrajectoryError> {
-        let file: StretchesIn = read(text)?;
+        let file: SegmentsIn = read(text)?;
         let whole = file.joint.span();
         let mut joints: Vec<ConstantSpeedJoint> = Vec::new();
         for joint in file.joint.into_inner() {

@@ -82,7 +82,7 @@ fn a_plant_from_outside_has_every_term_and_one_that_lacks_them_is_found() {
         plant_term_laws::check(term, &TermTolerance::FOURTH_ORDER, Integrated::new)
             .unwrap_or_else(|broken| panic!("{}: {broken}", term.symbol()));
         let bare = |robot: &Robot, parameters: &StandardParameters| Integrated::new(robot, &parameters.links_alone());
-        // What is no term of the motion is the servo's, whatever the plant.
+        // What is no term of the motion is the servo's, with any plant.
         let lacks = plant_term_laws::check(term, &TermTolerance::FOURTH_ORDER, bare).is_err();
         assert_eq!(lacks, term.entry().needs.is_motion(), "{}", term.symbol());
     }

@@ -9,12 +9,12 @@ use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
 use armid::study::{Performed, Truth, exact_states};
 use armid_io::LoadedRobot;
-use armid_sim::{AnalyticPlant, Engine, TeamRun, record_runs};
+use armid_sim::{AnalyticPlant, BatchRun, Engine, record_runs};
 use miette::Result;
 
 use super::ArmKind;
 
-/// A robot that can be simulated: what it is, what an experimenter would guess, and what is true.
+/// A robot that can be simulated: its model, its nominal parameters and its true ones.
 #[derive(Clone, Debug)]
 pub(crate) struct Simulation {
     pub(crate) loaded: LoadedRobot,
@@ -61,7 +61,7 @@ impl Simulation {
         let stride = (1..=period / 500).rev().find(|stride| period % stride == 0).unwrap_or(1);
         let (mut q, mut qd, mut tau) = (Vec::new(), Vec::new(), Vec::new());
         let ending = servo
-            .perform_observed(&plan, &mut Unheard, &mut |state| {
+            .perform_observed(&plan, &mut Discarding, &mut |state| {
                 if state.phase == Phase::Record && state.index % stride == 0 {
                     q.extend_from_slice(state.q);
                     qd.extend_from_slice(state.qd);
@@ -98,7 +98,7 @@ impl Simulation {
 
     /// What came of every run, each with the bits that it would have alone. Where the engine has lanes the runs are computed
     /// side by side.
-    pub(crate) fn record_all(&self, runs: &[TeamRun<'_>]) -> Result<Vec<Performed>, String> {
+    pub(crate) fn record_all(&self, runs: &[BatchRun<'_>]) -> Result<Vec<Performed>, String> {
         let sensing = Sensing::default();
         if self.arm == ArmKind::Simulated(Engine::Analytic) {
             let actual = ActualArm::new(&self.truth.effects.and(&self.effects), self.robot(), &self.truth.parameters);
@@ -123,9 +123,9 @@ impl Simulation {
 }
 
 /// A sink for a run of which only the true states matter.
-struct Unheard;
+struct Discarding;
 
-impl Sink for Unheard {
+impl Sink for Discarding {
     fn begin(&mut self, _: &Recording) {}
 
     fn sample(&mut self, _: &RawSample<'_>) -> Flow {

@@ -20,23 +20,23 @@ use crate::interrupt;
 use crate::terminal::{Answer, Console, Ending, number, real_time};
 
 const AFTER_HELP: &str = "\
-It takes motions by the action follow_joint_trajectory or on the topic joint_trajectory, and
+It accepts motions by the action follow_joint_trajectory or on the topic joint_trajectory, and
 set-points on the topic commands; it reports joint_states, and its own state as text on
-robot_state. Where nobody streams any more while the arm moves, it comes to rest after 20 ms and
-the motors are off after 100 ms. Names and domain: [ros2] of an experiment.
+robot_state. Where a stream ends while the arm moves, it comes to rest after 20 ms and the
+motors are off after 100 ms. Names and domain: [ros2] of an experiment.
 
---fault NAME@SECONDS makes something go wrong, so many seconds after the start, or after the first
-motion began (NAME@motion+SECONDS):
-  freeze       the computer hangs; the brakes close
+--fault NAME@SECONDS injects a fault, so many seconds after the start, or after the beginning of
+the first motion (NAME@motion+SECONDS):
+  freeze       the controller hangs; the brakes close
   drop         98 of 100 joint states are lost
-  jitter       joint states are up to 200 ms late and overtake each other
+  jitter       joint states are up to 200 ms late and out of order
   jump         the first joint's encoder jumps by 0.3 rad
   overcurrent  the first joint reports half as much again as its drive allows
-  estop        somebody presses the emergency stop
-  die          the process dies at once
-  order        the first two joints' values change places, their names do not
+  estop        the emergency stop is pressed
+  die          the process ends at once
+  order        the values of the first two joints are exchanged, their names are not
   nan          the first joint's position is not a number
-  late-answer  motions are taken at once, and said to be taken a second later
+  late-answer  motions are accepted at once, and the answer comes a second later
   lost-result  how a motion ended is never reported
   strange-state  the reported state is an unknown text
   oscillation  the first joint's current swings between its limit and zero
@@ -52,7 +52,7 @@ Examples:
 pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// What simulates the arm
+    /// Engine that simulates the arm
     #[arg(long, default_value = "analytic", value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name))]
     arm: ArmKind,
     /// Take [ros2] from this experiment
@@ -64,16 +64,16 @@ pub(crate) struct Arguments {
     /// Joint states per second; a whole part of the servo's rate, which it is by default
     #[arg(long, value_name = "HZ")]
     rate: Option<f64>,
-    /// Where the arm stands at first, rad (m), in place of zero
+    /// Initial positions, rad (m), in place of zero
     #[arg(long, value_name = "Q1,…", value_delimiter = ',', allow_hyphen_values = true)]
     pose: Option<Vec<f64>>,
-    /// The arm has not found its joints' zero positions: it says so and moves nothing
+    /// The arm is not homed: it reports so and does not move
     #[arg(long)]
     not_homed: bool,
-    /// What becomes of a motion under way where another is handed over, as in versions of joint_trajectory_controller
+    /// How a running motion is replaced by another, as in versions of joint_trajectory_controller
     #[arg(long, default_value = "at-once", value_parser = one_of(&Replacement::ALL, Replacement::name))]
     replacement: Replacement,
-    /// What goes wrong, and when
+    /// Fault to inject, and when
     #[arg(long, value_name = "NAME@SECONDS", value_parser = ControllerFault::parse)]
     fault: Option<ControllerFault>,
     /// Write every servo step here: time, command, current, position, events
@@ -110,7 +110,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let clock = (rate, i64::try_from(now).unwrap_or(0));
     let seed = (Seed::new(arguments.seed), 0);
     let watchdog = Watchdog { hold_s: 1e-3 * arguments.hold_ms, disable_s: 1e-3 * arguments.disable_ms };
-    let mut computer =
+    let mut controller =
         RobotController::new(simulation.robot(), &simulation.nominal, plant, &Sensing::default(), seed, clock)
             .map_err(|error| fault(&error))?
             .with_fault(arguments.fault)
@@ -118,7 +118,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             .with_replacement(arguments.replacement)
             .with_watchdog(watchdog);
     if !simulation.truth.motors.is_empty() {
-        computer = computer.with_motors(&simulation.truth.motors);
+        controller = controller.with_motors(&simulation.truth.motors);
     }
     console.note(format!(
         "{} simulated by {} in ROS domain {}, {} joint states per second; Ctrl-C ends it",
@@ -135,7 +135,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         }
         !interrupt::asked()
     };
-    let done = serve(&mut computer, &options, &mut go_on).map_err(|error| fault(&error))?;
+    let done = serve(&mut controller, &options, &mut go_on).map_err(|error| fault(&error))?;
     if console.talks() {
         let _ = writeln!(std::io::stderr());
     }
@@ -157,7 +157,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     Ok(Ending::Done)
 }
 
-/// Puts the arm where it is to stand.
+/// Puts the arm at its initial positions.
 fn stand(arguments: &Arguments, simulation: &Simulation, plant: &mut Box<dyn Plant>) -> Result<()> {
     let robot = simulation.robot();
     let n = robot.dof();
@@ -169,8 +169,7 @@ fn stand(arguments: &Arguments, simulation: &Simulation, plant: &mut Box<dyn Pla
         let (low, high) = joint.limits.position;
         if !(*q >= low && *q <= high) {
             let unit = joint.kind.unit();
-            let message =
-                format!("joint \"{}\" stands at {q} {unit}, expected {low:.4} to {high:.4} {unit}", joint.name);
+            let message = format!("joint \"{}\" is at {q} {unit}, expected {low:.4} to {high:.4} {unit}", joint.name);
             return Err(Fault::new(message).help("--pose puts it elsewhere").into());
         }
     }

@@ -26,7 +26,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// The experiment whose `[ros2]` says where the robot is received
+    /// The experiment whose `[ros2]` states how the robot is reached
     experiment: String,
     /// ROS domain, in place of the file's
     #[arg(long)]
@@ -109,7 +109,7 @@ fn json(view: &View) -> Value {
         "q": snapshot.row.as_ref().map(|row| &row.q),
         "effort": snapshot.row.as_ref().map(|row| &row.effort),
         "stamps": snapshot.stamps,
-        "computer": snapshot.computer,
+        "computer": snapshot.controller_state,
         "guard": snapshot.guard.as_ref().map(|(state, _)| state),
         "guard_age_s": snapshot.guard.as_ref().map(|(_, age)| age),
         "fault": snapshot.fault,

@@ -50,8 +50,8 @@ fn link(view: &View) -> Paragraph<'_> {
     let count = |what: &str, count: usize| {
         Span::styled(format!("   {what} {count}"), if count > 0 { WARN } else { Style::new() })
     };
-    let computer = match snapshot.computer.as_deref() {
-        None => Span::raw("does not say"),
+    let controller = match snapshot.controller_state.as_deref() {
+        None => Span::raw("not reported"),
         Some(state) => Span::styled(state.to_owned(), if state.starts_with("enabled") { GOOD } else { BAD }),
     };
     let mut order = vec![
@@ -68,7 +68,7 @@ fn link(view: &View) -> Paragraph<'_> {
             Span::raw(format!("joint states   {:5.0} Hz   ", snapshot.rate_hz)),
             age,
             Span::raw("   robot controller: "),
-            computer,
+            controller,
         ]),
         Line::from(vec![
             Span::raw(format!("stamps         {:5} messages", stamps.messages)),
@@ -158,7 +158,7 @@ fn guard(view: &View) -> Paragraph<'_> {
     Paragraph::new(lines).block(block("guard: largest part of each line used so far"))
 }
 
-/// One frame as text, for whoever is no terminal.
+/// One frame as text, for output that is not a terminal.
 pub(crate) fn text(view: &View, width: u16) -> String {
     let guard = view.guard().map_or(1, |(state, _)| state.used.len() + 2);
     let height = 5 + view.joints.len() + 3 + (guard + 2).max(5);
@@ -205,7 +205,7 @@ mod tests {
             age_s: 0.002,
             rate_hz: 499.6,
             stamps: StampFindings { messages: 6150, longest_gap_s: 0.0021, latest_s: 4e-4, ..StampFindings::default() },
-            computer: Some("enabled".to_owned()),
+            controller_state: Some("enabled".to_owned()),
             guard: Some((state, 0.05)),
             fault: None,
         };
@@ -243,7 +243,7 @@ mod tests {
         let shown = text(
             &view(|snapshot| {
                 (snapshot.age_s, snapshot.rate_hz, snapshot.stamps.lost) = (f64::INFINITY, 0.0, 17);
-                snapshot.computer = Some("estop".to_owned());
+                snapshot.controller_state = Some("estop".to_owned());
                 snapshot.row.as_mut().unwrap().q[1] = 2.0;
                 snapshot.row.as_mut().unwrap().effort[0] = 9.0;
                 let (state, _) = snapshot.guard.as_mut().unwrap();

@@ -18,7 +18,7 @@ use armid::model::format::ChainEnds;
 use armid_io::output::write_text;
 use armid_io::study::{Journal, Piece, plan_text, write_study, write_timing};
 use armid_io::{Error, robot};
-use armid_sim::TeamRun;
+use armid_sim::BatchRun;
 
 use super::part::{Part, Stage};
 use super::report::write_report;
@@ -318,7 +318,7 @@ impl Performance<'_> {
         for id in team {
             for index in self.setup.sequence(id.design) {
                 let (seed, run) = self.setup.stream(index, id.run);
-                runs.push(TeamRun { plan: &plans[&index], seed, run });
+                runs.push(BatchRun { plan: &plans[&index], seed, run });
             }
         }
         let measured = self.measured_motions(first, &simulation)?;
@@ -345,7 +345,7 @@ impl Performance<'_> {
             .map(|index| Ok(self.setup.experiment(&self.setup.validation_trajectory(index).map_err(in_words)?)))
             .collect::<Result<Vec<ExperimentPlan>>>()?;
         let seed = plan.seed.child("measured motion", arm.1 as u64);
-        let runs: Vec<TeamRun<'_>> = plans.iter().zip(0..).map(|(plan, run)| TeamRun { plan, seed, run }).collect();
+        let runs: Vec<BatchRun<'_>> = plans.iter().zip(0..).map(|(plan, run)| BatchRun { plan, seed, run }).collect();
         let performed = simulation.record_all(&runs).map_err(in_words)?;
         let measured = self.setup.measured_motions(performed).map_err(|failure| {
             let name = &plan.conditions()[id.condition].name;

@@ -1,5 +1,5 @@
 //! What the joints are commanded at every servo step: a hold, a motion that was handed over, or streamed set-points,
-//! and what becomes of them when nobody cares any more.
+//! and what is done when they are no longer renewed.
 
 use armid::trajectory::QuinticStep;
 
@@ -213,7 +213,7 @@ impl Commander {
                 return Ok(());
             }
             Replacement::Spliced => {
-                // It forgets the stamp: what was to begin earlier begins now, with a way to its first point.
+                // It ignores the stamp: what was to begin earlier begins now, with a way to its first point.
                 let entered = spline.clone().entered(0.0, &self.q, &self.qd, &self.limits);
                 return self.install(if spline.first().0 > 0.0 { entered.unwrap_or(spline) } else { spline }, t);
             }

@@ -1,9 +1,9 @@
-//! What can be made to go wrong, and when.
+//! Faults that can be injected, and when.
 
 /// Every fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum FaultKind {
-    /// The computer hangs: nothing is sent, received or commanded any more. The drives miss their servo and brake.
+    /// The controller hangs: nothing is sent, received or commanded any more. The drives miss their servo and brake.
     Freeze,
     /// 98 of 100 joint states are lost on the way.
     Drop,
@@ -13,9 +13,9 @@ pub enum FaultKind {
     Jump,
     /// The first joint draws half as much again as its drive allows.
     Overcurrent,
-    /// Somebody presses the emergency stop.
+    /// The emergency stop is pressed.
     Estop,
-    /// The process dies at once.
+    /// The process ends at once.
     Die,
     /// The values of the first two joints change places, their names do not.
     Order,
@@ -25,7 +25,7 @@ pub enum FaultKind {
     LateAnswer,
     /// How a motion ended is never said.
     LostResult,
-    /// The state in words is one that nobody knows.
+    /// The reported state is an unknown text.
     StrangeState,
     /// Every second state says that the first joint draws all that its drive allows, and the others that it draws none.
     Oscillation,
@@ -81,7 +81,7 @@ pub struct Fault {
     pub kind: FaultKind,
     /// When, s.
     pub at_s: f64,
-    /// Whether time counts from the beginning of the first motion; otherwise from the start of the computer.
+    /// Whether time counts from the beginning of the first motion; otherwise from the start of the controller.
     pub of_motion: bool,
 }
 

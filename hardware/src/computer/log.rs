@@ -1,4 +1,4 @@
-//! What the robot controller commanded and did, step by step, in a file that is whole up to its last line at any time.
+//! What the robot controller commanded and did, step by step, in a file that is complete up to its last line at any time.
 
 use std::fmt::Write as _;
 use std::fs::File;

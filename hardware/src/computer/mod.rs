@@ -1,4 +1,4 @@
-//! The computer of a simulated robot: servo loop, encoders, currents and the ROS 2 interface of a real one, in real time,
+//! The controller of a simulated robot: servo loop, encoders, currents and the ROS 2 interface of a real one, in real time,
 //! with faults on demand.
 //!
 //! ```text
@@ -10,7 +10,7 @@
 //! [`RobotController`] and everything in it have no clock and no network: time is the number of servo steps. [`serve`] paces
 //! them by the wall clock and counts the deadlines that were missed.
 //!
-//! What it refuses and stops by itself, whoever commands it:
+//! What it refuses and stops by itself, for any client:
 //!
 //! | what | does |
 //! |---|---|

@@ -1,9 +1,9 @@
-//! What becomes of a motion where another is handed over: the ways of versions of `joint_trajectory_controller`.
+//! How a motion is replaced by another one: the behaviours of versions of `joint_trajectory_controller`.
 
 /// What becomes of a motion under way where another one is handed over: versions of `joint_trajectory_controller` differ.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub enum Replacement {
-    /// The old one is forgotten at once; where the new one's first points are past, it is joined in its midst (issue 896).
+    /// The old one is dropped at once; where the new one's first points are past, it is joined in its midst (issue 896).
     #[default]
     AtOnce,
     /// One that begins later waits until then (pull request 2401); otherwise as `AtOnce`.

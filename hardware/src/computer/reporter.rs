@@ -1,4 +1,4 @@
-//! What the robot controller says of its joints, and what faults make of it on the way.
+//! The joint states that the robot controller reports, with the errors that faults add.
 
 use armid::experiment::JointLoop;
 use armid::model::{EffortInterface, Robot};

@@ -1,4 +1,4 @@
-//! The robot's computer between two moments of the wall clock: one servo step after another.
+//! The robot controller between two moments of the wall clock: one servo step after another.
 
 use armid::experiment::{JointLoop, Plant, PlantError, Sensing, ServoError};
 use armid::model::{Drive, Robot, StandardParameters};
@@ -16,21 +16,19 @@ const JUMP: f64 = 0.3;
 /// How far the clock jumps in [`FaultKind::Clock`], ns.
 const CLOCK_JUMP_NS: i64 = -2_000_000_000;
 
-/// Why there is no such computer.
+/// Why there is no such controller.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum RobotControllerError {
     /// The servo cannot be built.
     #[error(transparent)]
     Servo(#[from] ServoError),
-    /// A setting is impossible.
-    #[error("{quantity} is {found}, expected {expected}")]
-    Setting {
-        /// Which.
-        quantity: &'static str,
-        /// What was found.
-        found: String,
-        /// What is possible.
-        expected: String,
+    /// Joint states cannot come at this rate.
+    #[error("rate_hz is {found}, expected a whole part of the servo's {servo_hz} Hz")]
+    Rate {
+        /// Rate of joint states that was asked for, Hz.
+        found: f64,
+        /// Rate of the servo, Hz.
+        servo_hz: f64,
     },
 }
 
@@ -48,7 +46,7 @@ pub enum Output {
 /// What a step did, for the log. All slices have length n.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Report<'a> {
-    /// Time since the computer started, s.
+    /// Time since the controller started, s.
     pub t: f64,
     /// `hold`, `follow`, `stream`, `off` or `frozen`.
     pub doing: &'static str,
@@ -62,14 +60,14 @@ pub struct Report<'a> {
     pub event: &'a str,
 }
 
-/// A robot's computer around a plant.
+/// A robot controller around a plant.
 pub struct RobotController<P> {
     robot: Robot,
     plant: P,
     joints: JointLoop,
     commander: Commander,
     fault: Option<Fault>,
-    /// Nanoseconds of the robot's clock at which the computer started.
+    /// Nanoseconds of the robot's clock at which the controller started.
     epoch_ns: i64,
     dt_ns: i64,
     /// Servo steps for each joint state.
@@ -84,7 +82,7 @@ pub struct RobotController<P> {
 }
 
 impl<P: Plant> RobotController<P> {
-    /// A computer around `plant`, which stands where it stands, whose clock begins at `epoch_ns`. It reports its joints
+    /// A controller around `plant`, which stands where it stands, whose clock begins at `epoch_ns`. It reports its joints
     /// `state_hz` times a second.
     ///
     /// # Errors
@@ -105,8 +103,7 @@ impl<P: Plant> RobotController<P> {
         let servo_hz = robot.servo().rate_hz;
         let per_state = servo_hz / state_hz;
         if !(per_state >= 1.0 - 1e-9 && (per_state - per_state.round()).abs() < 1e-9 * per_state) {
-            let expected = format!("a whole part of the servo's {servo_hz} Hz");
-            return Err(RobotControllerError::Setting { quantity: "rate_hz", found: state_hz.to_string(), expected });
+            return Err(RobotControllerError::Rate { found: state_hz, servo_hz });
         }
         let q = plant.state().0.to_vec();
         let commander = Commander::new(JointLimits::of_robot(robot), Watchdog::default(), joints.dt(), &q);
@@ -130,35 +127,35 @@ impl<P: Plant> RobotController<P> {
         })
     }
 
-    /// The same computer with a fault to come.
+    /// The same controller with a fault to come.
     #[must_use]
     pub fn with_fault(mut self, fault: Option<Fault>) -> Self {
         self.fault = fault;
         self
     }
 
-    /// The same computer, which has found its joints' zero positions or not. One that has not says so and moves nothing.
+    /// The same controller, which has found its joints' zero positions or not. One that has not says so and moves nothing.
     #[must_use]
     pub fn with_homed(mut self, homed: bool) -> Self {
         self.homed = homed;
         self
     }
 
-    /// The same computer with motors that are not what the robot file says; see [`JointLoop::with_motors`].
+    /// The same controller with motors that are not what the robot file says; see [`JointLoop::with_motors`].
     #[must_use]
     pub fn with_motors(mut self, motors: &[Drive]) -> Self {
         self.joints = self.joints.with_motors(motors);
         self
     }
 
-    /// The same computer with another watchdog for streamed set-points.
+    /// The same controller with another watchdog for streamed set-points.
     #[must_use]
     pub fn with_watchdog(mut self, watchdog: Watchdog) -> Self {
         self.commander.set_watchdog(watchdog);
         self
     }
 
-    /// The same computer, which treats a motion that comes while another is under way so.
+    /// The same controller, which treats a motion that comes while another is under way so.
     #[must_use]
     pub fn with_replacement(mut self, replacement: Replacement) -> Self {
         self.commander.set_replacement(replacement);
@@ -322,7 +319,7 @@ impl<P: Plant> RobotController<P> {
     /// `log`.
     ///
     /// # Errors
-    /// [`PlantError`] where the plant gives up.
+    /// [`PlantError`] where the plant fails.
     pub fn step(&mut self, output: &mut Vec<Output>, log: &mut dyn FnMut(&Report<'_>)) -> Result<(), PlantError> {
         let t = self.t();
         self.strike(output);

@@ -1,4 +1,4 @@
-//! The ROS 2 side of the robot's computer, on a thread of its own: what arrives becomes orders, what happens goes out.
+//! The ROS 2 side of the robot controller, on a thread of its own: what arrives becomes orders, what happens goes out.
 
 use std::collections::BTreeMap;
 use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
@@ -18,7 +18,7 @@ use super::{JointLimits, Replacement, Spline, Unfit};
 use crate::link::{Endpoint, JointMap, LinkError, LinkSettings};
 use crate::message::{Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointState, JointTrajectory, Text};
 
-/// What somebody on the network wants.
+/// An order from the network.
 pub(crate) enum Order {
     /// A motion as a goal of the action, by its number; checked already.
     Goal(u64, Result<Spline, Unfit>),
@@ -32,7 +32,7 @@ pub(crate) enum Order {
     Disable,
 }
 
-/// What the network should hear.
+/// What is sent to the network.
 pub(crate) enum Event {
     State(JointState),
     Words(String),
@@ -51,7 +51,7 @@ type Server = ActionServer<FollowGoal, FollowResult, FollowFeedback>;
 /// The other end of the thread.
 pub(crate) struct Wire {
     pub(crate) orders: Receiver<Order>,
-    pub(crate) news: Sender<Event>,
+    pub(crate) events: Sender<Event>,
 }
 
 impl Wire {
@@ -64,7 +64,7 @@ impl Wire {
         let names: Vec<String> = limits.iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
         let mut endpoint = Endpoint::join(settings, "robot_computer")?;
-        let (state, qos, telling) = (settings.state_qos(), settings.command_qos(), settings.telling_qos());
+        let (state, qos, reports) = (settings.state_qos(), settings.command_qos(), settings.report_qos());
         let text = ("std_msgs", "String");
         let optional = |name: &str| (!name.is_empty()).then(|| settings.full(name));
         let action = Endpoint::name(&settings.full(&settings.action))?;
@@ -72,8 +72,8 @@ impl Wire {
             goal_service: qos.clone(),
             result_service: qos.clone(),
             cancel_service: qos.clone(),
-            feedback_publisher: telling.clone(),
-            status_publisher: telling.clone().durability(Durability::TransientLocal),
+            feedback_publisher: reports.clone(),
+            status_publisher: reports.clone().durability(Durability::TransientLocal),
         };
         let kind = ActionTypeName::new("control_msgs", "FollowJointTrajectory");
         let server = endpoint
@@ -90,11 +90,11 @@ impl Wire {
         let commands =
             endpoint.subscription(&settings.full(&settings.commands), ("std_msgs", "Float64MultiArray"), &qos)?;
         let words =
-            optional(&settings.robot_state).map(|name| endpoint.publisher(&name, text, &telling)).transpose()?;
+            optional(&settings.robot_state).map(|name| endpoint.publisher(&name, text, &reports)).transpose()?;
         let requests =
             optional(&settings.robot_request).map(|name| endpoint.subscription(&name, text, &qos)).transpose()?;
         let (orders_in, orders) = channel();
-        let (news, news_out) = channel();
+        let (events, events_out) = channel();
         let mut thread = Thread {
             _endpoint: endpoint,
             map,
@@ -114,9 +114,9 @@ impl Wire {
         };
         std::thread::Builder::new()
             .name("wire".to_owned())
-            .spawn(move || thread.run(&news_out))
+            .spawn(move || thread.run(&events_out))
             .map_err(|error| LinkError::middleware("wire", &error))?;
-        Ok(Self { orders, news })
+        Ok(Self { orders, events })
     }
 }
 
@@ -148,14 +148,14 @@ struct Thread {
 }
 
 impl Thread {
-    /// Runs until the computer is gone. What cannot be sent is lost, as on any network: who misses it will trip.
-    fn run(&mut self, news: &Receiver<Event>) {
+    /// Runs until the controller has ended. What cannot be sent is lost, as on any network: who misses it will trip.
+    fn run(&mut self, events: &Receiver<Event>) {
         loop {
-            match news.recv_timeout(NAP) {
+            match events.recv_timeout(NAP) {
                 Ok(first) => {
-                    self.tell(first);
-                    while let Ok(more) = news.try_recv() {
-                        self.tell(more);
+                    self.publish(first);
+                    while let Ok(more) = events.try_recv() {
+                        self.publish(more);
                     }
                 }
                 Err(RecvTimeoutError::Timeout) => {}
@@ -168,8 +168,8 @@ impl Thread {
         }
     }
 
-    fn tell(&mut self, news: Event) {
-        match news {
+    fn publish(&mut self, event: Event) {
+        match event {
             Event::State(state) => {
                 let _ = self.joint_states.publish(state);
             }
@@ -277,16 +277,16 @@ impl Thread {
         Ok(())
     }
 
-    /// Answers those who asked for a result that is there now; a goal nobody knows is answered too.
+    /// Answers those who asked for a result that is there now; an unknown goal is answered too.
     fn answer(&mut self) {
         let (server, goals) = (&self.server, &mut self.goals);
-        let mut told = None;
+        let mut answered = None;
         self.results.retain(|(request, id)| {
             let found = goals.iter().find(|(_, goal)| goal.id == *id);
             let (status, result) = match found {
                 Some((_, Goal { end: None, .. })) => return true,
                 Some((number, Goal { end: Some(end), .. })) => {
-                    told = Some(*number);
+                    answered = Some(*number);
                     end.clone()
                 }
                 None => (GoalStatusEnum::Unknown, FollowResult { error_code: -1, error_string: "unknown goal".into() }),
@@ -294,9 +294,9 @@ impl Thread {
             let _ = server.send_result(*request, GetResultResponse { status, result });
             false
         });
-        if let Some(told) = told {
+        if let Some(answered) = answered {
             // Goals that ended before it have been asked for, or never will be.
-            goals.retain(|number, _| *number >= told);
+            goals.retain(|number, _| *number >= answered);
         }
     }
 }

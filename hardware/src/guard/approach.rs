@@ -14,7 +14,7 @@ use super::points::fastest;
 /// T = max_j max(15/8 |Δ_j| / (f q̇_max,j), √(10/√3 |Δ_j| / (f q̈_max,j)), T_min)
 /// ```
 /// with the part `f` of the robot's limits. The line stays within position limits where both ends do. **Whether it is
-/// free of collisions is not known**: nobody has reported the guard what stands around the arm, so a person watches.
+/// free of collisions is not known**: the guard has no model of the surroundings, so the operator watches.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Approach {
     /// Where it begins, rad (m).

@@ -1,4 +1,4 @@
-//! The lines that settings draw on one robot, joint by joint.
+//! The limits that the settings give for one robot, joint by joint.
 
 use armid::model::{EffortInterface, JointKind, Robot};
 

@@ -36,7 +36,7 @@ impl<A: Arm> Guarded<A> {
         Self { arm, robot, settings, mode, bounds, disables: true, record, observer: None }
     }
 
-    /// The same guard, which ends the motion instead where nobody `disables` the drives.
+    /// The same guard, which ends the motion instead where nothing `disables` the drives.
     #[must_use]
     pub fn with_disable(mut self, disables: bool) -> Self {
         self.disables = disables;
@@ -85,12 +85,12 @@ impl<A: Arm> Arm for Guarded<A> {
             ahead_s: None,
         };
         let ending = self.arm.perform(plan, &mut watched);
-        watched.tell(Activity::Ended);
+        watched.report(Activity::Ended);
         let Watched { watch, last: (t, phase), .. } = watched;
         let ending = ending?;
         self.record.used = watch.used().into_iter().map(|(trip, used)| (trip.name(), used)).collect();
         let ending = match (watch.tripped(), ending) {
-            // What was asked for is one thing, what came of it the arm inside has seen.
+            // The trip states what was asked for, the arm inside what came of it.
             (Some(trip), Ending::Stopped { rest, .. }) => {
                 Ending::Tripped { t, phase, trip: Box::new(TripReport { rest, ..trip.clone() }) }
             }
@@ -110,7 +110,7 @@ impl<A: Arm> Arm for Guarded<A> {
     }
 }
 
-/// Stands between an arm and its sink.
+/// Between an arm and its sink.
 struct Watched<'a> {
     watch: Watch,
     sink: &'a mut dyn Sink,
@@ -141,7 +141,7 @@ impl Watched<'_> {
     }
 
     /// Reports the observer, where there is one.
-    fn tell(&mut self, doing: Activity) {
+    fn report(&mut self, doing: Activity) {
         if let Some(observer) = &mut self.observer {
             observer(&GuardState::new(self.mode, doing, self.last, &self.watch));
         }
@@ -152,11 +152,11 @@ impl Watched<'_> {
         let now_s = self.last.0 + self.ahead_s.unwrap_or_default();
         if self.observer.is_some() && self.watch.tripped().is_none() && now_s >= self.told_s + TELL_EVERY_S {
             self.told_s = now_s;
-            self.tell(self.doing);
+            self.report(self.doing);
         }
     }
 
-    /// A trip comes before what the sink wants.
+    /// A trip takes precedence over the answer of the sink.
     fn answer(&self, sink: Flow) -> Flow {
         self.watch.tripped().map_or(sink, |trip| Flow::Trip(trip.action))
     }
@@ -166,7 +166,7 @@ impl Sink for Watched<'_> {
     fn begin(&mut self, recording: &Recording) {
         if self.watch.tripped().is_none() {
             // The approach may have begun outside the soft limits: what counts is how close the experiment came.
-            self.watch.forget_used();
+            self.watch.reset_used();
             self.doing = Activity::Experiment;
         }
         self.sink.begin(recording);

@@ -1,4 +1,4 @@
-//! An arm that stands somewhere before its experiment begins, and is brought to the start pose first.
+//! An arm that is brought to the start pose before its experiment begins.
 
 use armid::experiment::{
     Arm, ArmError, Command, Ending, ExperimentPlan, Phase, Recording, Rest, SafeAction, Sink, TripReport,
@@ -69,7 +69,7 @@ impl<M: Machine> Approached<M> {
     }
 }
 
-/// The ending of an experiment that the robot gave up before its first sample.
+/// The ending of an experiment that the robot aborted before its first sample.
 fn stopped(reason: String) -> Ending {
     let (trip, action) = (Trip::RobotStopped.name(), SafeAction::Cancel);
     // It stood at the start pose, and nothing was handed over since.

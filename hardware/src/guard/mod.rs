@@ -1,11 +1,11 @@
-//! The guard: what every command to a real arm passes, and what ends a motion before it does harm.
+//! The guard: what every command to a real arm passes, and what ends a motion before it does damage.
 //!
 //! | part | the question it answers |
 //! |---|---|
 //! | [`Preflight`] | may the arm move at all? |
 //! | [`Approach`] | how does it come to the start pose? |
 //! | [`Trip`], [`Check`], [`Watch`] | is something wrong, what is done about it, and how soon? |
-//! | [`Guarded`] | any arm, watched |
+//! | [`Guarded`] | any arm, guarded |
 //!
 //! It has no clock and does no input or output: time is that of the samples, silence is reported by the arm. So the same
 //! guard is tested on a virtual clock and works in real time.

@@ -1,6 +1,6 @@
 //! What must hold before the first motion.
 
-use armid::experiment::{ArmError, Command, ExperimentPlan};
+use armid::experiment::{ArmError, Command, Expectation, ExperimentPlan};
 use armid::model::Robot;
 
 use super::{Confirmation, GuardSettings, JointBounds, Passed, fastest_point};
@@ -8,7 +8,7 @@ use super::{Confirmation, GuardSettings, JointBounds, Passed, fastest_point};
 /// Every check before the first motion, in order.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Preflight {
-    /// Every setting of the guard draws a line.
+    /// Every setting of the guard is in its range.
     Settings,
     /// The plan is for this robot, and its motion keeps the robot's limits at every sample, ramps included.
     Plan,
@@ -20,9 +20,9 @@ pub enum Preflight {
     Rate,
     /// The arm stands within its hard limits, so that the start pose can be reached.
     StartPose,
-    /// A person said that the emergency stop works.
+    /// The operator confirmed that the emergency stop works.
     EmergencyStop,
-    /// The arm knows where its zero is.
+    /// The arm is homed.
     Homed,
 }
 
@@ -58,27 +58,27 @@ impl Preflight {
         Passed { check: self.name(), found: found.into() }
     }
 
-    fn refuse(self, found: impl Into<String>, expected: impl Into<String>) -> ArmError {
-        ArmError::Refused { check: self.name(), found: found.into(), expected: expected.into() }
+    fn refuse(self, found: impl Into<String>, expected: Expectation) -> ArmError {
+        ArmError::Refused { check: self.name(), found: found.into(), expected }
     }
 }
 
-/// What an arm says of itself before it moves.
+/// What an arm reports before it moves.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Survey {
     /// Names of its joints, as it gives them.
     pub joints: Vec<String>,
-    /// Where it stands, rad (m), in the order of the robot file.
+    /// Its positions, rad (m), in the order of the robot file.
     pub q: Vec<f64>,
     /// States per second that were seen, Hz.
     pub rate_hz: f64,
-    /// Whether it is homed; `None` where its interface does not say.
+    /// Whether it is homed; `None` where its interface does not report it.
     pub homed: Option<bool>,
-    /// Whether it is ready to move: drives on, no emergency stop; `None` where its interface does not say.
+    /// Whether it is ready to move: drives on, no emergency stop; `None` where its interface does not report it.
     pub ready: Option<bool>,
-    /// What it says of its state, in its own words; `None` where its interface does not say.
+    /// The state that it reports, in its own words; `None` where its interface does not report one.
     pub state: Option<String>,
-    /// The words with which it may move.
+    /// The states in which it may move.
     pub ready_states: Vec<String>,
 }
 
@@ -113,18 +113,19 @@ pub(super) fn of_plan(
         let found = 1e3 * fastest.speed;
         if found > line {
             let found = format!("point \"{}\" at {found:.0} mm/s", fastest.point);
-            return Err(Preflight::Plan.refuse(found, format!("at most {line:.0} mm/s, as a slower --speed has it")));
+            let remedy = "choose a slower --speed";
+            return Err(Preflight::Plan.refuse(found, Expectation::AtMost { limit: line, unit: "mm/s", remedy }));
         }
     }
     let (used, joint) = (worst.0, &bounds[worst.1]);
     if used > 1.0 {
         let (name, unit) = (&joint.name, joint.unit);
         let found = format!("joint \"{name}\" at {:.4} {unit}", worst.2);
-        let expected = format!("the soft limits {:.4} to {:.4} {unit}", joint.soft.0, joint.soft.1);
-        return Err(Preflight::SoftLimits.refuse(found, expected));
+        let (low, high) = joint.soft;
+        return Err(Preflight::SoftLimits.refuse(found, Expectation::Between { low, high, unit, remedy: "" }));
     }
     Ok(vec![
-        Preflight::Settings.passed("every line is drawn"),
+        Preflight::Settings.passed("every setting is in its range"),
         Preflight::Plan.passed("within the robot's limits at every sample"),
         Preflight::SoftLimits.passed(format!("{:.0} % used, by joint \"{}\"", 100.0 * used, joint.name)),
     ])
@@ -144,13 +145,15 @@ pub(super) fn of_survey(
     let wanted: Vec<&str> = bounds.iter().map(|joint| joint.name.as_str()).collect();
     if let Some(missing) = wanted.iter().find(|name| !survey.joints.iter().any(|found| found == *name)) {
         let found = format!("joints {}", survey.joints.join(", "));
-        return Err(Preflight::JointNames.refuse(found, format!("one called \"{missing}\"")));
+        return Err(Preflight::JointNames.refuse(found, Expectation::Joint((*missing).to_owned())));
     }
     passed.push(Preflight::JointNames.passed(wanted.join(", ")));
     // A tenth of slack: the rate is counted over a short look.
     if survey.rate_hz < 0.9 * plan.rate_hz {
-        let found = format!("{:.0} states per second", survey.rate_hz);
-        return Err(Preflight::Rate.refuse(found, format!("at least the plan's {} Hz", plan.rate_hz)));
+        let found = format!("{:.0}", survey.rate_hz);
+        return Err(
+            Preflight::Rate.refuse(found, Expectation::AtLeast { limit: plan.rate_hz, unit: "states per second" })
+        );
     }
     passed.push(Preflight::Rate.passed(format!("{:.0} Hz", survey.rate_hz)));
     for (joint, &q) in bounds.iter().zip(&survey.q) {
@@ -158,24 +161,28 @@ pub(super) fn of_survey(
         if !(q >= low && q <= high) {
             let (name, unit) = (&joint.name, joint.unit);
             let found = format!("joint \"{name}\" at {q:.4} {unit}");
-            let expected = format!("{low:.4} to {high:.4} {unit}; bring it back by hand");
-            return Err(Preflight::StartPose.refuse(found, expected));
+            let remedy = "bring it back by hand";
+            return Err(Preflight::StartPose.refuse(found, Expectation::Between { low, high, unit, remedy }));
         }
     }
     passed
         .push(Preflight::StartPose.passed("reachable in a straight line of the joints; free of collisions: not known"));
     if survey.ready == Some(false) {
         let found = survey.state.as_ref().map_or("a robot that is stopped".to_owned(), |state| format!("\"{state}\""));
-        let words = survey.ready_states.iter().map(|state| format!("\"{state}\""));
-        let expected = words.reduce(|all, state| format!("{all} or {state}"));
-        let expected = expected.unwrap_or_else(|| "drives on and no emergency stop".to_owned());
+        let expected = if survey.ready_states.is_empty() {
+            Expectation::State("drives on and no emergency stop")
+        } else {
+            Expectation::OneOf(survey.ready_states.clone())
+        };
         return Err(Preflight::EmergencyStop.refuse(found, expected));
     }
     passed.push(Preflight::EmergencyStop.passed(confirmation.how()));
     match survey.homed {
-        Some(false) => return Err(Preflight::Homed.refuse("an arm that is not homed", "a homed arm")),
-        Some(true) => passed.push(Preflight::Homed.passed("the robot says so")),
-        None => passed.push(Preflight::Homed.passed(format!("{}; the robot does not say", confirmation.how()))),
+        Some(false) => {
+            return Err(Preflight::Homed.refuse("an arm that is not homed", Expectation::State("a homed arm")));
+        }
+        Some(true) => passed.push(Preflight::Homed.passed("as reported by the robot")),
+        None => passed.push(Preflight::Homed.passed(format!("{}; not reported by the robot", confirmation.how()))),
     }
     Ok(passed)
 }

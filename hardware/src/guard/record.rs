@@ -1,4 +1,4 @@
-//! What a guard did and saw: part of the recording's metadata.
+//! What a guard did and observed: part of the recording's metadata.
 
 use std::collections::BTreeMap;
 
@@ -11,7 +11,7 @@ use super::{GuardSettings, Mode};
 pub struct GuardRecord {
     /// How the motion reached the robot.
     pub mode: Mode,
-    /// Whether somebody listens to the request `disable`; otherwise such a trip ends the motion.
+    /// Whether the request `disable` has a subscriber; otherwise such a trip ends the motion.
     pub disables: bool,
     /// Where the lines were.
     pub settings: GuardSettings,

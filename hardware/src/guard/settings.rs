@@ -1,4 +1,6 @@
-//! `[guard]` of an experiment file: where each check draws its line.
+//! `[guard]` of an experiment file: the limit of each check.
+
+use armid::experiment::Expectation;
 
 /// Where the guard draws its lines. Angles are for joints that turn, lengths for joints that slide.
 ///
@@ -69,7 +71,7 @@ pub struct SettingError {
     /// What was found.
     pub found: f64,
     /// What is possible.
-    pub expected: String,
+    pub expected: Expectation,
 }
 
 impl GuardSettings {
@@ -107,8 +109,7 @@ impl GuardSettings {
         for (key, found, low, high, inclusive) in self.ranges() {
             let above = found > low || (inclusive && found == low);
             if !(above && found <= high) {
-                let from = if inclusive { format!("{low} or more") } else { format!("more than {low}") };
-                return Err(SettingError { key, found, expected: format!("{from}, at most {high}") });
+                return Err(SettingError { key, found, expected: Expectation::Range { low, inclusive, high } });
             }
         }
         Ok(())

@@ -1,4 +1,4 @@
-//! What a guard says of itself while it watches, for whoever looks on.
+//! The state that a guard publishes during a run, for monitors.
 
 use std::collections::BTreeMap;
 

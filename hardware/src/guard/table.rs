@@ -8,15 +8,15 @@ use super::{GuardSettings, Mode, Trip};
 #[must_use]
 pub fn table(settings: &GuardSettings, rate_hz: f64) -> String {
     let mut text =
-        "| trip | what is wrong | trajectory handed over | set-points streamed | robot's computer | bound, ms |\n\
+        "| trip | what is wrong | trajectory handed over | set-points streamed | robot controller | bound, ms |\n\
                     |---|---|---|---|---|---|\n"
             .to_owned();
     for trip in Trip::ALL {
         let action = |mode: Mode| if trip.exists_in(mode) { trip.action(mode).name() } else { "–" };
-        let computer = if trip.in_robot_computer() { "yes" } else { "–" };
+        let controller = if trip.in_robot_controller() { "yes" } else { "–" };
         let _ = writeln!(
             text,
-            "| `{}` | {} | {} | {} | {computer} | {:.0} |",
+            "| `{}` | {} | {} | {} | {controller} | {:.0} |",
             trip.name(),
             trip.meaning(),
             action(Mode::Trajectory),

@@ -1,4 +1,4 @@
-//! Every reason for which a guard trips: in which mode it exists, what is done, and how soon.
+//! Every reason for which a guard trips: in which modes, with which action, and how soon.
 
 use armid::experiment::SafeAction;
 
@@ -7,7 +7,7 @@ use super::{GuardSettings, Mode};
 /// Every trip, listed once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
 pub enum Trip {
-    /// A position or an effort is no number.
+    /// A position or an effort is not a number.
     NotFinite,
     /// A position moved further between two samples than the joint can.
     PositionJump,
@@ -29,15 +29,15 @@ pub enum Trip {
     CommandAge,
     /// A set-point is further from the one before than the joint can move.
     CommandStep,
-    /// The robot's own computer ended the motion: emergency stop, abort, drives off.
+    /// The robot controller ended the motion: emergency stop, abort, drives off.
     RobotStopped,
-    /// Somebody else commands the arm, or a second robot answers to its names.
+    /// Another client commands the arm, or a second robot answers to its names.
     Interference,
-    /// The robot's computer does not say whether it takes a motion.
+    /// The robot controller does not report whether it accepts a motion.
     NoAcceptance,
-    /// The robot's computer does not say how a motion has ended.
+    /// The robot controller does not report how a motion has ended.
     NoResult,
-    /// The link failed: messages that make no sense, or a network that is gone.
+    /// The link failed: invalid messages, or a network that is gone.
     Link,
     /// This program itself failed.
     Panic,
@@ -51,7 +51,7 @@ pub const REACTION_MS: f64 = 10.0;
 pub(crate) const OVERSPEED_WINDOW_S: f64 = 0.02;
 /// Time between two looks at who else is on the network, and at the middleware's threads, ms.
 pub const LOOK_MS: f64 = 100.0;
-/// Time that the robot's computer has to say whether it takes a motion, ms.
+/// Time that the robot controller has to say whether it takes a motion, ms.
 const ACCEPTANCE_MS: f64 = 500.0;
 /// Time that it has, from the end of a motion, to say how it ended, ms.
 const RESULT_MS: f64 = 3000.0;
@@ -112,7 +112,7 @@ impl Trip {
     #[must_use]
     pub const fn meaning(self) -> &'static str {
         match self {
-            Self::NotFinite => "a position or an effort is no number",
+            Self::NotFinite => "a position or an effort is not a number",
             Self::PositionJump => "a position moved further between two samples than the joint can",
             Self::SoftLimit => "a position or a set-point is outside the soft limits",
             Self::Overspeed => "a joint is faster than its limit allows",
@@ -125,11 +125,11 @@ impl Trip {
             Self::StaleState => "no state has come for too long, or one was too long on its way",
             Self::CommandAge => "a set-point is sent too late",
             Self::CommandStep => "a set-point is further from the one before than the joint can move",
-            Self::RobotStopped => "the robot's computer ended the motion: emergency stop, abort, drives off",
-            Self::Interference => "somebody else commands the arm, or a second robot answers to its names",
-            Self::NoAcceptance => "the robot's computer does not say whether it takes a motion",
-            Self::NoResult => "the robot's computer does not say how a motion has ended",
-            Self::Link => "the link failed: messages that make no sense, or middleware that has ended",
+            Self::RobotStopped => "the robot controller ended the motion: emergency stop, abort, drives off",
+            Self::Interference => "another client commands the arm, or a second robot answers to its names",
+            Self::NoAcceptance => "the robot controller does not report whether it accepts a motion",
+            Self::NoResult => "the robot controller does not report how a motion has ended",
+            Self::Link => "the link failed: invalid messages, or middleware that has ended",
             Self::Panic => "armid itself failed",
         }
     }
@@ -144,9 +144,9 @@ impl Trip {
         }
     }
 
-    /// Whether the simulated robot computer, and any good real one, has it too, without anybody on the other side.
+    /// Whether the simulated robot controller, and any good real one, has it too, without a client.
     #[must_use]
-    pub const fn in_robot_computer(self) -> bool {
+    pub const fn in_robot_controller(self) -> bool {
         matches!(self, Self::SoftLimit | Self::CurrentClamp | Self::CommandAge | Self::RobotStopped)
     }
 
@@ -159,7 +159,7 @@ impl Trip {
         }
     }
 
-    /// What is asked for where nobody listens to `disable`: the end of the motion.
+    /// What is asked for where nothing subscribes to `disable`: the end of the motion.
     #[must_use]
     pub const fn mildest(mode: Mode) -> SafeAction {
         match mode {

@@ -1,4 +1,4 @@
-//! All checks of one run, and the latch behind them.
+//! All checks of one run; a trip is latched.
 
 use armid::experiment::{RawSample, Rest, SafeAction, TripReport};
 use armid::model::Robot;
@@ -28,7 +28,7 @@ impl Watch {
         Self { used, checks, settings, mode, rate_hz, disables: true, tripped: None }
     }
 
-    /// The same watch, which asks nobody to switch the drives off where nobody `disables`: it ends the motion then.
+    /// The same watch, which ends the motion instead of switching the drives off where nothing `disables` them.
     #[must_use]
     pub(super) fn with_disable(mut self, disables: bool) -> Self {
         self.disables = disables;
@@ -56,20 +56,20 @@ impl Watch {
         self.tripped.as_ref()
     }
 
-    /// Largest part of its line that each check used since the beginning, or since [`Watch::forget_used`].
+    /// Largest part of its line that each check used since the beginning, or since [`Watch::reset_used`].
     #[must_use]
     pub fn used(&self) -> Vec<(Trip, f64)> {
         self.checks.iter().zip(&self.used).map(|(check, used)| (check.trip(), *used)).collect()
     }
 
-    /// Counts anew how much of its line each check uses; what the checks know stays.
-    pub fn forget_used(&mut self) {
+    /// Counts anew how much of its limit each check uses; what the checks have seen stays.
+    pub fn reset_used(&mut self) {
         self.used.fill(0.0);
     }
 
     fn judge(&mut self, mut ask: impl FnMut(&mut dyn Check) -> Option<String>) -> Option<&TripReport> {
         if self.tripped.is_none() {
-            // The first finding wins, in the order of the list: what is no number never reaches another check.
+            // The first finding wins, in the order of the list: what is not a number never reaches another check.
             let found = self.checks.iter_mut().find_map(|check| ask(&mut **check).map(|reason| (check.trip(), reason)));
             for (used, check) in self.used.iter_mut().zip(&mut self.checks) {
                 *used = used.max(check.take_used());
@@ -89,7 +89,7 @@ impl Watch {
 /// What a trip is to the reader of the recording, before it is known what came of its action.
 #[must_use]
 pub(super) fn report(trip: Trip, reason: String, settings: &GuardSettings, mode: Mode, rate_hz: f64) -> TripReport {
-    let rest = Rest::NotConfirmed { reason: "nobody has looked yet".to_owned() };
+    let rest = Rest::NotConfirmed { reason: "not observed yet".to_owned() };
     let bound_ms = trip.bound_ms(settings, rate_hz);
     TripReport { trip: trip.name(), action: trip.action(mode), bound_ms, reason, rest }
 }

@@ -13,14 +13,14 @@ use crate::message::{JointState, Text};
 pub(crate) struct Connection {
     pub(crate) endpoint: Endpoint,
     pub(crate) states: Inbox<JointState>,
-    /// The robot's state in words, as it comes and as it was said before somebody listened.
+    /// The robot's state as text, as it comes and as it was published before this subscription.
     words: Vec<Inbox<Text>>,
     request: Option<Publisher<Text>>,
     pub(crate) sender: Sender,
 }
 
 impl Connection {
-    /// Joins the network, and waits for nobody.
+    /// Joins the network, without waiting for other participants.
     ///
     /// # Errors
     /// [`LinkError`] where a setting is impossible or the network refuses.
@@ -47,7 +47,7 @@ impl Connection {
         Ok(Self { endpoint, states: Inbox::new("joint states", states)?, words, request, sender })
     }
 
-    /// Waits until somebody reports joints and takes motions.
+    /// Waits until a robot reports joints and accepts motions.
     pub(crate) fn wait(&self, settings: &LinkSettings) -> Result<(), LinkError> {
         let topic = settings.full(&settings.joint_states);
         self.endpoint.wait(&topic, &[(Peer::Writer, format!("rt{topic}"))])?;
@@ -55,30 +55,30 @@ impl Connection {
     }
 
     /// The next state of the robot controller, if one has come.
-    pub(crate) fn word(&self) -> Option<String> {
+    pub(crate) fn status(&self) -> Option<String> {
         self.words.iter().find_map(Inbox::take)?.message.ok().map(|text| text.data)
     }
 
-    /// Whether somebody says the robot's state in words.
+    /// Whether the robot's state is published as text.
     pub(crate) fn says_its_state(&self, settings: &LinkSettings) -> bool {
         let topic = format!("rt{}", settings.full(&settings.robot_state));
         !self.words.is_empty() && self.endpoint.count(Peer::Writer, &topic) > 0
     }
 
-    /// Whether somebody listens to the request `disable`.
+    /// Whether the request `disable` has a subscriber.
     pub(crate) fn takes_requests(&self, settings: &LinkSettings) -> bool {
         let topic = format!("rt{}", settings.full(&settings.robot_request));
         self.request.is_some() && self.endpoint.count(Peer::Reader, &topic) > 0
     }
 
-    /// Asks for the drives to go off, where somebody listens.
+    /// Asks for the drives to go off, where there is a subscriber.
     pub(crate) fn disable(&self) -> Result<(), LinkError> {
         let Some(request) = &self.request else { return Ok(()) };
         let word = Text { data: "disable".to_owned() };
         request.publish(word).map_err(|error| LinkError::middleware("disable", &error.forget_data()))
     }
 
-    /// Who else is there that must not be: a second robot, or somebody else who commands this one.
+    /// Other participants that must not be there: a second robot, or another client that commands this one.
     pub(crate) fn interference(&self, settings: &LinkSettings) -> Option<String> {
         let named = |name: &str| settings.full(name);
         let mut most =

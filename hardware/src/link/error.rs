@@ -27,7 +27,7 @@ pub enum LinkError {
     #[error(transparent)]
     Cdr(#[from] CdrError),
     /// Nothing was received in time.
-    #[error("{what}: nothing within {waited_s} s in ROS domain {domain}")]
+    #[error("{what}: nothing received within {waited_s} s in ROS domain {domain}")]
     Silence {
         /// What was waited for.
         what: String,
@@ -62,7 +62,7 @@ pub enum LinkError {
         /// What it says, if anything.
         reason: String,
     },
-    /// Somebody else commands the arm, or a second robot answers to its names.
+    /// Another client commands the arm, or a second robot answers to its names.
     #[error("interference: {0}")]
     Interference(String),
     /// The robot controller says neither yes nor no to a motion.

@@ -35,7 +35,7 @@ pub(crate) enum Followed {
     Stopped(Rest),
     /// The listener asked for this action, and it was requested at once.
     Acted(SafeAction, Rest),
-    /// The robot's computer gave the motion up, or the link failed; it was cancelled.
+    /// The robot controller gave the motion up, or the link failed; it was cancelled.
     Failed(LinkError, Rest),
 }
 
@@ -48,7 +48,7 @@ enum End {
 
 /// How long to wait for the next message before the listener receives silence.
 const PATIENCE: Duration = Duration::from_millis(2);
-/// How long the robot's computer may take to say that a motion has ended.
+/// How long the robot controller may take to report that a motion has ended.
 pub(crate) const RESULT: Duration = Duration::from_secs(3);
 /// How often to look who else is on the network, and after the middleware's threads.
 const LOOK_EVERY: Duration = Duration::from_millis(100);
@@ -157,7 +157,7 @@ impl Ros2Arm {
         loop {
             self.hear_state();
             if let Some(state) = self.state.as_ref().filter(|state| !self.settings.is_ready(state)) {
-                return Err(LinkError::Aborted { reason: format!("it says \"{state}\"") });
+                return Err(LinkError::Aborted { reason: format!("it reports \"{state}\"") });
             }
             if looked.elapsed() > LOOK_EVERY {
                 looked = Instant::now();

@@ -1,15 +1,15 @@
-//! Bringing the arm to rest, and not saying so before it is seen.
+//! Bringing the arm to rest, reported only once it is observed.
 //!
 //! ```text
 //! request ──→ repeated ──→ answered ──→ states stamped after the answer show rest ──→ Rest::Confirmed
-//!               │ no state for a while, or a dead thread: a fresh participant asks too
+//!               │ no state for a while, or an ended thread: a new participant asks too
 //!               └── for as long as the motion could last, and TO_REST longer ──→ Rest::NotConfirmed
 //! ```
-//! How long that is counts by the robot's clock as well as by ours, whichever is slower: a robot whose computer stands still
+//! How long that is counts by the robot's clock as well as by ours, whichever is slower: a robot whose controller stands still
 //! now and then takes as much longer to stop.
 //!
-//! What counts as an answer: the robot's computer carries the cancel out or has ended the motion; it says that the drives
-//! are off; nothing that was handed over can move the arm any more, because its end is past; or, where nobody answers,
+//! What counts as an answer: the robot controller carries the cancel out or has ended the motion; it says that the drives
+//! are off; nothing that was handed over can move the arm any more, because its end is past; or, where there is no answer,
 //! the arm stands although its motion would have moved it.
 
 use std::time::{Duration, Instant};
@@ -87,7 +87,7 @@ impl Ros2Arm {
         } else if halt.watch.at_rest_since(halt.off).is_none() {
             "the arm was not seen at rest"
         } else {
-            "the robot's computer does not answer"
+            "the robot controller does not answer"
         };
         let reason = format!("{} repeated for {:.1} s, {missing}", action.name(), began.elapsed().as_secs_f64());
         Rest::NotConfirmed { reason }
@@ -100,7 +100,7 @@ impl Ros2Arm {
 
     /// Time of the motion by the newest state and what has passed since, s.
     pub(super) fn motion_time(&self, run: &Run<'_>) -> f64 {
-        let (row, at) = self.latest.as_ref().expect("whoever is connected has heard a joint state");
+        let (row, at) = self.latest.as_ref().expect("a connected link has received a joint state");
         run.since_start(row.stamp_ns) + at.elapsed().as_secs_f64()
     }
 
@@ -146,7 +146,7 @@ impl Ros2Arm {
         for connection in connections {
             // What else it says of the motion is of no matter now.
             over |= connection.sender.poll().is_ok_and(|standing| standing.over);
-            words.extend(std::iter::from_fn(|| connection.word()));
+            words.extend(std::iter::from_fn(|| connection.status()));
             received.extend(connection.states.next(patience));
             received.extend(std::iter::from_fn(|| connection.states.take()));
         }

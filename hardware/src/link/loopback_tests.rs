@@ -1,4 +1,4 @@
-//! The link and the robot's computer across a real wire, on this machine alone.
+//! The link and the robot controller across a real wire, on this machine alone.
 
 use armid::model::term::ROTOR;
 use std::sync::Arc;
@@ -61,7 +61,7 @@ fn plan(robot: &Robot) -> ExperimentPlan {
     ExperimentPlan { rate_hz: 500.0, settle_s: 0.2, ramp_s: 0.5, discarded_periods: 0, periods: 2, ..plan }
 }
 
-/// A robot's computer at work in this process, until it is dropped.
+/// A robot controller at work in this process, until it is dropped.
 struct Robotics {
     stop: Arc<AtomicBool>,
     thread: Option<JoinHandle<()>>,
@@ -69,7 +69,7 @@ struct Robotics {
 
 impl Robotics {
     fn start(settings: &LinkSettings, fault: Option<&str>) -> Self {
-        Self::begin(settings, |computer| computer.with_fault(fault.map(|text| Fault::parse(text).unwrap())))
+        Self::begin(settings, |controller| controller.with_fault(fault.map(|text| Fault::parse(text).unwrap())))
     }
 
     fn begin(
@@ -82,9 +82,9 @@ impl Robotics {
         let layout = plan.layout().unwrap();
         armid::experiment::Command::new(&plan, &layout).start(&mut start);
         let seed = (Seed::new(1), 0);
-        // A machine that builds and tests at the same time is no robot's computer: the watchdog is patient here.
+        // A machine that builds and tests at the same time is no robot controller: the watchdog is patient here.
         let watchdog = Watchdog { hold_s: 1.0, disable_s: 2.0 };
-        let mut computer = RobotController::new(
+        let mut controller = RobotController::new(
             &robot,
             &nominal(),
             FlyWheels(start, [0.0; 2]),
@@ -94,12 +94,12 @@ impl Robotics {
         )
         .unwrap()
         .with_watchdog(watchdog);
-        computer = change(computer);
+        controller = change(controller);
         let stop = Arc::new(AtomicBool::new(false));
         let asked = Arc::clone(&stop);
         let options = ServeOptions { link: settings.clone(), ..Default::default() };
         let thread = std::thread::spawn(move || {
-            serve(&mut computer, &options, &mut |_| !asked.load(Ordering::Relaxed)).unwrap();
+            serve(&mut controller, &options, &mut |_| !asked.load(Ordering::Relaxed)).unwrap();
         });
         Self { stop, thread: Some(thread) }
     }
@@ -128,7 +128,7 @@ fn performs_as_in_process_with(mode: Mode, replacement: Replacement) {
     let robot = planar_2r();
     let plan = plan(&robot);
     let settings = settings(mode);
-    let _computer = Robotics::begin(&settings, |computer| computer.with_replacement(replacement));
+    let _controller = Robotics::begin(&settings, |controller| controller.with_replacement(replacement));
     let mut arm = Ros2Arm::connect(&settings, &robot, "text").unwrap();
     let reading = arm.reading().unwrap();
     assert!((reading.rate_hz - 500.0).abs() < 1e-6, "{reading:?}");
@@ -139,7 +139,7 @@ fn performs_as_in_process_with(mode: Mode, replacement: Replacement) {
     assert_eq!((recording.robot_text.as_str(), recording.periods()), ("text", 2));
     let found = arm.findings();
     assert!(found.lost == 0 && found.missing.is_empty() && found.clock_jumps == 0, "{found:?}");
-    // The same experiment without a wire: the robot's computer interpolates between points or set-points, and begins
+    // The same experiment without a wire: the robot controller interpolates between points or set-points, and begins
     // with another past; the servo follows both within a few milliradians of each other.
     let mut servo = Servo::new(&robot, &nominal(), FlyWheels([0.0; 2], [0.0; 2])).unwrap();
     servo = servo.with_sensing(Sensing::ideal());
@@ -176,7 +176,7 @@ fn identity_a_motion_in_pieces_is_performed_whatever_becomes_of_the_old_piece() 
 #[test]
 fn where_both_pieces_end_it_is_a_trip_and_the_arm_is_seen_at_rest() {
     let settings = settings(Mode::Trajectory);
-    let trip = tripped(&settings, |computer| computer.with_replacement(Replacement::BothCancelled));
+    let trip = tripped(&settings, |controller| controller.with_replacement(Replacement::BothCancelled));
     assert_eq!(trip.trip, "robot-stopped", "{trip}");
     assert!(matches!(trip.rest, Rest::Confirmed { .. }), "{trip}");
 }
@@ -211,7 +211,7 @@ impl Sink for Until {
 fn a_stop_brings_the_arm_to_rest_where_it_stays() {
     for mode in Mode::ALL {
         let settings = settings(mode);
-        let _computer = Robotics::start(&settings, None);
+        let _controller = Robotics::start(&settings, None);
         let robot = planar_2r();
         let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
         let mut sink = Until { recorder: Recorder::default(), until: 1.0, flow: Flow::Stop };
@@ -252,7 +252,7 @@ impl Sink for Aside {
 #[test]
 fn states_before_the_first_sample_and_after_the_last_are_heard_and_may_trip() {
     let settings = settings(Mode::Trajectory);
-    let _computer = Robotics::start(&settings, None);
+    let _controller = Robotics::start(&settings, None);
     let robot = planar_2r();
     let samples = plan(&robot).layout().unwrap().samples();
     let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
@@ -264,7 +264,7 @@ fn states_before_the_first_sample_and_after_the_last_are_heard_and_may_trip() {
     assert!(sink.before.len() <= lead && sink.before.len() > lead / 2, "{}", sink.before.len());
     assert!(sink.before.is_sorted() && sink.after.is_sorted());
     assert!(sink.after.iter().all(|&t| t >= (samples - 1) as f64 / 500.0), "{:?}", sink.after);
-    // The robot's computer ends a motion a moment after its last sample, and takes no other one until then.
+    // The robot controller ends a motion a moment after its last sample, and takes no other one until then.
     std::thread::sleep(std::time::Duration::from_secs_f64(settings.lead_s + 0.5));
     // Who trips there has commanded nothing: the arm stays where it is.
     let stands = arm.reading().unwrap().row.q;
@@ -281,7 +281,7 @@ fn states_before_the_first_sample_and_after_the_last_are_heard_and_may_trip() {
 #[test]
 fn an_emergency_stop_ends_the_experiment_with_its_reason_and_every_sample_before() {
     let settings = settings(Mode::Trajectory);
-    let _computer = Robotics::start(&settings, Some("estop@motion+0.5"));
+    let _controller = Robotics::start(&settings, Some("estop@motion+0.5"));
     let robot = planar_2r();
     let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
     let (recording, ending) = record(&mut arm, &plan(&robot)).unwrap();
@@ -292,12 +292,12 @@ fn an_emergency_stop_ends_the_experiment_with_its_reason_and_every_sample_before
     assert!(refused.contains("estop"), "{refused}");
 }
 
-/// Performs the plan on a robot's computer and says how it was tripped.
+/// Performs the plan on a robot controller and says how it was tripped.
 fn tripped(
     settings: &LinkSettings,
     change: impl FnOnce(RobotController<FlyWheels>) -> RobotController<FlyWheels>,
 ) -> TripReport {
-    let _computer = Robotics::begin(settings, change);
+    let _controller = Robotics::begin(settings, change);
     let robot = planar_2r();
     let mut arm = Ros2Arm::connect(settings, &robot, "").unwrap();
     match record(&mut arm, &plan(&robot)).unwrap().1 {
@@ -307,7 +307,7 @@ fn tripped(
 }
 
 fn with_fault(text: &'static str) -> impl FnOnce(RobotController<FlyWheels>) -> RobotController<FlyWheels> {
-    move |computer| computer.with_fault(Some(Fault::parse(text).unwrap()))
+    move |controller| controller.with_fault(Some(Fault::parse(text).unwrap()))
 }
 
 #[test]
@@ -323,18 +323,18 @@ fn an_answer_that_does_not_come_is_a_trip_and_the_arm_is_seen_at_rest() {
 #[test]
 fn a_robot_that_replaces_no_motion_under_way_stops_by_itself_and_takes_whole_motions() {
     let mut settings = settings(Mode::Trajectory);
-    let refuse = |computer: RobotController<FlyWheels>| computer.with_replacement(Replacement::Refused);
+    let refuse = |controller: RobotController<FlyWheels>| controller.with_replacement(Replacement::Refused);
     let trip = tripped(&settings, refuse);
     assert!(trip.trip == "robot-stopped" && trip.reason.contains("horizon_s = 0"), "{trip}");
     assert!(matches!(trip.rest, Rest::Confirmed { .. }), "{trip}");
     settings.horizon_s = 0.0;
-    let _computer = Robotics::begin(&settings, refuse);
+    let _controller = Robotics::begin(&settings, refuse);
     let robot = planar_2r();
     let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
     assert_eq!(record(&mut arm, &plan(&robot)).unwrap().1, Ending::Completed);
 }
 
-/// A sink that fails in a way that nobody has thought of.
+/// A sink that fails in an unexpected way.
 struct Fails(usize);
 
 impl Sink for Fails {
@@ -348,7 +348,7 @@ impl Sink for Fails {
 #[test]
 fn a_panic_of_our_own_is_a_trip_and_the_arm_is_seen_at_rest() {
     let settings = settings(Mode::Trajectory);
-    let _computer = Robotics::start(&settings, None);
+    let _controller = Robotics::start(&settings, None);
     let robot = planar_2r();
     let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
     let ending = arm.perform(&plan(&robot), &mut Fails(400)).unwrap();
@@ -361,12 +361,12 @@ fn a_panic_of_our_own_is_a_trip_and_the_arm_is_seen_at_rest() {
 fn nobody_who_answers_is_not_confirmed() {
     let settings = settings(Mode::Trajectory);
     let trip = {
-        let computer = Robotics::start(&settings, Some("freeze@motion+0.6"));
+        let controller = Robotics::start(&settings, Some("freeze@motion+0.6"));
         let robot = planar_2r();
         let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
         let mut sink = Silent(0.2);
         let ending = arm.perform(&plan(&robot), &mut sink).unwrap();
-        drop(computer);
+        drop(controller);
         let Ending::Stopped { rest, .. } = ending else { panic!("{ending:?}") };
         rest
     };
@@ -389,7 +389,7 @@ impl Sink for Silent {
 #[test]
 fn a_second_robot_in_the_domain_is_refused() {
     let settings = settings(Mode::Trajectory);
-    let _computers = [Robotics::start(&settings, None), Robotics::start(&settings, None)];
+    let _controller = [Robotics::start(&settings, None), Robotics::start(&settings, None)];
     let refused = Ros2Arm::connect(&settings, &planar_2r(), "").err().expect("a refusal").to_string();
     assert!(refused.contains("interference") && refused.contains("expected 1"), "{refused}");
 }
@@ -397,7 +397,7 @@ fn a_second_robot_in_the_domain_is_refused() {
 #[test]
 fn a_second_robot_that_comes_later_is_a_trip() {
     let settings = settings(Mode::Trajectory);
-    let _computer = Robotics::start(&settings, None);
+    let _controller = Robotics::start(&settings, None);
     let robot = planar_2r();
     let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
     let _second = Robotics::start(&settings, None);
@@ -412,8 +412,8 @@ fn a_second_robot_that_comes_later_is_a_trip() {
 #[test]
 fn a_word_that_was_said_once_and_kept_is_heard() {
     let settings = LinkSettings { robot_state: "kept_state".to_owned(), ..settings(Mode::Trajectory) };
-    // The computer says nothing on that topic: somebody else did, before anybody listened.
-    let _computer = Robotics::start(&LinkSettings { robot_state: String::new(), ..settings.clone() }, None);
+    // The controller publishes nothing on that topic: another node did, before this subscription.
+    let _controller = Robotics::start(&LinkSettings { robot_state: String::new(), ..settings.clone() }, None);
     let mut endpoint = Endpoint::join(&settings, "latch").unwrap();
     let qos = settings.command_qos().durability(ros2_client::qos::Durability::TransientLocal);
     let kept = endpoint.publisher("/kept_state", ("std_msgs", "String"), &qos).unwrap();
@@ -430,7 +430,7 @@ fn disable_is_offered_only_where_somebody_listens() {
     let settings = settings(Mode::Trajectory);
     let deaf = LinkSettings { robot_request: String::new(), ..settings.clone() };
     for (served, offered) in [(&settings, true), (&deaf, false)] {
-        let _computer = Robotics::start(served, None);
+        let _controller = Robotics::start(served, None);
         let arm = Ros2Arm::connect(&settings, &planar_2r(), "").unwrap();
         assert_eq!(arm.can_disable(), offered);
     }
@@ -439,14 +439,14 @@ fn disable_is_offered_only_where_somebody_listens() {
 #[test]
 fn an_arm_that_is_not_homed_is_told_before_it_moves() {
     let settings = settings(Mode::Trajectory);
-    let _computer = Robotics::begin(&settings, |computer| computer.with_homed(false));
+    let _controller = Robotics::begin(&settings, |controller| controller.with_homed(false));
     let robot = planar_2r();
     let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
     // Its word comes on a topic of its own, some time after the first joint states.
     let survey = arm.survey().unwrap();
     assert_eq!((survey.homed, survey.ready), (None, Some(false)));
     assert_eq!(survey.state.as_deref(), Some("enabled not homed hold"));
-    // Whoever asks nevertheless is refused.
+    // A request nevertheless is refused.
     let refused = record(&mut arm, &plan(&robot)).unwrap_err().to_string();
     assert!(refused.contains("not homed"), "{refused}");
 }

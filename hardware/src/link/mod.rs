@@ -1,8 +1,8 @@
-//! The link to a robot that speaks ROS 2: joint states in, a motion out, by DDS alone.
+//! The link to a robot over ROS 2: joint states in, a motion out, by DDS alone.
 //!
 //! ```text
 //!  robot controller                                        armid
-//!  joint_states ──→ names mapped ─→ stamps watched ─→ resampled onto the plan's grid ─→ Sink
+//!  joint_states ──→ names mapped ─→ stamps checked ─→ resampled onto the plan's grid ─→ Sink
 //!  action, topic or set-points ←── Motion                 (StampFindings)
 //! ```
 //! The time of a sample is the stamp in its header, by the robot's clock; how long nothing was received is measured by the

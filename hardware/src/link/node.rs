@@ -33,7 +33,7 @@ fn middleware_threads() -> BTreeSet<u32> {
     tasks.filter_map(|task| task.file_name().to_str()?.parse().ok()).collect()
 }
 
-/// Somebody else on a DDS topic.
+/// Another participant on a DDS topic.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(crate) enum Peer {
     Writer,
@@ -126,7 +126,7 @@ impl Endpoint {
         self.settings.domain
     }
 
-    /// Waits until somebody else writes or reads every one of these DDS topics. `what` they are is reported otherwise.
+    /// Waits until another participant writes or reads every one of these DDS topics; the error names them by `what`.
     pub(crate) fn wait(&self, what: &str, topics: &[(Peer, String)]) -> Result<(), LinkError> {
         let began = Instant::now();
         loop {

@@ -1,4 +1,4 @@
-//! A motion handed over in pieces, each of which ends at rest: no motion outlives its watcher by long.
+//! A motion handed over in pieces, each of which ends at rest: no motion continues for long without supervision.
 //!
 //! ```text
 //!   now            full_until         rest
@@ -6,7 +6,7 @@
 //!          ··●──●──●──●──●──●──●──●──●╲__________●        the next one, sent well before `full_until`
 //! ```
 //! A piece keeps the time stamp of the whole motion, which is past by then, and the times of its points; it begins two
-//! points before now. A controller that forgets the old trajectory for the new one (`ros2_controllers` issue 896) then
+//! points before now. A controller that drops the old trajectory for the new one (`ros2_controllers` issue 896) then
 //! interpolates between two of our points and nothing else, so that the joints stay on the certified path. On the tail
 //! the time on the path slows down:
 //!
@@ -52,7 +52,7 @@ fn intervals(motion: &dyn Motion, spacing_s: f64) -> usize {
 
 /// Points of a motion, no further apart than `spacing_s`, from its beginning to its end.
 ///
-/// With position, velocity and acceleration in every point the robot's computer joins two of them by a polynomial of
+/// With position, velocity and acceleration in every point the robot controller joins two of them by a polynomial of
 /// degree five, whose error is `h⁶ max|q⁗⁗| / 46080` (the sixth derivative): at 50 ms and the fifth harmonic of a
 /// period of 10 s it is 2e-11 of the amplitude, of a period of 2 s 3e-7.
 ///

@@ -18,7 +18,7 @@ const REST_M_S: f64 = 1e-3;
 const IGNORED: f64 = 5.0;
 
 /// One state: its stamp, where the joints were and where the motion would have them.
-struct Seen {
+struct ObservedState {
     stamp_ns: i64,
     q: Vec<f64>,
     planned: Vec<f64>,
@@ -33,7 +33,7 @@ pub(crate) struct RestWatch {
     since_ns: i64,
     /// Largest range of each joint, rad (m).
     range: Vec<f64>,
-    window: VecDeque<Seen>,
+    window: VecDeque<ObservedState>,
 }
 
 impl RestWatch {
@@ -44,7 +44,7 @@ impl RestWatch {
         Self { since_ns, range, window: VecDeque::new() }
     }
 
-    /// Forgets what was seen: only states stamped after `since_ns` count from now on.
+    /// Discards what was observed: only states stamped after `since_ns` count from now on.
     pub(crate) fn restart(&mut self, since_ns: i64) {
         self.since_ns = since_ns;
         self.window.clear();
@@ -55,14 +55,14 @@ impl RestWatch {
         if row.stamp_ns <= self.window.back().map_or(self.since_ns, |last| last.stamp_ns) {
             return;
         }
-        self.window.push_back(Seen { stamp_ns: row.stamp_ns, q: row.q.clone(), planned: planned.to_vec() });
+        self.window.push_back(ObservedState { stamp_ns: row.stamp_ns, q: row.q.clone(), planned: planned.to_vec() });
         while self.window.get(1).is_some_and(|second| row.stamp_ns - second.stamp_ns >= (WINDOW_S * 1e9) as i64) {
             self.window.pop_front();
         }
     }
 
     /// When the window that shows rest began, ns of the robot's clock; none while the arm moves or too little is known. A
-    /// joint whose position is no number stands where the drives are `off`: their brakes hold it.
+    /// joint whose position is not a number is at rest where the drives are `off`: their brakes hold it.
     pub(crate) fn at_rest_since(&self, off: bool) -> Option<i64> {
         let (first, last) = (self.window.front()?, self.window.back()?);
         let whole = self.window.len() >= LEAST_STATES && last.stamp_ns - first.stamp_ns >= (WINDOW_S * 1e9) as i64;
@@ -80,7 +80,7 @@ impl RestWatch {
     }
 
     /// Range of one joint over the window; not finite where a value is not.
-    fn spread(&self, j: usize, of: impl Fn(&Seen) -> &Vec<f64>) -> f64 {
+    fn spread(&self, j: usize, of: impl Fn(&ObservedState) -> &Vec<f64>) -> f64 {
         let mut range = (f64::INFINITY, f64::NEG_INFINITY);
         for value in self.window.iter().map(|seen| of(seen)[j]) {
             if !value.is_finite() {

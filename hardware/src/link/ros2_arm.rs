@@ -30,11 +30,11 @@ pub struct Reading {
     pub age_s: f64,
     /// How often joint states come by their own stamps, Hz.
     pub rate_hz: f64,
-    /// The state of its computer in words, where it reports.
+    /// The state of its controller in words, where it reports.
     pub state: Option<String>,
 }
 
-/// A robot that speaks ROS 2. Only this crate can make one, so every command to it passes the guard.
+/// A robot that is reached over ROS 2. Only this crate can make one, so every command to it passes the guard.
 ///
 /// It follows a motion that is handed over or streamed, and yields the joint states that arrive, resampled onto
 /// the plan's grid (see [`super::Resampler`]). Where the link fails in the middle, the motion is cancelled and the
@@ -57,8 +57,8 @@ impl Ros2Arm {
     /// Finds the robot on the network, checks the names of its joints and measures how often it reports them.
     ///
     /// # Errors
-    /// [`LinkError`] where a setting is impossible, nobody answers, or the joints are not those of the robot file;
-    /// [`LinkError::Interference`] where more than one robot answers, or somebody else commands it.
+    /// [`LinkError`] where a setting is impossible, there is no answer, or the joints are not those of the robot file;
+    /// [`LinkError::Interference`] where more than one robot answers, or another client commands it.
     pub(crate) fn connect(settings: &LinkSettings, robot: &Robot, robot_text: &str) -> Result<Self, LinkError> {
         let names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
@@ -82,7 +82,7 @@ impl Ros2Arm {
     }
 
     /// Waits for what others have to say before anything moves: everybody who is on the network has been found after a
-    /// while, and whoever says the robot's state has said it, be it once and long ago.
+    /// while, and the robot's state has arrived where it is published, even if only once and long ago.
     fn await_others(&mut self) -> Result<(), LinkError> {
         let began = Instant::now();
         loop {
@@ -106,7 +106,7 @@ impl Ros2Arm {
         }
     }
 
-    /// Whether somebody listens to the request `disable`.
+    /// Whether the request `disable` has a subscriber.
     pub(crate) fn can_disable(&self) -> bool {
         self.line.takes_requests(&self.settings)
     }
@@ -123,7 +123,7 @@ impl Ros2Arm {
         let began = Instant::now();
         while steps.len() < RATE_MESSAGES {
             let last = self.latest.as_ref().map(|(row, _)| row.stamp_ns);
-            if self.hear(Duration::from_millis(5))? {
+            if self.receive(Duration::from_millis(5))? {
                 let stamp = self.latest.as_ref().map(|(row, _)| row.stamp_ns);
                 if let (Some(last), Some(stamp)) = (last, stamp)
                     && stamp > last
@@ -144,7 +144,7 @@ impl Ros2Arm {
     }
 
     /// Takes the next joint state, waiting for `patience` at most, and every state of the robot controller.
-    fn hear(&mut self, patience: Duration) -> Result<bool, LinkError> {
+    fn receive(&mut self, patience: Duration) -> Result<bool, LinkError> {
         self.hear_state();
         let Some(received) = self.line.states.next(patience) else { return Ok(false) };
         let message =
@@ -155,7 +155,7 @@ impl Ros2Arm {
 
     /// Takes every reported state of the robot controller.
     pub(super) fn hear_state(&mut self) {
-        while let Some(state) = self.line.word() {
+        while let Some(state) = self.line.status() {
             // A state that forbids the motion stays: a second one that allows it may be of another controller.
             if self.state.as_ref().is_none_or(|state| self.settings.is_ready(state)) {
                 self.state = Some(state);
@@ -170,9 +170,9 @@ impl Ros2Arm {
     pub(crate) fn reading(&mut self) -> Result<Reading, LinkError> {
         self.latest = None;
         let began = Instant::now();
-        while self.hear(Duration::ZERO)? || self.latest.is_none() {
+        while self.receive(Duration::ZERO)? || self.latest.is_none() {
             if self.latest.is_none() {
-                self.hear(Duration::from_millis(5))?;
+                self.receive(Duration::from_millis(5))?;
             }
             if began.elapsed() > self.settings.patience() {
                 let what = self.settings.full(&self.settings.joint_states);
@@ -184,14 +184,14 @@ impl Ros2Arm {
         Ok(Reading { row, age_s: at.elapsed().as_secs_f64(), rate_hz: self.rate_hz, state: self.state.clone() })
     }
 
-    /// The newest joint state that has come, and when: without waiting, so that whoever follows the arm receives of a
+    /// The newest joint state that has come, and when: without waiting, so that a caller that follows the arm learns of a
     /// silence that has begun.
     ///
     /// # Errors
     /// [`LinkError`] where its joints are not those of the robot file.
     pub(super) fn newest(&mut self) -> Result<(JointRow, Instant), LinkError> {
-        while self.hear(Duration::ZERO)? {}
-        Ok(self.latest.clone().expect("whoever is connected has measured the rate of the joint states"))
+        while self.receive(Duration::ZERO)? {}
+        Ok(self.latest.clone().expect("a connected link has measured the rate of the joint states"))
     }
 
     /// The ROS domain that it was found in.
@@ -207,7 +207,7 @@ impl Ros2Arm {
 
     /// A topic on which to report others in words what happens here.
     pub(crate) fn status_publisher(&mut self, topic: &str) -> Result<Publisher<Text>, LinkError> {
-        self.line.endpoint.publisher(topic, ("std_msgs", "String"), &self.settings.telling_qos())
+        self.line.endpoint.publisher(topic, ("std_msgs", "String"), &self.settings.report_qos())
     }
 
     /// The robot that this is.
@@ -250,10 +250,10 @@ impl Ros2Arm {
     }
 }
 
-/// Looks at a robot without moving it: where it stands, how often it says so, the state of its computer.
+/// Looks at a robot without moving it: where it stands, how often it says so, the state of its controller.
 ///
 /// # Errors
-/// [`LinkError`] where nobody answers or the joints are not those of the robot file.
+/// [`LinkError`] where there is no answer, or the joints are not those of the robot file.
 pub fn look(settings: &LinkSettings, robot: &Robot) -> Result<Reading, LinkError> {
     Ros2Arm::connect(settings, robot, "")?.reading()
 }
@@ -328,7 +328,7 @@ impl Arm for Ros2Arm {
         self.hear_state();
         if let Some(state) = self.state.as_ref().filter(|state| !self.settings.is_ready(state)) {
             let expected = self.settings.ready_states.join("\", \"");
-            return Err(unavailable(format!("the robot controller says \"{state}\", expected \"{expected}\"")));
+            return Err(unavailable(format!("the robot controller reports \"{state}\", expected \"{expected}\"")));
         }
         sink.begin(&self.recording(plan, &layout));
         let mut relay = Relay { sink, layout: &layout, rate_hz: plan.rate_hz, last: (0.0, layout.phase(0)) };

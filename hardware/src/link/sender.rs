@@ -12,7 +12,7 @@ use super::node::Peer;
 use super::{Endpoint, LinkError, LinkSettings, Mode};
 use crate::message::{Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointTrajectory};
 
-/// How long the robot controller may take to say whether it takes a motion.
+/// How long the robot controller may take to report whether it accepts a motion.
 pub(crate) const ACCEPTANCE: Duration = Duration::from_millis(500);
 /// Goals whose end is still of interest: the newest, and the one that it replaces.
 const KEPT: usize = 2;
@@ -58,7 +58,7 @@ pub(crate) struct Standing {
 /// Hands motions over, or set-points one by one, as the mode says.
 pub(crate) struct Sender {
     way: Way,
-    /// How far the arm is from the motion, as its computer sees it.
+    /// How far the arm is from the motion, as its controller sees it.
     feedback: Option<FollowFeedback>,
     /// Whether a cancel was asked for, and one that was asked for is carried out.
     cancel: (bool, bool),
@@ -76,7 +76,7 @@ impl Sender {
                     result_service: qos.clone(),
                     cancel_service: qos.clone(),
                     feedback_subscription: qos.clone(),
-                    // Goals that were there before report of somebody else.
+                    // Goals that were there before are those of another client.
                     status_subscription: qos.durability(Durability::TransientLocal),
                 };
                 let kind = ActionTypeName::new("control_msgs", "FollowJointTrajectory");
@@ -104,7 +104,7 @@ impl Sender {
         Ok(Self { way, feedback: None, cancel: (false, false) })
     }
 
-    /// Waits until somebody listens.
+    /// Waits for a subscriber.
     pub(crate) fn wait(&self, endpoint: &Endpoint, settings: &LinkSettings) -> Result<(), LinkError> {
         let listener = |name: &str| {
             let full = settings.full(name);
@@ -167,11 +167,11 @@ impl Sender {
             .map_err(|error| LinkError::middleware("set-point", &error.forget_data()))
     }
 
-    /// Asks for the end of the motion under way: the robot controller brings the arm to rest. On a topic, where nobody can
+    /// Asks for the end of the motion under way: the robot controller brings the arm to rest. On a topic, where there is no
     /// cancel, `hold` takes its place: current controllers refuse an empty trajectory (`ros2_controllers` pull request 902).
     /// Set-points just end.
     ///
-    /// Every goal is meant, of whoever: an arm that is to stop does not ask who moves it.
+    /// Every goal is cancelled, whichever client sent it.
     pub(crate) fn cancel(&mut self, hold: JointTrajectory) -> Result<(), LinkError> {
         self.cancel.0 = true;
         match &mut self.way {
@@ -200,8 +200,8 @@ impl Sender {
     /// no fault: the newest goal counts.
     ///
     /// # Errors
-    /// [`LinkError::Refused`] and [`LinkError::Aborted`] where it gives the motion up or somebody else cancels it,
-    /// [`LinkError::Interference`] where it follows somebody else's goal, [`LinkError::NoAcceptance`] where it says
+    /// [`LinkError::Refused`] and [`LinkError::Aborted`] where it aborts the motion or another client cancels it,
+    /// [`LinkError::Interference`] where it follows another client's goal, [`LinkError::NoAcceptance`] where it says
     /// nothing.
     pub(crate) fn poll(&mut self) -> Result<Standing, LinkError> {
         let Way::Action(action) = &mut self.way else { return Ok(Standing::default()) };
@@ -242,7 +242,7 @@ impl Sender {
             Some((GoalStatusEnum::Succeeded, _)) => Ok(Standing { accepted, done: true, over: true }),
             Some(_) if *asked => Ok(Standing { accepted, done: false, over: true }),
             Some((GoalStatusEnum::Canceled, _)) => {
-                Err(LinkError::Aborted { reason: "somebody else cancelled it".to_owned() })
+                Err(LinkError::Aborted { reason: "another client cancelled it".to_owned() })
             }
             Some((_, result)) => {
                 let reason = format!("code {}: {}", result.error_code, result.error_string);
@@ -253,7 +253,7 @@ impl Sender {
 }
 
 impl Action {
-    /// Somebody else's goal that is under way, or a cancel of ours that we did not ask for: of the goal before the newest as
+    /// A running goal of another client, or a cancel of ours that we did not ask for: of the goal before the newest as
     /// well, whose next piece may have come while the arm braked for it.
     fn read_statuses(&mut self) -> Result<Option<LinkError>, LinkError> {
         use GoalStatusEnum::{Accepted, Canceling, Executing};
@@ -265,10 +265,10 @@ impl Action {
             for status in under_way {
                 let id = status.goal_info.goal_id;
                 if !self.ours.iter().rev().any(|ours| *ours == id) {
-                    let what = format!("the robot controller follows a goal of somebody else ({id:?})");
+                    let what = format!("the robot controller follows a goal of another client ({id:?})");
                     found = Some(LinkError::Interference(what));
                 } else if status.status == Canceling && self.goals.iter().any(|goal| goal.id == id) {
-                    found = Some(LinkError::Interference("somebody else cancels the motion".to_owned()));
+                    found = Some(LinkError::Interference("another client cancels the motion".to_owned()));
                 }
             }
         }
@@ -285,10 +285,10 @@ impl Action {
                 continue;
             }
             carried_out |= match answer.return_code {
-                // Whichever goal it names: ours, or the one of somebody else that moved the arm.
+                // Whichever goal it names: ours, or the one of another client that moved the arm.
                 CancelGoalResponseEnum::None => !answer.goals_canceling.is_empty(),
                 CancelGoalResponseEnum::GoalTerminated => true,
-                // A goal that it does not know may be one that it has not accepted yet.
+                // A goal that it does not list may be one that it has not accepted yet.
                 CancelGoalResponseEnum::Rejected | CancelGoalResponseEnum::UnknownGoal => false,
             };
         }

@@ -236,13 +236,13 @@ impl LinkSettings {
         self.command_qos().history(History::KeepLast { depth: 1 })
     }
 
-    /// Quality of service of what is reported to whoever listens. Who is gone and does not confirm must not hold up the sender.
-    pub(crate) fn telling_qos(&self) -> QosProfile {
+    /// Quality of service of reports to any subscriber. One that has ended and does not acknowledge must not hold up the sender.
+    pub(crate) fn report_qos(&self) -> QosProfile {
         self.qos(Reliability::Reliable { when_full: WhenFull::Fail })
     }
 
-    /// Quality of service of one who only looks on: it confirms nothing, so that nobody ever waits for it.
-    pub(crate) fn looking_qos(&self) -> QosProfile {
+    /// Quality of service of a monitor: it acknowledges nothing, so that no publisher ever waits for it.
+    pub(crate) fn monitor_qos(&self) -> QosProfile {
         self.qos(Reliability::BestEffort)
     }
 

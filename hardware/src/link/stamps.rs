@@ -5,11 +5,11 @@
 //! duplicate    Δ = 0
 //! reordered    −½ s ≤ Δ < 0                       dropped: a newer one was already used
 //! gap          Δ > 1.5 periods                    round(Δ/period) − 1 messages are missing
-//! clock jump   Δ < −½ s, or Δ > δ + ½ s           a clock cannot outrun time
+//! clock jump   Δ < −½ s, or Δ > δ + ½ s           a clock cannot be faster than time
 //! lateness     w − w₀,  w = arrival − stamp       w₀ is the shortest way of a message so far
 //! ```
 //! Two clocks never run alike: w₀ grows by 1 % of the time that passes, so a drift below that is no lateness, and a
-//! delay that stays is forgiven after a while.
+//! constant delay is accepted after a while.
 
 use serde::{Deserialize, Serialize};
 

@@ -1,4 +1,4 @@
-//! Joint states as they arrive, on a thread of its own: a slow disk must not look like a slow robot.
+//! Joint states as they arrive, on a thread of its own: so that a slow disk does not look like a slow robot.
 
 use std::sync::Arc;
 use std::sync::atomic::{AtomicBool, Ordering};

@@ -1,4 +1,4 @@
-//! The ROS 2 messages that the link speaks, written by hand: fields in the order of their definitions, so that their
+//! The ROS 2 messages of the link, written by hand: fields in the order of their definitions, so that their
 //! CDR bytes are those of any other ROS 2 program.
 //!
 //! | here | in ROS 2 |

@@ -1,4 +1,4 @@
-//! A text: the robot computer's state in words.
+//! A text: the robot controller's state in words.
 
 use ros2_client::Message;
 use serde::{Deserialize, Serialize};

@@ -49,13 +49,15 @@ impl ChannelFault {
         let Self { joint, rows, .. } = self;
         match self.state {
             ChannelState::Saturated => {
-                format!("joint {joint}: {rows} rows at the end of the effort's range give no equation of it")
+                format!("joint {joint}: {rows} rows at the end of the effort's range are not used for this joint")
             }
             ChannelState::FrozenEffort => {
-                format!("joint {joint}: the effort stands still in {rows} rows of motion; they give no equation of it")
+                format!(
+                    "joint {joint}: the effort is constant in {rows} rows of motion; they are not used for this joint"
+                )
             }
             ChannelState::FrozenPosition => {
-                format!("joint {joint}: the position stands still in {rows} rows and jumps; they give no equation")
+                format!("joint {joint}: the position is constant in {rows} rows and then jumps; they are not used")
             }
         }
     }

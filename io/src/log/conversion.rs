@@ -53,7 +53,7 @@ impl Conversion {
                         log.name,
                         robot.name()
                     );
-                    Err(Error::new(message).help("say them: motor gear=100/100/50"))
+                    Err(Error::new(message).help("state them: motor gear=100/100/50"))
                 }
             }
         };

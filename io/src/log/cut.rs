@@ -2,7 +2,7 @@
 
 use armid::signal::{Interpolation, resample};
 
-use super::joint_log::{Log, Stretch};
+use super::joint_log::{Log, Segment};
 
 impl Log {
     /// Number of samples.
@@ -20,32 +20,32 @@ impl Log {
     /// The samples from one time until another, s since the beginning of the log.
     #[must_use]
     pub(super) fn between(&self, from_s: f64, until_s: f64) -> Self {
-        let at = |stretch: &Stretch, time: f64| -> usize {
-            ((time - stretch.start_s) * self.rate_hz).round().clamp(0.0, stretch.samples as f64) as usize
+        let at = |segment: &Segment, time: f64| -> usize {
+            ((time - segment.start_s) * self.rate_hz).round().clamp(0.0, segment.samples as f64) as usize
         };
-        self.pieces(|stretch, _| (at(stretch, from_s), at(stretch, until_s)))
+        self.pieces(|segment, _| (at(segment, from_s), at(segment, until_s)))
     }
 
     /// The first `count` samples, and the others.
     #[must_use]
     pub(super) fn split(&self, count: usize) -> (Self, Self) {
-        let inside = |stretch: &Stretch, before: usize| count.saturating_sub(before).min(stretch.samples);
+        let inside = |segment: &Segment, before: usize| count.saturating_sub(before).min(segment.samples);
         (
-            self.pieces(|stretch, before| (0, inside(stretch, before))),
-            self.pieces(|stretch, before| (inside(stretch, before), stretch.samples)),
+            self.pieces(|segment, before| (0, inside(segment, before))),
+            self.pieces(|segment, before| (inside(segment, before), segment.samples)),
         )
     }
 
-    /// The same log at another rate, stretch by stretch.
+    /// The same log at another rate, segment by segment.
     #[must_use]
     pub(super) fn resampled(&self, rate_hz: f64) -> Self {
         let (n, mut before) = (self.dof, 0);
         let mut even = self.pieces(|_, _| (0, 0));
         even.rate_hz = rate_hz;
-        for stretch in &self.stretches {
-            let rows = before * n..(before + stretch.samples) * n;
-            let t: Vec<f64> = (0..stretch.samples).map(|k| k as f64 / self.rate_hz).collect();
-            let span = stretch.samples.saturating_sub(1) as f64 / self.rate_hz;
+        for segment in &self.segments {
+            let rows = before * n..(before + segment.samples) * n;
+            let t: Vec<f64> = (0..segment.samples).map(|k| k as f64 / self.rate_hz).collect();
+            let span = segment.samples.saturating_sub(1) as f64 / self.rate_hz;
             let count = (span * rate_hz + 1e-6) as usize + 1;
             let onto = |table: &[f64], way| resample(&t, &table[rows.clone()], n, rate_hz, count, way);
             even.q.extend(onto(&self.q, Interpolation::Cubic));
@@ -57,22 +57,22 @@ impl Log {
                 let marks: Vec<f64> = self.excluded.iter().map(|&mark| f64::from(u8::from(mark))).collect();
                 even.excluded.extend(onto(&marks, Interpolation::Lines).into_iter().map(|mark| mark > 0.0));
             }
-            even.stretches.push(Stretch { start_s: stretch.start_s, samples: count });
-            before += stretch.samples;
+            even.segments.push(Segment { start_s: segment.start_s, samples: count });
+            before += segment.samples;
         }
         even
     }
 
-    /// A part of each stretch, by the places of its first sample and behind its last; `part` is told how many samples come
-    /// before the stretch.
-    pub(super) fn pieces(&self, part: impl Fn(&Stretch, usize) -> (usize, usize)) -> Self {
+    /// A part of each segment, by the places of its first sample and behind its last; `part` receives the number of samples
+    /// before the segment.
+    pub(super) fn pieces(&self, part: impl Fn(&Segment, usize) -> (usize, usize)) -> Self {
         let n = self.dof;
         let mut log = Self {
             q: Vec::new(),
             qd: self.qd.as_ref().map(|_| Vec::new()),
             effort: Vec::new(),
             excluded: Vec::new(),
-            stretches: Vec::new(),
+            segments: Vec::new(),
             name: self.name.clone(),
             joints: self.joints.clone(),
             dof: n,
@@ -86,8 +86,8 @@ impl Log {
             origin: self.origin.clone(),
         };
         let mut before = 0;
-        for stretch in &self.stretches {
-            let (first, end) = part(stretch, before);
+        for segment in &self.segments {
+            let (first, end) = part(segment, before);
             if first < end {
                 let rows = (before + first) * n..(before + end) * n;
                 log.q.extend_from_slice(&self.q[rows.clone()]);
@@ -98,10 +98,10 @@ impl Log {
                 if !self.excluded.is_empty() {
                     log.excluded.extend_from_slice(&self.excluded[rows]);
                 }
-                let start_s = stretch.start_s + first as f64 / self.rate_hz;
-                log.stretches.push(Stretch { start_s, samples: end - first });
+                let start_s = segment.start_s + first as f64 / self.rate_hz;
+                log.segments.push(Segment { start_s, samples: end - first });
             }
-            before += stretch.samples;
+            before += segment.samples;
         }
         log
     }
@@ -114,17 +114,17 @@ mod tests {
 
     #[test]
     fn parts_keep_their_times_and_breaks() {
-        // Two stretches of 1 s at 100 Hz with 1 s between them.
+        // Two segments of 1 s at 100 Hz with 1 s between them.
         let rows: String =
             (0..200).map(|k| format!("{},{k},0.5\n", f64::from(k) * 0.01 + if k < 100 { 0.0 } else { 1.0 })).collect();
         let log = parse_csv(Text::new("r.csv", format!("t,q1,tau1\n{rows}"))).unwrap();
-        assert_eq!(log.stretches.iter().map(|s| s.samples).collect::<Vec<_>>(), [100, 100]);
+        assert_eq!(log.segments.iter().map(|s| s.samples).collect::<Vec<_>>(), [100, 100]);
         let part = log.between(0.5, 2.5);
         assert_eq!((part.len(), part.q[0], part.q[99]), (100, 50.0, 149.0));
-        assert_eq!(part.stretches.iter().map(|s| s.samples).collect::<Vec<_>>(), [50, 50]);
+        assert_eq!(part.segments.iter().map(|s| s.samples).collect::<Vec<_>>(), [50, 50]);
         let (first, last) = log.split(160);
-        assert_eq!((first.len(), last.len(), last.stretches.len(), last.q[0]), (160, 40, 1, 160.0));
-        assert!((last.stretches[0].start_s - 2.6).abs() < 1e-9);
+        assert_eq!((first.len(), last.len(), last.segments.len(), last.q[0]), (160, 40, 1, 160.0));
+        assert!((last.segments[0].start_s - 2.6).abs() < 1e-9);
         assert!(log.between(1.2, 1.8).is_empty());
     }
 }

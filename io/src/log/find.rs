@@ -1,4 +1,4 @@
-//! Logs by their paths, of whatever kind.
+//! Logs of any kind by their paths.
 
 use std::path::{Path, PathBuf};
 

@@ -91,7 +91,7 @@ fn by_mapping(tables: &[ForeignTable], mapping: &Mapping) -> Result<Vec<Found>, 
         {
             let (a, b) = (&tables[table].text.name, &tables[other].text.name);
             let message = format!("{key}: \"{}\" is in {a} and in {b}, expected in one", map.columns);
-            return Err(Error::new(message).help(format!("say the file: {key}={}:{}", stem(a), map.columns)));
+            return Err(Error::new(message).help(format!("name the file: {key}={}:{}", stem(a), map.columns)));
         }
         found.push(with_unit(
             tables,
@@ -181,10 +181,10 @@ fn by_headings(tables: &[ForeignTable], has_rate: bool) -> Result<Vec<Found>, Er
             .help(format!("{EXPECTED}{}", near.unwrap_or_default()))
     };
     if first.headings.is_none() {
-        let message = format!("there are no headings over {} columns, expected them or a mapping", first.width);
+        let message = format!("{} columns without headings, expected headings or a mapping", first.width);
         return Err(first
             .heading_fault(message)
-            .help("say what the columns are: --map \"t=#1, q=#[2-7] deg, tau=#[8-13]\""));
+            .help("state what the columns are: --map \"t=#1, q=#[2-7] deg, tau=#[8-13]\""));
     }
     let has = |quantity| all.iter().find(|found: &&Found| found.quantity == quantity);
     if has(Quantity::Time).is_none() && !has_rate {
@@ -244,7 +244,7 @@ impl Reader<'_> {
         let t = match (self.rate_hz, self.get(Quantity::Time)) {
             (None, None) => {
                 let message = format!("{} has no column of times", self.tables[0].text.name);
-                return Err(Error::new(message).help("say how many rows a second has: --rate HZ"));
+                return Err(Error::new(message).help("state the rows per second: --rate HZ"));
             }
             (None, Some(time)) => self.values(time, 1)?,
             (Some(_), _) => Vec::new(),
@@ -346,7 +346,7 @@ impl Reader<'_> {
             let names = self.tables[found.table].names();
             let listed: Vec<&str> = found.columns.iter().map(|&column| names[column].as_str()).collect();
             let said = if found.map.unit.is_none() && found.unit != found.quantity.units()[0] {
-                ", as the heading says"
+                ", as in the heading"
             } else {
                 ""
             };

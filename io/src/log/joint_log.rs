@@ -18,7 +18,7 @@ use crate::text::{Text, read_bytes};
 
 /// Samples of a log without a break.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Stretch {
+pub struct Segment {
     /// Time of the first, since the beginning of the log, s.
     pub start_s: f64,
     /// How many there are.
@@ -46,8 +46,8 @@ pub struct Log {
     pub effort: Vec<f64>,
     /// Which samples give no equation of which joint, N × n; empty where all do.
     pub excluded: Vec<bool>,
-    /// The stretches without a break that the samples come in, one after the other.
-    pub stretches: Vec<Stretch>,
+    /// The segments without a break that the samples come in, one after the other.
+    pub segments: Vec<Segment>,
     /// The robot that was recorded, where the file holds it.
     pub robot: Option<RecordedRobot>,
     /// The experiment, where armid performed it.
@@ -105,7 +105,7 @@ impl Log {
             Some(RecordedRobot { text, nominal, chain }) => {
                 LoadedRobot::recorded(&self.name, text, nominal.as_deref(), chain)
             }
-            None => Err(Error::unknown(format!("{} does not say which robot it is of", self.name))),
+            None => Err(Error::unknown(format!("{} does not name its robot", self.name))),
         }
     }
 

@@ -109,8 +109,7 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
             }
             Ok(Record::Channel(found)) if found.topic == STATES => {
                 if Some(found.schema_id) != schema || found.message_encoding != "cdr" {
-                    let message =
-                        format!("{name}: {STATES} is no {} in CDR, as a recording of ROS 2 is", JointState::NAME);
+                    let message = format!("{name}: {STATES} is not {} in CDR, as recorded by ROS 2", JointState::NAME);
                     return Err(Error::new(message));
                 }
                 channel = Some(found.id);

@@ -1,6 +1,6 @@
 //! The records of an MCAP file, chunks unpacked; any bytes are safe to read.
 //!
-//! The reader of the `mcap` crate trusts two lengths: that of a record inside a chunk that is not compressed, which may
+//! The reader of the `mcap` crate does not check two lengths: that of a record inside a chunk that is not compressed, which may
 //! claim more than the chunk, and one near 2⁶⁴. Both are looked at before it sees them.
 
 use mcap::records::{Record, op};

@@ -5,9 +5,9 @@
 //! | MCAP of `armid run` | the recording with its plan, its robot and its provenance |
 //! | MCAP of other tools, or a folder of `ros2 bag` with such files | `sensor_msgs/msg/JointState` on `/joint_states`, or on the one topic that has them; the rate comes from the stamps |
 //! | CSV of armid | `t,q1..qn,tau1..taun` (N·m) or `t,q1..qn,current1..currentn` (A) |
-//! | tables of other tools | whatever their headings; a [`Mapping`] says what the columns are |
+//! | tables of other tools | any headings; a [`Mapping`] says what the columns are |
 //!
-//! What something else recorded is brought onto an even grid, in stretches without a break; what is left out on the way is
+//! What something else recorded is brought onto an even grid, in segments without a break; what is left out on the way is
 //! counted in its [`Origin`].
 
 mod arrangement;
@@ -39,7 +39,7 @@ pub use csv::{parse as parse_csv, write as write_csv};
 pub use find::{FoundLogs, find, is_table};
 pub use foreign_csv::parse as parse_tables;
 pub use gaps::Gaps;
-pub use joint_log::{Log, RecordedRobot, Stretch};
+pub use joint_log::{Log, RecordedRobot, Segment};
 pub use log_file::LogFile;
 pub use mapping::{ColumnMap, Mapping, Quantity, Unit};
 pub use mcap::parse as parse_mcap;

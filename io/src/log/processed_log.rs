@@ -230,7 +230,7 @@ impl ProcessedLog {
                 let at = names.iter().position(|name| *name == parameter.name);
                 at.map(|at| expressions[at].clone()).ok_or_else(|| {
                     let message =
-                        format!("{name}: \"{}\" is no base parameter of \"{}\"", parameter.name, robot.name());
+                        format!("{name}: \"{}\" is not a base parameter of \"{}\"", parameter.name, robot.name());
                     Error::mismatch(message)
                 })
             })

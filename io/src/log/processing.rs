@@ -75,11 +75,10 @@ pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) 
 /// A recording of armid's own says itself what counts.
 fn refuse_cuts(log: &Log, settings: &LogSettings) -> Result<(), Error> {
     if let Some(period) = settings.period_s {
-        return Err(Error::new(format!("{} says its own period, found a period of {period} s", log.name)));
+        return Err(Error::new(format!("{} states its own period, found a period of {period} s", log.name)));
     }
     if settings.from_s != 0.0 || settings.until_s.is_some() {
-        let message =
-            format!("{} says itself which of its samples count, found seconds to begin or to end at", log.name);
+        let message = format!("{} states its recorded part, found times to begin or to end at", log.name);
         return Err(Error::new(message));
     }
     if settings.measured_velocity {
@@ -124,10 +123,10 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
 
 fn aperiodic(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples, Error> {
     let processing = &settings.processing;
-    let stretches: Vec<usize> = log.stretches.iter().map(|stretch| stretch.samples).collect();
+    let segments: Vec<usize> = log.segments.iter().map(|segment| segment.samples).collect();
     let record = AperiodicRecord {
         qd: log.qd.as_deref().filter(|_| settings.measured_velocity),
-        stretches: &stretches,
+        segments: &segments,
         excluded: &log.excluded,
         ..AperiodicRecord::new(log.dof, log.rate_hz, &log.q, &log.effort)
     };
@@ -137,7 +136,7 @@ fn aperiodic(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples
         let shown = Error::new(format!("{}: {error}", log.name));
         match error {
             SignalError::Cutoff { .. } if log.rate_hz < 5.0 => {
-                shown.help("are the stamps milliseconds? --map \"t=… ms, …\" says so")
+                shown.help("are the stamps milliseconds? then use --map \"t=… ms, …\"")
             }
             _ => shown,
         }
@@ -157,7 +156,7 @@ fn periodic(
     }
     let even = log.origin.timing.as_ref().is_none_or(|timing| timing.even);
     let log = &if even {
-        log.pieces(|stretch, _| (0, stretch.samples))
+        log.pieces(|segment, _| (0, segment.samples))
     } else {
         log.resampled((period * log.rate_hz).round().max(1.0) / period)
     };
@@ -174,16 +173,16 @@ fn periodic(
     let period_samples = period_samples as usize;
     let mut starts = Vec::new();
     let mut before = 0;
-    let begin = log.stretches.first().map_or(0.0, |stretch| stretch.start_s);
-    for stretch in &log.stretches {
+    let begin = log.segments.first().map_or(0.0, |segment| segment.start_s);
+    for segment in &log.segments {
         // Periods are counted from the beginning of the log: those that a break cuts are left out.
-        let phase = ((stretch.start_s - begin) * log.rate_hz).round() as usize;
+        let phase = ((segment.start_s - begin) * log.rate_hz).round() as usize;
         let mut first = (period_samples - phase % period_samples) % period_samples;
-        while first + period_samples <= stretch.samples {
+        while first + period_samples <= segment.samples {
             starts.push(before + first);
             first += period_samples;
         }
-        before += stretch.samples;
+        before += segment.samples;
     }
     if starts.is_empty() {
         let message = format!(

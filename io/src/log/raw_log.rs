@@ -5,9 +5,9 @@ use armid::signal::{Interpolation, resample};
 
 use super::channels;
 use super::conversion::Conversion;
-use super::joint_log::{Log, Stretch};
+use super::joint_log::{Log, Segment};
 use super::origin::Origin;
-use super::stamps::{Stamps, StretchRows};
+use super::stamps::{SegmentRows, Stamps};
 use crate::error::Error;
 
 /// Rows of a log: a value that is missing is NaN.
@@ -30,7 +30,7 @@ pub(super) struct RawLog {
 }
 
 impl RawLog {
-    /// An even log, in stretches without a break. `at_row` makes a fault that points at a row.
+    /// An even log, in segments without a break. `at_row` makes a fault that points at a row.
     ///
     /// # Errors
     /// [`Error`] where the stamps are no times or nothing is left.
@@ -76,7 +76,7 @@ impl RawLog {
             qd: self.qd.as_ref().map(|_| Vec::new()),
             effort: Vec::new(),
             excluded: Vec::new(),
-            stretches: Vec::new(),
+            segments: Vec::new(),
             name: self.name,
             joints: self.joints,
             dof: n,
@@ -88,8 +88,8 @@ impl RawLog {
             conversion: self.conversion,
             origin: Origin { channels: faults, ..self.origin },
         };
-        for stretch in &stamps.stretches {
-            let StretchRows { rows, even, start_s } = stretch;
+        for segment in &stamps.segments {
+            let SegmentRows { rows, even, start_s } = segment;
             let span = rows.start * n..rows.end * n;
             let t = &t[rows.clone()];
             let count = if *even { rows.len() } else { ((t[t.len() - 1] - t[0]) * rate_hz + 1e-6) as usize + 1 };
@@ -110,7 +110,7 @@ impl RawLog {
                 let marks: Vec<f64> = excluded.iter().map(|&mark| f64::from(u8::from(mark))).collect();
                 log.excluded.extend(onto(&marks, Interpolation::Lines).into_iter().map(|mark| mark > 0.0));
             }
-            log.stretches.push(Stretch { start_s: *start_s, samples: count });
+            log.segments.push(Segment { start_s: *start_s, samples: count });
         }
         log.origin.timing = Some(stamps.timing);
         Ok(log)

@@ -9,7 +9,7 @@ use armid::provenance::Provenance;
 use armid::trajectory::PeriodicTrajectory;
 
 use super::conversion::Conversion;
-use super::joint_log::{Log, RecordedRobot, Stretch};
+use super::joint_log::{Log, RecordedRobot, Segment};
 use super::mcap::Contents;
 use super::origin::Origin;
 use super::state_table::columns;
@@ -77,7 +77,7 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         dof,
         rate_hz,
         effort_unit: Some(effort_unit),
-        stretches: vec![Stretch { start_s: 0.0, samples: states.len() }],
+        segments: vec![Segment { start_s: 0.0, samples: states.len() }],
         q,
         qd: None,
         effort,

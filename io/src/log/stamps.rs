@@ -1,8 +1,8 @@
 //! What the stamps of a log say: its rate, its jitter, and where it breaks off.
 //!
 //! A log whose steps are equal within a hundredth is even, and taken as it is. Any other one is brought onto an even grid,
-//! stretch by stretch: a step of more than five usual ones is a gap, and a step back is a reset of the clock; both end a
-//! stretch. A row with the stamp of the one before it is left out. Stretches shorter than half a second hold no more than
+//! segment by segment: a step of more than five usual ones is a gap, and a step back is a reset of the clock; both end a
+//! segment. A row with the stamp of the one before it is left out. Segments shorter than half a second hold no more than
 //! the transient of a filter, and are left out. Everything that is left out is counted.
 
 use std::ops::Range;
@@ -13,7 +13,7 @@ use serde::Serialize;
 const EVEN: f64 = 0.01;
 /// Usual steps in a step from which on it is a gap.
 const GAP: f64 = 5.0;
-/// Shortest stretch that is kept, s.
+/// Shortest segment that is kept, s.
 const SHORTEST_S: f64 = 0.5;
 /// Part of equal stamps from which on they are too coarse to be taken for times.
 const COARSE: f64 = 0.1;
@@ -39,13 +39,14 @@ pub struct Timing {
     pub duplicates: usize,
     /// Rows left out, since a value is missing.
     pub incomplete_rows: usize,
-    /// Rows left out in stretches of less than half a second.
-    pub rows_in_short_stretches: usize,
+    /// Rows left out in segments of less than half a second.
+    #[serde(rename = "rows_in_short_stretches")]
+    pub rows_in_short_segments: usize,
 }
 
 /// Rows that follow each other without a break.
 #[derive(Clone, Debug, PartialEq)]
-pub(super) struct StretchRows {
+pub(super) struct SegmentRows {
     /// Places in the list of rows that are kept.
     pub(super) rows: Range<usize>,
     /// Whether its steps are those of the even grid.
@@ -59,8 +60,8 @@ pub(super) struct StretchRows {
 pub(super) struct Stamps {
     /// Which rows are kept.
     pub(super) kept: Vec<usize>,
-    /// Their stretches.
-    pub(super) stretches: Vec<StretchRows>,
+    /// Their segments.
+    pub(super) segments: Vec<SegmentRows>,
     pub(super) timing: Timing,
 }
 
@@ -68,8 +69,8 @@ impl Stamps {
     /// The stamps of a log that has a rate instead.
     pub(super) fn even(rows: usize, rate_hz: f64) -> Self {
         let timing = Timing { rows, even: true, rate_hz, steps_s: [1.0 / rate_hz; 2], ..Timing::default() };
-        let stretches = vec![StretchRows { rows: 0..rows, even: true, start_s: 0.0 }];
-        Self { kept: (0..rows).collect(), stretches, timing }
+        let segments = vec![SegmentRows { rows: 0..rows, even: true, start_s: 0.0 }];
+        Self { kept: (0..rows).collect(), segments, timing }
     }
 
     /// Looks at stamps, s.
@@ -100,7 +101,7 @@ impl Stamps {
             steps_s: [ordinary[0], ordinary[ordinary.len() - 1]],
             ..Timing::default()
         };
-        let (mut kept, mut stretches, mut begin, mut shift) = (vec![0], Vec::new(), 0, -t[0]);
+        let (mut kept, mut segments, mut begin, mut shift) = (vec![0], Vec::new(), 0, -t[0]);
         let mut starts_s = 0.0;
         for row in 1..rows {
             let found = t[row] - t[row - 1];
@@ -109,7 +110,7 @@ impl Stamps {
                 continue;
             }
             if found < 0.0 || found > GAP * usual {
-                stretches.push((begin..kept.len(), starts_s));
+                segments.push((begin..kept.len(), starts_s));
                 begin = kept.len();
                 if found < 0.0 {
                     timing.resets += 1;
@@ -122,7 +123,7 @@ impl Stamps {
             }
             kept.push(row);
         }
-        stretches.push((begin..kept.len(), starts_s));
+        segments.push((begin..kept.len(), starts_s));
         if timing.duplicates as f64 > COARSE * rows as f64 {
             let (found, rate) = (timing.duplicates, whole((rows - 1) as f64 / (t[rows - 1] - t[0]), 1e-3));
             let message = format!(
@@ -131,25 +132,25 @@ impl Stamps {
             );
             return Err((1, message));
         }
-        let mut all = Self { kept, stretches: Vec::new(), timing };
-        all.keep_long(t, stretches);
-        if all.stretches.is_empty() {
-            return Err((0, format!("no stretch of {SHORTEST_S} s without a break, expected at least one")));
+        let mut all = Self { kept, segments: Vec::new(), timing };
+        all.keep_long(t, segments);
+        if all.segments.is_empty() {
+            return Err((0, format!("no segment of {SHORTEST_S} s without a break, expected at least one")));
         }
         Ok(all)
     }
 
-    /// Keeps the stretches that are long enough.
-    fn keep_long(&mut self, t: &[f64], stretches: Vec<(Range<usize>, f64)>) {
+    /// Keeps the segments that are long enough.
+    fn keep_long(&mut self, t: &[f64], segments: Vec<(Range<usize>, f64)>) {
         let rate = self.timing.rate_hz;
-        for (rows, start_s) in stretches {
+        for (rows, start_s) in segments {
             let stamp = |at: usize| t[self.kept[at]];
             if stamp(rows.end - 1) - stamp(rows.start) < SHORTEST_S {
-                self.timing.rows_in_short_stretches += rows.len();
+                self.timing.rows_in_short_segments += rows.len();
                 continue;
             }
             let even = (rows.start + 1..rows.end).all(|at| ((stamp(at) - stamp(at - 1)) * rate - 1.0).abs() <= EVEN);
-            self.stretches.push(StretchRows { rows, even, start_s });
+            self.segments.push(SegmentRows { rows, even, start_s });
         }
     }
 }
@@ -176,7 +177,7 @@ impl Timing {
         let left_out = [
             (self.duplicates, "with the stamp of the row before"),
             (self.incomplete_rows, "in which a value is missing"),
-            (self.rows_in_short_stretches, "in stretches of less than half a second"),
+            (self.rows_in_short_segments, "in segments of less than half a second"),
         ];
         for (count, why) in left_out.into_iter().filter(|(count, _)| *count > 0) {
             found.push(format!("{count} of {} rows left out: {why}", self.rows));
@@ -185,7 +186,7 @@ impl Timing {
             found.push(format!("{} gaps, together {:.3} s: filters do not reach across them", self.gaps, self.gaps_s));
         }
         if self.resets > 0 {
-            found.push(format!("the clock goes back {} times: each begins a stretch of its own", self.resets));
+            found.push(format!("the clock goes back {} times: each begins a new segment", self.resets));
         }
         found
     }
@@ -212,7 +213,7 @@ mod tests {
         let two = Stamps::of(&stamps(1001, |k| if k % 2 == 0 { 0.010 } else { 0.012 })).unwrap();
         // The whole number of hertz within a thousandth of 1/11 ms.
         assert!(!two.timing.even && two.timing.rate_hz == 91.0, "{:?}", two.timing);
-        assert_eq!((two.stretches.len(), two.kept.len()), (1, 1001));
+        assert_eq!((two.segments.len(), two.kept.len()), (1, 1001));
         assert!(two.timing.sentences()[0].starts_with("steps of 10.000 to 12.000 ms"), "{:?}", two.timing.sentences());
     }
 
@@ -226,17 +227,17 @@ mod tests {
         let found = Stamps::of(&t).unwrap();
         assert_eq!((found.timing.gaps, found.timing.resets, found.timing.duplicates), (1, 1, 1));
         assert!((found.timing.gaps_s - 0.499).abs() < 1e-5 && found.timing.rate_hz == 1000.0);
-        let rows: Vec<_> = found.stretches.iter().map(|stretch| stretch.rows.clone()).collect();
+        let rows: Vec<_> = found.segments.iter().map(|segment| segment.rows.clone()).collect();
         assert_eq!(rows, [0..1000, 1000..1999, 1999..2999]);
         // Time goes on behind a reset.
-        assert!((found.stretches[2].start_s - 2.499).abs() < 2e-3, "{:?}", found.stretches);
+        assert!((found.segments[2].start_s - 2.499).abs() < 2e-3, "{:?}", found.segments);
         assert_eq!(found.timing.sentences().len(), 4);
     }
 
     #[test]
-    fn short_stretches_are_left_out_and_coarse_stamps_refused() {
+    fn short_segments_are_left_out_and_coarse_stamps_refused() {
         let found = Stamps::of(&stamps(2000, |k| if k == 100 { 1.0 } else { 0.001 })).unwrap();
-        assert_eq!((found.timing.rows_in_short_stretches, found.stretches.len()), (100, 1));
+        assert_eq!((found.timing.rows_in_short_segments, found.segments.len()), (100, 1));
         let coarse: Vec<f64> = (0..100).map(|k| f64::from(k / 5) * 0.001).collect();
         let (_, fault) = Stamps::of(&coarse).unwrap_err();
         assert!(fault.contains("--rate 5"), "{fault}");

@@ -1,7 +1,7 @@
 //! Every file that armid writes at once is written here: whole or absent, and only where a file may be.
 //!
 //! A file is written beside its place, synchronised with the disk, and takes its name; then its folder is synchronised.
-//! Whatever ends the process or cuts the power on the way leaves what was there before, or the whole new file. Links are
+//! A kill or a power cut at any time leaves the old file or the complete new one. Links are
 //! followed and stay; what is there and is no regular file (a device, a pipe, a socket, a folder) is refused.
 //!
 //! Recordings and journals grow for minutes: a recording is written as `R.mcap.part` beside its place and takes its name

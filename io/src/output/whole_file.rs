@@ -65,7 +65,7 @@ fn make_folders<F: FileSystem>(system: &F, folder: &Path) -> io::Result<()> {
     }
     make_folders(system, folder_of(folder))?;
     match system.make_folder(folder) {
-        // Somebody else made it in the meantime.
+        // Another process made it in the meantime.
         Err(error) if error.kind() == io::ErrorKind::AlreadyExists && system.is_folder(folder) => {}
         made => made?,
     }

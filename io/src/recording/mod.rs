@@ -2,7 +2,7 @@
 //!
 //! A recording streams into `R.mcap.part`, readable to its last chunk, and takes its name when the experiment is
 //! complete. A part that is there is never
-//! written over: whoever left it may go on with it.
+//! written over: it can be continued.
 
 mod csv_sink;
 mod file_sink;

@@ -29,10 +29,10 @@ pub fn check_free(path: &Path) -> Result<(), Error> {
     }
 }
 
-/// Nobody writes this part at the moment.
+/// No process writes this part at the moment.
 ///
 /// # Errors
-/// [`Error`] where somebody does.
+/// [`Error`] where one does.
 pub fn check_at_rest(part: &Path) -> Result<(), Error> {
     let file = File::open(part).map_err(|error| Error::unreadable(part, &error))?;
     match file.try_lock_shared() {
@@ -72,8 +72,7 @@ fn taken(part: &Path) -> Error {
         "{} is there: an experiment was cut short or is under way, expected no part of a recording",
         part.display()
     );
-    Error::new(message)
-        .help("--resume goes on with it (MCAP); -o chooses another place; move or delete it to begin anew")
+    Error::new(message).help("--resume continues it (MCAP); -o chooses another file; move or delete it to begin anew")
 }
 
 fn being_written(part: &Path) -> Error {

@@ -1,4 +1,4 @@
-//! A sink on a thread of its own: a slow disk must not hold up whoever watches an arm.
+//! A sink on a thread of its own: a slow disk must not delay the guard of an arm.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::mpsc::{SyncSender, sync_channel};
@@ -50,7 +50,7 @@ enum Received {
     Sample(OwnSample),
 }
 
-/// A sample that outlives whoever took it.
+/// A sample that owns its values.
 struct OwnSample {
     index: usize,
     t: f64,

@@ -91,11 +91,11 @@ impl LoadedRobot {
             return Ok(());
         }
         let message = format!(
-            "{name} holds currents, and robot \"{}\" says neither torque constants nor gear ratios: no torque follows",
+            "{name} holds currents, and robot \"{}\" has neither torque constants nor gear ratios: torque cannot be computed",
             self.robot.name()
         );
         Err(Error::mismatch(message).help(
-            "say them beside the columns: --map \"…, current=i_[1-6] constant=0.05 gear=100\" (N·m/A at the motor; values of \
+            "state them beside the columns: --map \"…, current=i_[1-6] constant=0.05 gear=100\" (N·m/A at the motor; values of \
              each joint with / between them)",
         ))
     }

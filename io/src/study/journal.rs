@@ -37,11 +37,11 @@ impl Journal {
     /// What a new study calls the journal of an interrupted one that it found in its folder; a second one gets a number.
     pub const BEFORE: &'static str = "journal-before.jsonl";
 
-    /// Begins a journal, or goes on with the one that is there where `resume` says so. Nobody else may write to it then,
+    /// Begins a journal, or goes on with the one that is there where `resume` says so. No other process may write to it then,
     /// and finished pieces that are not gone on with are kept under another name.
     ///
     /// # Errors
-    /// [`Error`] where it cannot be written, somebody else writes it, it is of another plan, or a line was altered.
+    /// [`Error`] where it cannot be written, another process writes it, it is of another plan, or a line was altered.
     pub fn open(folder: &Path, plan_sha256: &str, resume: bool) -> Result<(Self, Vec<Piece>), Error> {
         let path = folder.join(Self::NAME);
         let fault = |error: std::io::Error| Error::unwritable(&path, &error);
@@ -155,7 +155,7 @@ fn free_name(folder: &Path) -> Result<PathBuf, Error> {
 fn lock(path: &Path) -> Result<File, Error> {
     let fault = |error: std::io::Error| Error::unwritable(path, &error);
     if std::fs::metadata(path).is_ok_and(|there| !there.is_file()) {
-        return Err(Error::new(format!("{} is no file, expected a journal or nothing", path.display())));
+        return Err(Error::new(format!("{} is not a file, expected a journal or nothing", path.display())));
     }
     let file = OpenOptions::new().create(true).read(true).write(true).truncate(false).open(path).map_err(fault)?;
     match file.try_lock() {

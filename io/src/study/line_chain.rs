@@ -1,4 +1,4 @@
-//! Lines of JSON that vouch for themselves and for those before them.
+//! Lines of JSON with checksums of themselves and of those before them.
 //!
 //! ```text
 //! {"sha256":"d_k","entry":e_k}        d_k = SHA-256(d_{k−1} e_k),  d_0 empty

@@ -25,7 +25,7 @@ impl Separator {
     /// In the order in which equally good ones are taken.
     const ALL: [Self; 5] = [Self::Semicolon, Self::Tab, Self::Bar, Self::Comma, Self::Blanks];
 
-    /// What a reader is told.
+    /// What a reader is given.
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Semicolon => "semicolons",

@@ -113,9 +113,9 @@ impl NumberTable {
         })
     }
 
-    /// A fault if there is a heading that nobody expects.
-    pub(crate) fn only(&self, expected: &str, knows: impl Fn(&str) -> bool) -> Result<(), Error> {
-        match self.columns.iter().find(|(name, _)| !knows(name)) {
+    /// A fault if there is an unexpected heading.
+    pub(crate) fn only(&self, expected: &str, accepts: impl Fn(&str) -> bool) -> Result<(), Error> {
+        match self.columns.iter().find(|(name, _)| !accepts(name)) {
             Some((name, span)) => {
                 let message = format!("found heading \"{name}\", expected {expected}");
                 Err(Error::new(message).at(&self.text, span.clone(), "not expected"))

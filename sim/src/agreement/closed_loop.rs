@@ -14,9 +14,9 @@ pub(super) struct Performed {
 }
 
 /// A sink for a run of which only the true states matter.
-struct Unheard;
+struct Discarding;
 
-impl Sink for Unheard {
+impl Sink for Discarding {
     fn begin(&mut self, _: &Recording) {}
 
     fn sample(&mut self, _: &RawSample<'_>) -> Flow {
@@ -34,7 +34,7 @@ pub(super) fn perform(engine: Engine, case: &Case<'_>) -> Result<Performed, Engi
     let (mut q, mut tau) = (Vec::new(), Vec::new());
     let ending = servo
         .with_sensing(Sensing::ideal())
-        .perform_observed(&plan, &mut Unheard, &mut |state| {
+        .perform_observed(&plan, &mut Discarding, &mut |state| {
             if state.phase == Phase::Record {
                 q.push(state.q.to_vec());
                 tau.push(state.tau.to_vec());

@@ -19,5 +19,5 @@ mod runs;
 mod team;
 
 pub use plant::{AnalyticError, AnalyticPlant, MOST_JOINTS};
-pub use runs::{TeamRun, perform_runs, record_runs};
-pub use team::AnalyticTeam;
+pub use runs::{BatchRun, perform_runs, record_runs};
+pub use team::AnalyticBatch;

@@ -7,7 +7,7 @@ use super::plant::AnalyticPlant;
 
 /// One of several runs: what is performed, with which random streams.
 #[derive(Clone, Copy, Debug)]
-pub struct TeamRun<'a> {
+pub struct BatchRun<'a> {
     /// What is performed.
     pub plan: &'a ExperimentPlan,
     /// Root of the run's random streams.
@@ -28,7 +28,7 @@ pub struct TeamRun<'a> {
 /// If there is not one sink for each run.
 pub fn perform_runs<S: Sink>(
     servo: &Servo<AnalyticPlant>,
-    runs: &[TeamRun<'_>],
+    runs: &[BatchRun<'_>],
     sinks: &mut [S],
 ) -> Vec<Result<Ending, ArmError>> {
     assert_eq!(runs.len(), sinks.len(), "one sink for each run");
@@ -50,7 +50,7 @@ pub fn perform_runs<S: Sink>(
 ///
 /// # Errors
 /// [`ArmError`] for each run that cannot begin.
-pub fn record_runs(servo: &Servo<AnalyticPlant>, runs: &[TeamRun<'_>]) -> Vec<Result<(Recording, Ending), ArmError>> {
+pub fn record_runs(servo: &Servo<AnalyticPlant>, runs: &[BatchRun<'_>]) -> Vec<Result<(Recording, Ending), ArmError>> {
     let mut recorders = vec![Recorder::default(); runs.len()];
     let endings = perform_runs(servo, runs, &mut recorders);
     let recorded = |(recorder, ending): (Recorder, Result<Ending, ArmError>)| {
@@ -60,7 +60,11 @@ pub fn record_runs(servo: &Servo<AnalyticPlant>, runs: &[TeamRun<'_>]) -> Vec<Re
 }
 
 /// The servo of each run, its recording begun. Neighbours with one plan share its table of commands.
-fn begin<S: Sink>(servo: &Servo<AnalyticPlant>, runs: &[TeamRun<'_>], sinks: &mut [S]) -> Vec<Result<Cycle, ArmError>> {
+fn begin<S: Sink>(
+    servo: &Servo<AnalyticPlant>,
+    runs: &[BatchRun<'_>],
+    sinks: &mut [S],
+) -> Vec<Result<Cycle, ArmError>> {
     let mut begun = Vec::with_capacity(runs.len());
     for group in runs.chunk_by(|a, b| std::ptr::eq(a.plan, b.plan)) {
         let streams: Vec<(Seed, u64)> = group.iter().map(|run| (run.seed, run.run)).collect();
@@ -86,11 +90,11 @@ fn perform<S: Sink>(
     members: &mut [(usize, Cycle)],
     sinks: &mut [S],
 ) -> Vec<(usize, Ending)> {
-    let mut team = servo.plant().team(members.len());
+    let mut batch = servo.plant().batch(members.len());
     // One servo, so that steps and their parts are the same for every run.
     let Some((dt, parts)) = members.first().map(|(_, cycle)| (cycle.dt(), cycle.parts())) else { return Vec::new() };
     for (k, (_, cycle)) in members.iter().enumerate() {
-        team.reset(k, cycle.start(), &vec![0.0; cycle.start().len()]);
+        batch.reset(k, cycle.start(), &vec![0.0; cycle.start().len()]);
     }
     let mut endings: Vec<Option<Ending>> = vec![None; members.len()];
     loop {
@@ -99,7 +103,7 @@ fn perform<S: Sink>(
             if endings[k].is_some() {
                 continue;
             }
-            let (q, qd) = team.state(k);
+            let (q, qd) = batch.state(k);
             match cycle.advance(q, qd, &mut sinks[*place], &mut |_| {}) {
                 Next::Step => going = true,
                 Next::End(ending) => endings[k] = Some(ending),
@@ -112,15 +116,15 @@ fn perform<S: Sink>(
         for _ in 0..parts {
             for (k, (_, cycle)) in members.iter_mut().enumerate() {
                 if endings[k].is_none() {
-                    let (q, qd) = team.state(k);
+                    let (q, qd) = batch.state(k);
                     cycle.push(q, qd);
-                    team.push(k, cycle.tau());
+                    batch.push(k, cycle.tau());
                 }
             }
-            team.step(dt / parts as f64);
+            batch.step(dt / parts as f64);
             for (k, (_, cycle)) in members.iter_mut().enumerate() {
                 if endings[k].is_none()
-                    && let Some(fault) = team.fault(k)
+                    && let Some(fault) = batch.fault(k)
                 {
                     endings[k] = Some(cycle.fail(fault));
                 }

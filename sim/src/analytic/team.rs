@@ -21,18 +21,18 @@ use armid::lanes::{MOST_LANES, Wide};
 /// use armid_sim::AnalyticPlant;
 /// let (robot, parameters) = chains::random_robot(&mut Seed::new(1).stream("doc", 0), 4);
 /// let mut alone = AnalyticPlant::new(&robot, &parameters).unwrap();
-/// let mut team = alone.team(3);
+/// let mut batch = alone.batch(3);
 /// for run in 0..3 {
-///     team.reset(run, &[0.1 * run as f64; 4], &[0.0; 4]);
-///     team.push(run, &[1.0; 4]);
+///     batch.reset(run, &[0.1 * run as f64; 4], &[0.0; 4]);
+///     batch.push(run, &[1.0; 4]);
 /// }
-/// team.step(1e-3);
+/// batch.step(1e-3);
 /// alone.reset(&[0.2; 4], &[0.0; 4]);
 /// alone.step(&[1.0; 4], 1e-3).unwrap();
-/// assert_eq!(team.state(2), alone.state());
+/// assert_eq!(batch.state(2), alone.state());
 /// ```
 #[derive(Debug)]
-pub struct AnalyticTeam {
+pub struct AnalyticBatch {
     members: Box<dyn Members>,
     arch: Arch,
 }
@@ -40,12 +40,12 @@ pub struct AnalyticTeam {
 impl AnalyticPlant {
     /// `runs` copies of this arm in its present state, with no torque.
     #[must_use]
-    pub fn team(&self, runs: usize) -> AnalyticTeam {
-        AnalyticTeam { members: self.members(runs), arch: Arch::new() }
+    pub fn batch(&self, runs: usize) -> AnalyticBatch {
+        AnalyticBatch { members: self.members(runs), arch: Arch::new() }
     }
 }
 
-impl AnalyticTeam {
+impl AnalyticBatch {
     /// Number of runs.
     #[must_use]
     pub fn runs(&self) -> usize {
@@ -78,7 +78,7 @@ impl AnalyticTeam {
     }
 
     /// Advances every run by `dt` seconds. A run whose state is no longer finite disturbs no other;
-    /// [`AnalyticTeam::fault`] finds it.
+    /// [`AnalyticBatch::fault`] finds it.
     pub fn step(&mut self, dt: f64) {
         self.members.step(dt, self.arch);
     }
@@ -109,7 +109,7 @@ pub(super) struct Side<const N: usize, A> {
     advance: PhantomData<fn() -> A>,
 }
 
-/// How the runs of a team advance.
+/// How the runs of a batch advance.
 pub(super) trait Advance: std::fmt::Debug + 'static {
     /// One step of all runs.
     fn step<const N: usize>(side: &mut Side<N, Self>, dt: f64, arch: Arch)
@@ -253,23 +253,23 @@ mod tests {
                 })
                 .collect();
             for arch in widths() {
-                let mut team = alone.team(states.len());
-                team.arch = arch;
+                let mut batch = alone.batch(states.len());
+                batch.arch = arch;
                 for (k, (q, qd, tau)) in states.iter().enumerate() {
-                    team.reset(k, q, qd);
-                    team.push(k, tau);
+                    batch.reset(k, q, qd);
+                    batch.push(k, tau);
                 }
-                team.reset(4, &vec![f64::NAN; dof], &vec![0.0; dof]);
+                batch.reset(4, &vec![f64::NAN; dof], &vec![0.0; dof]);
                 for _ in 0..50 {
-                    team.step(1e-3);
+                    batch.step(1e-3);
                 }
-                assert!(team.fault(4).is_some());
+                assert!(batch.fault(4).is_some());
                 for (k, (q, qd, tau)) in states.iter().enumerate().filter(|(k, _)| *k != 4) {
                     alone.reset(q, qd);
                     for _ in 0..50 {
                         alone.step(tau, 1e-3).unwrap();
                     }
-                    assert_eq!(team.state(k), alone.state(), "chain {run}, run {k}, {arch:?}");
+                    assert_eq!(batch.state(k), alone.state(), "chain {run}, run {k}, {arch:?}");
                 }
             }
         }

@@ -1,4 +1,4 @@
-//! Why there is no MuJoCo, or why it does not take a robot.
+//! Why there is no MuJoCo, or why it rejects a robot.
 
 use armid::dynamics::TermError;
 use std::path::PathBuf;
@@ -123,7 +123,7 @@ pub enum MujocoError {
         rotor: f64,
     },
     /// MuJoCo refuses the model for a reason of its own.
-    #[error("MuJoCo does not take the model: {reason}")]
+    #[error("MuJoCo rejects the model: {reason}")]
     Refused {
         /// What it says.
         reason: String,

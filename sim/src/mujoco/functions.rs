@@ -86,7 +86,7 @@ macro_rules! functions {
             pub(super) unsafe fn of(library: &libloading::Library) -> Result<Self, &'static str> {
                 Ok(Self {
                     $($name: {
-                        // SAFETY: the signature is the one in the headers of the version that the caller vouches for.
+                        // SAFETY: the signature is the one in the headers of the version that the caller has checked.
                         let found = unsafe { library.get::<unsafe extern "C" fn($($kind),*) $(-> $result)?>(stringify!($name)) };
                         *found.map_err(|_| stringify!($name))?
                     },)*

@@ -74,7 +74,7 @@ impl Library {
                 return Err(MujocoError::Truncated { path: path.to_path_buf(), found, expected });
             }
             Contents::Library { .. } => {}
-            Contents::Other => return Err(unloadable(path, "found a file that is no shared library")),
+            Contents::Other => return Err(unloadable(path, "found a file that is not a shared library")),
         }
         // A relative path without a slash would be looked up by the system's loader.
         let whole = path.canonicalize().map_err(unreadable)?;

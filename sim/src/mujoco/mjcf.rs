@@ -108,10 +108,14 @@ fn write_comment(text: &mut String, robot: &Robot, parameters: &StandardParamete
     }
     for (index, (joint, drive)) in robot.joints().iter().zip(&parameters.drives).enumerate() {
         let name = joint.name.replace("--", "- -");
-        line(text, 1, &format!("joint {name}: torque offset {:?} N m, which MJCF cannot say", drive[OFFSET]));
+        line(text, 1, &format!("joint {name}: torque offset {:?} N m, which MJCF cannot express", drive[OFFSET]));
         for (term, value) in drive.iter().filter(|(term, _)| !Columns::default().has(*term)) {
             let unit = term.unit(joint.kind).replace('·', " ").replace('²', "2");
-            line(text, 1, &format!("joint {name}: {} {value:?} {unit}, which MJCF cannot say", term.entry().meaning));
+            line(
+                text,
+                1,
+                &format!("joint {name}: {} {value:?} {unit}, which MJCF cannot express", term.entry().meaning),
+            );
         }
         if robot.is_coupled(index) {
             let (viscous, coulomb) = (drive[MOTOR_VISCOUS], drive[MOTOR_COULOMB]);

@@ -1,4 +1,4 @@
-//! The second opinion: MuJoCo 3.17.0 as a plant.
+//! MuJoCo 3.17.0 as a plant, for independent checks.
 //!
 //! ```text
 //! M(q) q̈ + c(q, q̇) + g(q) = τ − friction(q̇)          M with rotor inertia, as joint and tendon armature

@@ -143,7 +143,7 @@ impl MujocoModel {
         self.write(self.velocities, qd);
     }
 
-    /// Forgets everything that happened: time, forces, accelerations, counts of warnings. At rest at zero.
+    /// Resets everything: time, forces, accelerations, counts of warnings. At rest at zero.
     pub fn reset(&mut self) {
         // SAFETY: model and data belong together.
         unsafe { (self.library.functions.mj_resetData)(self.model.as_ptr(), self.data.as_ptr()) }
@@ -274,7 +274,7 @@ fn compile(library: &'static Library, text: &str) -> Result<NonNull<RawModel>, M
         }
         let model = NonNull::new((f.mj_compile)(spec, ptr::null()));
         let result = model.ok_or_else(|| match (f.mjs_getError)(spec) {
-            text if text.is_null() => refused(c"it does not say why"),
+            text if text.is_null() => refused(c"without a reason"),
             text => refused(CStr::from_ptr(text)),
         });
         (f.mj_deleteSpec)(spec);

@@ -1,4 +1,4 @@
-//! Is the file of a library whole? The system's loader maps a file that is cut short and the program then dies.
+//! Is the file of a library complete? The system's loader maps a truncated file and the program is then killed.
 //!
 //! ELF (64 bits, little endian): the section headers and every segment must lie inside the file. Mach-O (64 bits, thin
 //! or fat): every segment must. Nothing else is looked at; the loader judges the rest.

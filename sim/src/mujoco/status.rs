@@ -1,4 +1,4 @@
-//! What this machine offers.
+//! Whether MuJoCo is available on this machine.
 
 use std::path::PathBuf;
 

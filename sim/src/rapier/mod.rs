@@ -1,4 +1,4 @@
-//! A simulator written by others, made into a plant: multibody joints of the physics engine rapier, in reduced
+//! An independent simulator as a plant: multibody joints of the physics engine rapier, in reduced
 //! coordinates.
 //!
 //! ```text
@@ -10,7 +10,7 @@
 //! engine's armature. Its default damping is zeroed, and there is no contact and no sleep.
 //!
 //! Friction is the law of the core ([`armid::dynamics::DriveTrain`]), made implicit through the engine's damping `D`
-//! (see `term_forces`), and coupled rotors, which the engine does not know, are a torque in every step (see `rotors`).
+//! (see `term_forces`), and coupled rotors, which the engine does not model, are a torque in every step (see `rotors`).
 //!
 //! The method is of order 1: an error halves with the step. Within a step the engine treats Coriolis forces
 //! implicitly, and explicitly where it finds that the former adds energy.

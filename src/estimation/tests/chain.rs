@@ -163,7 +163,7 @@ fn analytic_coverage_behind_a_low_pass_on_torque() {
 
 #[test]
 fn identity_a_record_without_periods() {
-    // 1.3 periods of the same motion, as a log that knows of no period.
+    // 1.3 periods of the same motion, as a log that states no period.
     let arm = Arm::new();
     let rows = 6 * 1300;
     let (q, current) = (arm.q.repeat(2)[..rows].to_vec(), arm.current.repeat(2)[..rows].to_vec());

@@ -6,13 +6,15 @@ use crate::trajectory::Trajectory;
 /// How far the certified clearance may lie below the true one, m.
 pub const CLEARANCE_TOLERANCE: f64 = 1e-4;
 
-/// Halvings after which a segment of time counts by its middle: 2⁻²⁰ of a sample is below a microsecond.
+/// Halvings after which a segment of time counts by its bound, which is then below the distance by more than the
+/// tolerance: 2⁻²⁰ of a sample is below a microsecond, in which no arm moves that far.
 const DEEPEST: u32 = 20;
 
 /// Where two bodies come nearest.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct WorstClearance {
-    /// A distance that is never undercut, at most [`CLEARANCE_TOLERANCE`] below the true smallest one, m.
+    /// A distance that is never undercut, at most [`CLEARANCE_TOLERANCE`] below the true smallest one, m; further below
+    /// where joints move that far within 2⁻²⁰ of a sample.
     pub distance_m: f64,
     /// What comes near to what: links by their joints, obstacles by their names.
     pub pair: [String; 2],
@@ -82,8 +84,12 @@ pub fn smallest_clearance(
                 nearest = (distance, segment.pair, middle);
             }
             let at_least = distance - look.scene.closing(segment.pair, &look.moved);
-            if at_least < nearest.0 - CLEARANCE_TOLERANCE && segment.depth < DEEPEST {
-                open.push(Segment { pair: segment.pair, middle, half, at_least, depth: segment.depth + 1 });
+            if at_least < nearest.0 - CLEARANCE_TOLERANCE {
+                if segment.depth < DEEPEST {
+                    open.push(Segment { pair: segment.pair, middle, half, at_least, depth: segment.depth + 1 });
+                } else {
+                    nearest = (at_least + CLEARANCE_TOLERANCE, segment.pair, middle);
+                }
             }
         }
     }

@@ -13,7 +13,7 @@ use super::spectrum::{log_condition, log_condition_smooth};
 /// ```text
 /// ln κ_p = 1/(2p) ( ln Σ λ_i^p + ln Σ λ_i^−p ),        ln κ ≤ ln κ_p ≤ ln κ + ln(b)/p
 /// ```
-/// is as smooth as M itself whatever crosses (it depends on the eigenvalues symmetrically), and is minimised for a
+/// is as smooth as M itself where eigenvalues cross (it depends on the eigenvalues symmetrically), and is minimised for a
 /// growing sharpness p. The exact form has one valid subgradient.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Condition {

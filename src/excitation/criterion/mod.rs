@@ -7,7 +7,7 @@
 //! covariance matrix or its Cramér–Rao lower bound", and says neither whether it is minimised nor maximised. Here M is
 //! the information, and −ln det M is minimised, which makes the confidence volume of the estimate small.
 //!
-//! A criterion knows nothing of robots: it turns M into a value and ∂value/∂M; the chain to the trajectory's
+//! A criterion does not depend on robots: it turns M into a value and ∂value/∂M; the chain to the trajectory's
 //! coefficients is the objective's. Each is one file here, and all are listed once, in [`CriterionKind`].
 
 mod a_optimal;

@@ -22,7 +22,7 @@ pub struct Channel {
     pub weights: Vec<f64>,
     /// Largest magnitude, N·m (N) or A; infinite where there is no limit.
     pub peak: f64,
-    /// Largest root mean square over a period; infinite where nobody states one.
+    /// Largest root mean square over a period; infinite where none is stated.
     pub continuous: f64,
 }
 

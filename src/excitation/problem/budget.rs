@@ -5,7 +5,7 @@ use crate::excitation::error::ExcitationError;
 /// Default budget of one design: criterion evaluations, of which a gradient is one more.
 pub const DEFAULT_EVALUATIONS: usize = 400;
 
-/// Samples of one period in a certificate, unless told otherwise.
+/// Samples of one period in a certificate, by default.
 const CERTIFICATE_SAMPLES: usize = 5000;
 
 /// How much work one design is.

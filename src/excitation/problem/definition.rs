@@ -295,7 +295,7 @@ mod tests {
         let noise = [0.3, 0.5, 0.2, 0.1, 0.1, 0.05];
         problem.set_noise(noise.to_vec()).unwrap();
         let m = problem.information(&start).unwrap();
-        // 500 equations of each joint: what such an experiment tells in all.
+        // 500 equations of each joint: what such an experiment contains in all.
         let alone = problem.clone();
         problem.set_collected(&(&m * (6.0 * 500.0)), &noise, 500).unwrap();
         let prior = problem.objective().prior().unwrap().clone();

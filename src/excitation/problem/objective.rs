@@ -17,7 +17,7 @@ use crate::seed::Seed;
 /// The least number of random states on which a base of frozen joints is found.
 const RANDOM_STATES: usize = 40;
 
-/// Samples of one period in the criterion, unless told otherwise.
+/// Samples of one period in the criterion, by default.
 const SAMPLES: usize = 100;
 
 /// What is minimised: a criterion of the information that a motion collects on the base of the chosen columns. Made and

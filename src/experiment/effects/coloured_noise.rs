@@ -1,4 +1,4 @@
-//! Current noise that remembers: an autoregression of order one with the variance of white noise.
+//! Correlated current noise: an autoregression of order one with the variance of white noise.
 //!
 //! ```text
 //! n_k = ρ n_{k−1} + √(1 − ρ²) σ w_k      w white, unit      ρ = exp(−1/(f T))      E n_k n_{k+l} = σ² ρ^|l|

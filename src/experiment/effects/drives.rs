@@ -206,7 +206,7 @@ impl ActualDrives {
         links.inverse(q, qd, &self.qdd, &mut self.load);
         self.transmission.motor_torque(&self.load, &mut self.mean);
         for i in 0..qd.len() {
-            // A spring that is followed knows its own torque.
+            // A spring that is integrated has its own torque.
             if !matches!(self.sides[i], Side::TwoMasses(_)) {
                 self.load_motor[i] = self.mean[i];
             }

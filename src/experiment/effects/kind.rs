@@ -124,7 +124,7 @@ effects! {
     /// Current converters with fewer bits than the robot file's.
     AdcStep: "adc-step", "steps", 4.0, 16.0, 256.0,
         "converter steps that are one";
-    /// Current noise that remembers, of equal variance.
+    /// Correlated current noise of equal variance.
     ColouredNoise: "coloured-noise", "ms", 5.0, 100.0, 10000.0,
         "time in which the correlation of the noise falls to 1/e";
 }

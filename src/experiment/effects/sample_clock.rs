@@ -6,7 +6,7 @@
 //! ```
 //! The servo's own clock is right: only what is recorded is off. A sample gets lost with probability `p`, by itself; in
 //! its place stands the one before, as a logger without sequence numbers would write it. A recording has no gaps, and its
-//! stamps are those of the ideal clock: no reader can tell which samples these are.
+//! stamps are those of the ideal clock: they do not show which samples these are.
 
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};

@@ -1,4 +1,4 @@
-//! An element of an XML text that knows where it stands.
+//! An element of an XML text with its place.
 
 use std::ops::Range;
 

@@ -34,7 +34,7 @@ pub struct ParameterFile {
     pub notes: Vec<Note>,
 }
 
-/// What an experimenter knows before measuring.
+/// Prior knowledge of an experimenter.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NominalParameters {
     /// The guess.
@@ -50,7 +50,7 @@ pub struct NominalParameters {
 struct ParametersTable {
     link: Spanned<Vec<Spanned<LinkTable>>>,
     drive: Option<Spanned<Vec<Spanned<DriveTable>>>>,
-    /// What a simulated arm does beside its parameters: for whoever simulates, read there.
+    /// What a simulated arm does beside its parameters: read by the simulator.
     #[serde(rename = "effects")]
     _effects: Option<serde::de::IgnoredAny>,
 }

@@ -1,4 +1,4 @@
-//! Values that know where they stand in the text, and the checks that every file shares.
+//! Values with their place in the text, and the checks that every file shares.
 
 use std::ops::Range;
 

@@ -24,7 +24,7 @@ pub(super) fn read_shape_parameters(
     for (key, number) in table {
         let found = key.get_ref();
         if !known.contains(&found.as_str()) {
-            let message = format!("shape parameter \"{found}\" is no term's, expected one of {}", quoted(&known));
+            let message = format!("shape parameter \"{found}\" belongs to no term, expected one of {}", quoted(&known));
             return check.fault(key.span(), message);
         }
         shapes.insert(found.clone(), check.finite(found, number)?);

@@ -166,9 +166,8 @@ fn read_obstacle(check: Check<'_>, table: &ObstacleTable) -> Result<Obstacle, Fo
         }
         (None, None) => Ok(Obstacle::Body { name, solid: keys.read(check)? }),
         _ => {
-            let message = format!(
-                "obstacle \"{name}\" is no single thing, expected normal and offset_m alone, or the keys of one body"
-            );
+            let message =
+                format!("obstacle \"{name}\" mixes kinds, expected normal and offset_m alone, or the keys of one body");
             check.fault(table.name.span(), message)
         }
     }

@@ -124,7 +124,7 @@ fn bodies(
     if order.len() != 1 {
         let roots: Vec<&str> = order.iter().map(|&link| names[link]).collect();
         let found = if roots.is_empty() { "a loop".to_owned() } else { super::reading::quoted(&roots) };
-        return root.fault(format!("the links that hang on nothing are {found}, expected exactly one"));
+        return root.fault(format!("the links without a parent are {found}, expected exactly one"));
     }
     let mut next = 0;
     let mut bodies = Vec::with_capacity(links.len());

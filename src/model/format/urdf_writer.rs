@@ -4,7 +4,7 @@
 //! robot.toml:  T = before · Rz(q) · after        URDF:  origin = after_(i−1) · before_i,  axis z,  link frame = before · Rz(q)
 //! ```
 //! URDF's link frame stands on its joint, so inertias are written as seen from there; a last link without inertia,
-//! `flange`, stands where the chain ends. URDF knows viscous and Coulomb friction, but no rotor inertia and no torque
+//! `flange`, stands where the chain ends. URDF has viscous and Coulomb friction, but no rotor inertia and no torque
 //! offset: those are in the comment at the top.
 
 use crate::model::term::{COULOMB, OFFSET, ROTOR, VISCOUS};
@@ -16,7 +16,7 @@ use super::tree::moved;
 use crate::model::{Columns, Joint, JointKind, Robot, StandardParameters};
 use crate::spatial::{Inertia, Placement};
 
-/// What is written for a limit that nobody states: URDF asks for a number.
+/// What is written for a limit that is not stated: URDF asks for a number.
 const NO_LIMIT: f64 = 1e9;
 
 /// Writes a robot with these parameters as URDF that [`parse_urdf`](super::parse_urdf) reads, and other tools too.
@@ -53,7 +53,7 @@ pub fn write_urdf(robot: &Robot, parameters: &StandardParameters, header: &str) 
             })
             .collect();
         let name = commented(&joint.name);
-        let _ = writeln!(out, "  joint {name}: {}, which URDF cannot say", left_out.join(", "));
+        let _ = writeln!(out, "  joint {name}: {}, which URDF cannot express", left_out.join(", "));
     }
     let _ = write!(out, "-->\n<robot name=\"{}\">\n  <link name=\"base\"/>\n", escaped(robot.name()));
     let (mut parent, mut end) = ("base".to_owned(), *robot.base());

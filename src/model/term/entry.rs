@@ -1,4 +1,4 @@
-//! What everybody who handles a term must know of it beside its law.
+//! The properties of a term beside its law.
 
 use crate::model::JointKind;
 
@@ -101,7 +101,7 @@ pub enum Structure {
     },
 }
 
-/// How well an experimenter knows a coefficient before measuring: the standard deviation that `nominal.toml` states in its
+/// Prior uncertainty of a coefficient: the standard deviation that `nominal.toml` states in its
 /// table `relative_uncertainty`.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Prior {

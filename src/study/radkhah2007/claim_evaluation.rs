@@ -245,7 +245,7 @@ impl ClaimEvaluation<'_> {
                 .to_owned(),
             quantities: vec![
                 Quantity::new("relative torque change, masses set to zero and regrouped", kept, samples),
-                Quantity::new("relative torque change, masses set to zero and forgotten", dropped, samples),
+                Quantity::new("relative torque change, masses set to zero and left out", dropped, samples),
             ],
         }
     }
@@ -310,7 +310,7 @@ fn criterion_claim(setup: &StudySetup, findings: &Findings) -> Claim {
         claim: "Designs for the condition number do slightly better than D-optimal ones (sections IV.C, VI)."
             .to_owned(),
         verdict,
-        rule: "By the torque prediction RMSE of weighted least squares on trajectories that no fit has seen: it holds \
+        rule: "By the torque prediction RMSE of weighted least squares on held-out trajectories: it holds \
                where the bootstrap interval of the ratio lies below one. Experiment 01 asks with more runs and metrics."
             .to_owned(),
         quantities: comparison
@@ -356,8 +356,8 @@ fn iterations_claim(setup: &StudySetup, designs: &[StudyDesign]) -> Claim {
         claim: "Thanks to the least-squares start the optimisation is done after 3 iterations (section III.B)."
             .to_owned(),
         verdict,
-        rule: "Done means 99 % of the gain in ln κ or ln det M that the optimiser makes in the end, from the paper's \
-               start (with the slip of its eqs. 7 and 8 mended)."
+        rule: "Done means 99 % of the gain in ln κ or ln det M that the optimiser makes in the end, from the \
+               first guess of `radkhah2007` (with the slip of its eqs. 7 and 8 corrected)."
             .to_owned(),
         quantities: named
             .into_iter()

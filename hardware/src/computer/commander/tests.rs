@@ -166,7 +166,7 @@ fn other_controllers_treat_a_motion_under_way_otherwise() {
     assert!(taken.is_ok());
     run(&mut both, 1.0, 2.0);
     assert_eq!(both.outcome(), Some(Outcome::Cancelled));
-    // Half a second of the motion is past; where the stamp is forgotten, it begins anew.
+    // Half a second of the motion is past; where the stamp is ignored, it begins anew.
     let (mut anew, taken) = replaced(Replacement::Spliced, 8, 0.5);
     assert!(taken.is_ok());
     run(&mut anew, 1.0, 2.9);

@@ -28,7 +28,7 @@ impl Plant for FlyWheels {
     }
 }
 
-fn computer(fault: Option<&str>) -> RobotController<FlyWheels> {
+fn controller(fault: Option<&str>) -> RobotController<FlyWheels> {
     let robot = armid::conformance::chains::planar_2r();
     let mut nominal = StandardParameters::zero(2);
     nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 1.0);
@@ -41,8 +41,8 @@ fn computer(fault: Option<&str>) -> RobotController<FlyWheels> {
 }
 
 /// Half a radian on the first joint in 1 s, and back, again and again.
-fn motion(computer: &RobotController<FlyWheels>) -> Spline {
-    let names: Vec<String> = computer.limits().iter().map(|joint| joint.name.clone()).collect();
+fn motion(controller: &RobotController<FlyWheels>) -> Spline {
+    let names: Vec<String> = controller.limits().iter().map(|joint| joint.name.clone()).collect();
     let point = |k: i32| TrajectoryPoint {
         positions: vec![if k % 2 == 0 { 0.2 } else { 0.7 }, -0.1],
         velocities: vec![0.0; 2],
@@ -52,7 +52,7 @@ fn motion(computer: &RobotController<FlyWheels>) -> Spline {
     };
     let trajectory =
         JointTrajectory { joint_names: names.clone(), points: (0..=4).map(point).collect(), ..Default::default() };
-    Spline::new(&trajectory, &JointMap::new(&names, &LinkSettings::default()).unwrap(), computer.limits()).unwrap()
+    Spline::new(&trajectory, &JointMap::new(&names, &LinkSettings::default()).unwrap(), controller.limits()).unwrap()
 }
 
 struct Line {
@@ -65,10 +65,10 @@ struct Line {
 }
 
 /// Steps until `to` s.
-fn run(computer: &mut RobotController<FlyWheels>, to: f64) -> (Vec<Output>, Vec<Line>) {
+fn run(controller: &mut RobotController<FlyWheels>, to: f64) -> (Vec<Output>, Vec<Line>) {
     let (mut output, mut lines) = (Vec::new(), Vec::new());
-    while computer.t() < to - 1e-9 {
-        computer
+    while controller.t() < to - 1e-9 {
+        controller
             .step(&mut output, &mut |report| {
                 lines.push(Line {
                     t: report.t,
@@ -90,10 +90,10 @@ fn states(output: &[Output]) -> Vec<&JointState> {
 
 #[test]
 fn a_motion_is_performed_reported_and_ended() {
-    let mut computer = computer(None);
-    computer.follow(motion(&computer)).unwrap();
-    assert_eq!(computer.state(), "enabled homed follow");
-    let (output, lines) = run(&mut computer, 4.1);
+    let mut controller = controller(None);
+    controller.follow(motion(&controller)).unwrap();
+    assert_eq!(controller.state(), "enabled homed follow");
+    let (output, lines) = run(&mut controller, 4.1);
     let states = states(&output);
     // 4.1 s at 500 Hz, stamps evenly spaced from the clock's beginning.
     assert_eq!(states.len(), 2050);
@@ -110,16 +110,16 @@ fn a_motion_is_performed_reported_and_ended() {
 #[test]
 fn after_a_fault_nothing_is_commanded_outside_the_limits() {
     for kind in FaultKind::ALL {
-        let mut computer = computer(Some(&format!("{}@motion+0.6", kind.name())));
-        run(&mut computer, 0.3);
-        computer.follow(motion(&computer)).unwrap();
-        let (output, lines) = run(&mut computer, 2.5);
+        let mut controller = controller(Some(&format!("{}@motion+0.6", kind.name())));
+        run(&mut controller, 0.3);
+        controller.follow(motion(&controller)).unwrap();
+        let (output, lines) = run(&mut controller, 2.5);
         let struck = lines.iter().position(|line| line.event.starts_with("fault")).expect("a fault");
         assert!((lines[struck].t - 0.9).abs() < 2e-3, "{kind:?} at {}", lines[struck].t);
         let off = matches!(kind, FaultKind::Freeze | FaultKind::Jump | FaultKind::Estop);
         for line in &lines[struck..] {
-            for (j, joint) in computer.limits().iter().enumerate() {
-                assert!(line.current[j].abs() <= computer.robot().joints()[j].drive.current_limit);
+            for (j, joint) in controller.limits().iter().enumerate() {
+                assert!(line.current[j].abs() <= controller.robot().joints()[j].drive.current_limit);
                 if off {
                     assert!(line.command.is_empty() && line.current[j] == 0.0, "{kind:?}: {}", line.doing);
                     assert_eq!(line.q, lines[struck].q, "{kind:?}: the brakes hold");
@@ -136,17 +136,17 @@ fn after_a_fault_nothing_is_commanded_outside_the_limits() {
             FaultKind::Jitter => {
                 assert!(after.windows(2).any(|pair| pair[0].header.stamp.ns() > pair[1].header.stamp.ns()));
             }
-            FaultKind::Jump => assert!(computer.state().starts_with("fault")),
+            FaultKind::Jump => assert!(controller.state().starts_with("fault")),
             FaultKind::Overcurrent => {
-                assert!(after[0].effort[0] >= 1.5 * computer.robot().joints()[0].drive.current_limit);
+                assert!(after[0].effort[0] >= 1.5 * controller.robot().joints()[0].drive.current_limit);
             }
-            FaultKind::Estop => assert_eq!(computer.state(), "estop"),
+            FaultKind::Estop => assert_eq!(controller.state(), "estop"),
             FaultKind::Die => assert!(output.contains(&Output::Die)),
             FaultKind::Order => assert!(after[0].position[0] < 0.0 && after[0].position[1] > 0.2),
             FaultKind::Nan => assert!(after[0].position[0].is_nan() && after[0].position[1].is_finite()),
-            FaultKind::StrangeState => assert_eq!(computer.state(), "EMERGENCY STOP pressed, unhomed"),
+            FaultKind::StrangeState => assert_eq!(controller.state(), "EMERGENCY STOP pressed, unhomed"),
             FaultKind::Oscillation => {
-                let most = computer.robot().joints()[0].drive.current_limit;
+                let most = controller.robot().joints()[0].drive.current_limit;
                 assert!(after.windows(2).all(|pair| (pair[0].effort[0] - pair[1].effort[0]).abs() == most));
             }
             FaultKind::Clock => {
@@ -159,7 +159,7 @@ fn after_a_fault_nothing_is_commanded_outside_the_limits() {
         }
         if off && kind != FaultKind::Freeze {
             assert!(output.iter().any(|out| matches!(out, Output::Ended(Outcome::Aborted, _))), "{kind:?}");
-            assert!(computer.follow(motion(&computer)).is_err());
+            assert!(controller.follow(motion(&controller)).is_err());
         }
     }
 }
@@ -176,17 +176,17 @@ fn what_does_not_fit_is_refused() {
     for rate in [300.0, 2000.0, 0.0, f64::NAN] {
         let plant = FlyWheels(vec![0.0; 2], vec![0.0; 2]);
         let made = RobotController::new(&robot, &nominal, plant, &Sensing::ideal(), (Seed::new(1), 0), (rate, 0));
-        assert!(matches!(made, Err(RobotControllerError::Setting { quantity: "rate_hz", .. })), "{rate}");
+        assert!(matches!(made, Err(RobotControllerError::Rate { .. })), "{rate}");
     }
 }
 
 #[test]
 fn an_arm_that_is_not_homed_says_so_and_stays() {
-    let mut computer = computer(None).with_homed(false);
-    assert_eq!(computer.follow(motion(&computer)), Err("the arm is not homed".to_owned()));
-    assert!(!computer.set_point(&[0.1, 0.0]));
-    let (output, _) = run(&mut computer, 0.5);
-    assert_eq!(computer.state(), "enabled not homed hold");
+    let mut controller = controller(None).with_homed(false);
+    assert_eq!(controller.follow(motion(&controller)), Err("the arm is not homed".to_owned()));
+    assert!(!controller.set_point(&[0.1, 0.0]));
+    let (output, _) = run(&mut controller, 0.5);
+    assert_eq!(controller.state(), "enabled not homed hold");
     let states = states(&output);
     let stays = |state: &&JointState| state.position.iter().zip(&states[0].position).all(|(a, b)| (a - b).abs() < 1e-3);
     assert!(states.len() > 200 && states.iter().all(stays), "{:?}", states.last());
@@ -194,13 +194,13 @@ fn an_arm_that_is_not_homed_says_so_and_stays() {
 
 #[test]
 fn requests_stop_the_arm() {
-    let mut computer = computer(None);
-    computer.follow(motion(&computer)).unwrap();
-    run(&mut computer, 0.5);
-    assert!(computer.cancel());
-    let (output, _) = run(&mut computer, 1.5);
+    let mut controller = controller(None);
+    controller.follow(motion(&controller)).unwrap();
+    run(&mut controller, 0.5);
+    assert!(controller.cancel());
+    let (output, _) = run(&mut controller, 1.5);
     assert!(output.contains(&Output::Ended(Outcome::Cancelled, String::new())));
-    computer.disable("disabled: as requested");
-    assert_eq!(computer.state(), "disabled: as requested");
-    assert!(!computer.set_point(&[0.2, -0.1]));
+    controller.disable("disabled: as requested");
+    assert_eq!(controller.state(), "disabled: as requested");
+    assert!(!controller.set_point(&[0.2, -0.1]));
 }

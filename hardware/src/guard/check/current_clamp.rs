@@ -51,7 +51,7 @@ impl Check for CurrentClamp {
             if effort <= joint.effort {
                 continue;
             }
-            // Nobody knows what was between two samples: the one that is above stands for the time before it.
+            // Nothing is known between two samples: the one that is above stands for the time before it.
             above.push_back((sample.t, step));
             let total: f64 = above.iter().map(|(_, span)| span).sum();
             self.longest = self.longest.max(total);

@@ -1,4 +1,4 @@
-//! Positions, efforts and set-points that are no numbers.
+//! Positions, efforts and set-points that are not finite numbers.
 
 use armid::experiment::RawSample;
 

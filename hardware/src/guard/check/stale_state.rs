@@ -1,4 +1,4 @@
-//! Silence of the robot.
+//! Joint states that do not arrive, or arrive late.
 
 use armid::experiment::RawSample;
 

@@ -1,4 +1,4 @@
-//! An arm that stands while its command moves.
+//! An arm that is at rest while its command moves.
 
 use std::collections::VecDeque;
 

@@ -7,13 +7,13 @@ use crate::guard::machine::Approached;
 use crate::guard::preflight::of_survey;
 use crate::guard::{Approach, Confirmation, GuardSettings, Guarded, JointBounds, Mode, Preflight, Survey, Trip};
 
-fn word() -> Confirmation {
+fn confirmation() -> Confirmation {
     Confirmation::typed("crs-a460", "crs-a460\n").unwrap()
 }
 
 fn guarded(stage: Stage, settings: &GuardSettings) -> Guarded<Approached<Stage>> {
     let mode = stage.mode;
-    Guarded::new(Approached::new(stage, &robot(), settings, word()), &robot(), settings, mode)
+    Guarded::new(Approached::new(stage, &robot(), settings, confirmation()), &robot(), settings, mode)
 }
 
 #[test]
@@ -119,19 +119,19 @@ fn an_arm_that_may_not_move_does_not() {
     let plan = plan(0.5, 1000.0);
     let good = Stage::new(Mode::Trajectory, &GuardSettings::default());
     let survey = crate::guard::Machine::survey(&mut good.clone()).unwrap();
-    assert_eq!(of_survey(&bounds, &plan, &survey, &word()).unwrap().len(), 5);
+    assert_eq!(of_survey(&bounds, &plan, &survey, &confirmation()).unwrap().len(), 5);
     let mut other = survey.clone();
     other.joints[2] = "Elbow".to_owned();
-    refused(&of_survey(&bounds, &plan, &other, &word()), Preflight::JointNames);
-    refused(&of_survey(&bounds, &plan, &Survey { rate_hz: 400.0, ..survey.clone() }, &word()), Preflight::Rate);
+    refused(&of_survey(&bounds, &plan, &other, &confirmation()), Preflight::JointNames);
+    refused(&of_survey(&bounds, &plan, &Survey { rate_hz: 400.0, ..survey.clone() }, &confirmation()), Preflight::Rate);
     for outside in [2.0, f64::NAN] {
         let mut q = survey.q.clone();
         q[1] = outside;
-        refused(&of_survey(&bounds, &plan, &Survey { q, ..survey.clone() }, &word()), Preflight::StartPose);
+        refused(&of_survey(&bounds, &plan, &Survey { q, ..survey.clone() }, &confirmation()), Preflight::StartPose);
     }
     let stopped = Survey { ready: Some(false), ..survey.clone() };
-    refused(&of_survey(&bounds, &plan, &stopped, &word()), Preflight::EmergencyStop);
-    refused(&of_survey(&bounds, &plan, &Survey { homed: Some(false), ..survey }, &word()), Preflight::Homed);
+    refused(&of_survey(&bounds, &plan, &stopped, &confirmation()), Preflight::EmergencyStop);
+    refused(&of_survey(&bounds, &plan, &Survey { homed: Some(false), ..survey }, &confirmation()), Preflight::Homed);
     assert_eq!(Confirmation::typed("crs-a460", "crs-a465"), None);
     assert_eq!(Confirmation::typed("crs-a460", ""), None);
 }

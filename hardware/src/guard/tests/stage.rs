@@ -1,4 +1,4 @@
-//! An arm on a virtual clock that does what a test reports it, and writes down what it is reported.
+//! An arm on a virtual clock that does what a test asks, and records what it is asked.
 
 use armid::experiment::{
     Arm, ArmError, Command, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Rest, SafeAction, Sink,
@@ -38,7 +38,7 @@ pub(super) fn around(series: FourierTrajectory, rate_hz: f64) -> ExperimentPlan 
     ExperimentPlan { rate_hz, settle_s: 0.2, ramp_s: 1.0, discarded_periods: 0, periods: 1, ..usual }
 }
 
-/// What goes wrong, from a moment on. Sizes are beyond what the joint may do.
+/// The fault, from a moment on. Sizes are beyond what the joint may do.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) enum Fault {
     /// Nothing.
@@ -61,7 +61,7 @@ pub(super) enum Fault {
     Late(f64),
     /// A set-point is off by this much, rad.
     Step(f64),
-    /// The robot controller gives up.
+    /// The robot controller aborts.
     Robot,
 }
 
@@ -149,8 +149,8 @@ impl Stage {
         }
         for k in 0..100 {
             let healthy = RawSample { index: sample.index + k, t: t + k as f64 * 1e-3, ..*sample };
-            let heard = [sink.sample(&healthy), sink.unrecorded(&healthy)];
-            let answers = [heard[0], heard[1], sink.idle(1e-3), sink.command(healthy.command, 0.0)];
+            let flows = [sink.sample(&healthy), sink.unrecorded(&healthy)];
+            let answers = [flows[0], flows[1], sink.idle(1e-3), sink.command(healthy.command, 0.0)];
             assert_eq!(answers, [first; 4], "a guard that has tripped stays tripped");
         }
     }
@@ -204,7 +204,7 @@ impl Stage {
                     Fault::Step(size) => command[joint] += size,
                     Fault::Robot => {
                         self.crossed(now);
-                        let reason = "the robot controller says estop".to_owned();
+                        let reason = "the robot controller reports estop".to_owned();
                         let settings = &self.settings;
                         let trip =
                             crate::guard::watch::report(Trip::RobotStopped, reason, settings, self.mode, rate_hz);
@@ -277,7 +277,7 @@ impl Arm for Stage {
     fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
         let layout = plan.check(self.robot.dof())?;
         if self.gives_up {
-            let reason = "the robot controller says \"estop\"".to_owned();
+            let reason = "the robot controller reports \"estop\"".to_owned();
             return Err(ArmError::Unavailable { arm: "stage".to_owned(), reason });
         }
         sink.begin(&self.announcement(plan)?);

@@ -103,7 +103,7 @@ impl ColumnMap {
             return Err(format!("{key}: % and rated=… belong together, expected both or neither"));
         }
         if map.gear.is_some() && !map.motor && quantity != Quantity::Current {
-            return Err(format!("{key}: gear=… is of values at the motors, expected the word motor beside it"));
+            return Err(format!("{key}: gear=… needs values at the motors, expected the word motor beside it"));
         }
         if quantity == Quantity::Current && (map.gear.is_some() || map.motor) && map.constant.is_none() {
             return Err(format!(

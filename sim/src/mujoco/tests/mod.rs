@@ -1,4 +1,4 @@
-//! MuJoCo against everything that knows better: its own headers and access functions, Newton–Euler, the other plant.
+//! MuJoCo against independent references: its own headers and access functions, Newton–Euler, the other plant.
 
 mod dynamics;
 mod layout;

@@ -117,8 +117,8 @@ fn identity_two_seconds_through_standstill_are_those_of_the_analytic_plant() {
         let shake = |t: f64| {
             let t = 1e-3 * (1e3 * t + 1e-6).floor();
             let swing = |i: usize| libm::sin(9.0 * t + i as f64);
-            let rub = |i: usize| 3.0 * (parameters.drives[i][COULOMB] + parameters.drives[i][VISCOUS]);
-            (0..robot.dof()).map(|i| rub(i) * swing(i)).collect()
+            let friction = |i: usize| 3.0 * (parameters.drives[i][COULOMB] + parameters.drives[i][VISCOUS]);
+            (0..robot.dof()).map(|i| friction(i) * swing(i)).collect()
         };
         let (whole, moved) = apart(&robot, &parameters, 1e-3, &shake);
         let (fine, _) = apart(&robot, &parameters, 1e-3 / 32.0, &shake);
