@@ -1,7 +1,7 @@
 //! Signals: the first asks the work to end with what is finished, the second ends it at once, unless an arm moves. Work that
-//! never looks whether it was asked has nothing to keep, and ends at the first.
+//! never checks for a request has nothing to keep, and ends at the first.
 //!
-//! While an arm moves, no signal that can be caught ends the process before the arm is at rest, or nobody can do more for
+//! While an arm moves, no signal that can be caught ends the process before the arm is at rest, or nothing more can be done for
 //! it. Signals are taken by a thread that waits for them and are blocked everywhere else, so that none interrupts the
 //! middleware in the middle of a call.
 
@@ -62,7 +62,7 @@ fn ask() {
     }
 }
 
-/// Has somebody asked for the end?
+/// Has a signal asked for the end?
 pub(crate) fn asked() -> bool {
     if !HEEDED.load(Ordering::Relaxed) {
         HEEDED.store(true, Ordering::SeqCst);
@@ -70,7 +70,7 @@ pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
-/// An arm moves as long as this lives: signals ask, and none ends the process.
+/// An arm moves while this value exists: signals ask to stop, and none ends the process.
 #[must_use]
 pub(crate) struct Moving(());
 

@@ -89,7 +89,7 @@ fn identity_a_csv_gives_what_the_recording_gives() {
         assert!((value - other).abs() < std, "{a} {b}");
     }
     let fault = stderr(&armid(["identify", &csv]).code(2));
-    assert!(fault.contains("does not say which robot it is of, expected --robot"), "{fault}");
+    assert!(fault.contains("does not name its robot, expected --robot"), "{fault}");
     let fault = stderr(&armid(["identify", &csv, "--robot", "crs-a460", "--period", "0.0333"]).code(2));
     assert!(fault.contains("a period of 0.0333 s is 33.300 samples"), "{fault}");
     let fault = stderr(&armid(["identify", &recording, "--period", "10"]).code(2));
@@ -106,7 +106,7 @@ fn a_csv_with_a_wrong_header_is_shown_with_line_and_column() {
         ("t,q1,q2,tau1\n0,1,2,3\n", "log.csv:1:1: heading \"tau2\" is missing"),
         ("t,q1,tau1\n0,1,2\n0.001,x,2\n", "log.csv:3:7: q1: found \"x\""),
         ("t,q1,tau1\n0,1,2\n0.001,1,2\n0.002,1\n", "log.csv:4:1: found 2 values, expected 3"),
-        ("t,q1,tau1\n0,1,2\n0.001,1,2\n5,1,2\n5.001,1,2\n", "t: no stretch of 0.5 s without a break"),
+        ("t,q1,tau1\n0,1,2\n0.001,1,2\n5,1,2\n5.001,1,2\n", "t: no segment of 0.5 s without a break"),
         ("t,q1,tau1\n0,1,2\n0.001,1,2\n", "log.csv holds 1 joints, expected the 6 of robot \"crs-a460\""),
     ] {
         let log = write(folder.path(), "log.csv", text);
@@ -218,7 +218,7 @@ fn two_estimates_side_by_side_name_their_joints() {
     assert_eq!(found["parameters"].as_array().unwrap().len(), 58);
     let html = std::fs::read_to_string(folder.path().join("page/report.html")).unwrap();
     assert!(html.contains("waist") && html.contains("wrist_roll") && !html.contains("joint 1"));
-    // Estimates of an arm that nobody here knows: numbers.
+    // Estimates of an arm that is not bundled: numbers.
     let renamed = std::fs::read_to_string(&first).unwrap().replace("\"crs-a460\"", "\"someone-s-arm\"");
     for file in [&first, &second] {
         std::fs::write(file, &renamed).unwrap();

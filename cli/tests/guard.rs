@@ -168,7 +168,7 @@ fn nothing_real_moves_without_a_word_or_an_earlier_run() {
     let fault = stderr(&armid(["run", &file, "-o", &recording, "--yes-the-estop-works"]).code(2));
     assert!(fault.contains("100 % of the speed needs an earlier run of this motion on this arm at 50 %"), "{fault}");
     let fault = stderr(&armid(["run", &file, "--speed", "10%", "-o", &recording]).code(2));
-    assert!(fault.contains("nobody confirmed that the emergency stop works"), "{fault}");
+    assert!(fault.contains("no operator confirmed that the emergency stop works"), "{fault}");
     // A simulated run is no earlier run of the real arm.
     let simulated = path(folder.path(), "S.mcap");
     armid(["run", &file, "--arm", "analytic", "--periods", "1", "-o", &simulated]).success();

@@ -228,7 +228,7 @@ fn what_a_log_lacks_is_said_with_what_helps() {
     let bare = write(folder.path(), "bare.csv", "0,1,2,3,4\n1,1,2,3,4\n");
     for (arguments, wanted) in [
         (vec![file.as_str()], "heading \"q1\" is missing"),
-        (vec![&bare], "there are no headings over 5 columns"),
+        (vec![&bare], "5 columns without headings, expected headings or a mapping"),
         (vec![&file, "--map", "q=k[1-2], current=i[1-2]"], "heading \"k1\" is missing"),
         (vec![&file, "--map", "q=j[1-2], current=i[1-2]"], "has no column of times"),
         (vec![&file, "--map", "q=j[1-2], current=i1"], "current names 1 columns, expected 2"),

@@ -279,7 +279,7 @@ fn identity_a_killed_experiment_goes_on_at_the_next_period() {
     assert!(text.contains(&sessions), "{sessions}");
     assert_eq!(json(&resume(&[]).success())["already"], true);
 
-    // The kept periods are those of an experiment that nobody killed, and the new ones have noise of their own.
+    // The kept periods are those of an experiment that was not killed, and the new ones have noise of their own.
     let rows = |arguments: &[&str]| -> Vec<String> {
         let csv = path(folder.path(), "rows.csv");
         armid(arguments.iter().copied().chain(["-o", csv.as_str()])).success();

@@ -131,7 +131,7 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
     succeeds(at, &["study", "study.toml", "--resume", "-o", "killed"]);
     assert!(one == files(&at.join("killed")), "the resumed study differs from the whole");
 
-    // Nobody else may write while a study does, and a new study loses none of an interrupted one's work.
+    // No other process may write while a study does, and a new study loses none of an interrupted one's work.
     std::fs::create_dir(at.join("busy")).unwrap();
     let interrupted = at.join("busy/journal.jsonl");
     std::fs::write(&interrupted, &journal).unwrap();

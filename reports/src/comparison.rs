@@ -8,7 +8,7 @@ use crate::{
     Level, Section,
 };
 
-/// How well an estimate predicted a recording that it had not seen, n each.
+/// How well an estimate predicted a held-out recording, n each.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Prediction {
     /// RMS difference of each joint, in the comparison's units.
@@ -97,7 +97,7 @@ fn residuals(input: &ComparisonInput) -> Result<Section, DocumentError> {
 fn predictions(input: &ComparisonInput) -> Result<Section, DocumentError> {
     let section = Section::new("Prediction of a held-out recording");
     if input.predictions.iter().all(Option::is_none) {
-        return Ok(section.text("No `validation.json` stands beside the estimates."));
+        return Ok(section.text("There is no `validation.json` beside the estimates."));
     }
     let rows = input.joints.iter().enumerate().map(|(j, joint)| {
         let bar = |prediction: &Option<Prediction>| {

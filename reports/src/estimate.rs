@@ -147,7 +147,7 @@ fn shares(input: &EstimateInput) -> Result<Section, DocumentError> {
 fn diagnostics(input: &EstimateInput) -> Result<Section, DocumentError> {
     let over_time = TimeSeriesFigure {
         heading: Heading::new("residual-time", "Residual over time").caption(
-            "What is left is to look like noise: slow waves are missing physics, peaks at reversals friction.",
+            "The residual should look like noise: slow waves indicate missing physics, peaks at reversals friction.",
         ),
         time: Axis::linear("time", "s"),
         value: Axis::linear("residual", input.unit.clone()),
@@ -166,7 +166,7 @@ fn diagnostics(input: &EstimateInput) -> Result<Section, DocumentError> {
     };
     let over_velocity = ScatterFigure {
         heading: Heading::new("residual-velocity", "Residual over velocity")
-            .caption("A step at zero is Coulomb friction that the model lacks, a bend friction that is not linear."),
+            .caption("A step at zero is Coulomb friction that the model lacks, curvature friction that is not linear."),
         columns: 2,
         panels: input
             .traces

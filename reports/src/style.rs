@@ -1,7 +1,7 @@
 //! How groups of data are distinguished: by colour, and without colour by marker and dashes.
 //!
 //! Colours are the eight of Okabe and Ito ("Color universal design", 2008), which stay apart for readers with any common
-//! colour-vision deficiency. A name that the project knows (a design criterion, an estimator) has one style for ever, so
+//! colour-vision deficiency. A name of the project (a design criterion, an estimator) always has the same style, so
 //! that a colour means the same in every figure of every report; other names get the next style that is free.
 
 use crate::drawing::colour::Colour;
@@ -103,7 +103,7 @@ impl GroupStyle {
     /// ```
     /// use armid_reports::GroupStyle;
     /// assert_eq!(GroupStyle::of("d-optimal"), GroupStyle::of("D-optimal"));
-    /// assert!(GroupStyle::of("somebody else's").is_none());
+    /// assert!(GroupStyle::of("another").is_none());
     /// ```
     #[must_use]
     pub fn of(name: &str) -> Option<Self> {

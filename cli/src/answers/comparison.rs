@@ -59,7 +59,7 @@ fn origin(estimate: &Estimate) -> String {
     format!("{robot}{file}, {samples} samples that are means over {periods} periods")
 }
 
-/// Names of the joints where armid knows a robot of that name, else their numbers: an estimate holds none.
+/// Names of the joints where a robot of that name is bundled, else their numbers: an estimate holds none.
 fn joint_names(estimate: &Estimate) -> Vec<String> {
     let count = estimate.residual_rms.len();
     let known = ChainArguments::default().load(&estimate.robot).ok().map(|loaded| loaded.robot);

@@ -96,7 +96,7 @@ impl Gain {
 
     fn text(&self) -> String {
         let advice = if self.bound_ratio > AS_GOOD * self.by_repetition {
-            "; this search found\n  nothing better than to repeat: add --starts, or begin --from the trajectory so far"
+            "; this search found\n  nothing better than a repetition: add --starts, or begin --from the trajectory so far"
         } else {
             ""
         };

@@ -1,4 +1,4 @@
-//! `armid report E.json`: the page of an estimate, from its file and the logs that it remembers.
+//! `armid report E.json`: the page of an estimate, from its file and the logs that it names.
 
 use std::path::{Path, PathBuf};
 
@@ -23,7 +23,7 @@ pub(crate) fn report(path: &Path, folder: Option<&Path>) -> Result<PathBuf> {
     let text = Text::read(path)?;
     let estimate = estimate::parse(&text)?;
     let Some(inputs) = Inputs::of_estimate(&text)? else {
-        let message = format!("{} does not say which logs it was made from", text.name);
+        let message = format!("{} does not state which logs it was made from", text.name);
         return Err(Error::new(message).help("identify again, with -o").into());
     };
     let logs: Vec<PathBuf> = inputs.logs.iter().map(PathBuf::from).collect();

@@ -54,7 +54,7 @@ fn summary(found: &[&Finding]) -> Option<String> {
                 Finding::InconsistentLink { link, .. } => Some(link.to_string()),
                 _ => None,
             });
-            format!("the completed parameters of links {} are those of no real body", list(links.collect()))
+            format!("the completed parameters of links {} are physically inconsistent", list(links.collect()))
         }
         Finding::ResidualAboveNoise { .. } => {
             let joints = found.iter().filter_map(|finding| match finding {

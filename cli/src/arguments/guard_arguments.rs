@@ -9,17 +9,17 @@ use miette::Result;
 
 use crate::arms::Speed;
 
-/// What may be said of the guard.
+/// Options of the guard.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct GuardArguments {
-    /// Watch a simulated arm too; a real one always is
+    /// Guard a simulated arm too; a real one always is guarded
     #[arg(long)]
     pub(crate) guard: bool,
     /// Part of the speed of the motion, such as 10%: the same path, more slowly
     #[arg(long, value_name = "PERCENT")]
     pub(crate) speed: Option<Speed>,
-    /// Keep the flange, and every [[point]] of the robot file, under a speed, mm/s, for people beside the arm: the motion
-    /// and the way to it are as much slower as that takes, and a faster point trips. No safety-rated function
+    /// Keep the flange, and every [[point]] of the robot file, under a speed, mm/s, for people beside the arm: motion and
+    /// approach are slowed as far as needed, and a faster point trips. Not a safety-rated function
     #[arg(long, value_name = "MM_S", num_args = 0..=1, default_missing_value = "250")]
     pub(crate) reduced_speed: Option<f64>,
     /// Perform the motion at 10 %, 50 % and 100 % of its speed, one after the other
@@ -28,7 +28,7 @@ pub(crate) struct GuardArguments {
     /// Recordings that show that a real arm did this motion more slowly before
     #[arg(long, value_name = "R.mcap", num_args = 1..)]
     pub(crate) earlier: Vec<PathBuf>,
-    /// The emergency stop works and is in reach, the arm is homed, nobody is near: in place of typing the robot's name
+    /// Confirm, in place of typing the robot's name: the emergency stop works and is in reach, the arm is homed, nobody is near
     #[arg(long)]
     pub(crate) yes_the_estop_works: bool,
 }
@@ -44,16 +44,16 @@ impl GuardArguments {
         if self.yes_the_estop_works {
             return Ok(Confirmation::on_the_command_line());
         }
-        let help = "type the robot's name at a terminal, or say --yes-the-estop-works";
+        let help = "type the robot's name at a terminal, or give --yes-the-estop-works";
         let unconfirmed = |message: String| Fault::new(message).help(help);
         if !(std::io::stdin().is_terminal() && std::io::stderr().is_terminal()) {
-            return Err(unconfirmed("nobody confirmed that the emergency stop works".to_owned()).into());
+            return Err(unconfirmed("no operator confirmed that the emergency stop works".to_owned()).into());
         }
         let mut answer = String::new();
         let asked = write!(std::io::stderr(), "{}", Confirmation::question(robot))
             .and_then(|()| std::io::stderr().flush())
             .and_then(|()| std::io::stdin().read_line(&mut answer));
-        asked.map_err(|error| unconfirmed(format!("nobody could be asked: {error}")))?;
+        asked.map_err(|error| unconfirmed(format!("the operator could not be asked: {error}")))?;
         Confirmation::typed(robot, &answer)
             .ok_or_else(|| unconfirmed(format!("found \"{}\", expected \"{robot}\"", answer.trim())).into())
     }

@@ -28,13 +28,13 @@ pub(crate) struct LogArguments {
     /// Rows per second of a table without a column of times
     #[arg(long, value_name = "HZ", help_heading = "Logs")]
     rate: Option<f64>,
-    /// What the efforts are where the log does not say it; otherwise the robot decides
+    /// Kind of efforts, where the log does not state it; otherwise as in the robot file
     #[arg(long, value_parser = one_of(&EffortInterface::ALL, EffortInterface::name), help_heading = "Logs")]
     effort: Option<EffortInterface>,
-    /// Seconds of a log at which it begins to count, where it does not say what counts
+    /// Time from which a log is used, s, where it does not state its recorded part
     #[arg(long, visible_alias = "skip", value_name = "S", help_heading = "Logs")]
     from: Option<f64>,
-    /// Seconds of a log at which it ends to count
+    /// Time up to which a log is used, s
     #[arg(long, value_name = "S", help_heading = "Logs")]
     until: Option<f64>,
     /// Take velocities as measured (qd) instead of from the positions
@@ -59,7 +59,7 @@ pub(crate) struct LogArguments {
 
 impl LogArguments {
     /// Reads logs and processes them. What was not said is as `remembered` has it: what an estimate was made with; `exactly`
-    /// are settings that hold whatever was said.
+    /// are settings that hold in any case.
     pub(crate) fn process(
         &self,
         paths: &[PathBuf],
@@ -67,7 +67,7 @@ impl LogArguments {
         held_out: HeldOut,
         exactly: Option<&LogSettings>,
     ) -> Result<(ProcessedLog, Inputs), Error> {
-        // Other kinds of logs say themselves what an estimate remembers of tables.
+        // Other kinds of logs say themselves what an estimate records of tables.
         let of_tables = remembered.filter(|_| paths.iter().all(|path| is_table(path)));
         let mapping = self.map.clone().or_else(|| of_tables.and_then(|inputs| inputs.mapping.clone()));
         let rate_hz = self.rate.or_else(|| of_tables.and_then(|inputs| inputs.rate_hz));
@@ -114,7 +114,7 @@ impl LogArguments {
             }
             _ => {
                 let name = found.logs.first().map_or("the log", |log| log.name.as_str());
-                Err(Error::new(format!("{name} does not say which robot it is of, expected --robot ROBOT")))
+                Err(Error::new(format!("{name} does not name its robot, expected --robot ROBOT")))
             }
         }
     }
@@ -136,7 +136,7 @@ impl LogArguments {
         if !(bandwidth_hz.is_finite() && bandwidth_hz > 0.0) {
             return Err(Error::new(format!("--bandwidth-hz is {bandwidth_hz}, expected a number above zero")));
         }
-        // A recording of armid's own says its period, whatever an estimate was made with.
+        // A recording of armid's own states its period, which takes precedence over that of an estimate.
         let foreign = found.logs.iter().any(|log| log.recording.is_none());
         let period_s = self.period.or(found.period_s).or(before.period_s.filter(|_| foreign));
         if self.samples.is_some() && foreign && period_s.is_none() {

@@ -9,7 +9,7 @@ pub(crate) enum ArmKind {
     Simulated(Engine),
     /// A stored recording.
     Replay,
-    /// A real arm that speaks ROS 2.
+    /// A real arm over ROS 2.
     Ros2,
 }
 

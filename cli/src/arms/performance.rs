@@ -73,7 +73,7 @@ pub(crate) fn perform(
         }
         ArmKind::Ros2 => {
             let Some(confirmation) = experiment.confirmation.clone() else {
-                return Err(Error::new("arm ros2 moves metal, and nobody confirmed that it may").into());
+                return Err(Error::new("arm ros2 moves a real arm, and no operator confirmed it").into());
             };
             let (robot, text) = (&experiment.planned.robot.robot, experiment.planned.robot.text.content.as_ref());
             let mut arm = guarded_ros2(&experiment.ros2, &experiment.guard, robot, text, confirmation)

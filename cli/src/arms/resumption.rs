@@ -55,7 +55,8 @@ pub(crate) fn find(path: &Path, experiment: &Experiment) -> Result<Found> {
     }
     check_at_rest(&part)?;
     let log = Log::read(&part)?;
-    let refused = |message: String| Error::new(message).help("nothing was changed; -o another file begins anew");
+    let refused =
+        |message: String| Error::new(message).help("nothing was changed; choose another file with -o to begin anew");
     let (Some(recording), Some(robot)) = (log.recording, log.robot) else {
         return Err(refused(format!("{} was not recorded by armid", log.name)).into());
     };

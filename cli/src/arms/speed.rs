@@ -108,7 +108,7 @@ fn objection(notes: &Notes, experiment: &Experiment, needed: Speed, motion: &str
     } else {
         match speed {
             // What is not said is no permission.
-            None => Some("does not say how fast it went".to_owned()),
+            None => Some("does not state its speed".to_owned()),
             Some(speed) if speed < needed.part() - 1e-9 => Some(format!("went at {} %", 100.0 * speed)),
             Some(_) => None,
         }
@@ -168,7 +168,7 @@ mod tests {
         };
         assert_eq!(with(Some("0.1")), None);
         for silent in [None, Some("nan"), Some("fast")] {
-            assert_eq!(with(silent).as_deref(), Some("does not say how fast it went"), "{silent:?}");
+            assert_eq!(with(silent).as_deref(), Some("does not state its speed"), "{silent:?}");
         }
         assert_eq!(with(Some("0.05")).as_deref(), Some("went at 5 %"));
     }

@@ -49,7 +49,7 @@ Examples:
 pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// What is optimised
+    /// Criterion
     #[arg(long, value_parser = one_of(&CriterionKind::ALL, CriterionKind::name))]
     criterion: CriterionKind,
     /// Which parameters are to be estimated

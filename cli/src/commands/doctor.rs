@@ -25,7 +25,7 @@ pub(crate) struct Arguments {
     domain: u16,
 }
 
-/// How long to listen for ROS 2 peers: they announce themselves anew within a second of hearing of us.
+/// How long to listen for ROS 2 peers: they announce themselves anew within a second of our announcement.
 const LISTEN: Duration = Duration::from_millis(1200);
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
@@ -100,7 +100,7 @@ fn as_json(status: &MujocoStatus) -> serde_json::Value {
     }
 }
 
-/// Vector instructions that this processor has.
+/// Vector instructions of this processor.
 fn vector_units() -> Vec<&'static str> {
     #[cfg(target_arch = "x86_64")]
     let found = [

@@ -40,7 +40,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// The estimate, of `armid identify`
+    /// The estimate, a JSON file of `armid identify`
     estimate: PathBuf,
     /// Format of the file
     #[arg(long, value_parser = one_of(&Exchange::ALL, Exchange::name))]
@@ -56,7 +56,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let text = Text::read(&arguments.estimate)?;
     let estimate = estimate::parse(&text)?;
     let loaded = match Inputs::of_estimate(&text)?.map(|inputs| inputs.robot) {
-        // The estimate remembers which file its robot came from.
+        // The estimate records which file its robot came from.
         Some(RobotSource { name: Some(name), base_link, tip_link, .. }) if arguments.robot.is_none() => {
             let chain = ChainArguments {
                 base_link: arguments.chain.base_link.clone().or(base_link),
@@ -99,7 +99,7 @@ fn consistent(text: &Text, estimate: &Estimate, loaded: &LoadedRobot) -> Result<
         return Err(Error::new(message).into());
     };
     let Some(guess) = loaded.nominal.as_ref().or(loaded.own.as_ref()) else {
-        let message = format!("\"{}\" has no nominal parameters: nothing says what torque does not show", robot.name());
+        let message = format!("\"{}\" has no nominal parameters for what torque does not identify", robot.name());
         return Err(Error::new(message).help("write nominal.toml beside robot.toml").into());
     };
     let base = reduce(robot, columns, Method::Structural, Seed::new(0))

@@ -15,10 +15,10 @@ use crate::arguments::{LogArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = r#"A log is a recording of `armid run`, an MCAP of ROS 2 joint states, a table of any shape, or a
-TOML whose [log] table says what the columns are. Headings that say it themselves, t,q1..qn and
-tau1..taun (N·m) or current1..currentn (A), need no --map. Several logs go into one fit; tables whose
-columns --map names as file:heading stand side by side. Of what something else recorded the last
-fifth is kept aside, and the residual on it is stated. Where a mistake in the log explains its torque
+TOML whose [log] table says what the columns are. The headings t,q1..qn and
+tau1..taun (N·m) or current1..currentn (A) need no --map. Several logs go into one fit; tables whose
+columns --map names as file:heading are read side by side. Of logs of other tools the last
+fifth is held out, and the residual on it is reported. Where a mistake in the log explains its torque
 much better (degrees, signs, exchanged joints, gears, gravity, a joint at rest), it is named with the
 correction to try, and the exit status is 1.
 
@@ -44,14 +44,14 @@ pub(crate) struct Arguments {
     /// One estimator, or several with commas between them
     #[arg(long, value_delimiter = ',', default_value = "wls", value_parser = one_of(EstimatorKind::ALL, EstimatorKind::name))]
     estimator: Vec<EstimatorKind>,
-    /// What is estimated
+    /// Which parameters are estimated
     #[arg(long, default_value = "rigid+rotor+friction", value_parser = columns)]
     columns: Columns,
     /// Short for --columns rigid
     #[arg(long, conflicts_with = "columns")]
     no_friction: bool,
-    /// What is kept aside and only predicted: a part such as 30%, none, or another log; by default the last fifth of a log
-    /// that something else recorded
+    /// What is held out and only predicted: a part such as 30%, none, or another log; by default the last fifth of a log of
+    /// another tool
     #[arg(long, value_name = "PART|LOG", help_heading = "Logs")]
     held_out: Option<String>,
     #[command(flatten)]
@@ -59,7 +59,7 @@ pub(crate) struct Arguments {
 }
 
 impl Arguments {
-    /// What is kept aside, and the log where it is one of its own.
+    /// What is held out, and the log where it is one of its own.
     fn held_out(&self) -> Result<(HeldOut, Option<PathBuf>), Error> {
         let Some(said) = &self.held_out else { return Ok((HeldOut::LastFifth, None)) };
         if said == "none" {
@@ -73,7 +73,7 @@ impl Arguments {
         }
         let path = PathBuf::from(said);
         if !path.exists() {
-            let message = format!("--held-out is {said}, expected a part such as 20%, none, or a log that is there");
+            let message = format!("--held-out is {said}, expected a part such as 20%, none, or an existing log");
             return Err(Error::new(message));
         }
         Ok((HeldOut::Nothing, Some(path)))

@@ -13,7 +13,7 @@ use crate::arguments::{RobotArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
-The methods give the same base parameters: `structural` walks the links and draws no random
+The methods give the same base parameters: `structural` is a recursion over the links without random
 numbers, `qr` factorises a regressor of random states, `paper` takes steps 1 to 5 of Radkhah et al.
 (2007). Columns that no torque sensor tells from the others, by 1e-6 over random states, are left out
 with a finding. With --trajectory the categories are those of that motion alone (`paper` or `qr`).
@@ -27,13 +27,13 @@ Examples:
 /// Samples of a trajectory over one period.
 const SAMPLES: usize = 1000;
 
-/// Find the base parameters: what the torques reveal
+/// Find the base parameters: the combinations that torque identifies
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
-    /// How they are found
+    /// Method
     #[arg(long, value_parser = one_of(&Method::ALL, Method::name))]
     method: Option<Method>,
     /// Categories for this trajectory: a TOML file, or table-one
@@ -42,7 +42,7 @@ pub(crate) struct Arguments {
     /// How the robot's base moves; its motion is known, the force on it is not
     #[arg(long, default_value = "fixed", value_parser = one_of(&BaseMotion::ALL, BaseMotion::name))]
     base: BaseMotion,
-    /// Which parameters there are
+    /// Which parameters the model has
     #[arg(long, default_value = "rigid", value_parser = columns)]
     columns: Columns,
     /// Seed of the random states of `paper` and `qr`

@@ -12,8 +12,8 @@ use crate::study::write_report;
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
-Everything that the report of a study shows is stored by `armid study`; this draws it again and computes
-nothing. Of an estimate it shows measured against predicted torque, what is left over time and over
+Everything that the report of a study shows is stored by `armid study`; this redraws it and computes
+nothing. Of an estimate it shows measured against predicted torque, the residual over time and over
 velocity, the parameters with their intervals, and a verdict with its reason; the logs are read again
 from where they were.
 
@@ -30,7 +30,7 @@ pub(crate) struct Arguments {
     /// Folders that `armid study` wrote, or files of `armid identify`
     #[arg(required_unless_present = "compare", value_name = "DIR|FILE")]
     folders: Vec<PathBuf>,
-    /// Set two estimates side by side: JSON files of `armid identify`, or folders with estimate.json and validation.json
+    /// Compare two estimates: JSON files of `armid identify`, or folders with estimate.json and validation.json
     #[arg(long, num_args = 2, value_names = ["A", "B"], conflicts_with = "folders")]
     compare: Option<Vec<PathBuf>>,
 }

@@ -27,18 +27,18 @@ EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
   rate_hz = 1000                # samples per second; a period holds a whole number of them
   settle_s = 1.0                # at rest before the motion
   ramp_s = 2.0                  # into the motion and out of it
-  discarded_periods = 1         # performed and thrown away
-  periods = 10                  # that count
+  discarded_periods = 1         # performed and discarded
+  periods = 10                  # that are recorded
   seed = 1                      # of every random number; run = 0, 1, … repeats it with others
   arm = \"analytic\"
 
-  [sensing]                     # what the sensors do wrong; all true by default
+  [sensing]                     # errors of the sensors; all true by default
   encoders = true               # whole counts
   current_noise = true
   converters = true             # range and bits
   voltage = false               # the controller reports motor voltages, where the robot file has the circuits
 
-  [guard]                       # always on for arm ros2; --guard watches a simulated arm too
+  [guard]                       # always on for arm ros2; --guard guards a simulated arm too
   soft_margin_deg = 4           # soft limits inside the hard ones
   following_error_deg = 5       # and jump_deg, current_clamp, stale_ms, stop_window_ms, approach_speed
 
@@ -46,7 +46,7 @@ EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
   domain = 0                    # and network, namespace, topics, mode: trajectory, topic or stream
 
 R.mcap opens in any tool that reads ROS 2 joint states; -o R.csv writes t,q1..,current1.. (or
-tau1..). It is written to R.mcap.part and takes its name when the experiment is complete.
+tau1..). It is written to R.mcap.part and renamed when the experiment is complete.
 
 Examples:
   armid run experiment.toml -o R.mcap
@@ -57,7 +57,7 @@ Examples:
   armid run experiment.toml --arm ros2 --earlier R.mcap -o next.mcap
 
 Exit status: 0 done, 1 a guard tripped and the arm was seen at rest, 2 refused before anything moved,
-3 NOT CONFIRMED: the arm was asked to stop and nobody saw it at rest, 130 interrupted, at rest.";
+3 NOT CONFIRMED: the arm was asked to stop and was not seen at rest, 130 interrupted, at rest.";
 
 /// The warning where the arm was not seen at rest.
 const NOT_CONFIRMED: &str = "NOT CONFIRMED: the arm was asked to stop and was not seen at rest. It may still be moving: \
@@ -69,7 +69,7 @@ const NOT_CONFIRMED: &str = "NOT CONFIRMED: the arm was asked to stop and was no
 pub(crate) struct Arguments {
     /// The experiment: a TOML file, a folder, or a bundled name
     experiment: String,
-    /// What performs it, in place of the file's `arm`
+    /// Arm that performs it, in place of the file's `arm`
     #[arg(long, value_parser = one_of(&ArmKind::ALL, ArmKind::name))]
     arm: Option<ArmKind>,
     /// Seed of every random number, in place of the file's
@@ -78,7 +78,7 @@ pub(crate) struct Arguments {
     /// Repetition, in place of the file's: the same experiment with other noise
     #[arg(long)]
     run: Option<u64>,
-    /// Periods that count, in place of the file's
+    /// Recorded periods, in place of the file's
     #[arg(long)]
     periods: Option<usize>,
     /// Continue what was cut short: keep the whole periods of R.mcap.part and perform those that are missing; of a first
@@ -91,7 +91,7 @@ pub(crate) struct Arguments {
     #[cfg(debug_assertions)]
     #[arg(long, value_name = "STATES", hide = true)]
     panic_after: Option<usize>,
-    /// What `--arm replay` plays
+    /// Recording that `--arm replay` plays
     #[arg(long, value_name = "R.mcap")]
     recording: Option<PathBuf>,
 }
@@ -208,7 +208,7 @@ fn at_speed(experiment: &Experiment, speed: Speed, first_run: bool) -> Experimen
 fn fits(experiment: &Experiment) -> Result<()> {
     let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
     experiment.planned.plan.check_limits(&experiment.planned.robot.robot).map_err(|error| {
-        let help = "nothing has moved; another trajectory, a longer period or longer ramps stay inside";
+        let help = "nothing has moved; choose another trajectory, a longer period or longer ramps";
         miette::Report::from(Fault::new(format!("{}: {error}", experiment.planned.text.name)).help(help))
     })?;
     // What the certificate holds must hold on the plan's own ramps and at its own speed, too.

@@ -17,8 +17,8 @@ const AFTER_HELP: &str = "\
 The verdict is `passed` (exit 0) where every joint's difference, as a share of its measured
 effort's RMS, is within --limit, and `failed` (exit 1) otherwise. It is taken over the rows that
 would be used for a fit: those where the joint moves faster than 2 % of its top speed and no channel
-is at fault. Beside it stand the shares over all rows and in total, below a fixed --bandwidth-hz.
-Robot, mapping and processing are those of the estimate unless others are named.
+is faulty. The shares over all rows and in total, below a fixed --bandwidth-hz, are listed beside it.
+Robot, mapping and processing are those of the estimate unless others are given.
 
 Examples:
   armid validate E.json other.mcap
@@ -28,7 +28,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// The estimate, of `armid identify`
+    /// The estimate, a JSON file of `armid identify`
     estimate: PathBuf,
     /// The logs: MCAP, tables, or TOML files with a [log] table
     #[arg(required = true, value_name = "LOG")]

@@ -11,7 +11,7 @@ pub(crate) enum Ending {
     Negative,
     /// Interrupted; what was finished is kept.
     Interrupted,
-    /// An arm was asked to stop, and nobody saw it at rest.
+    /// An arm was asked to stop, and was not seen at rest.
     NotConfirmed,
 }
 

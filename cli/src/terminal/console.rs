@@ -117,7 +117,7 @@ impl Console {
         if self.json() { self.print(&pretty(&answer.json)) } else { self.print(&answer.text) }
     }
 
-    /// Prints a text as it is. That nobody reads on (`armid … | head`) is no fault.
+    /// Prints a text as it is. A reader that ends early (`armid … | head`) is not an error.
     pub(crate) fn print(&self, text: &str) -> Result<()> {
         let mut out = std::io::stdout().lock();
         match out.write_all(text.as_bytes()).and_then(|()| out.flush()) {

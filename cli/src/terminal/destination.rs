@@ -25,7 +25,7 @@ pub(crate) enum Writes {
 /// Where one text goes.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub(crate) enum Destination {
-    /// To whoever reads standard output.
+    /// Standard output.
     StandardOutput,
     /// Into a file.
     File(PathBuf),

@@ -4,7 +4,7 @@ use indicatif::{ProgressBar, ProgressDrawTarget, ProgressStyle};
 
 use super::Console;
 
-/// A bar of `length` steps; hidden where nobody looks.
+/// A bar of `length` steps; hidden where there is no terminal.
 pub(crate) fn bar(console: &Console, length: u64, what: &'static str) -> ProgressBar {
     let target = if console.talks() { ProgressDrawTarget::stderr() } else { ProgressDrawTarget::hidden() };
     let style = ProgressStyle::with_template("{msg:>12} {bar:40} {pos}/{len}  {elapsed} + {eta}  {prefix}")

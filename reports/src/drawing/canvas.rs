@@ -163,16 +163,16 @@ impl Canvas {
         }
     }
 
-    /// Text centred on a white plate, so that it stays legible on top of lines and points.
+    /// Text centred on a white rectangle, so that it stays legible on top of lines and points.
     pub(crate) fn note(&mut self, text: &str, at: (f64, f64), font: Font, colour: Colour) {
         let (half_width, half_height) = (0.5 * font.width(text) + 2.0, 0.5 * font.size + 1.0);
-        let plate = Rect {
+        let background = Rect {
             left: at.0 - half_width,
             top: at.1 - half_height,
             right: at.0 + half_width,
             bottom: at.1 + half_height,
         };
-        self.rectangle(&plate, Ink::new(Colour::WHITE, 0.0).faint(0.8));
+        self.rectangle(&background, Ink::new(Colour::WHITE, 0.0).faint(0.8));
         self.text(text, at, font, colour, Align::Middle);
     }
 
@@ -263,7 +263,7 @@ fn element(shape: &Shape) -> Result<String, String> {
     // Quotes in texts are escaped, so only attributes match.
     let element = element.replace(" opacity=\"1\"", "");
     Ok(match shape {
-        // The writer knows no dashes.
+        // The writer has no dashes.
         Shape::Line { dashes, .. } if !dashes.is_empty() => {
             let lengths: Vec<String> = dashes.iter().map(|length| format!("{}", (length * UNITS).round())).collect();
             element.replacen("<polyline", &format!("<polyline stroke-dasharray=\"{}\"", lengths.join(" ")), 1)

@@ -255,7 +255,7 @@ impl ScatterPanel {
                 }
                 Reference::Segment { .. } => continue,
             };
-            let plate = |(x, y): (f64, f64)| Rect {
+            let label_box = |(x, y): (f64, f64)| Rect {
                 left: x - 0.5 * width,
                 top: y - reach,
                 right: x + 0.5 * width,
@@ -277,7 +277,7 @@ impl ScatterPanel {
                 let clashes = taken.iter().filter(|other| rect.overlaps(other)).count();
                 covered.count() + 3 * crossed.count() + 1000 * clashes + if inside { 0 } else { 10_000 }
             };
-            let best = centres.into_iter().map(plate).min_by_key(|rect| cost(rect));
+            let best = centres.into_iter().map(label_box).min_by_key(|rect| cost(rect));
             if let Some(rect) = best {
                 canvas.note(&label, rect.centre(), Font::NOTE, Colour::MUTED);
                 taken.push(rect);

@@ -6,7 +6,7 @@ use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry};
 use super::selection::shown_estimator;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
-/// Biases below this many standard deviations are drawn as this many: nobody sees them.
+/// Biases below this many standard deviations are drawn as this many: they are invisible.
 const LEAST_STD: f64 = 0.3;
 
 /// The figures and tables of the effects.

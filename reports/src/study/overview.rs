@@ -76,7 +76,7 @@ pub(super) fn section(input: &ReportInput) -> Section {
         ]);
     }
     Section::new("What was found")
-        .text("Families are ranked by achieved error, never by their own criterion: first by the torque that an estimate predicts on random trajectories that no design and no fit has seen, then by the volume of the parameter error, then by its size in declared units. Nothing is divided by a true value, which may be zero.")
+        .text("Families are ranked by achieved error, never by their own criterion: first by the torque that an estimate predicts on held-out random trajectories, then by the volume of the parameter error, then by its size in declared units. Nothing is divided by a true value, which may be zero.")
         .table(values)
         .table(differences)
 }

@@ -30,13 +30,13 @@ pub(super) struct BenchArguments {
     /// Speeds, as shares of the joint's limit
     #[arg(long, value_delimiter = ',', default_value = "0.05,0.1,0.2,0.35,0.5,0.65", value_name = "SHARE,…")]
     speeds: Vec<f64>,
-    /// Where the joint moves; 80 % of its limits by default
+    /// Range of the joint; 80 % of its limits by default
     #[arg(long, value_delimiter = ',', value_name = "LOW,HIGH", allow_hyphen_values = true)]
     range_deg: Option<Vec<f64>>,
-    /// Where the other joints stand; at zero by default
+    /// Positions of the other joints; zero by default
     #[arg(long, value_delimiter = ',', value_name = "DEG,…", allow_hyphen_values = true)]
     pose_deg: Option<Vec<f64>>,
-    /// Periods that count
+    /// Recorded periods
     #[arg(long, default_value_t = 5)]
     periods: usize,
     /// Samples per second
@@ -45,7 +45,7 @@ pub(super) struct BenchArguments {
     /// Seed of every random number
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// What performs it
+    /// Arm that performs it
     #[arg(long, default_value = "analytic", value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name))]
     arm: ArmKind,
     /// Write the motion and the experiment, and perform nothing

@@ -62,7 +62,7 @@ pub(super) struct Arguments {
     /// Seed of every random number
     #[arg(long, default_value_t = 0)]
     seed: u64,
-    /// What performs it
+    /// Arm that performs it
     #[arg(long, default_value = "analytic", value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name))]
     arm: ArmKind,
 }

@@ -110,7 +110,7 @@ fn text(found: &BackEmf, bench: &Bench, assumed: f64) -> String {
         }
     }
     format!(
-        "{} \"{}\": back-EMF in {} windows of 50 ms, mean of {} periods; the robot file says {assumed} N·m/A\n\n{}",
+        "{} \"{}\": back-EMF in {} windows of 50 ms, mean of {} periods; robot file: {assumed} N·m/A\n\n{}",
         bench.loaded.robot.name(),
         bench.joint_name(),
         found.points.len(),

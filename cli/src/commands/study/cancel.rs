@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     let jobs = ids.join(", ");
     let text = if active {
-        format!("Jobs {jobs} were asked to end; Slurm does not say that they have after {PATIENCE_S} s.\n")
+        format!("Jobs {jobs} were asked to end; Slurm does not report their end after {PATIENCE_S} s.\n")
     } else {
         format!("Jobs {jobs} have ended. What they finished is kept in {}.\n", arguments.folder.display())
     };

@@ -25,10 +25,10 @@ Ctrl-C and kill lose no finished run: --resume continues from them.
 Examples:
   armid study experiments/01-criteria             the bundled study, into reports/01-criteria/
   armid study experiments/01-criteria --runs 100  more runs of each design
-  armid study 01-criteria --truths 25             every run number on an arm of its own
+  armid study 01-criteria --truths 25             each run number on its own random arm
   armid study 01-criteria --arm analytic,mujoco   the same in two engines
   armid study my/study.toml --jobs 1 -o out --resume
-  armid study submit 01-criteria --engine slurm -o /shared/01   on a cluster; status, cancel follow it";
+  armid study submit 01-criteria --engine slurm -o /shared/01   on a cluster; then status, cancel";
 
 /// Run a Monte Carlo study of designs and estimators
 #[derive(Debug, clap::Args)]

@@ -20,7 +20,7 @@ const WATCH_PERIOD_S: u64 = 5;
 pub(crate) struct Arguments {
     /// The folder of the submitted study
     folder: PathBuf,
-    /// Look again every 5 s until the study has ended; Ctrl-C leaves it running
+    /// Update every 5 s until the study has ended; Ctrl-C leaves it running
     #[arg(long)]
     watch: bool,
 }
@@ -32,7 +32,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         // Tasks that are submitted again come under new numbers.
         let submission = Submission::read(folder)?;
         let progress = Progress::read(folder, &submission, &prepared, console)?;
-        // Where Slurm does not answer, the journals alone say how far the study is, and nobody knows that it has ended.
+        // Where Slurm does not answer, the journals alone say how far the study is, and its end is not detected.
         let states = Slurm.states(&submission.ids());
         let merged = folder.join("summary.json").is_file();
         let ended = merged || states.as_ref().is_ok_and(|states| !Slurm::are_active(states));
@@ -65,7 +65,7 @@ fn answer(progress: &Progress, states: &Option<Vec<(String, usize)>>, merged: bo
     let Progress { designs, runs } = progress;
     let jobs = match states {
         None => "Slurm did not answer".to_owned(),
-        Some(states) if states.is_empty() => "none that Slurm knows".to_owned(),
+        Some(states) if states.is_empty() => "none in Slurm".to_owned(),
         Some(states) => states
             .iter()
             .map(|(state, count)| format!("{count} {}", state.to_lowercase()))

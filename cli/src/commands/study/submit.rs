@@ -90,7 +90,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     if folder.join(Submission::NAME).exists() {
         let message = format!("{} holds a submitted study already", folder.display());
-        let help = "look at it by armid study status, end it by armid study cancel, or choose another folder with -o";
+        let help = "see armid study status, end it by armid study cancel, or choose another folder with -o";
         return Err(Error::mismatch(message).help(help).into());
     }
     std::fs::create_dir_all(folder.join("logs"))
@@ -117,7 +117,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     Ok(Ending::Done)
 }
 
-/// Every task runs the binary that submitted it, whatever is built meanwhile.
+/// Every task runs the binary that submitted it, even if another one is built meanwhile.
 fn keep_binary(folder: &Path) -> Result<(), Error> {
     let copy = folder.join("armid");
     std::env::current_exe()
