@@ -1,10 +1,10 @@
-"""The faults of `scripts/faults`: what goes wrong, where it can, and which trips may answer it."""
+"""The faults of `scripts/faults`: the faults, the modes in which they occur, and the trips that may follow."""
 
 from dataclasses import dataclass
 
 HANDED, STREAMED, TOPIC = "trajectory", "stream", "topic"
 BOTH = (HANDED, STREAMED)
-# What somebody else on the network can cause, whatever armid notices first.
+# What another client on the network can cause, whichever sign armid notices first.
 # States of two robots at once look like anything.
 OTHERS = ("interference", "robot-stopped", "link", "stale-state", "position-jump", "following-error", "overspeed", "soft-limit")
 
@@ -19,13 +19,13 @@ class Row:
     # What `armid controller` is told to do, and whether the trip's bound holds from there to the request.
     fault: str = ""
     bounded: bool = False
-    # Nobody is left to say that the arm rests: the robot's computer is gone.
+    # Nothing is left to report that the arm is at rest: the robot controller has ended.
     nobody: bool = False
     # Everybody on the network has to be found first, s.
     found_s: float = 0.0
     # Moments end so long before the motion does, s: later there is nothing left for the fault to act on.
     before_s: float = 0.1
-    # Rest may be NOT CONFIRMED: nobody can tell it, or the network is gone for longer than armid insists.
+    # Rest may be NOT CONFIRMED: nothing can report it, or the network is gone for longer than armid insists.
     unseen: bool = False
     # Further arguments of the controller.
     controller: tuple = ()
@@ -54,7 +54,7 @@ ROWS = {
     # A controller that takes no trajectory without points, and one that takes no second trajectory at all.
     "refusing-topic": controller("strange-state", "robot-stopped", modes=(TOPIC,)),
     "no-replacement": Row(("following-error", "unexpected-stop"), (TOPIC,), controller=("--replacement", "refused")),
-    # A position that is no number asks for `disable`: nobody takes the word.
+    # A position that is not a number asks for `disable`: nothing subscribes to it.
     "no-listener": controller("nan", "not-finite", bounded=False, unseen=True),
     # What happens to armid.
     "stop-continue": Row(("stale-state", "link", "command-age")),
@@ -72,7 +72,7 @@ ROWS = {
     "net-0.3": Row(("stale-state", "link")),
     "net-1": Row(("stale-state", "link")),
     "net-5": Row(("stale-state", "link"), unseen=True),
-    # Somebody else.
+    # Another client.
     "foreign-cancel": Row(OTHERS, (HANDED,), found_s=1.0, before_s=1.5),
     "foreign-goal": Row(OTHERS, (HANDED,), found_s=1.0, before_s=1.5),
     "foreign-state": Row(OTHERS, found_s=1.0, before_s=1.5),

@@ -1,4 +1,4 @@
-"""One run of `armid run --arm ros2` against `armid controller`, with a fault, judged from the robot computer's own log."""
+"""One run of `armid run --arm ros2` against `armid controller`, with a fault, judged from the robot controller's own log."""
 
 import contextlib
 import ctypes
@@ -17,7 +17,7 @@ from pathlib import Path
 from fault_rows import HANDED, ROWS, STREAMED, Row
 from robot_log import ROOT, Log, Unfit, lateness_ms, moved
 
-# The waist and the shoulder stay apart, so that their places can be told. A tenth of the speed is performed: for it no
+# The waist and the shoulder stay apart, so that their positions can be distinguished. A tenth of the speed is performed: for it no
 # earlier run is asked.
 JOINTS = [
     ("waist", [4.0, -2.0], [1.5, 2.5], 0.45),
@@ -151,7 +151,7 @@ class Run:
             self.recording = disk / "R.mcap"
 
     def start(self, log, pose, more=(), others=False):
-        """Starts a robot's computer."""
+        """Starts a robot controller."""
         command = [*self.inside(others), self.options.armid, "controller", "crs-a460", "--experiment", self.theirs]
         command += ["--rate", str(RATE_HZ), "--log", log.path, "--json", "--seed", str(self.number)]
         command += ["--duration", "90", "--pose=" + ",".join(str(q) for q in pose), *more]
@@ -306,7 +306,7 @@ class Run:
         if self.name != "disk-full":
             self.check_recording(said)
         if self.name == "no-listener" and said["trip"]["action"] == "disable":
-            raise Broken("disable was asked for, and nobody listens")
+            raise Broken("disable was asked for, and nothing subscribes to it")
         bound_ms = said["trip"]["bound_ms"] if said["trip"] else None
         found = Found(name, bound_ms, self.request_ms(events, said), self.rest_ms(times), confirmed)
         if confirmed:
@@ -331,7 +331,7 @@ class Run:
             self.struck_s = self.log.began() + self.at_s + (LEAD_S if self.mode == STREAMED else 0.0)
 
     def by_itself(self, times):
-        """Nobody could see to it: the arm rests within the horizon of its last piece, or when its watchdog says so."""
+        """Nothing could confirm it: the arm rests within the horizon of its last piece, or when its watchdog says so."""
         bound_s = HORIZON_S + STEP_S + self.row.found_s
         last = max((t for t in times if t >= self.struck_s), default=self.struck_s)
         if last > self.struck_s + bound_s:
@@ -380,12 +380,12 @@ class Run:
                 raise Broken(f'the recording does not say "{text}"')
 
     def request_ms(self, events, said):
-        """From the fault to the request that reached the robot's computer; None where nobody could hear it."""
+        """From the fault to the request that reached the robot controller; None where it could not be received."""
         if self.row.nobody:
             return float(said["trip"]["reason"].split(" ms, expected")[0].split()[-1])
         acted = next(
             (t for t, e in events if self.struck_s is not None and t >= self.struck_s
-             and any(w in e for w in ("cancelled", "cancel heard", "disabled", "disable heard"))), None
+             and any(w in e for w in ("cancelled", "cancel received", "disabled", "disable received"))), None
         )
         if self.name == "lost-result" or self.mode != HANDED or acted is None:
             return None

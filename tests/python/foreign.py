@@ -1,4 +1,4 @@
-"""Somebody else on the robot's network: cancels, commands, or answers in its place, by Cyclone DDS.
+"""Another client on the robot's network: cancels, commands, or answers in its place, by Cyclone DDS.
 
     foreign.py foreign-cancel|foreign-goal|foreign-state|second-robot DOMAIN
 """
@@ -98,7 +98,7 @@ def header():
 
 
 def cancel():
-    """Every goal, of whoever."""
+    """Every goal of any client."""
     return CancelGoal_Request_(GoalInfo_(UUID_([0] * 16), Time_(0, 0)))
 
 
@@ -138,7 +138,7 @@ def main():
     deadline = time.monotonic() + 10
     while not writer.get_matched_subscriptions():
         if time.monotonic() > deadline:
-            raise SystemExit(f"nobody listens to {topic}")
+            raise SystemExit(f"nothing subscribes to {topic}")
         time.sleep(0.005)
     print(row, flush=True)
     for k in range(count):

@@ -1,4 +1,4 @@
-"""The log of a robot's computer, `armid controller --log`: one row for each servo step, by the robot's own clock."""
+"""The log of a robot controller, `armid controller --log`: one row for each servo step, by the robot's own clock."""
 
 import csv
 import math
@@ -85,6 +85,6 @@ def moved(rows):
 
 
 def lateness_ms(event):
-    """How late the latest state is that a row of the log tells of."""
+    """How late the latest state is that a row of the log shows."""
     late = [part.split(" sent ")[1].split(" ms")[0] for part in event.split("; ") if part.endswith(" ms late")]
     return max(map(float, late), default=0.0)

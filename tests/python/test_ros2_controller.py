@@ -49,7 +49,7 @@ class Controller(unittest.TestCase):
         self.states = DataReader(self.participant, self.topic("rt/joint_states", JointState_), qos=QOS)
         name = "rt/joint_trajectory_controller/joint_trajectory"
         self.trajectories = DataWriter(self.participant, self.topic(name, JointTrajectory_), qos=QOS)
-        self.heard = []
+        self.received = []
 
     def topic(self, name, kind):
         return Topic(self.participant, name, kind, qos=QOS)
@@ -59,18 +59,18 @@ class Controller(unittest.TestCase):
         command += ["--log", self.log, "--json", *arguments]
         self.process = subprocess.Popen(command, stdout=subprocess.PIPE, text=True)
         self.addCleanup(self.process.kill)
-        self.until(lambda: len(self.heard) > 50, 30, "joint states")
+        self.until(lambda: len(self.received) > 50, 30, "joint states")
 
     def until(self, there, patience_s, what):
         began = time.monotonic()
         while not there():
-            self.heard += [s for s in self.states.take(1000) if isinstance(s, JointState_)]
+            self.received += [s for s in self.states.take(1000) if isinstance(s, JointState_)]
             self.assertLess(time.monotonic() - began, patience_s, what)
             time.sleep(0.01)
 
     def positions(self):
-        order = [self.heard[-1].name.index(name) for name in NAMES]
-        return np.array(self.heard[-1].position)[order]
+        order = [self.received[-1].name.index(name) for name in NAMES]
+        return np.array(self.received[-1].position)[order]
 
     def move(self):
         """Sends the motion, to begin at once."""
@@ -95,7 +95,7 @@ class Controller(unittest.TestCase):
         done = json.loads(out)
         self.assertEqual((self.process.returncode, done["robot"]), (0, "crs-a460"))
         self.assertTrue(done["state"].startswith("enabled"), done)
-        stamps = [s.header.stamp.sec * 10**9 + s.header.stamp.nanosec for s in self.heard]
+        stamps = [s.header.stamp.sec * 10**9 + s.header.stamp.nanosec for s in self.received]
         self.assertEqual(set(np.diff(stamps)), {10**9 // RATE_HZ})
         # The log has every servo step; what was commanded is the motion, within the limits of speed.
         rows = self.rows()
@@ -109,7 +109,7 @@ class Controller(unittest.TestCase):
     def test_after_an_emergency_stop_nothing_is_commanded_and_a_kill_leaves_the_log(self):
         self.start("--fault", "estop@motion+0.3")
         self.move()
-        stopped = lambda: len(self.heard) > 900 and np.ptp([s.position[0] for s in self.heard[-100:]]) < 1e-4  # noqa: E731
+        stopped = lambda: len(self.received) > 900 and np.ptp([s.position[0] for s in self.received[-100:]]) < 1e-4  # noqa: E731
         self.until(stopped, 30, "a standstill")
         self.process.kill()
         self.process.wait()

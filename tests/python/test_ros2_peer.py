@@ -1,4 +1,4 @@
-"""A full short experiment on a robot whose computer shares no code with armid, over the real wire."""
+"""A full short experiment on a robot whose controller shares no code with armid, over the real wire."""
 
 import json
 import os
