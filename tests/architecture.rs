@@ -134,7 +134,7 @@ fn crates_depend_as_the_house_is_built() {
     ];
     let members: toml::Table = read(&root().join("Cargo.toml")).parse().expect("a manifest");
     let members = members["workspace"]["members"].as_array().expect("a list").len();
-    assert_eq!(members, allowed.len(), "a new crate belongs into this test");
+    assert_eq!(members, allowed.len(), "a new crate belongs in this test");
     let mut faults = Vec::new();
     for (manifest, allowed) in allowed {
         let table: toml::Table = read(&root().join(manifest)).parse().expect("a manifest");

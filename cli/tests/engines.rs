@@ -51,7 +51,7 @@ fn a_library_that_is_not_there_not_whole_or_another_is_named_with_what_to_run() 
     std::fs::write(&other, "not found").unwrap();
     let nowhere = folder.path().join("libmujoco.gone");
     let half = format!("found {} bytes, expected", whole.len() / 2);
-    for (library, reason) in [(cut, half.as_str()), (other, "no shared library"), (nowhere, "No such file")] {
+    for (library, reason) in [(cut, half.as_str()), (other, "not a shared library"), (nowhere, "No such file")] {
         let fault = stderr(&with_library(&library, ["run", &experiment, "--arm", "mujoco"]).code(2));
         let fault: String = fault.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
         assert!(fault.contains(reason) && fault.contains("scripts/get-mujoco"), "{fault}");

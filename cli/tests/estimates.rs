@@ -93,7 +93,7 @@ fn identity_a_csv_gives_what_the_recording_gives() {
     let fault = stderr(&armid(["identify", &csv, "--robot", "crs-a460", "--period", "0.0333"]).code(2));
     assert!(fault.contains("a period of 0.0333 s is 33.300 samples"), "{fault}");
     let fault = stderr(&armid(["identify", &recording, "--period", "10"]).code(2));
-    assert!(fault.contains("says its own period"), "{fault}");
+    assert!(fault.contains("states its own period"), "{fault}");
     let aperiodic = json(&armid(["identify", &csv, "--robot", "crs-a460", "--json"]).success());
     assert_eq!(aperiodic["interval_basis"], "residual");
 }

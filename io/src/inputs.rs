@@ -30,7 +30,7 @@ pub struct Inputs {
     pub robot: RobotSource,
     /// The logs, as they were named.
     pub logs: Vec<String>,
-    /// The log that was kept aside, where it was one of its own.
+    /// The log that was held out, where it was one of its own.
     pub held_out_log: Option<String>,
     /// Their files.
     pub files: Vec<FileHash>,

@@ -46,7 +46,7 @@ pub struct ParameterRow {
 /// Shares of the measured torque that are not explained, percent.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ResidualShares {
-    /// What they are of: used rows, rows kept aside.
+    /// What they are of: used rows, rows held out.
     pub label: String,
     /// Of each joint; `None` where nothing was measured.
     pub joints: Vec<Option<f64>>,
@@ -69,9 +69,9 @@ pub struct EstimateInput {
     pub unit: String,
     /// Cut-off below which torque is compared, Hz.
     pub bandwidth_hz: f64,
-    /// Shares on used rows, all rows, rows kept aside.
+    /// Shares on used rows, all rows, rows held out.
     pub shares: Vec<ResidualShares>,
-    /// Torque over time, joint by joint; of what is kept aside where anything is.
+    /// Torque over time, joint by joint; of what is held out where anything is.
     pub traces: Vec<TorqueTrace>,
     /// What those are of.
     pub traces_of: String,

@@ -217,7 +217,7 @@ fn a_joint_in_which_the_payload_does_not_show_is_named_beside_those_in_which_it_
     let [low, high] = shown.torque_constant.ci95;
     let truth = joints[0].drive.torque_constant / RATIO[0];
     assert!(low < truth && truth < high, "{shown:?}");
-    assert!(hidden.load_rms < 1e-12 && hidden.to_string().contains("feels nothing of it"), "{hidden}");
+    assert!(hidden.load_rms < 1e-12 && hidden.to_string().contains("causes no torque at the joint"), "{hidden}");
     // A payload that drowns in the noise gives no constant, rather than one that may be anything.
     let load = payload(1e-4, [0.03, 0.02, 0.05], [0.0; 3]);
     let [without, with] = without_and_with(&robot, &load, 0);

@@ -275,7 +275,7 @@ mod tests {
         assert!(text(FourierTrajectory::new(0.0, vec![joint(vec![1.0], vec![1.0])])).contains("period is 0 s"));
         assert!(text(FourierTrajectory::new(1.0, vec![])).contains("number of joints is 0"));
         let uneven = text(FourierTrajectory::new(1.0, vec![joint(vec![1.0], vec![])]));
-        assert!(uneven.contains("joint \"elbow\" is 1 values in a and 0 in b"), "{uneven}");
+        assert!(uneven.contains("joint \"elbow\" has 1 values in a and 0 in b"), "{uneven}");
         assert!(text(FourierTrajectory::new(1.0, vec![joint(vec![f64::NAN], vec![0.0])])).contains("NaN"));
     }
 }

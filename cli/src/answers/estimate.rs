@@ -69,7 +69,7 @@ pub(crate) fn residual_table(
         ("on all rows", Align::Right),
     ];
     if held_out.is_some() {
-        headings.extend([("kept aside", Align::Right), ("all rows of it", Align::Right)]);
+        headings.extend([("held out", Align::Right), ("all rows of it", Align::Right)]);
     }
     let mut table = Table::new(&headings);
     for (i, joint) in joints.iter().enumerate() {
@@ -184,7 +184,7 @@ impl<'a> EstimateAnswer<'a> {
             estimate.columns,
         );
         let sentence = format!(
-            "{} s used, {} s kept aside, {averaged}; {} samples; condition {} ({} with columns of unit length)",
+            "{} s used, {} s held out, {averaged}; {} samples; condition {} ({} with columns of unit length)",
             number(time(|report| report.used_s)),
             number(time(|report| report.held_out_s)),
             estimate.samples,

@@ -68,7 +68,7 @@ impl Page<'_> {
         let series = self.prepared.series(self.estimate, self.name, parts)?;
         let traces = (0..joints.len()).map(|i| trace(&joints[i], i, &parts[0], &series[0])).collect();
         let mut shares = vec![in_percent("used rows", &used, true), in_percent("all rows", &used, false)];
-        shares.extend(held_out.as_ref().map(|residual| in_percent("kept aside", residual, false)));
+        shares.extend(held_out.as_ref().map(|residual| in_percent("held out", residual, false)));
         let parameters = self.estimate.base.iter().zip(expressions).map(|(parameter, expression)| ParameterRow {
             name: parameter.name.clone(),
             expression,
@@ -95,7 +95,7 @@ impl Page<'_> {
             bandwidth_hz: used.bandwidth_hz,
             shares,
             traces,
-            traces_of: if aside { "kept aside, not used for the fit".into() } else { "used for the fit".into() },
+            traces_of: if aside { "held out, not used for the fit".into() } else { "used for the fit".into() },
             parameters: parameters.collect(),
             left_out: self.prepared.reports.iter().flat_map(|report| report.origin.sentences()).collect(),
             findings: self.estimate.findings.iter().map(|finding| format!("{finding}: {}", finding.advice())).collect(),
@@ -109,20 +109,20 @@ impl Page<'_> {
         let poor = self.estimate.base.iter().filter(|p| 3.0 * p.std > p.value.abs()).count();
         let first = match held_out.and_then(|residual| residual.all.total) {
             Some(total) if total <= GOOD => format!(
-                "The model **predicts** torque that it has not seen: {} of it is left unexplained below {bandwidth} Hz, {} on \
+                "The model **predicts** held-out torque: {} of it is left unexplained below {bandwidth} Hz, {} on \
                  the rows of the fit.",
                 percent(Some(total)),
                 percent(used.all.total)
             ),
             Some(total) => format!(
-                "The model does **not predict** torque that it has not seen well: {} of it is left unexplained below \
+                "The model does **not predict** held-out torque well: {} of it is left unexplained below \
                  {bandwidth} Hz, more than {:.0} %; {} on the rows of the fit.",
                 percent(Some(total)),
                 100.0 * GOOD,
                 percent(used.all.total)
             ),
             None => format!(
-                "Nothing was kept aside, so **nothing is known of its prediction**; {} of the torque of the fit is left \
+                "Nothing was held out, so **its prediction is not validated**; {} of the torque of the fit is left \
                  unexplained below {bandwidth} Hz.",
                 percent(used.all.total)
             ),

@@ -101,7 +101,7 @@ impl Done {
         let plan = &self.experiment.planned.plan;
         let (ending, detail) = self.ending();
         let mut text = format!(
-            "{}: {} {}, {} samples at {} Hz, {} periods of {} s that count\n{}\n",
+            "{}: {} {}, {} samples at {} Hz, {} recorded periods of {} s\n{}\n",
             self.experiment.planned.name,
             ending,
             if detail.is_empty() { self.on_what() } else { detail },
@@ -137,7 +137,7 @@ impl Done {
     }
 }
 
-/// How close each check of the guard came to its line.
+/// How close each check of the guard came to its limit.
 fn watched(guard: &GuardRecord) -> Table {
     let mut table = Table::new(&[("guard", Align::Left), ("used", Align::Right), ("trips within", Align::Right)]);
     for trip in Trip::ALL {

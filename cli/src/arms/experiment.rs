@@ -26,7 +26,7 @@ pub(crate) struct Experiment {
     pub(crate) arm: ArmKind,
     /// How the robot of `arm = "ros2"` is reached.
     pub(crate) ros2: LinkSettings,
-    /// Where the guard draws its lines.
+    /// Limits of the guard.
     pub(crate) guard: GuardSettings,
     /// Whether a simulated arm is watched too.
     pub(crate) guarded: bool,

@@ -8,7 +8,7 @@ use miette::Result;
 
 use super::Experiment;
 
-/// Part of a line that a slower motion uses: the rest is for the servo and the encoders.
+/// Part of a limit that a slower motion uses: the rest is for the servo and the encoders.
 const REDUCED: f64 = 0.9;
 
 /// A part of the speed that a motion was designed for.
@@ -25,7 +25,7 @@ impl Speed {
         self.0
     }
 
-    /// The same speed, or as much of it as is needed to stay below a line where the designed speed is at `used` of it.
+    /// The same speed, or as much of it as is needed to stay below a limit where the designed speed is at `used` of it.
     pub(crate) fn below(self, used: f64) -> Self {
         if used * self.0 > REDUCED { Self(REDUCED / used) } else { self }
     }
@@ -107,7 +107,7 @@ fn objection(notes: &Notes, experiment: &Experiment, needed: Speed, motion: &str
         Some("is of another motion".to_owned())
     } else {
         match speed {
-            // What is not said is no permission.
+            // A recording that does not state its speed does not count.
             None => Some("does not state its speed".to_owned()),
             Some(speed) if speed < needed.part() - 1e-9 => Some(format!("went at {} %", 100.0 * speed)),
             Some(_) => None,

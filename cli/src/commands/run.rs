@@ -172,7 +172,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }))
 }
 
-/// The speeds to go through, in order: below the line of `--reduced-speed`, each once, in periods of whole samples.
+/// The speeds to go through, in order: below the limit of `--reduced-speed`, each once, in periods of whole samples.
 fn speeds(experiment: &Experiment, guarding: &GuardArguments, reduced: f64) -> Vec<Speed> {
     let plan = &experiment.planned.plan;
     let allowed = |speed: Speed| speed.below(reduced).in_whole_samples(plan.trajectory.period_s(), plan.rate_hz);
@@ -181,7 +181,7 @@ fn speeds(experiment: &Experiment, guarding: &GuardArguments, reduced: f64) -> V
     speeds
 }
 
-/// Sets the line of `--reduced-speed`, and says how much of it the fastest point uses at the designed speed.
+/// Sets the limit of `--reduced-speed`, and returns how much of it the fastest point uses at the designed speed.
 fn reduced_use(experiment: &mut Experiment, line_mm_s: Option<f64>) -> Result<f64> {
     let Some(line) = line_mm_s else { return Ok(0.0) };
     if !(line > 0.0 && line <= 1000.0) {

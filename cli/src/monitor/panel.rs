@@ -155,7 +155,7 @@ fn guard(view: &View) -> Paragraph<'_> {
             Span::raw(format!(" {:3.0} %", 100.0 * used)),
         ]));
     }
-    Paragraph::new(lines).block(block("guard: largest part of each line used so far"))
+    Paragraph::new(lines).block(block("guard: largest part of each limit used so far"))
 }
 
 /// One frame as text, for output that is not a terminal.

@@ -1,4 +1,4 @@
-//! Where `-o` points: looked at before the work begins, so that none is lost at its end.
+//! Where `-o` points: checked before the work begins, so that no result is lost at its end.
 
 use std::fmt;
 use std::path::{Path, PathBuf};
@@ -59,9 +59,7 @@ impl Writes {
         if path == Path::new("-") {
             return match self {
                 Self::Answer => Ok(Destination::StandardOutput),
-                Self::Text if json => {
-                    Err(Error::new("-o - and --json both want standard output, expected one of them"))
-                }
+                Self::Text if json => Err(Error::new("-o - and --json both use standard output, expected one of them")),
                 Self::Text => Ok(Destination::StandardOutput),
                 Self::Recording => Err(Error::new(
                     "-o is -, expected a file: a recording grows beside its place and takes its name at the end",

@@ -21,7 +21,7 @@ pub struct GuardRecord {
     pub preflight: Vec<Passed>,
     /// How the arm came to the start pose; absent where it stands there by itself.
     pub approach: Option<ApproachRecord>,
-    /// Largest part of its line that each check used; 1 trips.
+    /// Largest part of its limit that each check used; 1 trips.
     pub used: BTreeMap<&'static str, f64>,
     /// Why it tripped, where it did.
     pub trip: Option<TripReport>,

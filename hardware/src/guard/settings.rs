@@ -2,7 +2,7 @@
 
 use armid::experiment::Expectation;
 
-/// Where the guard draws its lines. Angles are for joints that turn, lengths for joints that slide.
+/// Limits of the guard. Angles are for joints that turn, lengths for joints that slide.
 ///
 /// The defaults follow what laboratories use with arms of this class: soft limits 3 to 5 degrees inside the hard ones,
 /// set-points no older than 20 ms. The others are assumed: above what a servo of 8 Hz does on a good day, far below what
@@ -62,7 +62,7 @@ impl Default for GuardSettings {
     }
 }
 
-/// A setting that draws no line, or one so far out that nothing would be held by it.
+/// A setting outside its range.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 #[error("{key} is {found}, expected {expected}")]
 pub struct SettingError {
@@ -78,7 +78,7 @@ impl GuardSettings {
     /// Every setting with its key, and what is possible: above the first number (or equal to it where the third says so),
     /// at most the second.
     ///
-    /// The ceilings: a soft margin leaves a range; a following error of 20 degrees or a jump of 10 is no servo's; an
+    /// The upper ends: a soft margin leaves a range; a following error of 20 degrees or a jump of 10 is no servo's; an
     /// overspeed of half as much again is no overshoot; a window of current within the thermal time constant of a small
     /// motor; half a second of silence is as long as a piece of a motion lasts, twice that for a machine that does other
     /// work; an approach at a quarter of the speed is one that a person can still stop.
@@ -101,7 +101,7 @@ impl GuardSettings {
         ]
     }
 
-    /// Every setting draws a line that holds something.
+    /// Every setting is in its range.
     ///
     /// # Errors
     /// [`SettingError`] for the first that does not.
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn settings_that_draw_no_line_are_named() {
+    fn settings_outside_their_range_are_named() {
         assert_eq!(GuardSettings::default().check(), Ok(()));
         for (broken, key) in [
             (GuardSettings { stale_ms: 0.0, ..GuardSettings::default() }, "stale_ms"),
@@ -138,7 +138,7 @@ mod tests {
     }
 
     #[test]
-    fn every_setting_has_a_ceiling() {
+    fn every_setting_has_an_upper_end() {
         let keys = serde_json::to_value(GuardSettings::default()).unwrap();
         let keys: Vec<&String> = keys.as_object().unwrap().keys().collect();
         let ranges = GuardSettings::default().ranges();

@@ -41,7 +41,7 @@ pub struct GuardState {
     pub phase: Phase,
     /// Time of the last sample, s.
     pub t_s: f64,
-    /// Largest part of its line that each check used so far; 1 trips.
+    /// Largest part of its limit that each check used so far; 1 trips.
     pub used: BTreeMap<String, f64>,
     /// Why it tripped, in words, where it did.
     pub trip: Option<String>,

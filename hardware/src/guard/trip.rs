@@ -15,7 +15,7 @@ pub enum Trip {
     SoftLimit,
     /// A joint is faster than it may be.
     Overspeed,
-    /// A point of the arm is faster than a line that was set for people beside the arm.
+    /// A point of the arm is faster than the limit for people beside the arm.
     ReducedSpeed,
     /// The arm is too far from its command.
     FollowingError,

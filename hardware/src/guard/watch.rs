@@ -10,7 +10,7 @@ use super::{GuardSettings, JointBounds, Mode, Trip};
 /// question gets the same answer.
 pub struct Watch {
     checks: Vec<Box<dyn Check>>,
-    /// Largest part of its line that each check used.
+    /// Largest part of its limit that each check used.
     used: Vec<f64>,
     settings: GuardSettings,
     mode: Mode,
@@ -56,7 +56,7 @@ impl Watch {
         self.tripped.as_ref()
     }
 
-    /// Largest part of its line that each check used since the beginning, or since [`Watch::reset_used`].
+    /// Largest part of its limit that each check used since the beginning, or since [`Watch::reset_used`].
     #[must_use]
     pub fn used(&self) -> Vec<(Trip, f64)> {
         self.checks.iter().zip(&self.used).map(|(check, used)| (check.trip(), *used)).collect()

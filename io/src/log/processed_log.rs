@@ -27,7 +27,7 @@ pub struct ProcessedLog {
     pub samples: Samples,
     /// The same, log by log.
     pub parts: Vec<Samples>,
-    /// Samples that are kept aside.
+    /// Samples that are held out.
     pub held_out: Vec<Samples>,
     /// What was found in each log.
     pub reports: Vec<LogReport>,
@@ -48,7 +48,7 @@ pub struct LogReport {
     pub rate_hz: f64,
     /// Time that is used, s.
     pub used_s: f64,
-    /// Time that is kept aside, s.
+    /// Time that is held out, s.
     pub held_out_s: f64,
     /// Blocks of samples, each of which could be an equation of every joint.
     pub blocks: usize,
@@ -106,7 +106,7 @@ impl ProcessedLog {
         Ok(all)
     }
 
-    /// Takes other logs, whole, as those that are kept aside.
+    /// Takes other logs, whole, as those that are held out.
     pub fn hold_out(&mut self, others: &Self) {
         self.held_out = others.parts.iter().chain(&others.held_out).cloned().collect();
     }
@@ -181,7 +181,7 @@ impl ProcessedLog {
     }
 
     /// How much of the measured torque an estimate leaves unexplained, at the bandwidth of the settings: in what is used,
-    /// and in what is kept aside where anything is.
+    /// and in what is held out where anything is.
     ///
     /// # Errors
     /// As [`Self::validate`].
@@ -196,7 +196,7 @@ impl ProcessedLog {
         Ok((of(&self.parts)?, held_out))
     }
 
-    /// Measured and predicted torque of each log, and of what is kept aside, below the bandwidth of the settings.
+    /// Measured and predicted torque of each log, and of what is held out, below the bandwidth of the settings.
     ///
     /// # Errors
     /// As [`Self::validate`].

@@ -16,12 +16,12 @@ use super::settings::LogSettings;
 use crate::error::Error;
 use crate::robot::LoadedRobot;
 
-/// Periods of a log of which the last is kept aside.
+/// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
 
 impl Log {
     /// Samples of a robot: joints in its order, values at its joints, periods with missing samples left out, periods
-    /// averaged; of a log that something else recorded, the last part kept aside.
+    /// averaged; of a log that something else recorded, the last part held out.
     ///
     /// # Errors
     /// [`Error`] where the log is of other joints, its period is no whole number of samples, or nothing is left.
@@ -87,7 +87,7 @@ fn refuse_cuts(log: &Log, settings: &LogSettings) -> Result<(), Error> {
     Ok(())
 }
 
-/// Samples that are used, and those that are kept aside.
+/// Samples that are used, and those that are held out.
 fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result<(Samples, Option<Samples>), Error> {
     let (from, until) = (settings.from_s, settings.until_s.unwrap_or(f64::INFINITY));
     if !(from.is_finite() && from >= 0.0) {
@@ -100,7 +100,7 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
     }
     let share = settings.held_out.share(true);
     if !(0.0..=0.9).contains(&share) {
-        return Err(Error::new(format!("the part that is kept aside is {share}, expected 0 to 0.9")));
+        return Err(Error::new(format!("the part that is held out is {share}, expected 0 to 0.9")));
     }
     if settings.measured_velocity && log.qd.is_none() {
         let message = format!("{} holds no measured velocities, expected a column qd for each joint", log.name);

@@ -5,7 +5,7 @@ use armid::model::EffortInterface;
 use armid::signal::Processing;
 use serde::{Deserialize, Serialize};
 
-/// Which part of a log is kept aside for validation.
+/// Which part of a log is held out for validation.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum HeldOut {
@@ -44,7 +44,7 @@ pub struct LogSettings {
     pub from_s: f64,
     /// Where it ends to count, s; at its end where it is `None`.
     pub until_s: Option<f64>,
-    /// Which part of it is kept aside.
+    /// Which part of it is held out.
     pub held_out: HeldOut,
     /// Takes velocities as measured, instead of from the positions.
     pub measured_velocity: bool,

@@ -33,7 +33,7 @@ pub fn regular_file(path: &Path) -> Result<PathBuf, Error> {
 /// The folder that a path names; it need not be there yet.
 ///
 /// # Errors
-/// [`Error`] where something is there that is no folder.
+/// [`Error`] where it exists and is not a folder.
 pub fn folder(path: &Path) -> Result<PathBuf, Error> {
     match fs::metadata(path) {
         Ok(there) if !there.is_dir() => {
@@ -56,7 +56,7 @@ fn followed(path: &Path) -> Result<PathBuf, Error> {
             Err(_) => return Ok(place),
         }
     }
-    Err(Error::new(format!("{} is a link that leads to no end, expected one to a file", path.display())))
+    Err(Error::new(format!("{} is a link without a target, expected one to a file", path.display())))
 }
 
 fn kind(found: FileType) -> &'static str {

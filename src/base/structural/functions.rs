@@ -96,7 +96,7 @@ struct Group {
 }
 
 impl Group {
-    /// The sign with which a term of this function and form belongs into the group.
+    /// The sign with which a term of this function and form belongs in the group.
     fn sign_of(&self, family: &'static str, form: &Form, odd: bool) -> Option<f64> {
         match (family == self.family, form.is(&self.form, 1.0), form.is(&self.form, -1.0)) {
             (true, true, _) => Some(1.0),

@@ -329,7 +329,7 @@ fn analytic_surroundings_are_read_and_their_faults_named() {
     for (from, to, says) in [
         ("to_m = [1, 0, 2]\n", "", "the body of \"post\" is neither a capsule nor a box"),
         ("normal = [0, -2, 0]", "normal = [0, 0, 0]", "normal has no direction"),
-        ("offset_m = -0.6", "offset_m = -0.6\nradius_m = 1", "obstacle \"wall\" is no single thing"),
+        ("offset_m = -0.6", "offset_m = -0.6\nradius_m = 1", "obstacle \"wall\" mixes kinds"),
         ("size_m = [0.2, 0.4, 0.6]", "size_m = [0.2, 0, 0.6]", "size_m has a length that is not above zero"),
         ("\"slide\", \"base\"", "\"slide\"", "links has 1 names, expected 2"),
         ("[\"slide\", \"base\"]", "[\"slide\", \"hand\"]", "link \"hand\" is not there"),

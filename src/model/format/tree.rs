@@ -70,7 +70,7 @@ fn impossible(robot: &Robot, parameters: &StandardParameters) -> Vec<String> {
             // Beyond rounding.
             (least < -1e-9 * size).then(|| {
                 format!(
-                    "the link of joint \"{}\" cannot be a real body: the smallest eigenvalue of its pseudo-inertia is \
+                    "the link of joint \"{}\" is physically inconsistent: the smallest eigenvalue of its pseudo-inertia is \
                      {least:.3e}, expected none below zero",
                     joint.name
                 )

@@ -96,7 +96,7 @@ mod tests {
         assert!((tau[0] - 15.0).abs() < 1e-12 && tau[1].abs() < 1e-12, "{tau:?}");
         let unknown = stated.replace("spring_rest_rad", "spring_rest_deg");
         let fault = parse_robot(&unknown).unwrap_err().to_string();
-        assert!(fault.contains("shape parameter \"spring_rest_deg\" is no term's"), "{fault}");
+        assert!(fault.contains("shape parameter \"spring_rest_deg\" belongs to no term"), "{fault}");
     }
 
     #[test]

@@ -11,7 +11,7 @@ use crate::guard::{JointBounds, Trip};
 /// above 0.95 of it for 20.2 % of the time, counts.
 const WINDOWS: f64 = 8.0;
 
-/// Trips where the effort of a joint was above its line for longer than the window, in all, within the last
+/// Trips where the effort of a joint was above its limit for longer than the window, in all, within the last
 /// [`WINDOWS`] windows:
 ///
 /// ```text

@@ -34,7 +34,7 @@ pub trait Check: Send {
         None
     }
 
-    /// Largest part of its line that was used since this was asked last: 1 where it trips.
+    /// Largest part of its limit that was used since this was asked last: 1 where it trips.
     fn take_used(&mut self) -> f64;
 }
 

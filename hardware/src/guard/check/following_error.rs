@@ -5,7 +5,7 @@ use armid::experiment::RawSample;
 use super::Check;
 use crate::guard::{JointBounds, Trip};
 
-/// Trips where `|q − r|` exceeds its line.
+/// Trips where `|q − r|` exceeds its limit.
 pub(super) struct FollowingError {
     bounds: Vec<JointBounds>,
     used: f64,

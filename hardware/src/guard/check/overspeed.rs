@@ -7,7 +7,7 @@ use armid::experiment::RawSample;
 use super::Check;
 use crate::guard::{JointBounds, Trip};
 
-/// Trips where a joint moved faster than its line over a window W, which takes counts and noise of the encoder out:
+/// Trips where a joint moved faster than its limit over a window W, which takes counts and noise of the encoder out:
 ///
 /// ```text
 /// |q(t) − q(t − W)| / W > overspeed · q̇_max

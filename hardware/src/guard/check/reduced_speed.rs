@@ -10,7 +10,7 @@ use crate::guard::Trip;
 use crate::guard::points::{Places, furthest, names, places};
 
 /// Trips where the flange, or a point that the robot file names, went further in a window W than the line allows,
-/// `|p(t) − p(t − W)| / W > v`, where a line is set.
+/// `|p(t) − p(t − W)| / W > v`, where a limit is set.
 pub(super) struct ReducedSpeed {
     robot: Robot,
     /// m/s; infinite where none is set.

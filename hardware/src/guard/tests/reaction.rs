@@ -57,7 +57,7 @@ proptest! {
         let mut sink = Count::default();
         let ending = guarded.perform(&plan(0.9, rate_hz), &mut sink).unwrap();
         let stage = guarded.arm();
-        // A motion that drifts outwards slowly may be over before it is out; a drift may be noticed before its line.
+        // A motion that drifts outwards slowly may be over before it is out; a drift may be noticed before its limit.
         let crossed_s = stage.crossed_s.unwrap_or(f64::INFINITY);
         if ending.is_complete() {
             prop_assert!(stage.crossed_s.is_none() && matches!(fault, Fault::Outwards(_)), "{fault:?} at {crossed_s} s");

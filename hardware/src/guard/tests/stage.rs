@@ -98,7 +98,7 @@ pub(super) struct Stage {
     pub(super) clock_s: Option<f64>,
     /// What happened, with its time.
     pub(super) deeds: Vec<(f64, Deed)>,
-    /// When the fault first crossed the line of its check, as the stage itself sees it.
+    /// When the fault first exceeded the limit of its check, as the stage itself sees it.
     pub(super) crossed_s: Option<f64>,
     /// Where it stands before its first motion.
     pub(super) stands: Vec<f64>,

@@ -60,7 +60,7 @@ fn what_is_no_mujoco_is_named() {
     let nameless = impostor(folder.path(), "nameless.so", "int x;");
     let bare = impostor(folder.path(), "bare.so", "int mj_version(void) { return 3017000; }");
     for (path, reason) in
-        [(text, "no shared library"), (nameless, "without mj_version"), (bare, "without mj_parseXMLString")]
+        [(text, "not a shared library"), (nameless, "without mj_version"), (bare, "without mj_parseXMLString")]
     {
         let found = fault(&path).to_string();
         assert!(found.contains(reason) && found.contains("scripts/get-mujoco"), "{found}");
