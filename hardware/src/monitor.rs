@@ -100,7 +100,7 @@ impl Monitor {
         }
     }
 
-    /// Listens for `patience`, and says what it saw.
+    /// Listens for `patience`, and returns what was received.
     pub fn look(&mut self, patience: Duration) -> &Snapshot {
         let until = Instant::now() + patience;
         while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {

@@ -83,7 +83,7 @@ pub fn serve<P: Plant>(
     loop {
         for order in wire.orders.try_iter() {
             orders += 1;
-            if let Some(answer) = obey(controller, order) {
+            if let Some(answer) = execute(controller, order) {
                 let due_s =
                     if controller.struck() == Some(FaultKind::LateAnswer) { controller.t() + LATE_S } else { 0.0 };
                 late.push_back((due_s, answer));
@@ -139,7 +139,7 @@ fn send(wire: &Wire, event: Event) {
 }
 
 /// Carries out an order; a goal has an answer.
-fn obey<P: Plant>(controller: &mut RobotController<P>, order: Order) -> Option<Event> {
+fn execute<P: Plant>(controller: &mut RobotController<P>, order: Order) -> Option<Event> {
     match order {
         Order::Goal(number, motion) => {
             let taken = motion.map_err(|unfit| unfit.reason).and_then(|motion| controller.follow(motion));

@@ -189,7 +189,7 @@ impl Ros2Arm {
                     let what = self.settings.full(&self.settings.joint_states);
                     return Err(LinkError::Silence { what, waited_s: age_s, domain: self.settings.domain });
                 }
-                if let Some(end) = self.obey(|| listener.idle(age_s), run) {
+                if let Some(end) = self.act_on(|| listener.idle(age_s), run) {
                     return Ok(end);
                 }
                 continue;
@@ -216,7 +216,7 @@ impl Ros2Arm {
                 }
             };
             if (stamp == Stamp::Stale || age_s * self.rate_hz > 1.0)
-                && let Some(end) = self.obey(|| listener.idle(age_s), run)
+                && let Some(end) = self.act_on(|| listener.idle(age_s), run)
             {
                 return Ok(end);
             }
@@ -231,7 +231,7 @@ impl Ros2Arm {
             if row.stamp_ns < run.start_ns || grid.is_done() {
                 let t = run.since_start(row.stamp_ns);
                 let command = run.command(t).to_vec();
-                if let Some(end) = self.obey(|| listener.standing(t, &row, &command), run) {
+                if let Some(end) = self.act_on(|| listener.standing(t, &row, &command), run) {
                     return Ok(end);
                 }
             }
@@ -245,7 +245,7 @@ impl Ros2Arm {
                     watch.miss(sample.index);
                 }
                 let command = run.command(sample.index as f64 / run.rate_hz).to_vec();
-                if let Some(end) = self.obey(|| listener.sample(&sample, &command), run) {
+                if let Some(end) = self.act_on(|| listener.sample(&sample, &command), run) {
                     return Ok(end);
                 }
             }
@@ -302,7 +302,7 @@ impl Ros2Arm {
     ) -> Result<Option<End>, LinkError> {
         let t = run.since_start(stamp_ns) + 1.0 / self.rate_hz;
         let set_point = run.command(t).to_vec();
-        let end = self.obey(|| listener.command(&set_point, due.elapsed().as_secs_f64()), run);
+        let end = self.act_on(|| listener.command(&set_point, due.elapsed().as_secs_f64()), run);
         if end.is_some() {
             return Ok(end);
         }
@@ -311,7 +311,7 @@ impl Ros2Arm {
     }
 
     /// Does what a listener says; while a stream brakes, it is not asked.
-    fn obey(&mut self, say: impl FnOnce() -> Flow, run: &mut Run<'_>) -> Option<End> {
+    fn act_on(&mut self, say: impl FnOnce() -> Flow, run: &mut Run<'_>) -> Option<End> {
         if run.brake.is_some() {
             return None;
         }

@@ -54,7 +54,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         })
         .collect();
     let scatter = ScatterFigure {
-        heading: Heading::new("criterion-and-error", "What a criterion promises and what its design achieves")
+        heading: Heading::new("criterion-and-error", "Criterion value and achieved error")
             .subtitle(format!("{} designs, estimator {estimator}", result.designs.len()))
             .caption("One point per design: median over its runs of the torque prediction RMSE on validation trajectories; bars reach from the lower to the upper quartile."),
         columns: 3,

@@ -1,4 +1,4 @@
-//! Experiments one after the other: what each round buys.
+//! Experiments one after the other: what each round gains.
 
 use armid::study::{FamilyScore, ReportInput};
 
@@ -56,9 +56,9 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
         ("Volume", Axis::linear("log volume of the error", ""), |score, _| value(score, 2)),
     ];
     let figure = ScatterFigure {
-        heading: Heading::new("rounds", "What each round buys")
+        heading: Heading::new("rounds", "What each round gains")
             .subtitle(format!("error after one experiment, two, …, all of the same length; {estimator}"))
-            .caption("Bars: 95 % intervals by bootstrap over designs and runs. The bound is the median over parameters of the Cramér–Rao standard deviation; that of one experiment falls as long as a round buys more than the same experiments again."),
+            .caption("Bars: 95 % intervals by bootstrap over designs and runs. The bound is the median over parameters of the Cramér–Rao standard deviation; that of one experiment falls as long as a round gains more than the same experiments again."),
         columns: 2,
         panels: panels
             .into_iter()
