@@ -17,6 +17,7 @@ use super::nearly_dependent::NearlyDependent;
 use super::scaled_stack::scaled_stack;
 use super::{BaseError, BaseReduction};
 use crate::linalg::{LeftToRight, RankTolerance};
+use crate::model::term::ROTOR;
 use crate::model::{Columns, Robot};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
@@ -24,37 +25,35 @@ use crate::seed::Seed;
 /// A column at this fraction or less of the others', or of its own length from dependence, cannot be seen.
 const NEARLY_DEPENDENT: f64 = 1e-6;
 
-/// The reduction without nearly dependent columns; itself where there are none, and where a term depends on more than the motion.
+/// The reduction without nearly dependent columns of links and rotors; itself where there are none. Other torque terms are functions of
+/// the speed that may be narrow: random states say nothing of how well a motion made for them shows them.
 pub(super) fn leave_out(
     robot: &Robot,
     geometry: &Geometry,
     columns: Columns,
     structural: BaseReduction,
 ) -> Result<BaseReduction, BaseError> {
-    if columns.beyond_motion().is_some() {
-        return Ok(structural);
-    }
-    let parameters = columns.parameters(robot);
+    let inertial = if columns.has(ROTOR) { Columns::RIGID_ROTOR } else { Columns::RIGID };
+    let (all, parameters) = (columns.parameters(robot), inertial.parameters(robot));
+    let places: Vec<usize> = parameters.iter().filter_map(|id| all.iter().position(|other| other == id)).collect();
     let mut rng = Seed::new(0).stream("nearly dependent columns", 0);
     let states = geometry.random_states(geometry.state_count(parameters.len()), &mut rng);
-    let w = JointTorqueRegressor::new(robot, columns).stack(&states);
+    let w = JointTorqueRegressor::new(robot, inertial).stack(&states);
     let w = scaled_stack(geometry, &parameters, w)?;
     let seen = LeftToRight::new(&w, RankTolerance { zero: NEARLY_DEPENDENT, independent: NEARLY_DEPENDENT });
-    if seen.kept == structural.kept {
+    let visible: Vec<usize> = seen.kept.iter().map(|&column| places[column]).collect();
+    let left_out = |column: &&usize| places.contains(*column) && !visible.contains(*column);
+    if structural.kept.iter().filter(|column| places.contains(*column)).eq(&visible) {
         return Ok(structural);
     }
-    let left_out = NearlyDependent {
-        parameters: structural
-            .kept
-            .iter()
-            .filter(|column| !seen.kept.contains(column))
-            .map(|&column| parameters[column].to_string())
-            .collect(),
+    let finding = NearlyDependent {
+        parameters: structural.kept.iter().filter(left_out).map(|&column| all[column].to_string()).collect(),
         structural_rank: structural.rank(),
         tolerance: NEARLY_DEPENDENT,
     };
     // A coefficient below the tolerance is no more than what was left out.
     let k = seen.coefficients.map(|x| if x.abs() < NEARLY_DEPENDENT { 0.0 } else { x });
-    let reduction = BaseReduction::from_echelon(&parameters, seen.kept, k, structural.method);
-    Ok(reduction.with_units(&geometry.units(&parameters)).without(left_out))
+    let of_links = BaseReduction::from_echelon(&parameters, seen.kept, k, structural.method);
+    let of_links = of_links.with_units(&geometry.units(&parameters));
+    Ok(structural.with_rows(&places, &of_links).without(finding))
 }

@@ -200,6 +200,31 @@ impl BaseReduction {
         self
     }
 
+    /// The same with the rows and columns of some parameters, which stand at `places`, replaced by those of a reduction of them
+    /// alone: for parameters that no other combines with.
+    pub(super) fn with_rows(self, places: &[usize], part: &Self) -> Self {
+        let mut rows: Vec<(usize, Option<usize>)> =
+            self.kept.iter().enumerate().filter(|(_, j)| !places.contains(j)).map(|(row, &j)| (j, Some(row))).collect();
+        rows.extend(part.kept.iter().map(|&j| (places[j], None)));
+        rows.sort_unstable();
+        let kept: Vec<usize> = rows.iter().map(|&(j, _)| j).collect();
+        let mut k = DMatrix::zeros(kept.len(), self.parameters.len());
+        let mut parts = 0..part.rank();
+        for (row, &(_, own)) in rows.iter().enumerate() {
+            match (own, parts.clone().next()) {
+                (Some(own), _) => k.row_mut(row).copy_from(&self.k.row(own)),
+                (None, Some(from)) => {
+                    parts.start += 1;
+                    for (j, &place) in places.iter().enumerate() {
+                        k[(row, place)] = part.k[(from, j)];
+                    }
+                }
+                (None, None) => {}
+            }
+        }
+        Self { categories: categories(&kept, &k), kept, k, ..self }
+    }
+
     /// The same, which says what was left out.
     pub(super) fn without(mut self, left_out: NearlyDependent) -> Self {
         self.nearly_dependent = Some(left_out);
