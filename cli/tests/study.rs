@@ -131,6 +131,14 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
     succeeds(at, &["study", "study.toml", "--resume", "-o", "killed"]);
     assert!(one == files(&at.join("killed")), "the resumed study differs from the whole");
 
+    // And one cut within its very first line, in a part that is merged too.
+    std::fs::create_dir(at.join("begun")).unwrap();
+    std::fs::write(at.join("begun/journal.jsonl"), &journal[..30]).unwrap();
+    succeeds(at, &["study", "merge", "begun", "part1", "part2", "-o", "merged2"]);
+    assert!(one == files(&at.join("merged2")), "the merged parts differ with one that was only begun");
+    succeeds(at, &["study", "study.toml", "--resume", "-o", "begun"]);
+    assert!(one == files(&at.join("begun")), "the resumed study differs from the whole");
+
     // No other process may write while a study does, and a new study loses none of an interrupted one's work.
     std::fs::create_dir(at.join("busy")).unwrap();
     let interrupted = at.join("busy/journal.jsonl");
@@ -322,4 +330,99 @@ fn a_dry_run_shows_scripts_and_lines_and_writes_nothing() {
     let none = armid(at, &["study", "status", "."]);
     assert_eq!(none.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&none.stderr).contains("expected the folder of a submitted study"));
+}
+
+/// The study of one engine with eight starts of each family, and less to do for each.
+fn with_starts() -> String {
+    alone()
+        .replace("starts = 2", "starts = 8")
+        .replace("runs = 3\n", "runs = 2\n")
+        .replace("evaluations = 20", "evaluations = 8")
+}
+
+#[test]
+fn identity_a_study_that_ends_early_is_the_study_of_its_starts() {
+    let folder = with_plan();
+    let at = folder.path();
+    std::fs::write(at.join("starts.toml"), with_starts()).unwrap();
+    // Any interval will do: the first look is the last.
+    let rule = "ratio(condition, random).prediction < 100000 %";
+    succeeds(at, &["study", "starts.toml", "--until", rule, "--jobs", "1", "-o", "one"]);
+    succeeds(at, &["study", "starts.toml", "--until", rule, "--jobs", "2", "-o", "two"]);
+    let one = files(&at.join("one"));
+    assert!(one == files(&at.join("two")), "one and two threads differ");
+    let looks: serde_json::Value = serde_json::from_slice(&one["looks.json"]).unwrap();
+    assert_eq!(looks["termination"], "narrow-enough");
+    assert_eq!(looks["looks"].as_array().unwrap().len(), 1);
+    assert_eq!(looks["looks"][0]["starts"], 4);
+
+    // The plan as run says all of it.
+    succeeds(at, &["study", "one/study.toml", "-o", "again"]);
+    let mut again = files(&at.join("again"));
+    again.insert("looks.json".to_owned(), one["looks.json"].clone());
+    assert!(one == again, "the plan as run gives another study");
+
+    // What no number of starts gives: all of them, and a negative verdict.
+    let narrow = "ratio(condition, random).prediction < 0.001 %";
+    let output = armid(at, &["study", "starts.toml", "--until", narrow, "-o", "all"]);
+    assert_eq!(output.status.code(), Some(1), "{}", String::from_utf8_lossy(&output.stderr));
+    succeeds(at, &["study", "starts.toml", "-o", "whole"]);
+    let mut all = files(&at.join("all"));
+    let looks: serde_json::Value = serde_json::from_slice(&all.remove("looks.json").unwrap()).unwrap();
+    assert_eq!(looks["termination"], "all-starts");
+    assert_eq!(looks["looks"].as_array().unwrap().len(), 3);
+    assert!(all == files(&at.join("whole")), "the study of all starts differs from the whole");
+
+    // The whole study as a pilot of the next one.
+    let output =
+        armid(at, &["study", "plan", "whole", "--until", "ratio(condition, random).prediction < 10 %", "--json"]);
+    let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    assert_eq!(shown["pilot"]["size"], serde_json::json!({ "starts": 8, "truths": null, "runs": 2 }));
+    assert!(shown["pilot"]["share"].as_f64().unwrap() > 0.0);
+    assert_eq!(output.status.code(), Some(if shown["least"].is_null() { 1 } else { 0 }));
+
+    for (rule, words) in [
+        ("condition / random < 5 %", "expected as \"ratio(condition, d-optimal).prediction < 5 %\""),
+        ("ratio(condition, nobody).si < 5 %", "--until is \"nobody\", expected one of the families"),
+    ] {
+        for arguments in
+            [&["study", "starts.toml", "--until", rule, "-o", "x"][..], &["study", "plan", "whole", "--until", rule]]
+        {
+            let output = armid(at, arguments);
+            let text = String::from_utf8_lossy(&output.stderr).replace("\n  │ ", " ");
+            assert_eq!(output.status.code(), Some(2), "{text}");
+            assert!(text.contains(words), "{text}");
+        }
+    }
+    assert!(!at.join("x").exists());
+}
+
+#[test]
+fn a_dry_run_says_what_a_study_costs_and_writes_nothing() {
+    let folder = with_plan();
+    let at = folder.path();
+    let output = armid(at, &["study", "study.toml", "--runs", "500", "--dry-run", "--json"]);
+    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
+    let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    // Three engines with and without effects, four designs, 500 runs each.
+    assert_eq!((&shown["designs"], &shown["conditions"], &shown["runs"]), (&4.into(), &6.into(), &12_000.into()));
+    for key in ["design_core_hours", "run_core_hours", "journal_bytes", "numbers_bytes", "results_bytes"] {
+        assert!(shown[key].as_f64().unwrap() > 0.0, "{key}: {shown}");
+    }
+    assert_eq!(std::fs::read_dir(at).unwrap().count(), 1);
+
+    // The forecast of the disk holds: a part's journal and the whole's rows, to a fifth.
+    let output = armid(at, &["study", "study.toml", "--runs", "20", "--dry-run", "--json"]);
+    let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    succeeds(at, &["study", "study.toml", "--runs", "20", "--shard", "1/1", "-o", "part"]);
+    let journal = std::fs::metadata(at.join("part/journal.jsonl")).unwrap().len() as f64;
+    let share = shown["journal_bytes"].as_f64().unwrap() / journal;
+    assert!((0.7..1.2).contains(&share), "{share} of the journal");
+    succeeds(at, &["study", "merge", "part", "-o", "whole"]);
+    let rows: u64 = ["runs", "parameters", "timing"]
+        .iter()
+        .map(|name| std::fs::metadata(at.join(format!("whole/{name}.parquet"))).unwrap().len())
+        .sum();
+    let share = shown["results_bytes"].as_f64().unwrap() / rows as f64;
+    assert!((0.6..1.4).contains(&share), "{share} of the rows");
 }

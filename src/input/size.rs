@@ -98,7 +98,7 @@ pub const RUNS: SizeLimit = SizeLimit {
     what: "runs of a study: those of all designs under all conditions",
     most: 1_000_000,
     unit: "",
-    reason: "the estimates of each run are held in memory, a kilobyte and more",
+    reason: "each takes kilobytes on the disk, and intervals are drawn a thousand times from all of them",
 };
 
 /// Truths of a study that are drawn at random.

@@ -3,13 +3,40 @@
 use rand::RngExt;
 
 use super::{Interval, quantile};
-use crate::seed::Seed;
+use crate::seed::{Seed, Stream};
 
-/// Percentile interval of a statistic by the two-layer bootstrap: designs are drawn with replacement, then runs within
-/// each design drawn (A. C. Davison and D. V. Hinkley, *Bootstrap Methods and their Application*, 1997, sec. 3.8).
+/// Draws of the two-layer bootstrap: designs are drawn with replacement, then runs within each design drawn (A. C. Davison
+/// and D. V. Hinkley, *Bootstrap Methods and their Application*, 1997, sec. 3.8). Where there is only one design, runs alone
+/// are drawn.
+#[derive(Debug)]
+pub struct TwoLayerDraws<'a> {
+    rng: Stream,
+    sizes: &'a [&'a [usize]],
+}
+
+impl<'a> TwoLayerDraws<'a> {
+    /// `sizes` holds the number of runs of each design, one entry per design and one list per criterion.
+    #[must_use]
+    pub fn new(sizes: &'a [&'a [usize]], seed: Seed) -> Self {
+        Self { rng: seed.stream("bootstrap", 0), sizes }
+    }
+
+    /// The next draw: hands over every (criterion, design, run) that was drawn, criterion by criterion.
+    pub fn draw(&mut self, mut take: impl FnMut(usize, usize, usize)) {
+        for (criterion, designs) in self.sizes.iter().enumerate() {
+            for _ in 0..designs.len() {
+                let design = self.rng.random_range(0..designs.len());
+                for _ in 0..designs[design] {
+                    take(criterion, design, self.rng.random_range(0..designs[design]));
+                }
+            }
+        }
+    }
+}
+
+/// Percentile interval of a statistic by the two-layer bootstrap.
 ///
-/// `sizes` holds the number of runs of each design, one entry per design and one list per criterion; `statistic` gets,
-/// per criterion, the drawn (design, run) pairs. Where there is only one design, runs alone are drawn. A statistic of
+/// `sizes` is that of [`TwoLayerDraws::new`]; `statistic` gets, per criterion, the drawn (design, run) pairs. A statistic of
 /// `None` (undefined on a draw) is left out; the interval is `None` where more than half are undefined.
 pub fn bootstrap_interval(
     sizes: &[&[usize]],
@@ -18,26 +45,26 @@ pub fn bootstrap_interval(
     seed: Seed,
     mut statistic: impl FnMut(&[Vec<(usize, usize)>]) -> Option<f64>,
 ) -> Option<Interval> {
-    let mut rng = seed.stream("bootstrap", 0);
+    let mut draws = TwoLayerDraws::new(sizes, seed);
     let mut values = Vec::with_capacity(resamples);
     let mut drawn: Vec<Vec<(usize, usize)>> = vec![Vec::new(); sizes.len()];
     for _ in 0..resamples {
-        for (criterion, designs) in sizes.iter().enumerate() {
-            drawn[criterion].clear();
-            for _ in 0..designs.len() {
-                let design = rng.random_range(0..designs.len());
-                for _ in 0..designs[design] {
-                    drawn[criterion].push((design, rng.random_range(0..designs[design])));
-                }
-            }
-        }
+        drawn.iter_mut().for_each(Vec::clear);
+        draws.draw(|criterion, design, run| drawn[criterion].push((design, run)));
         values.extend(statistic(&drawn));
     }
+    percentile_interval(&values, resamples, level)
+}
+
+/// The interval between the percentiles of the statistic's values on `resamples` draws; `None` where more than half of them
+/// were undefined and left out.
+#[must_use]
+pub fn percentile_interval(values: &[f64], resamples: usize, level: f64) -> Option<Interval> {
     if 2 * values.len() < resamples {
         return None;
     }
     let tail = 0.5 * (1.0 - level);
-    Some(Interval { low: quantile(&values, tail)?, high: quantile(&values, 1.0 - tail)? })
+    Some(Interval { low: quantile(values, tail)?, high: quantile(values, 1.0 - tail)? })
 }
 
 #[cfg(test)]

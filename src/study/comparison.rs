@@ -1,11 +1,12 @@
 //! The difference between two families of designs in one metric, with its interval.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
-
-use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
+use super::error::StudyError;
+use super::evidence::{EstimatorRuns, Evidence, LEVEL, RunValues, geometric_mean};
 use super::family_score::VOLUME_RUNS;
 use super::metric::Metric;
-use crate::statistics::{Interval, bootstrap_interval, mean};
+use super::volume::ErrorVolumes;
+use crate::seed::Seed;
+use crate::statistics::{Interval, bootstrap_interval};
 
 /// The difference between two families of designs in one metric.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -27,62 +28,72 @@ pub struct Comparison {
 }
 
 impl Evidence<'_> {
-    pub(super) fn value(&self, metric: Metric, runs: &[Run<'_>]) -> Option<f64> {
-        if runs.is_empty() {
-            return None;
-        }
-        if metric == Metric::LogVolume {
-            return self.log_volume(runs);
-        }
-        let logs: Vec<f64> = runs.iter().filter_map(|run| metric.of(run.estimate)).map(libm::log).collect();
-        if logs.is_empty() {
-            return None;
-        }
-        Some(libm::exp(mean(&logs)))
-    }
-
-    fn log_volume(&self, runs: &[Run<'_>]) -> Option<f64> {
-        let columns: Vec<DVector<f64>> = runs.iter().map(|run| run.errors().component_div(self.units)).collect();
-        if columns.len() <= self.parameters() {
-            return None;
-        }
-        let z = DMatrix::from_columns(&columns);
-        let moment = &z * z.transpose() / columns.len() as f64;
-        Some(Cholesky::new(moment)?.l_dirty().diagonal().iter().map(|&d| libm::log(d)).sum())
-    }
-
+    /// Compares two families by the logarithms of a metric; `None` where one of them has no value.
     pub(super) fn compare(
+        &self,
+        metric: Metric,
+        runs: &EstimatorRuns<'_>,
+        pair: [usize; 2],
+        logs: &RunValues,
+    ) -> Option<Comparison> {
+        let designs = pair.map(|family| self.designs_of(family));
+        let value = |side: usize| geometric_mean(designs[side].iter().flat_map(|&design| logs[design].iter().copied()));
+        let (first, second) = (value(0)?, value(1)?);
+        let sizes = designs.each_ref().map(|designs| designs.iter().map(|&d| runs.size(d)).collect::<Vec<_>>());
+        let seed = self.pair_seed(metric, runs.name, pair);
+        let interval = bootstrap_interval(&[&sizes[0], &sizes[1]], metric.resamples(), LEVEL, seed, |drawn| {
+            let value = |side: usize| geometric_mean(drawn[side].iter().map(|&(d, run)| logs[designs[side][d]][run]));
+            Some(value(0)? / value(1)?)
+        });
+        Some(self.comparison(metric, runs.name, pair, first / second, interval))
+    }
+
+    /// Compares the log volumes of the errors of two families.
+    pub(super) fn compare_volumes(
+        &self,
+        runs: &EstimatorRuns<'_>,
+        pair: [usize; 2],
+    ) -> Result<Option<Comparison>, StudyError> {
+        let metric = Metric::LogVolume;
+        let designs = pair.map(|family| self.designs_of(family));
+        let volumes = self.volumes(runs);
+        let (Some(first), Some(second)) = (volumes.value(&designs[0])?, volumes.value(&designs[1])?) else {
+            return Ok(None);
+        };
+        let sizes = designs.each_ref().map(|designs| designs.iter().map(|&d| runs.size(d)).collect::<Vec<_>>());
+        // Draws with repetition hold fewer distinct runs, which makes a determinant of many parameters smaller than that of
+        // all runs: without several runs for each parameter the interval would lie beside its own estimate.
+        let few = sizes.iter().any(|sizes| sizes.iter().sum::<usize>() < VOLUME_RUNS * self.parameters());
+        let interval = if few {
+            None
+        } else {
+            let sides = [(&designs[0][..], &sizes[0][..]), (&designs[1][..], &sizes[1][..])];
+            let seed = self.pair_seed(metric, runs.name, pair);
+            volumes.interval(&sides, metric.resamples(), LEVEL, seed, |values| Some(values[0]? - values[1]?))?
+        };
+        Ok(Some(self.comparison(metric, runs.name, pair, first - second, interval)))
+    }
+
+    /// The log volumes of the errors of runs.
+    pub(super) fn volumes(&self, runs: &EstimatorRuns<'_>) -> ErrorVolumes<'_> {
+        ErrorVolumes { runs: self.runs, condition: self.condition, estimator: runs.index, units: self.units }
+    }
+
+    fn pair_seed(&self, metric: Metric, estimator: &str, pair: [usize; 2]) -> Seed {
+        self.seed.child(&format!("{estimator} {metric:?}"), (pair[0] * self.families.len() + pair[1]) as u64)
+    }
+
+    fn comparison(
         &self,
         metric: Metric,
         estimator: &str,
         pair: [usize; 2],
-        runs: &[FamilyRuns<'_>],
-    ) -> Option<Comparison> {
-        let pooled = pair.map(|family| runs[family].iter().flatten().copied().collect::<Vec<_>>());
-        let [first, second] = [self.value(metric, &pooled[0])?, self.value(metric, &pooled[1])?];
-        let difference = |a: f64, b: f64| if metric.is_logarithmic() { a - b } else { a / b };
-        let sizes = pair.map(|family| runs[family].iter().map(Vec::len).collect::<Vec<_>>());
-        let seed =
-            self.seed.child(&format!("{estimator} {metric:?}"), (pair[0] * self.families.len() + pair[1]) as u64);
-        // Draws with repetition hold fewer distinct runs, which makes a determinant of many parameters smaller than that of
-        // all runs: without several runs for each parameter the interval would lie beside its own estimate.
-        let few = |sizes: &[usize]| sizes.iter().sum::<usize>() < VOLUME_RUNS * self.parameters();
-        let interval = if metric.is_logarithmic() && sizes.iter().any(|sizes| few(sizes)) {
-            None
-        } else {
-            bootstrap_interval(&[&sizes[0], &sizes[1]], metric.resamples(), LEVEL, seed, |drawn| {
-                let value = |side: usize| {
-                    let picked: Vec<Run<'_>> =
-                        drawn[side].iter().map(|&(design, run)| runs[pair[side]][design][run]).collect();
-                    self.value(metric, &picked)
-                };
-                Some(difference(value(0)?, value(1)?))
-            })
-        };
+        difference: f64,
+        interval: Option<Interval>,
+    ) -> Comparison {
         let none = if metric.is_logarithmic() { 0.0 } else { 1.0 };
-        let difference = difference(first, second);
         let better = interval.filter(|i| !i.contains(none)).map(|_| usize::from(difference > none));
-        Some(Comparison {
+        Comparison {
             metric,
             estimator: estimator.to_owned(),
             first: self.families[pair[0]].clone(),
@@ -90,6 +101,6 @@ impl Evidence<'_> {
             difference,
             interval,
             better: better.map(|side| self.families[pair[side]].clone()),
-        })
+        }
     }
 }

@@ -4,8 +4,8 @@
 //! compared in pairs. The first condition is the one that the figures of a study show.
 
 use super::evidence::Findings;
-use super::outcome::Outcome;
 use super::plan::StudyPlan;
+use super::status_count::StatusCount;
 use crate::experiment::Effects;
 
 /// One way of performing the experiments: what differs is the simulated arm, never design, sensors' noise or estimator.
@@ -29,27 +29,6 @@ pub struct ConditionResult {
     pub statuses: Vec<StatusCount>,
     /// Scores and comparisons over these runs.
     pub findings: Findings,
-}
-
-/// How many runs ended in one way.
-#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct StatusCount {
-    /// `ok`, or the kind of [`Failure`](super::Failure).
-    pub status: String,
-    /// Number of runs.
-    pub runs: usize,
-}
-
-impl StatusCount {
-    /// Counts the statuses of runs, sorted by name.
-    #[must_use]
-    pub fn of<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Vec<Self> {
-        let mut counts = std::collections::BTreeMap::new();
-        for outcome in outcomes {
-            *counts.entry(outcome.status()).or_insert(0) += 1;
-        }
-        counts.into_iter().map(|(status, runs)| Self { status: status.to_owned(), runs }).collect()
-    }
 }
 
 impl StudyPlan {

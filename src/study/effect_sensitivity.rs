@@ -14,8 +14,9 @@ use std::collections::BTreeMap;
 
 use super::condition::ConditionResult;
 use super::family_score::{FamilyScore, ParameterScore};
-use super::outcome::Outcome;
-use super::{StudyDesign, StudySetup};
+use super::metric::Metric;
+use super::run_table::{RunNumber, RunTable};
+use super::{StudyDesign, StudyError, StudySetup};
 use crate::experiment::Level;
 use crate::model::ParameterKind;
 use crate::statistics::{Interval, mean, t_interval};
@@ -107,17 +108,16 @@ impl ParameterBias {
 
 impl StudySetup {
     /// The effect sensitivity of a study whose first condition has no effects and some other has; `None` of another.
-    #[must_use]
+    ///
+    /// # Errors
+    /// [`StudyError::Runs`] where the numbers of the runs cannot be read.
     pub fn effect_sensitivity(
         &self,
         designs: &[StudyDesign],
         conditions: &[ConditionResult],
-        outcomes: &[Outcome],
-    ) -> Option<EffectSensitivity> {
-        let first = conditions.first()?;
-        if !first.condition.effects.is_none() {
-            return None;
-        }
+        runs: &dyn RunTable,
+    ) -> Result<Option<EffectSensitivity>, StudyError> {
+        let Some(first) = conditions.first().filter(|first| first.condition.effects.is_none()) else { return Ok(None) };
         let kinds = self.kinds();
         let mut names: Vec<&'static str> = Vec::new();
         for &kind in &kinds {
@@ -131,12 +131,12 @@ impl StudySetup {
                 continue;
             }
             for (score, plain) in result.findings.families.iter().zip(&first.findings.families) {
-                let pairs = self.pairs(designs, outcomes, index, score);
+                let pairs = self.pairs(designs, runs, index, score)?;
                 entries.push(self.entry(result, score, plain, &pairs, (&names, &kinds)));
             }
         }
-        (!entries.is_empty())
-            .then(|| EffectSensitivity { kinds: names.into_iter().map(str::to_owned).collect(), entries })
+        let kinds = names.into_iter().map(str::to_owned).collect();
+        Ok((!entries.is_empty()).then_some(EffectSensitivity { kinds, entries }))
     }
 
     /// The kind of each base parameter, in words.
@@ -148,28 +148,27 @@ impl StudySetup {
     fn pairs(
         &self,
         designs: &[StudyDesign],
-        outcomes: &[Outcome],
+        runs: &dyn RunTable,
         condition: usize,
         score: &FamilyScore,
-    ) -> BTreeMap<usize, Vec<f64>> {
-        let error = |outcome: &Outcome| {
-            let estimate = outcome.estimates.iter().find(|estimate| estimate.estimator == score.estimator)?;
-            Some(estimate.score.as_ref()?.prediction_rmse_of_rating)
-        };
-        let of_family = |outcome: &&Outcome| self.plan.designs[designs[outcome.design].family].name == score.family;
-        let plain: BTreeMap<(usize, u64), f64> = outcomes
-            .iter()
-            .filter(of_family)
-            .filter(|outcome| outcome.condition == 0)
-            .filter_map(|outcome| Some(((outcome.design, outcome.run), error(outcome)?)))
-            .collect();
+    ) -> Result<BTreeMap<usize, Vec<f64>>, StudyError> {
         let mut pairs: BTreeMap<usize, Vec<f64>> = BTreeMap::new();
-        for outcome in outcomes.iter().filter(of_family).filter(|outcome| outcome.condition == condition) {
-            if let (Some(with), Some(without)) = (error(outcome), plain.get(&(outcome.design, outcome.run))) {
-                pairs.entry(outcome.design).or_default().push(libm::log(with / without));
+        let Some(estimator) = self.plan.identification.estimators.iter().position(|name| *name == score.estimator)
+        else {
+            return Ok(pairs);
+        };
+        let of_family = |design: &StudyDesign| self.plan.designs[design.family].name == score.family;
+        let number = RunNumber::Metric { estimator, metric: Metric::PredictionOfRating };
+        for (index, _) in designs.iter().enumerate().filter(|(_, design)| of_family(design)) {
+            let [without, with] =
+                [0, condition].map(|condition| runs.numbers(index, condition, 0..runs.runs(index, condition), number));
+            for (without, with) in without?.into_iter().zip(with?) {
+                if let (Some(without), Some(with)) = (without, with) {
+                    pairs.entry(index).or_default().push(libm::log(with / without));
+                }
             }
         }
-        pairs
+        Ok(pairs)
     }
 
     fn entry(

@@ -1,11 +1,11 @@
-//! Why a study cannot begin.
+//! Why a study cannot begin, or be summed up.
 
 use super::plan_error::StudyPlanError;
 use super::random_truth::TruthError;
 use crate::base::BaseError;
 use crate::excitation::ExcitationError;
 
-/// Why a study cannot begin.
+/// Why a study cannot begin, or be summed up.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
     /// The plan asks for something that is not there.
@@ -20,4 +20,7 @@ pub enum StudyError {
     /// A trajectory cannot be made.
     #[error(transparent)]
     Excitation(#[from] ExcitationError),
+    /// The numbers of its runs cannot be read where they are held.
+    #[error("the numbers of the runs cannot be read: {0}")]
+    Runs(String),
 }

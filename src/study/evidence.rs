@@ -13,9 +13,10 @@ use nalgebra::DVector;
 
 use super::comparison::Comparison;
 use super::criterion_correlation::CriterionCorrelation;
+use super::error::StudyError;
 use super::family_score::FamilyScore;
 use super::metric::Metric;
-use super::outcome::{Outcome, ScoredEstimate};
+use super::run_table::{RunNumber, RunTable};
 use super::truth_comparison::TruthComparison;
 use crate::seed::Seed;
 use crate::statistics::Spread;
@@ -34,7 +35,7 @@ pub struct DesignRow<'a> {
     pub values: &'a [(&'a str, f64)],
 }
 
-/// The input of the findings: designs, truths and all outcomes.
+/// The input of the findings: designs, truths and the numbers of all runs.
 #[derive(Clone, Copy, Debug)]
 pub struct Evidence<'a> {
     /// Names of the families.
@@ -45,12 +46,14 @@ pub struct Evidence<'a> {
     pub designs: &'a [DesignRow<'a>],
     /// Names of the estimators.
     pub estimators: &'a [String],
-    /// True base parameters (b) of the robot, and of each truth that was drawn; [`Outcome::truth`] is an index.
-    pub truths: &'a [DVector<f64>],
+    /// Number of truths that were drawn; they are counted from one.
+    pub truths: usize,
     /// Reference units (b).
     pub units: &'a DVector<f64>,
-    /// All outcomes, sorted by design and run.
-    pub outcomes: &'a [Outcome],
+    /// The numbers of all runs.
+    pub runs: &'a dyn RunTable,
+    /// Index of the condition that the findings are about.
+    pub condition: usize,
     /// Seed of the bootstraps.
     pub seed: Seed,
 }
@@ -72,33 +75,33 @@ pub struct Findings {
     pub criterion_correlations: Vec<CriterionCorrelation>,
 }
 
-/// One estimate, and the true base parameters of the arm that it was made from.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct Run<'a> {
-    pub(super) estimate: &'a ScoredEstimate,
-    pub(super) beta: &'a DVector<f64>,
-    pub(super) truth: usize,
+/// The runs that gave an estimate with one estimator: design → run.
+#[derive(Debug)]
+pub(super) struct EstimatorRuns<'a> {
+    pub(super) index: usize,
+    pub(super) name: &'a str,
+    /// Which runs gave one.
+    scored: Vec<Vec<bool>>,
+    /// Index of the truth of each run that gave one.
+    pub(super) truths: Vec<Vec<usize>>,
 }
 
-impl Run<'_> {
-    /// Error of base parameter `i`.
-    pub(super) fn error(&self, i: usize) -> f64 {
-        self.estimate.beta[i] - self.beta[i]
-    }
+/// One number of the runs that gave an estimate: design → run. Metrics that an arm was not asked for are `None`.
+pub(super) type RunValues = Vec<Vec<Option<f64>>>;
 
-    /// Errors of all base parameters (b).
-    pub(super) fn errors(&self) -> DVector<f64> {
-        DVector::from_column_slice(&self.estimate.beta) - self.beta
+impl EstimatorRuns<'_> {
+    /// How many runs of a design gave an estimate.
+    pub(super) fn size(&self, design: usize) -> usize {
+        self.truths[design].len()
     }
 }
-
-/// The runs of one family with one estimator: design → run.
-pub(super) type FamilyRuns<'a> = Vec<Vec<Run<'a>>>;
 
 impl Evidence<'_> {
     /// Computes the findings.
-    #[must_use]
-    pub fn findings(&self) -> Findings {
+    ///
+    /// # Errors
+    /// [`StudyError::Runs`] where the numbers of the runs cannot be read.
+    pub fn findings(&self) -> Result<Findings, StudyError> {
         let mut findings = Findings {
             families: Vec::new(),
             comparisons: Vec::new(),
@@ -106,72 +109,123 @@ impl Evidence<'_> {
             design_prediction: Vec::new(),
             criterion_correlations: Vec::new(),
         };
-        for (e, estimator) in self.estimators.iter().enumerate() {
-            let runs: Vec<FamilyRuns<'_>> = (0..self.families.len()).map(|family| self.runs(family, e)).collect();
-            for (family, runs) in runs.iter().enumerate() {
-                findings.families.push(self.family_score(family, estimator, runs));
-            }
-            for first in 0..runs.len() {
-                for second in first + 1..runs.len() {
-                    let named = |family: usize| self.compare_with.contains(&self.families[family]);
-                    if !(self.compare_with.is_empty() || named(first) || named(second)) {
-                        continue;
+        let pairs = self.pairs();
+        for (index, name) in self.estimators.iter().enumerate() {
+            let runs = self.estimator_runs(index, name)?;
+            let mut scores = (0..self.families.len())
+                .map(|family| self.family_score(family, &runs))
+                .collect::<Result<Vec<_>, _>>()?;
+            // Metric by metric, so that the values of one alone are held; told pair by pair.
+            let mut comparisons: Vec<Vec<Comparison>> = vec![Vec::new(); pairs.len()];
+            let mut over_truths: Vec<Vec<TruthComparison>> = vec![Vec::new(); pairs.len()];
+            for metric in Metric::ALL {
+                if metric.is_logarithmic() {
+                    self.add_volumes(&runs, &mut scores)?;
+                    for (&pair, found) in pairs.iter().zip(&mut comparisons) {
+                        found.extend(self.compare_volumes(&runs, pair)?);
                     }
-                    for metric in Metric::ALL {
-                        findings.comparisons.extend(self.compare(metric, estimator, [first, second], &runs));
-                        findings.over_truths.extend(self.over_truths(metric, estimator, [first, second], &runs));
-                    }
+                    continue;
+                }
+                let values = self.metric_values(&runs, metric)?;
+                if metric == Metric::Prediction {
+                    let spread: Vec<Option<Spread>> = values.iter().map(|of| Spread::of(&present(of))).collect();
+                    findings.criterion_correlations.extend(self.criterion_correlations(name, &spread));
+                    findings.design_prediction.push(spread);
+                }
+                self.add_metric(metric, &runs, &values, &mut scores);
+                let logs = logarithms(values);
+                for ((&pair, found), over) in pairs.iter().zip(&mut comparisons).zip(&mut over_truths) {
+                    found.extend(self.compare(metric, &runs, pair, &logs));
+                    over.extend(self.over_truths(metric, &runs, pair, &logs));
                 }
             }
-            let spread = self.design_spread(e);
-            findings.criterion_correlations.extend(self.criterion_correlations(estimator, &spread));
-            findings.design_prediction.push(spread);
+            findings.families.extend(scores);
+            findings.comparisons.extend(comparisons.into_iter().flatten());
+            findings.over_truths.extend(over_truths.into_iter().flatten());
         }
-        findings
+        Ok(findings)
     }
 
-    fn runs(&self, family: usize, estimator: usize) -> FamilyRuns<'_> {
-        self.designs
-            .iter()
-            .enumerate()
-            .filter(|(_, design)| design.family == family)
-            .map(|(index, _)| {
-                self.outcomes
-                    .iter()
-                    .filter(|outcome| outcome.design == index)
-                    .filter_map(|outcome| {
-                        let estimate = outcome.estimates.get(estimator).filter(|estimate| estimate.score.is_some())?;
-                        Some(Run { estimate, beta: &self.truths[outcome.truth], truth: outcome.truth })
-                    })
-                    .collect()
-            })
-            .collect()
+    /// Every pair of families that is compared.
+    fn pairs(&self) -> Vec<[usize; 2]> {
+        let named = |family: usize| self.compare_with.contains(&self.families[family]);
+        let all = (0..self.families.len())
+            .flat_map(|first| (first + 1..self.families.len()).map(move |second| [first, second]));
+        all.filter(|pair| self.compare_with.is_empty() || pair.iter().any(|&family| named(family))).collect()
+    }
+
+    /// Indices of the designs of a family.
+    pub(super) fn designs_of(&self, family: usize) -> Vec<usize> {
+        (0..self.designs.len()).filter(|&design| self.designs[design].family == family).collect()
+    }
+
+    /// One number of all runs of a design.
+    fn numbers(&self, design: usize, number: RunNumber) -> Result<Vec<Option<f64>>, StudyError> {
+        self.runs.numbers(design, self.condition, 0..self.runs.runs(design, self.condition), number)
+    }
+
+    fn estimator_runs<'a>(&self, estimator: usize, name: &'a str) -> Result<EstimatorRuns<'a>, StudyError> {
+        let (mut scored, mut truths) = (Vec::new(), Vec::new());
+        for design in 0..self.designs.len() {
+            let predictions = self.numbers(design, RunNumber::Metric { estimator, metric: Metric::Prediction })?;
+            let of_design: Vec<bool> = predictions.iter().map(Option::is_some).collect();
+            let all = self.numbers(design, RunNumber::Truth)?;
+            let with = all.iter().zip(&of_design).filter(|(_, scored)| **scored);
+            truths.push(with.map(|(truth, _)| truth.unwrap_or_default() as usize).collect());
+            scored.push(of_design);
+        }
+        Ok(EstimatorRuns { index: estimator, name, scored, truths })
+    }
+
+    /// One number of the runs of a design that gave an estimate.
+    pub(super) fn scored_numbers(
+        &self,
+        runs: &EstimatorRuns<'_>,
+        design: usize,
+        number: RunNumber,
+    ) -> Result<Vec<Option<f64>>, StudyError> {
+        let all = self.numbers(design, number)?;
+        Ok(all.into_iter().zip(&runs.scored[design]).filter(|(_, scored)| **scored).map(|(value, _)| value).collect())
+    }
+
+    fn metric_values(&self, runs: &EstimatorRuns<'_>, metric: Metric) -> Result<RunValues, StudyError> {
+        let number = RunNumber::Metric { estimator: runs.index, metric };
+        (0..self.designs.len()).map(|design| self.scored_numbers(runs, design, number)).collect()
     }
 
     /// Number of base parameters b.
     pub(super) fn parameters(&self) -> usize {
         self.units.len()
     }
+}
 
-    fn design_spread(&self, estimator: usize) -> Vec<Option<Spread>> {
-        (0..self.designs.len())
-            .map(|index| {
-                let values: Vec<f64> = self
-                    .outcomes
-                    .iter()
-                    .filter(|outcome| outcome.design == index)
-                    .filter_map(|outcome| Metric::Prediction.of(outcome.estimates.get(estimator)?))
-                    .collect();
-                Spread::of(&values)
-            })
-            .collect()
+/// The values that are there.
+pub(super) fn present(values: &[Option<f64>]) -> Vec<f64> {
+    values.iter().copied().flatten().collect()
+}
+
+/// The logarithms of values.
+pub(super) fn logarithms(mut values: RunValues) -> RunValues {
+    for value in values.iter_mut().flatten().flatten() {
+        *value = libm::log(*value);
     }
+    values
+}
+
+/// The geometric mean of values by their logarithms; `None` of nothing.
+pub(super) fn geometric_mean(logs: impl Iterator<Item = Option<f64>>) -> Option<f64> {
+    let (mut sum, mut count) = (0.0, 0_usize);
+    for log in logs.flatten() {
+        sum += log;
+        count += 1;
+    }
+    (count > 0).then(|| libm::exp(sum / count as f64))
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{Failure, FailureKind, Score};
+    use crate::study::{Failure, FailureKind, Outcome, OutcomeTable, Score, ScoredEstimate};
     use rand_distr::{Distribution, StandardNormal};
 
     /// Two families of 6 designs × 20 runs, b = 3, white errors of standard deviation 1 and 2, honest intervals.
@@ -230,12 +284,14 @@ mod tests {
             compare_with: &[],
             designs: &designs,
             estimators: &estimators,
-            truths: &truths,
+            truths: truths.len() - 1,
             units: &units,
-            outcomes: &outcomes,
+            runs: &OutcomeTable { outcomes: &outcomes, truths: &truths },
+            condition: 0,
             seed: Seed::new(1),
         }
         .findings()
+        .unwrap()
     }
 
     #[test]
@@ -300,12 +356,14 @@ mod tests {
             compare_with: &[],
             designs: &designs,
             estimators: &estimators,
-            truths: &truths,
+            truths: truths.len() - 1,
             units: &units,
-            outcomes: &outcomes,
+            runs: &OutcomeTable { outcomes: &outcomes, truths: &truths },
+            condition: 0,
             seed: Seed::new(1),
         }
-        .findings();
+        .findings()
+        .unwrap();
         let over = findings.over_truths.iter().find(|c| c.metric == Metric::Prediction).unwrap();
         assert_eq!((over.truths, over.first_better), (4, 3));
         // Mean −½ ln 2, standard deviation ln 2, t(3) at 97.5 % = 3.1824.

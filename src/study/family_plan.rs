@@ -62,6 +62,10 @@ pub struct FamilyPlan {
     /// Runs of each design, where it differs from the study's.
     #[serde(default)]
     pub runs: Option<usize>,
+    /// Of how many starts these are the first, where a study ended before all of them: their runs have the random numbers
+    /// that they have among all.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub of_starts: Option<usize>,
 }
 
 impl FamilyPlan {

@@ -1,7 +1,10 @@
 //! The score of a family of designs, in all and parameter by parameter.
 
-use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
+use super::error::StudyError;
+use super::evidence::{EstimatorRuns, Evidence, LEVEL, RunValues, geometric_mean, logarithms, present};
 use super::metric::Metric;
+use super::run_table::RunNumber;
+use crate::seed::Seed;
 use crate::statistics::{
     Interval, Spread, bootstrap_interval, mean, quantile, root_mean_square, t_interval, variance, wilson_interval,
 };
@@ -77,74 +80,127 @@ pub struct ParameterScore {
 }
 
 impl Evidence<'_> {
-    pub(super) fn family_score(&self, family: usize, estimator: &str, runs: &FamilyRuns<'_>) -> FamilyScore {
-        let all: Vec<Run<'_>> = runs.iter().flatten().copied().collect();
-        let of = |metric: Metric| all.iter().filter_map(|run| metric.of(run.estimate)).collect::<Vec<_>>();
-        let designs = self.designs.iter().filter(|design| design.family == family);
-        let planned = self.outcomes.iter().filter(|outcome| self.designs[outcome.design].family == family).count();
-        let parameters = self.parameter_scores(family, runs);
+    /// The score of a family but for its metrics.
+    pub(super) fn family_score(&self, family: usize, runs: &EstimatorRuns<'_>) -> Result<FamilyScore, StudyError> {
+        let designs = self.designs_of(family);
+        let planned: usize = designs.iter().map(|&design| self.runs.runs(design, self.condition)).sum();
+        let scored: usize = designs.iter().map(|&design| runs.size(design)).sum();
+        let parameters = (0..self.parameters())
+            .map(|parameter| self.parameter_score(parameter, &designs, runs))
+            .collect::<Result<Vec<_>, _>>()?;
         let over_bound: Vec<f64> = parameters.iter().map(|p| p.std / p.bound_std).filter(|r| r.is_finite()).collect();
         let in_units: Vec<f64> = parameters.iter().zip(self.units.iter()).map(|(p, unit)| p.bound_std / unit).collect();
-        FamilyScore {
+        Ok(FamilyScore {
             family: self.families[family].clone(),
-            estimator: estimator.to_owned(),
-            designs: designs.count(),
-            runs: all.len(),
-            failures: planned - all.len(),
-            values: Metric::ALL.map(|metric| self.value(metric, &all)).to_vec(),
-            intervals: Metric::ALL.map(|metric| self.value_interval(metric, family, estimator, runs)).to_vec(),
+            estimator: runs.name.to_owned(),
+            designs: designs.len(),
+            runs: scored,
+            failures: planned - scored,
+            values: vec![None; Metric::ALL.len()],
+            intervals: vec![None; Metric::ALL.len()],
             std_over_bound: quantile(&over_bound, 0.5),
             bound_in_units: quantile(&in_units, 0.5).filter(|value| value.is_finite()),
-            prediction_spread: Spread::of(&of(Metric::Prediction)),
-            reference_spread: Spread::of(&of(Metric::Reference)),
+            prediction_spread: None,
+            reference_spread: None,
             coverage: mean(&parameters.iter().map(|p| p.coverage).collect::<Vec<_>>()),
             parameters,
-        }
-    }
-
-    fn value_interval(
-        &self,
-        metric: Metric,
-        family: usize,
-        estimator: &str,
-        runs: &FamilyRuns<'_>,
-    ) -> Option<Interval> {
-        let sizes: Vec<usize> = runs.iter().map(Vec::len).collect();
-        if metric.is_logarithmic() && sizes.iter().sum::<usize>() < VOLUME_RUNS * self.parameters() {
-            return None;
-        }
-        let seed = self.seed.child(&format!("value {estimator} {metric:?}"), family as u64);
-        bootstrap_interval(&[&sizes], metric.resamples(), LEVEL, seed, |drawn| {
-            let picked: Vec<Run<'_>> = drawn[0].iter().map(|&(design, run)| runs[design][run]).collect();
-            self.value(metric, &picked)
         })
     }
 
-    fn parameter_scores(&self, family: usize, runs: &FamilyRuns<'_>) -> Vec<ParameterScore> {
-        let bounds: Vec<&[f64]> =
-            self.designs.iter().filter(|design| design.family == family).map(|design| design.bound_std).collect();
-        (0..self.parameters())
-            .map(|i| {
-                let errors: Vec<Vec<f64>> =
-                    runs.iter().map(|design| design.iter().map(|run| run.error(i)).collect()).collect();
-                let pooled: Vec<f64> = errors.iter().flatten().copied().collect();
-                let stated: Vec<f64> = runs.iter().flatten().map(|run| run.estimate.std[i]).collect();
-                let hits = runs.iter().flatten().filter(|run| run.error(i).abs() <= run.estimate.half_width[i]).count();
-                let means: Vec<f64> = errors.iter().filter(|e| !e.is_empty()).map(|e| mean(e)).collect();
-                let units = if means.len() > 1 { &means } else { &pooled };
-                let variances: Vec<f64> = errors.iter().filter(|e| e.len() > 1).map(|e| variance(e)).collect();
-                ParameterScore {
-                    bias: mean(&pooled),
-                    bias_interval: t_interval(units, LEVEL),
-                    std: mean(&variances).sqrt(),
-                    stated_std: mean(&stated),
-                    bound_std: mean(&bounds.iter().map(|b| b[i] * b[i]).collect::<Vec<_>>()).sqrt(),
-                    rmse: root_mean_square(&pooled),
-                    coverage: hits as f64 / pooled.len().max(1) as f64,
-                    coverage_interval: wilson_interval(hits, pooled.len(), LEVEL),
-                    spread: Spread::of(&pooled),
-                }
-            })
-            .collect()
+    /// Adds one metric of single runs to the scores of all families.
+    pub(super) fn add_metric(
+        &self,
+        metric: Metric,
+        runs: &EstimatorRuns<'_>,
+        values: &RunValues,
+        scores: &mut [FamilyScore],
+    ) {
+        let place = place_of(metric);
+        for (family, score) in scores.iter_mut().enumerate() {
+            let designs = self.designs_of(family);
+            let spread = || {
+                Spread::of(
+                    &designs.iter().flat_map(|&design| values[design].iter().copied().flatten()).collect::<Vec<_>>(),
+                )
+            };
+            match metric {
+                Metric::Prediction => score.prediction_spread = spread(),
+                Metric::Reference => score.reference_spread = spread(),
+                Metric::PredictionOfRating | Metric::LogVolume | Metric::Si | Metric::Measured => {}
+            }
+            let logs = logarithms(designs.iter().map(|&design| values[design].clone()).collect());
+            score.values[place] = geometric_mean(logs.iter().flatten().copied());
+            let sizes: Vec<usize> = designs.iter().map(|&design| runs.size(design)).collect();
+            let seed = self.value_seed(metric, family, runs);
+            score.intervals[place] = bootstrap_interval(&[&sizes], metric.resamples(), LEVEL, seed, |drawn| {
+                geometric_mean(drawn[0].iter().map(|&(design, run)| logs[design][run]))
+            });
+        }
     }
+
+    /// Adds the log volume of the errors to the scores of all families.
+    pub(super) fn add_volumes(&self, runs: &EstimatorRuns<'_>, scores: &mut [FamilyScore]) -> Result<(), StudyError> {
+        let (metric, volumes) = (Metric::LogVolume, self.volumes(runs));
+        let place = place_of(metric);
+        for (family, score) in scores.iter_mut().enumerate() {
+            let designs = self.designs_of(family);
+            score.values[place] = volumes.value(&designs)?;
+            let sizes: Vec<usize> = designs.iter().map(|&design| runs.size(design)).collect();
+            if sizes.iter().sum::<usize>() >= VOLUME_RUNS * self.parameters() {
+                let seed = self.value_seed(metric, family, runs);
+                let sides = [(&designs[..], &sizes[..])];
+                score.intervals[place] =
+                    volumes.interval(&sides, metric.resamples(), LEVEL, seed, |values| values[0])?;
+            }
+        }
+        Ok(())
+    }
+
+    fn value_seed(&self, metric: Metric, family: usize, runs: &EstimatorRuns<'_>) -> Seed {
+        self.seed.child(&format!("value {} {metric:?}", runs.name), family as u64)
+    }
+
+    fn parameter_score(
+        &self,
+        parameter: usize,
+        designs: &[usize],
+        runs: &EstimatorRuns<'_>,
+    ) -> Result<ParameterScore, StudyError> {
+        let estimator = runs.index;
+        let read = |number: RunNumber| {
+            designs
+                .iter()
+                .map(|&design| Ok(present(&self.scored_numbers(runs, design, number)?)))
+                .collect::<Result<Vec<Vec<f64>>, StudyError>>()
+        };
+        let errors = read(RunNumber::Error { estimator, parameter })?;
+        let hits = {
+            let half_widths = read(RunNumber::HalfWidth { estimator, parameter })?;
+            let pairs = errors.iter().flatten().zip(half_widths.iter().flatten());
+            pairs.filter(|(error, half_width)| error.abs() <= **half_width).count()
+        };
+        let stated_std = mean(&read(RunNumber::Std { estimator, parameter })?.concat());
+        let bounds: Vec<f64> =
+            designs.iter().map(|&design| self.designs[design].bound_std[parameter].powi(2)).collect();
+        let pooled: Vec<f64> = errors.iter().flatten().copied().collect();
+        let means: Vec<f64> = errors.iter().filter(|e| !e.is_empty()).map(|e| mean(e)).collect();
+        let units = if means.len() > 1 { &means } else { &pooled };
+        let variances: Vec<f64> = errors.iter().filter(|e| e.len() > 1).map(|e| variance(e)).collect();
+        Ok(ParameterScore {
+            bias: mean(&pooled),
+            bias_interval: t_interval(units, LEVEL),
+            std: mean(&variances).sqrt(),
+            stated_std,
+            bound_std: mean(&bounds).sqrt(),
+            rmse: root_mean_square(&pooled),
+            coverage: hits as f64 / pooled.len().max(1) as f64,
+            coverage_interval: wilson_interval(hits, pooled.len(), LEVEL),
+            spread: Spread::of(&pooled),
+        })
+    }
+}
+
+/// Where a metric stands in the lists of a score.
+fn place_of(metric: Metric) -> usize {
+    Metric::ALL.iter().position(|&other| other == metric).unwrap_or_default()
 }

@@ -36,6 +36,7 @@ impl GridPlan {
                         starts: self.starts,
                         evaluations: self.evaluations,
                         runs: None,
+                        of_starts: None,
                     });
                 }
             }

@@ -203,6 +203,9 @@ impl StudyPlan {
         self.check_names_and_sizes()?;
         for family in &self.designs {
             family.family()?;
+            if let Some(all) = family.of_starts.filter(|&all| all < family.starts) {
+                return Err(number("design.of_starts", all, "at least design.starts"));
+            }
             match family.method {
                 DesignMethod::Optimised | DesignMethod::Random => {
                     family.criterion()?;
@@ -293,6 +296,17 @@ impl StudyPlan {
             family.runs = family.runs.map(|own| (own * runs).div_ceil(self.runs));
         }
         self.runs = runs;
+    }
+
+    /// The plan of a study that ended when each family had so many starts, or all of fewer: their runs are those of this one.
+    #[must_use]
+    pub fn first_starts(&self, starts: usize) -> Self {
+        let mut plan = self.clone();
+        for family in plan.designs.iter_mut().filter(|family| family.starts > starts) {
+            family.of_starts = family.of_starts.or(Some(family.starts));
+            family.starts = starts;
+        }
+        plan
     }
 
     /// Runs of each design of a family.

@@ -42,6 +42,9 @@ impl StudyPlan {
         }
         DESIGNS.check("design.starts, all together", self.designs.iter().map(|family| family.starts as f64).sum())?;
         let conditions = self.engines.len() as f64 * self.effect_sets.len().max(1) as f64;
+        for family in &self.designs {
+            DESIGNS.check_count("design.of_starts", family.of_starts.unwrap_or(1))?;
+        }
         let runs = |family: usize| self.designs[family].starts as f64 * self.runs_of(family) as f64;
         let runs: f64 = (0..self.designs.len()).map(runs).sum();
         RUNS.check("runs of all designs under all conditions", runs * conditions)?;

@@ -6,7 +6,6 @@
 //! Each step is a function of the plan and its seed alone, so that any of them can be done again, in any order, on any
 //! number of threads, and give the same bytes. Who performs the experiment is the caller's choice: an [`Arm`].
 
-use std::collections::BTreeMap;
 use std::sync::Arc;
 
 use nalgebra::DMatrix;
@@ -18,7 +17,9 @@ use super::outcome::{Outcome, ScoredEstimate};
 use super::performed::Performed;
 use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
-use super::{Centre, ConditionResult, Failure, RunId, Scorer, StatusCount, StudyDesign, StudyError, Truth, TruthError};
+use super::run_order::RunOrder;
+use super::run_table::{RunNumber, RunTable};
+use super::{Centre, ConditionResult, Failure, RunId, Scorer, StudyDesign, StudyError, Truth, TruthError};
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{Estimate, EstimationProblem, Estimator, Factorisation, Observation};
@@ -165,23 +166,25 @@ impl StudySetup {
         }
     }
 
-    /// Every run of a study with these conditions, design by design.
+    /// The order of all runs.
     #[must_use]
-    pub fn run_ids(&self) -> Vec<RunId> {
-        let conditions = self.plan.conditions().len();
-        let mut ids = Vec::new();
-        for (design, (family, _)) in self.designs().into_iter().enumerate() {
-            for condition in 0..conditions {
-                ids.extend((0..self.plan.runs_of(family) as u64).map(|run| RunId { design, condition, run }));
-            }
-        }
-        ids
+    pub fn run_order(&self) -> RunOrder {
+        let runs = self.designs().into_iter().map(|(family, _)| self.plan.runs_of(family)).collect();
+        RunOrder::new(runs, self.plan.conditions().len())
+    }
+
+    /// Every number of a run that findings are made of.
+    #[must_use]
+    pub fn run_numbers(&self) -> Vec<RunNumber> {
+        RunNumber::all(self.plan.identification.estimators.len(), self.base.rank())
     }
 
     /// Seed and run number of the random streams of one run: the same under every condition.
     #[must_use]
     pub fn stream(&self, design: usize, run: u64) -> (Seed, u64) {
-        (self.plan.seed.child("run", design as u64), run)
+        let (family, start) = self.designs()[design];
+        let before = self.plan.designs[..family].iter().map(|family| family.of_starts.unwrap_or(family.starts));
+        (self.plan.seed.child("run", (before.sum::<usize>() + start) as u64), run)
     }
 
     /// Cramér–Rao standard deviations of the base parameters (b), at the exact motion of one period of the closed
@@ -285,34 +288,32 @@ impl StudySetup {
     }
 
     /// The results under each condition; `bounds` holds the Cramér–Rao standard deviations of each design.
-    #[must_use]
+    ///
+    /// # Errors
+    /// [`StudyError::Runs`] where the numbers of the runs cannot be read.
     pub fn conditions(
         &self,
         designs: &[StudyDesign],
         bounds: &[Vec<f64>],
-        outcomes: &[Outcome],
-    ) -> Vec<ConditionResult> {
+        runs: &dyn RunTable,
+    ) -> Result<Vec<ConditionResult>, StudyError> {
         let conditions = self.plan.conditions().into_iter().enumerate();
         conditions
             .map(|(index, condition)| {
-                let outcomes: Vec<Outcome> =
-                    outcomes.iter().filter(|outcome| outcome.condition == index).cloned().collect();
-                ConditionResult {
-                    condition,
-                    statuses: StatusCount::of(&outcomes),
-                    findings: self.findings(designs, bounds, &outcomes),
-                }
+                let findings = self.findings(designs, bounds, runs, index)?;
+                Ok(ConditionResult { condition, statuses: runs.statuses(index), findings })
             })
             .collect()
     }
 
     /// The findings under one condition.
-    fn findings(&self, designs: &[StudyDesign], bounds: &[Vec<f64>], outcomes: &[Outcome]) -> Findings {
-        let mut sorted: BTreeMap<RunId, &Outcome> = BTreeMap::new();
-        for outcome in outcomes {
-            sorted.insert(outcome.id(), outcome);
-        }
-        let outcomes: Vec<Outcome> = sorted.into_values().cloned().collect();
+    fn findings(
+        &self,
+        designs: &[StudyDesign],
+        bounds: &[Vec<f64>],
+        runs: &dyn RunTable,
+        condition: usize,
+    ) -> Result<Findings, StudyError> {
         let families: Vec<String> = self.plan.designs.iter().map(|family| family.name.clone()).collect();
         let values: Vec<Vec<(&str, f64)>> = designs.iter().map(StudyDesign::values).collect();
         let rows: Vec<DesignRow<'_>> = designs
@@ -325,9 +326,10 @@ impl StudySetup {
             families: &families,
             designs: &rows,
             estimators: &self.plan.identification.estimators,
-            truths: self.scorer.truths(),
+            truths: self.scorer.truths().len() - 1,
             units: self.scorer.units(),
-            outcomes: &outcomes,
+            runs,
+            condition,
             compare_with: &self.plan.compare_with,
             seed: self.plan.seed.child("bootstrap", 0),
         }

@@ -6,7 +6,7 @@
 //! ```
 //! Truths are the units: designs, runs and noise are shared by the two families within each.
 
-use super::evidence::{Evidence, FamilyRuns, LEVEL, Run};
+use super::evidence::{EstimatorRuns, Evidence, LEVEL, RunValues};
 use super::metric::Metric;
 use crate::statistics::{Interval, mean, t_interval, wilson_interval};
 
@@ -36,25 +36,29 @@ pub struct TruthComparison {
 }
 
 impl Evidence<'_> {
-    /// `None` for a metric that needs more runs than one truth has, and where no truths were drawn.
+    /// `None` where no truths were drawn.
     pub(super) fn over_truths(
         &self,
         metric: Metric,
-        estimator: &str,
+        runs: &EstimatorRuns<'_>,
         pair: [usize; 2],
-        runs: &[FamilyRuns<'_>],
+        logs: &RunValues,
     ) -> Option<TruthComparison> {
-        if metric.is_logarithmic() {
-            return None;
-        }
-        let logs: Vec<f64> = (1..self.truths.len())
-            .filter_map(|truth| {
-                let value = |family: usize| {
-                    let of_truth = runs[family].iter().flatten().filter(|run| run.truth == truth);
-                    self.value(metric, &of_truth.copied().collect::<Vec<Run<'_>>>())
-                };
-                Some(libm::log(value(pair[0])? / value(pair[1])?))
-            })
+        let of_truths = pair.map(|family| {
+            let mut sums = vec![(0.0, 0_usize); self.truths + 1];
+            for design in self.designs_of(family) {
+                for (log, &truth) in logs[design].iter().zip(&runs.truths[design]) {
+                    if let Some(log) = log {
+                        sums[truth].0 += log;
+                        sums[truth].1 += 1;
+                    }
+                }
+            }
+            sums
+        });
+        let value = |(sum, count): (f64, usize)| (count > 0).then(|| libm::exp(sum / count as f64));
+        let logs: Vec<f64> = (1..=self.truths)
+            .filter_map(|truth| Some(libm::log(value(of_truths[0][truth])? / value(of_truths[1][truth])?)))
             .collect();
         let least = logs.iter().copied().reduce(f64::min)?;
         let most = logs.iter().copied().reduce(f64::max)?;
@@ -62,7 +66,7 @@ impl Evidence<'_> {
         let first_better = logs.iter().filter(|&&log| log < 0.0).count();
         Some(TruthComparison {
             metric,
-            estimator: estimator.to_owned(),
+            estimator: runs.name.to_owned(),
             first: self.families[pair[0]].clone(),
             second: self.families[pair[1]].clone(),
             truths: logs.len(),

@@ -1,10 +1,19 @@
 //! Studies being performed, here or by a cluster.
 
 pub(crate) mod cluster;
+mod forecast;
 mod part;
 mod performance;
+mod prepared;
 mod report;
+mod summary;
+mod team;
+mod until;
+mod words;
 
-pub(crate) use part::{Part, Shard, Stage, stored_designs};
-pub(crate) use performance::{Performance, Prepared, in_words};
+pub(crate) use forecast::sample_plan;
+pub(crate) use part::{Part, Shard, Stage};
+pub(crate) use performance::Performance;
+pub(crate) use prepared::Prepared;
 pub(crate) use report::write_report;
+pub(crate) use words::in_words;

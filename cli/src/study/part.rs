@@ -2,8 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
+use armid::study::StudySetup;
 use armid_io::Error;
-use armid_io::study::{Journal, Piece};
+use armid_io::study::{FinishedWork, Journal};
 
 /// What a study does first and second. Designs are made once; every run needs them.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -65,28 +66,18 @@ impl Part {
     }
 }
 
-/// The designs that folders hold, or the folders in them.
+/// Adds the designs that a folder holds, or the folders in it.
 ///
 /// # Errors
-/// [`Error`] where a folder holds none, or those of another study.
-pub(crate) fn stored_designs(folders: &[PathBuf], identity: &str) -> Result<Vec<Piece>, Error> {
-    let mut designs = Vec::new();
-    for folder in folders {
-        let journals = journals_in(folder)?;
-        if journals.is_empty() {
-            let message = format!(
-                "{}: found no {}, expected a folder that --stage designs wrote",
-                folder.display(),
-                Journal::NAME
-            );
-            return Err(Error::new(message));
-        }
-        for journal in journals {
-            let pieces = Journal::read(&journal, identity)?;
-            designs.extend(pieces.into_iter().filter(|piece| matches!(piece, Piece::Design { .. })));
-        }
+/// [`Error`] where it holds none, or those of another study.
+pub(super) fn designs_from(folder: &Path, work: &mut FinishedWork, setup: &StudySetup) -> Result<(), Error> {
+    let journals = journals_in(folder)?;
+    if journals.is_empty() {
+        let message =
+            format!("{}: found no {}, expected a folder that --stage designs wrote", folder.display(), Journal::NAME);
+        return Err(Error::new(message));
     }
-    Ok(designs)
+    journals.iter().try_for_each(|journal| work.include_designs(journal, setup))
 }
 
 /// The journal of a folder, or those of the folders in it, in the order of their names.

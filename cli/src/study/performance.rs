@@ -1,106 +1,56 @@
 //! A study being performed: designs and runs on all cores, each kept in a journal as soon as it is finished.
 
-use std::collections::{BTreeMap, HashSet};
-use std::path::{Path, PathBuf};
+use std::collections::BTreeMap;
+use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
-use armid::experiment::{ExperimentPlan, Sensing};
-use armid::provenance::{Provenance, sha256};
-use armid::seed::Seed;
-use armid::study::radkhah2007::{Reproduction, evaluate_claims};
-use armid::study::{Examples, MeasuredMotions, Outcome, ReportInput, RunId, StudyDesign, StudyPlan, StudySetup};
+use armid::provenance::sha256;
+use armid::study::{MeasuredMotions, RunId, RunOrder, StudyDesign, StudyPlan, StudySetup};
 use indicatif::ProgressBar;
 use miette::Result;
 use rayon::prelude::*;
 
-use armid::model::format::ChainEnds;
+use armid_io::Error;
 use armid_io::output::write_text;
-use armid_io::study::{Journal, Piece, plan_text, write_study, write_timing};
-use armid_io::{Error, robot};
-use armid_sim::BatchRun;
+use armid_io::study::{FinishedWork, Journal, MadeDesign, NumberFile, RowFiles, plan_text};
 
-use super::part::{Part, Stage};
-use super::report::write_report;
-use crate::answers::study as study_answer;
-use crate::arms::{ArmKind, Simulation};
+use super::in_words;
+use super::part::{Part, Stage, designs_from};
+use crate::arms::Simulation;
 use crate::interrupt;
-use crate::terminal::{Console, Ending, progress};
+use crate::terminal::{Console, progress};
 
-/// So many runs are computed together: the lanes of the widest processors.
-const TEAM: usize = 8;
-
-/// So many families of a study are shown against their limits.
-const SHOWN_FAMILIES: usize = 8;
-
-/// A study and the arms that it is performed on, one per condition.
-pub(crate) struct Prepared {
-    setup: StudySetup,
-    simulations: Vec<Simulation>,
-}
-
-impl Prepared {
-    /// Everything that a study needs before its first design; an arm that cannot be built is found here.
-    pub(crate) fn new(plan: StudyPlan, beside: Option<&Path>) -> Result<Self> {
-        let loaded = robot::load(&plan.robot, &ChainEnds::default(), beside)?;
-        let simulations = plan
-            .conditions()
-            .iter()
-            .map(|condition| {
-                let arm = ArmKind::parse(&condition.engine)
-                    .ok_or_else(|| Error::new(format!("there is no engine \"{}\"", condition.engine)))?;
-                let simulation =
-                    Simulation::of(loaded.clone(), arm)?.with_effects(plan.effects.and(&condition.effects));
-                simulation.servo(&Sensing::ideal()).map_err(|error| Error::new(format!("arm {error}")))?;
-                Ok(simulation)
-            })
-            .collect::<Result<Vec<_>>>()?;
-        let first = &simulations[0];
-        let (robot, nominal) = (first.robot().clone(), first.nominal.clone());
-        let setup = StudySetup::new(plan, robot, nominal, &first.truth).map_err(in_words)?;
-        Ok(Self { setup, simulations })
-    }
-
-    pub(crate) fn performance<'a>(&'a self, output: &'a Path, part: Part, console: &'a Console) -> Performance<'a> {
-        Performance {
-            setup: &self.setup,
-            simulations: &self.simulations,
-            output,
-            part,
-            console,
-            measured: Mutex::default(),
-        }
-    }
-}
-
-pub(crate) fn in_words(error: impl std::fmt::Display) -> Error {
-    Error::new(error.to_string())
-}
+/// Runs that are begun before the rows of those before them are written: enough that teams of runs on one arm are full.
+const WINDOW: usize = 8192;
 
 /// One study being performed.
 pub(crate) struct Performance<'a> {
-    setup: &'a StudySetup,
-    simulations: &'a [Simulation],
-    output: &'a Path,
-    part: Part,
-    console: &'a Console,
+    pub(super) setup: &'a StudySetup,
+    pub(super) simulations: &'a [Simulation],
+    pub(super) order: RunOrder,
+    pub(super) output: &'a Path,
+    pub(super) part: Part,
+    /// So many starts of each family are wanted.
+    pub(super) starts: usize,
+    pub(super) console: &'a Console,
     /// What the arm of each condition and truth measures on fresh motions.
-    measured: Mutex<BTreeMap<(usize, usize), Arc<MeasuredMotions>>>,
+    pub(super) measured: Mutex<BTreeMap<(usize, usize), Arc<MeasuredMotions>>>,
 }
 
-/// A design with its bound and the seconds that it took.
-type Made = (StudyDesign, Vec<f64>, f64);
-
-/// All finished work.
-pub(crate) struct Work {
-    designs: Vec<Made>,
-    outcomes: Vec<(Outcome, f64)>,
-    journal: Journal,
+/// A study whose runs are all finished.
+pub(crate) struct Performed {
+    pub(super) designs: Vec<MadeDesign>,
+    pub(super) work: FinishedWork,
+    /// The numbers of all runs, whose rows are written; none of a part.
+    pub(super) numbers: Option<NumberFile>,
+    /// The order in which the work is stored, and the place of each design in it.
+    pub(super) stored: (RunOrder, Vec<usize>),
 }
 
 impl Performance<'_> {
     /// The arm of the first condition, which single cases and bounds are taken from.
-    fn first(&self) -> &Simulation {
+    pub(super) fn first(&self) -> &Simulation {
         &self.simulations[0]
     }
 
@@ -109,18 +59,39 @@ impl Performance<'_> {
         Ok(sha256(&plan_text(self.setup.plan())?))
     }
 
-    /// The journal in the output folder, and what it holds already; the plan stands beside it.
-    pub(crate) fn journal(&self, resume: bool) -> Result<(Journal, Vec<Piece>)> {
-        let opened = Journal::open(self.output, &self.identity()?, resume)?;
-        self.check(&opened.1)?;
-        write_text(&self.output.join("study.toml"), &plan_text(self.setup.plan())?)?;
-        Ok(opened)
+    /// No work yet.
+    pub(crate) fn no_work(&self) -> Result<FinishedWork, Error> {
+        Ok(FinishedWork::new(self.setup, &self.identity()?))
     }
 
-    /// Every run of the study, or of its part.
-    fn planned(&self) -> Vec<RunId> {
-        let all = self.setup.run_ids().into_iter().enumerate();
-        all.filter(|(position, _)| self.part.holds(*position)).map(|(_, id)| id).collect()
+    /// The designs that folders hold, or the folders in them.
+    pub(crate) fn with_designs_from<P: AsRef<Path>>(&self, folders: &[P]) -> Result<FinishedWork, Error> {
+        let mut work = self.no_work()?;
+        for folder in folders {
+            designs_from(folder.as_ref(), &mut work, self.setup)?;
+        }
+        Ok(work)
+    }
+
+    /// The work in the journals of these folders, of which every one has its own.
+    pub(crate) fn with_work_from<P: AsRef<Path>>(&self, folders: &[P]) -> Result<FinishedWork, Error> {
+        let mut work = self.no_work()?;
+        for folder in folders {
+            work.include(&folder.as_ref().join(Journal::NAME), self.setup)?;
+        }
+        Ok(work)
+    }
+
+    /// Begins the journal in the output folder, or goes on with it; the plan stands beside it.
+    pub(crate) fn begin(&self, work: &mut FinishedWork, resume: bool) -> Result<()> {
+        work.begin(self.output, resume, self.setup)?;
+        write_text(&self.output.join("study.toml"), &plan_text(self.setup.plan())?)?;
+        Ok(())
+    }
+
+    /// The plan.
+    pub(crate) fn plan(&self) -> &StudyPlan {
+        self.setup.plan()
     }
 
     /// Which part this is.
@@ -135,58 +106,50 @@ impl Performance<'_> {
 
     /// How many designs belong to this part.
     pub(crate) fn planned_designs(&self) -> usize {
-        (0..self.setup.designs().len()).filter(|&index| self.part.holds(index)).count()
+        (0..self.order.designs()).filter(|&index| self.part.holds(index)).count()
     }
 
     /// How many runs belong to this part.
     pub(crate) fn planned_runs(&self) -> usize {
-        self.planned().len()
+        (0..self.order.len()).filter(|&position| self.part.holds(position)).count()
     }
 
-    /// Every piece is one of this study.
-    pub(crate) fn check(&self, pieces: &[Piece]) -> Result<()> {
-        for piece in pieces {
-            piece.check(self.setup).map_err(|error| Error::new(format!("{}: {error}", Journal::NAME)))?;
-        }
-        Ok(())
+    /// How many planned runs are not finished.
+    pub(crate) fn missing(&self, work: &FinishedWork) -> usize {
+        let wanted = self.wanted();
+        (0..self.order.len()).filter(|&position| self.is_wanted(&wanted, position) && !work.holds(position)).count()
     }
 
-    /// How many planned runs are not among the pieces.
-    pub(crate) fn missing(&self, pieces: &[Piece]) -> usize {
-        let have: HashSet<RunId> = pieces
-            .iter()
-            .filter_map(|piece| match piece {
-                Piece::Run { outcome, .. } => Some(outcome.id()),
-                Piece::Design { .. } => None,
-            })
-            .collect();
-        self.planned().iter().filter(|key| !have.contains(key)).count()
+    /// Which designs are wanted.
+    fn wanted(&self) -> Vec<bool> {
+        self.setup.designs().iter().map(|&(_, start)| start < self.starts).collect()
     }
 
-    /// How many designs of this part are not among the pieces.
-    pub(crate) fn missing_designs(&self, pieces: &[Piece]) -> usize {
-        let have: HashSet<usize> = pieces
-            .iter()
-            .filter_map(|piece| match piece {
-                Piece::Design { index, .. } => Some(*index),
-                Piece::Run { .. } => None,
-            })
-            .collect();
-        (0..self.setup.designs().len()).filter(|index| self.part.holds(*index) && !have.contains(index)).count()
+    /// Does the run at a position belong to this part and to the designs that are wanted?
+    fn is_wanted(&self, designs: &[bool], position: usize) -> bool {
+        self.part.holds(position) && designs[self.order.id(position).design]
     }
 
-    /// Makes the designs of this part that are not among the pieces yet, and says whether all are there.
-    pub(crate) fn perform_designs(&self, journal: Journal, pieces: Vec<Piece>) -> Result<bool> {
-        let (mut designs, _) = self.sorted(pieces);
-        let mine = (0..designs.len()).filter(|&index| self.part.holds(index) && designs[index].is_none()).collect();
-        self.make_designs(mine, &mut designs, &Mutex::new(journal))?;
-        Ok((0..designs.len()).all(|index| !self.part.holds(index) || designs[index].is_some()))
+    /// How many designs of this part are not made.
+    pub(crate) fn missing_designs(&self, work: &FinishedWork) -> usize {
+        let designs = work.designs().iter().enumerate();
+        designs.filter(|(index, design)| self.part.holds(*index) && design.is_none()).count()
     }
 
-    /// Makes the designs, where it is not the stage of the runs alone, and performs the runs that are not among the pieces
-    /// yet; `None` where interrupted.
-    pub(crate) fn perform(&self, journal: Journal, pieces: Vec<Piece>) -> Result<Option<Work>> {
-        let (mut designs, mut outcomes) = self.sorted(pieces);
+    /// Makes the designs of this part that are missing, and says whether all are there.
+    pub(crate) fn perform_designs(&self, work: FinishedWork) -> Result<bool> {
+        let designs = work.designs().iter().enumerate();
+        let mine = designs.filter(|(index, made)| self.part.holds(*index) && made.is_none()).map(|(index, _)| index);
+        let mine = mine.collect();
+        let work = Mutex::new(work);
+        self.make_designs(mine, &work)?;
+        Ok(self.missing_designs(&work.into_inner().map_err(in_words)?) == 0)
+    }
+
+    /// Makes the designs, where it is not the stage of the runs alone, and performs the runs that are missing; of the whole
+    /// study the rows are written on the way. `None` where interrupted.
+    pub(crate) fn perform(&self, work: FinishedWork) -> Result<Option<Performed>> {
+        let designs = work.designs();
         let missing: Vec<usize> = (0..designs.len()).filter(|&index| designs[index].is_none()).collect();
         if self.part.stage == Some(Stage::Runs) && !missing.is_empty() {
             let message = format!(
@@ -196,59 +159,61 @@ impl Performance<'_> {
             );
             return Err(Error::new(message).into());
         }
-        let journal = Mutex::new(journal);
-        self.make_designs(missing, &mut designs, &journal)?;
-        let Some(designs) = designs.into_iter().collect::<Option<Vec<Made>>>() else { return Ok(None) };
-        let complete = self.perform_runs(&designs, &mut outcomes, &journal)?;
-        let journal = journal.into_inner().map_err(in_words)?;
-        Ok(complete.then_some(Work { designs, outcomes, journal }))
+        let work = Mutex::new(work);
+        self.make_designs(missing, &work)?;
+        let designs = work.lock().map_err(in_words)?.designs().iter().cloned().collect::<Option<Vec<MadeDesign>>>();
+        let Some(made) = designs else { return Ok(None) };
+        let mut rows = if self.part.is_whole() {
+            let seconds: Vec<f64> = made.iter().map(|made| made.seconds).collect();
+            Some(RowFiles::create(self.output, self.setup, &seconds)?)
+        } else {
+            None
+        };
+        let designs: Vec<Option<MadeDesign>> = made.iter().cloned().map(Some).collect();
+        if !self.perform_runs(&designs, &work, rows.as_mut())? {
+            return Ok(None);
+        }
+        let numbers = rows.map(RowFiles::finish).transpose()?;
+        let stored = (self.order.clone(), (0..made.len()).collect());
+        Ok(Some(Performed { designs: made, work: work.into_inner().map_err(in_words)?, numbers, stored }))
     }
 
-    /// The designs by their place, and the outcomes.
-    fn sorted(&self, pieces: Vec<Piece>) -> (Vec<Option<Made>>, Vec<(Outcome, f64)>) {
-        let mut designs: Vec<Option<Made>> = vec![None; self.setup.designs().len()];
-        let mut outcomes: Vec<(Outcome, f64)> = Vec::new();
-        for piece in pieces {
-            match piece {
-                Piece::Design { index, design, bound, seconds } => {
-                    let bound = bound.into_iter().map(|std| std.unwrap_or(f64::INFINITY)).collect();
-                    designs[index] = Some((*design, bound, seconds));
-                }
-                Piece::Run { outcome, seconds } => outcomes.push((*outcome, seconds)),
-            }
+    /// Makes the designs that are wanted and performs their runs; `None` where interrupted.
+    pub(super) fn perform_some(&self, work: FinishedWork) -> Result<Option<FinishedWork>> {
+        let wanted = self.wanted();
+        let made = work.designs();
+        let missing = (0..made.len()).filter(|&index| wanted[index] && made[index].is_none()).collect();
+        let work = Mutex::new(work);
+        self.make_designs(missing, &work)?;
+        let designs = work.lock().map_err(in_words)?.designs().to_vec();
+        if (0..designs.len()).any(|index| wanted[index] && designs[index].is_none()) {
+            return Ok(None);
         }
-        (designs, outcomes)
+        let complete = self.perform_runs(&designs, &work, None)?;
+        Ok(if complete { Some(work.into_inner().map_err(in_words)?) } else { None })
     }
 
     /// Makes the designs at these places.
-    fn make_designs(&self, missing: Vec<usize>, designs: &mut [Option<Made>], journal: &Mutex<Journal>) -> Result<()> {
+    fn make_designs(&self, missing: Vec<usize>, work: &Mutex<FinishedWork>) -> Result<()> {
         let planned = self.setup.designs();
         let bar = progress::bar(self.console, missing.len() as u64, "designs");
-        let made = missing
-            .into_par_iter()
-            .filter(|_| !interrupt::asked())
-            .map(|index| {
-                let begin = Instant::now();
-                let (family, start) = planned[index];
-                let mut sequence = self.setup.designs_of_sequence(family, start).map_err(in_words)?;
-                let bound = self.bound(&sequence)?;
-                let design = sequence.pop().ok_or_else(|| Error::new("a sequence without designs"))?;
-                let made = (design, bound, begin.elapsed().as_secs_f64());
-                let (design, bound, seconds) = made.clone();
-                let bound = bound.into_iter().map(|std| std.is_finite().then_some(std)).collect();
-                keep(journal, &bar, &Piece::Design { index, design: Box::new(design), bound, seconds })?;
-                Ok((index, made))
-            })
-            .collect::<Result<Vec<_>>>()?;
+        missing.into_par_iter().filter(|_| !interrupt::asked()).try_for_each(|index| -> Result<()> {
+            let begin = Instant::now();
+            let (family, start) = planned[index];
+            let mut sequence = self.setup.designs_of_sequence(family, start).map_err(in_words)?;
+            let bound = self.bound(&sequence)?;
+            let design = sequence.pop().ok_or_else(|| Error::new("a sequence without designs"))?;
+            let made = MadeDesign { design, bound, seconds: begin.elapsed().as_secs_f64() };
+            work.lock().map_err(in_words)?.keep_design(index, made)?;
+            bar.inc(1);
+            Ok(())
+        })?;
         bar.finish_and_clear();
-        for (index, made) in made {
-            designs[index] = Some(made);
-        }
         Ok(())
     }
 
     /// The bound after the experiments of all designs of a sequence.
-    fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>> {
+    pub(super) fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>> {
         let mut exact = Vec::new();
         for design in sequence {
             let plan = self.setup.experiment(&design.trajectory);
@@ -261,166 +226,79 @@ impl Performance<'_> {
         Ok(self.setup.bound_of_sequence(&exact))
     }
 
-    /// Whether all runs are there.
+    /// Performs the runs of this part that are missing, in windows of their order: while one is performed, the rows of the one
+    /// before it are written. Whether all runs are there.
     fn perform_runs(
         &self,
-        designs: &[Made],
-        outcomes: &mut Vec<(Outcome, f64)>,
-        journal: &Mutex<Journal>,
+        designs: &[Option<MadeDesign>],
+        work: &Mutex<FinishedWork>,
+        mut rows: Option<&mut RowFiles>,
     ) -> Result<bool> {
-        let have: HashSet<RunId> = outcomes.iter().map(|(outcome, _)| outcome.id()).collect();
-        let planned: Vec<RunId> = self.planned().into_iter().filter(|key| !have.contains(key)).collect();
-        let count = planned.len();
-        let bar = progress::bar(self.console, count as u64, "runs");
-        let performed = self
-            .teams(planned)
-            .into_par_iter()
-            .filter(|_| !interrupt::asked())
-            .map(|team| {
-                let begin = Instant::now();
-                let outcomes = self.perform_team(&team, designs)?;
-                // Runs that are computed together share their time.
-                let seconds = begin.elapsed().as_secs_f64() / outcomes.len() as f64;
-                for outcome in &outcomes {
-                    keep(journal, &bar, &Piece::Run { outcome: Box::new(outcome.clone()), seconds })?;
-                }
-                Ok(outcomes.into_iter().map(|outcome| (outcome, seconds)).collect::<Vec<_>>())
-            })
-            .collect::<Result<Vec<_>>>()?;
-        let performed: Vec<(Outcome, f64)> = performed.into_iter().flatten().collect();
+        let missing = self.missing(&*work.lock().map_err(in_words)?);
+        let bar = progress::bar(self.console, missing as u64, "runs");
+        let end = self.order.len();
+        let wanted = self.wanted();
+        let mut written = 0;
+        for from in (0..end).step_by(WINDOW) {
+            let window = from..end.min(from + WINDOW);
+            let planned: Vec<RunId> = {
+                let work = work.lock().map_err(in_words)?;
+                let missing =
+                    window.clone().filter(|&position| self.is_wanted(&wanted, position) && !work.holds(position));
+                missing.map(|position| self.order.id(position)).collect()
+            };
+            let (performed, wrote) = rayon::join(
+                || self.perform_window(planned, designs, work, &bar),
+                || write_rows(rows.as_deref_mut(), written..from, work),
+            );
+            wrote?;
+            written = from;
+            performed?;
+            if interrupt::asked() {
+                break;
+            }
+        }
         bar.finish_and_clear();
-        let complete = performed.len() == count;
-        outcomes.extend(performed);
-        outcomes.sort_by_key(|(outcome, _)| outcome.id());
-        outcomes.dedup_by_key(|(outcome, _)| outcome.id());
-        Ok(complete)
+        if self.missing(&*work.lock().map_err(in_words)?) > 0 {
+            return Ok(false);
+        }
+        write_rows(rows, written..end, work)?;
+        Ok(true)
     }
 
-    /// Runs on the same arm under the same condition, as many as are computed together; fewer where that leaves a thread
-    /// without work.
-    fn teams(&self, mut runs: Vec<RunId>) -> Vec<Vec<RunId>> {
-        let most = runs.len().div_ceil(rayon::current_num_threads()).clamp(1, TEAM);
-        let arm = |id: &RunId| (id.condition, self.setup.plan().truth_of(id.run));
-        runs.sort_by_key(arm);
-        runs.chunk_by(|a, b| arm(a) == arm(b)).flat_map(|alike| alike.chunks(most)).map(<[RunId]>::to_vec).collect()
-    }
-
-    /// The outcomes of runs on one arm under one condition.
-    fn perform_team(&self, team: &[RunId], designs: &[Made]) -> Result<Vec<Outcome>> {
-        let Some(first) = team.first() else { return Ok(Vec::new()) };
-        let simulation = self.simulations[first.condition].made_of(self.setup.truth(first.run));
-        let plans: BTreeMap<usize, ExperimentPlan> = team
-            .iter()
-            .flat_map(|id| self.setup.sequence(id.design))
-            .map(|index| (index, self.setup.experiment(&designs[index].0.trajectory)))
-            .collect();
-        let mut runs = Vec::new();
-        for id in team {
-            for index in self.setup.sequence(id.design) {
-                let (seed, run) = self.setup.stream(index, id.run);
-                runs.push(BatchRun { plan: &plans[&index], seed, run });
+    fn perform_window(
+        &self,
+        planned: Vec<RunId>,
+        designs: &[Option<MadeDesign>],
+        work: &Mutex<FinishedWork>,
+        bar: &ProgressBar,
+    ) -> Result<()> {
+        self.teams(planned).into_par_iter().filter(|_| !interrupt::asked()).try_for_each(|team| {
+            let begin = Instant::now();
+            let outcomes = self.perform_team(&team, designs)?;
+            // Runs that are computed together share their time.
+            let seconds = begin.elapsed().as_secs_f64() / outcomes.len() as f64;
+            for outcome in outcomes {
+                work.lock().map_err(in_words)?.keep_run(outcome, seconds)?;
+                bar.inc(1);
             }
-        }
-        let measured = self.measured_motions(first, &simulation)?;
-        let mut performed = simulation.record_all(&runs).map_err(in_words)?.into_iter();
-        let outcome = |&id: &RunId| {
-            let of_run = performed.by_ref().take(self.setup.sequence(id.design).len()).collect();
-            self.setup.outcome(id, of_run, measured.as_deref())
-        };
-        Ok(team.iter().map(outcome).collect())
-    }
-
-    /// What the arm of a run measures on fresh motions, performed once for each arm and condition; `None` where the plan
-    /// asks for none.
-    fn measured_motions(&self, id: &RunId, simulation: &Simulation) -> Result<Option<Arc<MeasuredMotions>>> {
-        let plan = self.setup.plan();
-        if plan.validation.measured == 0 {
-            return Ok(None);
-        }
-        let arm = (id.condition, plan.truth_of(id.run));
-        if let Some(known) = self.measured.lock().map_err(in_words)?.get(&arm) {
-            return Ok(Some(Arc::clone(known)));
-        }
-        let plans = (0..plan.validation.measured as u64)
-            .map(|index| Ok(self.setup.experiment(&self.setup.validation_trajectory(index).map_err(in_words)?)))
-            .collect::<Result<Vec<ExperimentPlan>>>()?;
-        let seed = plan.seed.child("measured motion", arm.1 as u64);
-        let runs: Vec<BatchRun<'_>> = plans.iter().zip(0..).map(|(plan, run)| BatchRun { plan, seed, run }).collect();
-        let performed = simulation.record_all(&runs).map_err(in_words)?;
-        let measured = self.setup.measured_motions(performed).map_err(|failure| {
-            let name = &plan.conditions()[id.condition].name;
-            Error::new(format!("a fresh motion under condition \"{name}\" cannot be measured: {}", failure.reason))
-        })?;
-        // Two threads may have measured the same; the second finds the same numbers.
-        Ok(Some(Arc::clone(self.measured.lock().map_err(in_words)?.entry(arm).or_insert_with(|| Arc::new(measured)))))
-    }
-
-    /// Sums up, stores everything, and writes the report.
-    pub(crate) fn finish(&self, work: Work) -> Result<Ending> {
-        self.console.note("summing up");
-        let Work { designs, outcomes, journal } = work;
-        let design_seconds: Vec<f64> = designs.iter().map(|(_, _, seconds)| *seconds).collect();
-        let (designs, bounds): (Vec<StudyDesign>, Vec<Vec<f64>>) =
-            designs.into_iter().map(|(design, bound, _)| (design, bound)).unzip();
-        let (outcomes, run_seconds): (Vec<Outcome>, Vec<f64>) = outcomes.into_iter().unzip();
-        let conditions = self.setup.conditions(&designs, &bounds, &outcomes);
-        let effect_sensitivity = self.setup.effect_sensitivity(&designs, &conditions, &outcomes);
-        let radkhah2007 = if self.setup.plan().radkhah2007_claims {
-            let arm = |sensing: &Sensing, seed: Seed, run: u64| self.first().arm(sensing, seed, run);
-            let (claims, table) =
-                evaluate_claims(self.setup, &self.first().truth, &designs, &conditions[0].findings, &arm)
-                    .map_err(in_words)?;
-            Some(Reproduction { claims, table })
-        } else {
-            None
-        };
-        let examples = self.examples(&designs, &outcomes)?;
-        let seed = self.setup.plan().seed;
-        let provenance = Provenance::new(self.setup.robot().name(), &self.first().loaded.text.content, Some(seed));
-        let result = self.setup.result(provenance, designs, bounds, (conditions, effect_sensitivity), radkhah2007);
-        let input = ReportInput { result, examples };
-        write_study(self.output, &input, &outcomes)?;
-        write_timing(self.output, &design_seconds, &outcomes, &run_seconds, rayon::current_num_threads())?;
-        let failed = outcomes.iter().filter(|outcome| outcome.failure.is_some()).count();
-        // Where every run failed there is nothing to draw; the rows and the summary say how each ended.
-        let report: Option<PathBuf> =
-            if failed < outcomes.len() { Some(write_report(&self.output.join("report"), &input)?) } else { None };
-        journal.remove()?;
-        self.console.show(&study_answer::answer(&input.result, outcomes.len(), failed, report.as_deref()))?;
-        Ok(if failed == outcomes.len() { Ending::Negative } else { Ending::Done })
-    }
-
-    /// The best design of each family against its limits, and the first validation experiment against what a median
-    /// run of the best one predicts.
-    fn examples(&self, designs: &[StudyDesign], outcomes: &[Outcome]) -> Result<Examples> {
-        let best = |family: usize| {
-            let of_family = designs.iter().enumerate().filter(|(_, design)| design.family == family);
-            of_family.min_by(|(_, a), (_, b)| a.own_value().total_cmp(&b.own_value()))
-        };
-        let families = self.setup.plan().designs.len().min(SHOWN_FAMILIES);
-        let limits =
-            (0..families).filter_map(best).map(|(index, design)| self.setup.limit_example(index, design)).collect();
-        let shown = best(0).and_then(|(index, design)| {
-            let outcome = outcomes.iter().find(|o| (o.design, o.condition) == (index, 0) && o.failure.is_none())?;
-            Some((design, outcome.run, outcome.estimates.iter().rev().find(|estimate| estimate.score.is_some())?))
-        });
-        let prediction = match shown {
-            Some((design, run, estimate)) => {
-                let seed = self.setup.plan().seed.child("validation experiment", 0);
-                let simulation = self.first().made_of(self.setup.truth(run));
-                let mut arm = simulation.arm(&Sensing::default(), seed, 0).map_err(in_words)?;
-                let trajectory = self.setup.validation_trajectory(0).map_err(in_words)?;
-                let samples = self.setup.samples(&trajectory, &mut *arm).ok();
-                samples.map(|samples| self.setup.prediction_example(design, estimate, &samples))
-            }
-            None => None,
-        };
-        Ok(Examples { limits, prediction })
+            Ok(())
+        })
     }
 }
 
-fn keep(journal: &Mutex<Journal>, bar: &ProgressBar, piece: &Piece) -> Result<()> {
-    journal.lock().map_err(in_words)?.add(piece)?;
-    bar.inc(1);
+/// Writes the rows of the runs at these positions, all of which are finished.
+fn write_rows(
+    rows: Option<&mut RowFiles>,
+    positions: std::ops::Range<usize>,
+    work: &Mutex<FinishedWork>,
+) -> Result<()> {
+    let Some(rows) = rows else { return Ok(()) };
+    for position in positions {
+        let run = work.lock().map_err(in_words)?.run(position)?;
+        let (outcome, seconds) =
+            run.ok_or_else(|| Error::new(format!("run {position} is not among the finished ones")))?;
+        rows.add(&outcome, seconds)?;
+    }
     Ok(())
 }

@@ -8,12 +8,14 @@
 //! at the end ([`crate::recording`]), a journal holds whole lines with checksums ([`crate::study::Journal`]).
 
 mod file_system;
+mod growing_file;
 mod place;
 #[cfg(test)]
 mod power_cut_tests;
 mod whole_file;
 
 pub(crate) use file_system::{name_file, sync_folder_of};
+pub(crate) use growing_file::GrowingFile;
 pub use place::{folder, regular_file};
 pub(crate) use whole_file::make_folder;
 pub use whole_file::{pretty, write, write_json, write_text};

@@ -4,12 +4,12 @@
 //! is refused with its number. A last line that was cut short by a kill is no piece and is dropped.
 
 use std::fs::{File, OpenOptions, TryLockError};
-use std::io::{Seek, SeekFrom, Write};
+use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
 use super::LineChain;
-use super::journal_text::{Contents, Header, read};
+use super::journal_text::{Extent, Header, Reader, piece_of, read};
 use super::piece::Piece;
 use crate::error::Error;
 use crate::output::{make_folder, sync_folder_of};
@@ -37,53 +37,74 @@ impl Journal {
     /// What a new study calls the journal of an interrupted one that it found in its folder; a second one gets a number.
     pub const BEFORE: &'static str = "journal-before.jsonl";
 
-    /// Begins a journal, or goes on with the one that is there where `resume` says so. No other process may write to it then,
-    /// and finished pieces that are not gone on with are kept under another name.
+    /// Begins a journal, or goes on with the one that is there where `resume` says so: `take` gets each finished piece in it
+    /// with the byte that its line begins at. No other process may write to it then, and finished pieces that are not gone on
+    /// with are kept under another name.
     ///
     /// # Errors
-    /// [`Error`] where it cannot be written, another process writes it, it is of another plan, or a line was altered.
-    pub fn open(folder: &Path, plan_sha256: &str, resume: bool) -> Result<(Self, Vec<Piece>), Error> {
+    /// [`Error`] where it cannot be written, another process writes it, it is of another plan, or a line was altered, and
+    /// those of `take`.
+    pub fn open(
+        folder: &Path,
+        plan_sha256: &str,
+        resume: bool,
+        take: &mut dyn FnMut(Piece, u64) -> Result<(), Error>,
+    ) -> Result<Self, Error> {
         let path = folder.join(Self::NAME);
         let fault = |error: std::io::Error| Error::unwritable(&path, &error);
         make_folder(folder).map_err(fault)?;
         let mut file = lock(&path)?;
-        let mut found = Contents::default();
+        let mut found = Extent::default();
         let mut put_aside = None;
         if file.metadata().map_err(fault)?.len() > 0 {
             if resume {
-                found = read(&file, &path.display().to_string())?;
-                // A kill may have cut the very first line.
-                if found.whole > 0 {
-                    found.header.check(&path, plan_sha256)?;
+                // A kill may have cut the very first line: then there is nothing to go on with.
+                found = read(&file, &path.display().to_string(), &mut OfPlan { path: &path, plan_sha256, take })?;
+            } else {
+                let mut pieces = Count::default();
+                if read(&file, "", &mut pieces).is_err() || pieces.0 > 0 {
+                    // What cannot be read is not thrown away either.
+                    let aside = free_name(folder)?;
+                    std::fs::rename(&path, &aside).map_err(fault)?;
+                    put_aside = Some(aside);
+                    file = lock(&path)?;
                 }
-            } else if read(&file, "").map_or(true, |found| !found.pieces.is_empty()) {
-                // What cannot be read is not thrown away either.
-                let aside = free_name(folder)?;
-                std::fs::rename(&path, &aside).map_err(fault)?;
-                put_aside = Some(aside);
-                file = lock(&path)?;
             }
         }
         // Whole lines stay where they are: what a kill cut short is written again.
         file.set_len(found.whole).and_then(|()| file.seek(SeekFrom::End(0))).map_err(fault)?;
-        let Contents { chain, whole, pieces, .. } = found;
+        let Extent { chain, whole } = found;
         let mut journal = Self { path, file, chain, whole, synced: Instant::now(), put_aside };
         if journal.whole == 0 {
             journal.add_entry(&Header::of(plan_sha256))?;
             journal.sync().and_then(|()| sync_folder_of(&journal.path)).map_err(|error| journal.unwritable(&error))?;
         }
-        Ok((journal, pieces))
+        Ok(journal)
     }
 
-    /// The whole pieces of a journal.
+    /// Hands over the whole pieces of a journal, each with the byte that its line begins at; one that a kill cut within its
+    /// first line holds none.
     ///
     /// # Errors
-    /// [`Error`] where it cannot be read, is of another plan, or a line was altered.
-    pub fn read(path: &Path, plan_sha256: &str) -> Result<Vec<Piece>, Error> {
+    /// [`Error`] where it cannot be read, is of another plan, or a line was altered, and those of `take`.
+    pub fn read(
+        path: &Path,
+        plan_sha256: &str,
+        take: &mut dyn FnMut(Piece, u64) -> Result<(), Error>,
+    ) -> Result<(), Error> {
         let file = File::open(path).map_err(|error| Error::unreadable(path, &error))?;
-        let found = read(&file, &path.display().to_string())?;
-        found.header.check(path, plan_sha256)?;
-        Ok(found.pieces)
+        read(&file, &path.display().to_string(), &mut OfPlan { path, plan_sha256, take })?;
+        Ok(())
+    }
+
+    /// The piece whose line begins at this byte, as it was read or added before.
+    ///
+    /// # Errors
+    /// [`Error`] where it cannot be read, or another line stands there by now.
+    pub fn piece_at(&mut self, at: u64) -> Result<Piece, Error> {
+        let piece = piece_in(&mut self.file, &self.path, at);
+        self.file.seek(SeekFrom::End(0)).map_err(|error| self.unwritable(&error))?;
+        piece
     }
 
     /// The message about pieces that were not continued.
@@ -95,16 +116,17 @@ impl Journal {
         ))
     }
 
-    /// Adds a piece; it is in the file when this returns.
+    /// Adds a piece; it is in the file when this returns. The byte that its line begins at.
     ///
     /// # Errors
     /// [`Error`] where it cannot be written; the journal is then as it was before.
-    pub fn add(&mut self, piece: &Piece) -> Result<(), Error> {
+    pub fn add(&mut self, piece: &Piece) -> Result<u64, Error> {
+        let at = self.whole;
         self.add_entry(piece)?;
         if self.synced.elapsed() >= SYNC_EVERY {
             self.sync().map_err(|error| self.unwritable(&error))?;
         }
-        Ok(())
+        Ok(at)
     }
 
     /// Ends the journal of a study whose results are stored.
@@ -137,6 +159,52 @@ impl Journal {
 
     fn unwritable(&self, error: &std::io::Error) -> Error {
         Error::unwritable(&self.path, error)
+    }
+}
+
+/// The piece whose line begins at this byte of a journal.
+pub(super) fn piece_in(file: &mut File, path: &Path, at: u64) -> Result<Piece, Error> {
+    let mut line = Vec::new();
+    file.seek(SeekFrom::Start(at))
+        .and_then(|_| BufReader::with_capacity(1 << 14, file).read_until(b'\n', &mut line))
+        .map_err(|error| Error::unreadable(path, &error))?;
+    piece_of(&line).ok_or_else(|| {
+        Error::new(format!(
+            "{}: found another line at byte {at}, expected the one that was there before",
+            path.display()
+        ))
+    })
+}
+
+/// Pieces of one plan alone.
+struct OfPlan<'a> {
+    path: &'a Path,
+    plan_sha256: &'a str,
+    take: &'a mut dyn FnMut(Piece, u64) -> Result<(), Error>,
+}
+
+impl Reader for OfPlan<'_> {
+    fn header(&mut self, header: &Header) -> Result<(), Error> {
+        header.check(self.path, self.plan_sha256)
+    }
+
+    fn piece(&mut self, piece: Piece, at: u64) -> Result<(), Error> {
+        (self.take)(piece, at)
+    }
+}
+
+/// How many pieces there are, of whatever work.
+#[derive(Default)]
+struct Count(usize);
+
+impl Reader for Count {
+    fn header(&mut self, _: &Header) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn piece(&mut self, _: Piece, _: u64) -> Result<(), Error> {
+        self.0 += 1;
+        Ok(())
     }
 }
 

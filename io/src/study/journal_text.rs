@@ -6,7 +6,7 @@ use std::path::Path;
 
 use armid::input::size::RECORDING_BYTES;
 
-use super::line_chain::{Broken, LineChain};
+use super::line_chain::{Broken, LineChain, entry_of};
 use super::piece::Piece;
 use crate::error::Error;
 
@@ -17,15 +17,21 @@ pub(super) struct Header {
     plan_sha256: String,
 }
 
-/// A journal as it was read.
+/// Where the whole lines of a journal end.
 #[derive(Debug, Default)]
-pub(super) struct Contents {
-    pub(super) header: Header,
-    pub(super) pieces: Vec<Piece>,
-    /// Where its whole lines end.
+pub(super) struct Extent {
     pub(super) chain: LineChain,
     /// Their length, bytes.
     pub(super) whole: u64,
+}
+
+/// What is done with the entries of a journal as they are read.
+pub(super) trait Reader {
+    /// The first line says which work the pieces are of.
+    fn header(&mut self, header: &Header) -> Result<(), Error>;
+
+    /// A piece, and the byte that its line begins at.
+    fn piece(&mut self, piece: Piece, at: u64) -> Result<(), Error>;
 }
 
 impl Header {
@@ -43,15 +49,15 @@ impl Header {
     }
 }
 
-/// Reads a journal; a last line without its end was cut short by a kill and is no part of it.
+/// Reads a journal piece by piece; a last line without its end was cut short by a kill and is no part of it.
 ///
 /// # Errors
-/// [`Error`] with the number of a line that is whole and is not what was written there.
-pub(super) fn read(file: &File, name: &str) -> Result<Contents, Error> {
+/// [`Error`] with the number of a line that is whole and is not what was written there, and those of the reader.
+pub(super) fn read(file: &File, name: &str, reader: &mut dyn Reader) -> Result<Extent, Error> {
     let fault = |error: &std::io::Error| Error::new(format!("{name} cannot be read: {error}"));
     let length = file.metadata().map_err(|error| fault(&error))?.len();
     RECORDING_BYTES.check(name, length as f64).map_err(|error| Error::new(error.to_string()))?;
-    parse(BufReader::new(file), name)
+    parse(BufReader::with_capacity(1 << 16, file), name, reader)
 }
 
 /// The pieces in the bytes of a journal.
@@ -59,15 +65,32 @@ pub(super) fn read(file: &File, name: &str) -> Result<Contents, Error> {
 /// # Errors
 /// [`Error`] with the number of a line that is whole and is not what was written there.
 pub fn parse_journal(name: &str, bytes: &[u8]) -> Result<Vec<Piece>, Error> {
-    Ok(parse(bytes, name)?.pieces)
+    let mut pieces = Pieces::default();
+    parse(bytes, name, &mut pieces)?;
+    Ok(pieces.0)
 }
 
-fn parse(mut reader: impl BufRead, name: &str) -> Result<Contents, Error> {
-    let mut found = Contents::default();
+/// Every piece of whatever work.
+#[derive(Default)]
+struct Pieces(Vec<Piece>);
+
+impl Reader for Pieces {
+    fn header(&mut self, _: &Header) -> Result<(), Error> {
+        Ok(())
+    }
+
+    fn piece(&mut self, piece: Piece, _: u64) -> Result<(), Error> {
+        self.0.push(piece);
+        Ok(())
+    }
+}
+
+fn parse(mut bytes: impl BufRead, name: &str, reader: &mut dyn Reader) -> Result<Extent, Error> {
+    let mut found = Extent::default();
     let mut line = Vec::new();
     for number in 1.. {
         line.clear();
-        reader.read_until(b'\n', &mut line).map_err(|error| Error::new(format!("{name} cannot be read: {error}")))?;
+        bytes.read_until(b'\n', &mut line).map_err(|error| Error::new(format!("{name} cannot be read: {error}")))?;
         if line.last() != Some(&b'\n') {
             break;
         }
@@ -84,13 +107,18 @@ fn parse(mut reader: impl BufRead, name: &str) -> Result<Contents, Error> {
         })?;
         let wrong = |error: serde_json::Error| refused(&format!("{error}"));
         if number == 1 {
-            found.header = serde_json::from_str(entry).map_err(wrong)?;
+            reader.header(&serde_json::from_str(entry).map_err(wrong)?)?;
         } else {
-            found.pieces.push(serde_json::from_str(entry).map_err(wrong)?);
+            reader.piece(serde_json::from_str(entry).map_err(wrong)?, found.whole)?;
         }
         found.whole += line.len() as u64;
     }
     Ok(found)
+}
+
+/// The piece in a line that was read and found whole before.
+pub(super) fn piece_of(line: &[u8]) -> Option<Piece> {
+    serde_json::from_str(entry_of(line).ok()?).ok()
 }
 
 const ALTERED: &str = "the lines before it are as they were written: cut the file off there and --resume, or begin anew \

@@ -36,16 +36,27 @@ impl LineChain {
 
     /// The entry of the next line, newline and all.
     pub(super) fn entry<'a>(&mut self, line: &'a [u8]) -> Result<&'a str, Broken> {
-        let line = std::str::from_utf8(line).map_err(|_| Broken::Form)?;
-        let rest = line.strip_prefix(OPENING).ok_or(Broken::Form)?;
-        let (digest, rest) = rest.split_at_checked(DIGITS).ok_or(Broken::Form)?;
-        let entry = rest.strip_prefix(MIDDLE).and_then(|rest| rest.strip_suffix(CLOSING)).ok_or(Broken::Form)?;
+        let (digest, entry) = parts_of(line)?;
         if sha256(&format!("{}{entry}", self.0)) != digest {
             return Err(Broken::Checksum);
         }
         digest.clone_into(&mut self.0);
         Ok(entry)
     }
+}
+
+/// The entry of a line, newline and all, whose checksum was looked at before.
+pub(super) fn entry_of(line: &[u8]) -> Result<&str, Broken> {
+    Ok(parts_of(line)?.1)
+}
+
+/// Digest and entry of a line.
+fn parts_of(line: &[u8]) -> Result<(&str, &str), Broken> {
+    let line = std::str::from_utf8(line).map_err(|_| Broken::Form)?;
+    let rest = line.strip_prefix(OPENING).ok_or(Broken::Form)?;
+    let (digest, rest) = rest.split_at_checked(DIGITS).ok_or(Broken::Form)?;
+    let entry = rest.strip_prefix(MIDDLE).and_then(|rest| rest.strip_suffix(CLOSING)).ok_or(Broken::Form)?;
+    Ok((digest, entry))
 }
 
 #[cfg(test)]

@@ -1,17 +1,23 @@
 //! Studies on disk: the plan, the work as it gets done, and the results.
 
+mod finished_work;
 mod journal;
 mod journal_text;
 mod line_chain;
-mod parameter_rows;
+mod number_file;
 mod piece;
+mod pilot;
 mod plan;
-mod run_rows;
+mod row_files;
 mod store;
 
+pub use finished_work::{FinishedWork, MadeDesign};
 pub use journal::Journal;
 pub use journal_text::parse_journal;
 pub use line_chain::LineChain;
+pub use number_file::NumberFile;
 pub use piece::Piece;
+pub use pilot::{log_ratios, seconds_of};
 pub use plan::load as load_plan;
-pub use store::{parse as parse_study, plan_text, read as read_study, write as write_study, write_timing};
+pub use row_files::RowFiles;
+pub use store::{parse as parse_study, plan_text, read as read_study, write as write_study, write_provenance};

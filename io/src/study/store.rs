@@ -6,13 +6,10 @@
 use std::path::Path;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use armid::study::{Examples, Outcome, ReportInput, StudyPlan, StudyResult};
+use armid::study::{Examples, ReportInput, StudyPlan, StudyResult};
 
-use super::parameter_rows::parameter_rows;
-use super::run_rows::run_rows;
 use crate::error::Error;
-use crate::output::{self, pretty, write_text};
-use crate::table::{Column, ParquetTable};
+use crate::output::{pretty, write_text};
 use crate::text::Text;
 
 const SUMMARY: &str = "summary.json";
@@ -26,14 +23,12 @@ pub fn plan_text(plan: &StudyPlan) -> Result<String, Error> {
     toml::to_string_pretty(plan).map_err(|error| Error::new(format!("the plan cannot be written: {error}")))
 }
 
-/// Stores the rows, the plan, the designs, the summary and the examples.
+/// Stores the plan, the designs, the summary and the examples.
 ///
 /// # Errors
 /// [`Error`] where a file cannot be written.
-pub fn write(folder: &Path, input: &ReportInput, outcomes: &[Outcome]) -> Result<(), Error> {
+pub fn write(folder: &Path, input: &ReportInput) -> Result<(), Error> {
     let result = &input.result;
-    write_table(&folder.join("runs.parquet"), &run_rows(result, outcomes))?;
-    write_table(&folder.join("parameters.parquet"), &parameter_rows(result, outcomes))?;
     write_text(&folder.join("study.toml"), &plan_text(&result.plan)?)?;
     for design in &result.designs {
         let family = &result.plan.designs[design.family].name;
@@ -69,31 +64,11 @@ pub fn parse(summary: &Text, examples: &Text) -> Result<ReportInput, Error> {
     Ok(input)
 }
 
-/// Stores what differs from one performance to the next: seconds, the date, the number of threads.
+/// Stores what differs from one performance to the next, beside `timing.parquet`: the date, the number of threads.
 ///
 /// # Errors
-/// [`Error`] where a file cannot be written.
-pub fn write_timing(
-    folder: &Path,
-    design_seconds: &[f64],
-    outcomes: &[Outcome],
-    run_seconds: &[f64],
-    threads: usize,
-) -> Result<(), Error> {
-    let designs = design_seconds.len();
-    let index = |value: usize| i64::try_from(value).unwrap_or(i64::MAX);
-    let kind = std::iter::repeat_n("design".to_owned(), designs).chain(outcomes.iter().map(|_| "run".to_owned()));
-    let design = (0..designs).map(index).chain(outcomes.iter().map(|o| index(o.design)));
-    let condition = std::iter::repeat_n(-1, designs).chain(outcomes.iter().map(|o| index(o.condition)));
-    let run = std::iter::repeat_n(-1, designs).chain(outcomes.iter().map(|o| o.run.cast_signed()));
-    let seconds = design_seconds.iter().chain(run_seconds).map(|&s| Some(s));
-    let table = ParquetTable::default()
-        .with("kind", Column::Text(kind.collect()))
-        .with("design", Column::Integer(design.collect()))
-        .with("condition", Column::Integer(condition.collect()))
-        .with("run", Column::Integer(run.collect()))
-        .with("seconds", Column::Number(seconds.collect()));
-    write_table(&folder.join("timing.parquet"), &table)?;
+/// [`Error`] where it cannot be written.
+pub fn write_provenance(folder: &Path, threads: usize) -> Result<(), Error> {
     let unix_s = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_secs());
     let provenance = serde_json::json!({
         "armid": env!("CARGO_PKG_VERSION"),
@@ -109,8 +84,4 @@ fn json<T: serde::Serialize>(value: &T) -> Result<String, Error> {
     let mut text = serde_json::to_string(value).map_err(|error| Error::new(format!("a result: {error}")))?;
     text.push('\n');
     Ok(text)
-}
-
-fn write_table(path: &Path, table: &ParquetTable) -> Result<(), Error> {
-    output::write(path, |out| table.write(out).map_err(std::io::Error::other))
 }

@@ -4,10 +4,10 @@ mod dialect;
 mod foreign_table;
 mod line_length;
 mod number_table;
-mod parquet_table;
+mod parquet_file;
 mod states_csv;
 
 pub(crate) use dialect::Separator;
 pub(crate) use foreign_table::ForeignTable;
-pub(crate) use parquet_table::{Column, ParquetTable};
+pub(crate) use parquet_file::{Cell, Kind, ParquetFile};
 pub use states_csv::{Third, parse as parse_states};

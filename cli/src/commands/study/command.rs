@@ -1,15 +1,15 @@
 //! `armid study`
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use armid::input::size;
-use armid::study::StudyPlan;
+use armid::study::{StoppingRule, StudyPlan};
 use miette::Result;
 
 use super::overrides::Overrides;
-use super::{cancel, collect, merge, status, submit};
+use super::{cancel, collect, merge, plan, status, submit};
 use crate::arguments::one_of;
-use crate::study::{Part, Performance, Prepared, Shard, Stage, in_words, stored_designs};
+use crate::study::{Part, Performance, Prepared, Shard, Stage, in_words, sample_plan};
 use crate::terminal::{Answer, Console, Ending, report_folder};
 
 /// Most threads, as the parser of arguments takes it.
@@ -28,6 +28,9 @@ Examples:
   armid study 01-criteria --truths 25             each run number on its own random arm
   armid study 01-criteria --arm analytic,mujoco   the same in two engines
   armid study my/study.toml --jobs 1 -o out --resume
+  armid study 01-criteria --until 'ratio(condition, d-optimal).prediction < 5 %'   as many starts as that takes
+  armid study 01-criteria --runs 1000 --dry-run   what that would cost
+  armid study plan pilot --until 'ratio(condition, d-optimal).prediction < 2 %'    how large a study for that
   armid study submit 01-criteria --engine slurm -o /shared/01   on a cluster; then status, cancel";
 
 /// Run a Monte Carlo study of designs and estimators
@@ -56,6 +59,12 @@ pub(crate) struct Arguments {
     /// Where the designs of --stage runs are: a folder that --stage designs wrote, or one that holds such folders
     #[arg(long, value_name = "DIR", requires = "stage")]
     designs_from: Vec<PathBuf>,
+    /// End where this interval is narrow enough, as "ratio(condition, d-optimal).prediction < 5 %"
+    #[arg(long, value_name = "RULE", conflicts_with_all = ["shard", "stage"])]
+    until: Option<String>,
+    /// Time a sample and say what the study would cost: designs, runs, core-hours, disk, memory; performs nothing else
+    #[arg(long, conflicts_with_all = ["resume", "shard", "stage", "until"])]
+    dry_run: bool,
 }
 
 /// What to do with studies that are performed in parts.
@@ -63,6 +72,8 @@ pub(crate) struct Arguments {
 enum Action {
     /// Put the parts of a study together: folders that --shard wrote
     Merge(merge::Arguments),
+    /// Say how many starts, arms and runs a wanted interval needs, from a study that was performed
+    Plan(plan::Arguments),
     /// Hand a study to a cluster: designs, then runs, then the report
     Submit(submit::Arguments),
     /// Show how far a submitted study is
@@ -77,6 +88,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     match &arguments.action {
         None => perform(arguments, console),
         Some(Action::Merge(arguments)) => merge::run(arguments, console),
+        Some(Action::Plan(arguments)) => plan::run(arguments, console),
         Some(Action::Submit(arguments)) => submit::run(arguments, console),
         Some(Action::Status(arguments)) => status::run(arguments, console),
         Some(Action::Cancel(arguments)) => cancel::run(arguments, console),
@@ -86,6 +98,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 
 fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let (plan, folder) = arguments.overrides.plan(arguments.study.as_deref().unwrap_or_default())?;
+    if arguments.dry_run {
+        let sample = Prepared::new(sample_plan(&plan), folder.as_deref())?;
+        let forecast = sample.performance(Path::new(""), Part::default(), console).forecast(&plan)?;
+        console.answer(&forecast.answer()?)?;
+        return Ok(Ending::Done);
+    }
     let output = output_folder(&plan, console)?;
     let prepared = Prepared::new(plan, folder.as_deref())?;
     let threads = rayon::ThreadPoolBuilder::new()
@@ -94,6 +112,10 @@ fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
         .map_err(in_words)?;
     let part = Part { stage: arguments.stage, shard: arguments.shard };
     let study = prepared.performance(&output, part, console);
+    if let Some(words) = &arguments.until {
+        let rule: StoppingRule = words.parse().map_err(in_words)?;
+        return threads.install(|| run_until(study, (&rule, words), (arguments.resume, folder.as_deref()), console));
+    }
     threads.install(|| match part.stage {
         Some(Stage::Designs) => design(&study, arguments.resume, console),
         Some(Stage::Runs) | None => run_part(&study, arguments, console),
@@ -102,24 +124,42 @@ fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
 
 /// The designs alone, or a part of them.
 fn design(study: &Performance<'_>, resume: bool, console: &Console) -> Result<Ending> {
-    let (journal, pieces) = study.journal(resume)?;
-    if study.perform_designs(journal, pieces)? { part_is_there(study, console) } else { interrupted(study, console) }
+    let mut work = study.no_work()?;
+    study.begin(&mut work, resume)?;
+    if study.perform_designs(work)? { part_is_there(study, console) } else { interrupted(study, console) }
 }
 
 /// The runs, or a part of them, and the whole study where it is no part.
 fn run_part(study: &Performance<'_>, arguments: &Arguments, console: &Console) -> Result<Ending> {
     // Before a journal is begun: a mistaken folder is found while nothing is written yet.
-    let designs = stored_designs(&arguments.designs_from, &study.identity()?)?;
-    let (journal, mut pieces) = study.journal(arguments.resume)?;
-    if let Some(note) = journal.note() {
+    let mut work = study.with_designs_from(&arguments.designs_from)?;
+    study.begin(&mut work, arguments.resume)?;
+    if let Some(note) = work.note() {
         console.note(note);
     }
-    pieces.extend(designs);
-    match study.perform(journal, pieces)? {
-        Some(work) if study.part().is_whole() => study.finish(work),
+    match study.perform(work)? {
+        Some(performed) if study.part().is_whole() => study.finish(performed),
         Some(_) => part_is_there(study, console),
         None => interrupted(study, console),
     }
+}
+
+/// Starts of all families until a rule is met, and the study of those that were performed.
+fn run_until(
+    mut study: Performance<'_>,
+    (rule, words): (&StoppingRule, &str),
+    (resume, beside): (bool, Option<&Path>),
+    console: &Console,
+) -> Result<Ending> {
+    rule.families(study.plan()).map_err(in_words)?;
+    let mut work = study.no_work()?;
+    study.begin(&mut work, resume)?;
+    if let Some(note) = work.note() {
+        console.note(note);
+    }
+    let Some((looks, work)) = study.perform_until(work, rule, words)? else { return interrupted(&study, console) };
+    let performed = Prepared::new(study.plan().first_starts(looks.starts()), beside)?;
+    performed.performance(study.output(), Part::default(), console).finish_first(&study, work, &looks)
 }
 
 fn part_is_there(study: &Performance<'_>, console: &Console) -> Result<Ending> {

@@ -1,11 +1,10 @@
 //! `armid study merge`
 
-use std::collections::HashMap;
 use std::path::{Path, PathBuf};
 
 use armid::study::StudyPlan;
 use armid_io::Error;
-use armid_io::study::{Journal, Piece, load_plan};
+use armid_io::study::load_plan;
 use armid_sim::Engine;
 use miette::Result;
 
@@ -40,38 +39,15 @@ pub(super) fn merge(
 ) -> Result<Ending> {
     let prepared = Prepared::new(plan, beside)?;
     let study = prepared.performance(output, Part::default(), console);
-    let identity = study.identity()?;
-    let (mut pieces, mut holder) = (Vec::new(), HashMap::new());
-    for folder in folders {
-        let found = Journal::read(&folder.join(Journal::NAME), &identity)?;
-        for piece in &found {
-            if let Piece::Run { outcome, .. } = piece
-                && let Some(other) = holder.insert(outcome.id(), folder).filter(|other| *other != folder)
-            {
-                let message = format!(
-                    "run {} of design {} is in {} and in {}, expected parts that do not overlap",
-                    outcome.run,
-                    outcome.design,
-                    other.display(),
-                    folder.display()
-                );
-                return Err(Error::new(message).into());
-            }
-        }
-        pieces.extend(found);
-    }
-    study.check(&pieces)?;
-    let missing = study.missing(&pieces);
+    let mut work = study.with_work_from(folders)?;
+    let missing = study.missing(&work);
     if missing > 0 {
         let message = format!("{missing} runs are in none of the folders, expected every part of the study, complete");
         return Err(Error::new(message).into());
     }
-    let (mut journal, _) = study.journal(false)?;
-    for piece in &pieces {
-        journal.add(piece)?;
-    }
-    match study.perform(journal, pieces)? {
-        Some(work) => study.finish(work),
+    study.begin(&mut work, false)?;
+    match study.perform(work)? {
+        Some(performed) => study.finish(performed),
         None => Ok(Ending::Interrupted),
     }
 }

@@ -5,6 +5,7 @@ mod collect;
 mod command;
 mod merge;
 mod overrides;
+mod plan;
 mod status;
 mod submit;
 

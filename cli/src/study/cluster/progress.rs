@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid_io::Error;
-use armid_io::study::{Journal, Piece};
+use armid_io::study::Journal;
 
 use super::{Submission, TaskCounts};
 use crate::study::{Part, Prepared, Shard, Stage};
@@ -73,12 +73,11 @@ fn stage_progress(
         let of_task = folder_of(folder, stage, k);
         let part = Part { stage: Some(stage), shard: Some(Shard { k, n }) };
         let study = prepared.performance(&of_task, part, console);
-        let identity = study.identity()?;
-        let journal = of_task.join(Journal::NAME);
-        let pieces: Vec<Piece> = if journal.is_file() { Journal::read(&journal, &identity)? } else { Vec::new() };
+        let begun = of_task.join(Journal::NAME).is_file();
+        let work = if begun { study.with_work_from(&[&of_task])? } else { study.no_work()? };
         let (missing, total) = match stage {
-            Stage::Designs => (study.missing_designs(&pieces), study.planned_designs()),
-            Stage::Runs => (study.missing(&pieces), study.planned_runs()),
+            Stage::Designs => (study.missing_designs(&work), study.planned_designs()),
+            Stage::Runs => (study.missing(&work), study.planned_runs()),
         };
         progress.done += total - missing;
         progress.total += total;

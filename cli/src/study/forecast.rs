@@ -1,0 +1,210 @@
+//! What a study would cost, before any of it is performed: `--dry-run`.
+
+use std::time::Instant;
+
+use armid::study::{RunId, StudyPlan};
+use armid_io::Error;
+use armid_io::study::{MadeDesign, Piece};
+use miette::Result;
+
+use super::in_words;
+use super::performance::Performance;
+use crate::terminal::Answer;
+
+/// Evaluations of a design that is made to see how long one takes.
+const SAMPLE_EVALUATIONS: usize = 20;
+
+/// After so many seconds no further family is tried; those that were not take as long for an evaluation as the others.
+const PATIENCE_S: f64 = 20.0;
+
+/// Runs of each condition that are tried.
+const SAMPLE_RUNS: usize = 8;
+
+/// Bytes of memory for each run that is planned: where it stands in its journal.
+const HELD_OF_RUN: usize = 8;
+
+/// Bytes of memory for each run under one condition while it is summed up: values, logarithms, copies that are sorted, draws.
+const SUMMED_OF_RUN: usize = 100;
+
+/// What a study costs, by a timed sample of it.
+#[derive(Clone, Debug, serde::Serialize)]
+pub(crate) struct Forecast {
+    designs: usize,
+    runs: usize,
+    conditions: usize,
+    truths: usize,
+    design_core_hours: f64,
+    run_core_hours: f64,
+    /// Finished work, until the results are there.
+    journal_bytes: u64,
+    /// Numbers for the statistics, while the study runs.
+    numbers_bytes: u64,
+    /// What stays.
+    results_bytes: u64,
+    /// At most at any time; `None` where this machine does not say what the sample took.
+    memory_bytes: Option<u64>,
+    sample_seconds: f64,
+    sample_designs: usize,
+    sample_runs: usize,
+    shared: Vec<String>,
+}
+
+/// A plan whose designs are searched for a moment only.
+pub(crate) fn sample_plan(plan: &StudyPlan) -> StudyPlan {
+    let mut sample = plan.clone();
+    for family in &mut sample.designs {
+        family.evaluations = family.evaluations.min(SAMPLE_EVALUATIONS);
+    }
+    sample
+}
+
+impl Performance<'_> {
+    /// Times some designs and runs of this study, which is that of [`sample_plan`], and says what `plan` costs.
+    pub(crate) fn forecast(&self, plan: &StudyPlan) -> Result<Forecast> {
+        let begin = Instant::now();
+        let (design_seconds, designs, sample_designs) = self.time_designs(plan)?;
+        let (mut run_seconds, mut sample_runs, mut journal) = (0.0, 0, 0.0);
+        for condition in 0..self.order.conditions() {
+            let count = self.order.runs(0).min(SAMPLE_RUNS);
+            let team: Vec<RunId> = (0..count as u64).map(|run| RunId { design: 0, condition, run }).collect();
+            let of_condition = self.order.len() / self.order.conditions();
+            let mut spent = 0.0;
+            // Teams as they are performed: a study of many truths has few runs on each arm.
+            for team in self.teams(team) {
+                let begin = Instant::now();
+                let outcomes = self.perform_team(&team, &designs)?;
+                spent += begin.elapsed().as_secs_f64();
+                for outcome in outcomes {
+                    let piece = Piece::Run { outcome: Box::new(outcome), seconds: spent };
+                    journal += serde_json::to_string(&piece).map_err(in_words)?.len() as f64;
+                }
+            }
+            sample_runs += count;
+            run_seconds += spent / count as f64 * of_condition as f64;
+        }
+        let runs = self.order.len();
+        let rows = plan.identification.estimators.len();
+        let (b, n) = (self.setup.base().rank(), self.setup.robot().dof());
+        // Estimate, standard deviation and half width of each parameter, metrics and residuals of each run, its wall time.
+        let of_run = rows * 8 * (3 * b + 5 + n) + 8;
+        let of_condition = runs / self.order.conditions();
+        let held = (HELD_OF_RUN * runs + SUMMED_OF_RUN * of_condition) as u64;
+        Ok(Forecast {
+            designs: self.order.designs(),
+            runs,
+            conditions: self.order.conditions(),
+            truths: self.setup.scorer().truths().len().saturating_sub(1).max(1),
+            design_core_hours: design_seconds / 3600.0,
+            run_core_hours: run_seconds / 3600.0,
+            journal_bytes: (journal / sample_runs as f64 * runs as f64) as u64,
+            numbers_bytes: (self.setup.run_numbers().len() * 8 * runs) as u64,
+            results_bytes: (of_run * runs) as u64,
+            memory_bytes: most_memory().map(|sample| sample + held),
+            sample_seconds: begin.elapsed().as_secs_f64(),
+            sample_designs,
+            sample_runs,
+            shared: self.shared(),
+        })
+    }
+
+    /// Seconds of all designs of `plan`, a design for each place to try runs with, and how many were made.
+    fn time_designs(&self, plan: &StudyPlan) -> Result<(f64, Vec<Option<MadeDesign>>, usize)> {
+        let (planned, begin) = (self.setup.designs(), Instant::now());
+        let mut of_families: Vec<Option<(f64, MadeDesign)>> = vec![None; plan.designs.len()];
+        let mut tried = Vec::new();
+        for (family, of_family) in of_families.iter_mut().enumerate() {
+            if begin.elapsed().as_secs_f64() > PATIENCE_S {
+                break;
+            }
+            let begin = Instant::now();
+            let mut sequence = self.setup.designs_of_sequence(family, 0).map_err(in_words)?;
+            let used: usize = sequence.iter().map(|design| design.evaluations).sum();
+            let searched = begin.elapsed().as_secs_f64();
+            let bound = self.bound(&sequence)?;
+            let bounded = begin.elapsed().as_secs_f64() - searched;
+            let design = sequence.pop().ok_or_else(|| Error::new("a sequence without designs"))?;
+            let of_evaluation = searched / used.max(1) as f64;
+            let seconds = of_evaluation * plan.designs[family].evaluations.max(1) as f64 + bounded;
+            tried.push((of_evaluation, bounded));
+            *of_family = Some((seconds, MadeDesign { design, bound, seconds }));
+        }
+        let count = tried.len().max(1) as f64;
+        let of_evaluation = tried.iter().map(|(seconds, _)| seconds).sum::<f64>() / count;
+        let bounded = tried.iter().map(|(_, seconds)| seconds).sum::<f64>() / count;
+        let seconds = planned.iter().map(|&(family, _)| match &of_families[family] {
+            Some((seconds, _)) => *seconds,
+            None => of_evaluation * plan.designs[family].evaluations as f64 + bounded,
+        });
+        let designs = planned.iter().map(|&(family, _)| of_families[family].clone().map(|(_, made)| made));
+        Ok((seconds.sum(), designs.collect(), tried.len()))
+    }
+
+    /// What runs have in common.
+    fn shared(&self) -> Vec<String> {
+        let plan = self.setup.plan();
+        let mut shared = vec![
+            format!("each design is made once, for all of its runs ({})", runs_of(plan)),
+            "start k of every family begins at the same first guess".to_owned(),
+            format!("{} validation trajectories score every estimate", plan.validation.trajectories),
+        ];
+        if self.order.conditions() > 1 {
+            shared.push("a run has the same noise under every condition".to_owned());
+        }
+        if let Some(truths) = &plan.truths {
+            shared.push(format!("run r of every design is on arm r modulo {}", truths.count));
+        }
+        if plan.identification.estimators.len() > 1 {
+            shared.push("all estimators read the same recording, factorised once".to_owned());
+        }
+        shared
+    }
+}
+
+fn runs_of(plan: &StudyPlan) -> String {
+    let runs = (0..plan.designs.len()).map(|family| plan.runs_of(family));
+    match (runs.clone().min(), runs.max()) {
+        (Some(least), Some(most)) if least != most => format!("{least} to {most}"),
+        (least, _) => least.unwrap_or(0).to_string(),
+    }
+}
+
+/// The most memory that this process has held, bytes, where the system says so.
+fn most_memory() -> Option<u64> {
+    let status = std::fs::read_to_string("/proc/self/status").ok()?;
+    let line = status.lines().find_map(|line| line.strip_prefix("VmHWM:"))?;
+    Some(line.trim().strip_suffix("kB")?.trim().parse::<u64>().ok()? * 1024)
+}
+
+impl Forecast {
+    /// In words.
+    pub(crate) fn answer(&self) -> Result<Answer> {
+        let bytes = |bytes: u64| match bytes as f64 {
+            most if most >= 1e9 => format!("{:.1} GB", most / 1e9),
+            some => format!("{:.0} MB", (some / 1e6).ceil()),
+        };
+        let memory = self.memory_bytes.map_or("not known on this system".to_owned(), bytes);
+        let text = format!(
+            "{} designs, {} runs ({} conditions, {} arms)\n\
+             {:.2} core-hours: {:.2} of designs at most, {:.2} of runs\n\
+             disk: {} of journal and {} of numbers while it runs, {} of results\n\
+             memory: {memory}\n\
+             shared: {}\n\
+             by {} designs of at most {SAMPLE_EVALUATIONS} evaluations and {} runs, {:.1} s on one core of this machine; nothing was written\n",
+            self.designs,
+            self.runs,
+            self.conditions,
+            self.truths,
+            self.design_core_hours + self.run_core_hours,
+            self.design_core_hours,
+            self.run_core_hours,
+            bytes(self.journal_bytes),
+            bytes(self.numbers_bytes),
+            bytes(self.results_bytes),
+            self.shared.join("; "),
+            self.sample_designs,
+            self.sample_runs,
+            self.sample_seconds,
+        );
+        Ok(Answer { text, json: serde_json::to_value(self).map_err(in_words)? })
+    }
+}

@@ -1,0 +1,79 @@
+//! Runs that are computed together.
+
+use std::collections::BTreeMap;
+use std::sync::Arc;
+
+use armid::experiment::ExperimentPlan;
+use armid::study::{MeasuredMotions, Outcome, RunId};
+use armid_io::Error;
+use armid_io::study::MadeDesign;
+use armid_sim::BatchRun;
+use miette::Result;
+
+use super::in_words;
+use super::performance::Performance;
+use crate::arms::Simulation;
+
+/// So many runs are computed together: the lanes of the widest processors.
+const TEAM: usize = 8;
+
+impl Performance<'_> {
+    /// Runs on the same arm under the same condition, as many as are computed together; fewer where that leaves a thread
+    /// without work.
+    pub(super) fn teams(&self, mut runs: Vec<RunId>) -> Vec<Vec<RunId>> {
+        let most = runs.len().div_ceil(rayon::current_num_threads()).clamp(1, TEAM);
+        let arm = |id: &RunId| (id.condition, self.setup.plan().truth_of(id.run));
+        runs.sort_by_key(arm);
+        runs.chunk_by(|a, b| arm(a) == arm(b)).flat_map(|alike| alike.chunks(most)).map(<[RunId]>::to_vec).collect()
+    }
+
+    /// The outcomes of runs on one arm under one condition.
+    pub(super) fn perform_team(&self, team: &[RunId], designs: &[Option<MadeDesign>]) -> Result<Vec<Outcome>> {
+        let Some(first) = team.first() else { return Ok(Vec::new()) };
+        let simulation = self.simulations[first.condition].made_of(self.setup.truth(first.run));
+        let mut plans: BTreeMap<usize, ExperimentPlan> = BTreeMap::new();
+        for index in team.iter().flat_map(|id| self.setup.sequence(id.design)) {
+            let made = designs[index].as_ref().ok_or_else(|| Error::new(format!("design {index} is not made")))?;
+            plans.entry(index).or_insert_with(|| self.setup.experiment(&made.design.trajectory));
+        }
+        let mut runs = Vec::new();
+        for id in team {
+            for index in self.setup.sequence(id.design) {
+                let (seed, run) = self.setup.stream(index, id.run);
+                runs.push(BatchRun { plan: &plans[&index], seed, run });
+            }
+        }
+        let measured = self.measured_motions(first, &simulation)?;
+        let mut performed = simulation.record_all(&runs).map_err(in_words)?.into_iter();
+        let outcome = |&id: &RunId| {
+            let of_run = performed.by_ref().take(self.setup.sequence(id.design).len()).collect();
+            self.setup.outcome(id, of_run, measured.as_deref())
+        };
+        Ok(team.iter().map(outcome).collect())
+    }
+
+    /// What the arm of a run measures on fresh motions, performed once for each arm and condition; `None` where the plan
+    /// asks for none.
+    fn measured_motions(&self, id: &RunId, simulation: &Simulation) -> Result<Option<Arc<MeasuredMotions>>> {
+        let plan = self.setup.plan();
+        if plan.validation.measured == 0 {
+            return Ok(None);
+        }
+        let arm = (id.condition, plan.truth_of(id.run));
+        if let Some(known) = self.measured.lock().map_err(in_words)?.get(&arm) {
+            return Ok(Some(Arc::clone(known)));
+        }
+        let plans = (0..plan.validation.measured as u64)
+            .map(|index| Ok(self.setup.experiment(&self.setup.validation_trajectory(index).map_err(in_words)?)))
+            .collect::<Result<Vec<ExperimentPlan>>>()?;
+        let seed = plan.seed.child("measured motion", arm.1 as u64);
+        let runs: Vec<BatchRun<'_>> = plans.iter().zip(0..).map(|(plan, run)| BatchRun { plan, seed, run }).collect();
+        let performed = simulation.record_all(&runs).map_err(in_words)?;
+        let measured = self.setup.measured_motions(performed).map_err(|failure| {
+            let name = &plan.conditions()[id.condition].name;
+            Error::new(format!("a fresh motion under condition \"{name}\" cannot be measured: {}", failure.reason))
+        })?;
+        // Two threads may have measured the same; the second finds the same numbers.
+        Ok(Some(Arc::clone(self.measured.lock().map_err(in_words)?.entry(arm).or_insert_with(|| Arc::new(measured)))))
+    }
+}

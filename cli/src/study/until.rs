@@ -1,0 +1,148 @@
+//! A study that ends where an interval is narrow enough: `--until`.
+
+use armid::study::{Look, RunId, RunNumber, StoppingRule};
+use armid_io::Error;
+use armid_io::output::{pretty, write_text};
+use armid_io::study::{FinishedWork, RowFiles};
+use miette::Result;
+
+use super::in_words;
+use super::performance::{Performance, Performed};
+use crate::interrupt;
+use crate::terminal::{Answer, Ending};
+
+/// The looks at a study, and how it ended.
+#[derive(Clone, Debug, serde::Serialize)]
+pub(crate) struct Looks {
+    /// What was wanted, as it was asked for.
+    pub(crate) until: String,
+    /// Every look, the last being the end.
+    pub(crate) looks: Vec<Look>,
+    /// `narrow-enough`, or `all-starts` where all of the plan's starts were not enough.
+    pub(crate) termination: &'static str,
+}
+
+impl Looks {
+    /// What the files of a study call it.
+    const NAME: &'static str = "looks.json";
+
+    pub(crate) fn is_met(&self) -> bool {
+        self.termination == "narrow-enough"
+    }
+
+    /// Starts of each family at the end.
+    pub(crate) fn starts(&self) -> usize {
+        self.looks.last().map_or(0, |look| look.starts)
+    }
+
+    fn write(&self, folder: &std::path::Path) -> Result<(), Error> {
+        let value = serde_json::to_value(self).map_err(|error| Error::new(format!("the looks: {error}")))?;
+        write_text(&folder.join(Self::NAME), &pretty(&value))
+    }
+
+    /// Every look in a line.
+    pub(crate) fn answer(&self) -> Answer {
+        let line = |look: &Look| {
+            let interval =
+                look.interval.map_or("no interval yet".to_owned(), |i| format!("[{:.4}, {:.4}]", i.low, i.high));
+            let share = look.share.map_or(String::new(), |share| format!(", ±{:.2} %", 100.0 * share));
+            format!("{:>5} starts: ratio {:.4} {interval}{share}\n", look.starts, look.ratio)
+        };
+        let lines: String = self.looks.iter().map(line).collect();
+        let end = if self.is_met() { "met" } else { "not met with all starts of the plan" };
+        Answer {
+            text: format!("{}: {end}\n{lines}", self.until),
+            json: serde_json::json!({ "until": self.until, "looks": self.looks, "termination": self.termination }),
+        }
+    }
+}
+
+impl Performance<'_> {
+    /// Performs starts until the rule is met at a look, or all of them; `None` where interrupted.
+    pub(crate) fn perform_until(
+        &mut self,
+        mut work: FinishedWork,
+        rule: &StoppingRule,
+        words: &str,
+    ) -> Result<Option<(Looks, FinishedWork)>> {
+        let families = rule.families(self.setup.plan()).map_err(in_words)?;
+        let mut looks = Looks { until: words.to_owned(), looks: Vec::new(), termination: "all-starts" };
+        for (starts, bound) in StoppingRule::looks(self.setup.plan().designs[families[0]].starts) {
+            self.starts = starts;
+            work = match self.perform_some(work)? {
+                Some(work) => work,
+                None => return Ok(None),
+            };
+            let logs = self.pairs(families, rule, starts, &mut work)?;
+            let look = StoppingRule::look(starts, bound, &logs);
+            looks.looks.push(look);
+            if rule.is_met(&look) {
+                looks.termination = "narrow-enough";
+                break;
+            }
+            if interrupt::asked() {
+                return Ok(None);
+            }
+        }
+        Ok(Some((looks, work)))
+    }
+
+    /// Logarithms of the ratio of each pair of starts, by the last estimator under the first condition; a pair of which one
+    /// start gave no estimate has none.
+    fn pairs(
+        &self,
+        families: [usize; 2],
+        rule: &StoppingRule,
+        starts: usize,
+        work: &mut FinishedWork,
+    ) -> Result<Vec<f64>> {
+        let estimator = self.setup.plan().identification.estimators.len() - 1;
+        let number = RunNumber::Metric { estimator, metric: rule.metric };
+        let mut logs = Vec::new();
+        for start in 0..starts {
+            let [first, second] = families.map(|family| self.values(family, start, number, work));
+            logs.extend(StoppingRule::log_ratio(&first?, &second?));
+        }
+        Ok(logs)
+    }
+
+    /// One number of all runs of a start under the first condition that gave it.
+    fn values(&self, family: usize, start: usize, number: RunNumber, work: &mut FinishedWork) -> Result<Vec<f64>> {
+        let design = self.setup.designs().iter().position(|&design| design == (family, start));
+        let design = design.ok_or_else(|| Error::new(format!("family {family} has no start {start}")))?;
+        let mut values = Vec::new();
+        for run in 0..self.order.runs(design) as u64 {
+            let found = work.run(self.order.position(RunId { design, condition: 0, run }))?;
+            values.extend(found.and_then(|(outcome, _)| number.of(&outcome, self.setup.scorer().truths())));
+        }
+        Ok(values)
+    }
+
+    /// Sums up the starts that were performed, of which this study is made: its designs are the first ones of `all`.
+    pub(crate) fn finish_first(&self, all: &Performance<'_>, mut work: FinishedWork, looks: &Looks) -> Result<Ending> {
+        let (here, there) = (self.setup.designs(), all.setup.designs());
+        let place = |design: usize| {
+            let found = there.iter().position(|&other| other == here[design]);
+            found.ok_or_else(|| Error::new(format!("design {design} is none of the whole study")))
+        };
+        let places = (0..here.len()).map(place).collect::<Result<Vec<usize>, Error>>()?;
+        let made = |&place: &usize| {
+            work.designs()[place].clone().ok_or_else(|| Error::new(format!("design {place} is not made")))
+        };
+        let designs = places.iter().map(made).collect::<Result<Vec<_>, Error>>()?;
+        let seconds: Vec<f64> = designs.iter().map(|made| made.seconds).collect();
+        let mut rows = RowFiles::create(self.output, self.setup, &seconds)?;
+        for position in 0..self.order.len() {
+            let id = self.order.id(position);
+            let stored = work.run(all.order.position(RunId { design: places[id.design], ..id }))?;
+            let (mut outcome, seconds) = stored.ok_or_else(|| Error::new(format!("run {position} is not finished")))?;
+            outcome.design = id.design;
+            rows.add(&outcome, seconds)?;
+        }
+        let numbers = Some(rows.finish()?);
+        looks.write(self.output)?;
+        self.console.note(looks.answer().text.trim_end());
+        let ending = self.finish(Performed { designs, work, numbers, stored: (all.order.clone(), places) })?;
+        Ok(if looks.is_met() { ending } else { Ending::Negative })
+    }
+}

@@ -1,0 +1,106 @@
+//! What a stored study says about the size of the next one: its rows, read again.
+
+use std::collections::BTreeMap;
+use std::fs::File;
+use std::path::{Path, PathBuf};
+
+use armid::study::{Metric, StoppingRule, StudyResult};
+use parquet::file::reader::{FileReader, SerializedFileReader};
+use parquet::record::{Field, Row};
+
+use crate::error::Error;
+
+/// Logarithms of the ratios of a rule's two families in a stored study, by pair of starts and by run: those that both starts
+/// of a pair gave, with its last estimator under its first condition. Runs on the same drawn truth stand as one, and a run that
+/// one pair lacks is left out of all.
+///
+/// # Errors
+/// [`Error`] where a family is not there, or the rows cannot be read.
+pub fn log_ratios(folder: &Path, pilot: &StudyResult, rule: &StoppingRule) -> Result<Vec<Vec<f64>>, Error> {
+    let plan = &pilot.plan;
+    let place = |name: &String| {
+        plan.designs.iter().position(|family| family.name == *name).ok_or_else(|| {
+            let names: Vec<&str> = plan.designs.iter().map(|family| family.name.as_str()).collect();
+            Error::new(format!("--until is \"{name}\", expected one of the families: {}", names.join(", ")))
+        })
+    };
+    let families = [place(&rule.first)?, place(&rule.second)?];
+    let (estimator, condition) = (plan.identification.estimators.last(), &pilot.conditions[0].condition.name);
+    let truths = plan.truths.as_ref().map_or(usize::MAX, |truths| truths.count);
+    // Values of each run, or of each truth, of each start of the two families.
+    let mut values: BTreeMap<(usize, usize), [Vec<f64>; 2]> = BTreeMap::new();
+    let names = ["design", "run", "condition", "estimator", column(rule.metric)];
+    rows(&folder.join("runs.parquet"), &names, |row| {
+        if text(&row[2]) != Some(condition) || text(&row[3]) != estimator.map(String::as_str) {
+            return;
+        }
+        let (Field::Long(design), Field::Long(run), Field::Double(value)) = (&row[0], &row[1], &row[4]) else { return };
+        let (design, run) = (usize::try_from(*design).unwrap_or(usize::MAX), usize::try_from(*run).unwrap_or(0));
+        let Some(made) = pilot.designs.get(design) else { return };
+        if let Some(side) = families.iter().position(|&family| family == made.family) {
+            values.entry((made.start, run % truths)).or_default()[side].push(*value);
+        }
+    })?;
+    let mut logs: BTreeMap<usize, BTreeMap<usize, f64>> = BTreeMap::new();
+    for ((start, run), [first, second]) in &values {
+        if let Some(log) = StoppingRule::log_ratio(first, second) {
+            logs.entry(*start).or_default().insert(*run, log);
+        }
+    }
+    let everywhere = |run: &usize| logs.values().all(|of_start| of_start.contains_key(run));
+    let balanced = |of_start: &BTreeMap<usize, f64>| {
+        of_start.iter().filter(|(run, _)| everywhere(run)).map(|(_, log)| *log).collect()
+    };
+    Ok(logs.values().map(balanced).collect())
+}
+
+/// Mean wall time of a design and of a run of a stored study, s.
+///
+/// # Errors
+/// [`Error`] where the rows cannot be read.
+pub fn seconds_of(folder: &Path) -> Result<(f64, f64), Error> {
+    let (mut designs, mut runs) = ((0.0, 0.0), (0.0, 0.0));
+    rows(&folder.join("timing.parquet"), &["kind", "seconds"], |row| {
+        let Field::Double(seconds) = row[1] else { return };
+        let sum = if text(&row[0]) == Some("design") { &mut designs } else { &mut runs };
+        sum.0 += seconds;
+        sum.1 += 1.0;
+    })?;
+    let mean = |(sum, count): (f64, f64)| if count > 0.0 { sum / count } else { 0.0 };
+    Ok((mean(designs), mean(runs)))
+}
+
+/// The column of a metric.
+const fn column(metric: Metric) -> &'static str {
+    match metric {
+        Metric::Prediction | Metric::LogVolume => "prediction_rmse_nm",
+        Metric::PredictionOfRating => "prediction_rmse_of_rating",
+        Metric::Reference => "reference_rmse",
+        Metric::Si => "si_rmse",
+        Metric::Measured => "measured_rmse_nm",
+    }
+}
+
+fn text(field: &Field) -> Option<&str> {
+    match field {
+        Field::Str(text) => Some(text),
+        _ => None,
+    }
+}
+
+/// Hands over these columns of every row of a file.
+fn rows(path: &PathBuf, names: &[&str], mut take: impl FnMut(&[Field])) -> Result<(), Error> {
+    let fault = |error: parquet::errors::ParquetError| Error::unreadable(path, &std::io::Error::other(error));
+    let file = File::open(path).map_err(|error| Error::unreadable(path, &error))?;
+    let reader = SerializedFileReader::new(file).map_err(fault)?;
+    for row in reader.get_row_iter(None).map_err(fault)? {
+        let row: Row = row.map_err(fault)?;
+        let all: BTreeMap<&String, &Field> = row.get_column_iter().collect();
+        let cells: Option<Vec<Field>> =
+            names.iter().map(|name| all.get(&(*name).to_owned()).copied().cloned()).collect();
+        let cells = cells
+            .ok_or_else(|| Error::new(format!("{}: expected the columns {}", path.display(), names.join(", "))))?;
+        take(&cells);
+    }
+    Ok(())
+}
