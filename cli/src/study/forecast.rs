@@ -26,6 +26,9 @@ const HELD_OF_RUN: usize = 8;
 /// Bytes of memory for each run under one condition while it is summed up: values, logarithms, copies that are sorted, draws.
 const SUMMED_OF_RUN: usize = 100;
 
+/// Bytes of memory for rows that wait to be written together, and what allocators keep of them.
+const ROWS: usize = 45_000_000;
+
 /// What a study costs, by a timed sample of it.
 #[derive(Clone, Debug, serde::Serialize)]
 pub(crate) struct Forecast {
@@ -88,7 +91,7 @@ impl Performance<'_> {
         // Estimate, standard deviation and half width of each parameter, metrics and residuals of each run, its wall time.
         let of_run = rows * 8 * (3 * b + 5 + n) + 8;
         let of_condition = runs / self.order.conditions();
-        let held = (HELD_OF_RUN * runs + SUMMED_OF_RUN * of_condition) as u64;
+        let held = (ROWS + HELD_OF_RUN * runs + SUMMED_OF_RUN * of_condition) as u64;
         Ok(Forecast {
             designs: self.order.designs(),
             runs,
