@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let identification = Identification::new(arm, Columns::RIGID_ROTOR_FRICTION)?.with_nominal(nominal);
     let exact = identification.base().beta(&truth.vector(arm, Columns::RIGID_ROTOR_FRICTION));
 
-    for kind in EstimatorKind::ALL {
+    for kind in [EstimatorKind::Ols, EstimatorKind::Wls] {
         let (mut held, mut intervals) = (0, 0);
         for run in 0..RUNS {
             let plant = Engine::Analytic.plant(arm, &truth)?;

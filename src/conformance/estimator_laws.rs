@@ -298,6 +298,14 @@ mod tests {
     }
 
     #[test]
+    fn laws_of_every_listed_estimator() {
+        let broken =
+            EstimatorKind::ALL.iter().filter_map(|kind| Some(format!("{}: {}", kind.name(), check(kind).err()?)));
+        let broken: Vec<String> = broken.collect();
+        assert!(broken.is_empty(), "{}", broken.join("\n"));
+    }
+
+    #[test]
     fn every_listed_estimator_declares_its_exceptions_with_a_reason() {
         for kind in EstimatorKind::ALL {
             assert!(kind.estimator().exceptions().iter().all(|exception| !exception.reason.is_empty()));

@@ -72,6 +72,32 @@ pub enum Finding {
         /// Smallest eigenvalue of its pseudo-inertia.
         eigenvalue: f64,
     },
+    /// Equations of a joint that a robust estimator hardly counts or not at all.
+    Outliers {
+        /// Joint, from one.
+        joint: usize,
+        /// How many.
+        outliers: usize,
+        /// Equations of the joint.
+        equations: usize,
+        /// Robust standard deviation of its residual; outliers are beyond five of them.
+        scale: f64,
+        /// Its unit.
+        unit: String,
+    },
+    /// A base parameter that was left out because the data do not tell it from zero.
+    LeftOut {
+        /// Its name.
+        parameter: String,
+        /// Its value where it is not left out.
+        value: f64,
+        /// The standard deviation of that.
+        std: f64,
+        /// Unit of both.
+        unit: String,
+    },
+    /// No noise of positions is known, and an estimator that would use it did without.
+    MotionTakenAsExact,
     /// A drive parameter that cannot be negative is.
     NegativeDrive {
         /// Its name.
@@ -100,6 +126,11 @@ impl Finding {
             Self::NearlyDependent { .. } => {
                 "check the geometry: axes that should be parallel, perpendicular or meet may be off by a rounding of the file"
             }
+            Self::Outliers { .. } => {
+                "look at these instants: a collision, a slip of the clock, or a law the model lacks"
+            }
+            Self::LeftOut { .. } => "excite this parameter more, if it matters; its interval is that of the full model",
+            Self::MotionTakenAsExact => "record a periodic motion at least 4 times to measure the noise of positions",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
                 "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
             }
@@ -136,6 +167,20 @@ impl fmt::Display for Finding {
                 write!(
                     f,
                     "link {link} is physically inconsistent: its pseudo-inertia has the eigenvalue {eigenvalue:.3e}"
+                )
+            }
+            Self::Outliers { joint, outliers, equations, scale, unit } => write!(
+                f,
+                "joint {joint}: {outliers} of {equations} equations are beyond 5 robust standard deviations of {scale:.3e} \
+                 {unit}"
+            ),
+            Self::LeftOut { parameter, value, std, unit } => {
+                write!(f, "{parameter} is left out: {value:.3e} ± {std:.3e} {unit} where it is not")
+            }
+            Self::MotionTakenAsExact => {
+                write!(
+                    f,
+                    "no noise of positions is known: the motion is taken as exact, as weighted least squares does"
                 )
             }
             Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),

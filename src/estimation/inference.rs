@@ -14,6 +14,7 @@ use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::expected_residual::{COLUMNS, ExpectedResidual};
 use super::residual::{ResidualScale, neighbour_correlation};
+use super::restated::poorly_determined;
 use super::{
     BaseEstimate, Estimate, EstimationError, EstimationProblem, Factorisation, Finding, Instruments, IntervalBasis,
     Observation, StandardEstimate, Termination, complete, residual_noise,
@@ -208,11 +209,7 @@ impl Inference<'_> {
     }
 
     fn findings(&self, base: &[BaseEstimate]) -> Vec<Finding> {
-        let mut findings = Vec::new();
-        for p in base.iter().filter(|p| 3.0 * p.std > p.value.abs()) {
-            let (parameter, unit) = (p.name.clone(), p.unit.clone());
-            findings.push(Finding::PoorlyDetermined { parameter, value: p.value, std: p.std, unit });
-        }
+        let mut findings = poorly_determined(base);
         let condition_scaled = self.fit.condition_scaled();
         if condition_scaled > LARGE_CONDITION {
             findings.push(Finding::LargeCondition { condition_scaled });

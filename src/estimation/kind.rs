@@ -1,7 +1,11 @@
 //! The list of estimators.
 
 use super::{
-    Estimate, EstimationError, EstimationProblem, Estimator, LawException, OrdinaryLeastSquares, WeightedLeastSquares,
+    Adaline, CentralDifferenceKalmanFilter, EssentialParameters, Estimate, EstimationError, EstimationProblem,
+    Estimator, ExtendedKalmanFilter, HopfieldTank, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares,
+    ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression, SquareRootCentralDifferenceKalmanFilter,
+    SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter, TotalLeastSquares, UnscentedKalmanFilter,
+    WeightedLeastSquares,
 };
 
 /// Makes the enum, and everything that enumerates it, from one list.
@@ -39,6 +43,38 @@ estimators! {
     Ols => OrdinaryLeastSquares,
     /// Least squares weighted with the noise of each joint: `radkhah2007` eq. 6.
     Wls => WeightedLeastSquares,
+    /// Huber's M-estimate.
+    IrlsHuber => ReweightedHuber,
+    /// Tukey's biweight M-estimate.
+    IrlsTukey => ReweightedTukey,
+    /// The M-estimate of Cauchy's distribution.
+    IrlsCauchy => ReweightedCauchy,
+    /// The MM-estimate.
+    Mm => MmEstimator,
+    /// Generalised total least squares.
+    Tls => TotalLeastSquares,
+    /// Ridge regression.
+    Ridge => RidgeRegression,
+    /// Weighted least squares of the essential parameters.
+    Essential => EssentialParameters,
+    /// Maximum likelihood of parameters and motion.
+    Ml => MaximumLikelihood,
+    /// The Kalman filter of the parameters.
+    Ekf => ExtendedKalmanFilter,
+    /// The same by square roots.
+    Srekf => SquareRootExtendedKalmanFilter,
+    /// The unscented Kalman filter.
+    Ukf => UnscentedKalmanFilter,
+    /// The same by square roots.
+    Srukf => SquareRootUnscentedKalmanFilter,
+    /// The central difference Kalman filter.
+    Cdkf => CentralDifferenceKalmanFilter,
+    /// The same by square roots.
+    Srcdkf => SquareRootCentralDifferenceKalmanFilter,
+    /// One linear neuron.
+    Adaline => Adaline,
+    /// A Hopfield–Tank network.
+    HopfieldTank => HopfieldTank,
 }
 
 impl EstimatorKind {

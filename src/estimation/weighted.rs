@@ -8,11 +8,8 @@
 //! matter to β̂. Where the noise is correlated in time, the weights stay those of single samples and the covariance
 //! is the sandwich with all lags, so that the error bars are right although the weights are not the best.
 
-use super::{
-    Estimate, EstimationError, EstimationProblem, Estimator, Inference, Instruments, IntervalBasis, Termination,
-    residual_noise, scatter_noise,
-};
-use crate::linalg::BlockWhitening;
+use super::linear_fit::LinearFit;
+use super::{Estimate, EstimationError, EstimationProblem, Estimator, Termination};
 
 /// Least squares weighted with the inverse noise covariance of each sample.
 #[derive(Clone, Copy, Debug, Default)]
@@ -28,27 +25,8 @@ impl Estimator for WeightedLeastSquares {
     }
 
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let (observation, equations) = (problem.observation, problem.factorised()?);
-        let problem = problem.with_factorisation(&equations);
-        let scatter = scatter_noise(observation);
-        let weights = match &scatter {
-            Some(noise) => BlockWhitening::new(noise.covariance())?,
-            None => BlockWhitening::new(&equations.residual_covariance(equations.least_squares()?.solution()))?,
-        };
-        let fit = equations.weighted(&weights)?;
-        let (noise, basis) = match scatter {
-            Some(noise) => (noise, IntervalBasis::Scatter),
-            None => (residual_noise(observation, &observation.residual(fit.solution())), IntervalBasis::Residual),
-        };
-        Inference {
-            estimator: self.name(),
-            problem: &problem,
-            fit: &fit,
-            instruments: Instruments::Weighted(&weights),
-            noise: &noise,
-            basis,
-            termination: Termination::Direct,
-        }
-        .estimate()
+        let equations = problem.factorised()?;
+        let linear = LinearFit::weighted(&equations)?;
+        linear.estimate(self.name(), &problem.with_factorisation(&equations), &linear.fit, Termination::Direct)
     }
 }

@@ -25,7 +25,10 @@ const fn rank(finding: &Finding) -> usize {
         Finding::ResidualCorrelated { .. } => 5,
         Finding::FewPeriods { .. } => 6,
         Finding::NoiseFromResidual => 7,
-        Finding::NearlyDependent { .. } => 8,
+        Finding::Outliers { .. } => 8,
+        Finding::LeftOut { .. } => 10,
+        Finding::MotionTakenAsExact => 11,
+        Finding::NearlyDependent { .. } => 9,
     }
 }
 
@@ -70,10 +73,27 @@ fn summary(found: &[&Finding]) -> Option<String> {
             });
             format!("neighbouring residuals correlate at joints {}", list(joints.collect()))
         }
+        Finding::Outliers { .. } => {
+            let joints = found.iter().filter_map(|finding| match finding {
+                Finding::Outliers { joint, outliers, equations, .. } => {
+                    Some(format!("{joint} ({outliers} of {equations})"))
+                }
+                _ => None,
+            });
+            format!("equations are beyond 5 robust standard deviations at joints {}", list(joints.collect()))
+        }
+        Finding::LeftOut { .. } => {
+            let names = found.iter().filter_map(|finding| match finding {
+                Finding::LeftOut { parameter, .. } => Some(parameter.clone()),
+                _ => None,
+            });
+            format!("{count} parameters are left out: {}", list(names.collect()))
+        }
         Finding::LargeCondition { .. }
         | Finding::FewPeriods { .. }
         | Finding::NoiseFromResidual
-        | Finding::NearlyDependent { .. } => return None,
+        | Finding::NearlyDependent { .. }
+        | Finding::MotionTakenAsExact => return None,
     })
 }
 

@@ -52,7 +52,7 @@ fn covariance() -> DMatrix<f64> {
 fn analytic_coverage_with_the_covariance_known() {
     let seed = Seed::new(21);
     let (exact, beta) = synthetic(60, 8, &mut seed.stream("regressor", 0));
-    for kind in EstimatorKind::ALL {
+    for kind in [EstimatorKind::Ols, EstimatorKind::Wls] {
         let mut coverage = Coverage::new(8);
         for run in 0..1000 {
             let mut observation = exact.clone();
@@ -71,7 +71,15 @@ fn analytic_coverage_with_the_covariance_known() {
 fn analytic_coverage_with_the_covariance_from_the_residual() {
     let seed = Seed::new(22);
     let (exact, beta) = synthetic(150, 8, &mut seed.stream("regressor", 0));
-    for kind in EstimatorKind::ALL {
+    let kinds = [
+        EstimatorKind::Ols,
+        EstimatorKind::Wls,
+        EstimatorKind::IrlsHuber,
+        EstimatorKind::IrlsTukey,
+        EstimatorKind::IrlsCauchy,
+        EstimatorKind::Mm,
+    ];
+    for kind in kinds {
         let mut coverage = Coverage::new(8);
         for run in 0..1000 {
             let mut observation = exact.clone();

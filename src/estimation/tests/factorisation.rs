@@ -96,7 +96,8 @@ fn identity_few_samples_hold_what_all_rows_do() {
 fn identity_neither_thread_nor_repetition_changes_a_bit_and_another_observation_is_not_taken_for_this() {
     let (observation, _) = a460(800);
     let equations = Factorisation::new(&observation).unwrap();
-    let problem = EstimationProblem::new(&observation);
+    let nominal = super::setting::a460().1;
+    let problem = EstimationProblem::new(&observation).with_nominal(&nominal);
     let shared = problem.with_factorisation(&equations);
     for kind in EstimatorKind::ALL {
         let (own, other) = (kind.estimator().estimate(&problem).unwrap(), kind.estimator().estimate(&shared).unwrap());
@@ -106,7 +107,8 @@ fn identity_neither_thread_nor_repetition_changes_a_bit_and_another_observation_
     let mut doubled = observation.clone();
     doubled.y *= 2.0;
     let mistaken = EstimationProblem { observation: &doubled, ..shared };
-    let expected = EstimatorKind::Ols.estimator().estimate(&EstimationProblem::new(&doubled)).unwrap();
+    let own = EstimationProblem::new(&doubled).with_nominal(&nominal);
+    let expected = EstimatorKind::Ols.estimator().estimate(&own).unwrap();
     assert_eq!(EstimatorKind::Ols.estimator().estimate(&mistaken).unwrap(), expected);
 }
 

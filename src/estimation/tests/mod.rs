@@ -3,5 +3,7 @@
 mod chain;
 mod coverage;
 mod factorisation;
+mod noisy_recording;
 mod recovery;
+mod robust;
 mod setting;

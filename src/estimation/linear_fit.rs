@@ -1,0 +1,86 @@
+//! The linear fit that other estimators begin with: ordinary or weighted, with the noise behind its error bars.
+
+use super::{
+    Estimate, EstimationError, EstimationProblem, Factorisation, Inference, Instruments, IntervalBasis, Observation,
+    Termination, residual_noise, scatter_noise,
+};
+use crate::linalg::{BlockWhitening, LeastSquares};
+use crate::signal::NoiseModel;
+
+/// A least-squares fit, ordinary where there are no weights.
+#[derive(Clone)]
+pub(super) struct LinearFit {
+    pub(super) fit: LeastSquares,
+    pub(super) weights: Option<BlockWhitening>,
+    pub(super) noise: NoiseModel,
+    pub(super) basis: IntervalBasis,
+}
+
+impl LinearFit {
+    /// Ordinary least squares.
+    pub(super) fn ordinary(equations: &Factorisation<'_>) -> Result<Self, EstimationError> {
+        Self::of(equations, equations.least_squares()?.clone(), None)
+    }
+
+    /// Least squares weighted with the scatter over periods, or with the residual of the ordinary fit.
+    pub(super) fn weighted(equations: &Factorisation<'_>) -> Result<Self, EstimationError> {
+        let weights = match scatter_noise(equations.observation()) {
+            Some(noise) => BlockWhitening::new(noise.covariance())?,
+            None => BlockWhitening::new(&equations.residual_covariance(equations.least_squares()?.solution()))?,
+        };
+        Self::of(equations, equations.weighted(&weights)?, Some(weights))
+    }
+
+    fn of(
+        equations: &Factorisation<'_>,
+        fit: LeastSquares,
+        weights: Option<BlockWhitening>,
+    ) -> Result<Self, EstimationError> {
+        let observation = equations.observation();
+        let (noise, basis) = match scatter_noise(observation) {
+            Some(noise) => (noise, IntervalBasis::Scatter),
+            None => (residual_noise(observation, &observation.residual(fit.solution())), IntervalBasis::Residual),
+        };
+        Ok(Self { fit, weights, noise, basis })
+    }
+
+    /// What the equations are multiplied with.
+    pub(super) fn instruments(&self) -> Instruments<'_> {
+        self.weights.as_ref().map_or(Instruments::Regressor, Instruments::Weighted)
+    }
+
+    /// The estimate whose solution is `fit`, this one's own or one near it.
+    pub(super) fn estimate(
+        &self,
+        estimator: &'static str,
+        problem: &EstimationProblem<'_>,
+        fit: &LeastSquares,
+        termination: Termination,
+    ) -> Result<Estimate, EstimationError> {
+        Inference {
+            estimator,
+            problem,
+            fit,
+            instruments: self.instruments(),
+            noise: &self.noise,
+            basis: self.basis,
+            termination,
+        }
+        .estimate()
+    }
+
+    /// Sum of the squares of the (weighted) residual of the solution, over the degrees of freedom: 1 or so by weights that are
+    /// the noise.
+    pub(super) fn residual_variance(&self, observation: &Observation) -> Result<f64, EstimationError> {
+        let residual = observation.residual(self.fit.solution());
+        let white = match &self.weights {
+            Some(weights) => {
+                let column = nalgebra::DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
+                weights.clone().whiten(&column, &observation.used)?.column(0).into_owned()
+            }
+            None => residual,
+        };
+        let freedom = observation.equations().saturating_sub(self.fit.solution().len()).max(1);
+        Ok(white.norm_squared() / freedom as f64)
+    }
+}

@@ -1,0 +1,72 @@
+//! The (extended) Kalman filter of the parameters, by covariances.
+//!
+//! ```text
+//! K = P Hᵀ (H P Hᵀ + 1)⁻¹        γ ← γ + K (z − H γ)        P ← (1 − K H) P (1 − K H)ᵀ + K Kᵀ
+//! ```
+//! The measurement is linear, so that the extension linearises nothing. Joseph's form keeps P positive definite but for
+//! rounding.
+//!
+//! Reference: R. E. Kalman, "A new approach to linear filtering and prediction problems", Journal of Basic Engineering 82(1), 1960.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::belief::Belief;
+use super::walk;
+use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator};
+
+/// The Kalman filter by covariances.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ExtendedKalmanFilter;
+
+impl Estimator for ExtendedKalmanFilter {
+    fn name(&self) -> &'static str {
+        "ekf"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Kalman filter of parameters that walk at random"
+    }
+
+    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+        walk::estimate::<Covariance>(self.name(), problem)
+    }
+}
+
+/// Mean and covariance.
+pub(super) struct Covariance {
+    mean: DVector<f64>,
+    covariance: DMatrix<f64>,
+}
+
+impl Belief for Covariance {
+    fn prior(mean: DVector<f64>, covariance: DMatrix<f64>) -> Option<Self> {
+        Some(Self { mean, covariance })
+    }
+
+    fn walk(&mut self, variance: f64) {
+        for j in 0..self.mean.len() {
+            self.covariance[(j, j)] += variance;
+        }
+    }
+
+    fn update(&mut self, h: &DMatrix<f64>, z: &DVector<f64>) -> bool {
+        let cross = &self.covariance * h.transpose();
+        let innovation = h * &cross + DMatrix::identity(z.len(), z.len());
+        let Some(factor) = ((&innovation + innovation.transpose()) * 0.5).cholesky() else { return false };
+        let gain = factor.solve(&cross.transpose()).transpose();
+        self.mean += &gain * (z - h * &self.mean);
+        let b = self.mean.len();
+        let left = DMatrix::identity(b, b) - &gain * h;
+        let joseph = &left * &self.covariance * left.transpose() + &gain * gain.transpose();
+        self.covariance = (&joseph + joseph.transpose()) * 0.5;
+        true
+    }
+
+    fn mean(&self) -> &DVector<f64> {
+        &self.mean
+    }
+
+    fn covariance(&self) -> DMatrix<f64> {
+        self.covariance.clone()
+    }
+}

@@ -1,0 +1,131 @@
+//! Weighted least squares again and again, each equation weighted by what its last residual says.
+
+use nalgebra::DVector;
+
+use super::loss::Loss;
+use super::scale::median_scales;
+use crate::estimation::{EstimationError, Observation, Termination};
+use crate::linalg::{LeastSquares, RowFactor};
+
+/// Iterations at most.
+const ITERATIONS: usize = 500;
+
+/// Change of the fitted torque, over the torque, at which the iteration has come to rest.
+const AT_REST: f64 = 1e-12;
+
+/// The scales of the joints.
+pub(super) enum Scales {
+    /// By the median of the residuals, anew in each iteration.
+    Median,
+    /// Found before.
+    Fixed(Vec<f64>),
+}
+
+/// Where the iteration ended.
+#[derive(Clone, Debug)]
+pub(super) struct RobustFit {
+    pub(super) loss: Loss,
+    pub(super) beta: DVector<f64>,
+    /// Scale of each joint's residual, n.
+    pub(super) scales: Vec<f64>,
+    pub(super) termination: Termination,
+}
+
+impl RobustFit {
+    /// Residuals over their scales, n·M; zero in rows that are no equation.
+    pub(super) fn scaled_residual(&self, observation: &Observation) -> DVector<f64> {
+        let mut u = observation.residual(&self.beta);
+        for (row, u) in u.iter_mut().enumerate() {
+            *u /= self.scales[row % observation.dof];
+        }
+        u
+    }
+}
+
+/// Iterates from least squares with the joints weighted by the medians of its residuals.
+pub(super) fn from_least_squares(
+    observation: &Observation,
+    start: &DVector<f64>,
+    loss: Loss,
+) -> Result<RobustFit, EstimationError> {
+    let scales = median_scales(observation, &observation.residual(start));
+    let weights = row_weights(observation, &observation.y, &scales, |_| 1.0);
+    let start = weighted_rows(observation, &weights)?.solution().clone();
+    iterate(observation, start, loss, Scales::Median)
+}
+
+/// Iterates from `beta` (b) until the fitted torque is at rest.
+pub(super) fn iterate(
+    observation: &Observation,
+    mut beta: DVector<f64>,
+    loss: Loss,
+    scales: Scales,
+) -> Result<RobustFit, EstimationError> {
+    let mut residual = observation.residual(&beta);
+    let of = |residual: &DVector<f64>| match &scales {
+        Scales::Median => median_scales(observation, residual),
+        Scales::Fixed(scales) => scales.clone(),
+    };
+    let mut last_step = f64::INFINITY;
+    for iterations in 1..=ITERATIONS {
+        let found = of(&residual);
+        let weights = row_weights(observation, &residual, &found, |u| loss.weight(u));
+        beta = weighted_rows(observation, &weights)?.solution().clone();
+        let next = observation.residual(&beta);
+        last_step = change(observation, &residual, &next);
+        residual = next;
+        if last_step <= AT_REST {
+            let termination = Termination::Converged { iterations, last_step };
+            return Ok(RobustFit { loss, scales: of(&residual), beta, termination });
+        }
+    }
+    let termination = Termination::IterationLimit { iterations: ITERATIONS, last_step };
+    Ok(RobustFit { loss, scales: of(&residual), beta, termination })
+}
+
+/// The largest change of a joint's fitted torque, over that joint's torque.
+fn change(observation: &Observation, before: &DVector<f64>, after: &DVector<f64>) -> f64 {
+    let n = observation.dof;
+    let of = |i: usize| {
+        let (mut moved, mut power) = (0.0, 0.0);
+        for row in (i..before.len()).step_by(n) {
+            moved += (after[row] - before[row]) * (after[row] - before[row]);
+            power += observation.y[row] * observation.y[row];
+        }
+        if power > 0.0 { (moved / power).sqrt() } else { 0.0 }
+    };
+    (0..n).map(of).fold(0.0, f64::max)
+}
+
+/// `weight(r/s) / s²` of each equation, n·M; zero in rows that are no equation.
+pub(super) fn row_weights(
+    observation: &Observation,
+    residual: &DVector<f64>,
+    scales: &[f64],
+    weight: impl Fn(f64) -> f64,
+) -> Vec<f64> {
+    let of = |(row, &used): (usize, &bool)| {
+        let s = scales[row % observation.dof];
+        if used { weight(residual[row] / s) / (s * s) } else { 0.0 }
+    };
+    observation.used.iter().enumerate().map(of).collect()
+}
+
+/// `min Σ_r weight_r (y_r − w_r β)²`.
+pub(super) fn weighted_rows(observation: &Observation, weights: &[f64]) -> Result<LeastSquares, EstimationError> {
+    let (n, b) = (observation.dof, observation.regressor.ncols());
+    let mut factor = RowFactor::new(b + 1);
+    // Joint by joint, since a joint's rows begin with the same zeros.
+    for i in 0..n {
+        let rows: Vec<(usize, f64)> = (i..weights.len())
+            .step_by(n)
+            .filter(|&row| weights[row] > 0.0)
+            .map(|row| (row, weights[row].sqrt()))
+            .collect();
+        factor.add(rows.len(), |k, column| {
+            let (row, root) = rows[k];
+            root * if column < b { observation.regressor[(row, column)] } else { observation.y[row] }
+        });
+    }
+    LeastSquares::from_triangle(&factor.finish()).map_err(|error| observation.named(error))
+}
