@@ -412,9 +412,10 @@ fn a_dry_run_says_what_a_study_costs_and_writes_nothing() {
     assert_eq!(std::fs::read_dir(at).unwrap().count(), 1);
 
     // The forecast of the disk holds: a part's journal and the whole's rows, to a fifth.
-    let output = armid(at, &["study", "study.toml", "--runs", "20", "--dry-run", "--json"]);
+    std::fs::write(at.join("alone.toml"), alone()).unwrap();
+    let output = armid(at, &["study", "alone.toml", "--runs", "20", "--dry-run", "--json"]);
     let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    succeeds(at, &["study", "study.toml", "--runs", "20", "--shard", "1/1", "-o", "part"]);
+    succeeds(at, &["study", "alone.toml", "--runs", "20", "--shard", "1/1", "-o", "part"]);
     let journal = std::fs::metadata(at.join("part/journal.jsonl")).unwrap().len() as f64;
     let share = shown["journal_bytes"].as_f64().unwrap() / journal;
     assert!((0.7..1.2).contains(&share), "{share} of the journal");
