@@ -6,17 +6,22 @@ use armid::study::{ReportInput, StudyDesign};
 use crate::design::{convergence_panel, value_axis};
 use crate::{ConvergenceFigure, ConvergencePanel, Curve, DocumentError, GroupStyle, Heading, Section};
 
+/// Curves that one panel holds.
+const CURVES: usize = 200;
+
 pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let result = &input.result;
     let panels: Vec<ConvergencePanel> = CriterionKind::ALL
         .into_iter()
         .filter_map(|criterion| {
-            let curves: Vec<Curve> = result
-                .designs
-                .iter()
-                .filter(|design| design.criterion == Some(criterion) && design.history.len() > 1)
-                .map(|design| curve(input, design))
-                .collect();
+            let searched = |design: &&StudyDesign| design.criterion == Some(criterion) && design.history.len() > 1;
+            let mut designs: Vec<&StudyDesign> = result.designs.iter().filter(searched).collect();
+            if designs.len() > CURVES {
+                // The first starts of every family.
+                designs.sort_by_key(|design| design.start);
+                designs.truncate(CURVES);
+            }
+            let curves: Vec<Curve> = designs.into_iter().map(|design| curve(input, design)).collect();
             (!curves.is_empty())
                 .then(|| convergence_panel(criterion.name().to_owned(), value_axis(criterion.name()), curves))
         })
@@ -28,7 +33,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let figure = ConvergenceFigure {
         heading: Heading::new("convergence", "How the designs converge")
             .subtitle("best value so far against evaluations, one line per start; a gradient counts as one evaluation more")
-            .caption("Condition numbers fall, the information rises. Random draws are chosen by the same criterion at the same number of evaluations."),
+            .caption("Condition numbers fall, the information rises. Random draws are chosen by the same criterion at the same number of evaluations. Of more than 200 designs by one criterion the first starts are shown."),
         columns: panels.len().min(3),
         panels,
     };
