@@ -134,6 +134,7 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
     // And one cut within its very first line, in a part that is merged too.
     std::fs::create_dir(at.join("begun")).unwrap();
     std::fs::write(at.join("begun/journal.jsonl"), &journal[..30]).unwrap();
+    std::fs::copy(at.join("part1/study.toml"), at.join("begun/study.toml")).unwrap();
     succeeds(at, &["study", "merge", "begun", "part1", "part2", "-o", "merged2"]);
     assert!(one == files(&at.join("merged2")), "the merged parts differ with one that was only begun");
     succeeds(at, &["study", "study.toml", "--resume", "-o", "begun"]);
