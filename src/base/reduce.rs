@@ -15,7 +15,7 @@ use crate::seed::Seed;
 ///
 /// [`Method::Radkhah2007`] and [`Method::Qr`] draw random states from `seed`; [`Method::Structural`] needs none. All three
 /// give the same kept columns and, to rounding, the same K. Columns that no torque sensor could tell from the others are then
-/// left out, the same for every method and seed ([`NearlyDependent`]); [`structural_base`] keeps them.
+/// left out, the same for every method and seed ([`NearlyDependent`](super::NearlyDependent)); [`structural_base`] keeps them.
 ///
 /// ```
 /// use armid::base::{Method, reduce};

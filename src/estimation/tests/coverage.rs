@@ -77,7 +77,6 @@ fn analytic_coverage_with_the_covariance_from_the_residual() {
         EstimatorKind::IrlsHuber,
         EstimatorKind::IrlsTukey,
         EstimatorKind::IrlsCauchy,
-        EstimatorKind::Mm,
     ];
     for kind in kinds {
         let mut coverage = Coverage::new(8);
