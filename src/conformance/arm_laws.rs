@@ -109,7 +109,7 @@ fn witness(until: usize) -> Witness {
 }
 
 fn perform(law: &'static str, arm: &mut dyn Arm, plan: &ExperimentPlan, until: usize) -> Result<Received, LawError> {
-    let fault = |found: String, expected: &str| LawError { law, found, expected: expected.to_owned() };
+    let fault = |found: String, expected: &'static str| LawError { law, found, expected: expected.into() };
     let layout = plan.layout().map_err(|e| fault(e.to_string(), "a plan that can be performed"))?;
     let mut witness = witness(until);
     let ending = arm.perform(plan, &mut witness).map_err(|e| fault(e.to_string(), "an experiment"))?;

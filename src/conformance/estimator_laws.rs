@@ -204,7 +204,7 @@ impl Setting {
         let law = EstimatorLaw::Report;
         let found = self.made(law, estimator, &self.noisy(0))?;
         let unless =
-            |holds: bool, what: String, expected: &str| LawError::unless(law.sentence(), holds, what, expected);
+            |holds: bool, what: String, expected: &'static str| LawError::unless(law.sentence(), holds, what, expected);
         unless(found.names() == self.base.names(), found.names().join(" "), "the names of the base parameters")?;
         unless(found.estimator == estimator.name(), found.estimator.clone(), estimator.name())?;
         let b = self.base.rank();
@@ -268,7 +268,7 @@ impl Setting {
 }
 
 fn refused(law: EstimatorLaw, error: &EstimationError) -> LawError {
-    LawError { law: law.sentence(), found: error.to_string(), expected: "an estimate".to_owned() }
+    LawError { law: law.sentence(), found: error.to_string(), expected: "an estimate".into() }
 }
 
 /// Whether the second estimate is the first with parameter j in a unit `factor(j)` times smaller.

@@ -9,6 +9,6 @@ pub mod plant_laws;
 pub mod plant_term_laws;
 pub mod term_laws;
 pub mod trajectory_laws;
-mod broken_law;
+mod law_error;
 
-pub use broken_law::LawError;
+pub use law_error::{LawError, Requirement};

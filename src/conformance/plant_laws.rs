@@ -111,7 +111,7 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
             plant.step(tau, dt).map_err(|fault| LawError {
                 law,
                 found: fault.to_string(),
-                expected: "a plant that goes on".to_owned(),
+                expected: "a plant that goes on".into(),
             })?;
         }
         let (q, qd) = plant.state();

@@ -156,7 +156,7 @@ impl Arm {
                 plant.step(&tau, dt).map_err(|fault| LawError {
                     law,
                     found: fault.to_string(),
-                    expected: "a plant that goes on".to_owned(),
+                    expected: "a plant that goes on".into(),
                 })?;
                 Ok(plant.state().1.iter().zip(&qd).map(|(after, before)| (after - before) / dt).collect())
             };
@@ -182,7 +182,7 @@ impl Arm {
         make: impl Fn(&Robot, &StandardParameters) -> P,
     ) -> Result<(), LawError> {
         let law = "along an experiment the effort of the motors is the regressor times the parameters";
-        let broken = |found: String| LawError { law, found, expected: "an experiment".to_owned() };
+        let broken = |found: String| LawError { law, found, expected: "an experiment".into() };
         let trajectory = radkhah2007_start(&self.robot, 4.0, 2, Seed::new(6), 0).map_err(|e| broken(e.to_string()))?;
         let plan = ExperimentPlan { settle_s: 0.1, ramp_s: 0.5, periods: 1, ..ExperimentPlan::new(trajectory) };
         let plan = ExperimentPlan { discarded_periods: 0, ..plan };

@@ -61,7 +61,7 @@ pub fn check_files(term: Term) -> Result<(), LawError> {
         let read = parse_parameters(&text, &robot, false).map_err(|fault| LawError {
             law,
             found: fault.to_string(),
-            expected: text.clone(),
+            expected: text.clone().into(),
         })?;
         LawError::unless(law, read.parameters == parameters, format!("{:?}", read.parameters.drives), text)?;
     }
@@ -130,7 +130,7 @@ fn energy_and_dissipation(term: Term) -> Result<(), LawError> {
                 let law = "beside the term that it names, as large, a term takes power at every speed";
                 let found = Term::ALL.iter().copied().find(|term| term.symbol() == other);
                 let Some(other) = found else {
-                    return Err(LawError { law, found: other.to_owned(), expected: "a term of the list".to_owned() });
+                    return Err(LawError { law, found: other.to_owned(), expected: "a term of the list".into() });
                 };
                 // Shape parameters by key: the other term's may stand in another order.
                 let own = term.entry().shapes;
@@ -279,7 +279,7 @@ impl Arm {
         }
         let qr = BaseReduction::from_stack(regressor.parameters(), &regressor.stack(&states), Method::Qr);
         let structural = reduce(&self.robot, self.columns, Method::Structural, Seed::new(0))
-            .map_err(|fault| LawError { law, found: fault.to_string(), expected: "a reduction".to_owned() })?;
+            .map_err(|fault| LawError { law, found: fault.to_string(), expected: "a reduction".into() })?;
         LawError::unless(law, structural.names() == qr.names(), structural.names().join(" "), qr.names().join(" "))?;
         let error = (&structural.k - &qr.k).amax() / qr.k.amax().max(1.0);
         LawError::unless_at_most(law, error, 1e-7)

@@ -225,7 +225,7 @@ pub(super) fn geometric_mean(logs: impl Iterator<Item = Option<f64>>) -> Option<
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::{Failure, FailureKind, Outcome, OutcomeTable, Score, ScoredEstimate};
+    use crate::study::{Outcome, OutcomeTable, RunError, RunErrorKind, Score, ScoredEstimate};
     use rand_distr::{Distribution, StandardNormal};
 
     /// Two families of 6 designs × 20 runs, b = 3, white errors of standard deviation 1 and 2, honest intervals.
@@ -276,7 +276,7 @@ mod tests {
                 });
             }
         }
-        let failure = Some(Failure { kind: FailureKind::DivergedSpeed, reason: "too fast".to_owned() });
+        let failure = Some(RunError { kind: RunErrorKind::DivergedSpeed, reason: "too fast".to_owned() });
         outcomes.push(Outcome { design: 11, condition: 0, truth: 0, run: 20, failure, estimates: Vec::new() });
         let estimators = ["ols".to_owned()];
         Evidence {

@@ -14,7 +14,7 @@ use super::measured_motion::MeasuredMotions;
 use super::outcome::{Outcome, ScoredEstimate};
 use super::performed::Performed;
 use super::plan_error::{StudyPlanError, family_name, number};
-use super::{Failure, RunId, StudyDesign, StudyError, StudyPlan, StudySetup};
+use super::{RunError, RunId, StudyDesign, StudyError, StudyPlan, StudySetup};
 use crate::dynamics::States;
 use crate::estimation::Estimate;
 use crate::excitation::CriterionKind;
@@ -101,9 +101,9 @@ impl StudySetup {
         }
         let made: Vec<_> = sequence.iter().map(|samples| self.unscored(samples)).collect();
         let estimates = self.plan.identification.estimators.iter().enumerate().map(|(e, name)| {
-            let each: Result<Vec<&Estimate>, Failure> =
+            let each: Result<Vec<&Estimate>, RunError> =
                 made.iter().map(|estimates| estimates[e].as_ref().map_err(Clone::clone)).collect();
-            match each.and_then(|each| together(&each).map_err(|fault| Failure::estimator(&fault))) {
+            match each.and_then(|each| together(&each).map_err(|fault| RunError::estimator(&fault))) {
                 Ok(mut scored) => {
                     scored.score =
                         Some(self.scorer().score(&DVector::from_column_slice(&scored.beta), truth, measured));

@@ -14,7 +14,7 @@ mod design;
 mod error;
 mod evidence;
 mod examples;
-mod failure;
+mod run_error;
 mod family_plan;
 mod family_score;
 mod criterion_correlation;
@@ -54,7 +54,6 @@ pub use effect_sensitivity::{EffectSensitivity, ParameterBias, SensitivityEntry}
 pub use error::StudyError;
 pub use evidence::{DesignRow, Evidence, Findings};
 pub use examples::{Examples, LimitExample, PredictionExample, exact_states};
-pub use failure::{Failure, FailureKind};
 pub use family_plan::{DesignMethod, FamilyPlan, HarmonicsPlan};
 pub use family_score::{FamilyScore, ParameterScore};
 pub use grid::GridPlan;
@@ -67,6 +66,7 @@ pub use plan::{ExperimentSettings, IdentificationSettings, StudyPlan, Validation
 pub use plan_error::StudyPlanError;
 pub use random_truth::{Centre, RandomTruths, TruthError};
 pub use result::{JointLine, ParameterLine, ReportInput, StudyResult};
+pub use run_error::{RunError, RunErrorKind};
 pub use run_id::RunId;
 pub use run_order::RunOrder;
 pub use run_table::{OutcomeTable, RunNumber, RunTable};

@@ -1,6 +1,6 @@
 //! The outcome of one run of a study: small, and enough for every figure.
 
-use super::Failure;
+use super::RunError;
 use super::run_id::RunId;
 use super::scorer::Score;
 use crate::estimation::Estimate;
@@ -17,7 +17,7 @@ pub struct Outcome {
     /// Number of the run within the design.
     pub run: u64,
     /// `None` where the run ended as planned, else the reason: a counted row, never a gap.
-    pub failure: Option<Failure>,
+    pub failure: Option<RunError>,
     /// One entry per estimator, in the order of the plan; empty where the run failed.
     pub estimates: Vec<ScoredEstimate>,
 }
@@ -28,7 +28,7 @@ pub struct ScoredEstimate {
     /// Name of the estimator.
     pub estimator: String,
     /// Why it failed, where it did; the vectors are empty then.
-    pub failure: Option<Failure>,
+    pub failure: Option<RunError>,
     /// Base parameters β̂ (b).
     pub beta: Vec<f64>,
     /// Standard deviations that the estimator states (b).
@@ -72,7 +72,7 @@ impl ScoredEstimate {
 
     /// An estimator that gave no estimate, and why.
     #[must_use]
-    pub fn failed(estimator: &str, failure: Failure) -> Self {
+    pub fn failed(estimator: &str, failure: RunError) -> Self {
         Self {
             estimator: estimator.to_owned(),
             failure: Some(failure),

@@ -19,7 +19,7 @@ use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
 use super::run_order::RunOrder;
 use super::run_table::{RunNumber, RunTable};
-use super::{Centre, ConditionResult, Failure, RunId, Scorer, StudyDesign, StudyError, Truth, TruthError};
+use super::{Centre, ConditionResult, RunError, RunId, Scorer, StudyDesign, StudyError, Truth, TruthError};
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{Estimate, EstimationProblem, Estimator, Factorisation, Observation};
@@ -216,31 +216,31 @@ impl StudySetup {
     /// Performs the experiment and processes the recording.
     ///
     /// # Errors
-    /// [`Failure`], as the study's rows state it.
-    pub fn samples(&self, trajectory: &PeriodicTrajectory, arm: &mut dyn Arm) -> Result<Samples, Failure> {
+    /// [`RunError`], as the study's rows state it.
+    pub fn samples(&self, trajectory: &PeriodicTrajectory, arm: &mut dyn Arm) -> Result<Samples, RunError> {
         self.processed(record(arm, &self.experiment(trajectory)))
     }
 
     /// The samples of what came of an experiment.
-    pub(super) fn processed(&self, performed: Performed) -> Result<Samples, Failure> {
-        let (recording, ending) = performed.map_err(|fault| Failure::arm(&fault))?;
+    pub(super) fn processed(&self, performed: Performed) -> Result<Samples, RunError> {
+        let (recording, ending) = performed.map_err(|fault| RunError::arm(&fault))?;
         match ending {
-            Ending::Diverged { t, reason, .. } => return Err(Failure::diverged(t, &reason)),
-            Ending::Tripped { t, trip, .. } => return Err(Failure::tripped(t, &trip)),
+            Ending::Diverged { t, reason, .. } => return Err(RunError::diverged(t, &reason)),
+            Ending::Tripped { t, trip, .. } => return Err(RunError::tripped(t, &trip)),
             Ending::Completed | Ending::Stopped { .. } => {}
         }
-        process(&recording, &self.robot, &self.processing).map_err(|fault| Failure::signal(&fault))
+        process(&recording, &self.robot, &self.processing).map_err(|fault| RunError::signal(&fault))
     }
 
     /// What an arm measured on the motions that the plan has it perform beside its runs.
     ///
     /// # Errors
-    /// [`Failure`] where one of them could not be recorded or processed.
-    pub fn measured_motions(&self, performed: Vec<Performed>) -> Result<MeasuredMotions, Failure> {
+    /// [`RunError`] where one of them could not be recorded or processed.
+    pub fn measured_motions(&self, performed: Vec<Performed>) -> Result<MeasuredMotions, RunError> {
         let equations = |motion| {
             let samples = self.processed(motion)?;
             Observation::new(&self.robot, &self.regressor, &self.base, &samples)
-                .map_err(|fault| Failure::estimator(&fault))
+                .map_err(|fault| RunError::estimator(&fault))
         };
         Ok(MeasuredMotions::new(performed.into_iter().map(equations).collect::<Result<_, _>>()?))
     }
@@ -269,21 +269,21 @@ impl StudySetup {
     }
 
     /// Every estimator of the plan on the same samples, or the reason why it gave nothing.
-    pub(super) fn unscored(&self, samples: &Samples) -> Vec<Result<Estimate, Failure>> {
+    pub(super) fn unscored(&self, samples: &Samples) -> Vec<Result<Estimate, RunError>> {
         let observation = match Observation::new(&self.robot, &self.regressor, &self.base, samples) {
             Ok(observation) => observation,
-            Err(fault) => return self.estimators.iter().map(|_| Err(Failure::estimator(&fault))).collect(),
+            Err(fault) => return self.estimators.iter().map(|_| Err(RunError::estimator(&fault))).collect(),
         };
         let equations = match Factorisation::new(&observation) {
             Ok(equations) => equations,
-            Err(fault) => return self.estimators.iter().map(|_| Err(Failure::estimator(&fault))).collect(),
+            Err(fault) => return self.estimators.iter().map(|_| Err(RunError::estimator(&fault))).collect(),
         };
         let problem = EstimationProblem::new(&observation)
             .with_factorisation(&equations)
             .with_robot(&self.robot)
             .with_samples(samples);
         let estimate =
-            |estimator: &Arc<dyn Estimator>| estimator.estimate(&problem).map_err(|fault| Failure::estimator(&fault));
+            |estimator: &Arc<dyn Estimator>| estimator.estimate(&problem).map_err(|fault| RunError::estimator(&fault));
         self.estimators.iter().map(estimate).collect()
     }
 

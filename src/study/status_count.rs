@@ -5,7 +5,7 @@ use super::outcome::Outcome;
 /// How many runs ended in one way.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 pub struct StatusCount {
-    /// `ok`, or the kind of [`Failure`](super::Failure).
+    /// `ok`, or the kind of [`RunError`](super::RunError).
     pub status: String,
     /// Number of runs.
     pub runs: usize,

@@ -318,8 +318,9 @@ impl Ros2Arm {
         match say() {
             Flow::Continue => None,
             Flow::Trip(action) => Some(End::Act(action)),
-            Flow::Stop if self.line.sender.streams() => {
-                let t = self.motion_time(run).clamp(0.0, run.motion.duration_s());
+            // Before the motion begins there is nothing to brake: waiting for its beginning would only hold the arm up.
+            Flow::Stop if self.line.sender.streams() && self.motion_time(run) > 0.0 => {
+                let t = self.motion_time(run).min(run.motion.duration_s());
                 run.command(t);
                 run.brake = Some((t, stopping_time(&self.robot, &run.state[1])));
                 None

@@ -2,7 +2,7 @@
 
 use armid::model::term::ROTOR;
 use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
 use std::thread::JoinHandle;
 
 use armid::conformance::chains::planar_2r;
@@ -115,8 +115,11 @@ impl Drop for Robotics {
 }
 
 /// Settings with a domain of this process's own, so that tests that run beside each other do not meet.
+/// A domain of its own for each robot, whether the tests run in one process or in many.
 fn settings(mode: Mode) -> LinkSettings {
-    let domain = 100 + (std::process::id() % 120) as u16;
+    static CALLS: AtomicU32 = AtomicU32::new(0);
+    let calls = CALLS.fetch_add(1, Ordering::Relaxed);
+    let domain = 100 + (std::process::id().wrapping_add(31 * calls) % 120) as u16;
     LinkSettings { domain, mode, patience_s: 20.0, ..LinkSettings::default() }
 }
 
@@ -276,6 +279,28 @@ fn states_before_the_first_sample_and_after_the_last_are_heard_and_may_trip() {
     std::thread::sleep(std::time::Duration::from_secs_f64(settings.lead_s + 0.5));
     let after = arm.reading().unwrap().row.q;
     assert!(stands.iter().zip(&after).all(|(a, b)| (a - b).abs() < 1e-3), "{stands:?} {after:?}");
+}
+
+/// A stop in the lead need not wait for the motion that it prevents; only a topic, which never answers, shows by nothing
+/// but the motion that does not come that the hold was taken.
+#[test]
+fn a_stop_before_the_motion_begins_does_not_wait_for_its_beginning() {
+    for mode in [Mode::Trajectory, Mode::Stream] {
+        let mut settings = settings(mode);
+        settings.lead_s = 20.0;
+        let _controller = Robotics::start(&settings, None);
+        let robot = planar_2r();
+        let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+        let before = arm.reading().unwrap().row;
+        let mut sink = Aside { before: Vec::new(), after: Vec::new(), samples: 0, flow: Flow::Stop };
+        let ending = arm.perform(&plan(&robot), &mut sink).unwrap();
+        assert!(matches!(ending, Ending::Stopped { t, rest: Rest::Confirmed { .. }, .. } if t < 0.0), "{ending:?}");
+        assert_eq!((sink.before.len(), sink.samples), (1, 0), "{mode:?}");
+        let after = arm.reading().unwrap().row;
+        let took_s = (after.stamp_ns - before.stamp_ns) as f64 * 1e-9;
+        assert!(took_s < 0.5 * settings.lead_s, "{mode:?}: {took_s} s by the robot's clock");
+        assert!(before.q.iter().zip(&after.q).all(|(a, b)| (a - b).abs() < 1e-3), "{mode:?}: {after:?}");
+    }
 }
 
 #[test]

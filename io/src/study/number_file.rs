@@ -153,7 +153,7 @@ impl RunTable for NumberFile {
 pub(super) mod tests {
     use super::*;
     use crate::robot;
-    use armid::study::{Failure, FailureKind, Metric, OutcomeTable, Score, ScoredEstimate, StudyPlan};
+    use armid::study::{Metric, OutcomeTable, RunError, RunErrorKind, Score, ScoredEstimate, StudyPlan};
 
     /// A family of two designs, with 1500 runs each under two conditions.
     const PLAN: &str = r#"
@@ -209,7 +209,7 @@ evaluations = 2
         let b = setup.base().rank();
         let value = |k: usize| 1.0 + ((position * 31 + k * 7) % 1009) as f64 / 1009.0;
         let failure = (position % 50 == 3)
-            .then(|| Failure { kind: FailureKind::DivergedSpeed, reason: format!("run {position} was too fast") });
+            .then(|| RunError { kind: RunErrorKind::DivergedSpeed, reason: format!("run {position} was too fast") });
         let estimate = |(e, name): (usize, &String)| ScoredEstimate {
             estimator: name.clone(),
             failure: None,

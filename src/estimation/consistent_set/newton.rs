@@ -27,6 +27,12 @@ const ROUNDING: f64 = 1e-6;
 /// Part of the promised decrease that a step must give to be longer than theory asks.
 const ARMIJO: f64 = 0.1;
 
+/// Steps onto the sets with the estimated base parameters.
+const PROJECTIONS: usize = 3;
+
+/// χ² below which a set has them: a hundred-thousandth of a standard deviation.
+const EXACT: f64 = 1e-10;
+
 /// The estimated base parameters: `r = K φ − β̂` with its covariance C and information C⁻¹.
 pub(super) struct DataTerm<'a> {
     pub(super) k: &'a DMatrix<f64>,
@@ -130,18 +136,18 @@ pub(super) fn minimise(mut phi: DVector<f64>, distance: &Distance, data: &DataTe
     Minimum { phi, termination: Termination::IterationLimit { iterations: STEPS, last_step } }
 }
 
-/// The nearest set, in the curvature of the distance, with exactly the estimated base parameters: `None` where it is not
-/// consistent.
+/// The nearest set, in the curvature of the distance, with the estimated base parameters: `None` where it is not
+/// consistent, or rounding keeps it from having them.
 pub(super) fn project(mut phi: DVector<f64>, distance: &Distance, data: &DataTerm<'_>) -> Option<DVector<f64>> {
-    // The first step does it but for rounding.
-    for _ in 0..3 {
+    // The first step does it but for rounding, which the others take away.
+    for _ in 0..PROJECTIONS {
         let equations = StepEquations::of(&phi, distance, data, f64::INFINITY)?;
         phi -= &equations.spread * equations.factor.solve(&data.residual(&phi));
         if !distance.value(&phi).is_finite() {
             return None;
         }
     }
-    Some(phi)
+    (data.chi_squared(&phi) < EXACT).then_some(phi)
 }
 
 /// The factor of a positive definite matrix, in units in which its diagonal is one.

@@ -5,9 +5,9 @@ use crate::experiment::{ArmError, DivergenceError, PlantError, TripReport};
 /// Why a run, or one estimator of it, gave no estimate.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize, thiserror::Error)]
 #[error("{reason}")]
-pub struct Failure {
+pub struct RunError {
     /// Its kind.
-    pub kind: FailureKind,
+    pub kind: RunErrorKind,
     /// What happened, with numbers.
     pub reason: String,
 }
@@ -15,7 +15,7 @@ pub struct Failure {
 /// The kinds of failure.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
-pub enum FailureKind {
+pub enum RunErrorKind {
     /// The arm could not begin.
     Arm,
     /// A coordinate or velocity was no longer a number.
@@ -32,7 +32,7 @@ pub enum FailureKind {
     Estimator,
 }
 
-impl FailureKind {
+impl RunErrorKind {
     /// Every kind.
     pub const ALL: [Self; 7] = [
         Self::Arm,
@@ -59,20 +59,20 @@ impl FailureKind {
     }
 }
 
-impl Failure {
+impl RunError {
     /// An arm that could not begin.
     #[must_use]
     pub fn arm(fault: &ArmError) -> Self {
-        Self { kind: FailureKind::Arm, reason: format!("arm: {fault}") }
+        Self { kind: RunErrorKind::Arm, reason: format!("arm: {fault}") }
     }
 
     /// A motion that ran away at time `t`, s.
     #[must_use]
     pub fn diverged(t: f64, divergence: &DivergenceError) -> Self {
         let kind = match divergence {
-            DivergenceError::Speed { .. } => FailureKind::DivergedSpeed,
-            DivergenceError::Plant(PlantError::NotFinite { .. }) => FailureKind::DivergedNotFinite,
-            DivergenceError::Plant(PlantError::Engine { .. }) => FailureKind::DivergedEngine,
+            DivergenceError::Speed { .. } => RunErrorKind::DivergedSpeed,
+            DivergenceError::Plant(PlantError::NotFinite { .. }) => RunErrorKind::DivergedNotFinite,
+            DivergenceError::Plant(PlantError::Engine { .. }) => RunErrorKind::DivergedEngine,
         };
         Self { kind, reason: format!("diverged at t = {t:.3} s: {divergence}") }
     }
@@ -80,18 +80,18 @@ impl Failure {
     /// A guard that ended the experiment at time `t`, s.
     #[must_use]
     pub fn tripped(t: f64, trip: &TripReport) -> Self {
-        Self { kind: FailureKind::Tripped, reason: format!("tripped at t = {t:.3} s: {trip}") }
+        Self { kind: RunErrorKind::Tripped, reason: format!("tripped at t = {t:.3} s: {trip}") }
     }
 
     /// A recording that could not be processed.
     #[must_use]
     pub fn signal(fault: &impl std::fmt::Display) -> Self {
-        Self { kind: FailureKind::Signal, reason: format!("signal: {fault}") }
+        Self { kind: RunErrorKind::Signal, reason: format!("signal: {fault}") }
     }
 
     /// An estimator that gave nothing.
     #[must_use]
     pub fn estimator(fault: &impl std::fmt::Display) -> Self {
-        Self { kind: FailureKind::Estimator, reason: fault.to_string() }
+        Self { kind: RunErrorKind::Estimator, reason: fault.to_string() }
     }
 }
