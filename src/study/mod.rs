@@ -61,7 +61,7 @@ pub use measured_motion::MeasuredMotions;
 pub use metric::Metric;
 pub use outcome::{Outcome, ScoredEstimate};
 pub use performed::Performed;
-pub use pilot::{StudySize, VarianceComponents};
+pub use pilot::{ASSURANCE, StudySize, VarianceComponents};
 pub use plan::{ExperimentSettings, IdentificationSettings, StudyPlan, ValidationSettings};
 pub use plan_error::StudyPlanError;
 pub use random_truth::{Centre, RandomTruths, TruthError};

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use armid::study::{StoppingRule, StudySize, VarianceComponents};
+use armid::study::{ASSURANCE, StoppingRule, StudySize, VarianceComponents};
 use armid_io::Error;
 use armid_io::study::{log_ratios, read_study, seconds_of};
 use miette::Result;
@@ -72,12 +72,15 @@ fn answer(
         pilot.runs,
         100.0 * share,
     );
-    let columns =
-        [("starts", Align::Right), ("arms", Align::Right), ("runs", Align::Right), ("core-hours", Align::Right)];
-    let mut table = Table::new(&columns);
+    let assured = format!("with {:.0} %", 100.0 * ASSURANCE);
+    let headings = ["starts", "arms", "runs", "expected", &assured, "core-hours"];
+    let mut table = Table::new(&headings.map(|heading| (heading, Align::Right)));
+    let percent = |share: f64| format!("±{:.2} %", 100.0 * share);
     for (size, hours) in sizes {
         let truths = size.truths.map_or("1".to_owned(), |truths| truths.to_string());
-        table.row([size.starts.to_string(), truths, size.runs.to_string(), format!("{hours:.2}")]);
+        let (expected, assured) = (components.share(*size), components.share_with(*size, ASSURANCE));
+        let hours = format!("{hours:.2}");
+        table.row([size.starts.to_string(), truths, size.runs.to_string(), percent(expected), percent(assured), hours]);
     }
     match cheapest {
         Some((size, hours)) => {
@@ -90,11 +93,19 @@ fn answer(
         }
         None => text.push_str("no size that was considered gives it: 10000 starts, 500 runs of each\n"),
     }
-    let json = |(size, hours): &Sized| serde_json::json!({ "size": size, "core_hours": hours });
+    let json = |(size, hours): &Sized| {
+        serde_json::json!({
+            "size": size,
+            "core_hours": hours,
+            "share": components.share(*size),
+            "assured_share": components.share_with(*size, ASSURANCE),
+        })
+    };
     Answer {
         text,
         json: serde_json::json!({
             "until": until,
+            "assurance": ASSURANCE,
             "components": components,
             "pilot": { "size": pilot, "share": share },
             "sizes": sizes.iter().map(json).collect::<Vec<_>>(),
