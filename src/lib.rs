@@ -16,6 +16,8 @@
 //! | perform it | [`experiment::ExperimentPlan`] and [`experiment::record`] on any [`experiment::Arm`]; a simulated one is a [`experiment::Servo`] around a [`experiment::Plant`] |
 //! | process what was recorded | [`signal::process`] |
 //! | identify and validate | [`estimation::Identification`] |
+//! | find a mistake in a log or a robot file | [`diagnosis::diagnose`] |
+//! | measure torque constants and friction | [`calibration`] |
 //! | compare methods | [`study`] |
 //! | add a torque term, an estimator, a criterion, a trajectory, a plant or an arm | its trait, and its laws in [`conformance`] |
 //!

@@ -37,7 +37,7 @@ pub enum BaseError {
         /// What the term is.
         term: &'static str,
     },
-    /// The structural recursion has no trajectory.
+    /// The structural recursion cannot take the states of a trajectory.
     #[error("method \"{}\" on a given trajectory, expected \"paper\" or \"qr\"", method.name())]
     NoTrajectory {
         /// The method asked for.

@@ -12,8 +12,8 @@
 //! file makes columns at a distance of 1e-6 and less. They are left out, by the same rule for every method ([`NearlyDependent`]).
 //!
 //! A slip of `radkhah2007` step 5, corrected here: `f_i = L α_i` describes the *columns*. The parameters regroup the other
-//! way: the torque keeps its value when a dependent parameter θ_i goes into the kept ones, `β_b = θ_b + Σ_i α_bi θ_i`;
-//! no θ_i equals `D_BSVᵀ α_i`.
+//! way: the torque keeps its value when a dependent parameter φ_i goes into the kept ones, `β_b = φ_b + Σ_i α_bi φ_i`;
+//! no φ_i equals `D_BSVᵀ α_i`.
 
 mod error;
 mod dependence;

@@ -6,7 +6,8 @@ use super::{BaseReduction, Method};
 use crate::linalg::{LeftToRight, RankRevealingQr, RankTolerance, RowFactor, normalised_columns};
 use crate::model::ParameterId;
 
-/// The sets that `radkhah2007`'s procedure fills, as column indices of φ_tot, and its coefficients α.
+/// The sets that `radkhah2007`'s procedure fills, as column indices of φ_tot, and its coefficients α. φ_tot is that
+/// paper's symbol for the stacked regressor W, not the parameters φ.
 ///
 /// ```text
 /// 3  r = rank φ_tot                            5  for each remaining column f_i:
@@ -71,7 +72,7 @@ impl Radkhah2007Sets {
         }
     }
 
-    /// K as the sets have it: `β_b = θ_b + Σ_i α_bi θ_i`.
+    /// K as the sets have it: `β_b = φ_b + Σ_i α_bi φ_i`.
     #[must_use]
     pub fn reduction(&self, parameters: &[ParameterId]) -> BaseReduction {
         let mut k = DMatrix::zeros(self.base.len(), parameters.len());

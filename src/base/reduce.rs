@@ -30,7 +30,8 @@ use crate::seed::Seed;
 /// ```
 ///
 /// # Errors
-/// [`BaseError::NotFinite`] if the robot's geometry is not finite.
+/// [`BaseError::NotFinite`] if the robot's geometry is not finite. Except with [`Method::Structural`],
+/// [`BaseError::BeyondMotion`] if a column depends on load or temperature.
 pub fn reduce(robot: &Robot, columns: Columns, method: Method, seed: Seed) -> Result<BaseReduction, BaseError> {
     let whole = structural_base(robot, columns, method, seed)?;
     dependence::leave_out(robot, &Geometry::of(robot), columns, whole)
@@ -40,7 +41,7 @@ pub fn reduce(robot: &Robot, columns: Columns, method: Method, seed: Seed) -> Re
 /// by more than rounding.
 ///
 /// # Errors
-/// [`BaseError::NotFinite`] if the robot's geometry is not finite.
+/// As [`reduce`].
 pub fn structural_base(
     robot: &Robot,
     columns: Columns,
@@ -73,7 +74,7 @@ pub fn reduce_moving_base(robot: &Robot, seed: Seed) -> Result<BaseReduction, Ba
 /// The joints' efforts are measured, the force that moves the base is not. Gravity turns as the base does.
 ///
 /// # Errors
-/// [`BaseError::NotFinite`] if the robot's geometry is not finite.
+/// As [`reduce`].
 pub fn reduce_with_base(
     robot: &Robot,
     columns: Columns,
@@ -107,7 +108,8 @@ pub fn reduce_with_base(
 ///
 /// # Errors
 /// [`BaseError::NoTrajectory`] for [`Method::Structural`], [`BaseError::Dof`] for states of another robot,
-/// [`BaseError::TooFewSamples`], and [`BaseError::NotFinite`] for states that are not finite.
+/// [`BaseError::TooFewSamples`], [`BaseError::BeyondMotion`] if a column depends on load or temperature, and
+/// [`BaseError::NotFinite`] for states that are not finite.
 pub fn reduce_on(robot: &Robot, columns: Columns, method: Method, states: &States) -> Result<BaseReduction, BaseError> {
     check_motion(columns)?;
     if states.dof != robot.dof() {

@@ -21,7 +21,7 @@ pub enum CalibrationError {
         /// What was expected.
         expected: &'static str,
     },
-    /// The equations do not have an answer.
+    /// The equations are rank-deficient or cannot be solved: the motion does not determine a parameter.
     #[error("the motion does not separate {parameter} from the others: {fault}")]
     NotExcited {
         /// What cannot be separated.

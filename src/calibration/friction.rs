@@ -4,9 +4,9 @@
 //! τ(+v) = g + Fc + Fv v      τ(−v) = g − Fc − Fv v      f(v) = (τ(+v) − τ(−v)) / 2 = Fc + Fv v
 //! ```
 //! with means over the same measured positions in both directions, `∫ τ dq / (q_high − q_low)`: gravity `g`, which
-//! depends on position alone, cancels however the servo lags. Intervals are those of the noise. Beside it stands what the
-//! servo still settles: where its speed differs by δ between the ends of a way, inertia takes `J v δ / way` from the
-//! difference, which looks like a viscous friction too small by some tenths of a per cent.
+//! depends on position alone, cancels however the servo lags. Intervals cover the noise alone, not the
+//! settling of the servo: where the speed differs by δ between the ends of a stroke, inertia takes `J v δ / stroke`
+//! from the difference, which looks like a viscous friction too small by some tenths of a per cent.
 //!
 //! The half sum is gravity and the offset together, and is given for what it shows: it must not depend on
 //! the speed. Where friction falls as a joint starts to move (Stribeck), the slowest speeds lie above the line through the

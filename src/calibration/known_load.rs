@@ -93,7 +93,7 @@ pub fn payload(mass_kg: f64, centre_m: [f64; 3], inertia_kg_m2: [f64; 3]) -> Ine
 ///
 /// # Errors
 /// [`CalibrationError`] where samples and robot do not belong together, or motors are coupled. A joint in which the
-/// payload does not show is none: it is listed among the hidden ones.
+/// payload does not show is no error: it is listed among the hidden ones.
 pub fn known_load(
     robot: &Robot,
     without: &Samples,

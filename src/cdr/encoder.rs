@@ -6,11 +6,11 @@ use super::CdrError;
 
 /// The message as bytes, the four of the encapsulation first.
 ///
-/// Structures and tuples are their fields one after the other, lists and texts have their 32-bit length in front.
+/// Structures and tuples are their fields one after the other, sequences and strings have their 32-bit length in front.
 ///
 /// # Errors
-/// [`CdrError::Long`] where a list or a text has 2³² entries or more, [`CdrError::Unsupported`] for what no ROS 2 message
-/// holds: options, enumerations, maps.
+/// [`CdrError::Long`] where a sequence or a string has 2³² entries or more, [`CdrError::Unsupported`] for what no ROS 2
+/// message holds: options, enumerations, maps.
 pub fn encode<T: Serialize + ?Sized>(message: &T) -> Result<Vec<u8>, CdrError> {
     let mut encoder = Encoder { bytes: vec![0, 1, 0, 0], what: "the message" };
     message.serialize(&mut encoder)?;

@@ -1,6 +1,6 @@
-//! Why a message has no bytes, or bytes are no message.
+//! Why a message cannot be encoded, or bytes cannot be decoded.
 
-/// Why a message has no bytes, or bytes are no message.
+/// Why a message cannot be encoded, or bytes cannot be decoded.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 pub enum CdrError {
     /// The bytes end too early.
@@ -21,13 +21,13 @@ pub enum CdrError {
         /// The first two bytes.
         found: u16,
     },
-    /// A text is none.
+    /// A string is not valid UTF-8.
     #[error("{what} is not UTF-8 text")]
     Text {
         /// Which one.
         what: &'static str,
     },
-    /// A byte that says yes or no is neither.
+    /// The byte of a Boolean is neither 0 nor 1.
     #[error("{what} is {found}, expected 0 or 1")]
     Bool {
         /// Which one.
@@ -55,7 +55,7 @@ pub enum CdrError {
         /// Whole seconds.
         seconds: i64,
     },
-    /// A list or a text is longer than its 32-bit length can say.
+    /// A sequence or a string is longer than its 32-bit length can say.
     #[error("{what} has {length} entries, expected at most 4294967295")]
     Long {
         /// Which one.

@@ -34,7 +34,7 @@ uint32 stride
     /// The message as bytes, without dimensions.
     ///
     /// # Errors
-    /// [`CdrError::Long`] where there are more than 2³² numbers.
+    /// [`CdrError::Long`] where there are 2³² numbers or more.
     pub fn encode(&self) -> Result<Vec<u8>, CdrError> {
         let dimensions: [Dimension; 0] = [];
         encode(&(dimensions.as_slice(), 0_u32, &self.data))
@@ -43,7 +43,7 @@ uint32 stride
     /// The message in some bytes; its dimensions are read past.
     ///
     /// # Errors
-    /// [`CdrError`] where they are none.
+    /// [`CdrError`] where the bytes are not such a message.
     pub fn decode(bytes: &[u8]) -> Result<Self, CdrError> {
         let (_, _, data): (Vec<Dimension>, u32, Vec<f64>) = decode(bytes)?;
         Ok(Self { data })

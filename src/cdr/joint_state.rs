@@ -52,7 +52,7 @@ uint32 nanosec
     /// The message as bytes.
     ///
     /// # Errors
-    /// [`CdrError::Long`] where a list or a text has more than 2³² entries.
+    /// [`CdrError::Long`] where a sequence or a string has 2³² entries or more.
     pub fn encode(&self) -> Result<Vec<u8>, CdrError> {
         encode(self)
     }
@@ -60,7 +60,7 @@ uint32 nanosec
     /// The message in some bytes.
     ///
     /// # Errors
-    /// [`CdrError`] where they are none.
+    /// [`CdrError`] where the bytes are not such a message.
     pub fn decode(bytes: &[u8]) -> Result<Self, CdrError> {
         decode(bytes)
     }

@@ -3,7 +3,7 @@
 //!
 //! A random chain mixes revolute and prismatic joints and standard and modified DH rows; right angles and vanishing
 //! lengths are frequent, as on real arms, so that degenerate geometry is met. Each link is a sum of point masses, so
-//! its ten parameters are those of a body that exists.
+//! its ten parameters are physically consistent.
 
 use crate::model::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, VISCOUS};
 use nalgebra::{DMatrix, Vector3};

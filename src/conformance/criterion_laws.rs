@@ -4,9 +4,9 @@
 //! d f = tr(S dM),  S = Sᵀ        f(P M Pᵀ) = f(M)        f = ∞ and S = 0 where M is not positive definite
 //! ```
 //! - S is the gradient, by central differences along random directions;
-//! - asking for S does not change the value, and what has not been smoothed is never above what has;
+//! - asking for S does not change the value, and the exact value is never above the smoothed one;
 //! - the order of the parameters does not count, and beyond that what the criterion declares ([`Invariance`]);
-//! - the number that people read is better where the value is lower;
+//! - the reported number is better where the value is lower;
 //! - a criterion of the information never gets worse by more information: `f(M + v vᵀ) ≤ f(M)`.
 
 use nalgebra::DMatrix;

@@ -221,7 +221,7 @@ impl<P: Plant, F: Fn(&Robot, &StandardParameters) -> P> Case<'_, F> {
             let before = dynamics.energy(&q, &qd);
             let (q_end, qd_end) = self.run(law, &mut plant, &tau, 1e-3, 100)?;
             let after = dynamics.energy(&q_end, &qd_end);
-            // The torque is constant: its work is the torque times the way.
+            // The torque is constant: its work is the torque times the displacement.
             let work: f64 = (0..q.len()).map(|i| tau[i] * (q_end[i] - q[i])).sum();
             let moved = before.kinetic + after.kinetic + work.abs() + (after.potential - before.potential).abs();
             let error = (after.total() - before.total() - work).abs() / moved;

@@ -1,4 +1,4 @@
-//! Some hundred instants of a log, and how well a fit explains them.
+//! At most 160 instants of a log, and how well a fit explains them.
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
@@ -20,7 +20,7 @@ const LEAST_TORQUE: f64 = 0.02;
 const RIDGE: f64 = 1e-9;
 /// What a joint beyond its limits adds to the cost.
 const BEYOND_LIMITS: f64 = 0.3;
-/// A limit counts as exceeded beyond this multiple of it.
+/// A position limit counts as exceeded beyond this multiple of it, a velocity or torque limit beyond twice that.
 const LIMIT_SLACK: f64 = 1.3;
 
 /// States and torque at some instants, K × n each.

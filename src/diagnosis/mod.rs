@@ -4,10 +4,10 @@
 //! J = 1/n Σ_i ‖e_i‖²/‖τ_i‖²  +  friction and inertia below zero  +  limits exceeded        e = τ − Y_b β̂
 //! ```
 //! A log with degrees for radians, a flipped sign, two joints exchanged or a wrong gear ratio is as well-formed as a good one,
-//! and least squares finds parameters for it. They explain little of the torque, or no body has them, or no joint moves so far.
-//! Each mistake that people make is undone in turn and the parameters are fitted again: the one after which J is much smaller
-//! is named, with what to correct. J is the cost of a fit of a few hundred instants with equal weight on each joint, not an
-//! estimate.
+//! and least squares finds parameters for it. These explain little of the torque or are physically inconsistent, or
+//! the log exceeds the joint limits. Each mistake that people make is undone in turn and the parameters are fitted
+//! again: the one after which J is much smaller is named, with what to correct. J is the cost of a fit of at most 160
+//! instants with equal weight on each joint, not an estimate.
 //!
 //! A log is suspect only where J is large; one whose torque is explained is left alone, however it might be explained
 //! otherwise. What no fit shows is not named: the sign of all efforts together with all signs of motion, the zero of a joint

@@ -1,7 +1,7 @@
 //! The mass matrix by composite bodies (Featherstone, table 6.2) and the bias torque, in joint frames.
 //!
 //! ```text
-//! I^C_i = I_i + X* I^C_{i+1} X         F = I^C_j S_j         M_ij = S_iᵀ X* F   for i ≤ j
+//! I^C_i = I_i + X* I^C_{i+1} X         F = I^C_j S_j         H_ij = S_iᵀ X* F   for i ≤ j
 //! ```
 
 use nalgebra::Vector3;
@@ -77,7 +77,7 @@ pub(super) fn mass_matrix_at(chain: &JointChain, work: &mut Workspace, q: &[f64]
     mass_matrix(&chain.joints, &mut work.joints, &mut work.mass);
 }
 
-/// Turns efforts into accelerations, in place: `x ← (M(q) + D)⁻¹ (x − c(q, q̇) − g(q))`, `D` row-major n × n.
+/// Turns efforts into accelerations, in place: `x ← (H(q) + D)⁻¹ (x − c(q, q̇) − g(q))`, `D` row-major n × n.
 pub(super) fn accelerations(
     chain: &JointChain,
     work: &mut Workspace,

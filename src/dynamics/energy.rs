@@ -26,7 +26,7 @@ impl Dynamics {
     /// The energy at positions `q` (n, rad) and velocities `qd` (n, rad/s).
     ///
     /// ```text
-    /// T = ½ Σ v_iᵀ I_i v_i + ½ q̇ᵀ M_terms q̇        V = −Σ gᵀ (m_i p_i + R_i h_i) + Σ φ E_term(q)
+    /// T = ½ Σ v_iᵀ I_i v_i + ½ q̇ᵀ H_terms q̇        V = −Σ gᵀ (m_i p_i + R_i h_i) + Σ φ E_term(q)
     /// ```
     /// It is computed from poses and velocities in link frames, without the mass matrix.
     ///

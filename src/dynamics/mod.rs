@@ -1,7 +1,7 @@
 //! The equations of motion of a serial arm: torque from motion, motion from torque, inertia and energy.
 //!
 //! ```text
-//! τ = M(q) q̈ + c(q, q̇) + g(q) + τ_terms(q, q̇, q̈)
+//! τ = H(q) q̈ + c(q, q̇) + g(q) + τ_terms(q, q̇, q̈)
 //! ```
 //! `radkhah2007`'s Newton–Euler recursions (its eqs. 2–4) in the frames in which the links' parameters are published.
 //! Spatial vectors are angular first, `γ = (n, f)`; `radkhah2007` writes force first, `γ = (f, n)`. With

@@ -150,7 +150,7 @@ impl Dynamics {
         self.terms.add_torque(&self.term_values, &state, tau);
     }
 
-    /// Joint accelerations that efforts produce: `M(q) q̈ = τ − c(q, q̇) − g(q) − τ_terms`.
+    /// Joint accelerations that efforts produce: `H(q) q̈ = τ − c(q, q̇) − g(q) − τ_terms`.
     ///
     /// By [`forward_composite`](Self::forward_composite) up to eleven joints and where motors are coupled, else by
     /// [`forward_articulated`](Self::forward_articulated): the faster of the two (`benches/dynamics.rs`). `q`, `qd` in rad,
@@ -241,7 +241,7 @@ impl Dynamics {
         }
     }
 
-    /// The mass matrix `M(q)`, n × n, links by composite bodies plus rotors.
+    /// The mass matrix `H(q)`, n × n, links by composite bodies plus rotors.
     ///
     /// # Panics
     /// If `q` is shorter than n.

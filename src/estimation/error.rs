@@ -73,7 +73,7 @@ pub enum EstimationError {
     /// Two estimates share no base parameter.
     #[error("parameters: none in both estimates, expected the same base parameters")]
     NothingShared,
-    /// The covariance of an estimate is none.
+    /// The covariance of an estimate is not positive definite.
     #[error("covariance: one that is not positive definite, expected a positive definite one")]
     NotDefinite,
     /// The estimator needs something that the problem does not hold.

@@ -35,9 +35,9 @@ pub struct StandardEstimate {
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum IntervalBasis {
-    /// In the scatter over repeated periods: noise alone.
+    /// The scatter over repeated periods: noise alone.
     Scatter,
-    /// In the residual of the fit: noise and model errors.
+    /// The residual of the fit: noise and model errors.
     Residual,
 }
 

@@ -3,12 +3,12 @@
 //! ```text
 //! W_k, τ_k of sample k       one row of   [ w_1k … w_nk  τ_1k … τ_nk ] = Q R̂       (joint i's equation is w_ik β = τ_ik)
 //! ```
-//! Rows of R̂ are samples too, as few as there are columns: whatever sum over samples of products of two equations is wanted, with
-//! whatever weights between the joints of a sample, it is the same sum over the rows of R̂. So ordinary and weighted least
-//! squares, the covariance of a residual, the covariance of β̂ under noise that is white in time, and each repetition of an
+//! Rows of R̂ are samples too, as few as there are columns: any sum over samples of products of two equations, with any
+//! weights between the joints of a sample, is the same sum over the rows of R̂. So ordinary and weighted least squares,
+//! the covariance of a residual, the covariance of β̂ under noise that is white in time, and each repetition of an
 //! estimator that finds weights for joints by iteration cost as much as for some hundred samples. R̂ is found by
-//! reflections, block by block ([`RowFactor`]), and so is each solution from it: nothing is squared, and condition numbers of
-//! 1e8 and more do as little harm as in a QR of W itself.
+//! reflections, block by block ([`RowFactor`]), and so is each solution from it: nothing is squared, and condition
+//! numbers of 1e8 and more do as little harm as in a QR of W itself.
 //!
 //! Samples of which some joints are no equation are a group of their own for each set of such joints. A group that is not longer
 //! than two such factors stays as it is.

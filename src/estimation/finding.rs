@@ -58,7 +58,7 @@ pub enum Finding {
     },
     /// Nothing was repeated: the noise was taken from the residual, and model errors with it.
     NoiseFromResidual,
-    /// Columns that no torque sensor tells from the others were left out of the base.
+    /// Columns that no torque sensor distinguishes from the others were left out of the base.
     NearlyDependent {
         /// Names of the parameters that structure alone would keep.
         parameters: Vec<String>,

@@ -133,7 +133,7 @@ impl Observation {
     }
 }
 
-/// Unit of a parameter, which for a term depends on whether its joint turns or slides.
+/// Unit of a parameter, which for a term depends on whether its joint is revolute or prismatic.
 fn parameter_unit(robot: &Robot, id: ParameterId) -> String {
     id.kind.unit(robot.joints()[id.index].kind).to_owned()
 }

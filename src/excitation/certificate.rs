@@ -73,8 +73,9 @@ pub struct Certificate {
     pub log_det_information_all: f64,
     /// Eigenvalues of the information of the chosen base columns, per torque row, ascending.
     pub spectrum: Vec<f64>,
-    /// Standard deviation of each chosen base parameter for one torque row's noise of 1 N·m per row of one period:
-    /// √((M⁻¹)_ii), in the parameter's unit; infinite where the information is singular.
+    /// Standard deviation of each chosen base parameter, √((M⁻¹)_ii), for torque noise of 1 N·m and the mean
+    /// information of one torque row; a whole period's is smaller by √rows. In the parameter's unit; infinite where
+    /// M is singular.
     #[serde(deserialize_with = "crate::plain::infinite::list")]
     pub deviations: Vec<f64>,
     /// The base parameters with the largest share in the least identifiable direction, largest first.
@@ -88,7 +89,7 @@ pub struct Certificate {
     /// SHA-256 of all the rest, so that a change of any figure shows.
     #[serde(default, rename = "seal")]
     pub checksum: String,
-    /// Where that is.
+    /// Where each limit of `worst_limit_use` is used most.
     pub worst: WorstCases,
 }
 

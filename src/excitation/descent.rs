@@ -46,7 +46,7 @@ const WORTH_RESTORING: f64 = 0.25;
 pub(crate) struct Found {
     /// Variables of the best iterate inside the limits, or of the last one.
     pub(crate) x: Vec<f64>,
-    /// The criterion there, as people read it.
+    /// The criterion there, as it is reported.
     pub(crate) value: f64,
     pub(crate) ending: Termination,
     pub(crate) iterations: usize,

@@ -30,7 +30,7 @@ pub struct Design {
     pub trajectory: PeriodicTrajectory,
     /// Name of the criterion that was optimised.
     pub criterion: String,
-    /// Its value as people read it, on the optimiser's samples.
+    /// Its value as it is reported, on the optimiser's samples.
     #[serde(deserialize_with = "crate::plain::infinite::undecided")]
     pub value: f64,
     /// Whether a larger value is better.

@@ -10,7 +10,7 @@ pub enum ExcitationError {
     /// A trajectory cannot be as specified.
     #[error(transparent)]
     Motion(#[from] TrajectoryError),
-    /// A trajectory file has a table `[certificate]` that is none.
+    /// A trajectory file has a table `[certificate]` that is not a certificate.
     #[error("certificate: {message}")]
     Certificate {
         /// What was found and what was expected.

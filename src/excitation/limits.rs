@@ -18,7 +18,7 @@ pub struct WorstUse {
     pub joint: usize,
     /// Time, s.
     pub t: f64,
-    /// Value there, in rad, rad/s, rad/s² or N·m.
+    /// Value there: rad, rad/s, rad/s², rad/s³, N·m or A, with m for rad and N for N·m on a prismatic joint.
     pub value: f64,
     /// The limit it is held against, in the same unit.
     #[serde(deserialize_with = "crate::plain::infinite::positive")]

@@ -63,7 +63,7 @@ impl Termination {
 pub struct HistoryPoint {
     /// Evaluations spent so far.
     pub evaluations: usize,
-    /// The criterion of the best trajectory inside all limits so far, as people read it: κ or ln det M, on the
+    /// The criterion of the best trajectory inside all limits so far, as it is reported: κ or ln det M, on the
     /// optimiser's samples; that of the current iterate as long as none was inside.
     #[serde(deserialize_with = "crate::plain::infinite::undecided")]
     pub value: f64,

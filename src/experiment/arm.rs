@@ -41,8 +41,8 @@ pub trait Sink {
 
     /// Receives a sample that is no part of the experiment: the arm is on its way to the start pose, or stands there, or at
     /// the end of its motion. A guard checks it, nothing records it. Its index means nothing, and its time counts on to
-    /// the first sample of the experiment and on from the last, from zero along a way to the start pose. Who does not
-    /// care is asked as in a silence that has not begun.
+    /// the first sample of the experiment and on from the last, from zero along a way to the start pose. The
+    /// default calls [`Sink::idle`] with an age of zero.
     fn unrecorded(&mut self, sample: &RawSample<'_>) -> Flow {
         let _ = sample;
         self.idle(0.0)
@@ -96,7 +96,7 @@ pub enum Ending {
         /// Whether the arm is known to stand.
         rest: Rest,
     },
-    /// The motion ran away.
+    /// The motion diverged.
     Diverged {
         /// When, s.
         t: f64,

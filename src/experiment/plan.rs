@@ -78,8 +78,8 @@ impl ExperimentPlan {
     /// Which samples belong to which phase. Settling time and ramps are rounded up to whole samples.
     ///
     /// # Errors
-    /// [`PlanError::Quantity`] where a number is impossible, [`PlanError::PeriodNotWhole`] where a period is no whole
-    /// number of samples.
+    /// [`PlanError::Quantity`] where a number is impossible, [`PlanError::Size`] where one is larger than is
+    /// allowed, [`PlanError::PeriodNotWhole`] where a period is no whole number of samples.
     pub fn layout(&self) -> Result<Layout, PlanError> {
         let quantity = |quantity, found: f64, expected| Err(PlanError::Quantity { quantity, found, expected });
         let period_s = self.trajectory.period_s();

@@ -3,7 +3,7 @@
 /// A mechanism between servo steps: torque in, state out.
 ///
 /// ```text
-/// M(q) q̈ + h(q, q̇) + friction(q̇) = τ        τ held over a step
+/// H(q) q̈ + c(q, q̇) + g(q) + friction(q̇) = τ        τ held over a step
 /// ```
 /// `q` in rad (m for a prismatic joint), `q̇` per second, all slices of length n. `τ` is what the motors exert on the
 /// joints after gears and coupling, N·m or N; friction and rotor inertia belong to the plant, sensors and currents do not.

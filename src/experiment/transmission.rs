@@ -86,7 +86,7 @@ impl Transmission {
         }
     }
 
-    /// Inertia that each motor sees while the other motors stand still: the diagonal of `C⁻ᵀ M C⁻¹`, kg·m².
+    /// Inertia that each motor sees while the other motors stand still: the diagonal of `C⁻ᵀ H C⁻¹`, kg·m².
     #[must_use]
     pub fn motor_inertia(&self, mass_matrix: &DMatrix<f64>) -> Vec<f64> {
         match &self.coupling {

@@ -1,4 +1,4 @@
-//! Rank by QR with column exchange.
+//! Rank by QR with column pivoting.
 
 use nalgebra::DMatrix;
 
@@ -6,9 +6,10 @@ use super::RankTolerance;
 use super::condition::normalised_columns;
 use super::reflection::{Reflection, norm};
 
-/// Householder QR of A with its columns scaled to unit length and then exchanged so that the longest rest comes first.
+/// Householder QR with column pivoting of A, its columns scaled to unit length: the column with the longest residual
+/// comes next.
 ///
-/// The exchange keeps coefficients small, so the rest itself is the distance from dependence.
+/// Pivoting keeps coefficients small, so the residual itself is the distance from dependence.
 ///
 /// ```
 /// use armid::linalg::{RankRevealingQr, RankTolerance};
@@ -19,7 +20,8 @@ use super::reflection::{Reflection, norm};
 /// ```
 #[derive(Clone, Debug, PartialEq)]
 pub struct RankRevealingQr {
-    /// Length of the orthogonal rest of each chosen column when it was chosen, largest first; the first is 1.
+    /// Length of the residual of each chosen column, orthogonal to those before, when it was chosen, largest first; the
+    /// first is 1.
     pub rests: Vec<f64>,
     /// Indices of A's columns in the order they were chosen; those of zero columns are missing.
     pub order: Vec<usize>,

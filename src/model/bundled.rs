@@ -1,6 +1,6 @@
 //! The robots that are compiled in, as texts.
 //!
-//! What the simulator takes as true is not among them: only the last module of the library can name that.
+//! What the simulator takes as true is not among them: only `study` can name that, after every module that identifies.
 
 /// One robot that is compiled in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -134,7 +134,7 @@ pub struct Joint {
 }
 
 impl Joint {
-    /// The pose of this link's frame in the previous one at coordinate `q` (rad or m), given `sin q` and `cos q`.
+    /// The pose of this link's frame in the previous one at coordinate `q` (rad or m).
     #[inline]
     #[must_use]
     pub fn placement(&self, q: f64) -> Placement {

@@ -8,7 +8,7 @@
 //! one recursion serves every convention, and each keeps the link frame in which its parameters are published.
 //!
 //! A [`Robot`] carries no inertia: parameters are values of their own ([`StandardParameters`]), and the true ones of
-//! a simulation are a type that only the last module can name.
+//! a simulation are a type of `study`, which no module that identifies can name.
 
 mod bundled;
 mod columns;

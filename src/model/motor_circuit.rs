@@ -3,7 +3,7 @@
 /// The circuit of one motor's armature.
 ///
 /// ```text
-/// v = R i + L di/dt + Ke ω + V_b σ(i)        Ke = Kt in SI units, since K_t i ω = Ke ω i is the power that turns
+/// v = R i + L di/dt + Ke ω + V_b σ(i)        Ke = Kt in SI units, since Kt i ω = Ke ω i is the converted power
 /// ```
 /// `ω` is the speed of the motor's shaft, ahead of the gear, rad/s; `V_b` the drop over both brushes, against the
 /// current, and `σ` its sign, smooth below [`MotorCircuit::BRUSH_CURRENT`].

@@ -83,7 +83,7 @@ pub struct ParameterId {
 }
 
 impl ParameterId {
-    /// The parameter with this name; `None` where it is none of a link's ten and of no term of the list.
+    /// The parameter with this name; `None` where it is neither one of a link's ten nor of a term of the list.
     ///
     /// ```
     /// use armid::model::ParameterId;

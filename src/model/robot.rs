@@ -218,7 +218,7 @@ impl Robot {
     /// The same robot with these named points.
     ///
     /// # Panics
-    /// If a point is on a link that is not there.
+    /// If a point is on a link that does not exist.
     #[must_use]
     pub fn with_points(mut self, points: Vec<NamedPoint>) -> Self {
         assert!(points.iter().all(|point| point.link <= self.dof()), "every point is on a link of the robot");

@@ -58,7 +58,7 @@ pub enum RobotError {
         /// Number of joints.
         dof: usize,
     },
-    /// A named point is on a link that is not there, or nowhere.
+    /// A named point is on a link that does not exist, or its position is not finite.
     #[error(
         "point \"{point}\": link {link} at {position:?} m, expected a link from 0 (the base) to {dof} and finite numbers"
     )]
@@ -72,7 +72,7 @@ pub enum RobotError {
         /// Number of links.
         dof: usize,
     },
-    /// A shape names a link that is not there.
+    /// A shape names a link that does not exist.
     #[error("shape {index}: link is {found}, expected 0 (the base) to {dof}")]
     Shape {
         /// Position among the shapes, from one.
@@ -82,7 +82,7 @@ pub enum RobotError {
         /// Number of links.
         dof: usize,
     },
-    /// Two links may touch of which one is not there.
+    /// Two links may touch, one of which does not exist, or they are not in ascending order.
     #[error("links {first} and {second} may touch, expected 0 (the base) to {dof}, the lower first")]
     MayTouch {
         /// One link.

@@ -12,7 +12,7 @@
 //! ```
 //! Positions need a band far beyond the commanded 0.5 Hz, for the loop responds to each reversal of friction with a transient.
 //! Filtering torque as well makes it worse, since the Coulomb columns are not filtered. 125 to 500 equations a period
-//! do alike; at 1000 the noise of the acceleration shows, and coverage falls to 84 %.
+//! are equally good; at 1000 the noise of the acceleration shows, and coverage falls to 84 %.
 
 use super::{Bandwidth, SignalError};
 

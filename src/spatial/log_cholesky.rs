@@ -6,9 +6,9 @@
 //!                    ⎢             e^d3  t3 ⎥
 //!                    ⎣                   1  ⎦
 //! ```
-//! Every value of (α, d1, d2, d3, s12, s23, s13, t1, t2, t3) is a body that can exist, and every such body has exactly
-//! one: m = e^{2α}, and t is the centre of mass. C. Rucker, P. M. Wensing, "Smooth parameterization of rigid-body
-//! inertia", IEEE RA-L 7(2), 2022, eq. 15.
+//! Every value of (α, d1, d2, d3, s12, s23, s13, t1, t2, t3) is a physically consistent body, and every such body has
+//! exactly one: m = e^{2α}, and t is the centre of mass. C. Rucker, P. M. Wensing, "Smooth parameterization of
+//! rigid-body inertia", IEEE RA-L 7(2), 2022, eq. 15.
 
 use nalgebra::Matrix4;
 

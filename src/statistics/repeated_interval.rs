@@ -6,11 +6,12 @@
 //! P( |Z_1| < c_1, …, |Z_k| < c_k ) = 1 − α*(t_k)     for every look k, Z_k √t_k being Brownian motion at t_k
 //! interval at look k: x̄ ± T⁻¹_{n_k−1}( Φ(c_k) ) s / √n_k
 //! ```
-//! The intervals of all looks hold the mean together with probability 1 − α, so that each may be believed whatever rule
-//! ended the sample (K. K. G. Lan and D. L. DeMets, Biometrika 70, 1983; C. Jennison and B. W. Turnbull, J. R. Stat. Soc. B
-//! 51, 1989). Student's t in place of the normal distribution is their approximation by significance levels: of 20000 samples
-//! of normal numbers, looked at at 4, 6, 9, 13, 20 and 32, all six intervals held in 94.3 % (Pocock) and 94.8 %. The densities
-//! are integrated look by look (P. Armitage, C. K. McPherson and B. C. Rowe, J. R. Stat. Soc. A 132, 1969).
+//! The intervals of all looks cover the mean simultaneously with probability 1 − α, so that each is valid under any
+//! stopping rule (K. K. G. Lan and D. L. DeMets, Biometrika 70, 1983; C. Jennison and B. W. Turnbull, J. R. Stat. Soc.
+//! B 51, 1989). Student's t in place of the normal distribution is their approximation by significance levels: of 20000
+//! samples of normal numbers, looked at at 4, 6, 9, 13, 20 and 32, all six intervals covered the mean in 94.3 %
+//! (Pocock) and 94.8 %. The densities are integrated look by look (P. Armitage, C. K. McPherson and B. C. Rowe, J. R.
+//! Stat. Soc. A 132, 1969).
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, PI};
 

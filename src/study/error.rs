@@ -8,7 +8,7 @@ use crate::excitation::ExcitationError;
 /// Why a study cannot begin, or be summed up.
 #[derive(Debug, thiserror::Error)]
 pub enum StudyError {
-    /// The plan asks for something that is not there.
+    /// The plan asks for something that does not exist.
     #[error(transparent)]
     Plan(#[from] StudyPlanError),
     /// The robot cannot be reduced.

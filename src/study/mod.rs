@@ -3,7 +3,7 @@
 //! ```text
 //! StudyPlan → designs → (experiment → Samples → Observation → Estimate → Score) × conditions × runs → Findings
 //! ```
-//! This module comes last, so that nothing that identifies can name the [`Truth`].
+//! This module comes after every module that identifies, so that none of them can name the [`Truth`].
 
 mod effect_sensitivity;
 mod bound;

@@ -17,7 +17,7 @@
 //! (S. Weerahandi, *J. Am. Stat. Assoc.* 88(423), 1993, for the draws; R. H. Browne, *Statistics in Medicine* 14(17), 1995, for sizes
 //! from pilots.) The variances are those of the analysis of variance of a crossed
 //! layout (S. R. Searle, G. Casella, C. E. McCulloch, *Variance Components*, 1992, ch. 4), no less than zero. Without
-//! drawn truths σ_t² is not there, and runs of a start are its replicates.
+//! drawn truths the term of σ_t² is absent, and runs of a start are its replicates.
 
 use rand_distr::{ChiSquared, Distribution};
 

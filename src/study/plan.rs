@@ -117,7 +117,7 @@ impl StudyPlan {
     ///
     /// # Errors
     /// [`FormatError`] with line and column where the text is not TOML, has a key too many or too few, or asks for
-    /// something that is not there.
+    /// something that does not exist.
     pub fn from_toml(text: &str) -> Result<Self, FormatError> {
         let mut plan: Self = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
         for grid in std::mem::take(&mut plan.grid) {

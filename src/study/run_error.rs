@@ -66,7 +66,7 @@ impl RunError {
         Self { kind: RunErrorKind::Arm, reason: format!("arm: {fault}") }
     }
 
-    /// A motion that ran away at time `t`, s.
+    /// A motion that diverged at time `t`, s.
     #[must_use]
     pub fn diverged(t: f64, divergence: &DivergenceError) -> Self {
         let kind = match divergence {

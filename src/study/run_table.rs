@@ -18,7 +18,7 @@ use super::status_count::StatusCount;
 pub enum RunNumber {
     /// Index of the truth of its arm.
     Truth,
-    /// A metric of an estimate; [`Metric::LogVolume`] is none of a single run.
+    /// A metric of an estimate; [`Metric::LogVolume`] is not defined for a single run.
     Metric {
         /// Of which estimator.
         estimator: usize,

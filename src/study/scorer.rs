@@ -1,7 +1,8 @@
 //! Scores an estimate against the truth: the only place, besides the simulator, where the truth is read.
 //!
 //! ```text
-//! prediction RMSE  √( eᵀ G e / N )          e = β̂ − β,  G = Σ_k Y_b(k)ᵀ Y_b(k) over N validation samples, joint by joint
+//! prediction RMSE  √( Σ_j eᵀ G_j e / (n N) )   e = β̂ − β,  G_j = Σ_k y_j(k)ᵀ y_j(k),  y_j row j of Y_b,
+//!                                              n joints, N validation samples
 //! reference RMSE   √( Σ_i (e_i / u_i)² / b ) u_i the declared unit of parameter i
 //! SI RMSE          √( Σ_i e_i² / b )         kg, kg·m, kg·m², N·m, N·m·s added as numbers: what a condition number bounds
 //! ```

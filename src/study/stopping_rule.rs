@@ -2,7 +2,7 @@
 //!
 //! ```text
 //! d_k = ȳ_1k − ȳ_2k      ȳ_fk mean over runs of the logarithm of the metric of start k of family f
-//! ratio exp( d̄ ),  interval exp( d̄ ± h_j ) at look j, which holds whatever ends the study (ErrorSpending)
+//! ratio exp( d̄ ),  interval exp( d̄ ± h_j ) at look j, valid under any stopping rule (ErrorSpending)
 //! ends where e^{h_j} − 1 < the share that is wanted
 //! ```
 //! A pair of starts is one unit, however many runs each has: runs of one design share its trajectory and are no replicates of
@@ -22,9 +22,9 @@ const LEVEL: f64 = 0.95;
 /// A wanted half width of the interval of a ratio.
 #[derive(Clone, Debug, PartialEq)]
 pub struct StoppingRule {
-    /// Name of the family above the line.
+    /// Name of the family in the numerator.
     pub first: String,
-    /// Name of the family below it.
+    /// Name of the family in the denominator.
     pub second: String,
     /// By which metric.
     pub metric: Metric,
@@ -49,7 +49,7 @@ pub struct Look {
     pub share: Option<f64>,
 }
 
-/// A rule that is none.
+/// A text is not a stopping rule.
 #[derive(Clone, Debug, PartialEq, Eq, thiserror::Error)]
 #[error("found \"{found}\", expected as \"ratio(condition, d-optimal).prediction < 5 %\", the metric being one of {}", metrics().join(", "))]
 pub struct RuleError {
@@ -92,8 +92,8 @@ impl StoppingRule {
     /// Indices of the two families of a plan.
     ///
     /// # Errors
-    /// [`StudyPlanError`] where one of them is not there, they have too few starts or not equally many, or the plan draws
-    /// truths: those are the same for all starts, so that more starts say no more about other arms.
+    /// [`StudyPlanError`] where the plan lacks one of them, they have too few starts or not equally many, or the plan
+    /// draws truths: those are the same for all starts, so that more starts say no more about other arms.
     pub fn families(&self, plan: &StudyPlan) -> Result<[usize; 2], StudyPlanError> {
         let find = |found: &str| {
             let names = plan.designs.iter().map(|family| family.name.as_str());

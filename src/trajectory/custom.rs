@@ -1,4 +1,4 @@
-//! A periodic motion from outside of the list, in its place.
+//! A periodic motion from outside the list, in the place of one of the list.
 
 use std::any::Any;
 use std::fmt;
@@ -25,7 +25,7 @@ impl<M: PeriodicMotion + Clone + fmt::Debug + Serialize + 'static> AnyMotion for
     }
 }
 
-/// A periodic motion that is none of the list.
+/// A periodic motion that is not on the list.
 ///
 /// Two are equal if they are written alike. It writes itself; reading it back takes the program that has its type.
 #[derive(Debug)]

@@ -10,7 +10,7 @@ use super::linear_family::{ShapeFunctions, TrajectoryFamily};
 use super::periodic::PeriodicTrajectory;
 use super::shape::Shape;
 
-/// A family of trajectories of the list. All have 2H + 1 of them for a joint of H harmonics, so that
+/// A family of trajectories of the list. All have 2H + 1 coefficients for a joint of H harmonics, so that
 /// they can be compared.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]

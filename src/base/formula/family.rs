@@ -70,7 +70,7 @@ impl Family {
         alike.then_some(family)
     }
 
-    /// Everyone, the original first.
+    /// All arms, the original first.
     pub(super) fn relatives(&self) -> impl Iterator<Item = &Relative> {
         std::iter::once(&self.original).chain(self.variables.iter().map(|(_, r)| r)).chain(&self.witnesses)
     }

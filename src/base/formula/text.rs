@@ -68,7 +68,8 @@ fn degree(robot: &Robot, id: ParameterId) -> i32 {
     match id.kind {
         ParameterKind::M => 0,
         ParameterKind::Mcx | ParameterKind::Mcy | ParameterKind::Mcz => 1,
-        // An effort is mass · length / s² where the joint slides, one length more where it turns; so is its coordinate.
+        // An effort is mass · length / s² at a prismatic joint, one length more at a revolute one; so is its
+        // coordinate.
         ParameterKind::Term(term) => {
             let Dimension { effort, coordinate, .. } = term.entry().dimension;
             (1 - effort) * (1 + i32::from(!prismatic)) - coordinate * i32::from(prismatic)

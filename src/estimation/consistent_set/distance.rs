@@ -10,7 +10,7 @@ use crate::spatial::{Inertia, PseudoInertia};
 /// Part of a link's pseudo-inertia that stands for what a guess does not say: where P₀ is not positive definite.
 const INFLATION: f64 = 1e-3;
 
-/// The scale of a rotor inertia or a friction that neither guess nor estimate tells, SI.
+/// The scale of a rotor inertia or a friction that neither guess nor estimate determines, SI.
 const UNKNOWN_DRIVE: f64 = 1e-3;
 
 /// The distance from the guess, as a barrier: `D = Σ ( tr(P₀⁻¹ P) − ln det P ) + Σ ( x/x₀ − ln x ) + ½ Σ ((o − o₀)/s)²`.

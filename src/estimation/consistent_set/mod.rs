@@ -6,12 +6,13 @@
 //! ```
 //! P is a link's pseudo-inertia and P₀ that of the guess; x is a rotor inertia or a friction, never negative; C is the
 //! covariance of the estimate. D is least at the guess itself, does not depend on frames or units, and grows without bound
-//! towards what no body can have. The limit is the set that agrees best with the estimate among all that are consistent,
-//! which is what a semidefinite program gives, and where several agree alike, the one nearest to the guess.
+//! towards the boundary of the consistent parameters. The limit is the set that agrees best with the estimate among all
+//! that are consistent, which is what a semidefinite program gives, and where several agree alike, the one nearest to
+//! the guess.
 //!
 //! D is a self-concordant barrier, so the limit is reached along the path of minimisers for growing λ, by Newton steps
-//! whose length needs no luck ([`newton`]). The search ends where K φ = β̂ holds exactly, or where the duality gap says
-//! that no consistent set up to ten times as far from the guess has a χ² lower by more than 1 %.
+//! whose length guarantees a decrease ([`newton`]). The search ends where K φ = β̂ holds exactly, or where the duality
+//! gap says that no consistent set up to ten times as far from the guess has a χ² lower by more than 1 %.
 //!
 //! References: T. Lee, P. M. Wensing, F. C. Park, "Geometric robot dynamic identification: a convex programming approach",
 //! IEEE Trans. Robotics 36(2), 2020, for D; S. Boyd, L. Vandenberghe, "Convex Optimization", Cambridge, 2004, sections 9.6

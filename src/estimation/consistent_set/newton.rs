@@ -67,7 +67,7 @@ pub(super) struct StepEquations {
 }
 
 impl StepEquations {
-    /// `None` where the matrix is not positive definite, which only numbers that are none can do.
+    /// `None` where the matrix is not positive definite, which happens only where a number is not finite.
     pub(super) fn of(phi: &DVector<f64>, distance: &Distance, data: &DataTerm<'_>, weight: f64) -> Option<Self> {
         let columns: Vec<_> = data.k.row_iter().map(|row| distance.inverse_hessian(phi, &row.transpose())).collect();
         let spread = DMatrix::from_columns(&columns);
@@ -194,7 +194,7 @@ mod tests {
             let found = end(0.01, weight);
             assert!(matches!(found, Termination::Converged { iterations: 1..50, .. }), "{weight}: {found:?}");
         }
-        // A covariance that is none makes the matrix of the step indefinite.
+        // A covariance that is not positive definite makes the matrix of the step indefinite.
         assert_eq!(end(0.01, -1e-12), Termination::Singular { iterations: 0 });
         assert_eq!(end(f64::NAN, 1.0), Termination::Singular { iterations: 0 });
     }

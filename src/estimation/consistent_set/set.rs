@@ -24,7 +24,7 @@ const HORIZON: f64 = 10.0;
 /// χ² at which the estimated base parameters may be had exactly.
 const NEARLY_EXACT: f64 = 1e-2;
 
-/// χ² at which a set cannot be told from the estimate.
+/// χ² at which a set is indistinguishable from the estimate.
 const INDISTINGUISHABLE: f64 = 1e-8;
 
 /// Probability of the joint region of all base parameters.
@@ -64,7 +64,7 @@ impl ConsistentSet {
 ///
 /// # Errors
 /// [`EstimationError::OtherBase`] where the estimate is not one of this base, [`EstimationError::Count`] where the guess is of
-/// another arm, [`EstimationError::NotDefinite`] where the covariance of the estimate is none.
+/// another arm, [`EstimationError::NotDefinite`] where the covariance of the estimate is not positive definite.
 pub fn consistent_set(
     base: &BaseReduction,
     estimate: &Estimate,

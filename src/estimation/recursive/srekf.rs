@@ -1,4 +1,5 @@
-//! The Kalman filter by square roots: half the digits of the numbers, twice the digits of the answer.
+//! The Kalman filter with a square root of the covariance, whose condition number is the square root of the
+//! covariance's: half as many digits are lost.
 //!
 //! ```text
 //! [ 1  H S ]       [ S_z    0 ]

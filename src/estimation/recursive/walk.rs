@@ -5,7 +5,8 @@
 //! ```
 //! A prior that says nothing would cost all digits where covariances are carried, so a filter begins where a part of the recording
 //! determines every parameter: its first quarter, half, or all of it. Over the recording the walk adds a hundredth of
-//! the smallest variance that weighted least squares would have: hardly anything, but a gain that never ends.
+//! the smallest variance that weighted least squares would have: hardly anything, but enough to keep the gain
+//! above zero.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -1,4 +1,4 @@
-//! Directions in which single equations move a fit, to sort good equations from bad without drawing lots.
+//! Directions in which single equations move a fit, to sort good equations from bad without random subsets.
 //!
 //! ```text
 //! U = W R⁻¹ (orthonormal)    h_r = |u_r|²    M = Uᵀ D² U, D = diag(e_r/(1 − h_r))    z_k = U v_k for the eigenvectors v_k of M

@@ -1,7 +1,7 @@
-//! The MM-estimate: as little moved by wrong equations as the best start, nearly as precise as least squares.
+//! The MM-estimate: the high breakdown point of an S-estimate, and nearly the efficiency of least squares.
 //!
 //! ```text
-//! 1. β_S with the smallest M-scale of all residuals        half of the equations may be wrong, in torque or in their row
+//! 1. β_S with the smallest M-scale of all residuals        breakdown point one half, in torque and in the rows
 //! 2. s_i = M-scale of joint i's residuals at β_S, kept
 //! 3. Σ_r ψ((y_r − w_r β̂)/s_i) w_r/s_i = 0 from β_S          ψ Tukey's with 4.685: 95 % efficient where noise is normal
 //! ```

@@ -1,4 +1,4 @@
-//! The fit whose residuals have the smallest M-scale: half of the equations may be anything.
+//! The S-estimate: the fit whose residuals have the smallest M-scale. Its breakdown point is one half.
 //!
 //! ```text
 //! min s(β)        Σ_r ρ(u_r/(1.54764 s)) = ½ (E − b)        u_r = (y_r − w_r β)/s_i        ρ Tukey's, from 0 to 1

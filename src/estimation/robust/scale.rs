@@ -1,4 +1,5 @@
-//! Scales of residuals that half of them may leave: the median of absolute values, and the M-scale of Tukey's loss.
+//! Scales of residuals with a breakdown point of one half: the median of absolute values, and the M-scale of Tukey's
+//! loss.
 
 use nalgebra::DVector;
 

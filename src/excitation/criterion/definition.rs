@@ -33,10 +33,10 @@ pub trait Criterion: fmt::Debug + Send + Sync {
     /// the symmetric S with `d value = tr(S dM)`. Infinite where M is not positive definite; S is zero there.
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score;
 
-    /// The number that people read, from the value that is minimised.
+    /// The reported number, from the value that is minimised.
     fn report(&self, value: f64) -> f64;
 
-    /// Whether the number that people read is better the larger it is.
+    /// Whether the reported number is better the larger it is.
     fn is_larger_better(&self) -> bool {
         false
     }

@@ -89,14 +89,14 @@ impl CriterionKind {
         self.criterion().is_weighted()
     }
 
-    /// The number that people read, from the value that is minimised: κ from ln κ, ln det M from −ln det M, tr M⁻¹ from
+    /// The reported number, from the value that is minimised: κ from ln κ, ln det M from −ln det M, tr M⁻¹ from
     /// its logarithm, λ_min from −ln λ_min.
     #[must_use]
     pub fn report(self, value: f64) -> f64 {
         self.criterion().report(value)
     }
 
-    /// Whether the number that people read is better the larger it is.
+    /// Whether the reported number is better the larger it is.
     #[must_use]
     pub fn is_larger_better(self) -> bool {
         self.criterion().is_larger_better()

@@ -164,7 +164,7 @@ impl ActualArm {
         self.drives.iter().any(held) || effects.into_iter().any(|kind| self.effects.has(kind))
     }
 
-    /// Mobility of each motor against links and, where `rotors`, rotors: diagonal of `C M⁻¹ Cᵀ`, 1/(kg·m²).
+    /// Mobility of each motor against links and, where `rotors`, rotors: diagonal of `C H⁻¹ Cᵀ`, 1/(kg·m²).
     fn mobility(&self, parameters: &StandardParameters) -> Vec<f64> {
         let mass_matrix = Dynamics::new(&self.robot, parameters).mass_matrix(&gain_pose(&self.robot));
         let n = self.drives.len();

@@ -3,7 +3,7 @@
 //! ```text
 //! q̂ = q + (e_m/N) sin(N q + φ) + e_j sin(q + ψ)      phases drawn by joint
 //! ```
-//! `N` is the gear. A slide has no turn of its own: `e_j` is then left out.
+//! `N` is the gear. A prismatic joint has no angle of its own: `e_j` is then left out.
 
 use super::draw;
 use crate::seed::Seed;
@@ -19,7 +19,7 @@ pub(in crate::experiment) struct Eccentricity {
 }
 
 impl Eccentricity {
-    /// Of joints with these (gear, whether they turn); amplitudes at motor and joint, rad.
+    /// Of joints with these (gear, whether they are revolute); amplitudes at motor and joint, rad.
     pub(super) fn of_joints(joints: &[(f64, bool)], motor: f64, joint: f64, seed: Seed) -> Vec<Self> {
         let discs = draw::phases(seed, "motor eccentricity", joints.len());
         let gears = draw::phases(seed, "joint eccentricity", joints.len());

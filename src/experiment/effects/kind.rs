@@ -109,7 +109,7 @@ effects! {
     /// Encoder discs off the axes of their motors.
     MotorEccentricity: "motor-eccentricity", "mrad", 5.0, 20.0, 200.0,
         "error of the motor's angle, once a motor turn";
-    /// Gears that turn unevenly once a turn of their joint.
+    /// Gears whose ratio varies once a turn of their joint.
     JointEccentricity: "joint-eccentricity", "mrad", 0.2, 1.0, 20.0,
         "error of the joint's angle, once a joint turn";
     /// Samples taken off the clock that they are stamped with.

@@ -11,8 +11,9 @@
 //! They live around a [`Plant`](super::Plant), not in an engine, so that every engine has them alike: an [`ActualArm`]
 //! changes what the plant is built from, and a [`Servo`](super::Servo) with it changes torques, encoders and samples.
 //! Effects on friction are coefficients of [torque terms](crate::model::term) that the truth has and the identification
-//! model lacks; only their sizes stand here. Load, warmth and springs need more than one step of the plant in a servo step; how many follows from their stiffness.
-//! Without any effect the servo computes what it always did, to the last bit.
+//! model lacks; only their sizes stand here. Load, temperature and springs need more than one step of the plant in a
+//! servo step; how many follows from their stiffness. Without any effect the servo's numbers are unchanged, to the last
+//! bit.
 //!
 //! What belongs to one arm (signs, phases) is drawn from the seed of its effects; what belongs to one run (jitter, losses,
 //! noise) from the servo's seed and run.

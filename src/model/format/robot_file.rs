@@ -132,7 +132,7 @@ struct DriveTable {
 ///
 /// # Errors
 /// [`FormatError`] with line and column: an unknown or missing key, a list of the wrong length, a number that is not
-/// finite, a gear that is not positive, limits that are reversed, a link that is not there, a singular coupling.
+/// finite, a gear that is not positive, limits that are reversed, a link that does not exist, a singular coupling.
 pub fn parse_robot(text: &str) -> Result<Robot, FormatError> {
     let file: RobotTable = read(text)?;
     let check = Check::new(text);

@@ -59,7 +59,7 @@ fn overflowing<'a>(joints: &'a [Joint], parameters: &StandardParameters) -> Opti
     found.map(|(joint, _)| joint.name.as_str())
 }
 
-/// A sentence for each link whose inertia no body has; one without mass, or a point mass, is what a file may state.
+/// A sentence for each physically inconsistent link; a file may state one without mass, or a point mass.
 fn impossible(robot: &Robot, parameters: &StandardParameters) -> Vec<String> {
     let links = robot.joints().iter().zip(&parameters.links);
     links

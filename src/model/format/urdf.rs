@@ -42,8 +42,8 @@ use crate::spatial::{Inertia, Placement};
 /// ```
 ///
 /// # Errors
-/// [`FormatError`] with line and column: malformed XML, a missing or malformed attribute, a link that is not there or
-/// hangs twice, a tree without a tip (the leaves are listed), a planar, floating or mimic joint on the chain.
+/// [`FormatError`] with line and column: malformed XML, a missing or malformed attribute, a link that does not exist or
+/// has two parents, a tree without a tip (the leaves are listed), a planar, floating or mimic joint on the chain.
 pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
     let document = parse_xml(text)?;
     read_tree(Element::root(&document), text)?.chain(ends).map(|model| model.read_from(text))
