@@ -42,9 +42,9 @@ pub struct Snapshot {
     pub age_s: f64,
     /// Joint states in the last second.
     pub rate_hz: f64,
-    /// What the stamps reported so far.
+    /// What the stamps showed so far.
     pub stamps: StampFindings,
-    /// The state of the robot controller in words, where it reports.
+    /// The state of the robot controller in words, where it reports one.
     pub controller_state: Option<String>,
     /// The last report of a guard, and its age, s.
     pub guard: Option<(GuardState, f64)>,

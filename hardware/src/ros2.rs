@@ -57,7 +57,7 @@ impl GuardedRos2 {
         record
     }
 
-    /// What the stamps of the last motion reported.
+    /// What the stamps of the last motion showed.
     #[must_use]
     pub fn findings(&self) -> &StampFindings {
         self.guarded.arm().machine().findings()

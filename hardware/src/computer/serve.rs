@@ -55,7 +55,7 @@ pub struct Progress {
     pub orders: u64,
 }
 
-/// How often the state in words goes out, and feedback about a motion, in steps of the servo.
+/// Time between two reports of the state in words, and between two of feedback about a motion, s.
 const WORDS_S: f64 = 0.05;
 /// How late answers are in [`FaultKind::LateAnswer`], s.
 const LATE_S: f64 = 1.0;

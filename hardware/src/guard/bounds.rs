@@ -4,7 +4,7 @@ use armid::model::{EffortInterface, JointKind, Robot};
 
 use super::GuardSettings;
 
-/// The lines of one joint, in rad (m), per second, and the unit of its effort.
+/// The limits of one joint, in rad (m), per second, and the unit of its effort.
 #[derive(Clone, Debug, PartialEq)]
 pub struct JointBounds {
     /// Its name.
@@ -32,7 +32,7 @@ pub struct JointBounds {
 }
 
 impl JointBounds {
-    /// The lines of every joint of a robot.
+    /// The limits of every joint of a robot.
     ///
     /// An effort that is a torque is held against what the clamped currents give at the joint,
     /// `|τ_j| ≤ clamp · Σ_i |C_ij| N_i Kt_i i_max,i`, with the coupling `C` of the motors.

@@ -118,7 +118,7 @@ struct Watched<'a> {
     period_s: f64,
     doing: Activity,
     observer: Option<&'a mut Observer>,
-    /// When the observer was reported last, in the watch's time, s.
+    /// When the observer last received the state, in the watch's time, s.
     told_s: f64,
     /// Time and phase of the last sample.
     last: (f64, Phase),
@@ -140,14 +140,14 @@ impl Watched<'_> {
         self.watch.sample(&RawSample { t: sample.t + ahead_s, ..*sample });
     }
 
-    /// Reports the observer, where there is one.
+    /// Gives the state to the observer, where there is one.
     fn report(&mut self, doing: Activity) {
         if let Some(observer) = &mut self.observer {
             observer(&GuardState::new(self.mode, doing, self.last, &self.watch));
         }
     }
 
-    /// Reports the observer where it is time to; never before a safe action.
+    /// Gives the state to the observer where it is time to; never before a safe action.
     fn tell_now_and_then(&mut self) {
         let now_s = self.last.0 + self.ahead_s.unwrap_or_default();
         if self.observer.is_some() && self.watch.tripped().is_none() && now_s >= self.told_s + TELL_EVERY_S {

@@ -9,12 +9,12 @@ use super::{
     Approach, ApproachRecord, Confirmation, GuardSettings, JointBounds, Passed, REACTION_MS, Survey, Trip, preflight,
 };
 
-/// An arm of metal, or what stands for one across a wire.
+/// A real arm, or a simulated one that is reached as a real one is.
 pub trait Machine: Arm {
     /// Looks at the arm without moving it.
     ///
     /// # Errors
-    /// [`ArmError`] where nothing is received of it.
+    /// [`ArmError`] where nothing is received from it.
     fn survey(&mut self) -> Result<Survey, ArmError>;
 
     /// What a recording of this plan is, before its first sample.
@@ -23,8 +23,8 @@ pub trait Machine: Arm {
     /// [`ArmError`] where the plan cannot be performed.
     fn announcement(&self, plan: &ExperimentPlan) -> Result<Recording, ArmError>;
 
-    /// Moves along an approach. The sink receives samples as no part of the experiment ([`Sink::unrecorded`]), silence and
-    /// set-points, and no beginning.
+    /// Moves along an approach. The sink receives samples as no part of the experiment ([`Sink::unrecorded`]), idle
+    /// time and set-points, but no [`Sink::begin`].
     ///
     /// # Errors
     /// [`ArmError`] where the motion cannot begin.

@@ -13,7 +13,7 @@ pub struct GuardRecord {
     pub mode: Mode,
     /// Whether the request `disable` has a subscriber; otherwise such a trip ends the motion.
     pub disables: bool,
-    /// Where the lines were.
+    /// The limits of the checks.
     pub settings: GuardSettings,
     /// States per second that the bounds of the checks count with, Hz.
     pub rate_hz: f64,

@@ -2,7 +2,7 @@
 
 use armid::experiment::Expectation;
 
-/// Limits of the guard. Angles are for joints that turn, lengths for joints that slide.
+/// Limits of the guard. Angles are for revolute joints, lengths for prismatic ones.
 ///
 /// The defaults follow what laboratories use with arms of this class: soft limits 3 to 5 degrees inside the hard ones,
 /// set-points no older than 20 ms. The others are assumed: above what a servo of 8 Hz does on a good day, far below what
@@ -12,20 +12,20 @@ use armid::experiment::Expectation;
 pub struct GuardSettings {
     /// How far the soft limits lie inside the hard ones, deg.
     pub soft_margin_deg: f64,
-    /// The same for sliding joints, m.
+    /// The same for prismatic joints, m.
     pub soft_margin_m: f64,
     /// Largest distance from the command, deg.
     pub following_error_deg: f64,
-    /// The same for sliding joints, m.
+    /// The same for prismatic joints, m.
     pub following_error_m: f64,
     /// What a position may move between two samples beyond 1.5 times the speed limit, deg.
     pub jump_deg: f64,
-    /// The same for sliding joints, m.
+    /// The same for prismatic joints, m.
     pub jump_m: f64,
     /// Largest measured speed, in parts of a joint's speed limit.
     pub overspeed: f64,
-    /// Largest speed of the flange and of every point that the robot file names, mm/s; 0 sets no line. For people beside
-    /// the arm, 250.
+    /// Largest speed of the flange and of every point that the robot file names, mm/s; 0 sets no limit. For people
+    /// beside the arm, 250.
     pub reduced_speed_mm_s: f64,
     /// Part of the current limit that may be used for longer than the window.
     pub current_clamp: f64,
@@ -35,7 +35,7 @@ pub struct GuardSettings {
     pub stale_ms: f64,
     /// Age at which a set-point is no longer sent, ms.
     pub command_age_ms: f64,
-    /// Time over which command and motion are compared to report that the arm stands, ms.
+    /// Time over which command and motion are compared to detect that the arm stands, ms.
     pub stop_window_ms: f64,
     /// Part of the speed and acceleration limits used on the way to the start pose.
     pub approach_speed: f64,

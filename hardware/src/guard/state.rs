@@ -47,7 +47,7 @@ pub struct GuardState {
     pub trip: Option<String>,
 }
 
-/// Receives of a guard's state, at most every tenth of a second of the experiment's time, and once at the end.
+/// Receives the state of a guard, at most every tenth of a second of the experiment's time, and once at the end.
 pub type Observer = Box<dyn FnMut(&GuardState) + Send>;
 
 /// How often a guard reports its state, s.

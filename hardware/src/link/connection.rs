@@ -32,7 +32,7 @@ impl Connection {
         let mut words = Vec::new();
         if !settings.robot_state.is_empty() {
             let topic = settings.full(&settings.robot_state);
-            // A reader of what is kept receives no writer that keeps nothing, so there are two.
+            // A transient-local reader does not match a volatile writer, so there are two.
             for durability in [Durability::Volatile, Durability::TransientLocal] {
                 let qos = settings.command_qos().durability(durability);
                 words.push(Inbox::new("robot state", endpoint.subscription(&topic, text, &qos)?)?);

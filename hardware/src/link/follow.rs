@@ -46,7 +46,7 @@ enum End {
     Act(SafeAction),
 }
 
-/// How long to wait for the next message before the listener receives silence.
+/// How long to wait for the next message before the listener is told that none has come.
 const PATIENCE: Duration = Duration::from_millis(2);
 /// How long the robot controller may take to report that a motion has ended.
 pub(crate) const RESULT: Duration = Duration::from_secs(3);

@@ -29,7 +29,7 @@ impl JointMap {
     /// The map for joints called `joints` in the robot file.
     ///
     /// # Errors
-    /// [`LinkError::Setting`] where `joint_names` renames a joint that is not there, or two to the same name.
+    /// [`LinkError::Setting`] where `joint_names` renames a joint that does not exist, or two to the same name.
     pub fn new(joints: &[String], settings: &LinkSettings) -> Result<Self, LinkError> {
         let fault = |found: String, expected| LinkError::Setting { key: "joint_names", found, expected };
         if let Some(stranger) = settings.joint_names.keys().find(|name| !joints.contains(name)) {

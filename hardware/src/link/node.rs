@@ -165,7 +165,8 @@ impl Endpoint {
     }
 }
 
-/// Topics that others publish or listen to in the domain of `settings`, received within `listen`, in the order of names.
+/// Topics that others publish or listen to in the domain of `settings`, discovered within `listen`, in the order of
+/// names.
 ///
 /// # Errors
 /// [`LinkError`] where the network refuses.

@@ -12,7 +12,7 @@ pub(crate) const WINDOW_S: f64 = 0.2;
 const LEAST_STATES: usize = 3;
 /// A joint that moves no faster than this over the window stands: 0.5 deg/s, a servo that settles after braking.
 const REST_RAD_S: f64 = 0.5 * std::f64::consts::PI / 180.0;
-/// The same for a sliding joint, m/s.
+/// The same for a prismatic joint, m/s.
 const REST_M_S: f64 = 1e-3;
 /// A command that moved so much more than a joint that stands may shows that the joint no longer follows it.
 const IGNORED: f64 = 5.0;

@@ -30,7 +30,7 @@ pub struct Reading {
     pub age_s: f64,
     /// How often joint states come by their own stamps, Hz.
     pub rate_hz: f64,
-    /// The state of its controller in words, where it reports.
+    /// The state of its controller in words, where it reports one.
     pub state: Option<String>,
 }
 
@@ -205,7 +205,7 @@ impl Ros2Arm {
         self.rate_hz
     }
 
-    /// A topic on which to report others in words what happens here.
+    /// A publisher of text on `topic`, by which others learn what happens here.
     pub(crate) fn status_publisher(&mut self, topic: &str) -> Result<Publisher<Text>, LinkError> {
         self.line.endpoint.publisher(topic, ("std_msgs", "String"), &self.settings.report_qos())
     }
@@ -223,7 +223,7 @@ impl Ros2Arm {
         self.line.sender.feedback()
     }
 
-    /// What the stamps of the last motion reported.
+    /// What the stamps of the last motion showed.
     #[must_use]
     pub fn findings(&self) -> &StampFindings {
         &self.findings
@@ -250,7 +250,7 @@ impl Ros2Arm {
     }
 }
 
-/// Looks at a robot without moving it: where it stands, how often it says so, the state of its controller.
+/// Looks at a robot without moving it: where it stands, the rate of its joint states, the state of its controller.
 ///
 /// # Errors
 /// [`LinkError`] where there is no answer, or the joints are not those of the robot file.

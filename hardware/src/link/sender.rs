@@ -33,7 +33,7 @@ struct Action {
     goals: Vec<Goal>,
     /// Requests that have no answer yet, oldest first, and when they went out.
     unanswered: Vec<(RmwRequestId, Instant)>,
-    /// Every goal that this program has ever sent, to report ours from others.
+    /// Every goal that this program has ever sent, to distinguish ours from others.
     ours: Vec<GoalId>,
     cancels: Vec<RmwRequestId>,
 }

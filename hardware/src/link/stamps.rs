@@ -101,7 +101,7 @@ impl StampWatch {
     pub fn see(&mut self, stamp_ns: i64, arrival_s: f64) -> Stamp {
         let stamp = self.judge(stamp_ns, arrival_s);
         if let Stamp::Jumped(_) = stamp {
-            // Ways across a jump are none.
+            // A transport time across a jump means nothing.
             self.shortest = None;
         }
         self.time(stamp_ns, arrival_s);

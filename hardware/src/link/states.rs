@@ -13,7 +13,7 @@ use super::LinkError;
 /// What a thread received, and when by the local monotonic clock.
 pub(crate) struct Received<M> {
     pub(crate) at: Instant,
-    /// The message, or why its bytes are none.
+    /// The message, or why its bytes cannot be decoded.
     pub(crate) message: Result<M, String>,
 }
 

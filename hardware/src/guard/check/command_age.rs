@@ -3,7 +3,7 @@
 use super::Check;
 use crate::guard::Trip;
 
-/// Trips where a set-point is older than the line when it is about to be sent. The robot controller has the same line
+/// Trips where a set-point is older than the limit when it is about to be sent. The robot controller has the same limit
 /// from its side: it holds where none comes.
 pub(super) struct CommandAge {
     line_s: f64,

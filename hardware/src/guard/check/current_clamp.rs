@@ -7,22 +7,22 @@ use armid::experiment::RawSample;
 use super::Check;
 use crate::guard::{JointBounds, Trip};
 
-/// In how many windows of time one window above the line is too much: an eighth. A sine wave at full current, which is
-/// above 0.95 of it for 20.2 % of the time, counts.
+/// In how many windows of time one window above the threshold is too much: an eighth. A sine wave at full current,
+/// which is above 0.95 of it for 20.2 % of the time, counts.
 const WINDOWS: f64 = 8.0;
 
 /// Trips where the effort of a joint was above its limit for longer than the window, in all, within the last
 /// [`WINDOWS`] windows:
 ///
 /// ```text
-/// ∫ [|τ_j| > line_j] dt > W      over the last 8 W
+/// ∫ [|τ_j| > limit_j] dt > W      over the last 8 W
 /// ```
 /// A single sample, which noise or a converter may make, does not trip; an oscillation does.
 pub(super) struct CurrentClamp {
     bounds: Vec<JointBounds>,
     window_s: f64,
     before_s: Option<f64>,
-    /// Spans above the line: when each ended, and how long it was.
+    /// Spans above the limit: when each ended, and how long it was.
     above: Vec<VecDeque<(f64, f64)>>,
     longest: f64,
 }
@@ -87,7 +87,7 @@ mod tests {
     /// When a current trips that is `of(t)` of the first joint's limit, at 500 Hz.
     fn trips_s(of: impl Fn(f64) -> f64) -> Option<f64> {
         let robot = armid::conformance::chains::planar_2r();
-        // Its drives have no limit of their own, and without a limit there is no line.
+        // Its drives have no limit of their own, and without a limit there is no threshold.
         let drive = Drive { current_limit: 5.0, ..Drive::ideal() };
         let robot = robot.with_drives(vec![drive.clone(), drive]);
         let bounds = JointBounds::of_robot(&robot, &GuardSettings::default());

@@ -30,7 +30,8 @@ impl Check for PositionJump {
         if let Some((t, before)) = &self.before {
             let dt = (sample.t - t).max(self.period_s);
             for (j, joint) in self.bounds.iter().enumerate() {
-                // No speed limit, no line: only a jump of the encoder beyond any time would report.
+                // Without a speed limit there is no threshold: no jump would be too large for the time between two
+                // samples.
                 let line = joint.jump + 1.5 * joint.velocity * dt;
                 let moved = (sample.q[j] - before[j]).abs();
                 if line.is_finite() {

@@ -9,7 +9,7 @@ use super::Check;
 use crate::guard::Trip;
 use crate::guard::points::{Places, furthest, names, places};
 
-/// Trips where the flange, or a point that the robot file names, went further in a window W than the line allows,
+/// Trips where the flange, or a point that the robot file names, went further in a window W than the limit allows,
 /// `|p(t) − p(t − W)| / W > v`, where a limit is set.
 pub(super) struct ReducedSpeed {
     robot: Robot,

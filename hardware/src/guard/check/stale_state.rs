@@ -5,7 +5,7 @@ use armid::experiment::RawSample;
 use super::Check;
 use crate::guard::Trip;
 
-/// Trips where no state came for longer than the line, or one was on its way for longer than that: by the local clock
+/// Trips where no state came for longer than the limit, or one was on its way for longer than that: by the local clock
 /// while the silence lasts, and by the robot's own stamps where one gap lies between two states that arrive together.
 pub(super) struct StaleState {
     line_s: f64,
