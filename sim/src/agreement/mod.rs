@@ -8,7 +8,7 @@
 //! ```
 //! Free motion has no torque, no friction and a short horizon, so that the order of a method shows. The reference is a
 //! Runge–Kutta method over the core's articulated-body algorithm with steps so fine that its own error, measured by
-//! halving them, is rounding: it shares neither equations nor integrator with any engine. In the closed loop torque is
+//! halving them, is rounding: it shares no code with any engine. In the closed loop torque is
 //! held over a servo step, which makes every engine first order there: only differences are given.
 //!
 //! What an engine must reach is in `tolerance`, with reasons. Not covered: contacts, which no engine here has.

@@ -1,12 +1,12 @@
 //! Forward dynamics in one pass out and one pass in: bias forces, composite inertias and the mass matrix together.
 //!
 //! ```text
-//! M(q) q̈ = τ − h(q, q̇) − friction(q̇)
+//! H(q) q̈ = τ − c(q, q̇) − g(q) − friction(q̇)
 //! ```
 //! Out: velocities, accelerations without q̈, and the forces they need, with `U = [ω̇]× + [ω]×²` so that a point `x` of
 //! a link accelerates by `a + U x`; a link needs `f = m a + U m c` and `n = m c × a + vee(U Σ − Σ Uᵀ)`. In: forces and
 //! composite inertias go to the frame before; the force that accelerates joint k alone travels inwards and leaves
-//! `M_jk` at every joint j. Then `M = L D Lᵀ`.
+//! `H_jk` at every joint j. Then `H = L D Lᵀ`.
 //!
 //! Reference: R. Featherstone, *Rigid Body Dynamics Algorithms*, Springer 2008, tables 5.1 and 6.2.
 
@@ -28,7 +28,7 @@ struct Pose<V> {
     origin: Three<V>,
 }
 
-/// `M = L D Lᵀ`: `L` below the diagonal, and the reciprocals of `D`.
+/// `H = L D Lᵀ`: `L` below the diagonal, and the reciprocals of `D`.
 #[derive(Clone, Copy)]
 pub(crate) struct Factor<const N: usize, V> {
     lower: [[V; N]; N],

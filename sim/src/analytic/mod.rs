@@ -1,11 +1,11 @@
 //! The embedded simulator: own forward dynamics, Runge–Kutta of order 4, smooth Coulomb friction.
 //!
 //! ```text
-//! M(q) q̈ + h(q, q̇) + Fv q̇ + Fc tanh(q̇ / v_s) + Fo = τ          M with rotor inertia, h with gravity
+//! H(q) q̈ + c(q, q̇) + g(q) + Fv q̇ + Fc tanh(q̇ / v_s) + Fo = τ          H with rotor inertia
 //! ```
 //! Written for one purpose, thousands of closed-loop experiments: no allocation, no branch on data, sizes known when
-//! compiled. Its forward dynamics share no code with the core's, which solves the same equations by the articulated
-//! body algorithm; the two are compared in tests.
+//! compiled. Its forward dynamics share no code with the core's
+//! ([`armid::dynamics::Dynamics::forward`]); the two are compared in tests.
 //!
 //! Not modelled: elasticity, backlash, stiction beyond the smooth law, contact, motor electrics.
 

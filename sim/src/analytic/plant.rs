@@ -65,7 +65,7 @@ impl AnalyticPlant {
     ///
     /// # Errors
     /// [`AnalyticError`] where the robot has more than [`MOST_JOINTS`] joints, the parameters are not its own, or
-    /// a torque term is none that a plant can simulate.
+    /// a plant cannot simulate one of the torque terms.
     pub fn new(robot: &Robot, parameters: &StandardParameters) -> Result<Self, AnalyticError> {
         let dof = robot.dof();
         let found = parameters.links.len().min(parameters.drives.len());

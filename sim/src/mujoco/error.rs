@@ -17,7 +17,7 @@ pub enum MujocoError {
         /// The folders in which it was looked for.
         searched: Vec<PathBuf>,
     },
-    /// The file named by the environment is not there or cannot be read.
+    /// The file named by the environment does not exist or cannot be read.
     #[error(
         "{}, named by ARMID_MUJOCO_LIB: {reason}, expected the library of MuJoCo {VERSION}; run scripts/get-mujoco \
          and unset the variable, or name another file",

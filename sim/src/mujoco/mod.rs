@@ -1,7 +1,7 @@
 //! MuJoCo 3.17.0 as a plant, for independent checks.
 //!
 //! ```text
-//! M(q) q̈ + c(q, q̇) + g(q) = τ − friction(q̇)          M with rotor inertia, as joint and tendon armature
+//! H(q) q̈ + c(q, q̇) + g(q) = τ − friction(q̇)          H with rotor inertia, as joint and tendon armature
 //! ```
 //! Everything on the left is computed by MuJoCo from a model generated for it ([`mjcf`]); friction and offset are the
 //! core's drive laws, applied as generalised forces, so that they are the same in every engine. Contacts and

@@ -14,7 +14,7 @@ pub enum RapierError {
         /// Number of joints of the robot.
         expected: usize,
     },
-    /// A link that no body can be: the engine would drop what is negative and go on.
+    /// A physically inconsistent link: the engine would drop what is negative and go on.
     #[error("link {link}: {fault}")]
     Link {
         /// Number of the link, from one.

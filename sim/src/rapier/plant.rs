@@ -75,7 +75,7 @@ impl RapierPlant {
     ///
     /// # Errors
     /// [`RapierError`] where the parameters are not the robot's own, a link's inertia is not that of a body, a rotor's
-    /// is negative, or a torque term is none that a plant can simulate.
+    /// is negative, or a plant cannot simulate one of the torque terms.
     pub fn new(robot: &Robot, parameters: &StandardParameters) -> Result<Self, RapierError> {
         let n = robot.dof();
         let found = parameters.links.len().min(parameters.drives.len());
