@@ -22,7 +22,7 @@ pub fn read(path: &Path) -> Result<Estimate, Error> {
 /// One estimate.
 ///
 /// # Errors
-/// [`Error`] with line and column where the text is none, or a list.
+/// [`Error`] with line and column where the text is not an estimate; [`Error`] where it is a list of them.
 pub fn parse(text: &Text) -> Result<Estimate, Error> {
     if is_list(text) {
         let message = format!("{} holds a list of estimates, expected one", text.name);

@@ -111,7 +111,7 @@ pub fn load(name: &str) -> Result<Experiment, Error> {
 /// Reads an experiment from its text; files that it names lie beside it.
 ///
 /// # Errors
-/// [`Error`] with line and column where it is not as an experiment is written, or names what is not there.
+/// [`Error`] with line and column where it is not as an experiment is written, or names what does not exist.
 pub fn parse(text: Text, folder: Option<&Path>) -> Result<Experiment, Error> {
     let file: File = toml::from_str(&text.content).map_err(|error| Error::of_toml(&text, &error))?;
     let chain = ChainEnds { base: file.base_link, tip: file.tip_link };

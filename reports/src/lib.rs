@@ -9,6 +9,33 @@
 //!   equal bytes on every machine: coordinates are tenths of a pixel, logarithms come from `libm`. Input that cannot be
 //!   drawn gives a [`FigureError`] that names the offending number, never a panic and never an empty picture.
 //! - [`document`]: sections of text, figures and tables become one self-contained HTML page and a list of SVG files.
+//!
+//! | to | begin at |
+//! |---|---|
+//! | draw one figure | a struct of [`figures`] and [`Figure::svg`] |
+//! | put a page together | [`Document`], [`Section`], [`Table`] |
+//! | report a study | [`study_document`] |
+//! | report an estimate | [`estimate_document`] |
+//! | report the comparison of two estimates | [`comparison_document`] |
+//! | show a design | [`design_convergence`], [`limits_figure`] |
+//!
+//! ```
+//! use armid_reports::{Axis, Bar, BarFigure, BarRow, Document, Group, Heading, Level, Section};
+//!
+//! let figure = BarFigure {
+//!     heading: Heading::new("limit-use", "Torque is the binding limit"),
+//!     value: Axis::linear("share of the limit", "%"),
+//!     groups: Group::assign(["condition", "d-optimal"]),
+//!     rows: vec![BarRow { label: "torque".into(), bars: vec![Some(Bar::new(91.0)), Some(Bar::new(98.0))] }],
+//!     levels: vec![Level::new(100.0, "limit")],
+//!     digits: Some(0),
+//! };
+//! let document = Document::new("Two designs").section(Section::new("Limits").figure(&figure)?);
+//! let html = document.html()?;
+//! assert!(html.contains("<svg") && html.contains("Torque is the binding limit"));
+//! assert_eq!(document.svg_files()?.len(), 1);
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 
 #![forbid(unsafe_code)]
 

@@ -1,6 +1,7 @@
 //! How groups of data are distinguished: by colour, and without colour by marker and dashes.
 //!
-//! Colours are the eight of Okabe and Ito ("Color universal design", 2008), which stay apart for readers with any common
+//! Colours are those of Okabe and Ito ("Color universal design", 2008) without yellow, which stay apart for
+//! readers with any common
 //! colour-vision deficiency. A name of the project (a design criterion, an estimator) always has the same style, so
 //! that a colour means the same in every figure of every report; other names get the next style that is free.
 

@@ -66,7 +66,7 @@ impl FinishedWork {
     /// Adds the designs of a journal.
     ///
     /// # Errors
-    /// [`Error`] as that of [`Journal::read`], and where a piece is none of this study.
+    /// [`Error`] as that of [`Journal::read`], and where a piece does not belong to this study.
     pub fn include_designs(&mut self, journal: &Path, setup: &StudySetup) -> Result<(), Error> {
         let identity = self.identity.clone();
         Journal::read(journal, &identity, &mut |piece, _| match piece {
@@ -95,7 +95,7 @@ impl FinishedWork {
     /// Begins the study's own journal, or goes on with it.
     ///
     /// # Errors
-    /// As [`Journal::open`], and where a piece is none of this study.
+    /// As [`Journal::open`], and where a piece does not belong to this study.
     pub fn begin(&mut self, folder: &Path, resume: bool, setup: &StudySetup) -> Result<(), Error> {
         let identity = self.identity.clone();
         let journal = Journal::open(folder, &identity, resume, &mut |piece, at| self.take(OWN, piece, at, setup))?;

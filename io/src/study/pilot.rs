@@ -15,7 +15,7 @@ use crate::error::Error;
 /// one pair lacks is left out of all.
 ///
 /// # Errors
-/// [`Error`] where a family is not there, or the rows cannot be read.
+/// [`Error`] where the pilot lacks a family, or the rows cannot be read.
 pub fn log_ratios(folder: &Path, pilot: &StudyResult, rule: &StoppingRule) -> Result<Vec<Vec<f64>>, Error> {
     let plan = &pilot.plan;
     let place = |name: &String| {
