@@ -8,7 +8,7 @@
 //! | see what it would check, and how soon it stops the arm | [`guard`], [`guard::Trip`] |
 //! | guard any other arm | [`guard::Guarded`] |
 //! | look at a robot without moving it | [`link::look`], [`link::peers`], [`monitor::Monitor`] |
-//! | rehearse without a robot | [`computer::RobotController`] around a plant, [`computer::serve`] |
+//! | rehearse without a robot | [`computer::RobotController`] around a plant, [`computer::serve()`] |
 //! | encode and decode its messages | [`message`] |
 //!
 //! A simulated arm in place of a real one, behind the guard:

@@ -25,7 +25,8 @@ const RECOVERY: f64 = 1e-8;
 /// Change of a value that counts as none, in standard deviations.
 const EQUAL: f64 = 1e-6;
 /// Experiments behind the coverage, and the share that must lie between these: with about 20 parameters each, whose
-/// errors are correlated, an honest estimator leaves them by chance less than once in a thousand seeds.
+/// errors are correlated, an estimator with calibrated intervals leaves them by chance less than once in a thousand
+/// seeds.
 const EXPERIMENTS: u64 = 40;
 const COVERAGE: [f64; 2] = [0.88, 0.99];
 

@@ -22,17 +22,17 @@ pub enum Mistake {
         /// Direction in the base frame that explains the torque.
         direction: [i8; 3],
     },
-    /// A position counts the other way.
+    /// The sign of a position is reversed.
     PositionSign {
         /// The joint.
         joint: usize,
     },
-    /// An effort counts the other way.
+    /// The sign of an effort is reversed.
     EffortSign {
         /// The joint.
         joint: usize,
     },
-    /// Position and effort of a joint do not count the same way; which of both is wrong does not show.
+    /// The sign of either the position or the effort of a joint is reversed; the data do not show which.
     EitherSign {
         /// The joint.
         joint: usize,

@@ -52,7 +52,7 @@ pub struct Inference<'a> {
     /// P W, or B.
     pub instruments: Instruments<'a>,
     /// Noise of the equations: of [`scatter_noise`](super::scatter_noise) where there is one, else of
-    /// [`residual_noise`](super::residual_noise).
+    /// [`residual_noise`].
     pub noise: &'a NoiseModel,
     /// Which of the two it is.
     pub basis: IntervalBasis,

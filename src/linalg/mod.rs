@@ -7,7 +7,7 @@
 //! of its length ([`RankTolerance`], with the reasons for its default).
 //!
 //! Every sum here runs in an order fixed by the size of the input alone. nalgebra's product of two dynamic matrices
-//! picks its kernel by the CPU and is therefore not used where the bits of a result are stored: [`product`],
+//! picks its kernel by the CPU and is therefore not used where the bits of a result are stored: [`product()`],
 //! [`transpose_product`], [`Gram`] and [`RowFactor`] take its place.
 //!
 //! Reference: G. H. Golub, C. F. Van Loan, *Matrix Computations*, 4th ed., 2013, ch. 5.

@@ -65,13 +65,13 @@ impl RankRevealingQr {
         Self { rests, order, tolerance, factor: rest }
     }
 
-    /// The number of columns whose rest was longer than the tolerance.
+    /// The number of columns whose residual was longer than the tolerance.
     #[must_use]
     pub fn rank(&self) -> usize {
         self.rests.iter().take_while(|&&rest| rest > self.tolerance.independent).count()
     }
 
-    /// The shortest rest that counted and the longest that did not: how clear the decision was.
+    /// The shortest residual that counted and the longest that did not: how clear the decision was.
     #[must_use]
     pub fn gap(&self) -> (f64, f64) {
         let rank = self.rank();
@@ -86,8 +86,8 @@ impl RankRevealingQr {
     /// ```text
     /// A = B C on the r chosen columns B = Q R₁₁        C = R₁₁⁻¹ R₁₂        ‖a_j − (B without b_i)‖ = |C_ij| / ‖(R₁₁⁻¹)_i‖
     /// ```
-    /// Without b_i the rank stays where that rest of some other column, of unit length, is above the tolerance. All columns
-    /// are judged by this one factorisation, `O(r² n)`, where a rank for each would take `O(m n³)`.
+    /// Without b_i the rank stays where that residual of some other column, of unit length, is above the tolerance. All
+    /// columns are judged by this one factorisation, `O(r² n)`, where a rank for each would take `O(m n³)`.
     #[must_use]
     pub fn indispensable(&self) -> Vec<usize> {
         let r = self.rank();

@@ -59,7 +59,7 @@ pub enum TorqueFilter {
     SameAsPositions,
 }
 
-/// Settings of the way from a recording to samples.
+/// Settings of the processing from a recording to samples.
 ///
 /// ```
 /// use armid::signal::{Derivatives, Processing};

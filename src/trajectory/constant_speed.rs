@@ -106,7 +106,7 @@ impl ConstantSpeedTrajectory {
     /// other joints stand at `pose`. Segments last 3 s at most, and times are multiples of 10 ms.
     ///
     /// # Errors
-    /// [`TrajectoryError`] if a speed needs more way than there is: a change of speed takes
+    /// [`TrajectoryError`] if `range` is too short for a speed: a change of speed takes
     /// `15/8 · 2 v / (0.8 · acceleration limit)`.
     pub fn there_and_back(
         robot: &Robot,

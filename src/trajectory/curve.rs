@@ -27,7 +27,7 @@ impl Curve {
     }
 
     /// The largest value over the period: exact to rounding for polynomials, else to
-    /// [`EXTREMUM_TOLERANCE`](super::EXTREMUM_TOLERANCE) of the sum of the amplitudes.
+    /// [`EXTREMUM_TOLERANCE`] of the sum of the amplitudes.
     #[must_use]
     pub fn maximum(&self) -> Extremum {
         match self {

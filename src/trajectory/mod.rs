@@ -5,7 +5,7 @@
 //! ```
 //! A [`Trajectory`] is evaluated at a time; a [`PeriodicMotion`] also hands out the curve of each joint, whose extrema
 //! are known between samples; a [`TrajectoryFamily`] is the set of motions of one kind as a linear space of coefficients; a
-//! [`Timeline`] is the way from rest into the motion and back. Nothing here depends on limits, torque or experiments.
+//! [`Timeline`] is the ramp from rest into the motion and back. Nothing here depends on limits, torque or experiments.
 
 mod b_spline;
 mod constant_speed;

@@ -6,8 +6,8 @@
 //! A ramp runs a path at the speed S; a move from point to point, and a transition that fades in, follow S itself. It
 //! stands here alone, so that what is certified and what is commanded are the same bits.
 //!
-//! Reference: T. Flash, N. Hogan, "The coordination of arm movements", J. Neuroscience 5(7), 1985: S is the way between
-//! two points with the least square of jerk.
+//! Reference: T. Flash, N. Hogan, "The coordination of arm movements", J. Neuroscience 5(7), 1985: S is the path
+//! between two points of minimum jerk.
 
 /// S and its derivatives with respect to u at one place.
 ///

@@ -180,7 +180,7 @@ impl Done<'_> {
         })
     }
 
-    /// Every parameter that is written, with what the uncertainty of the estimate makes of it.
+    /// Every parameter that is written, with its standard deviation from the covariance of the estimate.
     fn parameters(&self) -> Vec<Value> {
         let of = |(id, std): &(ParameterId, f64)| json!({ "name": id.to_string(), "value": self.set.parameters.get(*id), "std": std });
         self.set.std.iter().map(of).collect()

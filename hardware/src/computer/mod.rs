@@ -7,8 +7,8 @@
 //!            └──────────────────────────┘ ←──────────────────────── └────────────────────────────────────────────────┘
 //!                                            states, results
 //! ```
-//! [`RobotController`] and everything in it have no clock and no network: time is the number of servo steps. [`serve`] paces
-//! them by the wall clock and counts the deadlines that were missed.
+//! [`RobotController`] and everything in it have no clock and no network: time is the number of servo steps.
+//! [`serve()`] paces them by the wall clock and counts the deadlines that were missed.
 //!
 //! What it refuses and stops by itself, for any client:
 //!

@@ -1,4 +1,4 @@
-//! The way a motion goes out, and what the robot controller answers.
+//! How a motion is sent, and what the robot controller answers.
 
 use std::time::{Duration, Instant};
 
@@ -65,7 +65,7 @@ pub(crate) struct Sender {
 }
 
 impl Sender {
-    /// Opens the way of `settings.mode`.
+    /// Opens the topic or the action of `settings.mode`.
     pub(crate) fn open(endpoint: &mut Endpoint, settings: &LinkSettings) -> Result<Self, LinkError> {
         let qos = settings.command_qos();
         let way = match settings.mode {

@@ -1,4 +1,4 @@
-//! What the stamps of joint states say about the way they came.
+//! What the stamps of joint states show about their transport.
 //!
 //! ```text
 //! Δ = stamp − last stamp        δ = arrival − last arrival, by the local monotonic clock
@@ -6,16 +6,16 @@
 //! reordered    −½ s ≤ Δ < 0                       dropped: a newer one was already used
 //! gap          Δ > 1.5 periods                    round(Δ/period) − 1 messages are missing
 //! clock jump   Δ < −½ s, or Δ > δ + ½ s           a clock cannot be faster than time
-//! lateness     w − w₀,  w = arrival − stamp       w₀ is the shortest way of a message so far
+//! lateness     w − w₀,  w = arrival − stamp       w₀ is the shortest transport time so far
 //! ```
-//! Two clocks never run alike: w₀ grows by 1 % of the time that passes, so a drift below that is no lateness, and a
-//! constant delay is accepted after a while.
+//! Two clocks never run at the same rate: w₀ grows by 1 % of the time that passes, so a drift below that is no
+//! lateness, and a constant delay is accepted after a while.
 
 use serde::{Deserialize, Serialize};
 
-/// Largest difference between the robot's time and ours that lateness on the way explains, s.
+/// Largest difference between the robot's time and ours that lateness explains, s.
 const LATENESS_S: f64 = 0.5;
-/// Growth of the shortest way with time, s/s.
+/// Growth of the shortest transport time with time, s/s.
 const DRIFT: f64 = 0.01;
 
 /// What was wrong with the stamps of one experiment, as numbers for the reader.
@@ -39,7 +39,7 @@ pub struct StampFindings {
     pub largest_jump_s: f64,
     /// Longest silence by the local clock, s.
     pub longest_silence_s: f64,
-    /// How much longer than the quickest message the slowest one was on its way, s.
+    /// Largest transport time above the shortest, s.
     pub latest_s: f64,
     /// Samples of the experiment that no pair of neighbouring messages covers; they lie on the line across the gap.
     pub missing: Vec<usize>,
@@ -69,7 +69,7 @@ pub enum Stamp {
 pub struct StampWatch {
     period_s: f64,
     last: Option<(i64, f64)>,
-    /// The shortest way of a message so far, as it stands at an arrival: stamp from which ways count, arrival, way.
+    /// The shortest transport time so far, as it stands at an arrival: stamp from which times count, arrival, time.
     shortest: Option<(i64, f64, f64)>,
     lateness_s: f64,
     findings: StampFindings,
@@ -82,7 +82,7 @@ impl StampWatch {
         Self { period_s, last: None, shortest: None, lateness_s: 0.0, findings: StampFindings::default() }
     }
 
-    /// How much longer than the quickest one the last message was on its way, s.
+    /// Transport time of the last message above the shortest, s.
     #[must_use]
     pub fn lateness_s(&self) -> f64 {
         self.lateness_s

@@ -36,7 +36,7 @@ pub struct Agreement {
     pub horizon_s: f64,
     /// The step at which energy and pairs are compared in free motion, s.
     pub step_s: f64,
-    /// Largest way of a joint in free motion, rad (m).
+    /// Largest travel of a joint in free motion, rad (m).
     pub travel: f64,
     /// Error of the reference that free motion is compared with, rad (m).
     pub reference_error: f64,
@@ -61,7 +61,7 @@ pub struct EngineAgreement {
     pub errors: Vec<StepError>,
     /// Order of convergence by the three finest steps above rounding; `None` where rounding leaves fewer.
     pub order: Option<f64>,
-    /// Error of free motion at the certificate's step, relative to the way.
+    /// Error of free motion at the certificate's step, relative to the largest travel.
     pub free: f64,
     /// Largest change of energy in free motion at that step, relative to the energy that moved.
     pub energy: f64,

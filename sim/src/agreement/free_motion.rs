@@ -69,7 +69,7 @@ pub(super) struct FreeMotion<'a> {
     starts: Vec<Start>,
     /// Error of the reference itself, rad (m).
     pub(super) reference_error: f64,
-    /// Largest way of a joint, rad (m).
+    /// Largest travel of a joint, rad (m).
     pub(super) travel: f64,
 }
 

@@ -9,7 +9,7 @@ pub struct Tolerance {
     pub order: (f64, f64),
     /// Torque residual of its equations, relative to the largest torque.
     pub equations: f64,
-    /// Error of free motion at the step of the certificate, relative to the way that joints moved.
+    /// Error of free motion at the step of the certificate, relative to the largest travel of a joint.
     pub free: f64,
     /// Change of energy in free motion at that step, relative to the energy that moved.
     pub energy: f64,

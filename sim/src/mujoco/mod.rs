@@ -3,7 +3,7 @@
 //! ```text
 //! H(q) q̈ + c(q, q̇) + g(q) = τ − friction(q̇)          H with rotor inertia, as joint and tendon armature
 //! ```
-//! Everything on the left is computed by MuJoCo from a model generated for it ([`mjcf`]); friction and offset are the
+//! Everything on the left is computed by MuJoCo from a model generated for it ([`mjcf()`]); friction and offset are the
 //! core's drive laws, applied as generalised forces, so that they are the same in every engine. Contacts and
 //! constraints are off.
 //!

@@ -35,8 +35,8 @@ const CONFIDENCE: f64 = 0.95;
 pub struct ConsistentSet {
     /// The set.
     pub parameters: StandardParameters,
-    /// Standard deviation of each parameter of the columns, SI: what the uncertainty of the estimate makes of it, the guess
-    /// taken as it is.
+    /// Standard deviation of each parameter of the columns, SI: propagated from the covariance of the estimate, the
+    /// guess taken as exact.
     pub std: Vec<(ParameterId, f64)>,
     /// Its base parameters minus the estimated ones, over their standard deviations (b).
     pub deviations: Vec<f64>,

@@ -15,7 +15,7 @@
 //! motor for all the servo sees. There the drive stays whole in the plant, and the encoder's angle is quasi-static:
 //! `θ = C q + δ(τ_t)`, `τ_t` the torque that the links take. On the A460 these are joints of the wrist.
 //!
-//! A step of the two masses holds the spring's torque at the middle of the way, `δ + h/2 δ̇`: with it the pair of plant and
+//! A step of the two masses holds the spring's torque at mid-step, `δ + h/2 δ̇`: with it the pair of plant and
 //! motor is a leapfrog, which neither feeds nor damps an undamped oscillation; its frequency is right to (ωh)²/24.
 //!
 //! Sources: M. W. Spong, *J. Dyn. Syst. Meas. Control* 109(4), 1987 (the model); Harmonic Drive AG, HFUC catalogue, sizes

@@ -1,16 +1,17 @@
-//! How warm a gear is.
+//! The temperature of a gear.
 //!
 //! ```text
 //! T ẇ = P/P_w − w       P = |τ_friction q̇|       P_w = (Fc + Fv v_w) v_w
 //! ```
-//! `w` is warmth, 0 at the beginning of the experiment and 1 for a gear that has long turned at `v_w`, a quarter of its
-//! speed limit. T = 300 s. Viscosity of grease falls with temperature; share, speed and time constant are assumed, of the
-//! size that L. Simoni et al., "Friction modeling with temperature effects", IROS 2015, measured on industrial arms.
+//! `w` is the normalised temperature rise, 0 at the beginning of the experiment and 1 for a gear that has long turned
+//! at `v_w`, a quarter of its speed limit. T = 300 s. Viscosity of grease falls with temperature; share, speed and time
+//! constant are assumed, of the size that L. Simoni et al., "Friction modeling with temperature effects", IROS 2015,
+//! measured on industrial arms.
 
 /// Time in which a gear warms up, s.
 const TIME_S: f64 = 300.0;
 
-/// Warmth of one gear.
+/// Normalised temperature rise of one gear.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub(super) struct Warming {
     viscous: f64,
@@ -28,7 +29,7 @@ impl Warming {
         Self { viscous, coulomb, per_power, warmth: 0.0 }
     }
 
-    /// Its warmth, 0 cold to 1.
+    /// Its normalised temperature rise, 0 cold to 1.
     pub(super) fn warmth(&self) -> f64 {
         self.warmth.min(1.0)
     }

@@ -3,7 +3,7 @@
 //! | part | what it is |
 //! |---|---|
 //! | [`table_one`] | the trajectory of its experiments, as printed and corrected; a family of designs can be made of it |
-//! | [`table_two`] | the 32 parameters of the CRS A460 that it printed |
+//! | [`table_two()`] | the 32 parameters of the CRS A460 that it printed |
 //! | [`compare_with_table_two`] | these beside the simulated arm's true parameters and the estimates of this library |
 //! | [`evaluate_claims`] | each claim as a measured quantity with its sample size and, where it is statistical, an interval |
 //!
