@@ -7,12 +7,11 @@
 #include <random>
 #include <vector>
 
+#include <pinocchio/fwd.hpp>
+#include <pinocchio/multibody.hpp>
 #include <pinocchio/algorithm/aba.hpp>
 #include <pinocchio/algorithm/regressor.hpp>
 #include <pinocchio/algorithm/rnea.hpp>
-#include <pinocchio/multibody/data.hpp>
-#include <pinocchio/multibody/joint/joint-collection.hpp>
-#include <pinocchio/multibody/model.hpp>
 
 namespace pin = pinocchio;
 

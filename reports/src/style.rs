@@ -1,8 +1,7 @@
 //! How groups of data are distinguished: by colour, and without colour by marker and dashes.
 //!
-//! Colours are those of Okabe and Ito ("Color universal design", 2008) without yellow, which stay apart for
-//! readers with any common
-//! colour-vision deficiency. A name of the project (a design criterion, an estimator) always has the same style, so
+//! Colours are those of Okabe and Ito ("Color universal design", 2008) without yellow, which stay apart for readers with any common
+//! colour-vision deficiency, and a grey. A name of the project (a design criterion, an estimator) always has the same style, so
 //! that a colour means the same in every figure of every report; other names get the next style that is free.
 
 use crate::drawing::colour::Colour;
@@ -68,7 +67,7 @@ pub struct GroupStyle {
 }
 
 /// Okabe–Ito, in the order of use; yellow is left out because a thin yellow line vanishes on white paper.
-const CYCLE: [(Colour, Marker, Dash); 7] = [
+const CYCLE: [(Colour, Marker, Dash); 8] = [
     (Colour(0x00, 0x72, 0xB2), Marker::Circle, Dash::Solid),
     (Colour(0xD5, 0x5E, 0x00), Marker::Triangle, Dash::Dashed),
     (Colour(0x00, 0x9E, 0x73), Marker::Square, Dash::DashDot),
@@ -76,6 +75,7 @@ const CYCLE: [(Colour, Marker, Dash); 7] = [
     (Colour(0xE6, 0x9F, 0x00), Marker::TriangleDown, Dash::Dashed),
     (Colour(0x56, 0xB4, 0xE9), Marker::OpenSquare, Dash::DashDot),
     (Colour(0x00, 0x00, 0x00), Marker::Cross, Dash::Solid),
+    (Colour(0x80, 0x80, 0x80), Marker::Plus, Dash::Dotted),
 ];
 
 impl GroupStyle {
@@ -92,7 +92,7 @@ impl GroupStyle {
     pub const TRUTH: Self =
         Self { colour: Colour(0x00, 0x00, 0x00), marker: Marker::Cross, dash: Dash::Dashed, width_px: 1.6 };
 
-    /// The style of the `index`-th group, counted from 0; colours repeat after 7.
+    /// The style of the `index`-th group, counted from 0; colours repeat after 8.
     #[must_use]
     pub fn nth(index: usize) -> Self {
         let (colour, marker, dash) = CYCLE[index % CYCLE.len()];

@@ -87,9 +87,20 @@ struct Cells<'a> {
     wanted: usize,
     /// Row-major n × wanted.
     sums: Vec<Line>,
-    /// Those that anything was added to; the others are zero for every state.
-    touched: Vec<usize>,
-    is_touched: Vec<bool>,
+    /// Those that links or terms add to; the others are zero for every state.
+    touched: Vec<Cell>,
+    /// Those of terms: no link writes there first.
+    of_terms: Vec<bool>,
+}
+
+/// Where something is added.
+#[derive(Clone, Copy)]
+struct Cell {
+    /// The place of its column among the wanted.
+    place: usize,
+    joint: usize,
+    /// `joint · wanted + place`.
+    index: usize,
 }
 
 /// The place of a column that is not wanted.
@@ -111,17 +122,17 @@ impl<'a> Cells<'a> {
         for (k, places) in links.iter().enumerate() {
             // A link loads the joints up to its own.
             let places = places.iter().filter(|place| **place != UNWANTED);
-            touched.extend(places.flat_map(|&place| (0..=k).map(move |i| i * wanted + place)));
+            let cell = |joint: usize, place: usize| Cell { place, joint, index: joint * wanted + place };
+            touched.extend(places.flat_map(|&place| (0..=k).map(move |joint| cell(joint, place))));
         }
-        let mut is_touched = vec![false; n * wanted];
-        touched.iter().for_each(|&cell| is_touched[cell] = true);
-        Self { regressor, links, terms, wanted, sums: vec![Line([0.0; TOGETHER]); n * wanted], touched, is_touched }
+        let (sums, of_terms) = (vec![Line([0.0; TOGETHER]); n * wanted], vec![false; n * wanted]);
+        Self { regressor, links, terms, wanted, sums, touched, of_terms }
     }
 
-    /// Adds one sample of each block.
+    /// Adds one sample of each block; the `FIRST` of them takes the place of what was there.
     #[inline(always)]
-    fn add<S: Simd>(&mut self, simd: S, state: &Together, axes: &mut [LaneMotion<Wide<S>>]) {
-        let Self { regressor, links, terms, wanted, sums, touched, is_touched } = self;
+    fn add<S: Simd, const FIRST: bool>(&mut self, simd: S, state: &Together, axes: &mut [LaneMotion<Wide<S>>]) {
+        let Self { regressor, links, terms, wanted, sums, touched, of_terms } = self;
         let wanted = *wanted;
         let (v, a) = regressor.base_at_rest();
         let one = Wide::new(simd, simd.splat_f64s(0.0));
@@ -140,29 +151,34 @@ impl<'a> Cells<'a> {
                     let places = &links[k];
                     for (axis, sums) in axes[..=k].iter().zip(sums.chunks_exact_mut(wanted)) {
                         // One by one, so that each entry is compiled for its column.
-                        add_entry(simd, sums, places, body, axis, 0, vector);
-                        add_entry(simd, sums, places, body, axis, 1, vector);
-                        add_entry(simd, sums, places, body, axis, 2, vector);
-                        add_entry(simd, sums, places, body, axis, 3, vector);
-                        add_entry(simd, sums, places, body, axis, 4, vector);
-                        add_entry(simd, sums, places, body, axis, 5, vector);
-                        add_entry(simd, sums, places, body, axis, 6, vector);
-                        add_entry(simd, sums, places, body, axis, 7, vector);
-                        add_entry(simd, sums, places, body, axis, 8, vector);
-                        add_entry(simd, sums, places, body, axis, 9, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 0, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 1, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 2, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 3, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 4, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 5, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 6, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 7, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 8, vector);
+                        add_entry::<S, FIRST>(simd, sums, places, body, axis, 9, vector);
                     }
                 },
             );
         }
+        if FIRST {
+            for cell in touched.iter().filter(|cell| of_terms[cell.index]) {
+                sums[cell.index] = Line([0.0; TOGETHER]);
+            }
+        }
         let flat = [&state.q, &state.qd, &state.qdd].map(|x| x.as_flattened());
-        regressor.terms.each_column(flat, |row, column, d, g: &[f64; TOGETHER]| {
+        regressor.terms.each_column(flat, |joint, column, d, g: &[f64; TOGETHER]| {
             if let Some(place) = terms[column] {
-                let cell = row * wanted + place;
-                if !is_touched[cell] {
-                    is_touched[cell] = true;
-                    touched.push(cell);
+                let index = joint * wanted + place;
+                if !of_terms[index] {
+                    of_terms[index] = true;
+                    touched.push(Cell { place, joint, index });
                 }
-                for (sum, g) in sums[cell].0.iter_mut().zip(g) {
+                for (sum, g) in sums[index].0.iter_mut().zip(g) {
                     *sum += d * g;
                 }
             }
@@ -170,9 +186,9 @@ impl<'a> Cells<'a> {
     }
 }
 
-/// Adds entry `c` of `sᵀ K` to its place among the sums of the joint with the axis `s`, where it is wanted.
+/// Adds entry `c` of `sᵀ K` to its place (or `FIRST` puts it there) among the sums of the joint with the axis `s`, where it is wanted.
 #[inline(always)]
-fn add_entry<S: Simd>(
+fn add_entry<S: Simd, const FIRST: bool>(
     simd: S,
     sums: &mut [Line],
     places: &[usize; 10],
@@ -183,7 +199,8 @@ fn add_entry<S: Simd>(
 ) {
     if let Some(sum) = sums.get_mut(places[c]) {
         let sum = &mut S::as_mut_simd_f64s(&mut sum.0).0[vector];
-        *sum = simd.add_f64s(*sum, body.entry(axis, c).x);
+        let entry = body.entry(axis, c).x;
+        *sum = if FIRST { entry } else { simd.add_f64s(*sum, entry) };
     }
 }
 
@@ -232,21 +249,24 @@ impl WithSimd for Stack<'_> {
         let mut seen = 0;
         for first in (0..blocks).step_by(TOGETHER) {
             let count = TOGETHER.min(blocks - first);
-            cells.sums.fill(Line([0.0; TOGETHER]));
-            for k in 0..block {
+            state.fill(states, first * block, block, count);
+            cells.add::<S, true>(simd, &state, &mut axes);
+            for k in 1..block {
                 state.fill(states, first * block + k, block, count);
-                cells.add(simd, &state, &mut axes);
+                cells.add::<S, false>(simd, &state, &mut axes);
             }
             if cells.touched.len() != seen {
                 seen = cells.touched.len();
-                cells.touched.sort_unstable_by_key(|cell| (cell % cells.wanted, cell / cells.wanted));
+                // Column by column, as they stand in memory.
+                cells.touched.sort_unstable_by_key(|cell| (cell.place, cell.joint));
             }
-            for &cell in &cells.touched {
-                let (i, place) = (cell / cells.wanted, cell % cells.wanted);
-                let column = &mut w[place * n * blocks + first * n + i..];
-                let sums = &cells.sums[cell].0;
-                for lane in 0..count {
-                    column[lane * n] = sums[lane] * scale;
+            for cell in &cells.touched {
+                let rows = &mut w[(cell.place * blocks + first) * n + cell.joint..];
+                let sums = &cells.sums[cell.index].0;
+                let mut row = 0;
+                for sum in &sums[..count] {
+                    rows[row] = sum * scale;
+                    row += n;
                 }
             }
         }

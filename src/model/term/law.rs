@@ -17,7 +17,7 @@ use super::{Number, Shapes, Slope, Structure, TermBlock, TermEntry, TermInput};
 /// /// Air drag, `g = v |v|`.
 /// #[derive(Debug)]
 /// struct Drag;
-/// static ENTRY: TermEntry = TermEntry { symbol: "Fd", name: "drag", ..ViscousFriction::ENTRY };
+/// static ENTRY: TermEntry = TermEntry { symbol: "Fr", name: "drag", ..ViscousFriction::ENTRY };
 /// impl TermLaw for Drag {
 ///     fn entry(&self) -> &'static TermEntry {
 ///         &ENTRY
@@ -27,7 +27,7 @@ use super::{Number, Shapes, Slope, Structure, TermBlock, TermEntry, TermInput};
 ///     }
 /// }
 /// const DRAG: Term = Term::new(&Drag);
-/// assert_eq!(DRAG.symbol(), "Fd");
+/// assert_eq!(DRAG.symbol(), "Fr");
 /// ```
 pub trait TermLaw: fmt::Debug + Send + Sync + 'static {
     /// Everything but the law.
