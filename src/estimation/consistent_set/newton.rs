@@ -30,7 +30,7 @@ const ARMIJO: f64 = 0.1;
 /// Steps onto the sets with the estimated base parameters.
 const PROJECTIONS: usize = 3;
 
-/// χ² below which a set has them: a hundred-thousandth of a standard deviation.
+/// Part of what is summed to a base parameter that a set with the estimated one may be away from it.
 const EXACT: f64 = 1e-10;
 
 /// The estimated base parameters: `r = K φ − β̂` with its covariance C and information C⁻¹.
@@ -147,7 +147,9 @@ pub(super) fn project(mut phi: DVector<f64>, distance: &Distance, data: &DataTer
             return None;
         }
     }
-    (data.chi_squared(&phi) < EXACT).then_some(phi)
+    let size = data.k.abs() * phi.abs();
+    let has_them = data.residual(&phi).iter().zip(&size).all(|(residual, size)| residual.abs() <= EXACT * size);
+    has_them.then_some(phi)
 }
 
 /// The factor of a positive definite matrix, in units in which its diagonal is one.
