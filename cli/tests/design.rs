@@ -23,7 +23,9 @@ fn design(criterion: &str, more: &[&str], out: &str) -> Value {
 #[test]
 fn the_keys_of_the_contract_are_there_for_every_criterion() {
     let folder = temporary();
-    for criterion in ["condition", "condition-scaled", "d-optimal", "a-optimal", "condition-plus-d"] {
+    for criterion in
+        ["condition", "condition-scaled", "d-optimal", "a-optimal", "condition-plus-d", "i-optimal", "model-error"]
+    {
         let out = path(folder.path(), "T.toml");
         let found = design(criterion, &[], &out);
         assert_eq!(found["criterion"], criterion);
@@ -56,6 +58,21 @@ fn the_keys_of_the_contract_are_there_for_every_criterion() {
         assert_eq!(written["period_s"].as_float(), found["trajectory"]["period_s"].as_f64());
         assert_eq!(written["joint"][0]["a"][0].as_float(), found["trajectory"]["joint"][0]["a"][0].as_f64());
     }
+}
+
+#[test]
+fn a_design_expects_what_it_is_told_of_and_predicts_where_it_is_told_to() {
+    let folder = temporary();
+    let out = |name: &str| path(folder.path(), name);
+    let usual = design("model-error", &[], &out("usual.toml"));
+    assert_eq!(usual["expected"], serde_json::json!(["load-friction", "elasticity"]));
+    let told = design("model-error", &["--expect", "current-lag=3.0"], &out("told.toml"));
+    assert_eq!(told["expected"], serde_json::json!(["current-lag"]));
+    assert_ne!(told["trajectory"], usual["trajectory"]);
+    let fast = design("i-optimal", &[], &out("fast.toml"));
+    let aimed = design("i-optimal", &["--predict", &out("usual.toml")], &out("aimed.toml"));
+    assert_ne!(fast["trajectory"], aimed["trajectory"]);
+    assert!(fast["expected"].is_null());
 }
 
 #[test]
@@ -186,6 +203,13 @@ fn impossible_settings_are_named() {
         (vec!["--criterion", "condition", "--period", "0"], "0"),
         (vec!["--criterion", "condition", "--harmonics", "0"], "0"),
         (vec!["--criterion", "condition", "--evaluations", "0"], "number of evaluations is 0"),
+        (
+            vec!["--criterion", "condition", "--expect", "elasticity"],
+            "--expect with --criterion condition, expected model",
+        ),
+        (vec!["--criterion", "model-error", "--expect", "backlash"], "expected one of stribeck, load-friction"),
+        (vec!["--criterion", "model-error", "--expect", "elasticity=90"], "at most 30 mrad"),
+        (vec!["--criterion", "d-optimal", "--predict", "table-one"], "expected i-optimal or model-error"),
         (vec![], "--criterion"),
     ] {
         let fault = stderr(&armid(["design", "crs-a460", "-o", &out].iter().chain(&arguments)).code(2));

@@ -157,7 +157,9 @@ mod tests {
                 | CriterionKind::AOptimal
                 | CriterionKind::EOptimal
                 | CriterionKind::ConditionPlusSigma
-                | CriterionKind::ConditionPlusD => Invariance::Order,
+                | CriterionKind::ConditionPlusD
+                | CriterionKind::IOptimal
+                | CriterionKind::ModelError => Invariance::Order,
             };
             for criterion in [kind.criterion(), kind.smooth(8.0)] {
                 check(&*criterion, invariance).unwrap_or_else(|broken| panic!("{kind:?}: {broken}"));

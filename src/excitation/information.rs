@@ -4,6 +4,7 @@
 //! (q, q̇, q̈)_k → W_b → M = (1/rows) W_bᵀ Σ⁻¹ W_b + M_prior
 //! S = ∂f/∂M      G = ∂f/∂W_b = (2/rows) Σ⁻¹ W_b S      ∂f/∂(q, q̇, q̈)_k by the regressor's adjoint
 //! ```
+//! What effects that the model leaves out add to torque, d, enters by its moments `c = (1/rows) W_bᵀ Σ⁻¹ d`.
 //! Row i of a sample has entries only for the links that joint i carries and for its own drive, so M is gathered and
 //! G made joint by joint on those columns alone.
 
@@ -100,15 +101,64 @@ impl Information {
         m
     }
 
+    /// The moments `c = (1/rows) W_bᵀ Σ⁻¹ d` of discrepancies d of the torque of the last states, b × E; d is (n N) × E,
+    /// sample after sample.
+    #[must_use]
+    pub fn moments(&self, d: &DMatrix<f64>) -> DMatrix<f64> {
+        let (n, count) = (self.regressor.rows(), self.samples);
+        let per_row = 1.0 / (n * count) as f64;
+        let mut moments = DMatrix::zeros(self.kept.len(), d.ncols());
+        for e in 0..d.ncols() {
+            for (i, joint) in self.joints.iter().enumerate() {
+                for k in 0..count {
+                    let weighted = per_row * joint.weight * d[(k * n + i, e)];
+                    for (&row, &c) in joint.rows.row(k).iter().zip(&joint.columns) {
+                        moments[(c, e)] += weighted * row;
+                    }
+                }
+            }
+        }
+        moments
+    }
+
+    /// The gradient of the moments' function with respect to the discrepancies, (n N) × E, from `S_c = ∂f/∂c` (b × E).
+    #[must_use]
+    pub fn pull_back_moments(&self, s_c: &DMatrix<f64>) -> DMatrix<f64> {
+        let (n, count) = (self.regressor.rows(), self.samples);
+        let per_row = 1.0 / (n * count) as f64;
+        let mut u = DMatrix::zeros(n * count, s_c.ncols());
+        for e in 0..s_c.ncols() {
+            for (i, joint) in self.joints.iter().enumerate() {
+                for k in 0..count {
+                    let products = joint.rows.row(k).iter().zip(&joint.columns).map(|(&row, &c)| row * s_c[(c, e)]);
+                    u[(k * n + i, e)] = per_row * joint.weight * products.sum::<f64>();
+                }
+            }
+        }
+        u
+    }
+
     /// The gradient with respect to the last states, which must be handed in again, from `S = ∂f/∂M` (b × b,
     /// symmetric).
     pub fn pull_back(&self, states: &States, s: &DMatrix<f64>, sensitivity: &mut States) {
+        self.pull_back_with(states, s, None, sensitivity);
+    }
+
+    /// The same where f depends on moments too: `(d, S_c)`. What it depends on through d itself is not in it.
+    pub fn pull_back_with(
+        &self,
+        states: &States,
+        s: &DMatrix<f64>,
+        moments: Option<(&DMatrix<f64>, &DMatrix<f64>)>,
+        sensitivity: &mut States,
+    ) {
         let (n, p, count) = (self.regressor.rows(), self.regressor.cols(), self.samples);
         let factor = 2.0 / (n * count) as f64;
         let slopes: Vec<PaddedRows> = self
             .joints
             .iter()
-            .map(|joint| {
+            .enumerate()
+            .map(|(i, joint)| {
                 let width = joint.columns.len();
                 let mut own = PaddedRows::zeros(width, width);
                 for (r, &row) in joint.columns.iter().enumerate() {
@@ -116,7 +166,17 @@ impl Information {
                         *entry = factor * joint.weight * s[(row, column)];
                     }
                 }
-                joint.rows.times(&own)
+                let mut slopes = joint.rows.times(&own);
+                let Some((d, s_c)) = moments else { return slopes };
+                for k in 0..count {
+                    for e in 0..d.ncols() {
+                        let weighted = 0.5 * factor * joint.weight * joint.weight * d[(k * n + i, e)];
+                        for (slope, &c) in slopes.row_mut(k).iter_mut().zip(&joint.columns) {
+                            *slope += weighted * s_c[(c, e)];
+                        }
+                    }
+                }
+                slopes
             })
             .collect();
         sensitivity.q.fill(0.0);

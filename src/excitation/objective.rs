@@ -8,12 +8,14 @@ use std::sync::Arc;
 
 use nalgebra::DMatrix;
 
-use super::criterion::Criterion;
+use super::criterion::{Criterion, Score};
 use super::error::ExcitationError;
+use super::expected::EffectTorques;
 use super::information::Information;
 use super::problem::DesignProblem;
 use super::sampled::SampledBasis;
 use crate::dynamics::States;
+use crate::model::Robot;
 use crate::optimiser::Objective;
 use crate::regressor::JointTorqueRegressor;
 use crate::trajectory::PeriodicTrajectory;
@@ -28,6 +30,17 @@ pub struct InformationObjective {
     sensitivity: DMatrix<f64>,
     m: DMatrix<f64>,
     exact: f64,
+    effects: Option<Discrepancies>,
+}
+
+/// What effects add to the torque of the current motion.
+struct Discrepancies {
+    torques: EffectTorques,
+    /// d, (n N) × E.
+    d: DMatrix<f64>,
+    moments: DMatrix<f64>,
+    /// `S_c`, b × E.
+    sensitivity: DMatrix<f64>,
 }
 
 impl InformationObjective {
@@ -45,7 +58,16 @@ impl InformationObjective {
             sensitivity: DMatrix::zeros(b, b),
             m: DMatrix::zeros(b, b),
             exact: f64::INFINITY,
+            effects: None,
         }
+    }
+
+    /// The same where these effects are expected, on as many samples.
+    #[must_use]
+    pub fn with_effects(mut self, torques: EffectTorques) -> Self {
+        let none = DMatrix::zeros(0, 0);
+        self.effects = Some(Discrepancies { torques, d: none.clone(), moments: none.clone(), sensitivity: none });
+        self
     }
 
     /// Another criterion on the same information.
@@ -71,13 +93,24 @@ impl InformationObjective {
 impl Objective for InformationObjective {
     fn value(&mut self, x: &[f64]) -> f64 {
         self.gather(x);
-        let score = self.criterion.evaluate(&self.m, Some(&mut self.sensitivity));
+        let by_m = &mut self.sensitivity;
+        let score = match &mut self.effects {
+            None => self.criterion.evaluate(&self.m, Some(by_m)),
+            Some(Discrepancies { moments, sensitivity, .. }) => {
+                self.criterion.evaluate_with_effects(&self.m, moments, Some((by_m, sensitivity)))
+            }
+        };
         self.exact = score.exact;
         score.value
     }
 
     fn gradient(&mut self, gradient: &mut [f64]) {
-        self.information.pull_back(&self.states, &self.sensitivity, &mut self.slopes);
+        let moments = self.effects.as_ref().map(|effects| (&effects.d, &effects.sensitivity));
+        self.information.pull_back_with(&self.states, &self.sensitivity, moments, &mut self.slopes);
+        if let Some(effects) = &self.effects {
+            let by_d = self.information.pull_back_moments(&effects.sensitivity);
+            effects.torques.pull_back(&self.states, &by_d, &mut self.slopes);
+        }
         self.sampled.pull_back(&self.slopes, gradient);
     }
 }
@@ -90,13 +123,17 @@ const COULOMB_PART: f64 = 0.05;
 
 /// The regressor that the optimiser sees.
 fn smoothed_regressor(problem: &DesignProblem) -> Result<JointTorqueRegressor, ExcitationError> {
-    let robot = problem.robot().clone().with_joints(|joint| {
+    Ok(JointTorqueRegressor::new(&smoothed_robot(problem)?, problem.objective().columns()))
+}
+
+/// The robot that the optimiser sees.
+fn smoothed_robot(problem: &DesignProblem) -> Result<Robot, ExcitationError> {
+    Ok(problem.robot().clone().with_joints(|joint| {
         let speed = joint.limits.velocity;
         if speed.is_finite() {
             joint.drive.coulomb_velocity = joint.drive.coulomb_velocity.max(COULOMB_PART * speed);
         }
-    })?;
-    Ok(JointTorqueRegressor::new(&robot, problem.objective().columns()))
+    })?)
 }
 
 impl DesignProblem {
@@ -145,26 +182,45 @@ impl InformationObjective {
         let prior = objective.prior().filter(|_| criterion.is_weighted()).cloned();
         let noise = objective.row_noise(problem.robot().dof());
         let information = Information::new(regressor, &objective.base().kept, problem.samples(), &noise, prior);
-        Ok(Self::new(information, sampled, objective.smoothed(sharpness)))
+        let made = Self::new(information, sampled, objective.smoothed(sharpness));
+        let Some(expected) = objective.expected().filter(|_| criterion.expects_effects()) else { return Ok(made) };
+        let robot = smoothed_robot(problem)?;
+        let period_s = problem.space().period_s();
+        Ok(made.with_effects(EffectTorques::new(&robot, expected, problem.samples(), period_s)))
     }
 
-    /// The information at `x`.
+    /// The information at `x`, and the moments of what effects add to its torque.
     fn gather(&mut self, x: &[f64]) {
         self.sampled.states(x, &mut self.states);
         self.m = self.information.gather(&self.states);
+        if let Some(effects) = &mut self.effects {
+            effects.d = effects.torques.evaluate(&self.states);
+            effects.moments = self.information.moments(&effects.d);
+            if effects.sensitivity.shape() != effects.moments.shape() {
+                effects.sensitivity = effects.moments.clone();
+            }
+        }
+    }
+
+    /// The criterion at the gathered motion, without what a gradient needs.
+    fn score(&self) -> Score {
+        match &self.effects {
+            None => self.criterion.evaluate(&self.m, None),
+            Some(effects) => self.criterion.evaluate_with_effects(&self.m, &effects.moments, None),
+        }
     }
 
     /// The value at `x`, without what a gradient needs.
     #[cfg(test)]
     fn value_alone(&mut self, x: &[f64]) -> f64 {
         self.gather(x);
-        self.criterion.evaluate(&self.m, None).value
+        self.score().value
     }
 
     /// The criterion at `x`, without any smoothing and without a gradient.
     pub(crate) fn exact_at(&mut self, x: &[f64]) -> f64 {
         self.gather(x);
-        self.exact = self.criterion.evaluate(&self.m, None).exact;
+        self.exact = self.score().exact;
         self.exact
     }
 }
@@ -172,8 +228,8 @@ impl InformationObjective {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::{CriterionKind, DesignSpace, fixtures};
-    use crate::model::Columns;
+    use crate::excitation::{CriterionKind, DesignSpace, EffectLaw, ExpectedEffect, ExpectedEffects, fixtures};
+    use crate::model::{Columns, DriveParameters};
     use crate::seed::Seed;
     use crate::trajectory::Family;
 
@@ -196,6 +252,21 @@ mod tests {
         }
     }
 
+    /// Load friction, springs, a lag and torque constants.
+    fn expected(problem: &DesignProblem) -> ExpectedEffects {
+        let friction = DriveParameters::of(&[(crate::model::term::LOAD_FRICTION, 0.05)]);
+        let ratings = problem.robot().joints().iter().map(|joint| 2e-3 / joint.limits.torque);
+        let compliance = DMatrix::from_diagonal(&nalgebra::DVector::from_iterator(6, ratings));
+        let laws = [
+            EffectLaw::Terms(vec![friction; 6]),
+            EffectLaw::Elastic { compliance, with_link: vec![false, false, false, false, true, true] },
+            EffectLaw::Late(5e-4),
+            EffectLaw::Scaled(0.03),
+        ];
+        let effects = laws.map(|law| ExpectedEffect { name: "effect".to_owned(), law });
+        ExpectedEffects::new(fixtures::crs_a460_nominal(), effects.into()).unwrap()
+    }
+
     #[test]
     fn identity_gradient_matches_central_differences() {
         for family in Family::ALL {
@@ -204,6 +275,9 @@ mod tests {
                 let columns = if family == Family::Fourier { Columns::RIGID_ROTOR_FRICTION } else { Columns::RIGID };
                 let mut problem = problem(columns, kind);
                 problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 4]).unwrap()).unwrap();
+                if kind == CriterionKind::ModelError {
+                    problem.set_expected(expected(&problem)).unwrap();
+                }
                 let b = problem.base().rank();
                 problem.set_prior(DMatrix::identity(b, b) * 0.1).unwrap();
                 let mut objective = InformationObjective::of(&problem, 6.0).unwrap();

@@ -50,7 +50,7 @@ pub use command_table::CommandTable;
 pub use continuation::{Continuation, ContinuationError, Joined};
 pub use controller::{JointPid, gain_pose};
 pub use cycle::{Cycle, Next, TrueState};
-pub use effects::{ActualArm, EffectEntry, EffectKind, Effects, Level};
+pub use effects::{ActualArm, EffectEntry, EffectKind, Effects, ExpectedEffectError, Level};
 pub use expectation::Expectation;
 pub use joint_loop::JointLoop;
 pub use layout::Layout;

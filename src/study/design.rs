@@ -48,11 +48,15 @@ impl StudyDesign {
         ]
     }
 
-    /// The value by which the design was made, smaller is better; the condition number of a fixed trajectory.
+    /// The value by which the design was made, smaller is better; the condition number of a fixed trajectory. Of a
+    /// criterion that a certificate does not state, that of the optimiser.
     #[must_use]
     pub fn own_value(&self) -> f64 {
-        let name = self.criterion.unwrap_or(CriterionKind::Condition).name();
-        self.values().iter().find(|(value, _)| *value == name).map_or(f64::INFINITY, |(_, value)| *value)
+        let criterion = self.criterion.unwrap_or(CriterionKind::Condition);
+        let stated = self.values().iter().find(|(value, _)| *value == criterion.name()).map(|(_, value)| *value);
+        let found =
+            || self.history.last().map(|last| if criterion.is_larger_better() { -last.value } else { last.value });
+        stated.or_else(found).unwrap_or(f64::INFINITY)
     }
 
     fn of(family: usize, start: usize, criterion: CriterionKind, design: Design) -> Self {
@@ -147,6 +151,10 @@ impl StudySetup {
             space = space.with_frozen(index, *place)?;
         }
         problem.set_space(space)?;
+        if plan.criterion()? == CriterionKind::ModelError {
+            let expected = plan.expected_effects().expected(&self.robot, &self.nominal);
+            problem.set_expected(expected.map_err(|fault| plan_error::expected(&fault))?)?;
+        }
         if let Some(prior) = self.collected(before)? {
             problem.set_prior(prior)?;
         }
@@ -168,6 +176,7 @@ impl StudySetup {
         problem.set_limits(DesignLimits::default().with_efforts(self.nominal.clone()))?;
         problem.set_noise(sigma)?;
         problem.set_budget(DesignBudget::new(evaluations)?);
+        problem.set_rows(self.robot.dof() as f64 * self.raw_samples() * experiment.periods as f64)?;
         Ok(problem)
     }
 }

@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 
 use super::plan_error::{StudyPlanError, name};
 use crate::excitation::CriterionKind;
+use crate::experiment::Effects;
 use crate::trajectory::Family;
 
 /// How the designs of a family are made.
@@ -59,6 +60,9 @@ pub struct FamilyPlan {
     /// Evaluations of the criterion that each design may use; a gradient counts as one more.
     #[serde(default)]
     pub evaluations: usize,
+    /// Effects that the criterion `model-error` expects of the arm; [`Effects::expected_by_default`] where absent.
+    #[serde(default, skip_serializing_if = "Effects::is_none")]
+    pub expected: Effects,
     /// Runs of each design, where it differs from the study's.
     #[serde(default)]
     pub runs: Option<usize>,
@@ -77,6 +81,12 @@ impl FamilyPlan {
         let found = self.criterion.as_deref().unwrap_or("");
         CriterionKind::parse(found)
             .ok_or_else(|| name("design.criterion", found, CriterionKind::ALL.iter().map(|c| c.name())))
+    }
+
+    /// The effects that its designs expect.
+    #[must_use]
+    pub fn expected_effects(&self) -> Effects {
+        if self.expected.is_none() { Effects::expected_by_default() } else { self.expected.clone() }
     }
 
     /// The family of trajectories.

@@ -35,6 +35,7 @@ impl GridPlan {
                         after: None,
                         starts: self.starts,
                         evaluations: self.evaluations,
+                        expected: crate::experiment::Effects::none(),
                         runs: None,
                         of_starts: None,
                     });

@@ -8,7 +8,7 @@ use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
 use super::units::ReferenceUnits;
 use crate::estimation::{Estimator, EstimatorKind};
-use crate::experiment::Effects;
+use crate::experiment::{Effects, ExpectedEffectError};
 use crate::model::{Columns, format::FormatError};
 use crate::seed::Seed;
 
@@ -209,6 +209,12 @@ impl StudyPlan {
             match family.method {
                 DesignMethod::Optimised | DesignMethod::Random => {
                     family.criterion()?;
+                    if let Some((found, _)) =
+                        family.expected.iter().find(|(kind, _)| !Effects::EXPECTABLE.contains(kind))
+                    {
+                        let fault = ExpectedEffectError::NoLaw { found };
+                        return Err(super::plan_error::expected(&fault));
+                    }
                     if family.evaluations == 0 {
                         return Err(number("design.evaluations", family.evaluations, "at least 1"));
                     }

@@ -1,5 +1,6 @@
 //! Why a plan cannot be carried out.
 
+use crate::experiment::{EffectKind, Effects, ExpectedEffectError};
 use crate::input::{FileNameError, SizeError};
 use crate::model::{ColumnsError, format::FormatError};
 
@@ -96,6 +97,15 @@ impl StudyPlanError {
 
 pub(super) fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) -> StudyPlanError {
     StudyPlanError::Number { key: key.into(), found: found.to_string(), expected }
+}
+
+pub(super) fn expected(fault: &ExpectedEffectError) -> StudyPlanError {
+    match fault {
+        ExpectedEffectError::NoLaw { found } => {
+            name("design.expected", found.name(), Effects::EXPECTABLE.map(EffectKind::name))
+        }
+        ExpectedEffectError::Law(fault) => number("design.expected", fault, "effects that the robot can have"),
+    }
 }
 
 pub(super) fn family_name<'a>(key: &'static str, found: &str, names: impl Iterator<Item = &'a str>) -> StudyPlanError {

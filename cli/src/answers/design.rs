@@ -130,6 +130,13 @@ pub(crate) struct DesignAnswer<'a> {
 }
 
 impl DesignAnswer<'_> {
+    /// Names of the effects that the criterion expects; `None` of one that expects none.
+    fn expected_effects(&self) -> Option<Vec<&str>> {
+        let objective = self.problem.objective();
+        let expected = objective.expected().filter(|_| objective.criterion().expects_effects())?;
+        Some(expected.effects().iter().map(|effect| effect.name.as_str()).collect())
+    }
+
     pub(crate) fn json(&self, interrupted: bool) -> Value {
         let (best, certificate) = (self.best, &self.best.certificate);
         json!({
@@ -141,6 +148,7 @@ impl DesignAnswer<'_> {
             "family": self.problem.space().family().name(),
             "seed": self.seed,
             "value": best.value,
+            "expected": self.expected_effects(),
             "condition": certificate.condition,
             "condition_scaled": certificate.condition_scaled,
             "log_det_information": certificate.log_det_information,

@@ -4,9 +4,10 @@ use std::path::{Path, PathBuf};
 use std::time::Instant;
 
 use armid::excitation::{
-    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignBudget, DesignProblem, DesignSpace, ExcitationError, best_of,
-    design, design_from, nearest_of, random_design,
+    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignBudget, DesignProblem, DesignSpace, EvaluationMotions,
+    ExcitationError, best_of, design, design_from, nearest_of, random_design,
 };
+use armid::experiment::{EffectKind, Effects};
 use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
 use armid::model::{Columns, Robot};
 use armid::seed::Seed;
@@ -40,6 +41,7 @@ Examples:
   armid design crs-a460 --criterion d-optimal -o T.toml
   armid design crs-a460 --criterion condition --columns rigid --starts 8 --seed 3 --json -o T.toml
   armid design crs-a460 --criterion d-optimal --prior E.json --from T.toml -o T2.toml
+  armid design crs-a460 --criterion model-error --expect load-friction,elasticity=3.0 -o T.toml
   armid design crs-a460 --criterion a-optimal --family cubic-b-spline --freeze wrist_roll=0 -o T.toml
   armid design arm.urdf --criterion condition-scaled --period 20 --harmonics 7 -o T.toml";
 
@@ -93,6 +95,16 @@ pub(crate) struct Arguments {
     /// Estimates of earlier experiments: the design adds to their information, with the noise that they found
     #[arg(long, value_name = "E.json", num_args = 1.., conflicts_with = "weighted")]
     prior: Vec<PathBuf>,
+    /// Effects that model-error expects of the arm, each at its realistic level or a magnitude in its own unit; by default
+    /// load-friction and elasticity
+    #[arg(long, value_name = "EFFECT[=MAGNITUDE]", value_delimiter = ',', value_parser = expected_effect)]
+    expect: Vec<(EffectKind, f64)>,
+    /// Motions on which i-optimal and model-error predict torque; by default random ones, half of them slow
+    #[arg(long, value_name = "T.toml", num_args = 1..)]
+    predict: Vec<String>,
+    /// Recorded periods that model-error expects of the experiment, at the robot's servo rate
+    #[arg(long, value_name = "N", default_value_t = 10)]
+    periods: usize,
     /// Skip the baseline: as many random trajectories as a start may evaluate
     #[arg(long)]
     no_baseline: bool,
@@ -214,10 +226,12 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
         let noise = effort_noise(problem.robot())?;
         problem.set_noise(noise).map_err(|error| impossible(&error))?;
     }
+    declare_use(arguments, loaded, &mut problem)?;
     if !arguments.prior.is_empty() {
         if !arguments.criterion.is_weighted() {
             let message = format!(
-                "--prior with --criterion {}, expected one of the information: d-optimal, a-optimal or e-optimal",
+                "--prior with --criterion {}, expected one of the information: d-optimal, a-optimal, e-optimal, i-optimal \
+                 or model-error",
                 arguments.criterion.name()
             );
             return Err(Error::new(message).into());
@@ -225,6 +239,59 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
         set_prior(&mut problem, loaded, &arguments.prior)?;
     }
     Ok(problem)
+}
+
+/// What the estimate is for, and what is expected of the arm.
+fn declare_use(arguments: &Arguments, loaded: &LoadedRobot, problem: &mut DesignProblem) -> Result<()> {
+    let kind = arguments.criterion;
+    let is_model_error = kind == CriterionKind::ModelError;
+    let refused = |option: &str, expected: &str| -> Result<()> {
+        Err(Error::new(format!("{option} with --criterion {}, expected {expected}", kind.name())).into())
+    };
+    if !arguments.expect.is_empty() && !is_model_error {
+        return refused("--expect", "model-error");
+    }
+    if !arguments.predict.is_empty() {
+        if !kind.criterion().asks_for_prediction() {
+            return refused("--predict", "i-optimal or model-error");
+        }
+        let named = arguments.predict.iter();
+        let motions = named.map(|name| trajectory::load(name, None, problem.robot())).collect::<Result<_, Error>>()?;
+        let motions = EvaluationMotions::new(motions, problem.robot().dof()).map_err(|error| impossible(&error))?;
+        problem.set_evaluation(motions).map_err(|error| impossible(&error))?;
+    }
+    if !is_model_error {
+        return Ok(());
+    }
+    let Some(nominal) = loaded.nominal.as_ref().or(loaded.own.as_ref()) else {
+        return refused(
+            "a robot without nominal parameters",
+            "one of the others: the torque of effects is found by them",
+        );
+    };
+    // Noise against bias: both in N·m.
+    problem.set_noise(effort_noise(problem.robot())?).map_err(|error| impossible(&error))?;
+    let robot = problem.robot();
+    let rows = robot.dof() as f64 * arguments.period * robot.servo().rate_hz * arguments.periods as f64;
+    let declared = arguments.expect.iter().fold(Effects::none(), |all, &(effect, size)| all.with(effect, size));
+    let effects = if declared.is_none() { Effects::expected_by_default() } else { declared };
+    let expected = effects.expected(robot, nominal).map_err(|error| Error::new(format!("--expect: {error}")))?;
+    problem.set_rows(rows).map_err(|error| impossible(&error))?;
+    problem.set_expected(expected).map_err(|error| impossible(&error))?;
+    Ok(())
+}
+
+/// `elasticity` or `elasticity=3.0` as an effect and its magnitude.
+fn expected_effect(text: &str) -> std::result::Result<(EffectKind, f64), String> {
+    let (name, size) = text.split_once('=').map_or((text, None), |(name, size)| (name, Some(size)));
+    let names = || Effects::EXPECTABLE.map(EffectKind::name).join(", ");
+    let kind = EffectKind::parse(name).filter(|kind| Effects::EXPECTABLE.contains(kind));
+    let kind = kind.ok_or_else(|| format!("expected one of {}", names()))?;
+    let entry = kind.entry();
+    let size = size.map_or(Some(entry.realistic), |size| size.parse().ok());
+    let size = size.filter(|size| (f64::MIN_POSITIVE..=entry.most).contains(size));
+    size.map(|size| (kind, size))
+        .ok_or_else(|| format!("expected a magnitude above 0 and at most {} {}", entry.most, entry.unit))
 }
 
 /// Standard deviation of one sample of each joint's effort by the noise of its current sensor.

@@ -4,6 +4,8 @@ use std::fmt;
 
 use nalgebra::DMatrix;
 
+use super::prediction::Prediction;
+
 /// A criterion's value.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
@@ -52,6 +54,39 @@ pub trait Criterion: fmt::Debug + Send + Sync {
     fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
         let _ = sharpness;
         None
+    }
+
+    /// Whether it asks what the estimate is for.
+    fn asks_for_prediction(&self) -> bool {
+        false
+    }
+
+    /// The same for an estimate that is to predict torque; `None` of a criterion that does not ask what it is for.
+    fn for_prediction(&self, prediction: Prediction) -> Option<Box<dyn Criterion>> {
+        let _ = prediction;
+        None
+    }
+
+    /// Whether its value depends on effects that the model leaves out.
+    fn expects_effects(&self) -> bool {
+        false
+    }
+
+    /// Its value where effects are expected, by the moments `c = W_bᵀ Σ⁻¹ d / rows` (b × E) of their torque beside `m`; where
+    /// `sensitivity` is given, (S, S_c) with `d value = tr(S dM) + tr(S_cᵀ dc)`. Of a criterion that expects none the same
+    /// as [`Self::evaluate`].
+    fn evaluate_with_effects(
+        &self,
+        m: &DMatrix<f64>,
+        moments: &DMatrix<f64>,
+        sensitivity: Option<(&mut DMatrix<f64>, &mut DMatrix<f64>)>,
+    ) -> Score {
+        let _ = moments;
+        let by_m = sensitivity.map(|(by_m, by_moments)| {
+            by_moments.fill(0.0);
+            by_m
+        });
+        self.evaluate(m, by_m)
     }
 }
 

@@ -10,6 +10,8 @@ use super::condition_scaled::ConditionScaled;
 use super::d_optimal::DOptimal;
 use super::definition::Criterion;
 use super::e_optimal::EOptimal;
+use super::i_optimal::IOptimal;
+use super::model_error::ModelError;
 
 /// Every criterion that a design can minimise.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, serde::Serialize, serde::Deserialize)]
@@ -29,11 +31,15 @@ pub enum CriterionKind {
     ConditionPlusSigma,
     /// Condition number minus ln det of the information of W_b per row.
     ConditionPlusD,
+    /// Variance of torque predicted on evaluation motions.
+    IOptimal,
+    /// Variance and bias of torque predicted on evaluation motions, where effects are expected that the model lacks.
+    ModelError,
 }
 
 impl CriterionKind {
-    /// Every criterion.
-    pub const ALL: [Self; 7] = [
+    /// Every criterion; a new one is added at the end.
+    pub const ALL: [Self; 9] = [
         Self::Condition,
         Self::ConditionScaled,
         Self::DOptimal,
@@ -41,6 +47,8 @@ impl CriterionKind {
         Self::EOptimal,
         Self::ConditionPlusSigma,
         Self::ConditionPlusD,
+        Self::IOptimal,
+        Self::ModelError,
     ];
 
     /// Its name on the command line and in files.
@@ -66,6 +74,8 @@ impl CriterionKind {
             Self::EOptimal => Box::new(EOptimal::exact()),
             Self::ConditionPlusSigma => Box::new(ConditionPlusSigma::exact()),
             Self::ConditionPlusD => Box::new(ConditionPlusD::exact()),
+            Self::IOptimal => Box::new(IOptimal::default()),
+            Self::ModelError => Box::new(ModelError::default()),
         }
     }
 

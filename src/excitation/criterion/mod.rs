@@ -8,7 +8,8 @@
 //! the information, and −ln det M is minimised, which makes the confidence volume of the estimate small.
 //!
 //! A criterion does not depend on robots: it turns M into a value and ∂value/∂M; the chain to the trajectory's
-//! coefficients is the objective's. Each is one file here, and all are listed once, in [`CriterionKind`].
+//! coefficients is the objective's. One that asks what the estimate is for gets a [`Prediction`], one that expects effects
+//! their moments. Each is one file here, and all are listed once, in [`CriterionKind`].
 
 mod a_optimal;
 mod condition;
@@ -18,7 +19,10 @@ mod condition_scaled;
 mod d_optimal;
 mod definition;
 mod e_optimal;
+mod i_optimal;
 mod kind;
+mod model_error;
+mod prediction;
 mod spectrum;
 
 pub use a_optimal::AOptimal;
@@ -29,4 +33,7 @@ pub use condition_scaled::ConditionScaled;
 pub use d_optimal::DOptimal;
 pub use definition::{Criterion, Score};
 pub use e_optimal::EOptimal;
+pub use i_optimal::IOptimal;
 pub use kind::CriterionKind;
+pub use model_error::ModelError;
+pub use prediction::{Carried, Prediction};

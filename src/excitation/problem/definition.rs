@@ -13,6 +13,8 @@ use crate::excitation::basis::MotionBasis;
 use crate::excitation::criterion::Criterion;
 use crate::excitation::effort::EffortModel;
 use crate::excitation::error::ExcitationError;
+use crate::excitation::evaluation::EvaluationMotions;
+use crate::excitation::expected::ExpectedEffects;
 use crate::excitation::start::series_start;
 use crate::model::{Columns, Robot};
 use crate::seed::Seed;
@@ -65,8 +67,9 @@ impl DesignProblem {
         columns: Columns,
         criterion: impl Into<Arc<dyn Criterion>>,
     ) -> Result<Self, ExcitationError> {
-        let objective = DesignObjective::new(&robot, columns, criterion.into())?;
+        let mut objective = DesignObjective::new(&robot, columns, criterion.into())?;
         let space = DesignSpace::new(Family::Fourier, PERIOD_S, vec![HARMONICS; robot.dof()])?;
+        objective.declare(&robot, &space)?;
         let basis = MotionBasis::new(&robot, &space)?;
         let limits = DesignLimits::default();
         let inner_robot = limits.inner_robot(&robot)?;
@@ -82,10 +85,13 @@ impl DesignProblem {
     /// was.
     pub fn set_space(&mut self, space: DesignSpace) -> Result<(), ExcitationError> {
         let basis = MotionBasis::new(&self.robot, &space)?;
-        if space.frozen() != self.space.frozen() {
-            self.objective = self.objective.in_space(&self.robot, &space)?;
-        }
-        (self.space, self.basis) = (space, basis);
+        let mut objective = if space.frozen() == self.space.frozen() {
+            self.objective.clone()
+        } else {
+            self.objective.in_space(&self.robot, &space)?
+        };
+        objective.declare(&self.robot, &space)?;
+        (self.objective, self.space, self.basis) = (objective, space, basis);
         Ok(())
     }
 
@@ -120,6 +126,35 @@ impl DesignProblem {
     /// above zero.
     pub fn set_noise(&mut self, noise: Vec<f64>) -> Result<(), ExcitationError> {
         self.objective.set_noise(self.robot.dof(), noise)
+    }
+
+    /// Judges predictions on these motions, in place of [`EvaluationMotions::usual`]; for the criteria that ask what the
+    /// estimate is for.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Length`] if they are of another number of joints.
+    pub fn set_evaluation(&mut self, motions: EvaluationMotions) -> Result<(), ExcitationError> {
+        self.objective.set_evaluation(self.robot.dof(), motions)?;
+        self.objective.declare(&self.robot, &self.space)
+    }
+
+    /// Expects these effects of the arm, for the criteria that do; none unless said.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Length`] if they are of another number of joints.
+    pub fn set_expected(&mut self, expected: ExpectedEffects) -> Result<(), ExcitationError> {
+        self.objective.set_expected(self.robot.dof(), expected)?;
+        self.objective.declare(&self.robot, &self.space)
+    }
+
+    /// Expects so many torque rows of the whole experiment, each with the noise of its joint; ten periods at the servo's
+    /// rate unless said. It weights noise against effects.
+    ///
+    /// # Errors
+    /// [`ExcitationError::NotPositive`] if it is no finite number above zero.
+    pub fn set_rows(&mut self, rows: f64) -> Result<(), ExcitationError> {
+        self.objective.set_rows(rows)?;
+        self.objective.declare(&self.robot, &self.space)
     }
 
     /// Takes information as known: b × b per torque row of one period, weighted by the noise of the rows.

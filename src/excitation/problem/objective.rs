@@ -11,7 +11,10 @@ use crate::base::{BaseReduction, Method, reduce, reduce_on};
 use crate::dynamics::States;
 use crate::excitation::criterion::Criterion;
 use crate::excitation::error::{ExcitationError, above_zero, same_length};
+use crate::excitation::evaluation::EvaluationMotions;
+use crate::excitation::expected::ExpectedEffects;
 use crate::model::{Columns, Robot};
+use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 
 /// The least number of random states on which a base of frozen joints is found.
@@ -19,6 +22,9 @@ const RANDOM_STATES: usize = 40;
 
 /// Samples of one period in the criterion, by default.
 const SAMPLES: usize = 100;
+
+/// Recorded periods of an experiment, where nothing else is said.
+const RECORDED_PERIODS: f64 = 10.0;
 
 /// What is minimised: a criterion of the information that a motion collects on the base of the chosen columns. Made and
 /// changed through [`DesignProblem`](super::DesignProblem), whose robot and space it fits.
@@ -30,13 +36,26 @@ pub struct DesignObjective {
     samples: usize,
     noise: Option<Vec<f64>>,
     prior: Option<DMatrix<f64>>,
+    evaluation: Option<EvaluationMotions>,
+    expected: Option<ExpectedEffects>,
+    rows: Option<f64>,
 }
 
 impl DesignObjective {
     /// On a base of motions in which every joint moves.
     pub(super) fn new(robot: &Robot, columns: Columns, criterion: Arc<dyn Criterion>) -> Result<Self, ExcitationError> {
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
-        Ok(Self { columns, base, criterion, samples: SAMPLES, noise: None, prior: None })
+        Ok(Self {
+            columns,
+            base,
+            criterion,
+            samples: SAMPLES,
+            noise: None,
+            prior: None,
+            evaluation: None,
+            expected: None,
+            rows: None,
+        })
     }
 
     /// Which parameters are to be estimated.
@@ -78,6 +97,47 @@ impl DesignObjective {
     #[must_use]
     pub const fn prior(&self) -> Option<&DMatrix<f64>> {
         self.prior.as_ref()
+    }
+
+    /// Effects that the criterion expects, where it does.
+    #[must_use]
+    pub const fn expected(&self) -> Option<&ExpectedEffects> {
+        self.expected.as_ref()
+    }
+
+    pub(super) fn set_evaluation(&mut self, joints: usize, motions: EvaluationMotions) -> Result<(), ExcitationError> {
+        same_length("joints of the evaluation motions", motions.joints(), joints)?;
+        self.evaluation = Some(motions);
+        Ok(())
+    }
+
+    pub(super) fn set_expected(&mut self, joints: usize, expected: ExpectedEffects) -> Result<(), ExcitationError> {
+        same_length("nominal links of the expected effects", expected.nominal().links.len(), joints)?;
+        self.expected = Some(expected);
+        Ok(())
+    }
+
+    pub(super) fn set_rows(&mut self, rows: f64) -> Result<(), ExcitationError> {
+        above_zero("number of torque rows of the experiment", rows, "")?;
+        self.rows = Some(rows);
+        Ok(())
+    }
+
+    /// Tells the criterion what the estimate is for, if it asks.
+    pub(super) fn declare(&mut self, robot: &Robot, space: &DesignSpace) -> Result<(), ExcitationError> {
+        if !self.criterion.asks_for_prediction() {
+            return Ok(());
+        }
+        let motions = self.evaluation.clone().map_or_else(|| EvaluationMotions::usual(robot), Ok)?;
+        let usual = robot.dof() as f64 * space.period_s() * robot.servo().rate_hz * RECORDED_PERIODS;
+        let rows = self.rows.unwrap_or(usual);
+        let regressor = JointTorqueRegressor::new(robot, self.columns);
+        let prediction =
+            motions.prediction(robot, &regressor, &self.base, space.frozen(), self.expected.as_ref(), rows);
+        if let Some(criterion) = self.criterion.for_prediction(prediction) {
+            self.criterion = criterion.into();
+        }
+        Ok(())
     }
 
     /// Position, among the kept columns, of those that belong to rigid bodies.

@@ -53,6 +53,11 @@ impl Spring {
         self
     }
 
+    /// Its stiffness, N·m/rad.
+    pub(super) const fn stiffness(&self) -> f64 {
+        self.stiffness
+    }
+
     /// Whether a step `h` (s) follows the oscillation of a rotor and links of this mobility.
     pub(super) fn is_followed(&self, rotor: f64, mobility: f64, h: f64) -> bool {
         rotor > 0.0 && (self.stiffness * (1.0 / rotor + mobility)).sqrt() * h <= RESOLVED

@@ -1,0 +1,111 @@
+//! An effect that is expected of the arm.
+
+use nalgebra::DMatrix;
+
+use crate::excitation::error::{ExcitationError, same_length};
+use crate::model::{DriveParameters, StandardParameters};
+
+/// How an effect changes the torque of a motion.
+#[derive(Clone, Debug, PartialEq)]
+pub enum EffectLaw {
+    /// Torque terms with these coefficients, joint by joint (n); none that depends on temperature.
+    Terms(Vec<DriveParameters>),
+    /// Springs between motors and links; the encoders are on the motors.
+    ///
+    /// ```text
+    /// δ = B τ_l(θ, θ̇, θ̈)      d = τ(θ − δ, θ̇ − δ̇, θ̈ − δ̈) − τ(θ, θ̇, θ̈)
+    /// ```
+    /// `τ_l` is what the links take, `τ` that and, where rotor and friction are beyond the spring, theirs. Without damping
+    /// and oscillation: to first order in δ, whose derivatives are those of one period.
+    Elastic {
+        /// B, rad/(N·m), n × n.
+        compliance: DMatrix<f64>,
+        /// Whether rotor and friction of a joint move with its link, n.
+        with_link: Vec<bool>,
+    },
+    /// Torque that follows its set point late by this time (s), where the set point is what is reported: `d = T dτ/dt`.
+    Late(f64),
+    /// Torque that is off by this share, up or down, each joint by itself: n discrepancies, `d_j = share τ_j`.
+    Scaled(f64),
+}
+
+impl EffectLaw {
+    /// Number of discrepancies of an arm of so many joints.
+    pub(super) const fn discrepancies(&self, joints: usize) -> usize {
+        match self {
+            Self::Scaled(_) => joints,
+            Self::Terms(_) | Self::Elastic { .. } | Self::Late(_) => 1,
+        }
+    }
+
+    /// Checks that it is one of an arm of so many joints.
+    fn check(&self, joints: usize) -> Result<(), ExcitationError> {
+        let size = |found: f64, quantity, unit| {
+            let holds = found.is_finite() && found >= 0.0;
+            if holds { Ok(()) } else { Err(ExcitationError::Negative { quantity, found, unit }) }
+        };
+        match self {
+            Self::Terms(drives) => same_length("drives of an expected effect", drives.len(), joints),
+            Self::Elastic { compliance, with_link } => {
+                same_length("rows of a compliance", compliance.nrows(), joints)?;
+                same_length("columns of a compliance", compliance.ncols(), joints)?;
+                same_length("drives of an expected effect", with_link.len(), joints)
+            }
+            Self::Late(time) => size(*time, "lag of an expected effect", "s"),
+            Self::Scaled(share) => size(*share, "share of an expected effect", ""),
+        }
+    }
+}
+
+/// One effect with the magnitude that is expected of it: the standard deviation of what it may be.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExpectedEffect {
+    /// Name, as in the list of effects.
+    pub name: String,
+    /// How it changes torque.
+    pub law: EffectLaw,
+}
+
+/// The effects that are expected of an arm, and the parameters by which their torque is found.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ExpectedEffects {
+    nominal: StandardParameters,
+    effects: Vec<ExpectedEffect>,
+    carried: bool,
+}
+
+impl ExpectedEffects {
+    /// These effects on an arm with the `nominal` parameters; the estimate is to be that of the arm without them.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Length`] if an effect is not one of as many joints as there are links,
+    /// [`ExcitationError::Negative`] if a size is below zero or no number.
+    pub fn new(nominal: StandardParameters, effects: Vec<ExpectedEffect>) -> Result<Self, ExcitationError> {
+        effects.iter().try_for_each(|effect| effect.law.check(nominal.links.len()))?;
+        Ok(Self { nominal, effects, carried: false })
+    }
+
+    /// The same where the estimate is to predict the torque of the arm with its effects, as far as it can.
+    #[must_use]
+    pub fn carried(self) -> Self {
+        Self { carried: true, ..self }
+    }
+
+    /// The parameters.
+    #[must_use]
+    pub const fn nominal(&self) -> &StandardParameters {
+        &self.nominal
+    }
+
+    /// The effects.
+    #[must_use]
+    pub fn effects(&self) -> &[ExpectedEffect] {
+        &self.effects
+    }
+
+    /// Whether the estimate is to predict torque with the effects.
+    #[must_use]
+    pub const fn are_carried(&self) -> bool {
+        self.carried
+    }
+}
