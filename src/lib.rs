@@ -77,6 +77,7 @@ pub mod trajectory;
 pub mod dynamics;
 pub mod regressor;
 pub mod base;
+pub mod codegen;
 pub mod excitation;
 pub mod experiment;
 pub mod signal;

@@ -76,7 +76,7 @@ fn assert_none(faults: &[String]) {
 
 #[test]
 fn modules_of_the_core_stand_in_the_order_of_the_method() {
-    let expected = "seed provenance plain input cdr lanes linalg optimiser statistics spatial model trajectory dynamics regressor base excitation \
+    let expected = "seed provenance plain input cdr lanes linalg optimiser statistics spatial model trajectory dynamics regressor base codegen excitation \
                     experiment signal estimation diagnosis calibration study conformance";
     assert_eq!(module_order().join(" "), expected);
 }

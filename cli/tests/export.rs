@@ -56,6 +56,47 @@ fn identity_every_format_reads_back_with_the_torque_of_the_regressor() {
 }
 
 #[test]
+fn source_code_has_the_torque_of_the_base_parameters_as_estimated() {
+    let folder = temporary();
+    let estimate = estimate(folder.path());
+    let found: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&estimate).unwrap()).unwrap();
+    for (to, name, wanted) in [
+        (
+            "c",
+            "arm.c",
+            "void armid_inverse_dynamics(const double q[6], const double qd[6], const double qdd[6], double out[6])",
+        ),
+        ("rust", "arm.rs", "pub fn mass_matrix(q: &[f64; 6]) -> [f64; 36] {"),
+    ] {
+        let out = path(folder.path(), name);
+        let done = json(&armid(["export", &estimate, "--to", to, "-o", &out, "--json"]).success());
+        assert!(done["reload"]["largest_relative_difference"].as_f64().unwrap() < 1e-9, "{done}");
+        assert!(done["operations"].as_u64().unwrap() < 1500, "{done}");
+        assert_eq!(done["base"], serde_json::json!(bare(&found["base"])));
+        let text = std::fs::read_to_string(&out).unwrap();
+        assert!(
+            text.contains(wanted) && text.contains("  waist (rad)") && text.contains("Iyy1 = "),
+            "{}",
+            &text[..3000]
+        );
+    }
+    // Columns whose laws are not written.
+    let changed = found.to_string().replace("\"name\":\"Fc6\"", "\"name\":\"Fs6\"");
+    let other = write(folder.path(), "other.json", &changed);
+    let fault = stderr(&armid(["export", &other, "--to", "c"]).code(2));
+    assert!(fault.contains("base parameters:") && fault.contains("Fs6"), "{fault}");
+}
+
+/// Base parameters without what `armid identify` writes beside them.
+fn bare(base: &serde_json::Value) -> Vec<serde_json::Value> {
+    let of = |parameter: &serde_json::Value| {
+        let keys = ["name", "value", "std", "ci95", "unit"];
+        keys.into_iter().map(|key| (key.to_owned(), parameter[key].clone())).collect::<serde_json::Map<_, _>>().into()
+    };
+    base.as_array().expect("a list").iter().map(of).collect()
+}
+
+#[test]
 fn an_estimate_of_another_robot_is_refused() {
     let folder = temporary();
     let estimate = estimate(folder.path());

@@ -1,5 +1,7 @@
-"""Models that armid exports, in the libraries they are exported for: Pinocchio reads the URDF, MuJoCo the MJCF."""
+"""Models that armid exports, in the libraries they are exported for: Pinocchio reads the URDF, MuJoCo the MJCF. Source code
+that it exports, compiled, against Pinocchio."""
 
+import ctypes
 import json
 import os
 import subprocess
@@ -42,6 +44,7 @@ class Exchange(unittest.TestCase):
         np.savetxt(states, np.hstack([cls.q, cls.v, cls.a]), delimiter=",", header=header, comments="", fmt="%.17g")
         text = armid("dynamics", "crs-a460", "--states", str(states), "--quantity", "torque",
                      "--parameters", str(cls.folder / "rigid.json"))
+        cls.estimate = estimate
         cls.torque = np.array([[float(x) for x in line.split(",")] for line in text.splitlines()[1:]])
         cls.phi = phi
 
@@ -80,6 +83,71 @@ class Exchange(unittest.TestCase):
             mujoco.mj_inverse(model, data)
             torque.append(data.qfrc_inverse.copy())
         self.agree(np.array(torque))
+
+    def base_parameters_of_the_export(self):
+        """The estimate again, with the base parameters of the set that was exported: those that Pinocchio has."""
+        reduced = json.loads(armid("reduce", "crs-a460", "--columns", "rigid+rotor+friction", "--json"))
+        expected = {
+            base["name"]: sum(term["coefficient"] * self.phi[term["parameter"]] for term in base["terms"])
+            for base in reduced["base"]
+        }
+        estimate = json.loads(Path(self.estimate).read_text(encoding="utf-8"))
+        for parameter in estimate["base"]:
+            value = expected[parameter["name"]]
+            parameter["value"], parameter["ci95"] = value, [value, value]
+        path = self.folder / "exported.json"
+        path.write_text(json.dumps(estimate), encoding="utf-8")
+        return str(path)
+
+    def source_agrees(self, library, names):
+        def call(name, size, *inputs):
+            function, out = getattr(library, name), (ctypes.c_double * size)()
+            function.restype = None
+            function(*[(ctypes.c_double * 6)(*x) for x in inputs], out)
+            return np.array(out)
+
+        inverse_dynamics, gravity, mass_matrix = names
+        model = pin.buildModelFromUrdf(str(self.folder / "arm.urdf"))
+        data = model.createData()
+        rotor, viscous, coulomb, offset = (
+            np.array([self.phi[f"{symbol}{j + 1}"] for j in range(6)]) for symbol in ("Ia", "Fv", "Fc", "Fo"))
+        robot = json.loads(armid("robot", "crs-a460", "--json"))
+        scale = np.array([joint["drive"]["coulomb_velocity_rad_s"] for joint in robot["joints"]])
+        size = np.abs(self.torque).max()
+        for q, v, a in zip(self.q, self.v, self.a):
+            friction = viscous * v + coulomb * np.tanh(v / scale) + offset
+            torque = pin.rnea(model, data, q, v, a) + rotor * a + friction
+            weight = pin.computeGeneralizedGravity(model, data, q)
+            mass = pin.crba(model, data, q)
+            mass = np.triu(mass) + np.triu(mass, 1).T + np.diag(rotor)
+            for found, expected in [
+                (call(inverse_dynamics, 6, q, v, a), torque),
+                (call(gravity, 6, q), weight),
+                (call(mass_matrix, 36, q).reshape(6, 6), mass),
+            ]:
+                np.testing.assert_allclose(found, expected, rtol=0, atol=1e-9 * size)
+
+    def test_pinocchio_has_the_torque_weight_and_mass_matrix_of_the_c_source(self):
+        source, library = self.folder / "arm.c", self.folder / "arm_c.so"
+        armid("export", self.base_parameters_of_the_export(), "--to", "c", "-o", str(source))
+        subprocess.run(["cc", "-std=c99", "-Wall", "-Wextra", "-Werror", "-O2", "-shared", "-fPIC", source, "-o", library,
+                        "-lm"], check=True)
+        names = ("armid_inverse_dynamics", "armid_gravity", "armid_mass_matrix")
+        self.source_agrees(ctypes.CDLL(str(library)), names)
+
+    def test_pinocchio_has_the_torque_weight_and_mass_matrix_of_the_rust_source(self):
+        source, library = self.folder / "arm.rs", self.folder / "arm_rust.so"
+        armid("export", self.base_parameters_of_the_export(), "--to", "rust", "-o", str(source))
+        text = source.read_text(encoding="utf-8")
+        for name, inputs, size in [("inverse_dynamics", 3, 6), ("gravity", 1, 6), ("mass_matrix", 1, 36)]:
+            arguments = ", ".join(f"x{k}: &[f64; 6]" for k in range(inputs))
+            passed = ", ".join(f"x{k}" for k in range(inputs))
+            text += (f"#[no_mangle]\npub extern \"C\" fn c_{name}({arguments}, out: &mut [f64; {size}]) "
+                     f"{{ *out = {name}({passed}); }}\n")
+        source.write_text(text, encoding="utf-8")
+        subprocess.run(["rustc", "--edition", "2021", "-D", "warnings", "-O", "--crate-type", "cdylib", source, "-o", library],
+                       check=True)
+        self.source_agrees(ctypes.CDLL(str(library)), ("c_inverse_dynamics", "c_gravity", "c_mass_matrix"))
 
 
 if __name__ == "__main__":

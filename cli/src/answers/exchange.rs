@@ -30,9 +30,6 @@ pub(crate) enum Exchange {
 }
 
 impl Exchange {
-    /// Every format.
-    pub(crate) const ALL: [Self; 4] = [Self::Urdf, Self::Mjcf, Self::Toml, Self::Json];
-
     pub(crate) const fn name(self) -> &'static str {
         match self {
             Self::Urdf => "urdf",

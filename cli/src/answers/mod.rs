@@ -7,4 +7,5 @@ pub(crate) mod estimate_page;
 pub(crate) mod exchange;
 pub(crate) mod findings;
 pub(crate) mod run;
+pub(crate) mod source;
 pub(crate) mod study;

@@ -3,7 +3,8 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use armid::base::{Method, reduce};
+use armid::base::{BaseReduction, Method, reduce};
+use armid::codegen::Language;
 use armid::estimation::{ConsistentSet, Estimate, consistent_set};
 use armid::model::{Columns, ParameterId, StandardParameters};
 use armid::seed::Seed;
@@ -14,6 +15,7 @@ use miette::Result;
 use serde_json::{Value, json};
 
 use crate::answers::exchange::{Exchange, Reloaded};
+use crate::answers::source::SourceAnswer;
 use crate::arguments::{ChainArguments, one_of};
 use crate::terminal::{Answer, Console, Destination, Ending, number, report_folder};
 
@@ -31,8 +33,13 @@ A robot that came as a URDF is written as that file with other inertias, damping
 meshes, comments and formatting stay. URDF has no place for rotor inertia and torque offset, MJCF none
 for the offset: the answer says what torque lacks without them.
 
+c and rust are source code of inverse dynamics, gravity torque and mass matrix in the base parameters
+as estimated, with the operations that they need and no others; it needs a compiler alone, and no set
+of all parameters is chosen. Its operations are compared with the regressor times the estimate.
+
 Examples:
   armid export E.json --to urdf -o a460.urdf
+  armid export E.json --to c -o a460.c
   armid export E.json --to mjcf --robot arm/robot.toml -o arm.xml
   armid export E.json --to json --json";
 
@@ -43,13 +50,48 @@ pub(crate) struct Arguments {
     /// The estimate, a JSON file of `armid identify`
     estimate: PathBuf,
     /// Format of the file
-    #[arg(long, value_parser = one_of(&Exchange::ALL, Exchange::name))]
-    to: Exchange,
+    #[arg(long, value_parser = one_of(&Target::ALL, Target::name))]
+    to: Target,
     /// The robot, where it is not the one that the estimate was made with
     #[arg(long)]
     robot: Option<String>,
     #[command(flatten)]
     chain: ChainArguments,
+}
+
+/// What is written.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Target {
+    /// A model of all parameters.
+    Model(Exchange),
+    /// Source code in base parameters.
+    Source(Language),
+}
+
+impl Target {
+    const ALL: [Self; 6] = [
+        Self::Model(Exchange::Urdf),
+        Self::Model(Exchange::Mjcf),
+        Self::Model(Exchange::Toml),
+        Self::Model(Exchange::Json),
+        Self::Source(Language::C),
+        Self::Source(Language::Rust),
+    ];
+
+    const fn name(self) -> &'static str {
+        match self {
+            Self::Model(format) => format.name(),
+            Self::Source(language) => language.name(),
+        }
+    }
+
+    /// How its files end.
+    const fn extension(self) -> &'static str {
+        match self {
+            Self::Model(format) => format.extension(),
+            Self::Source(language) => language.extension(),
+        }
+    }
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
@@ -67,29 +109,39 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         _ => arguments.chain.load(arguments.robot.as_deref().unwrap_or(&estimate.robot))?,
     };
     let destination = destination(&loaded, arguments.to, console)?;
-    let set = consistent(&text, &estimate, &loaded)?;
-    let (written, remarks) = arguments.to.write(&loaded, &set.parameters, &header(&estimate, &set))?;
-    let reloaded = Reloaded::compare(arguments.to, &written, &loaded, &set.parameters)?;
+    let base = base_of(&text, &estimate, &loaded)?;
+    let format = match arguments.to {
+        Target::Model(format) => format,
+        Target::Source(language) => {
+            let source = SourceAnswer::new(&text.name, &estimate, &base, &loaded, language)?;
+            console.deliver(&destination, &source.text)?;
+            console.show(&source.answer(&destination))?;
+            return Ok(if source.is_sound() { Ending::Done } else { Ending::Negative });
+        }
+    };
+    let set = consistent(&text, &estimate, &base, &loaded)?;
+    let (written, remarks) = format.write(&loaded, &set.parameters, &header(&estimate, &set))?;
+    let reloaded = Reloaded::compare(format, &written, &loaded, &set.parameters)?;
     console.deliver(&destination, &written)?;
     let sound = set.is_within() && set.termination.was_successful() && reloaded.is_sound();
     let joints = loaded.robot.joints().iter().map(|joint| joint.name.clone()).collect();
     let remarks = loaded.remarks.iter().cloned().chain(remarks).collect();
-    let done = Done { estimate: &estimate, format: arguments.to, set, reloaded, remarks, joints, destination };
+    let done = Done { estimate: &estimate, format, set, reloaded, remarks, joints, destination };
     console.show(&Answer { text: done.text(), json: done.json() })?;
     Ok(if sound { Ending::Done } else { Ending::Negative })
 }
 
 /// Where the model goes: `-o`, or `reports/NAME-identified/NAME.ENDING`.
-fn destination(loaded: &LoadedRobot, format: Exchange, console: &Console) -> Result<Destination> {
+fn destination(loaded: &LoadedRobot, target: Target, console: &Console) -> Result<Destination> {
     console.text_or(|| {
         let name = loaded.robot.name();
         let folder = report_folder("name of the robot", &format!("{name}-identified"))?;
-        Ok(folder.join(format!("{name}.{}", format.extension())))
+        Ok(folder.join(format!("{name}.{}", target.extension())))
     })
 }
 
-/// The consistent set of an estimate of this very robot.
-fn consistent(text: &Text, estimate: &Estimate, loaded: &LoadedRobot) -> Result<ConsistentSet> {
+/// The base parameters that an estimate of this very robot is of.
+fn base_of(text: &Text, estimate: &Estimate, loaded: &LoadedRobot) -> Result<BaseReduction> {
     let robot = &loaded.robot;
     check_robot(estimate, &text.name, loaded)?;
     let Some(columns) = Columns::parse(&estimate.columns) else {
@@ -98,13 +150,20 @@ fn consistent(text: &Text, estimate: &Estimate, loaded: &LoadedRobot) -> Result<
         let message = format!("{}: the set of columns is \"{found}\", expected one of {expected}", text.name);
         return Err(Error::new(message).into());
     };
-    let Some(guess) = loaded.nominal.as_ref().or(loaded.own.as_ref()) else {
-        let message = format!("\"{}\" has no nominal parameters for what torque does not identify", robot.name());
-        return Err(Error::new(message).help("write nominal.toml beside robot.toml").into());
-    };
     let base = reduce(robot, columns, Method::Structural, Seed::new(0))
         .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
-    Ok(consistent_set(&base, estimate, guess).map_err(|error| Error::new(format!("{}: {error}", text.name)))?)
+    Ok(base)
+}
+
+/// The consistent set of an estimate.
+fn consistent(text: &Text, estimate: &Estimate, base: &BaseReduction, loaded: &LoadedRobot) -> Result<ConsistentSet> {
+    let Some(guess) = loaded.guess() else {
+        let name = loaded.robot.name();
+        let message = format!("\"{name}\" has no nominal parameters for what torque does not identify");
+        let help = "write nominal.toml beside robot.toml; `--to c` and `--to rust` need none";
+        return Err(Error::new(message).help(help).into());
+    };
+    Ok(consistent_set(base, estimate, guess).map_err(|error| Error::new(format!("{}: {error}", text.name)))?)
 }
 
 /// The comment at the top of the file.

@@ -1,0 +1,155 @@
+//! Expressions of the motion, each held once, in the order in which they can be computed.
+
+use std::collections::BTreeMap;
+
+/// Place of an expression in its list.
+pub(super) type Id = usize;
+
+/// One operation; its operands stand before it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord)]
+pub(super) enum Expression {
+    /// A number, by its bits.
+    Number(u64),
+    /// Of a joint: q, q̇, q̈.
+    Position(usize),
+    Velocity(usize),
+    Acceleration(usize),
+    Sine(usize),
+    Cosine(usize),
+    /// The smooth sign of an expression with a velocity scale, by its bits.
+    SmoothSign(Id, u64),
+    Negative(Id),
+    Sum(Id, Id),
+    Difference(Id, Id),
+    Product(Id, Id),
+}
+
+impl Expression {
+    /// The expressions that it is made from.
+    pub(super) fn operands(self) -> impl Iterator<Item = Id> {
+        let two = match self {
+            Self::SmoothSign(a, _) | Self::Negative(a) => [Some(a), None],
+            Self::Sum(a, b) | Self::Difference(a, b) | Self::Product(a, b) => [Some(a), Some(b)],
+            Self::Number(_)
+            | Self::Position(_)
+            | Self::Velocity(_)
+            | Self::Acceleration(_)
+            | Self::Sine(_)
+            | Self::Cosine(_) => [None, None],
+        };
+        two.into_iter().flatten()
+    }
+}
+
+/// Expressions; equal ones are one.
+#[derive(Clone, Debug, Default)]
+pub(super) struct Expressions {
+    list: Vec<Expression>,
+    places: BTreeMap<Expression, Id>,
+}
+
+impl Expressions {
+    pub(super) fn list(&self) -> &[Expression] {
+        &self.list
+    }
+
+    pub(super) fn of(&mut self, expression: Expression) -> Id {
+        *self.places.entry(expression).or_insert_with(|| {
+            self.list.push(expression);
+            self.list.len() - 1
+        })
+    }
+
+    pub(super) fn number(&mut self, x: f64) -> Id {
+        // No minus before a zero.
+        self.of(Expression::Number((x + 0.0).to_bits()))
+    }
+
+    fn known(&self, a: Id) -> Option<f64> {
+        match self.list[a] {
+            Expression::Number(bits) => Some(f64::from_bits(bits)),
+            _ => None,
+        }
+    }
+
+    fn is(&self, a: Id, x: f64) -> bool {
+        self.known(a).is_some_and(|known| known.to_bits() == x.to_bits())
+    }
+
+    pub(super) fn negative(&mut self, a: Id) -> Id {
+        match (self.known(a), self.list[a]) {
+            (Some(x), _) => self.number(-x),
+            (None, Expression::Negative(b)) => b,
+            (None, Expression::Difference(b, c)) => self.difference(c, b),
+            _ => self.of(Expression::Negative(a)),
+        }
+    }
+
+    pub(super) fn sum(&mut self, a: Id, b: Id) -> Id {
+        match (self.known(a), self.known(b)) {
+            (Some(x), Some(y)) => self.number(x + y),
+            _ if self.is(a, 0.0) => b,
+            _ if self.is(b, 0.0) => a,
+            _ => match (self.list[a], self.list[b]) {
+                (_, Expression::Negative(b)) => self.difference(a, b),
+                (Expression::Negative(a), _) => self.difference(b, a),
+                _ => self.of(Expression::Sum(a.min(b), a.max(b))),
+            },
+        }
+    }
+
+    pub(super) fn difference(&mut self, a: Id, b: Id) -> Id {
+        match (self.known(a), self.known(b)) {
+            (Some(x), Some(y)) => self.number(x - y),
+            _ if a == b => self.number(0.0),
+            _ if self.is(b, 0.0) => a,
+            _ if self.is(a, 0.0) => self.negative(b),
+            _ => match self.list[b] {
+                Expression::Negative(b) => self.sum(a, b),
+                _ => self.of(Expression::Difference(a, b)),
+            },
+        }
+    }
+
+    pub(super) fn product(&mut self, a: Id, b: Id) -> Id {
+        match (self.known(a), self.known(b)) {
+            (Some(x), Some(y)) => self.number(x * y),
+            _ if self.is(a, 0.0) || self.is(b, 0.0) => self.number(0.0),
+            _ if self.is(a, 1.0) => b,
+            _ if self.is(b, 1.0) => a,
+            _ if self.is(a, -1.0) => self.negative(b),
+            _ if self.is(b, -1.0) => self.negative(a),
+            _ => match (self.list[a], self.list[b]) {
+                (Expression::Negative(a), _) => {
+                    let product = self.product(a, b);
+                    self.negative(product)
+                }
+                (_, Expression::Negative(b)) => {
+                    let product = self.product(a, b);
+                    self.negative(product)
+                }
+                _ => self.of(Expression::Product(a.min(b), a.max(b))),
+            },
+        }
+    }
+
+    pub(super) fn smooth_sign(&mut self, a: Id, scale: f64) -> Id {
+        if self.is(a, 0.0) { a } else { self.of(Expression::SmoothSign(a, scale.to_bits())) }
+    }
+
+    /// Whether each expression is needed for some of these.
+    pub(super) fn needed_for(&self, outputs: impl Iterator<Item = Id>) -> Vec<bool> {
+        let mut needed = vec![false; self.list.len()];
+        for output in outputs {
+            needed[output] = true;
+        }
+        for id in (0..self.list.len()).rev() {
+            if needed[id] {
+                for operand in self.list[id].operands() {
+                    needed[operand] = true;
+                }
+            }
+        }
+        needed
+    }
+}
