@@ -9,8 +9,8 @@ use std::sync::LazyLock;
 use armid::cdr::{FloatArray, JointState, decode, encode};
 use armid::estimation::compare;
 use armid::model::format::{
-    ChainEnds, FormatError, ImportedModel, parse_mjcf, parse_nominal, parse_parameter_map, parse_parameters,
-    parse_robot, parse_urdf, write_urdf,
+    ChainEnds, FormatError, ImportedModel, embed_urdf, parse_mjcf, parse_nominal, parse_parameter_map,
+    parse_parameters, parse_robot, parse_robot_model, parse_urdf, write_robot, write_urdf,
 };
 use armid::model::{Robot, bundled};
 use armid::spatial::Inertia;
@@ -92,6 +92,13 @@ pub fn csv(bytes: &[u8]) {
 /// A panic where what was read is not what was written.
 pub fn urdf(bytes: &[u8]) {
     tree(bytes, parse_urdf);
+    let ends = ChainEnds::default();
+    let Ok(text) = std::str::from_utf8(bytes) else { return };
+    let Ok(model) = parse_urdf(text, &ends) else { return };
+    // The robot file that begins from it is one, and says the same.
+    let file = embed_urdf(&write_robot(&model, "arm.urdf", &ends), text);
+    let read = parse_robot_model(&file).expect("a robot file over a URDF that can be read");
+    assert_eq!(read.parameters, Some(model.parameters), "parameters change on the way through a robot file");
 }
 
 /// MJCF: the chain of a robot.

@@ -73,7 +73,14 @@ impl Error {
     #[must_use]
     pub fn unreadable(path: &Path, error: &io::Error) -> Self {
         let message = format!("{} cannot be read: {error}", path.display());
-        Self { kind: ErrorKind::Unreadable(error.kind()), ..Self::new(message) }
+        let missing = error.kind() == io::ErrorKind::NotFound;
+        let made_by = match path.extension().and_then(|extension| extension.to_str()) {
+            Some("json") if missing => Some("`armid identify LOG -o"),
+            Some("mcap") if missing => Some("`armid run EXPERIMENT -o"),
+            _ => None,
+        };
+        let help = made_by.map(|command| format!("{command} {}` makes such a file", path.display()));
+        Self { kind: ErrorKind::Unreadable(error.kind()), ..Self::new(message).maybe_help(help) }
     }
 
     /// A file cannot be written.

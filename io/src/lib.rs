@@ -5,6 +5,7 @@
 //! | a name or a file | [`LoadedRobot`]: robot, nominal parameters, text | [`robot::named`], [`robot::load`] |
 //! | MCAP or CSV | [`Log`] | [`Log::read`], [`log::parse_csv`], [`log::parse_mcap`] |
 //! | tables of any shape | [`Log`] | [`log::find`], [`log::parse_tables`] with a [`log::Mapping`] |
+//! | a URDF | a `robot.toml`, a folder to begin with | [`robot::begin`], [`starter::Starter`] |
 //! | a log and a robot | [`ProcessedLog`]: samples with their noise | [`Log::process`] |
 //! | samples | an estimate with its intervals and findings | [`ProcessedLog::identify`] |
 //! | an estimate and another log | how well it predicts | [`ProcessedLog::validate`] |
@@ -76,6 +77,7 @@ pub mod output;
 pub mod prior;
 pub mod recording;
 pub mod robot;
+pub mod starter;
 pub mod study;
 pub mod suggestion;
 pub mod table;

@@ -29,7 +29,9 @@ pub fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<Periodic
         "table-one-printed" => table_one::printed(),
         _ => {
             let error = Error::unknown(format!("trajectory file not found: {}", path.display()));
-            return Err(error.help(suggestion::help(name, &NAMES)));
+            let made = format!("`armid design ROBOT --criterion d-optimal -o {}` makes it", path.display());
+            let near = suggestion::help(name, &NAMES);
+            return Err(error.help(if name.ends_with(".toml") { made } else { near }));
         }
     };
     if trajectory.joints.len() != robot.dof() {

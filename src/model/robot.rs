@@ -143,6 +143,13 @@ impl Robot {
         })
     }
 
+    /// What it is made of, without effort interface, servo and named points.
+    #[must_use]
+    pub fn into_spec(self) -> RobotSpec {
+        let Self { name, gravity, base, joints, coupling, shapes, obstacles, may_touch, .. } = self;
+        RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch }
+    }
+
     /// Its name.
     #[must_use]
     pub fn name(&self) -> &str {

@@ -57,9 +57,15 @@ impl Exchange {
     ) -> Result<(String, Vec<String>)> {
         let robot = &loaded.robot;
         let text = match (self, &loaded.urdf) {
-            (Self::Urdf, Some(ends)) => {
-                let edited = edit_urdf(&loaded.text.content, ends, parameters)
-                    .map_err(|fault| Error::new(format!("{}: {fault}", loaded.text.name)))?;
+            (Self::Urdf, Some(urdf)) => {
+                let mut edited = edit_urdf(&urdf.text.content, &urdf.ends, parameters)
+                    .map_err(|fault| Error::new(format!("{}: {fault}", urdf.text.name)))?;
+                let read = parse_urdf(&edited.text, &urdf.ends).map(|model| model.robot.gravity());
+                if read.is_ok_and(|read| (read - robot.gravity()).amax() > ROUNDING) {
+                    let remark =
+                        "URDF has no place for gravity, which readers take along −z of the root: here it is another";
+                    edited.remarks.push(remark.to_owned());
+                }
                 return Ok((edited.text, edited.remarks));
             }
             (Self::Urdf, None) => write_urdf(robot, parameters, header),
@@ -93,7 +99,13 @@ impl Exchange {
         };
         let robot = &loaded.robot;
         match self {
-            Self::Urdf => imported(parse_urdf(text, loaded.urdf.as_ref().unwrap_or(&ChainEnds::default()))),
+            Self::Urdf => match &loaded.urdf {
+                // Gravity is that of the robot file.
+                Some(urdf) => imported(parse_urdf(text, &urdf.ends)).map(|(read, parameters)| {
+                    (read.clone().with_gravity(read.base().rotation * robot.gravity()), parameters)
+                }),
+                None => imported(parse_urdf(text, &ChainEnds::default())),
+            },
             Self::Mjcf => imported(parse_mjcf(text, &ChainEnds::default())),
             Self::Toml => parse_parameters(text, robot, true).map(|file| (robot.clone(), file.parameters)),
             Self::Json => parse_parameter_map(text, robot).map(|parameters| (robot.clone(), parameters)),

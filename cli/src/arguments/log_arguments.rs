@@ -114,7 +114,10 @@ impl LogArguments {
             }
             _ => {
                 let name = found.logs.first().map_or("the log", |log| log.name.as_str());
-                Err(Error::new(format!("{name} does not name its robot, expected --robot ROBOT")))
+                let message = format!("{name} does not name its robot, expected --robot ROBOT");
+                Err(Error::new(message).help(
+                    "`armid robot` lists the bundled ones; `armid init arm.urdf` makes a robot file of one's own",
+                ))
             }
         }
     }

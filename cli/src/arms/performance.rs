@@ -48,9 +48,14 @@ pub(crate) fn perform(
         ArmKind::Simulated(_) => {
             let simulation = Simulation::of(experiment.planned.robot.clone(), kind)?
                 .with_effects(experiment.planned.effects.clone());
+            let robot = &experiment.planned.robot;
+            let is_tree = robot.text.content.trim_start().starts_with('<');
+            let help = is_tree.then(|| {
+                format!("`armid robot {} -o robot.toml` begins a robot file, which states it", robot.text.name)
+            });
             let mut servo = simulation
                 .servo(&experiment.planned.sensing)
-                .map_err(|error| fault(&error))?
+                .map_err(|error| fault(&error).maybe_help(help))?
                 .with_seed(Seed::new(experiment.planned.seed), experiment.planned.run);
             if !experiment.guarded {
                 let ending = servo.perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;

@@ -3,8 +3,8 @@
 use miette::Result;
 
 use super::{
-    agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, monitor, reduce, report,
-    robot, run, study, validate,
+    agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, init, monitor, reduce,
+    report, robot, run, study, validate,
 };
 use crate::terminal::{Console, Ending, Writes};
 
@@ -12,6 +12,7 @@ use crate::terminal::{Console, Ending, Writes};
 #[derive(Debug, clap::Subcommand)]
 pub(crate) enum Command {
     Robot(robot::Arguments),
+    Init(init::Arguments),
     Agree(agree::Arguments),
     Reduce(reduce::Arguments),
     Dynamics(dynamics::Arguments),
@@ -45,7 +46,7 @@ impl Command {
             Self::Design(_) | Self::Export(_) => Writes::Text,
             Self::Run(_) => Writes::Recording,
             Self::Calibrate(_) => Writes::Several,
-            Self::Agree(_) | Self::Study(_) | Self::Report(_) => Writes::Folder,
+            Self::Agree(_) | Self::Init(_) | Self::Study(_) | Self::Report(_) => Writes::Folder,
         }
     }
 }
@@ -56,6 +57,7 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
     match command {
         Command::Agree(arguments) => agree::run(&arguments, console),
         Command::Robot(arguments) => robot::run(&arguments, console),
+        Command::Init(arguments) => init::run(&arguments, console),
         Command::Reduce(arguments) => reduce::run(&arguments, console),
         Command::Dynamics(arguments) => dynamics::run(&arguments, console),
         Command::Design(arguments) => design::run(&arguments, console),

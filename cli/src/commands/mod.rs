@@ -11,6 +11,7 @@ mod doctor;
 mod dynamics;
 mod export;
 mod identify;
+mod init;
 mod monitor;
 mod reduce;
 mod report;

@@ -54,11 +54,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             continue;
         }
         if !folder.is_dir() {
-            return Err(Error::new(format!(
-                "not a study directory, nor a file of `armid identify`: {}",
-                folder.display()
-            ))
-            .into());
+            let message = format!("not a study directory, nor a file of `armid identify`: {}", folder.display());
+            let help = "`armid identify LOG -o E.json` writes an estimate, `armid study STUDY -o DIR` a study";
+            return Err(Error::new(message).help(help).into());
         }
         let input = read_study(folder)?;
         let output = match console.output() {

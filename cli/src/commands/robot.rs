@@ -1,12 +1,13 @@
 //! `armid robot`
 
 use std::fmt::Write;
+use std::path::Path;
 
 use armid::model::format::parse_robot;
 use armid::model::term::Term;
 use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, Solid, bundled};
 use armid::provenance::Provenance;
-use armid_io::LoadedRobot;
+use armid_io::{Error, LoadedRobot, output, robot};
 use miette::Result;
 use serde_json::{Value, json};
 
@@ -17,11 +18,14 @@ const AFTER_HELP: &str = "\
 Examples:
   armid robot                                    the bundled robots
   armid robot crs-a460                           one of them
-  armid robot arm.urdf --tip-link tool0 --json   a chain of a URDF, for a program";
+  armid robot arm.urdf --tip-link tool0 --json   a chain of a URDF, for a program
+  armid robot arm.urdf -o robot.toml             begins a robot file, the gaps of the URDF marked
+  armid robot crs-a460 -o robot.toml             a copy of a bundled one to begin from";
 
 /// Show a robot, or list the bundled ones
 ///
-/// Links, limits, drives, nominal parameters and where they come from.
+/// Links, limits, drives, nominal parameters and where they come from. With -o NAME.toml a URDF becomes a robot
+/// file.
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
@@ -32,11 +36,42 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    if let (Some(name), Some(place)) = (&arguments.robot, console.output())
+        && place.extension().is_some_and(|extension| extension == "toml")
+    {
+        return write(arguments, name, place, console);
+    }
     let answer = match &arguments.robot {
         Some(name) => describe(&arguments.chain.load(name)?),
         None => list(),
     };
     console.answer(&answer)?;
+    Ok(Ending::Done)
+}
+
+/// Writes a robot file: over a URDF with its gaps marked, or a copy of a bundled one.
+fn write(arguments: &Arguments, name: &str, place: &Path, console: &Console) -> Result<Ending> {
+    let loaded = arguments.chain.load(name)?;
+    if place.exists() {
+        let message = format!("{} is there already, expected a new file: its gaps may be filled in", place.display());
+        return Err(Error::new(message).help("-o chooses another name").into());
+    }
+    let text = match (&loaded.urdf, bundled().iter().find(|entry| entry.name == name)) {
+        (_, Some(entry)) => entry.robot.to_owned(),
+        (Some(urdf), None) if urdf.text == loaded.text => robot::begin(Path::new(name), &urdf.ends, place)?,
+        _ => {
+            let message = format!("{name} is no URDF, expected one or a bundled robot to begin a robot file from");
+            return Err(Error::new(message).help("`armid robot` lists the bundled robots").into());
+        }
+    };
+    output::write_text(place, &text)?;
+    let gaps = text.matches(" = ?").count();
+    let mut told = format!("{}\n", place.display());
+    if gaps > 0 {
+        let _ = writeln!(told, "{gaps} gaps of the URDF, each a line \"# key = ?\" that says what it is used for");
+    }
+    let file = place.display().to_string();
+    console.show(&Answer { text: told, json: json!({ "file": file, "gaps": gaps }) })?;
     Ok(Ending::Done)
 }
 

@@ -53,7 +53,7 @@ fn no_chain(chain: &ChainEnds, name: &str) -> Result<(), Error> {
     match given.iter().find(|(_, link)| link.is_some()) {
         Some((key, _)) => {
             let message = format!("{key} chooses a chain in a URDF or MJCF tree; \"{name}\" is a serial chain already");
-            Err(Error::mismatch(message))
+            Err(Error::mismatch(message).help("a robot file over a URDF has the keys base_link and tip_link"))
         }
         None => Ok(()),
     }
@@ -64,7 +64,7 @@ fn unknown(name: &str, path: &Path) -> Error {
     let looks_like_path = name.contains(['/', '\\']) || path.extension().is_some();
     if looks_like_path {
         Error::unknown(format!("robot file not found: {}", path.display()))
-            .help(format!("bundled robots: {}", names.join(", ")))
+            .help(format!("`armid robot` lists the bundled robots: {}", names.join(", ")))
     } else {
         Error::unknown(format!("robot \"{name}\" is neither a bundled robot nor a file"))
             .help(suggestion::help(name, &names))

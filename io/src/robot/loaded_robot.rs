@@ -2,7 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::model::format::{ChainEnds, RelativeUncertainty, parse_nominal, parse_robot};
+use armid::model::format::{
+    ChainEnds, RelativeUncertainty, RobotModel, embed_urdf, parse_nominal, parse_robot_model, urdf_of,
+};
 use armid::model::{BundledRobot, Drive, EffortInterface, Robot, StandardParameters};
 use armid::study::{Truth, truth_text};
 
@@ -15,7 +17,7 @@ use crate::text::Text;
 pub struct LoadedRobot {
     /// The robot.
     pub robot: Robot,
-    /// The file itself, and what it is called.
+    /// The file itself, and what it is called; a robot file over a URDF holds that file's text at its end.
     pub text: Text,
     /// What an experimenter would guess: `nominal.toml`.
     pub nominal: Option<StandardParameters>,
@@ -23,14 +25,23 @@ pub struct LoadedRobot {
     pub uncertainty: Option<RelativeUncertainty>,
     /// Its text.
     pub nominal_text: Option<Text>,
-    /// The inertias that the file itself holds: a URDF or MJCF.
+    /// The inertias that the file itself holds: a URDF or MJCF, or a robot file over a URDF.
     pub own: Option<StandardParameters>,
     /// What was read otherwise than it is written, a sentence each.
     pub remarks: Vec<String>,
-    /// The chain that was read, where the text is a URDF.
-    pub urdf: Option<ChainEnds>,
+    /// The URDF that it was read from, where it was.
+    pub urdf: Option<UrdfSource>,
     /// Where the parameters are that a simulated arm is made of.
     truth: TruthSource,
+}
+
+/// A URDF and the chain in it.
+#[derive(Clone, Debug)]
+pub struct UrdfSource {
+    /// The file.
+    pub text: Text,
+    /// Which chain was read.
+    pub ends: ChainEnds,
 }
 
 #[derive(Clone, Debug)]
@@ -61,11 +72,17 @@ impl LoadedRobot {
                 let text = truth_text(name).unwrap_or_default();
                 Text::new(format!("models/{name}/truth.toml"), text)
             }
-            (TruthSource::Folder(folder), _) => {
+            (TruthSource::Folder(folder), own) => {
                 let path = folder.join("truth.toml");
                 if !path.is_file() {
+                    // What the URDF and the file itself state.
+                    if let Some(own) = own {
+                        return Ok(Truth::of(own.clone()));
+                    }
                     let message = format!("{} not found: a simulated arm is made of its parameters", path.display());
-                    return Err(Error::unknown(message));
+                    let help = "`armid export E.json --to toml -o truth.toml` makes one of an estimate; a robot file over a URDF has \
+                                its inertias";
+                    return Err(Error::unknown(message).help(help));
                 }
                 Text::read(&path)?
             }
@@ -81,23 +98,31 @@ impl LoadedRobot {
     /// currents are no torques.
     ///
     /// # Errors
-    /// [`Error`] where the efforts are currents and no drive has a torque constant. `name` is that of the log.
+    /// [`Error`] where the efforts are currents and a drive has no torque constant. `name` is that of the log.
     pub(crate) fn check_constants(&self, effort: EffortInterface, name: &str) -> Result<(), Error> {
-        let ideal = |drive: &Drive| drive.torque_constant == 1.0 && drive.gear == 1.0;
-        if effort == EffortInterface::Torque
-            || self.own.is_none()
-            || !self.robot.joints().iter().all(|joint| ideal(&joint.drive))
-        {
+        // A file that says "torque" may leave the constant out: one N·m at the joint for each A is none.
+        let lacks = |drive: &Drive| (drive.torque_per_ampere() - 1.0).abs() < 1e-12;
+        let lacking = self.robot.joints().iter().filter(|joint| lacks(&joint.drive));
+        let lacking: Vec<&str> = lacking.map(|joint| joint.name.as_str()).collect();
+        if effort == EffortInterface::Torque || self.own.is_none() || lacking.is_empty() {
             return Ok(());
         }
-        let message = format!(
-            "{name} holds currents, and robot \"{}\" has neither torque constants nor gear ratios: torque cannot be computed",
-            self.robot.name()
-        );
-        Err(Error::mismatch(message).help(
-            "state them beside the columns: --map \"…, current=i_[1-6] constant=0.05 gear=100\" (N·m/A at the motor; values of \
-             each joint with / between them)",
-        ))
+        let robot = self.robot.name();
+        let message = if lacking.len() == self.robot.dof() {
+            format!(
+                "{name} holds currents, and robot \"{robot}\" has neither torque constants nor gear ratios: torque cannot be \
+                 computed"
+            )
+        } else {
+            format!(
+                "{name} holds currents, and robot \"{robot}\" has no torque constant of the joints {}: torque cannot be computed",
+                lacking.join(", ")
+            )
+        };
+        let help = "state them beside the columns: --map \"…, current=i_[1-6] constant=0.05 gear=100\" (N·m/A at the motor; \
+                    values of each joint with / between them), or in a robot file: `armid robot arm.urdf -o robot.toml` begins \
+                    one";
+        Err(Error::mismatch(message).help(help))
     }
 
     /// A robot that is compiled in.
@@ -111,6 +136,7 @@ impl LoadedRobot {
     pub(super) fn file(path: &Path) -> Result<Self, Error> {
         let text = Text::read(path)?;
         let folder = path.parent().map_or_else(|| PathBuf::from("."), Path::to_path_buf);
+        let text = with_urdf(text, &folder)?;
         let beside = folder.join("nominal.toml");
         let nominal = if beside.is_file() { Some(Text::read(&beside)?) } else { None };
         Self::of_texts(text, nominal, TruthSource::Folder(folder))
@@ -131,9 +157,9 @@ impl LoadedRobot {
         let model = tree::parse(&text, chain)?;
         let mut remarks = model.remarks;
         if !model.locked.is_empty() {
-            remarks.push(format!("joints off the chain are held at zero: {}", model.locked.join(", ")));
+            remarks.push(held(&model.locked));
         }
-        let urdf = (!tree::is_mjcf(&text.content)).then(|| chain.clone());
+        let urdf = (!tree::is_mjcf(&text.content)).then(|| UrdfSource { text: text.clone(), ends: chain.clone() });
         Ok(Self {
             robot: model.robot,
             urdf,
@@ -148,7 +174,16 @@ impl LoadedRobot {
     }
 
     fn of_texts(text: Text, nominal_text: Option<Text>, truth: TruthSource) -> Result<Self, Error> {
-        let robot = parse_robot(&text.content).map_err(|error| Error::of_format(&text, &error))?;
+        let read = parse_robot_model(&text.content).map_err(|error| Error::of_format(&text, &error))?;
+        let RobotModel { robot, parameters: own, locked, mut remarks } = read;
+        if !locked.is_empty() {
+            remarks.push(held(&locked));
+        }
+        let reference = urdf_of(&text.content).map_err(|error| Error::of_format(&text, &error))?;
+        let urdf = reference.and_then(|reference| {
+            let (name, ends) = (reference.path, reference.ends);
+            reference.text.map(|content| UrdfSource { text: Text::new(name, content), ends })
+        });
         let nominal = match &nominal_text {
             Some(text) => Some(parse_nominal(&text.content, &robot).map_err(|error| Error::of_format(text, &error))?),
             None => None,
@@ -159,10 +194,31 @@ impl LoadedRobot {
             uncertainty: nominal.as_ref().map(|nominal| nominal.relative_uncertainty.clone()),
             nominal: nominal.map(|nominal| nominal.parameters),
             nominal_text,
-            own: None,
-            remarks: Vec::new(),
-            urdf: None,
+            own,
+            remarks,
+            urdf,
             truth,
         })
     }
+}
+
+/// A sentence on joints that do not move.
+fn held(locked: &[String]) -> String {
+    format!("joints off the chain are held at zero: {}", locked.join(", "))
+}
+
+/// A robot file with the URDF that it names, which lies relative to `folder`.
+fn with_urdf(text: Text, folder: &Path) -> Result<Text, Error> {
+    let reference = urdf_of(&text.content).map_err(|error| Error::of_format(&text, &error))?;
+    let Some(reference) = reference.filter(|reference| reference.text.is_none()) else { return Ok(text) };
+    let path = folder.join(&reference.path);
+    if !path.is_file() {
+        let message = format!("URDF not found: {}", path.display());
+        let help = "urdf is a path relative to the robot file";
+        return Err(Error::unknown(message).help(help).at(&text, reference.span, "here"));
+    }
+    let urdf = Text::read(&path)?;
+    // A fault in the URDF is shown there.
+    tree::parse(&urdf, &reference.ends)?;
+    Ok(Text::new(&text.name, embed_urdf(&text.content, &urdf.content)))
 }

@@ -1,8 +1,10 @@
 //! Robots: a bundled name, a robot file with what lies beside it, or a chain in a URDF or MJCF tree.
 
+mod begun_file;
 mod find;
 mod loaded_robot;
 mod tree;
 
+pub use begun_file::begin;
 pub use find::{load, named};
-pub use loaded_robot::LoadedRobot;
+pub use loaded_robot::{LoadedRobot, UrdfSource};

@@ -6,7 +6,7 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use toml::Spanned;
 
 use super::reading::Number;
-use crate::model::term::Term;
+use super::term_keys::term_keys;
 
 /// Key of the torque constant of the motor.
 pub(super) const TORQUE_CONSTANT: &str = "torque_constant_nm_a";
@@ -44,8 +44,7 @@ impl DriveTable {
 
 /// The keys of numbers: of every term, and of the motor.
 fn number_keys() -> impl Iterator<Item = &'static str> {
-    let of_terms = Term::ALL.iter().map(|term| term.entry().key);
-    of_terms.flat_map(|key| [key.revolute, key.prismatic]).chain([TORQUE_CONSTANT]).chain(CIRCUIT)
+    term_keys().chain([TORQUE_CONSTANT]).chain(CIRCUIT)
 }
 
 struct Key(String);

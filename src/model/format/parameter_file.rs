@@ -9,7 +9,7 @@ use super::drive_table::{CIRCUIT, DriveTable, TORQUE_CONSTANT};
 use super::reading::quoted;
 use super::reading::{Check, Number, Row, read};
 use super::relative_uncertainty::{RelativeUncertainty, UncertaintyTable};
-use crate::model::term::{Sign, Term};
+use super::term_keys::read_terms;
 use crate::model::{Drive, DriveParameters, Robot, StandardParameters};
 use crate::spatial::Inertia;
 
@@ -248,25 +248,8 @@ impl ParameterReader<'_> {
     }
 
     fn drive(&self, index: usize, table: &DriveTable) -> Result<DriveParameters, FormatError> {
-        let kind = self.robot.joints()[index].kind;
         let mut drive = DriveParameters::default();
-        for (key, number) in table.numbers() {
-            let Some(term) = Term::ALL.iter().copied().find(|term| term.entry().key.is(key)) else { continue };
-            let expected = term.entry().key.of(kind);
-            if key != expected {
-                let unit = kind.unit();
-                let message = format!("{key} is given for a joint measured in {unit}, expected {expected}");
-                return self.check.fault(number.span(), message);
-            }
-            if !term.is_at(self.robot, index) {
-                let message = format!("{key} is given, expected it only where the robot's coupling drives more joints");
-                return self.check.fault(number.span(), message);
-            }
-            drive[term] = match term.entry().sign {
-                Sign::NotNegative if self.require_consistent => self.check.not_negative(key, number)?,
-                Sign::NotNegative | Sign::Any => self.check.finite(key, number)?,
-            };
-        }
+        read_terms(self.check, self.robot, index, table.numbers(), self.require_consistent, &mut drive)?;
         Ok(drive)
     }
 }
