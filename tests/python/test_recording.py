@@ -8,11 +8,13 @@ import tempfile
 import unittest
 from pathlib import Path
 
+import numpy as np
 from mcap.reader import make_reader
 from mcap.writer import CompressionType
 from mcap_ros2.decoder import DecoderFactory
 from mcap_ros2.writer import Writer
-from rosbags.rosbag2 import Reader
+from rosbags.rosbag2 import Reader, StoragePlugin
+from rosbags.rosbag2 import Writer as BagWriter
 from rosbags.typesys import Stores, get_types_from_msg, get_typestore
 
 ARMID = Path(os.environ["ARMID"]).resolve()
@@ -71,6 +73,29 @@ class Recording(unittest.TestCase):
                     voltages.append(list(message.data))
         self.assertEqual(states, [row[1:13] for row in self.rows])
         self.assertEqual(voltages, [row[13:19] for row in self.rows])
+
+    def test_a_bag_that_rosbags_writes_in_sqlite_is_the_recording(self):
+        store = get_typestore(Stores.ROS2_HUMBLE)
+        stamp, header, state = (store.types[name] for name in (
+            "builtin_interfaces/msg/Time", "std_msgs/msg/Header", "sensor_msgs/msg/JointState"))
+        names = [joint["name"] for joint in json.loads(armid("robot", "crs-a460", "--json"))["joints"]]
+        bag = self.folder / "bag"
+        with BagWriter(bag, version=9, storage_plugin=StoragePlugin.SQLITE3) as writer:
+            connection = writer.add_connection("/joint_states", state.__msgtype__, typestore=store)
+            for row in self.rows:
+                ns = round(row[0] * 1e9)
+                message = state(header(stamp(ns // 10**9, ns % 10**9), ""), names, np.array(row[1:7]), np.array([]),
+                                np.array(row[7:13]))
+                writer.write(connection, ns, store.serialize_cdr(message, state.__msgtype__))
+        self.assertEqual([path.suffix for path in bag.iterdir() if path.suffix == ".db3"], [".db3"])
+        estimates = []
+        for log in (self.csv, bag):
+            done = subprocess.run([ARMID, "identify", str(log), "--robot", "crs-a460", "--period", "10", "--from", "13",
+                                   "--json"], capture_output=True, text=True)
+            self.assertIn(done.returncode, (0, 1), done.stderr)
+            estimates.append(json.loads(done.stdout)["base"])
+        for expected, found in zip(*estimates):
+            self.assertAlmostEqual(found["value"], expected["value"], delta=1e-6 * expected["std"])
 
     def test_the_command_is_on_a_second_channel(self):
         with self.mcap.open("rb") as file:

@@ -1,46 +1,74 @@
-//! Folders that `ros2 bag record` writes: `metadata.yaml` beside one or more MCAP files, each going on where the one before
-//! ended.
+//! Folders that `ros2 bag record` writes: `metadata.yaml` beside one or more files in MCAP or SQLite, each going on where the
+//! one before ended.
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
+use armid::input::size::RECORDING_BYTES;
 use armid::provenance::sha256_of_bytes;
 
 use super::joint_log::Log;
 use super::origin::FileHash;
-use super::{foreign, mcap};
+use super::{foreign, mcap, sqlite};
 use crate::error::Error;
+use crate::text::read_bytes;
 
 /// Reads the joint states of a bag.
 ///
 /// # Errors
-/// [`Error`] where the folder holds no MCAP files, or no joint states.
+/// [`Error`] where the folder holds no such files, or those of two bags, or no joint states.
 pub(super) fn read(folder: &Path) -> Result<Log, Error> {
     let name = folder.display().to_string();
     let entries = fs::read_dir(folder).map_err(|error| Error::unreadable(folder, &error))?;
-    let mut files: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-    let ends_with = |path: &PathBuf, ending: &str| path.extension().is_some_and(|found| found == ending);
-    if files.iter().any(|path| ends_with(path, "db3")) {
-        let message = format!("{name} is a bag in SQLite, expected one in MCAP");
-        return Err(Error::new(message).help("`ros2 bag convert` writes the same bag as MCAP"));
-    }
-    files.retain(|path| ends_with(path, "mcap"));
-    if files.is_empty() {
-        let message =
-            format!("{name} is a folder without .mcap files, expected a bag of `ros2 bag record`, or a log file");
-        return Err(Error::new(message));
-    }
+    let files: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+    let ending = |ending: &str| -> Vec<PathBuf> {
+        files.iter().filter(|path| path.extension().is_some_and(|found| found == ending)).cloned().collect()
+    };
+    let (in_mcap, in_sqlite) = (ending("mcap"), ending("db3"));
+    let mut files = match (in_mcap.is_empty(), in_sqlite.is_empty()) {
+        (false, true) => in_mcap,
+        (true, false) => in_sqlite,
+        (false, false) => {
+            let message = format!("{name} holds .mcap and .db3 files, expected those of one bag");
+            return Err(Error::new(message).help("name the files of one bag"));
+        }
+        (true, true) if !ending("zstd").is_empty() => {
+            let message = format!("{name} is a bag whose files are compressed, expected plain ones");
+            return Err(Error::new(message).help("`zstd -d` on each .zstd file of the folder restores them"));
+        }
+        (true, true) => {
+            let message = format!(
+                "{name} is a folder without .mcap or .db3 files, expected a bag of `ros2 bag record`, or a log file"
+            );
+            return Err(Error::new(message));
+        }
+    };
     files.sort_by_key(|path| (number(path), path.clone()));
+    of_files(&name, &files)
+}
+
+/// Reads the joint states of one file of a bag in SQLite.
+///
+/// # Errors
+/// As [`read`].
+pub(super) fn read_sqlite(file: &Path) -> Result<Log, Error> {
+    of_files(&file.display().to_string(), &[file.to_path_buf()])
+}
+
+fn of_files(name: &str, files: &[PathBuf]) -> Result<Log, Error> {
     let (mut states, mut hashes) = (Vec::new(), Vec::new());
-    for path in &files {
-        let bytes = fs::read(path).map_err(|error| Error::unreadable(path, &error))?;
-        states.extend(mcap::bag_states(&path.display().to_string(), &bytes)?);
+    for path in files {
+        let bytes = read_bytes(path, &RECORDING_BYTES)?;
+        let is_sqlite = path.extension().is_some_and(|ending| ending == "db3");
+        let more =
+            if is_sqlite { sqlite::bag_states(path) } else { mcap::bag_states(&path.display().to_string(), &bytes) };
+        states.extend(more?);
         hashes.push(FileHash { path: path.display().to_string(), sha256: sha256_of_bytes(&bytes) });
     }
     if states.is_empty() {
         return Err(Error::new(format!("{name} holds no joint states")));
     }
-    let mut log = foreign::log(&name, &states)?;
+    let mut log = foreign::log(name, &states)?;
     log.origin.files = hashes;
     Ok(log)
 }
@@ -65,10 +93,18 @@ mod tests {
     }
 
     #[test]
-    fn a_folder_that_is_no_bag_of_mcap_files_is_refused_with_what_helps() {
+    fn a_folder_that_is_no_bag_is_refused_with_what_helps() {
         let folder = tempfile::tempdir().unwrap();
-        assert!(read(folder.path()).unwrap_err().to_string().contains("without .mcap files"));
+        let refused = |wanted: &str| {
+            let fault = read(folder.path()).unwrap_err().to_string();
+            assert!(fault.contains(wanted), "{fault}");
+        };
+        refused("without .mcap or .db3 files");
+        std::fs::write(folder.path().join("bag_0.db3.zstd"), "").unwrap();
+        refused("compressed");
         std::fs::write(folder.path().join("bag_0.db3"), "").unwrap();
-        assert!(read(folder.path()).unwrap_err().to_string().contains("is a bag in SQLite"));
+        refused("cannot be read as a bag in SQLite");
+        std::fs::write(folder.path().join("bag_0.mcap"), "").unwrap();
+        refused("holds .mcap and .db3 files");
     }
 }

@@ -62,9 +62,9 @@ pub fn find(paths: &[PathBuf], mapping: Option<&str>, rate_hz: Option<f64>) -> R
     Ok(found)
 }
 
-/// Whether a path is that of a table: neither a folder nor an MCAP file nor a TOML by its name.
+/// Whether a path is that of a table: neither a folder nor a recording nor a TOML by its name.
 #[must_use]
 pub fn is_table(path: &Path) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    !path.is_dir() && [".mcap", ".mcap.part", ".toml"].iter().all(|ending| !name.ends_with(ending))
+    !path.is_dir() && [".mcap", ".mcap.part", ".db3", ".toml"].iter().all(|ending| !name.ends_with(ending))
 }

@@ -11,7 +11,7 @@ use armid::provenance::sha256_of_bytes;
 
 use super::conversion::Conversion;
 use super::origin::{FileHash, Origin};
-use super::{bag, csv, mcap};
+use super::{bag, csv, mcap, sqlite};
 use crate::error::Error;
 use crate::robot::LoadedRobot;
 use crate::text::{Text, read_bytes};
@@ -74,7 +74,7 @@ pub struct RecordedRobot {
 }
 
 impl Log {
-    /// Reads a log: a folder as a bag, MCAP by its first bytes, CSV otherwise. An MCAP that was cut off is read to its last whole chunk
+    /// Reads a log: a folder as a bag, MCAP and a bag's SQLite by their first bytes, CSV otherwise. An MCAP that was cut off is read to its last whole chunk
     /// where its name ends in `.part`.
     ///
     /// # Errors
@@ -84,6 +84,9 @@ impl Log {
             return bag::read(path);
         }
         let bytes = read_bytes(path, &RECORDING_BYTES)?;
+        if bytes.starts_with(sqlite::MAGIC) {
+            return bag::read_sqlite(path);
+        }
         if bytes.starts_with(::mcap::MAGIC) {
             let mut log = mcap::parse(path, &bytes)?;
             log.origin.files = vec![FileHash { path: path.display().to_string(), sha256: sha256_of_bytes(&bytes) }];

@@ -9,6 +9,7 @@ use armid::cdr::{FloatArray, JointState};
 
 use super::joint_log::Log;
 use super::mcap_records::Records;
+use super::topics::one_topic;
 use super::{foreign, recorded};
 use crate::error::Error;
 use crate::recording::{ENDING, METADATA, STATES, VOLTAGE};
@@ -67,15 +68,7 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
 impl Contents {
     /// The joint states of the only topic that has any, where it is not the usual one; none where no topic has.
     fn of_one_topic(&mut self, name: &str) -> Result<Vec<JointState>, Error> {
-        let mut found = std::mem::take(&mut self.others).into_values().filter(|(_, states)| !states.is_empty());
-        let Some((topic, states)) = found.next() else { return Ok(Vec::new()) };
-        let others: Vec<String> = found.map(|(topic, _)| topic).collect();
-        if others.is_empty() {
-            return Ok(states);
-        }
-        let message =
-            format!("{name} holds joint states on {topic}, {}, expected {STATES} or one topic", others.join(", "));
-        Err(Error::new(message))
+        one_topic(name, std::mem::take(&mut self.others).into_values())
     }
 }
 
