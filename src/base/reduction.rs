@@ -233,7 +233,7 @@ impl BaseReduction {
 
     /// Multiplies each parameter's unit: `units[j]` old units of parameter j make a new one, so that
     /// `K_bj → K_bj · units[b] / units[j]`.
-    pub(super) fn with_units(mut self, units: &[f64]) -> Self {
+    pub(crate) fn with_units(mut self, units: &[f64]) -> Self {
         for (row, &b) in self.kept.iter().enumerate() {
             for (j, unit) in units.iter().enumerate() {
                 if j != b && self.k[(row, j)] != 0.0 {

@@ -31,6 +31,7 @@ mod motion;
 mod network;
 mod observation;
 mod ordinary;
+mod payload;
 mod prediction;
 mod problem;
 mod recursive;
@@ -64,6 +65,7 @@ pub use motion::{MaximumLikelihood, TotalLeastSquares};
 pub use network::{Adaline, HopfieldTank};
 pub use observation::Observation;
 pub use ordinary::OrdinaryLeastSquares;
+pub use payload::{Payload, PayloadParameter, PayloadValue, payload};
 pub use prediction::{Validation, predict, validate};
 pub use problem::EstimationProblem;
 pub use recursive::{

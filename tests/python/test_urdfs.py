@@ -203,6 +203,48 @@ class ClosedLoop(unittest.TestCase):
             with self.subTest(file), tempfile.TemporaryDirectory() as scratch:
                 self.close(ROBOTS / file, Path(scratch))
 
+    def record(self, model, viscous, coulomb, rng, log):
+        """A table of what Pinocchio says of some motion of a model with friction, and noise."""
+        n, data = model.nv, model.createData()
+        t = np.arange(int(self.PERIOD * self.RATE * self.PERIODS)) / self.RATE
+        orders = np.arange(1, self.HARMONICS + 1)
+        phase = 2 * np.pi * orders[:, None] * t / self.PERIOD
+        speed = (2 * np.pi * orders / self.PERIOD)[:, None]
+        a, b = rng.uniform(-0.5, 0.5, (2, n, self.HARMONICS)) / np.sqrt(orders)
+        q = a @ np.sin(phase) - b @ np.cos(phase)
+        v = a @ (speed * np.cos(phase)) + b @ (speed * np.sin(phase))
+        acceleration = -a @ (speed**2 * np.sin(phase)) + b @ (speed**2 * np.cos(phase))
+        torque = np.array([pin.rnea(model, data, *state) for state in zip(q.T, v.T, acceleration.T)])
+        torque += viscous * v.T + coulomb * np.sign(v.T)
+        noise = self.NOISE * np.sqrt(np.mean(torque**2, axis=0))
+        torque += noise * rng.standard_normal(torque.shape)
+        header = ",".join(["t", *(f"q{i + 1}" for i in range(n)), *(f"tau{i + 1}" for i in range(n))])
+        np.savetxt(log, np.column_stack([t, q.T, torque]), delimiter=",", header=header, comments="", fmt="%.12g")
+
+    def test_a_load_that_pinocchio_puts_on_a_seven_axis_arm_is_found(self):
+        path = ROBOTS / "xarm_description/urdf/xarm7.urdf"
+        rng = np.random.default_rng(12)
+        model = pin.buildModelFromUrdf(str(path))
+        friction = rng.uniform(0.1, 0.5, (2, model.nv))
+        load = pin.Inertia(1.2, np.array([0.05, -0.02, 0.08]), np.diag([0.004, 0.005, 0.003]))
+        with tempfile.TemporaryDirectory() as scratch:
+            logs = [Path(scratch) / name for name in ("without.csv", "with.csv")]
+            self.record(model, *friction, rng, logs[0])
+            model.inertias[model.njoints - 1] += load
+            # Friction has changed in the meantime.
+            self.record(model, *(1.2 * friction), rng, logs[1])
+            done = armid("identify", "--payload", "--without", logs[0], "--with", logs[1], "--robot", path, "--period",
+                         self.PERIOD, "--columns", "rigid+viscous+coulomb", "--json")
+        self.assertIn(done.returncode, (0, 1), done.stderr[:800])
+        answer = json.loads(done.stdout)
+        self.assertTrue(answer["consistent"])
+        m, cx, cy, cz, xx, xy, yy, xz, yz, zz = load.toDynamicParameters()
+        expected = dict(m=m, mcx=cx, mcy=cy, mcz=cz, Ixx=xx, Ixy=xy, Ixz=xz, Iyy=yy, Iyz=yz, Izz=zz)
+        for parameter in answer["parameters"]:
+            shown = parameter["shown"]
+            self.assertLess(abs(shown["value"] - expected[parameter["name"]]), 5 * shown["std"], parameter)
+        self.assertAlmostEqual(answer["body"]["mass_kg"], m, delta=0.05)
+
     def close(self, path, folder):
         rng = np.random.default_rng(11)
         true = pin.buildModelFromUrdf(str(path))
@@ -212,22 +254,8 @@ class ClosedLoop(unittest.TestCase):
             lever = own.lever + rng.uniform(-0.01, 0.01, 3)
             true.inertias[i] = pin.Inertia(own.mass * rng.uniform(0.8, 1.3), lever, own.inertia)
         viscous, coulomb = rng.uniform(0.1, 0.5, n), rng.uniform(0.1, 0.5, n)
-        data = true.createData()
-        t = np.arange(int(self.PERIOD * self.RATE * self.PERIODS)) / self.RATE
-        orders = np.arange(1, self.HARMONICS + 1)
-        phase = 2 * np.pi * orders[:, None] * t / self.PERIOD
-        speed = (2 * np.pi * orders / self.PERIOD)[:, None]
-        a, b = rng.uniform(-0.5, 0.5, (2, n, self.HARMONICS)) / np.sqrt(orders)
-        q = a @ np.sin(phase) - b @ np.cos(phase)
-        v = a @ (speed * np.cos(phase)) + b @ (speed * np.sin(phase))
-        acceleration = -a @ (speed**2 * np.sin(phase)) + b @ (speed**2 * np.cos(phase))
-        torque = np.array([pin.rnea(true, data, *state) for state in zip(q.T, v.T, acceleration.T)])
-        torque += viscous * v.T + coulomb * np.sign(v.T)
-        noise = self.NOISE * np.sqrt(np.mean(torque**2, axis=0))
-        torque += noise * rng.standard_normal(torque.shape)
         log, estimate, out = folder / "log.csv", folder / "E.json", folder / "out.urdf"
-        header = ",".join(["t", *(f"q{i + 1}" for i in range(n)), *(f"tau{i + 1}" for i in range(n))])
-        np.savetxt(log, np.column_stack([t, q.T, torque]), delimiter=",", header=header, comments="", fmt="%.12g")
+        self.record(true, viscous, coulomb, rng, log)
         done = armid("identify", log, "--robot", path, "--period", self.PERIOD, "--columns", "rigid+viscous+coulomb",
                      "-o", estimate)
         self.assertEqual(done.returncode, 0, done.stderr[:800])

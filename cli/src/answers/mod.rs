@@ -6,6 +6,7 @@ pub(crate) mod estimate;
 pub(crate) mod estimate_page;
 pub(crate) mod exchange;
 pub(crate) mod findings;
+pub(crate) mod payload;
 pub(crate) mod run;
 pub(crate) mod source;
 pub(crate) mod study;

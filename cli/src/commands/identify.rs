@@ -10,6 +10,7 @@ use armid_io::{Error, output};
 use miette::Result;
 use serde_json::{Value, json};
 
+use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::EstimateAnswer;
 use crate::arguments::{LogArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
@@ -29,6 +30,8 @@ Examples:
   armid identify log.csv --robot arm.urdf --map "t=time_ms, q=pos_[1-6] deg, tau=torque_[1-6]"
   armid identify pos.csv cur.csv --robot arm.toml --rate 1000 --map "q=pos:j[1-6], current=cur:j[1-6]"
   armid identify a.csv b.csv --robot crs-a460 --held-out c.csv -o E.json
+  armid identify --payload --without empty.csv --with loaded.csv --robot arm.urdf -o P.json
+  armid identify --payload --without E.json --with loaded.csv
   armid identify --list"#;
 
 /// Estimate the parameters from a recording
@@ -36,8 +39,17 @@ Examples:
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
     /// The logs: MCAP, tables, or TOML files with a [log] table
-    #[arg(required_unless_present = "list", value_name = "LOG")]
+    #[arg(required_unless_present_any = ["list", "payload"], conflicts_with = "payload", value_name = "LOG")]
     logs: Vec<PathBuf>,
+    /// Identify what the last link carries, from logs without it and with it
+    #[arg(long, requires_all = ["without", "with"], conflicts_with = "held_out", help_heading = "Payload")]
+    payload: bool,
+    /// Logs of the arm without its load, or an estimate of it
+    #[arg(long, value_name = "LOG|E.json", num_args = 1.., requires = "payload", help_heading = "Payload")]
+    without: Vec<PathBuf>,
+    /// Logs of the arm with its load
+    #[arg(long, value_name = "LOG", num_args = 1.., requires = "payload", help_heading = "Payload")]
+    with: Vec<PathBuf>,
     /// List the estimators
     #[arg(long)]
     list: bool,
@@ -86,6 +98,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         return Ok(Ending::Done);
     }
     let columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
+    if arguments.payload {
+        let logs = PayloadLogs { without: &arguments.without, with: &arguments.with, log: &arguments.log };
+        return payload::run(&logs, columns, &arguments.estimator, console);
+    }
     let (held_out, other) = arguments.held_out()?;
     let (mut prepared, mut inputs) = arguments.log.process(&arguments.logs, None, held_out, None)?;
     if let Some(other) = other {

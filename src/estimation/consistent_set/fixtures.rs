@@ -6,7 +6,11 @@ use crate::base::BaseReduction;
 use crate::estimation::{BaseEstimate, Estimate, IntervalBasis, Termination};
 
 /// An estimate with these base parameters and this covariance.
-pub(super) fn estimate_of(base: &BaseReduction, beta: &DVector<f64>, covariance: &DMatrix<f64>) -> Estimate {
+pub(in crate::estimation) fn estimate_of(
+    base: &BaseReduction,
+    beta: &DVector<f64>,
+    covariance: &DMatrix<f64>,
+) -> Estimate {
     let of = |(i, name): (usize, String)| {
         let std = covariance[(i, i)].sqrt();
         let ci95 = [beta[i] - 1.96 * std, beta[i] + 1.96 * std];

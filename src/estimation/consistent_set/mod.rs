@@ -24,6 +24,6 @@ mod set;
 #[cfg(test)]
 mod clarabel_tests;
 #[cfg(test)]
-mod fixtures;
+pub(super) mod fixtures;
 
 pub use set::{ConsistentSet, consistent_set};
