@@ -78,6 +78,10 @@ const CYCLE: [(Colour, Marker, Dash); 8] = [
     (Colour(0x80, 0x80, 0x80), Marker::Plus, Dash::Dotted),
 ];
 
+/// Of names beyond the cycle: indigo and wine of Tol's "muted" scheme (2021).
+const INDIGO: Colour = Colour(0x33, 0x22, 0x88);
+const WINE: Colour = Colour(0x88, 0x22, 0x55);
+
 impl GroupStyle {
     /// A measured quantity: a broad grey line that others can be drawn upon.
     pub const MEASURED: Self =
@@ -116,6 +120,12 @@ impl GroupStyle {
             "a-optimal" | "a-optimality" => 4,
             "e-optimal" | "e-optimality" => 5,
             "table-one" | "table-i" | "table i" | "paper" => 6,
+            "i-optimal" | "i-optimality" => {
+                return Some(Self { colour: WINE, marker: Marker::Plus, dash: Dash::Dotted, width_px: 1.6 });
+            }
+            "model-error" | "model error" => {
+                return Some(Self { colour: INDIGO, marker: Marker::OpenCircle, dash: Dash::Solid, width_px: 1.6 });
+            }
             _ => return None,
         };
         Some(Self::nth(index))

@@ -14,8 +14,8 @@ use super::prediction::Prediction;
 /// ```
 /// The number that people read is tr(G M⁻¹), (N·m)²: the mean variance of one joint's predicted torque, times the number of
 /// torque rows of the experiment. It depends on neither units nor base, and on what is to be predicted. Without a
-/// declared prediction G is 1, and it is A-optimality. Source: G. E. P. Box, N. R. Draper, *JASA* 54(287), 1959, eq. 9,
-/// the part of the variance; F. Pukelsheim, *Optimal Design of Experiments*, 2006, ch. 2 and 9.
+/// declared prediction G is 1, and it is A-optimality. Source: G. E. P. Box, N. R. Draper, *JASA* 54(287), 1959: the part of the
+/// variance in their integrated mean squared error.
 #[derive(Clone, Debug, Default)]
 pub struct IOptimal {
     gram: Option<DMatrix<f64>>,
