@@ -10,8 +10,8 @@ use crate::model::Robot;
 /// Reads a `robot.toml`.
 ///
 /// Angles and speeds are in the units that their keys name, and SI inside. A limit that is not given is infinite, a
-/// joint without a `drive` has [`Drive::ideal`]. Where the effort interface is `torque`, the torque constant may be
-/// left out; it is then 1 / gear, so that the effort passes through the drive unchanged.
+/// joint without a `drive` has [`Drive::ideal`](crate::model::Drive::ideal). Where the effort interface is `torque`, the
+/// torque constant may be left out; it is then 1 / gear, so that the effort passes through the drive unchanged.
 ///
 /// # Errors
 /// [`FormatError`] with line and column: an unknown or missing key, a list of the wrong length, a number that is not
