@@ -1,8 +1,9 @@
 //! The link and the robot controller across a real wire, on this machine alone.
 
 use armid::model::term::ROTOR;
-use std::sync::Arc;
-use std::sync::atomic::{AtomicBool, AtomicU32, Ordering};
+use std::net::UdpSocket;
+use std::sync::atomic::{AtomicBool, Ordering};
+use std::sync::{Arc, Mutex};
 use std::thread::JoinHandle;
 
 use armid::conformance::chains::planar_2r;
@@ -114,12 +115,15 @@ impl Drop for Robotics {
     }
 }
 
-/// Settings with a domain of this process's own, so that tests that run beside each other do not meet.
-/// A domain of its own for each robot, whether the tests run in one process or in many.
+/// Settings with a domain that no other test has, in this process or beside it: who has a domain holds the port that stands
+/// for it until the process ends.
 fn settings(mode: Mode) -> LinkSettings {
-    static CALLS: AtomicU32 = AtomicU32::new(0);
-    let calls = CALLS.fetch_add(1, Ordering::Relaxed);
-    let domain = 100 + (std::process::id().wrapping_add(31 * calls) % 120) as u16;
+    static HELD: Mutex<Vec<UdpSocket>> = Mutex::new(Vec::new());
+    let first = std::process::id() % 120;
+    let domains = (0..120).map(|k| 100 + ((first + k) % 120) as u16);
+    let free = |domain: u16| Some((domain, UdpSocket::bind(("127.0.0.1", 20_000 + domain)).ok()?));
+    let (domain, socket) = domains.into_iter().find_map(free).expect("fewer than 120 robots at a time");
+    HELD.lock().unwrap().push(socket);
     LinkSettings { domain, mode, patience_s: 20.0, ..LinkSettings::default() }
 }
 
