@@ -50,6 +50,12 @@ impl Seed {
         rng
     }
 
+    /// The random numbers of one run.
+    #[must_use]
+    pub const fn of_run(self, run: u64) -> RunNoise {
+        RunNoise { seed: self, run, opposite: false }
+    }
+
     /// A seed of its own for a part of the work, so that the part can be rerun alone.
     #[must_use]
     pub fn child(self, purpose: &str, index: u64) -> Self {
@@ -63,6 +69,46 @@ impl Seed {
         hash.update(self.0.to_le_bytes());
         hash.update(purpose.as_bytes());
         hash.finalize().into()
+    }
+}
+
+/// The random numbers of one run of an experiment, or their opposites.
+///
+/// Every number whose distribution is symmetrical about zero (noise, a grid's place, jitter) has the other sign in a run with
+/// opposite noise: antithetic variates (J. M. Hammersley and K. W. Morton, *Proc. Cambridge Phil. Soc.* 52(3), 1956). Events with
+/// a probability, as the loss of a sample, are the same in both.
+///
+/// ```
+/// use armid::seed::Seed;
+/// let run = Seed::new(7).of_run(3);
+/// assert_eq!((run.sign(), run.opposite().sign()), (1.0, -1.0));
+/// ```
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct RunNoise {
+    /// Root of the streams.
+    pub seed: Seed,
+    /// Number of the stream of each purpose.
+    pub run: u64,
+    opposite: bool,
+}
+
+impl RunNoise {
+    /// The run with the opposite of these numbers.
+    #[must_use]
+    pub const fn opposite(self) -> Self {
+        Self { opposite: !self.opposite, ..self }
+    }
+
+    /// What symmetrical numbers are multiplied with: 1, or −1.
+    #[must_use]
+    pub const fn sign(self) -> f64 {
+        if self.opposite { -1.0 } else { 1.0 }
+    }
+
+    /// The stream for one purpose; its numbers have no sign yet.
+    #[must_use]
+    pub fn stream(self, purpose: &str) -> Stream {
+        self.seed.stream(purpose, self.run)
     }
 }
 

@@ -257,7 +257,16 @@ const CIRCLES: &[(&str, &[&str], &str)] = &[
     ),
     (
         "study",
-        &["comparison", "criterion_correlation", "design", "evidence", "family_score", "setup", "truth_comparison"],
+        &[
+            "comparison",
+            "criterion_correlation",
+            "design",
+            "estimator_comparison",
+            "evidence",
+            "family_score",
+            "setup",
+            "truth_comparison",
+        ],
         "the registry of a study's evidence: it lists every comparison, and each reads the metrics and runs it is of",
     ),
 ];

@@ -10,6 +10,7 @@ mod arms;
 mod commands;
 mod interrupt;
 mod monitor;
+mod processor_time;
 mod study;
 mod terminal;
 

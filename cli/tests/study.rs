@@ -428,3 +428,45 @@ fn a_dry_run_says_what_a_study_costs_and_writes_nothing() {
     let share = shown["results_bytes"].as_f64().unwrap() / rows as f64;
     assert!((0.6..1.4).contains(&share), "{share} of the rows");
 }
+
+#[test]
+fn antithetic_noise_falls_out_of_a_bias_and_runs_count_in_pairs() {
+    let folder = tempfile::tempdir().unwrap();
+    let at = folder.path();
+    // One design, so that runs are the units of a bias.
+    let plan = alone().replace("runs = 3", "runs = 16").replace("starts = 2", "starts = 1");
+    std::fs::write(at.join("own.toml"), &plan).unwrap();
+    let paired = plan.replace("seed = 3", "seed = 3\nvariance_reduction = [\"antithetic-noise\"]");
+    std::fs::write(at.join("antithetic.toml"), &paired).unwrap();
+    let bias_widths = |name: &str| -> Vec<f64> {
+        succeeds(at, &["study", &format!("{name}.toml"), "-o", name]);
+        let text = std::fs::read_to_string(at.join(name).join("summary.json")).unwrap();
+        let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let score = &summary["conditions"][0]["findings"]["families"][0];
+        assert_eq!(score["runs"], 16);
+        let parameters = score["parameters"].as_array().unwrap();
+        let width = |parameter: &serde_json::Value| {
+            let end = |end: &str| parameter["bias_interval"][end].as_f64().unwrap();
+            end("high") - end("low")
+        };
+        parameters.iter().map(width).collect()
+    };
+    let (own, antithetic) = (bias_widths("own"), bias_widths("antithetic"));
+    // Estimates are linear in the noise of torque, and in that of the regressor to first order.
+    let narrower = own.iter().zip(&antithetic).filter(|(own, antithetic)| **own > 3.0 * **antithetic).count();
+    assert!(2 * narrower > own.len(), "{own:?} {antithetic:?}");
+
+    let odd = paired.replace("runs = 16", "runs = 15");
+    std::fs::write(at.join("odd.toml"), odd).unwrap();
+    let output = armid(at, &["study", "odd.toml"]);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{words}");
+    assert!(words.contains("15") && words.contains("even number"), "{words}");
+
+    // Pairs do not show how much runs scatter, which a pilot has to.
+    let rule = "ratio(condition, random).prediction < 5 %";
+    let output = armid(at, &["study", "plan", "antithetic", "--until", rule]);
+    let words = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(2), "{words}");
+    assert!(words.contains("antithetic"), "{words}");
+}

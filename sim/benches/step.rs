@@ -128,7 +128,8 @@ fn main() {
             steps as f64 * 1e-3,
             best * 1e6 / steps as f64
         );
-        let runs: Vec<BatchRun<'_>> = (0..16).map(|run| BatchRun { plan: &plan, seed: Seed::new(1), run }).collect();
+        let runs: Vec<BatchRun<'_>> =
+            (0..16).map(|run| BatchRun { plan: &plan, noise: Seed::new(1).of_run(run) }).collect();
         let begin = Instant::now();
         let together = record_runs(&servo, &runs);
         let each = begin.elapsed().as_secs_f64() / runs.len() as f64;

@@ -172,14 +172,14 @@ fn identity_runs_together_have_the_bits_of_each_alone() {
     let runs: Vec<BatchRun<'_>> = [&plan, &plan, &longer, &none, &plan, &longer]
         .iter()
         .zip(0..)
-        .map(|(plan, run)| BatchRun { plan, seed: Seed::new(run % 2), run })
+        .map(|(plan, run)| BatchRun { plan, noise: Seed::new(run % 2).of_run(run) })
         .collect();
     let together = record_runs(&servo, &runs);
     assert_eq!(together.len(), runs.len());
     for (member, other) in runs.iter().zip(together) {
-        let alone = record(&mut servo.clone().with_seed(member.seed, member.run), member.plan);
-        assert!(alone == other, "run {}", member.run);
-        assert_eq!(alone.is_err(), std::ptr::eq(member.plan, &raw const none), "run {}", member.run);
+        let alone = record(&mut servo.clone().with_noise(member.noise), member.plan);
+        assert!(alone == other, "run {}", member.noise.run);
+        assert_eq!(alone.is_err(), std::ptr::eq(member.plan, &raw const none), "run {}", member.noise.run);
     }
 }
 

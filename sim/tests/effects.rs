@@ -167,6 +167,8 @@ fn sensors_act_alike_in_every_engine() {
         EffectKind::DroppedSamples,
         EffectKind::AdcOffset,
         EffectKind::ColouredNoise,
+        EffectKind::EncoderNoise,
+        EffectKind::TorqueNoise,
     ];
     alike(&kinds, 6e-3);
     // Counts turn over at other moments in another engine: with coarse ones only the size of what they do is the same.
@@ -187,7 +189,7 @@ fn identity_without_effects_every_bit_is_what_it_was() {
     let arm = ActualArm::new(&Effects::none(), &robot, &truth);
     assert_eq!((arm.robot(), arm.parameters()), (&robot, &truth));
     let with = plain.clone().with_effects(arm);
-    let runs = [0, 1].map(|run| BatchRun { plan: &plan, seed: Seed::new(5), run });
+    let runs = [0, 1].map(|run| BatchRun { plan: &plan, noise: Seed::new(5).of_run(run) });
     for (a, b) in record_runs(&plain, &runs).iter().zip(record_runs(&with, &runs)) {
         assert_eq!(a, &b);
     }
@@ -207,11 +209,11 @@ fn identity_runs_beside_each_other_have_the_bits_of_runs_alone_with_every_effect
         let arm = ActualArm::new(&effects, &robot, &truth);
         let plant = AnalyticPlant::new(arm.robot(), arm.parameters()).unwrap();
         let servo = Servo::new(&robot, &nominal, plant).unwrap().with_effects(arm);
-        let runs = [0, 1, 2].map(|run| BatchRun { plan: &plan, seed: Seed::new(5), run });
+        let runs = [0, 1, 2].map(|run| BatchRun { plan: &plan, noise: Seed::new(5).of_run(run) });
         for (member, together) in runs.iter().zip(record_runs(&servo, &runs)) {
             let (recording, ending) = together.unwrap();
             assert!(ending.is_complete(), "{ending:?}");
-            let alone = record(&mut servo.clone().with_seed(member.seed, member.run), &plan).unwrap().0;
+            let alone = record(&mut servo.clone().with_noise(member.noise), &plan).unwrap().0;
             assert_eq!((alone.q, alone.effort), (recording.q, recording.effort));
         }
     }

@@ -91,7 +91,7 @@ impl JointLoop {
     ) -> Result<Self, ServoError> {
         let inertia = motor_inertia(robot, nominal)?;
         let motors = Motors::new(&drives(robot), robot.servo().rate_hz);
-        Ok(Self::of(robot, &inertia, motors, Sensors::new(robot, sensing, seed, run)))
+        Ok(Self::of(robot, &inertia, motors, Sensors::new(robot, sensing, seed.of_run(run))))
     }
 
     /// The loop with gains for motors of this inertia, kg·m² (n).

@@ -13,7 +13,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::effects::{ActualSensors, Eccentricity, Memory};
 use crate::model::Robot;
-use crate::seed::{Seed, Stream};
+use crate::seed::{RunNoise, Stream};
 
 /// Which imperfections the sensors have.
 ///
@@ -67,6 +67,8 @@ pub(super) struct Sensors {
     voltage_stream: Stream,
     position_stream: Stream,
     current_stream: Stream,
+    /// 1, or −1 in a run with opposite noise.
+    sign: f64,
     /// How late the sample is taken, in servo steps, −½ to ½.
     pub(super) late: f64,
 }
@@ -93,11 +95,11 @@ struct Ammeter {
 }
 
 impl Sensors {
-    pub(super) fn new(robot: &Robot, sensing: &Sensing, seed: Seed, run: u64) -> Self {
+    pub(super) fn new(robot: &Robot, sensing: &Sensing, run: RunNoise) -> Self {
         use rand::RngExt;
-        let mut grid_stream = seed.stream("encoder grid", run);
+        let mut grid_stream = run.stream("encoder grid");
         let encoders = robot.joints().iter().enumerate().map(|(i, joint)| {
-            let grid = grid_stream.random::<f64>() - 0.5;
+            let grid = run.sign() * (grid_stream.random::<f64>() - 0.5);
             let step = joint.drive.encoder_step(joint.kind == crate::model::JointKind::Revolute);
             let counts = if sensing.encoders && step > 0.0 { joint.drive.encoder_sign / step } else { 0.0 };
             let noise = sensing.position_noise.get(i).copied().unwrap_or(0.0);
@@ -124,9 +126,10 @@ impl Sensors {
             encoders: encoders.collect(),
             meters: meters.collect(),
             volts,
-            voltage_stream: seed.stream("voltage noise", run),
-            position_stream: seed.stream("position noise", run),
-            current_stream: seed.stream("current noise", run),
+            voltage_stream: run.stream("voltage noise"),
+            position_stream: run.stream("position noise"),
+            current_stream: run.stream("current noise"),
+            sign: run.sign(),
             late: 0.0,
         }
     }
@@ -137,6 +140,8 @@ impl Sensors {
             encoder.counts /= actual.encoder_step;
             encoder.step *= actual.encoder_step;
             encoder.eccentricity = Some(actual.eccentricity[i]);
+            // Independent noises add by their squares.
+            encoder.noise = libm::hypot(encoder.noise, actual.position_noise[i]);
         }
         for (i, meter) in self.meters.iter_mut().enumerate() {
             meter.lsb *= actual.converter_step;
@@ -144,6 +149,7 @@ impl Sensors {
             meter.codes = (meter.codes / actual.converter_step).floor();
             meter.offset = actual.offset[i];
             meter.memory = Some(actual.memory);
+            meter.noise = libm::hypot(meter.noise, actual.current_noise[i]);
         }
         self
     }
@@ -156,7 +162,7 @@ impl Sensors {
                 q += eccentricity.error(q);
             }
             if encoder.noise > 0.0 {
-                q += encoder.noise * normal(&mut self.position_stream);
+                q += encoder.noise * normal(&mut self.position_stream, self.sign);
             }
             measured[i] =
                 if encoder.counts == 0.0 { q } else { nearest(q * encoder.counts + encoder.grid) * encoder.step };
@@ -171,7 +177,7 @@ impl Sensors {
                 current += self.late * (after[i] - before[i]);
             }
             if meter.noise > 0.0 {
-                let white = normal(&mut self.current_stream);
+                let white = normal(&mut self.current_stream, self.sign);
                 current += meter.noise * meter.memory.as_mut().map_or(white, |memory| memory.next(white));
             }
             if meter.offset != 0.0 {
@@ -196,7 +202,7 @@ impl Sensors {
     pub(super) fn voltages(&mut self, measured: &mut [f64]) {
         for (value, &noise) in measured.iter_mut().zip(&self.volts) {
             if noise > 0.0 {
-                *value += noise * normal(&mut self.voltage_stream);
+                *value += noise * normal(&mut self.voltage_stream, self.sign);
             }
         }
     }
@@ -208,14 +214,16 @@ fn nearest(x: f64) -> f64 {
     (x + ROUND) - ROUND
 }
 
-fn normal(stream: &mut Stream) -> f64 {
-    StandardNormal.sample(stream)
+fn normal(stream: &mut Stream, sign: f64) -> f64 {
+    let white: f64 = StandardNormal.sample(stream);
+    sign * white
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
     use crate::experiment::hinges;
+    use crate::seed::Seed;
 
     #[test]
     fn analytic_encoder_error_is_within_a_step_and_its_grid_differs_from_run_to_run() {
@@ -223,7 +231,7 @@ mod tests {
         let step = robot.joints()[0].drive.encoder_step(true);
         let read = |run: u64, q: f64| {
             let mut out = [0.0];
-            Sensors::new(&robot, &Sensing::default(), Seed::new(1), run).positions(&[q], &mut out);
+            Sensors::new(&robot, &Sensing::default(), Seed::new(1).of_run(run)).positions(&[q], &mut out);
             out[0]
         };
         for run in 0..20 {
@@ -243,7 +251,7 @@ mod tests {
         let robot = hinges::single();
         let drive = &robot.joints()[0].drive;
         let sensing = Sensing { current_noise: false, ..Sensing::default() };
-        let mut sensors = Sensors::new(&robot, &sensing, Seed::new(1), 0);
+        let mut sensors = Sensors::new(&robot, &sensing, Seed::new(1).of_run(0));
         let mut out = [0.0];
         sensors.currents(&[1.0], &[1.2], &mut out);
         assert!((out[0] - 1.1).abs() <= 0.5 * drive.adc_step() * (1.0 + 1e-12));
@@ -255,7 +263,7 @@ mod tests {
     fn analytic_current_noise_has_the_drive_s_standard_deviation() {
         let robot = hinges::single();
         let sensing = Sensing { converters: false, ..Sensing::default() };
-        let mut sensors = Sensors::new(&robot, &sensing, Seed::new(3), 0);
+        let mut sensors = Sensors::new(&robot, &sensing, Seed::new(3).of_run(0));
         let mut out = [0.0];
         let count = 20_000;
         let sum: f64 = (0..count)
@@ -267,5 +275,24 @@ mod tests {
         let ratio = (sum / f64::from(count)).sqrt() / robot.joints()[0].drive.current_noise;
         // χ² with 20 000 degrees of freedom: the ratio's standard deviation is 0.5 %; 4 of them.
         assert!((ratio - 1.0).abs() < 0.02, "{ratio}");
+    }
+
+    #[test]
+    fn identity_opposite_noise_is_the_noise_with_the_other_sign() {
+        let robot = hinges::single();
+        let sensing = Sensing { converters: false, position_noise: vec![1e-4], ..Sensing::default() };
+        let run = Seed::new(3).of_run(7);
+        let read = |run: RunNoise| {
+            let mut sensors = Sensors::new(&robot, &sensing, run);
+            let grid = sensors.encoders[0].grid;
+            let (mut q, mut current) = ([0.0], [0.0]);
+            sensors.encoders[0].counts = 0.0;
+            sensors.positions(&[0.3], &mut q);
+            sensors.currents(&[0.5], &[0.5], &mut current);
+            [grid, q[0] - 0.3, current[0] - 0.5]
+        };
+        for (a, b) in read(run).into_iter().zip(read(run.opposite())) {
+            assert!(a != 0.0 && (a + b).abs() < 1e-15, "{a} {b}");
+        }
     }
 }

@@ -12,7 +12,7 @@ use super::{
 };
 use crate::model::{Drive, Robot, StandardParameters};
 use crate::provenance::Provenance;
-use crate::seed::Seed;
+use crate::seed::{RunNoise, Seed};
 
 /// A simulated arm: a plant under the robot's joint servo, seen through the robot's sensors.
 ///
@@ -63,8 +63,7 @@ pub struct Servo<P> {
     robot_text: String,
     plant: P,
     sensing: Sensing,
-    seed: Seed,
-    run: u64,
+    noise: RunNoise,
     inertia: Vec<f64>,
     motors: Vec<Drive>,
     actual: Option<ActualArm>,
@@ -87,8 +86,7 @@ impl<P: Plant> Servo<P> {
             robot_text: String::new(),
             plant,
             sensing: Sensing::default(),
-            seed: Seed::new(0),
-            run: 0,
+            noise: Seed::new(0).of_run(0),
             inertia,
             motors: robot.joints().iter().map(|joint| joint.drive.clone()).collect(),
             actual: None,
@@ -98,8 +96,14 @@ impl<P: Plant> Servo<P> {
 
     /// The same servo with the random streams of another seed and run.
     #[must_use]
-    pub fn with_seed(mut self, seed: Seed, run: u64) -> Self {
-        (self.seed, self.run) = (seed, run);
+    pub fn with_seed(self, seed: Seed, run: u64) -> Self {
+        self.with_noise(seed.of_run(run))
+    }
+
+    /// The same servo with the random numbers of a run.
+    #[must_use]
+    pub fn with_noise(mut self, noise: RunNoise) -> Self {
+        self.noise = noise;
         self
     }
 
@@ -183,11 +187,11 @@ impl<P: Plant> Servo<P> {
         })
     }
 
-    /// The servo's part of an experiment for each seed and run number, for callers that step the plants themselves.
+    /// The servo's part of an experiment for each run, for callers that step the plants themselves.
     ///
     /// # Errors
     /// [`ArmError`] where the plan cannot be performed.
-    pub fn cycles(&self, plan: &ExperimentPlan, runs: &[(Seed, u64)]) -> Result<Vec<Cycle>, ArmError> {
+    pub fn cycles(&self, plan: &ExperimentPlan, runs: &[RunNoise]) -> Result<Vec<Cycle>, ArmError> {
         let layout = plan.check(self.robot.dof())?;
         let tuning = self.robot.servo();
         let ratio = tuning.rate_hz / plan.rate_hz;
@@ -200,8 +204,8 @@ impl<P: Plant> Servo<P> {
         let actual = self.actual.as_ref();
         let actual_sensors = actual.map(|actual| actual.sensors(plan.rate_hz));
         let motors = Motors::new(&self.motors, tuning.rate_hz);
-        let cycle = |&(seed, run): &(Seed, u64)| {
-            let sensors = Sensors::new(&self.robot, &self.sensing, seed, run);
+        let cycle = |&run: &RunNoise| {
+            let sensors = Sensors::new(&self.robot, &self.sensing, run);
             let sensors = match &actual_sensors {
                 None => sensors,
                 Some(actual) => sensors.with_effects(actual),
@@ -217,7 +221,7 @@ impl<P: Plant> Servo<P> {
                     None => joints,
                     Some(actual) => joints.with_effects(actual, table.row(0)),
                 },
-                clock: actual.and_then(|actual| actual.clock(seed, run)),
+                clock: actual.and_then(|actual| actual.clock(run)),
             })
         };
         Ok(runs.iter().map(cycle).collect())
@@ -228,7 +232,7 @@ impl<P: Plant> Servo<P> {
     /// # Errors
     /// [`ArmError`] where the plan cannot be performed.
     pub fn cycle(&self, plan: &ExperimentPlan) -> Result<Cycle, ArmError> {
-        let mut cycles = self.cycles(plan, &[(self.seed, self.run)])?;
+        let mut cycles = self.cycles(plan, &[self.noise])?;
         Ok(cycles.pop().expect("one cycle for one run"))
     }
 
@@ -244,7 +248,7 @@ impl<P: Plant> Servo<P> {
         observer: &mut dyn FnMut(&TrueState<'_>),
     ) -> Result<Ending, ArmError> {
         let mut cycle = self.cycle(plan)?;
-        sink.begin(&self.recording(plan, self.seed)?);
+        sink.begin(&self.recording(plan, self.noise.seed)?);
         self.plant.reset(cycle.start(), &vec![0.0; self.robot.dof()]);
         let parts = cycle.parts();
         let dt = cycle.dt() / parts as f64;

@@ -34,11 +34,18 @@ pub fn t_interval(values: &[f64], level: f64) -> Option<Interval> {
 /// Wilson's score interval for a proportion of `hits` in `trials` at confidence `level` (E. B. Wilson, JASA 22, 1927).
 #[must_use]
 pub fn wilson_interval(hits: usize, trials: usize, level: f64) -> Option<Interval> {
+    share_interval(hits as f64 / trials.max(1) as f64, trials, level)
+}
+
+/// Wilson's score interval for a share `p` of `trials`, which need not be a whole number of them: trials that are all alike
+/// within groups count as one for each group.
+#[must_use]
+pub fn share_interval(p: f64, trials: usize, level: f64) -> Option<Interval> {
     if trials == 0 {
         return None;
     }
     let z = normal_quantile(0.5 + 0.5 * level);
-    let (n, p) = (trials as f64, hits as f64 / trials as f64);
+    let n = trials as f64;
     let centre = p + z * z / (2.0 * n);
     let half = z * (p * (1.0 - p) / n + z * z / (4.0 * n * n)).sqrt();
     let scale = 1.0 + z * z / n;

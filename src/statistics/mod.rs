@@ -18,7 +18,7 @@ mod sample;
 pub use bootstrap::{TwoLayerDraws, bootstrap_interval, percentile_interval};
 pub use chi_squared::chi_squared_quantile;
 pub use distribution::{normal_quantile, student_quantile};
-pub use interval::{Interval, t_interval, wilson_interval};
+pub use interval::{Interval, share_interval, t_interval, wilson_interval};
 pub use rank_correlation::rank_correlation;
 pub use repeated_interval::{ErrorSpending, repeated_interval};
 pub use sample::{Spread, mean, quantile, root_mean_square, variance};

@@ -1,7 +1,8 @@
 //! The difference between two families of designs in one metric, with its interval.
 
 use super::error::StudyError;
-use super::evidence::{EstimatorRuns, Evidence, LEVEL, RunValues, geometric_mean};
+use super::estimator_runs::EstimatorRuns;
+use super::evidence::{Evidence, LEVEL, RunValues, geometric_mean};
 use super::family_score::VOLUME_RUNS;
 use super::metric::Metric;
 use super::volume::ErrorVolumes;
@@ -42,7 +43,11 @@ impl Evidence<'_> {
         let sizes = designs.each_ref().map(|designs| designs.iter().map(|&d| runs.size(d)).collect::<Vec<_>>());
         let seed = self.pair_seed(metric, runs.name, pair);
         let interval = bootstrap_interval(&[&sizes[0], &sizes[1]], metric.resamples(), LEVEL, seed, |drawn| {
-            let value = |side: usize| geometric_mean(drawn[side].iter().map(|&(d, run)| logs[designs[side][d]][run]));
+            let value = |side: usize| {
+                let of_groups = drawn[side].iter().map(|&(d, group)| (designs[side][d], group));
+                let of_runs = of_groups.flat_map(|(d, group)| runs.group(d, group).map(move |run| (d, run)));
+                geometric_mean(of_runs.map(|(d, run)| logs[d][run]))
+            };
             Some(value(0)? / value(1)?)
         });
         Some(self.comparison(metric, runs.name, pair, first / second, interval))
@@ -69,7 +74,7 @@ impl Evidence<'_> {
         } else {
             let sides = [(&designs[0][..], &sizes[0][..]), (&designs[1][..], &sizes[1][..])];
             let seed = self.pair_seed(metric, runs.name, pair);
-            volumes.interval(&sides, metric.resamples(), LEVEL, seed, |values| Some(values[0]? - values[1]?))?
+            volumes.interval(runs, &sides, metric.resamples(), LEVEL, seed, |values| Some(values[0]? - values[1]?))?
         };
         Ok(Some(self.comparison(metric, runs.name, pair, first - second, interval)))
     }

@@ -13,6 +13,7 @@
 use std::collections::BTreeMap;
 
 use super::condition::ConditionResult;
+use super::evidence::present;
 use super::family_score::{FamilyScore, ParameterScore};
 use super::metric::Metric;
 use super::run_table::{RunNumber, RunTable};
@@ -144,7 +145,7 @@ impl StudySetup {
         self.base.kept.iter().map(|&column| kind_name(self.base.parameters[column].kind)).collect()
     }
 
-    /// Logarithms of prediction error under a condition over that under the first, by design.
+    /// Logarithms of prediction error under a condition over that under the first, by design; the mean of runs that share noise.
     fn pairs(
         &self,
         designs: &[StudyDesign],
@@ -162,9 +163,12 @@ impl StudySetup {
         for (index, _) in designs.iter().enumerate().filter(|(_, design)| of_family(design)) {
             let [without, with] =
                 [0, condition].map(|condition| runs.numbers(index, condition, 0..runs.runs(index, condition), number));
-            for (without, with) in without?.into_iter().zip(with?) {
-                if let (Some(without), Some(with)) = (without, with) {
-                    pairs.entry(index).or_default().push(libm::log(with / without));
+            let both = without?.into_iter().zip(with?).map(|(without, with)| Some(libm::log(with? / without?)));
+            // Runs that share their noise are one unit.
+            for group in both.collect::<Vec<_>>().chunks(self.plan.runs_of_noise()) {
+                let logs = present(group);
+                if !logs.is_empty() {
+                    pairs.entry(index).or_default().push(mean(&logs));
                 }
             }
         }

@@ -14,6 +14,8 @@ use nalgebra::DVector;
 use super::comparison::Comparison;
 use super::criterion_correlation::CriterionCorrelation;
 use super::error::StudyError;
+use super::estimator_comparison::EstimatorComparison;
+use super::estimator_runs::EstimatorRuns;
 use super::family_score::FamilyScore;
 use super::metric::Metric;
 use super::run_table::{RunNumber, RunTable};
@@ -54,6 +56,8 @@ pub struct Evidence<'a> {
     pub runs: &'a dyn RunTable,
     /// Index of the condition that the findings are about.
     pub condition: usize,
+    /// So many runs in succession share their noise: no fewer are independent of others.
+    pub runs_of_noise: usize,
     /// Seed of the bootstraps.
     pub seed: Seed,
 }
@@ -65,6 +69,9 @@ pub struct Findings {
     pub families: Vec<FamilyScore>,
     /// The comparison of every pair of families, in every metric, with every estimator.
     pub comparisons: Vec<Comparison>,
+    /// Every estimator but the first against the first, on the same recordings.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub estimator_comparisons: Vec<EstimatorComparison>,
     /// The same over random truths, where the study draws them.
     #[serde(default)]
     pub over_truths: Vec<TruthComparison>,
@@ -75,26 +82,8 @@ pub struct Findings {
     pub criterion_correlations: Vec<CriterionCorrelation>,
 }
 
-/// The runs that gave an estimate with one estimator: design → run.
-#[derive(Debug)]
-pub(super) struct EstimatorRuns<'a> {
-    pub(super) index: usize,
-    pub(super) name: &'a str,
-    /// Which runs gave one.
-    scored: Vec<Vec<bool>>,
-    /// Index of the truth of each run that gave one.
-    pub(super) truths: Vec<Vec<usize>>,
-}
-
 /// One number of the runs that gave an estimate: design → run. Metrics that an arm was not asked for are `None`.
 pub(super) type RunValues = Vec<Vec<Option<f64>>>;
-
-impl EstimatorRuns<'_> {
-    /// How many runs of a design gave an estimate.
-    pub(super) fn size(&self, design: usize) -> usize {
-        self.truths[design].len()
-    }
-}
 
 impl Evidence<'_> {
     /// Computes the findings.
@@ -105,6 +94,7 @@ impl Evidence<'_> {
         let mut findings = Findings {
             families: Vec::new(),
             comparisons: Vec::new(),
+            estimator_comparisons: self.estimator_comparisons()?,
             over_truths: Vec::new(),
             design_prediction: Vec::new(),
             criterion_correlations: Vec::new(),
@@ -160,10 +150,11 @@ impl Evidence<'_> {
     }
 
     /// One number of all runs of a design.
-    fn numbers(&self, design: usize, number: RunNumber) -> Result<Vec<Option<f64>>, StudyError> {
+    pub(super) fn numbers(&self, design: usize, number: RunNumber) -> Result<Vec<Option<f64>>, StudyError> {
         self.runs.numbers(design, self.condition, 0..self.runs.runs(design, self.condition), number)
     }
 
+    /// The runs that gave an estimate with one estimator.
     fn estimator_runs<'a>(&self, estimator: usize, name: &'a str) -> Result<EstimatorRuns<'a>, StudyError> {
         let (mut scored, mut truths) = (Vec::new(), Vec::new());
         for design in 0..self.designs.len() {
@@ -174,7 +165,7 @@ impl Evidence<'_> {
             truths.push(with.map(|(truth, _)| truth.unwrap_or_default() as usize).collect());
             scored.push(of_design);
         }
-        Ok(EstimatorRuns { index: estimator, name, scored, truths })
+        Ok(EstimatorRuns::new(estimator, name, scored, truths, self.runs_of_noise))
     }
 
     /// One number of the runs of a design that gave an estimate.
@@ -185,7 +176,7 @@ impl Evidence<'_> {
         number: RunNumber,
     ) -> Result<Vec<Option<f64>>, StudyError> {
         let all = self.numbers(design, number)?;
-        Ok(all.into_iter().zip(&runs.scored[design]).filter(|(_, scored)| **scored).map(|(value, _)| value).collect())
+        Ok(all.into_iter().zip(runs.scored(design)).filter(|(_, scored)| **scored).map(|(value, _)| value).collect())
     }
 
     fn metric_values(&self, runs: &EstimatorRuns<'_>, metric: Metric) -> Result<RunValues, StudyError> {
@@ -288,6 +279,7 @@ mod tests {
             units: &units,
             runs: &OutcomeTable { outcomes: &outcomes, truths: &truths },
             condition: 0,
+            runs_of_noise: 1,
             seed: Seed::new(1),
         }
         .findings()
@@ -360,6 +352,7 @@ mod tests {
             units: &units,
             runs: &OutcomeTable { outcomes: &outcomes, truths: &truths },
             condition: 0,
+            runs_of_noise: 1,
             seed: Seed::new(1),
         }
         .findings()

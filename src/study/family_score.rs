@@ -1,12 +1,13 @@
 //! The score of a family of designs, in all and parameter by parameter.
 
 use super::error::StudyError;
-use super::evidence::{EstimatorRuns, Evidence, LEVEL, RunValues, geometric_mean, logarithms, present};
+use super::estimator_runs::EstimatorRuns;
+use super::evidence::{Evidence, LEVEL, RunValues, geometric_mean, logarithms, present};
 use super::metric::Metric;
 use super::run_table::RunNumber;
 use crate::seed::Seed;
 use crate::statistics::{
-    Interval, Spread, bootstrap_interval, mean, quantile, root_mean_square, t_interval, variance, wilson_interval,
+    Interval, Spread, bootstrap_interval, mean, quantile, root_mean_square, share_interval, t_interval, variance,
 };
 
 /// Runs for each parameter from which on a volume has an interval.
@@ -84,7 +85,7 @@ impl Evidence<'_> {
     pub(super) fn family_score(&self, family: usize, runs: &EstimatorRuns<'_>) -> Result<FamilyScore, StudyError> {
         let designs = self.designs_of(family);
         let planned: usize = designs.iter().map(|&design| self.runs.runs(design, self.condition)).sum();
-        let scored: usize = designs.iter().map(|&design| runs.size(design)).sum();
+        let scored: usize = designs.iter().map(|&design| runs.count(design)).sum();
         let parameters = (0..self.parameters())
             .map(|parameter| self.parameter_score(parameter, &designs, runs))
             .collect::<Result<Vec<_>, _>>()?;
@@ -133,7 +134,9 @@ impl Evidence<'_> {
             let sizes: Vec<usize> = designs.iter().map(|&design| runs.size(design)).collect();
             let seed = self.value_seed(metric, family, runs);
             score.intervals[place] = bootstrap_interval(&[&sizes], metric.resamples(), LEVEL, seed, |drawn| {
-                geometric_mean(drawn[0].iter().map(|&(design, run)| logs[design][run]))
+                let runs_of =
+                    |&(place, group): &(usize, usize)| runs.group(designs[place], group).map(move |run| (place, run));
+                geometric_mean(drawn[0].iter().flat_map(runs_of).map(|(place, run)| logs[place][run]))
             });
         }
     }
@@ -150,7 +153,7 @@ impl Evidence<'_> {
                 let seed = self.value_seed(metric, family, runs);
                 let sides = [(&designs[..], &sizes[..])];
                 score.intervals[place] =
-                    volumes.interval(&sides, metric.resamples(), LEVEL, seed, |values| values[0])?;
+                    volumes.interval(runs, &sides, metric.resamples(), LEVEL, seed, |values| values[0])?;
             }
         }
         Ok(())
@@ -184,19 +187,41 @@ impl Evidence<'_> {
             designs.iter().map(|&design| self.designs[design].bound_std[parameter].powi(2)).collect();
         let pooled: Vec<f64> = errors.iter().flatten().copied().collect();
         let means: Vec<f64> = errors.iter().filter(|e| !e.is_empty()).map(|e| mean(e)).collect();
-        let units = if means.len() > 1 { &means } else { &pooled };
-        let variances: Vec<f64> = errors.iter().filter(|e| e.len() > 1).map(|e| variance(e)).collect();
+        // Means over runs that share noise are independent of each other, the runs are not.
+        let of_groups: Vec<Vec<f64>> =
+            designs.iter().zip(&errors).map(|(&design, errors)| runs.group_means(design, errors)).collect();
+        let units = if means.len() > 1 { means } else { of_groups.concat() };
+        let groups: usize = of_groups.iter().map(Vec::len).sum();
+        let coverage = hits as f64 / pooled.len().max(1) as f64;
+        let variances =
+            designs.iter().zip(&errors).filter_map(|(&design, errors)| self.error_variance(runs, design, errors));
+        let variances: Vec<f64> = variances.collect();
         Ok(ParameterScore {
             bias: mean(&pooled),
-            bias_interval: t_interval(units, LEVEL),
+            bias_interval: t_interval(&units, LEVEL),
             std: mean(&variances).sqrt(),
             stated_std,
             bound_std: mean(&bounds).sqrt(),
             rmse: root_mean_square(&pooled),
-            coverage: hits as f64 / pooled.len().max(1) as f64,
-            coverage_interval: wilson_interval(hits, pooled.len(), LEVEL),
+            coverage,
+            // Runs that share noise count as one.
+            coverage_interval: share_interval(coverage, groups, LEVEL),
             spread: Spread::of(&pooled),
         })
+    }
+}
+
+impl Evidence<'_> {
+    /// Variance of a design's errors over runs of independent noise: of the first of each group that shares it, and so on for the
+    /// others, in the mean. `None` of fewer than two groups.
+    fn error_variance(&self, runs: &EstimatorRuns<'_>, design: usize, errors: &[f64]) -> Option<f64> {
+        let of_place = |place: usize| {
+            let of_groups = (0..runs.size(design)).filter_map(|index| runs.group(design, index).nth(place));
+            of_groups.map(|run| errors[run]).collect::<Vec<f64>>()
+        };
+        let variances: Vec<f64> =
+            (0..self.runs_of_noise).map(of_place).filter(|of| of.len() > 1).map(|of| variance(&of)).collect();
+        (!variances.is_empty()).then(|| mean(&variances))
     }
 }
 

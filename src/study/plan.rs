@@ -7,6 +7,7 @@ use super::grid::GridPlan;
 use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
 use super::units::ReferenceUnits;
+use super::variance_reduction::VarianceReduction;
 use crate::estimation::{Estimator, EstimatorKind};
 use crate::experiment::{Effects, ExpectedEffectError};
 use crate::model::{Columns, format::FormatError};
@@ -59,6 +60,9 @@ pub struct StudyPlan {
     /// Families that every other is compared with; all pairs where there are none.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub compare_with: Vec<String>,
+    /// Random numbers that runs share.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub variance_reduction: Vec<VarianceReduction>,
     /// Whether the claims of `radkhah2007` are evaluated too.
     #[serde(default, rename = "paper_claims", alias = "radkhah2007_claims")]
     pub radkhah2007_claims: bool,
@@ -200,6 +204,7 @@ impl StudyPlan {
             }
         }
         self.check_truths()?;
+        self.check_variance_reduction()?;
         self.check_names_and_sizes()?;
         for family in &self.designs {
             family.family()?;
@@ -253,10 +258,39 @@ impl StudyPlan {
         Ok(())
     }
 
+    /// Does the plan ask for this way?
+    #[must_use]
+    pub fn reduces_variance(&self, way: VarianceReduction) -> bool {
+        self.variance_reduction.contains(&way)
+    }
+
+    /// How many runs in succession share their noise: 2 where it is antithetic.
+    #[must_use]
+    pub fn runs_of_noise(&self) -> usize {
+        if self.reduces_variance(VarianceReduction::AntitheticNoise) { 2 } else { 1 }
+    }
+
+    fn check_variance_reduction(&self) -> Result<(), StudyPlanError> {
+        for (i, way) in self.variance_reduction.iter().enumerate() {
+            if self.variance_reduction[..i].contains(way) {
+                return Err(StudyPlanError::Twice { key: "variance_reduction", found: format!("{way:?}") });
+            }
+        }
+        let odd = (0..self.designs.len())
+            .map(|family| self.runs_of(family))
+            .find(|runs| !runs.is_multiple_of(self.runs_of_noise()));
+        match odd {
+            Some(runs) => Err(number("runs", runs, "an even number, since runs with antithetic noise come in pairs")),
+            None => Ok(()),
+        }
+    }
+
     /// Index of the truth in this run of every design: 0 is the robot's own.
     #[must_use]
     pub fn truth_of(&self, run: u64) -> usize {
-        self.truths.as_ref().map_or(0, |truths| 1 + (run % truths.count as u64) as usize)
+        // Runs with opposite noise are on the same arm.
+        let unit = if self.reduces_variance(VarianceReduction::AntitheticNoise) { run / 2 } else { run };
+        self.truths.as_ref().map_or(0, |truths| 1 + (unit % truths.count as u64) as usize)
     }
 
     /// Checks the names of engines against those that there are, which are not in the core.

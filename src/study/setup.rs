@@ -19,7 +19,9 @@ use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
 use super::run_order::RunOrder;
 use super::run_table::{RunNumber, RunTable};
-use super::{Centre, ConditionResult, RunError, RunId, Scorer, StudyDesign, StudyError, Truth, TruthError};
+use super::{
+    Centre, ConditionResult, RunError, RunId, Scorer, StudyDesign, StudyError, Truth, TruthError, VarianceReduction,
+};
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{Estimate, EstimationProblem, Estimator, Factorisation, Observation};
@@ -27,7 +29,7 @@ use crate::excitation::{ExcitationError, radkhah2007_start};
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
-use crate::seed::Seed;
+use crate::seed::RunNoise;
 use crate::signal::{Derivatives, Processing, Samples, process};
 use crate::trajectory::PeriodicTrajectory;
 
@@ -179,12 +181,19 @@ impl StudySetup {
         RunNumber::all(self.plan.identification.estimators.len(), self.base.rank())
     }
 
-    /// Seed and run number of the random streams of one run: the same under every condition.
+    /// The random numbers of one run: the same under every condition, and what the plan's [`VarianceReduction`] makes of them.
     #[must_use]
-    pub fn stream(&self, design: usize, run: u64) -> (Seed, u64) {
+    pub fn noise_of(&self, design: usize, run: u64) -> RunNoise {
         let (family, start) = self.designs()[design];
         let before = self.plan.designs[..family].iter().map(|family| family.of_starts.unwrap_or(family.starts));
-        (self.plan.seed.child("run", (before.sum::<usize>() + start) as u64), run)
+        let common = self.plan.reduces_variance(VarianceReduction::CommonNoise);
+        let index = if common { start } else { before.sum::<usize>() + start };
+        let seed = self.plan.seed.child("run", index as u64);
+        if !self.plan.reduces_variance(VarianceReduction::AntitheticNoise) {
+            return seed.of_run(run);
+        }
+        let pair = seed.of_run(run / 2);
+        if run.is_multiple_of(2) { pair } else { pair.opposite() }
     }
 
     /// Cramér–Rao standard deviations of the base parameters (b), at the exact motion of one period of the closed
@@ -331,6 +340,7 @@ impl StudySetup {
             runs,
             condition,
             compare_with: &self.plan.compare_with,
+            runs_of_noise: self.plan.runs_of_noise(),
             seed: self.plan.seed.child("bootstrap", 0),
         }
         .findings()

@@ -6,7 +6,8 @@
 //! ```
 //! Truths are the units: designs, runs and noise are shared by the two families within each.
 
-use super::evidence::{EstimatorRuns, Evidence, LEVEL, RunValues};
+use super::estimator_runs::EstimatorRuns;
+use super::evidence::{Evidence, LEVEL, RunValues};
 use super::metric::Metric;
 use crate::statistics::{Interval, mean, t_interval, wilson_interval};
 

@@ -10,6 +10,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use rayon::prelude::*;
 
 use super::error::StudyError;
+use super::estimator_runs::EstimatorRuns;
 use super::run_table::{RunNumber, RunTable};
 use crate::seed::Seed;
 use crate::statistics::{Interval, TwoLayerDraws, percentile_interval};
@@ -33,7 +34,7 @@ pub(super) struct ErrorVolumes<'a> {
     pub(super) units: &'a DVector<f64>,
 }
 
-/// Designs, and how many runs of each gave an estimate.
+/// Designs, and how many runs of each gave an estimate; groups of runs, where these share noise.
 pub(super) type Side<'a> = (&'a [usize], &'a [usize]);
 
 /// How often each run that gave an estimate was drawn, by design; `None` is once each.
@@ -54,6 +55,7 @@ impl ErrorVolumes<'_> {
     /// Percentile interval by the two-layer bootstrap of a statistic of the log volumes of all sides.
     pub(super) fn interval(
         &self,
+        groups: &EstimatorRuns<'_>,
         sides: &[Side<'_>],
         resamples: usize,
         level: f64,
@@ -69,12 +71,14 @@ impl ErrorVolumes<'_> {
         while left > 0 {
             let count = left.min(at_once);
             left -= count;
-            let none = |sizes: &[usize]| Some(sizes.iter().map(|&size| vec![0_u32; size]).collect());
-            let mut counts: Vec<Vec<Counts>> = sizes.iter().map(|sizes| vec![none(sizes); count]).collect();
+            let none = |designs: &[usize]| Some(designs.iter().map(|&d| vec![0_u32; groups.count(d)]).collect());
+            let mut counts: Vec<Vec<Counts>> = sides.iter().map(|side| vec![none(side.0); count]).collect();
             for draw in 0..count {
-                draws.draw(|side, design, run| {
+                draws.draw(|side, place, group| {
                     if let Some(counts) = &mut counts[side][draw] {
-                        counts[design][run] += 1;
+                        for run in groups.group(sides[side].0[place], group) {
+                            counts[place][run] += 1;
+                        }
                     }
                 });
             }

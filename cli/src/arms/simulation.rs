@@ -6,7 +6,7 @@ use armid::experiment::{
     Servo, Sink, record,
 };
 use armid::model::{Robot, StandardParameters};
-use armid::seed::Seed;
+use armid::seed::RunNoise;
 use armid::study::{Performed, Truth, exact_states};
 use armid_io::LoadedRobot;
 use armid_sim::{AnalyticPlant, BatchRun, Engine, record_runs};
@@ -48,8 +48,8 @@ impl Simulation {
     }
 
     /// The arm for one run, with these sensors.
-    pub(crate) fn arm(&self, sensing: &Sensing, seed: Seed, run: u64) -> Result<Box<dyn Arm>, String> {
-        Ok(Box::new(self.servo(sensing)?.with_seed(seed, run)))
+    pub(crate) fn arm(&self, sensing: &Sensing, noise: RunNoise) -> Result<Box<dyn Arm>, String> {
+        Ok(Box::new(self.servo(sensing)?.with_noise(noise)))
     }
 
     /// Exact states of one recorded period of the closed loop with noise-free sensors, about 500 of them; of the arm
@@ -105,7 +105,7 @@ impl Simulation {
             let plant = AnalyticPlant::new(actual.robot(), actual.parameters()).map_err(|fault| fault.to_string())?;
             return Ok(record_runs(&self.servo_around(plant, actual, &sensing)?, runs));
         }
-        runs.iter().map(|run| Ok(record(&mut *self.arm(&sensing, run.seed, run.run)?, run.plan))).collect()
+        runs.iter().map(|run| Ok(record(&mut *self.arm(&sensing, run.noise)?, run.plan))).collect()
     }
 
     fn servo_of(&self, effects: &Effects, sensing: &Sensing) -> Result<Servo<Box<dyn Plant>>, String> {

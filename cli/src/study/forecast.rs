@@ -9,16 +9,16 @@ use miette::Result;
 
 use super::in_words;
 use super::performance::Performance;
+use super::team::TEAM;
+use crate::processor_time::processor_seconds;
 use crate::terminal::Answer;
 
 /// Evaluations of a design that is made to see how long one takes.
 const SAMPLE_EVALUATIONS: usize = 20;
 
-/// After so many seconds no further family is tried; those that were not take as long for an evaluation as the others.
+/// After so many seconds no further family is tried, and no further condition; those that were not cost what the others do in
+/// the mean.
 const PATIENCE_S: f64 = 20.0;
-
-/// Runs of each condition that are tried.
-const SAMPLE_RUNS: usize = 8;
 
 /// Bytes of memory for each run that is planned: where it stands in its journal.
 const HELD_OF_RUN: usize = 8;
@@ -49,7 +49,20 @@ pub(crate) struct Forecast {
     sample_seconds: f64,
     sample_designs: usize,
     sample_runs: usize,
+    sample_conditions: usize,
     shared: Vec<String>,
+}
+
+/// What the runs that were tried cost, in the mean.
+struct RunSample {
+    /// Processor seconds of a run.
+    of_run: f64,
+    /// Processor seconds of what all runs on an arm share, done once for each.
+    of_arm: f64,
+    /// Bytes of a run in its journal.
+    journal_bytes: f64,
+    runs: usize,
+    conditions: usize,
 }
 
 /// A plan whose designs are searched for a moment only.
@@ -66,25 +79,8 @@ impl Performance<'_> {
     pub(crate) fn forecast(&self, plan: &StudyPlan) -> Result<Forecast> {
         let begin = Instant::now();
         let (design_seconds, designs, sample_designs) = self.time_designs(plan)?;
-        let (mut run_seconds, mut sample_runs, mut journal) = (0.0, 0, 0.0);
-        for condition in 0..self.order.conditions() {
-            let count = self.order.runs(0).min(SAMPLE_RUNS);
-            let team: Vec<RunId> = (0..count as u64).map(|run| RunId { design: 0, condition, run }).collect();
-            let of_condition = self.order.len() / self.order.conditions();
-            let mut spent = 0.0;
-            // Teams as they are performed: a study of many truths has few runs on each arm.
-            for team in self.teams(team) {
-                let begin = Instant::now();
-                let outcomes = self.perform_team(&team, &designs)?;
-                spent += begin.elapsed().as_secs_f64();
-                for outcome in outcomes {
-                    let piece = Piece::Run { outcome: Box::new(outcome), seconds: spent };
-                    journal += serde_json::to_string(&piece).map_err(in_words)?.len() as f64;
-                }
-            }
-            sample_runs += count;
-            run_seconds += spent / count as f64 * of_condition as f64;
-        }
+        let sample = self.time_runs(&designs)?;
+        let truths = self.setup.scorer().truths().len().saturating_sub(1).max(1);
         let runs = self.order.len();
         let rows = plan.identification.estimators.len();
         let (b, n) = (self.setup.base().rank(), self.setup.robot().dof());
@@ -96,21 +92,79 @@ impl Performance<'_> {
             designs: self.order.designs(),
             runs,
             conditions: self.order.conditions(),
-            truths: self.setup.scorer().truths().len().saturating_sub(1).max(1),
+            truths,
             design_core_hours: design_seconds / 3600.0,
-            run_core_hours: run_seconds / 3600.0,
-            journal_bytes: (journal / sample_runs as f64 * runs as f64) as u64,
+            run_core_hours: (sample.of_run * runs as f64 + sample.of_arm * (self.order.conditions() * truths) as f64)
+                / 3600.0,
+            journal_bytes: (sample.journal_bytes * runs as f64) as u64,
             numbers_bytes: (self.setup.run_numbers().len() * 8 * runs) as u64,
             results_bytes: (of_run * runs) as u64,
             memory_bytes: most_memory().map(|sample| sample + held),
             sample_seconds: begin.elapsed().as_secs_f64(),
             sample_designs,
-            sample_runs,
+            sample_runs: sample.runs,
+            sample_conditions: sample.conditions,
             shared: self.shared(),
         })
     }
 
-    /// Seconds of all designs of `plan`, a design for each place to try runs with, and how many were made.
+    /// Times a team of runs under each condition, as long as patience lasts.
+    fn time_runs(&self, designs: &[Option<MadeDesign>]) -> Result<RunSample> {
+        let (mut of_runs, mut of_arms, mut journal, mut runs, mut conditions) = (0.0, 0.0, 0.0, 0, 0);
+        for condition in self.spread_conditions() {
+            let team = self.sample_team(condition, designs);
+            let Some(first) = team.first().filter(|_| of_runs + of_arms < PATIENCE_S) else { break };
+            let begin = processor_seconds();
+            let simulation = self.simulations[condition].made_of(self.setup.truth(first.run));
+            self.measured_motions(first, &simulation)?;
+            let shared = processor_seconds() - begin;
+            let begin = processor_seconds();
+            let mut outcomes = Vec::new();
+            // Teams as they are performed: a study of many truths has few runs on each arm.
+            for team in self.teams(team.clone()) {
+                outcomes.extend(self.perform_team(&team, designs)?);
+            }
+            let spent = processor_seconds() - begin;
+            for outcome in outcomes {
+                let piece = Piece::Run { outcome: Box::new(outcome), seconds: spent };
+                journal += serde_json::to_string(&piece).map_err(in_words)?.len() as f64;
+            }
+            (of_runs, of_arms) = (of_runs + spent, of_arms + shared);
+            (runs, conditions) = (runs + team.len(), conditions + 1);
+        }
+        let (tried, arms) = (runs.max(1) as f64, conditions.max(1) as f64);
+        Ok(RunSample {
+            of_run: of_runs / tried,
+            of_arm: of_arms / arms,
+            journal_bytes: journal / tried,
+            runs,
+            conditions,
+        })
+    }
+
+    /// The conditions, those next to each other, which are often alike, far apart: 0, 1/2, 1/4, 3/4, 1/8, … of the way.
+    fn spread_conditions(&self) -> Vec<usize> {
+        let count = self.order.conditions();
+        let bits = usize::BITS - count.saturating_sub(1).leading_zeros();
+        let mirrored = |index: usize| index.reverse_bits().checked_shr(usize::BITS - bits).unwrap_or(0);
+        (0..1_usize << bits).map(mirrored).filter(|&condition| condition < count).collect()
+    }
+
+    /// Runs under a condition, one of each design that was made, and the next of each, as many as are computed together.
+    fn sample_team(&self, condition: usize, designs: &[Option<MadeDesign>]) -> Vec<RunId> {
+        let most = designs.iter().enumerate().filter(|(_, made)| made.is_some()).map(|(i, _)| self.order.runs(i)).max();
+        let of_run = |run| {
+            let made = designs.iter().enumerate().filter(|(_, made)| made.is_some()).map(|(design, _)| design);
+            made.filter(move |&design| run < self.order.runs(design) as u64).map(move |design| RunId {
+                design,
+                condition,
+                run,
+            })
+        };
+        (0..most.unwrap_or(0) as u64).flat_map(of_run).take(TEAM).collect()
+    }
+
+    /// Processor seconds of all designs of `plan`, a design for each place to try runs with, and how many were made.
     fn time_designs(&self, plan: &StudyPlan) -> Result<(f64, Vec<Option<MadeDesign>>, usize)> {
         let (planned, begin) = (self.setup.designs(), Instant::now());
         let mut of_families: Vec<Option<(f64, MadeDesign)>> = vec![None; plan.designs.len()];
@@ -119,12 +173,12 @@ impl Performance<'_> {
             if begin.elapsed().as_secs_f64() > PATIENCE_S {
                 break;
             }
-            let begin = Instant::now();
+            let begin = processor_seconds();
             let mut sequence = self.setup.designs_of_sequence(family, 0).map_err(in_words)?;
             let used: usize = sequence.iter().map(|design| design.evaluations).sum();
-            let searched = begin.elapsed().as_secs_f64();
+            let searched = processor_seconds() - begin;
             let bound = self.bound(&sequence)?;
-            let bounded = begin.elapsed().as_secs_f64() - searched;
+            let bounded = processor_seconds() - begin - searched;
             let design = sequence.pop().ok_or_else(|| Error::new("a sequence without designs"))?;
             let of_evaluation = searched / used.max(1) as f64;
             let seconds = of_evaluation * plan.designs[family].evaluations.max(1) as f64 + bounded;
@@ -192,7 +246,7 @@ impl Forecast {
              disk: {} of journal and {} of numbers while it runs, {} of results\n\
              memory: {memory}\n\
              shared: {}\n\
-             by {} designs of at most {SAMPLE_EVALUATIONS} evaluations and {} runs, {:.1} s on one core of this machine; nothing was written\n",
+             by {} designs of at most {SAMPLE_EVALUATIONS} evaluations and {} runs under {} of the conditions, {:.1} s; hours are those of this machine's cores; nothing was written\n",
             self.designs,
             self.runs,
             self.conditions,
@@ -206,6 +260,7 @@ impl Forecast {
             self.shared.join("; "),
             self.sample_designs,
             self.sample_runs,
+            self.sample_conditions,
             self.sample_seconds,
         );
         Ok(Answer { text, json: serde_json::to_value(self).map_err(in_words)? })

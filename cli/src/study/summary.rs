@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use armid::experiment::Sensing;
 use armid::provenance::Provenance;
-use armid::seed::Seed;
+use armid::seed::RunNoise;
 use armid::study::radkhah2007::{Reproduction, evaluate_claims};
 use armid::study::{Examples, ReportInput, RunId, RunOrder, ScoredEstimate, StudyDesign};
 use armid_io::Error;
@@ -34,7 +34,7 @@ impl Performance<'_> {
         let conditions = self.setup.conditions(&designs, &bounds, &numbers).map_err(in_words)?;
         let effect_sensitivity = self.setup.effect_sensitivity(&designs, &conditions, &numbers).map_err(in_words)?;
         let radkhah2007 = if self.setup.plan().radkhah2007_claims {
-            let arm = |sensing: &Sensing, seed: Seed, run: u64| self.first().arm(sensing, seed, run);
+            let arm = |sensing: &Sensing, noise: RunNoise| self.first().arm(sensing, noise);
             let (claims, table) =
                 evaluate_claims(self.setup, &self.first().truth, &designs, &conditions[0].findings, &arm)
                     .map_err(in_words)?;
@@ -78,7 +78,7 @@ impl Performance<'_> {
             Some((design, run, estimate)) => {
                 let seed = self.setup.plan().seed.child("validation experiment", 0);
                 let simulation = self.first().made_of(self.setup.truth(run));
-                let mut arm = simulation.arm(&Sensing::default(), seed, 0).map_err(in_words)?;
+                let mut arm = simulation.arm(&Sensing::default(), seed.of_run(0)).map_err(in_words)?;
                 let trajectory = self.setup.validation_trajectory(0).map_err(in_words)?;
                 let samples = self.setup.samples(&trajectory, &mut *arm).ok();
                 samples.map(|samples| self.setup.prediction_example(design, &estimate, &samples))

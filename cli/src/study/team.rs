@@ -15,7 +15,7 @@ use super::performance::Performance;
 use crate::arms::Simulation;
 
 /// So many runs are computed together: the lanes of the widest processors.
-const TEAM: usize = 8;
+pub(super) const TEAM: usize = 8;
 
 impl Performance<'_> {
     /// Runs on the same arm under the same condition, as many as are computed together; fewer where that leaves a thread
@@ -39,8 +39,7 @@ impl Performance<'_> {
         let mut runs = Vec::new();
         for id in team {
             for index in self.setup.sequence(id.design) {
-                let (seed, run) = self.setup.stream(index, id.run);
-                runs.push(BatchRun { plan: &plans[&index], seed, run });
+                runs.push(BatchRun { plan: &plans[&index], noise: self.setup.noise_of(index, id.run) });
             }
         }
         let measured = self.measured_motions(first, &simulation)?;
@@ -54,7 +53,7 @@ impl Performance<'_> {
 
     /// What the arm of a run measures on fresh motions, performed once for each arm and condition; `None` where the plan
     /// asks for none.
-    fn measured_motions(&self, id: &RunId, simulation: &Simulation) -> Result<Option<Arc<MeasuredMotions>>> {
+    pub(super) fn measured_motions(&self, id: &RunId, simulation: &Simulation) -> Result<Option<Arc<MeasuredMotions>>> {
         let plan = self.setup.plan();
         if plan.validation.measured == 0 {
             return Ok(None);
@@ -67,7 +66,8 @@ impl Performance<'_> {
             .map(|index| Ok(self.setup.experiment(&self.setup.validation_trajectory(index).map_err(in_words)?)))
             .collect::<Result<Vec<ExperimentPlan>>>()?;
         let seed = plan.seed.child("measured motion", arm.1 as u64);
-        let runs: Vec<BatchRun<'_>> = plans.iter().zip(0..).map(|(plan, run)| BatchRun { plan, seed, run }).collect();
+        let runs: Vec<BatchRun<'_>> =
+            plans.iter().zip(0..).map(|(plan, run)| BatchRun { plan, noise: seed.of_run(run) }).collect();
         let performed = simulation.record_all(&runs).map_err(in_words)?;
         let measured = self.setup.measured_motions(performed).map_err(|failure| {
             let name = &plan.conditions()[id.condition].name;

@@ -1,6 +1,7 @@
 //! The report of a study: from its stored result to a page, one file per section.
 
 mod effect_sensitivity;
+mod estimators;
 mod answer;
 mod conditions;
 mod convergence;

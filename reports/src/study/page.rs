@@ -4,8 +4,8 @@ use armid::study::ReportInput;
 
 use super::selection::GROUPS;
 use super::{
-    answer, conditions, convergence, criteria, effect_sensitivity, grid, limits, overview, parameters, prediction,
-    radkhah2007, rounds,
+    answer, conditions, convergence, criteria, effect_sensitivity, estimators, grid, limits, overview, parameters,
+    prediction, radkhah2007, rounds,
 };
 use crate::{Document, DocumentError};
 
@@ -43,6 +43,9 @@ pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
     }
     if let Some(found) = &result.effect_sensitivity {
         document = document.section(effect_sensitivity::section(input, found)?);
+    }
+    if let Some(section) = estimators::section(input)? {
+        document = document.section(section);
     }
     for paragraph in answer::answer(input) {
         document = document.summary(paragraph);

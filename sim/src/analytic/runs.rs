@@ -1,7 +1,7 @@
 //! Several runs of one arm, computed together.
 
 use armid::experiment::{ArmError, Cycle, Ending, ExperimentPlan, Next, Recorder, Recording, Servo, Sink};
-use armid::seed::Seed;
+use armid::seed::RunNoise;
 
 use super::plant::AnalyticPlant;
 
@@ -10,15 +10,13 @@ use super::plant::AnalyticPlant;
 pub struct BatchRun<'a> {
     /// What is performed.
     pub plan: &'a ExperimentPlan,
-    /// Root of the run's random streams.
-    pub seed: Seed,
-    /// Its number among them.
-    pub run: u64,
+    /// Its random numbers.
+    pub noise: RunNoise,
 }
 
 /// Performs every run on one arm, all of them together, each with a sink of its own.
 ///
-/// Every run has the bits that `servo.with_seed(seed, run)` alone would give for its plan; together they take a fraction of
+/// Every run has the bits that `servo.with_noise(noise)` alone would give for its plan; together they take a fraction of
 /// the time, since one step of the simulator serves as many runs as the processor has lanes. Eight or a multiple is best.
 ///
 /// # Errors
@@ -67,11 +65,11 @@ fn begin<S: Sink>(
 ) -> Vec<Result<Cycle, ArmError>> {
     let mut begun = Vec::with_capacity(runs.len());
     for group in runs.chunk_by(|a, b| std::ptr::eq(a.plan, b.plan)) {
-        let streams: Vec<(Seed, u64)> = group.iter().map(|run| (run.seed, run.run)).collect();
+        let streams: Vec<RunNoise> = group.iter().map(|run| run.noise).collect();
         match servo.cycles(group[0].plan, &streams) {
             Ok(cycles) => {
                 for (cycle, run) in cycles.into_iter().zip(group) {
-                    let recording = servo.recording(run.plan, run.seed);
+                    let recording = servo.recording(run.plan, run.noise.seed);
                     begun.push(recording.map(|recording| {
                         sinks[begun.len()].begin(&recording);
                         cycle

@@ -14,7 +14,7 @@ use crate::model::term::{
     MOTOR_WARM_VISCOUS, ROTOR, STRIBECK, Term, VISCOUS, WARM_VISCOUS,
 };
 use crate::model::{DriveParameters, JointKind, Robot, StandardParameters};
-use crate::seed::Seed;
+use crate::seed::RunNoise;
 
 /// Parts of a servo step where something happens between motor and link.
 const FINE_PARTS: usize = 4;
@@ -238,15 +238,26 @@ impl ActualArm {
             converter_step: magnitude(Kind::AdcStep).max(1.0),
             offset: joints.iter().zip(signs).map(|(joint, sign)| sign * offset * range(joint)).collect(),
             memory: coloured_noise::Memory::new(1e-3 * magnitude(Kind::ColouredNoise), rate_hz),
+            position_noise: joints
+                .iter()
+                .map(|joint| match joint.kind {
+                    JointKind::Revolute => magnitude(Kind::EncoderNoise).to_radians(),
+                    JointKind::Prismatic => 0.0,
+                })
+                .collect(),
+            current_noise: joints
+                .iter()
+                .map(|joint| magnitude(Kind::TorqueNoise) / joint.drive.torque_per_ampere().abs())
+                .collect(),
         }
     }
 
     /// The clock of one run's samples, where it is not ideal.
-    pub(in crate::experiment) fn clock(&self, seed: Seed, run: u64) -> Option<sample_clock::SampleClock> {
+    pub(in crate::experiment) fn clock(&self, run: RunNoise) -> Option<sample_clock::SampleClock> {
         let (jitter, lost) =
             (1e-6 * self.effects.magnitude(Kind::ClockJitter), self.effects.magnitude(Kind::DroppedSamples));
         let step = 1.0 / self.robot.servo().rate_hz;
-        (jitter + lost > 0.0).then(|| sample_clock::SampleClock::new(jitter, lost, step, seed, run))
+        (jitter + lost > 0.0).then(|| sample_clock::SampleClock::new(jitter, lost, step, run))
     }
 }
 
@@ -295,4 +306,8 @@ pub(in crate::experiment) struct ActualSensors {
     pub(in crate::experiment) offset: Vec<f64>,
     /// Of the noise of a current.
     pub(in crate::experiment) memory: coloured_noise::Memory,
+    /// White noise of each position that comes to what the sensors have, rad.
+    pub(in crate::experiment) position_noise: Vec<f64>,
+    /// White noise of each current that comes to what the sensors have, A.
+    pub(in crate::experiment) current_noise: Vec<f64>,
 }

@@ -127,6 +127,12 @@ effects! {
     /// Correlated current noise of equal variance.
     ColouredNoise: "coloured-noise", "ms", 5.0, 100.0, 10000.0,
         "time in which the correlation of the noise falls to 1/e";
+    /// White noise of the encoders' positions, which the controller acts on too.
+    EncoderNoise: "encoder-noise", "deg", 0.001, 0.01, 1.0,
+        "standard deviation at each revolute joint, ahead of the encoder's counts";
+    /// White noise of the currents beside the robot file's.
+    TorqueNoise: "torque-noise", "N·m", 0.05, 0.2, 10.0,
+        "standard deviation of each motor's torque at its joint by what is added to its current";
 }
 
 impl EffectKind {

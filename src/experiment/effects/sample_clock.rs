@@ -11,7 +11,7 @@
 use rand::RngExt;
 use rand_distr::{Distribution, StandardNormal};
 
-use crate::seed::{Seed, Stream};
+use crate::seed::{RunNoise, Stream};
 
 /// The clock of one run's samples.
 #[derive(Clone, Debug)]
@@ -22,12 +22,14 @@ pub(in crate::experiment) struct SampleClock {
     jitter: Stream,
     loss: Stream,
     fresh: bool,
+    /// 1, or −1 in a run with opposite noise.
+    sign: f64,
 }
 
 impl SampleClock {
-    pub(super) fn new(jitter_s: f64, lost: f64, servo_step_s: f64, seed: Seed, run: u64) -> Self {
-        let (jitter, loss) = (seed.stream("clock jitter", run), seed.stream("dropped samples", run));
-        Self { jitter_s, most_s: 0.5 * servo_step_s, lost, jitter, loss, fresh: true }
+    pub(super) fn new(jitter_s: f64, lost: f64, servo_step_s: f64, run: RunNoise) -> Self {
+        let (jitter, loss) = (run.stream("clock jitter"), run.stream("dropped samples"));
+        Self { jitter_s, most_s: 0.5 * servo_step_s, lost, jitter, loss, fresh: true, sign: run.sign() }
     }
 
     /// How late the next sample is taken, s.
@@ -36,7 +38,7 @@ impl SampleClock {
             return 0.0;
         }
         let z: f64 = StandardNormal.sample(&mut self.jitter);
-        (self.jitter_s * z).clamp(-self.most_s, self.most_s)
+        (self.sign * self.jitter_s * z).clamp(-self.most_s, self.most_s)
     }
 
     /// Whether the next sample is lost; the first never is.
@@ -49,10 +51,11 @@ impl SampleClock {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::seed::Seed;
 
     #[test]
     fn analytic_lateness_and_losses_have_their_rates() {
-        let mut clock = SampleClock::new(1e-4, 0.02, 1e-3, Seed::new(1), 0);
+        let mut clock = SampleClock::new(1e-4, 0.02, 1e-3, Seed::new(1).of_run(0));
         assert!(!clock.loses());
         let count = 20_000;
         let square: f64 = (0..count).map(|_| clock.lateness().powi(2)).sum();

@@ -11,7 +11,7 @@ use crate::excitation::CriterionKind;
 use crate::experiment::{Arm, Sensing};
 use crate::model::{Columns, ParameterId, ParameterKind};
 use crate::regressor::JointTorqueRegressor;
-use crate::seed::Seed;
+use crate::seed::RunNoise;
 use crate::signal::Samples;
 use crate::statistics::{Interval, mean, quantile, rank_correlation, root_mean_square, t_interval};
 use crate::study::{
@@ -19,7 +19,7 @@ use crate::study::{
 };
 
 /// Makes an arm with these sensors for one run.
-pub type ArmFactory<'a> = &'a (dyn Fn(&Sensing, Seed, u64) -> Result<Box<dyn Arm>, String> + Sync);
+pub type ArmFactory<'a> = &'a (dyn Fn(&Sensing, RunNoise) -> Result<Box<dyn Arm>, String> + Sync);
 
 /// Runs of every comparison that an evaluation performs itself.
 const RUNS: u64 = 10;
@@ -70,8 +70,7 @@ struct ClaimEvaluation<'a> {
 
 impl ClaimEvaluation<'_> {
     fn samples(&self, design: &StudyDesign, index: usize, sensing: &Sensing, run: u64) -> Option<Samples> {
-        let (seed, stream) = self.setup.stream(index, run);
-        let mut arm = (self.arm_factory)(sensing, seed, stream).ok()?;
+        let mut arm = (self.arm_factory)(sensing, self.setup.noise_of(index, run)).ok()?;
         self.setup.samples(&design.trajectory, &mut *arm).ok()
     }
 

@@ -29,6 +29,14 @@ type Sized = (StudySize, f64);
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let rule: StoppingRule = arguments.until.parse().map_err(in_words)?;
     let pilot = read_study(&arguments.folder)?.result;
+    if pilot.plan.runs_of_noise() > 1 {
+        let message = format!(
+            "{}: found a pilot with antithetic noise, expected runs with noise of their own",
+            arguments.folder.display()
+        );
+        let help = "its runs come in pairs, which do not show how much runs scatter: perform one without it";
+        return Err(Error::new(message).help(help).into());
+    }
     let truths = pilot.plan.truths.as_ref().is_some_and(|truths| truths.count > 1);
     let logs = log_ratios(&arguments.folder, &pilot, &rule)?;
     let of_pilot = StudySize {
