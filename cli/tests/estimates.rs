@@ -120,7 +120,7 @@ fn estimators_are_listed_and_several_answer_together() {
     let list = json(&armid(["identify", "--list", "--json"]).success());
     let names: Vec<&str> = list.as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect();
     let expected = "ols wls irls-huber irls-tukey irls-cauchy mm tls ridge essential ml ekf srekf ukf srukf cdkf srcdkf adaline \
-                    hopfield-tank";
+                    hopfield-tank pc-ols pc-wls pc-irls pc-ols-euclidean pc-ols-entropic pc-ols-pullback";
     assert_eq!(names.join(" "), expected);
     let folder = temporary();
     let recording = record(folder.path(), "R.mcap", "3");

@@ -98,6 +98,18 @@ pub enum Finding {
     },
     /// No noise of positions is known, and an estimator that would use it did without.
     MotionTakenAsExact,
+    /// Physical consistency, or a prior, holds the estimate away from what the equations alone say.
+    HeldBack {
+        /// The distance from the unconstrained estimate, `(β̂ − β)ᵀ C⁻¹ (β̂ − β)`.
+        chi_squared: f64,
+        /// What it exceeds by chance with a probability of 5 %.
+        limit: f64,
+    },
+    /// The nominal body of a link reaches beyond the link's shape, which then bounds nothing.
+    BeyondShape {
+        /// Link, from one.
+        link: usize,
+    },
     /// A drive parameter that cannot be negative is.
     NegativeDrive {
         /// Its name.
@@ -131,6 +143,12 @@ impl Finding {
             }
             Self::LeftOut { .. } => "excite this parameter more, if it matters; its interval is that of the full model",
             Self::MotionTakenAsExact => "record a periodic motion at least 4 times to measure the noise of positions",
+            Self::HeldBack { .. } => {
+                "beyond the limit, equations and constraint contradict each other: look for a torque that the model lacks"
+            }
+            Self::BeyondShape { .. } => {
+                "make the shape in the robot file hold the whole link, or correct its nominal body"
+            }
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
                 "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
             }
@@ -182,6 +200,14 @@ impl fmt::Display for Finding {
                     f,
                     "no noise of positions is known: the motion is taken as exact, as weighted least squares does"
                 )
+            }
+            Self::HeldBack { chi_squared, limit } => write!(
+                f,
+                "the estimate is held back from that of the equations alone, by a chi squared of {chi_squared:.3e}; noise \
+                 alone stays below {limit:.3e}"
+            ),
+            Self::BeyondShape { link } => {
+                write!(f, "the nominal body of link {link} reaches beyond its shape, which does not bound the estimate")
             }
             Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
         }

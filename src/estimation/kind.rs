@@ -1,11 +1,12 @@
 //! The list of estimators.
 
 use super::{
-    Adaline, CentralDifferenceKalmanFilter, EssentialParameters, Estimate, EstimationError, EstimationProblem,
-    Estimator, ExtendedKalmanFilter, HopfieldTank, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares,
-    ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression, SquareRootCentralDifferenceKalmanFilter,
-    SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter, TotalLeastSquares, UnscentedKalmanFilter,
-    WeightedLeastSquares,
+    Adaline, CentralDifferenceKalmanFilter, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
+    EntropicPrior, EssentialParameters, Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior,
+    ExtendedKalmanFilter, HopfieldTank, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares,
+    PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression,
+    SquareRootCentralDifferenceKalmanFilter, SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter,
+    TotalLeastSquares, UnscentedKalmanFilter, WeightedLeastSquares,
 };
 
 /// Makes the enum, and everything that enumerates it, from one list.
@@ -75,6 +76,18 @@ estimators! {
     Adaline => Adaline,
     /// A Hopfield–Tank network.
     HopfieldTank => HopfieldTank,
+    /// Ordinary least squares over physically consistent sets.
+    PcOls => ConsistentOrdinary,
+    /// Weighted least squares over physically consistent sets.
+    PcWls => ConsistentWeighted,
+    /// Huber's M-estimate over physically consistent sets.
+    PcIrls => ConsistentReweighted,
+    /// Least squares over physically consistent sets near a prior, by the Euclidean distance.
+    PcOlsEuclidean => EuclideanPrior,
+    /// The same by the entropic distance.
+    PcOlsEntropic => EntropicPrior,
+    /// The same by the entropic distance's curvature at the prior.
+    PcOlsPullback => PullbackPrior,
 }
 
 impl EstimatorKind {

@@ -32,6 +32,7 @@ mod network;
 mod observation;
 mod ordinary;
 mod payload;
+mod physical;
 mod prediction;
 mod problem;
 mod recursive;
@@ -66,6 +67,9 @@ pub use network::{Adaline, HopfieldTank};
 pub use observation::Observation;
 pub use ordinary::OrdinaryLeastSquares;
 pub use payload::{Payload, PayloadParameter, PayloadValue, payload};
+pub use physical::{
+    ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted, EntropicPrior, EuclideanPrior, PullbackPrior,
+};
 pub use prediction::{Validation, predict, validate};
 pub use problem::EstimationProblem;
 pub use recursive::{

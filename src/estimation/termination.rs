@@ -21,6 +21,13 @@ pub enum Termination {
         /// Length of the last step, relative to the iterate.
         last_step: f64,
     },
+    /// The iteration ended at an optimum of a convex problem, with a bound of what is left.
+    Optimal {
+        /// Iterations.
+        iterations: usize,
+        /// No other set that was asked for has an objective that is lower by more than this part of it.
+        gap: f64,
+    },
     /// The iteration was still moving when it was stopped.
     IterationLimit {
         /// Iterations.
@@ -46,7 +53,7 @@ impl Termination {
     /// Whether the result is what was sought.
     #[must_use]
     pub const fn was_successful(self) -> bool {
-        matches!(self, Self::Direct | Self::Converged { .. })
+        matches!(self, Self::Direct | Self::Converged { .. } | Self::Optimal { .. })
     }
 }
 
@@ -55,6 +62,9 @@ impl fmt::Display for Termination {
         match self {
             Self::Direct => write!(f, "solved in closed form"),
             Self::Converged { iterations, .. } => write!(f, "converged after {iterations} iterations"),
+            Self::Optimal { iterations, gap } => {
+                write!(f, "optimal after {iterations} iterations, to {gap:.0e} of the objective")
+            }
             Self::IterationLimit { iterations, last_step } => {
                 write!(f, "stopped after {iterations} iterations, the last step {last_step:.1e} of the iterate")
             }

@@ -26,9 +26,11 @@ const fn rank(finding: &Finding) -> usize {
         Finding::FewPeriods { .. } => 6,
         Finding::NoiseFromResidual => 7,
         Finding::Outliers { .. } => 8,
-        Finding::LeftOut { .. } => 10,
-        Finding::MotionTakenAsExact => 11,
-        Finding::NearlyDependent { .. } => 9,
+        Finding::HeldBack { .. } => 9,
+        Finding::NearlyDependent { .. } => 10,
+        Finding::BeyondShape { .. } => 11,
+        Finding::LeftOut { .. } => 12,
+        Finding::MotionTakenAsExact => 13,
     }
 }
 
@@ -89,7 +91,15 @@ fn summary(found: &[&Finding]) -> Option<String> {
             });
             format!("{count} parameters are left out: {}", list(names.collect()))
         }
+        Finding::BeyondShape { .. } => {
+            let links = found.iter().filter_map(|finding| match finding {
+                Finding::BeyondShape { link } => Some(link.to_string()),
+                _ => None,
+            });
+            format!("the nominal bodies of links {} reach beyond their shapes", list(links.collect()))
+        }
         Finding::LargeCondition { .. }
+        | Finding::HeldBack { .. }
         | Finding::FewPeriods { .. }
         | Finding::NoiseFromResidual
         | Finding::NearlyDependent { .. }

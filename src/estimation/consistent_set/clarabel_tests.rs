@@ -21,8 +21,8 @@ use crate::spatial::{Inertia, PseudoInertia};
 /// Rounds of half spaces.
 const ROUNDS: usize = 60;
 
-/// Beyond this many times the size of the true link or drive nobody looks: without an end, Clarabel would.
-const FAR: f64 = 1e3;
+/// Beyond this many times the size of the true link or drive nobody looks: without an end, Clarabel would. Farther than the horizon.
+const FAR: f64 = 1e5;
 
 /// The linear form `uᵀ X v` of a link's X = L⁻¹ P L⁻ᵀ, which is of size 1 where P is near L Lᵀ.
 fn form(p: usize, at: usize, inverse: &Matrix4<f64>, u: &Vector4<f64>, v: &Vector4<f64>) -> DVector<f64> {

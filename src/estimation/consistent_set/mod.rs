@@ -1,29 +1,36 @@
-//! The physically consistent set of standard parameters that agrees best with an estimate.
+//! The physically consistent set of standard parameters that agrees best with data.
 //!
 //! ```text
-//! χ²(φ) = (K φ − β̂)ᵀ C⁻¹ (K φ − β̂)        D(φ) = Σ_links ( tr(P₀⁻¹ P) − ln det P ) + Σ_drives ( x/x₀ − ln x )
-//! φ* = lim_{λ→∞} argmin ½ λ χ²(φ) + D(φ)
+//! min_φ ½ χ²(φ) + R(φ)        χ²(φ) = (K φ − β̂)ᵀ C⁻¹ (K φ − β̂)        P_i ≻ 0, x_j > 0, tr(Q P_i) > 0
 //! ```
-//! P is a link's pseudo-inertia and P₀ that of the guess; x is a rotor inertia or a friction, never negative; C is the
-//! covariance of the estimate. D is least at the guess itself, does not depend on frames or units, and grows without bound
-//! towards the boundary of the consistent parameters. The limit is the set that agrees best with the estimate among all
-//! that are consistent, which is what a semidefinite program gives, and where several agree alike, the one nearest to
-//! the guess.
+//! P is a link's pseudo-inertia, x a rotor inertia or a friction, Q a bound by the shape of a link ([`shape_bounds`]); C is the
+//! covariance of the estimate, or of the equations of a fit, and R what a prior adds ([`prior`]). It is what a semidefinite program
+//! gives; where several sets agree alike, the one nearest to the guess by `Σ tr(P₀⁻¹P) − ln det P + Σ x/x₀ − ln x` is taken.
 //!
-//! D is a self-concordant barrier, so the limit is reached along the path of minimisers for growing λ, by Newton steps
-//! whose length guarantees a decrease ([`newton`]). The search ends where K φ = β̂ holds exactly, or where the duality
-//! gap says that no consistent set up to ten times as far from the guess has a χ² lower by more than 1 %.
+//! The logarithms are a self-concordant barrier, so the optimum is reached along the path of minimisers for a growing weight of the
+//! data ([`path`]), by Newton steps in coordinates of the barrier ([`newton`], [`coordinates`]). The search ends where K φ = β̂ holds
+//! exactly, or where the duality gap is 1e-7 of the objective.
 //!
-//! References: T. Lee, P. M. Wensing, F. C. Park, "Geometric robot dynamic identification: a convex programming approach",
-//! IEEE Trans. Robotics 36(2), 2020, for D; S. Boyd, L. Vandenberghe, "Convex Optimization", Cambridge, 2004, sections 9.6
-//! and 11.3, for the path.
+//! References: C. D. Sousa, R. Cortesão, "Physical feasibility of robot base inertial parameter identification: a linear matrix
+//! inequality approach", International Journal of Robotics Research 33(6), 2014; T. Lee, P. M. Wensing, F. C. Park, "Geometric robot
+//! dynamic identification: a convex programming approach", IEEE Trans. Robotics 36(2), 2020.
 
-mod distance;
+mod constrained;
+mod coordinates;
 mod newton;
+mod path;
+mod prior;
+mod region;
 mod set;
+mod shape_bounds;
 #[cfg(test)]
 mod clarabel_tests;
 #[cfg(test)]
 pub(super) mod fixtures;
+#[cfg(test)]
+mod optimum_tests;
 
+pub(super) use constrained::{ConstrainedFit, constrained_fit, definite_inverse};
+pub(super) use prior::Prior;
 pub use set::{ConsistentSet, consistent_set};
+pub(super) use shape_bounds::ShapeBounds;

@@ -2,30 +2,16 @@
 
 use nalgebra::DVector;
 
-use super::distance::Distance;
-use super::newton::{DataTerm, Minimum, StepEquations, minimise, project};
+use super::newton::{DataTerm, StepEquations};
+use super::path::{PathEnd, follow};
+use super::prior::{NEAREST, Prior, Weights};
+use super::region::Region;
+use super::shape_bounds::ShapeBounds;
 use crate::base::BaseReduction;
 use crate::estimation::{BaseEstimate, Estimate, EstimationError, Termination};
+use crate::linalg::product;
 use crate::model::{ParameterId, StandardParameters};
 use crate::statistics::chi_squared_quantile;
-
-/// λ grows by this factor from one minimum to the next.
-const GROWTH: f64 = 10.0;
-
-/// Minima at most: from any χ² of an estimate to its rounding.
-const MINIMA: usize = 60;
-
-/// The search ends where no set within [`HORIZON`] has a χ² that is lower by more than this part of it.
-const SETTLED: f64 = 1e-2;
-
-/// How much farther from the guess than the set that was found others are considered, as a factor on `Σ tr(P₀⁻¹ P) + Σ x/x₀`.
-const HORIZON: f64 = 10.0;
-
-/// χ² at which the estimated base parameters may be had exactly.
-const NEARLY_EXACT: f64 = 1e-2;
-
-/// χ² at which a set is indistinguishable from the estimate.
-const INDISTINGUISHABLE: f64 = 1e-8;
 
 /// Probability of the joint region of all base parameters.
 const CONFIDENCE: f64 = 0.95;
@@ -73,101 +59,39 @@ pub fn consistent_set(
     if estimate.names() != base.names() {
         return Err(EstimationError::OtherBase { found: estimate.names(), expected: base.names() });
     }
-    let links = base.parameters.iter().map(|id| id.index + 1).max().unwrap_or(0);
-    if guess.links.len() != links || guess.drives.len() != links {
-        let found = guess.links.len();
-        return Err(EstimationError::Count { quantity: "links of the nominal set", found, expected: links });
-    }
     let Some(information) = estimate.information() else { return Err(EstimationError::NotDefinite) };
-    let (beta, std) = (estimate.beta(), estimate.std());
-    let distance = Distance::of(base, guess, &beta, &std);
-    let data = DataTerm { k: &base.k, beta: &beta, covariance: estimate.covariance_matrix(), information };
-    let Path { minimum: Minimum { phi, termination }, weight } = follow(&distance, &data);
+    let (beta, std, covariance) = (estimate.beta(), estimate.std(), estimate.covariance_matrix());
+    let region = Region::of(base, guess, (&beta, &std), &ShapeBounds::default())?;
+    let data = DataTerm::of(&base.k, &beta, information, &covariance)?;
+    let PathEnd { phi, optimum, lambda, termination } = follow(&region, &data, Prior::None);
+    // How the base parameters of the optimum follow the estimate, and the nearest set the optimum.
+    let follows = |phi: &DVector<f64>, weights: Weights| {
+        let equations = StepEquations::of(phi, &region, &data, Prior::None, weights);
+        equations.and_then(|equations| equations.sensitivity()).ok_or(EstimationError::NotDefinite)
+    };
+    let mut sensitivity = follows(&phi, NEAREST)?;
+    if lambda.is_finite() {
+        sensitivity =
+            product(&sensitivity, &product(&base.k, &follows(&optimum, Weights { data: lambda, ..NEAREST })?));
+    }
+    let std_of = |c: usize| {
+        let row = sensitivity.row(c).transpose();
+        row.dot(&(&covariance * &row)).max(0.0).sqrt()
+    };
     let mut parameters = guess.clone();
     for (c, &id) in base.parameters.iter().enumerate() {
         parameters.set(id, phi[c]);
     }
     Ok(ConsistentSet {
         parameters,
-        std: spread(base, &phi, &distance, &data, weight)?,
+        std: base.parameters.iter().enumerate().map(|(c, &id)| (id, std_of(c))).collect(),
         deviations: (base.beta(&phi) - &beta).component_div(&std).as_slice().to_vec(),
-        is_exact: weight.is_infinite(),
-        chi_squared: if weight.is_infinite() { 0.0 } else { data.chi_squared(&phi) },
+        is_exact: lambda.is_infinite(),
+        chi_squared: if lambda.is_infinite() { 0.0 } else { data.chi_squared(&phi) },
         chi_squared_limit: chi_squared_quantile(CONFIDENCE, base.rank() as f64),
         outside: outside(base, estimate, &phi),
         termination,
     })
-}
-
-/// The end of the path and its weight: infinite where the base parameters are the estimated ones.
-struct Path {
-    minimum: Minimum,
-    weight: f64,
-}
-
-/// Follows the minima of `½ λ χ² + D` from the guess for growing λ.
-fn follow(distance: &Distance, data: &DataTerm<'_>) -> Path {
-    let mut phi = distance.centre();
-    // Where data and distance weigh alike; rounding alone is no distance.
-    let mut weight = (distance.barrier() / data.chi_squared(&phi).max(INDISTINGUISHABLE)).min(1.0);
-    let mut total = 0;
-    let ended = |phi: DVector<f64>, termination: Termination, weight: f64| Path {
-        minimum: Minimum { phi, termination },
-        weight,
-    };
-    for _ in 0..MINIMA {
-        let minimum = minimise(phi, distance, data, weight);
-        let Termination::Converged { iterations, last_step } = minimum.termination else {
-            return Path { minimum, weight };
-        };
-        total += iterations;
-        phi = minimum.phi;
-        let now = data.chi_squared(&phi);
-        let converged = Termination::Converged { iterations: total, last_step };
-        if now <= NEARLY_EXACT
-            && let Some(exact) = project(phi.clone(), distance, data)
-        {
-            let minimum = minimise(exact, distance, data, f64::INFINITY);
-            if let Termination::Converged { iterations, last_step } = minimum.termination {
-                let termination = Termination::Converged { iterations: total + iterations, last_step };
-                return ended(minimum.phi, termination, f64::INFINITY);
-            }
-        }
-        if now <= INDISTINGUISHABLE {
-            return ended(phi, converged, weight);
-        }
-        if gap(distance, &phi, weight) <= SETTLED * now {
-            return ended(phi, converged, weight);
-        }
-        weight *= GROWTH;
-    }
-    let last_step = 0.0;
-    ended(phi, Termination::IterationLimit { iterations: total, last_step }, weight / GROWTH)
-}
-
-/// By how much χ² of a consistent set within the horizon may be lower than at a minimum φ of `½ λ χ² + S − Σ ln det P − Σ ln x`:
-/// convexity gives `½ λ (χ²(φ) − χ²(φ')) ≤ ν + S(φ') − S(φ)`.
-fn gap(distance: &Distance, phi: &DVector<f64>, weight: f64) -> f64 {
-    2.0 * (distance.barrier() + (HORIZON - 1.0) * distance.growth(phi)) / weight
-}
-
-/// Standard deviations of the set: `∂φ/∂β̂ C (∂φ/∂β̂)ᵀ`.
-fn spread(
-    base: &BaseReduction,
-    phi: &DVector<f64>,
-    distance: &Distance,
-    data: &DataTerm<'_>,
-    weight: f64,
-) -> Result<Vec<(ParameterId, f64)>, EstimationError> {
-    let Some(equations) = StepEquations::of(phi, distance, data, weight) else {
-        return Err(EstimationError::NotDefinite);
-    };
-    let sensitivity = equations.sensitivity();
-    let of = |c: usize| {
-        let row = sensitivity.row(c).transpose();
-        row.dot(&(&data.covariance * &row)).max(0.0).sqrt()
-    };
-    Ok(base.parameters.iter().enumerate().map(|(c, &id)| (id, of(c))).collect())
 }
 
 /// Base parameters outside their intervals.
@@ -232,12 +156,12 @@ mod tests {
         let beta = base.beta(&other.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         let set = consistent_set(&base, &estimate(&base, &beta, &std), &guess).unwrap();
         assert!(set.is_exact && is_consistent(&set.parameters));
-        assert!(matches!(set.termination, Termination::Converged { .. }), "{:?}", set.termination);
+        assert!(matches!(set.termination, Termination::Optimal { gap: 0.0, .. }), "{:?}", set.termination);
         let found = base.beta(&set.parameters.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         assert!((&found - &beta).amax() < 1e-9 * beta.amax(), "{}", (found - beta).amax());
         // Nearer to the guess than the other arm is, by the distance itself.
-        let distance = Distance::of(&base, &guess, &beta, &std);
-        let value = |set: &StandardParameters| distance.value(&set.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
+        let region = Region::of(&base, &guess, (&beta, &std), &ShapeBounds::default()).unwrap();
+        let value = |set: &StandardParameters| region.divergence(&set.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         assert!(value(&set.parameters) < value(&other));
     }
 

@@ -23,17 +23,33 @@ pub(super) enum Scales {
 
 /// Where the iteration ended.
 #[derive(Clone, Debug)]
-pub(super) struct RobustFit {
-    pub(super) loss: Loss,
-    pub(super) beta: DVector<f64>,
+pub(in crate::estimation) struct RobustFit {
+    pub(in crate::estimation) loss: Loss,
+    pub(in crate::estimation) beta: DVector<f64>,
     /// Scale of each joint's residual, n.
-    pub(super) scales: Vec<f64>,
-    pub(super) termination: Termination,
+    pub(in crate::estimation) scales: Vec<f64>,
+    pub(in crate::estimation) termination: Termination,
 }
 
 impl RobustFit {
+    /// These parameters, with the scales of their residual.
+    pub(in crate::estimation) fn at(
+        observation: &Observation,
+        loss: Loss,
+        beta: DVector<f64>,
+        termination: Termination,
+    ) -> Self {
+        let scales = median_scales(observation, &observation.residual(&beta));
+        Self { loss, beta, scales, termination }
+    }
+
+    /// ω/s² of each equation, n·M; zero in rows that are no equation.
+    pub(in crate::estimation) fn weights(&self, observation: &Observation) -> Vec<f64> {
+        row_weights(observation, &observation.residual(&self.beta), &self.scales, |u| self.loss.weight(u))
+    }
+
     /// Residuals over their scales, n·M; zero in rows that are no equation.
-    pub(super) fn scaled_residual(&self, observation: &Observation) -> DVector<f64> {
+    pub(in crate::estimation) fn scaled_residual(&self, observation: &Observation) -> DVector<f64> {
         let mut u = observation.residual(&self.beta);
         for (row, u) in u.iter_mut().enumerate() {
             *u /= self.scales[row % observation.dof];
@@ -43,7 +59,7 @@ impl RobustFit {
 }
 
 /// Iterates from least squares with the joints weighted by the medians of its residuals.
-pub(super) fn from_least_squares(
+pub(in crate::estimation) fn from_least_squares(
     observation: &Observation,
     start: &DVector<f64>,
     loss: Loss,
@@ -112,7 +128,10 @@ pub(super) fn row_weights(
 }
 
 /// `min Σ_r weight_r (y_r − w_r β)²`.
-pub(super) fn weighted_rows(observation: &Observation, weights: &[f64]) -> Result<LeastSquares, EstimationError> {
+pub(in crate::estimation) fn weighted_rows(
+    observation: &Observation,
+    weights: &[f64],
+) -> Result<LeastSquares, EstimationError> {
     let (n, b) = (observation.dof, observation.regressor.ncols());
     let mut factor = RowFactor::new(b + 1);
     // Joint by joint, since a joint's rows begin with the same zeros.

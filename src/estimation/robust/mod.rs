@@ -22,5 +22,8 @@ mod tukey;
 
 pub use cauchy::ReweightedCauchy;
 pub use huber::ReweightedHuber;
+pub(super) use inference::estimate as robust_estimate;
+pub(super) use iteration::{RobustFit, from_least_squares, weighted_rows};
+pub(super) use loss::Loss;
 pub use mm::MmEstimator;
 pub use tukey::ReweightedTukey;

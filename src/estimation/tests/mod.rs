@@ -4,6 +4,7 @@ mod chain;
 mod coverage;
 mod factorisation;
 mod noisy_recording;
+mod physical;
 mod recovery;
 mod robust;
 mod setting;

@@ -1,0 +1,65 @@
+//! Huber's M-estimate over physically consistent sets.
+//!
+//! ```text
+//! min_φ Σ_r ρ((y_r − w_r K φ)/s_i)        over consistent φ        ρ, s_i as for `irls-huber`
+//! ```
+//! Weights follow from the residual of the consistent solution, which follows from the weights, until the torque rests.
+//! Intervals are those of the unconstrained solution of the last weights, cut to what is consistent.
+
+use super::fit::{STATED_IN_SI, consistent};
+use super::inference::restate;
+use crate::estimation::consistent_set::Prior;
+use crate::estimation::robust::{Loss, RobustFit, from_least_squares, robust_estimate, weighted_rows};
+use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, LawException, Termination};
+
+/// Iterations at most.
+const ITERATIONS: usize = 100;
+
+/// Change of the torque, in its robust standard deviations, at which the iteration has come to rest.
+const AT_REST: f64 = 1e-6;
+
+/// Huber's M-estimate with every link a possible body.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ConsistentReweighted;
+
+impl Estimator for ConsistentReweighted {
+    fn name(&self) -> &'static str {
+        "pc-irls"
+    }
+
+    fn summary(&self) -> &'static str {
+        "Huber's M-estimate over physically consistent sets"
+    }
+
+    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+        let (observation, equations) = (problem.observation, problem.factorised()?);
+        let problem = problem.with_factorisation(&equations);
+        let mut robust = from_least_squares(observation, equations.least_squares()?.solution(), Loss::Huber)?;
+        let mut iterations = 0;
+        loop {
+            iterations += 1;
+            // Weights are 1/s² times at most one: the noise is their unit.
+            let plain = weighted_rows(observation, &robust.weights(observation))?;
+            let fit = consistent(&problem, &plain, 1.0, Prior::None)?;
+            let before = robust.scaled_residual(observation);
+            let next = RobustFit::at(observation, Loss::Huber, fit.beta.clone(), fit.termination);
+            let moved = (next.scaled_residual(observation) - before).norm() / (observation.equations() as f64).sqrt();
+            robust = next;
+            let ended = moved <= AT_REST;
+            if ended || iterations == ITERATIONS || !fit.termination.was_successful() {
+                robust.termination = match fit.termination {
+                    Termination::Optimal { .. } if ended => Termination::Converged { iterations, last_step: moved },
+                    Termination::Optimal { .. } => Termination::IterationLimit { iterations, last_step: moved },
+                    other => other,
+                };
+                let held = robust_estimate(self.name(), &problem, &robust)?;
+                let own = RobustFit { beta: plain.solution().clone(), ..robust };
+                return restate(&problem, &robust_estimate(self.name(), &problem, &own)?, held, &fit);
+            }
+        }
+    }
+
+    fn exceptions(&self) -> &[LawException] {
+        STATED_IN_SI
+    }
+}
