@@ -4,7 +4,7 @@ use super::{
     Adaline, CentralDifferenceKalmanFilter, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
     EntropicPrior, EssentialParameters, Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior,
     ExtendedKalmanFilter, HopfieldTank, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares,
-    PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression,
+    ParticleFilter, PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression,
     SquareRootCentralDifferenceKalmanFilter, SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter,
     TotalLeastSquares, UnscentedKalmanFilter, WeightedLeastSquares,
 };
@@ -72,6 +72,8 @@ estimators! {
     Cdkf => CentralDifferenceKalmanFilter,
     /// The same by square roots.
     Srcdkf => SquareRootCentralDifferenceKalmanFilter,
+    /// The Gaussian particle filter.
+    Pf => ParticleFilter,
     /// One linear neuron.
     Adaline => Adaline,
     /// A Hopfield–Tank network.

@@ -73,7 +73,7 @@ pub use physical::{
 pub use prediction::{Validation, predict, validate};
 pub use problem::EstimationProblem;
 pub use recursive::{
-    CentralDifferenceKalmanFilter, ExtendedKalmanFilter, SquareRootCentralDifferenceKalmanFilter,
+    CentralDifferenceKalmanFilter, ExtendedKalmanFilter, ParticleFilter, SquareRootCentralDifferenceKalmanFilter,
     SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter, UnscentedKalmanFilter,
 };
 pub use residual::{residual_noise, scatter_noise};

@@ -5,7 +5,7 @@
 //! ```
 //! The measurement is linear in β, so that all Kalman filters of this kind have the same posterior (`ekf`, `srekf`,
 //! `ukf`, `srukf`, `cdkf`, `srcdkf` agree but for rounding, which tests show), and with Q → 0 it is that of weighted least squares. They
-//! are here to be compared, each by its own algorithm. Filters that estimate states as well need a simulated model, and are
+//! are here to be compared, each by its own algorithm; `pf` has the same posterior but for what random points miss. Filters that estimate states as well need a simulated model, and are
 //! others.
 //!
 //! [`walk`] states prior and Q. For parameters that drift, a warm gear say, a filter follows; for constant
@@ -14,6 +14,7 @@
 mod belief;
 mod cdkf;
 mod ekf;
+mod pf;
 mod sigma;
 mod srcdkf;
 mod srekf;
@@ -24,6 +25,7 @@ mod walk;
 
 pub use cdkf::CentralDifferenceKalmanFilter;
 pub use ekf::ExtendedKalmanFilter;
+pub use pf::ParticleFilter;
 pub use srcdkf::SquareRootCentralDifferenceKalmanFilter;
 pub use srekf::SquareRootExtendedKalmanFilter;
 pub use srukf::SquareRootUnscentedKalmanFilter;

@@ -91,7 +91,7 @@ fn beginning(
 
 #[cfg(test)]
 mod tests {
-    use super::super::{cdkf, ekf, srcdkf, srekf, srukf, ukf};
+    use super::super::{cdkf, ekf, pf, srcdkf, srekf, srukf, ukf};
     use super::*;
     use crate::seed::Seed;
     use rand::RngExt;
@@ -136,6 +136,11 @@ mod tests {
             assert!((&found - &mean).norm() < 1e-9, "{name}: {found} {mean}");
             assert!((&spread - &covariance).norm() < 1e-9 * covariance.norm(), "{name}");
         }
+        // Random points have it but for what they miss.
+        let (found, spread) = filtered::<pf::Particles>(&samples);
+        let apart = (&found - &mean).component_div(&covariance.diagonal().map(f64::sqrt)).norm() / 2.0;
+        let wide = (&spread - &covariance).norm() / covariance.norm();
+        assert!(apart < 0.1 && wide < 0.15, "{apart} {wide}");
     }
 
     #[test]

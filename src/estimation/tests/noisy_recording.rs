@@ -132,3 +132,21 @@ fn the_exception_of_essential_parameters_is_what_it_says() {
     }
     assert!((1..58).contains(&left_out), "{left_out}");
 }
+
+#[test]
+fn the_exception_of_random_points_is_what_it_says() {
+    // Exact equations that state noise: the mean of the points is off by a part of a standard deviation, and no more.
+    let (robot, parameters, regressor, base, mut samples) = a460_samples(100);
+    let beta = base.beta(&parameters.vector(&robot, regressor.columns()));
+    let std = robot.joints().iter().map(|j| j.drive.current_noise * j.drive.torque_per_ampere());
+    let covariance = DMatrix::from_diagonal(&DVector::from_iterator(6, std.map(|s| s * s)));
+    samples.noise = Some(NoiseModel::white(covariance, true, 1e9));
+    let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
+    let found = |kind: EstimatorKind| {
+        let estimate = kind.estimator().estimate(&EstimationProblem::new(&observation)).unwrap();
+        (estimate.beta() - &beta).component_div(&estimate.std()).norm() / (beta.len() as f64).sqrt()
+    };
+    let (particles, kalman) = (found(EstimatorKind::Pf), found(EstimatorKind::Ekf));
+    println!("random points {particles} standard deviations off, the Kalman filter {kalman}");
+    assert!(kalman < 1e-6 && particles > 1e-3 && particles < 0.4, "{particles} {kalman}");
+}
