@@ -49,6 +49,9 @@ pub(crate) struct LogArguments {
     /// Cut-off of the low pass ahead of differences; 5 times the highest commanded frequency, at least 10
     #[arg(long, value_name = "HZ", help_heading = "Processing")]
     cutoff_hz: Option<f64>,
+    /// Leave out equations of a joint slower than this share of its top speed, 0.02 by default; 0 keeps all
+    #[arg(long, value_name = "SHARE", help_heading = "Processing")]
+    reversal_fraction: Option<f64>,
     /// Samples of the averaged period that are kept, 250 by default
     #[arg(long, value_name = "N", help_heading = "Processing")]
     samples: Option<usize>,
@@ -132,6 +135,7 @@ impl LogArguments {
         let processing = Processing {
             derivatives: self.derivatives.unwrap_or(before.processing.derivatives),
             cutoff_hz: self.cutoff_hz.or(before.processing.cutoff_hz),
+            reversal_fraction: self.reversal_fraction.unwrap_or(before.processing.reversal_fraction),
             samples_per_period: self.samples.unwrap_or(before.processing.samples_per_period),
             ..before.processing
         };
