@@ -17,7 +17,7 @@
 
 use nalgebra::DMatrix;
 
-use super::fit::ConsistentFit;
+use super::solution::ConsistentFit;
 use crate::base::BaseReduction;
 use crate::estimation::consistent_set::definite_inverse;
 use crate::estimation::{Estimate, EstimationError, EstimationProblem, Finding, StandardEstimate};

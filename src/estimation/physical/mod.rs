@@ -3,7 +3,7 @@
 //! ```text
 //! min_φ ½ ‖y − W K φ‖²_P + R(φ)        P_1 … P_n ≻ 0, I_a, F_v, F_c … ≥ 0        β̂ = K φ̂
 //! ```
-//! [`fit`] solves it, [`inference`] makes error bars that know the constraint. A consistent estimate makes every mass matrix positive
+//! [`solution`] solves it, [`inference`] makes error bars that know the constraint. A consistent estimate makes every mass matrix positive
 //! definite and every friction dissipate, so that simulations run; and whatever noise says, it is nearer to a true arm than the
 //! unconstrained one, in the metric of its own covariance: the projection onto a convex set moves towards all its points.
 //!
@@ -25,6 +25,7 @@ mod inference;
 mod ordinary;
 mod pullback;
 mod reweighted;
+mod solution;
 mod weighted;
 
 pub use entropic::EntropicPrior;

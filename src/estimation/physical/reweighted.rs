@@ -6,8 +6,9 @@
 //! Weights follow from the residual of the consistent solution, which follows from the weights, until the torque rests.
 //! Intervals are those of the unconstrained solution of the last weights, cut to what is consistent.
 
-use super::fit::{STATED_IN_SI, consistent};
+use super::fit::STATED_IN_SI;
 use super::inference::restate;
+use super::solution::consistent;
 use crate::estimation::consistent_set::Prior;
 use crate::estimation::robust::{Loss, RobustFit, from_least_squares, robust_estimate, weighted_rows};
 use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, LawException, Termination};
