@@ -7,7 +7,7 @@
 //! A filter that resamples its points degenerates here: for dozens of constant parameters hardly one of thousands of points
 //! is near. Points drawn anew from their own mean and covariance do not, as long as the posterior is nearly normal, which it is for a linear
 //! measurement. The ξ_i come in pairs of opposite sign and have exactly the mean 0 and the covariance 1; each drawing exchanges their
-//! coordinates and signs at random, by a fixed seed.
+//! coordinates and signs at random, by a fixed seed. From exact equations that leaves the mean where it is: at the truth.
 //!
 //! Fails by what random points miss: the mean lies 0.05 (4 parameters) to 0.3 (58 parameters) standard deviations from that of
 //! the Kalman filter, the variances of combinations of parameters up to a factor of two from its own, at a hundred times its cost. It is here to be compared.
@@ -21,7 +21,7 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::belief::Belief;
 use super::walk;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, EstimatorLaw, LawException};
+use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator};
 use crate::linalg::product;
 use crate::seed::{Seed, Stream};
 
@@ -41,11 +41,6 @@ const PARTS: usize = 1000;
 /// Seed of the points: one estimator, one result.
 const SEED: Seed = Seed::new(2003);
 
-const EXCEPTIONS: &[LawException] = &[LawException {
-    law: EstimatorLaw::Recovery,
-    reason: "random points have their mean some tenths of a standard deviation from the posterior's, whatever the residual is",
-}];
-
 /// The Gaussian particle filter.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ParticleFilter;
@@ -61,10 +56,6 @@ impl Estimator for ParticleFilter {
 
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
         walk::estimate::<Particles>(self.name(), problem)
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        EXCEPTIONS
     }
 }
 

@@ -134,19 +134,21 @@ fn the_exception_of_essential_parameters_is_what_it_says() {
 }
 
 #[test]
-fn the_exception_of_random_points_is_what_it_says() {
-    // Exact equations that state noise: the mean of the points is off by a part of a standard deviation, and no more.
-    let (robot, parameters, regressor, base, mut samples) = a460_samples(100);
-    let beta = base.beta(&parameters.vector(&robot, regressor.columns()));
+fn analytic_random_points_have_the_estimate_of_the_kalman_filter_but_for_what_they_miss() {
+    let (robot, _, regressor, base, mut samples) = a460_samples(100);
     let std = robot.joints().iter().map(|j| j.drive.current_noise * j.drive.torque_per_ampere());
     let covariance = DMatrix::from_diagonal(&DVector::from_iterator(6, std.map(|s| s * s)));
+    let noise = white(&covariance, 100, &mut Seed::new(97).stream("noise", 0));
+    for (tau, noise) in samples.tau.iter_mut().zip(noise.iter()) {
+        *tau += noise;
+    }
     samples.noise = Some(NoiseModel::white(covariance, true, 1e9));
     let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
-    let found = |kind: EstimatorKind| {
-        let estimate = kind.estimator().estimate(&EstimationProblem::new(&observation)).unwrap();
-        (estimate.beta() - &beta).component_div(&estimate.std()).norm() / (beta.len() as f64).sqrt()
-    };
-    let (particles, kalman) = (found(EstimatorKind::Pf), found(EstimatorKind::Ekf));
-    println!("random points {particles} standard deviations off, the Kalman filter {kalman}");
-    assert!(kalman < 1e-6 && particles > 1e-3 && particles < 0.4, "{particles} {kalman}");
+    let estimate = |kind: EstimatorKind| kind.estimator().estimate(&EstimationProblem::new(&observation)).unwrap();
+    let (points, kalman) = (estimate(EstimatorKind::Pf), estimate(EstimatorKind::Ekf));
+    let apart = (points.beta() - kalman.beta()).component_div(&kalman.std()).norm() / (base.rank() as f64).sqrt();
+    // Random points they are, so not nearer than 1e-3; what they miss is measured here and said in their documentation.
+    assert!((1e-3..0.4).contains(&apart), "{apart}");
+    let wider = points.std().component_div(&kalman.std());
+    assert!(wider.min() > 0.8 && wider.max() < 1.3, "{} {}", wider.min(), wider.max());
 }
