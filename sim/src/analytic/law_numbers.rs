@@ -66,6 +66,12 @@ impl<V: Lane> Number for Lanes<V> {
     fn exponential(self) -> Self {
         Self(lanes::exp(self.0))
     }
+
+    #[inline(always)]
+    fn sine_cosine(self) -> (Self, Self) {
+        let (sine, cosine) = lanes::sin_cos(self.0);
+        (Self(sine), Self(cosine))
+    }
 }
 
 impl<V: Lane> Runs for Lanes<V> {
@@ -161,6 +167,12 @@ impl<V: Lane> Number for Rates<V> {
     fn exponential(self) -> Self {
         let e = lanes::exp(self.value);
         Self { value: e, slope: self.slope * e }
+    }
+
+    #[inline(always)]
+    fn sine_cosine(self) -> (Self, Self) {
+        let (sine, cosine) = lanes::sin_cos(self.value);
+        (Self { value: sine, slope: self.slope * cosine }, Self { value: cosine, slope: -self.slope * sine })
     }
 }
 

@@ -59,4 +59,10 @@ terms! {
     COULOMB_DIRECTION: CoulombDirection;
     /// A spring to a joint.
     SPRING: JointSpring;
+    /// Friction that grows with the square of speed.
+    QUADRATIC_VISCOUS: QuadraticViscousFriction;
+    /// Coulomb friction that depends on position: its cosine.
+    POSITION_COSINE: PositionCosine;
+    /// The same: its sine.
+    POSITION_SINE: PositionSine;
 }

@@ -44,6 +44,10 @@ pub trait Number: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = 
     /// `eˣ`.
     #[must_use]
     fn exponential(self) -> Self;
+
+    /// `(sin x, cos x)`.
+    #[must_use]
+    fn sine_cosine(self) -> (Self, Self);
 }
 
 impl Number for f64 {
@@ -70,6 +74,11 @@ impl Number for f64 {
     #[inline]
     fn exponential(self) -> Self {
         libm::exp(self)
+    }
+
+    #[inline]
+    fn sine_cosine(self) -> (Self, Self) {
+        libm::sincos(self)
     }
 }
 
@@ -158,6 +167,11 @@ impl Number for Slope {
         let e = libm::exp(self.value);
         self.chain(e, e)
     }
+
+    fn sine_cosine(self) -> (Self, Self) {
+        let (sine, cosine) = libm::sincos(self.value);
+        (self.chain(sine, cosine), self.chain(cosine, -sine))
+    }
 }
 
 #[cfg(test)]
@@ -167,8 +181,13 @@ mod tests {
     #[test]
     fn identity_slopes_are_central_differences() {
         let scale = Scale::new(0.3);
-        let f = |x: f64| x * x.over(scale) - x.smooth_sign(scale) * (-x * x).exponential() + x.magnitude();
-        let g = |x: Slope| x * x.over(scale) - x.smooth_sign(scale) * (-x * x).exponential() + x.magnitude();
+        let (wave, bend) = (|(s, c): (f64, f64)| s * c - c, |(s, c): (Slope, Slope)| s * c - c);
+        let f = |x: f64| {
+            x * x.over(scale) - x.smooth_sign(scale) * (-x * x).exponential() + x.magnitude() + wave(x.sine_cosine())
+        };
+        let g = |x: Slope| {
+            x * x.over(scale) - x.smooth_sign(scale) * (-x * x).exponential() + x.magnitude() + bend(x.sine_cosine())
+        };
         for x in [-1.3, -0.2, 0.05, 0.7] {
             let h = 1e-5;
             let found = g(Slope::variable(x, 1));
