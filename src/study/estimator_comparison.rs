@@ -13,7 +13,7 @@ use super::metric::Metric;
 use super::run_table::RunNumber;
 use crate::statistics::{Interval, mean, t_interval};
 
-/// An estimator against the first one of the plan, over a family of designs, in one metric.
+/// An estimator against the last of the plan that gave an estimate, which figures show, over a family of designs, in one metric.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct EstimatorComparison {
     /// By what.
@@ -35,20 +35,34 @@ pub struct EstimatorComparison {
 }
 
 impl Evidence<'_> {
-    /// Every estimator but the first against the first, family by family, in each metric of single runs that the arm was asked for.
+    /// Every estimator against the reference, family by family, in each metric of single runs that the arm was asked for.
     ///
     /// # Errors
     /// [`StudyError::Runs`] where the numbers of the runs cannot be read.
     pub(super) fn estimator_comparisons(&self) -> Result<Vec<EstimatorComparison>, StudyError> {
         let mut comparisons = Vec::new();
+        let Some(reference) = self.reference_estimator()? else { return Ok(comparisons) };
         for family in 0..self.families.len() {
             for metric in Metric::ALL.into_iter().filter(|metric| !metric.is_logarithmic()) {
-                for estimator in 1..self.estimators.len() {
-                    comparisons.extend(self.estimator_comparison(family, metric, estimator)?);
+                for estimator in (0..self.estimators.len()).filter(|&estimator| estimator != reference) {
+                    comparisons.extend(self.estimator_comparison(family, metric, [estimator, reference])?);
                 }
             }
         }
         Ok(comparisons)
+    }
+
+    /// The last of the plan that gave an estimate in any run.
+    fn reference_estimator(&self) -> Result<Option<usize>, StudyError> {
+        for estimator in (0..self.estimators.len()).rev() {
+            for design in 0..self.designs.len() {
+                let number = RunNumber::Metric { estimator, metric: Metric::Prediction };
+                if self.numbers(design, number)?.iter().any(Option::is_some) {
+                    return Ok(Some(estimator));
+                }
+            }
+        }
+        Ok(None)
     }
 
     /// `None` where no run has both.
@@ -56,17 +70,16 @@ impl Evidence<'_> {
         &self,
         family: usize,
         metric: Metric,
-        estimator: usize,
+        [estimator, reference]: [usize; 2],
     ) -> Result<Option<EstimatorComparison>, StudyError> {
         let (mut of_designs, mut runs, mut failures) = (Vec::new(), 0, 0);
         for design in self.designs_of(family) {
             let values = |estimator| self.numbers(design, RunNumber::Metric { estimator, metric });
-            let (reference, others) = (values(0)?, values(estimator)?);
+            let (known, others) = (values(reference)?, values(estimator)?);
             let logs: Vec<Option<f64>> =
-                reference.iter().zip(&others).map(|(first, other)| Some(libm::log((*other)? / (*first)?))).collect();
+                known.iter().zip(&others).map(|(one, other)| Some(libm::log((*other)? / (*one)?))).collect();
             runs += logs.iter().flatten().count();
-            failures +=
-                reference.iter().zip(&others).filter(|(first, other)| first.is_some() && other.is_none()).count();
+            failures += known.iter().zip(&others).filter(|(one, other)| one.is_some() && other.is_none()).count();
             let of_groups: Vec<f64> = logs
                 .chunks(self.runs_of_noise)
                 .map(present)
@@ -87,7 +100,7 @@ impl Evidence<'_> {
             metric,
             family: self.families[family].clone(),
             estimator: self.estimators[estimator].clone(),
-            reference: self.estimators[0].clone(),
+            reference: self.estimators[reference].clone(),
             runs,
             failures,
             ratio: libm::exp(mean(&units)),
@@ -104,7 +117,7 @@ mod tests {
     use crate::seed::Seed;
     use crate::study::{DesignRow, RunTable, StatusCount};
 
-    /// Prediction errors: design → estimator → run.
+    /// Prediction errors: design → reference, which is the last of the plan, and another → run.
     #[derive(Debug)]
     struct Errors(Vec<[Vec<Option<f64>>; 2]>);
 
@@ -122,7 +135,7 @@ mod tests {
         ) -> Result<Vec<Option<f64>>, StudyError> {
             match number {
                 RunNumber::Metric { estimator, metric: Metric::Prediction } => {
-                    Ok(self.0[design][estimator][range].to_vec())
+                    Ok(self.0[design][1 - estimator][range].to_vec())
                 }
                 _ => Ok(vec![None; range.len()]),
             }
@@ -134,7 +147,7 @@ mod tests {
     }
 
     fn compared(errors: Errors, runs_of_noise: usize) -> EstimatorComparison {
-        let (families, estimators) = (["one".to_owned()], ["ols", "wls"].map(str::to_owned));
+        let (families, estimators) = (["one".to_owned()], ["wls", "ols"].map(str::to_owned));
         let designs = vec![DesignRow { family: 0, bound_std: &[1.0], values: &[] }; errors.0.len()];
         let units = DVector::from_element(1, 1.0);
         let evidence = Evidence {

@@ -69,7 +69,7 @@ pub struct Findings {
     pub families: Vec<FamilyScore>,
     /// The comparison of every pair of families, in every metric, with every estimator.
     pub comparisons: Vec<Comparison>,
-    /// Every estimator but the first against the first, on the same recordings.
+    /// Every estimator against the one that figures show, on the same recordings.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub estimator_comparisons: Vec<EstimatorComparison>,
     /// The same over random truths, where the study draws them.

@@ -290,6 +290,7 @@ impl StudySetup {
         let problem = EstimationProblem::new(&observation)
             .with_factorisation(&equations)
             .with_robot(&self.robot)
+            .with_nominal(&self.nominal)
             .with_samples(samples);
         let estimate =
             |estimator: &Arc<dyn Estimator>| estimator.estimate(&problem).map_err(|fault| RunError::estimator(&fault));

@@ -21,7 +21,7 @@ const VALUES: [Value; 3] = [
 pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let result = &input.result;
     let estimator = shown_estimator(input);
-    let index = result.plan.identification.estimators.len().saturating_sub(1);
+    let index = result.plan.identification.estimators.iter().position(|name| name == estimator).unwrap_or_default();
     let groups = Group::assign(result.plan.designs.iter().map(|family| family.name.clone()));
     let spread = &result.findings().design_prediction[index];
     let panels = VALUES

@@ -2,6 +2,7 @@
 
 use armid::study::{ConditionResult, EstimatorComparison, Metric, ReportInput};
 
+use super::selection::shown_estimator;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
 /// Metrics by which estimators are shown beside each other, with the word of each.
@@ -30,7 +31,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
     Ok(Some(section.table(table(input, family))))
 }
 
-/// The comparison of an estimator with the first one.
+/// The comparison of an estimator with the one that figures show.
 fn compared<'a>(
     condition: &'a ConditionResult,
     family: &str,
@@ -44,18 +45,20 @@ fn compared<'a>(
 /// Error of each estimator over that of the best one, condition by condition; `None` where no arm was asked for the metric.
 fn glance(input: &ReportInput, family: &str, metric: Metric, word: &str) -> Option<HeatFigure> {
     let estimators = &input.result.plan.identification.estimators;
-    let conditions = &input.result.conditions;
+    let (conditions, shown) = (&input.result.conditions, shown_estimator(input));
     let rows: Vec<Vec<Option<f64>>> = conditions
         .iter()
         .map(|condition| {
-            let over_first = estimators.iter().enumerate().map(|(index, estimator)| match index {
-                0 => Some(1.0),
-                _ => compared(condition, family, metric, estimator).map(|found| found.ratio),
+            let over_shown = estimators.iter().map(|estimator| {
+                if estimator == shown {
+                    return Some(1.0);
+                }
+                compared(condition, family, metric, estimator).map(|found| found.ratio)
             });
-            over_first.collect()
+            over_shown.collect()
         })
         .collect();
-    if rows.iter().all(|row| row.iter().skip(1).all(Option::is_none)) {
+    if rows.iter().all(|row| row.iter().flatten().count() < 2) {
         return None;
     }
     let over_best = |row: Vec<Option<f64>>| {
@@ -65,7 +68,7 @@ fn glance(input: &ReportInput, family: &str, metric: Metric, word: &str) -> Opti
     Some(HeatFigure {
         heading: Heading::new(format!("estimators-{word}"), format!("Estimators by {}", metric.title()))
             .subtitle("how many times the error of the best estimator under that condition")
-            .caption("Rows: conditions. Columns: estimators, as the plan names them. 1 is the best; grey is an estimator that gave no estimate in any run that the first one did."),
+            .caption("Rows: conditions. Columns: estimators, as the plan names them. 1 is the best; grey is one that gave no estimate."),
         rows: conditions.iter().map(|condition| condition.condition.name.clone()).collect(),
         columns: estimators.clone(),
         groups: Vec::new(),
@@ -76,7 +79,7 @@ fn glance(input: &ReportInput, family: &str, metric: Metric, word: &str) -> Opti
     })
 }
 
-/// Every estimator against the first, with its coverage and how often it failed.
+/// Every estimator against the one that figures show, with its coverage and how often it failed.
 fn table(input: &ReportInput, family: &str) -> Table {
     let estimators = &input.result.plan.identification.estimators;
     let mut columns = vec![Column::text("condition"), Column::text("estimator")];
@@ -86,7 +89,7 @@ fn table(input: &ReportInput, family: &str) -> Table {
     columns.extend([Column::number("coverage", "%"), Column::number("runs", ""), Column::number("failed", "")]);
     let caption = format!(
         "Estimators against {}: error over its error for torque prediction, torque measured on fresh motions, and parameters in SI units; how many parameters' stated 95 % intervals hold the truth; runs with an estimate, and without.",
-        estimators[0]
+        shown_estimator(input)
     );
     let number = |value: Option<f64>| value.map_or(Cell::Missing, |value| Cell::number(value, 3));
     let mut table = Table::new(caption, columns);
