@@ -229,3 +229,37 @@ fn two_estimates_side_by_side_name_their_joints() {
     let html = std::fs::read_to_string(folder.path().join("page/report.html")).unwrap();
     assert!(html.contains("joint 1") && !html.contains("waist"));
 }
+
+#[test]
+fn select_reports_the_terms_that_the_simulated_arm_has() {
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "4");
+    let out = path(folder.path(), "E.json");
+    let choice = "--select=rigid+rotor+friction+stribeck+spring";
+    let estimate = json(&armid(["identify", &recording, choice, "-o", &out, "--json"]).success());
+    let selection = &estimate["selection"];
+    let verdict = |name: &str| {
+        let terms = selection["terms"].as_array().expect("a list");
+        terms.iter().find(|term| term["term"] == name).expect("a term")["verdict"].clone()
+    };
+    for (term, expected) in [("viscous", "supported"), ("coulomb", "supported"), ("spring", "not-supported")] {
+        assert_eq!(verdict(term), expected, "{term}: {selection}");
+    }
+    assert_eq!(selection["columns"], estimate["columns"]);
+    for term in selection["terms"].as_array().unwrap() {
+        let named = estimate["columns"].as_str().unwrap().contains(term["term"].as_str().unwrap());
+        let friction = estimate["columns"].as_str().unwrap().contains("friction");
+        let usual = ["viscous", "coulomb", "offset"].contains(&term["term"].as_str().unwrap());
+        assert_eq!(term["verdict"] == "supported", named || (friction && usual), "{term}");
+        assert!(term["f"].is_null() || term["f"]["p_value"].is_number());
+        assert!(term["held_out"].is_null() || term["held_out"]["data"] == "folds");
+    }
+    // What is written is an estimate that other commands read.
+    armid(["validate", &out, &recording]).success();
+    let text = stdout(&armid(["identify", &recording, choice]).success());
+    assert!(text.contains("terms that the data decide") && text.contains("not supported"), "{text}");
+    let refused = stderr(&armid(["identify", &recording, "--select=rigid+load"]).code(2));
+    assert!(refused.contains("load"), "{refused}");
+    let both = stderr(&armid(["identify", &recording, "--select", "--columns", "rigid"]).code(2));
+    assert!(both.contains("--columns"), "{both}");
+}

@@ -105,7 +105,7 @@ impl<'a> Identification<'a> {
     /// # Errors
     /// [`EstimationError`] where the samples are of another robot or the equations have no answer.
     pub fn estimate(&self, samples: &Samples, estimator: &dyn Estimator) -> Result<Estimate, EstimationError> {
-        let observation = Observation::new(self.robot, &self.regressor, &self.base, samples)?;
+        let observation = self.observation(samples)?;
         estimator.estimate(&self.problem(&observation, samples))
     }
 
@@ -118,13 +118,23 @@ impl<'a> Identification<'a> {
         samples: &Samples,
         estimators: &[&dyn Estimator],
     ) -> Result<Vec<Estimate>, EstimationError> {
-        let observation = Observation::new(self.robot, &self.regressor, &self.base, samples)?;
+        let observation = self.observation(samples)?;
         let equations = Factorisation::new(&observation)?;
         let problem = self.problem(&observation, samples).with_factorisation(&equations);
         estimators.iter().map(|estimator| estimator.estimate(&problem)).collect()
     }
 
-    fn problem<'b>(&'b self, observation: &'b Observation, samples: &'b Samples) -> EstimationProblem<'b> {
+    /// The equations of one experiment.
+    pub(super) fn observation(&self, samples: &Samples) -> Result<Observation, EstimationError> {
+        Observation::new(self.robot, &self.regressor, &self.base, samples)
+    }
+
+    /// Equations that are only predicted.
+    pub(super) fn unseen(&self, samples: &Samples) -> Result<Observation, EstimationError> {
+        Observation::of_any_length(self.robot, &self.regressor, &self.base, samples)
+    }
+
+    pub(super) fn problem<'b>(&'b self, observation: &'b Observation, samples: &'b Samples) -> EstimationProblem<'b> {
         let problem = EstimationProblem::new(observation).with_robot(self.robot).with_samples(samples);
         EstimationProblem { nominal: self.nominal, ..problem }
     }

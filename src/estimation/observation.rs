@@ -56,7 +56,21 @@ impl Observation {
         base: &BaseReduction,
         samples: &Samples,
     ) -> Result<Self, EstimationError> {
-        let (n, b) = (robot.dof(), base.rank());
+        let (equations, b) = (samples.used.iter().filter(|used| **used).count(), base.rank());
+        if samples.dof() == robot.dof() && equations < b {
+            return Err(EstimationError::TooFewEquations { equations, parameters: b });
+        }
+        Self::of_any_length(robot, regressor, base, samples)
+    }
+
+    /// The same for equations that are predicted, of which there may be few.
+    pub(super) fn of_any_length(
+        robot: &Robot,
+        regressor: &JointTorqueRegressor,
+        base: &BaseReduction,
+        samples: &Samples,
+    ) -> Result<Self, EstimationError> {
+        let n = robot.dof();
         for (quantity, found) in
             [("joints of the regressor", regressor.rows()), ("joints of the samples", samples.dof())]
         {
@@ -67,10 +81,6 @@ impl Observation {
         if base.parameters != regressor.parameters() {
             let (found, expected) = (base.parameters.len(), regressor.cols());
             return Err(EstimationError::OtherParameters { found, expected });
-        }
-        let equations = samples.used.iter().filter(|used| **used).count();
-        if equations < b {
-            return Err(EstimationError::TooFewEquations { equations, parameters: b });
         }
         if samples.used.len() != samples.blocks() * n {
             let (found, expected) = (samples.used.len(), samples.blocks() * n);

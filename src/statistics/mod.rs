@@ -10,6 +10,7 @@
 mod bootstrap;
 mod chi_squared;
 mod distribution;
+mod f_distribution;
 mod interval;
 mod rank_correlation;
 mod repeated_interval;
@@ -18,6 +19,7 @@ mod sample;
 pub use bootstrap::{TwoLayerDraws, bootstrap_interval, percentile_interval};
 pub use chi_squared::chi_squared_quantile;
 pub use distribution::{normal_quantile, student_quantile};
+pub use f_distribution::f_tail;
 pub use interval::{Interval, share_interval, t_interval, wilson_interval};
 pub use rank_correlation::rank_correlation;
 pub use repeated_interval::{ErrorSpending, repeated_interval};

@@ -8,5 +8,6 @@ pub(crate) mod exchange;
 pub(crate) mod findings;
 pub(crate) mod payload;
 pub(crate) mod run;
+pub(crate) mod selection;
 pub(crate) mod source;
 pub(crate) mod study;

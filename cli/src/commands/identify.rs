@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use armid::estimation::EstimatorKind;
 use armid::model::Columns;
+use armid::model::term::Term;
 use armid_io::log::HeldOut;
 use armid_io::output::pretty;
 use armid_io::{Error, output};
@@ -12,6 +13,7 @@ use serde_json::{Value, json};
 
 use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::EstimateAnswer;
+use crate::answers::selection::{selection_json, selection_text};
 use crate::arguments::{LogArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
@@ -30,9 +32,23 @@ Examples:
   armid identify log.csv --robot arm.urdf --map "t=time_ms, q=pos_[1-6] deg, tau=torque_[1-6]"
   armid identify pos.csv cur.csv --robot arm.toml --rate 1000 --map "q=pos:j[1-6], current=cur:j[1-6]"
   armid identify a.csv b.csv --robot crs-a460 --held-out c.csv -o E.json
+  armid identify R.mcap --select -o E.json
+  armid identify R.mcap --select=rigid+rotor+friction+stribeck --held-out other.mcap
   armid identify --payload --without empty.csv --with loaded.csv --robot arm.urdf -o P.json
   armid identify --payload --without E.json --with loaded.csv
   armid identify --list"#;
+
+/// What `--select` without a list means.
+const ALL_TERMS: &str = "all";
+
+/// Reads the terms to select from.
+fn candidates(text: &str) -> Result<Columns, Error> {
+    if text == ALL_TERMS {
+        let terms = Term::ALL.iter().copied().filter(|term| term.entry().needs.is_motion());
+        return Ok(terms.fold(Columns::RIGID, Columns::with));
+    }
+    columns(text).map_err(|fault| Error::new(format!("--select={text}: {fault}")))
+}
 
 /// Estimate the parameters from a recording
 #[derive(Debug, clap::Args)]
@@ -62,6 +78,11 @@ pub(crate) struct Arguments {
     /// Short for --columns rigid
     #[arg(long, conflicts_with = "columns")]
     no_friction: bool,
+    /// Estimate with the torque terms that the data decide, among all that a motion can show or among =COLUMNS: by F-test, BIC and
+    /// torque that is not fitted
+    #[arg(long, value_name = "COLUMNS", num_args = 0..=1, require_equals = true, default_missing_value = ALL_TERMS,
+        conflicts_with_all = ["columns", "no_friction", "payload"])]
+    select: Option<String>,
     /// What is held out and only predicted: a part such as 30%, none, or another log; by default the last fifth of a log of
     /// another tool
     #[arg(long, value_name = "PART|LOG", help_heading = "Logs")]
@@ -97,11 +118,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         console.answer(&list())?;
         return Ok(Ending::Done);
     }
-    let columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
+    let mut columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
     if arguments.payload {
         let logs = PayloadLogs { without: &arguments.without, with: &arguments.with, log: &arguments.log };
         return payload::run(&logs, columns, &arguments.estimator, console);
     }
+    let among = arguments.select.as_deref().map(candidates).transpose()?;
     let (held_out, other) = arguments.held_out()?;
     let (mut prepared, mut inputs) = arguments.log.process(&arguments.logs, None, held_out, None)?;
     if let Some(other) = other {
@@ -109,13 +131,24 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let (others, _) = arguments.log.process(&[other], Some(&inputs), HeldOut::Nothing, None)?;
         prepared.hold_out(&others);
     }
+    let selection = among.map(|among| prepared.select(among)).transpose()?;
+    if let Some(selection) = &selection {
+        columns = candidates(&selection.columns)?;
+    }
     let estimates = prepared.identify_by(columns, &arguments.estimator)?;
     let suspicions = prepared.suspicions(columns)?;
     let answers = estimates.iter().map(|estimate| EstimateAnswer::new(estimate, &prepared, &inputs, &suspicions));
     let answers = answers.collect::<Result<Vec<_>, _>>()?;
+    let of = |answer: &EstimateAnswer<'_>| {
+        let mut json = answer.json();
+        if let Some(selection) = &selection {
+            json["selection"] = selection_json(selection);
+        }
+        json
+    };
     let json = match answers.as_slice() {
-        [one] => one.json(),
-        several => several.iter().map(EstimateAnswer::json).collect::<Value>(),
+        [one] => of(one),
+        several => several.iter().map(of).collect::<Value>(),
     };
     if console.to_standard_output() {
         console.print(&pretty(&json))?;
@@ -124,7 +157,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         output::write_text(path, &pretty(&json))?;
         console.note(format!("wrote {}", path.display()));
     }
-    let text = answers.iter().map(|answer| answer.text(console.verbose())).collect();
+    let terms = selection.as_ref().map(selection_text).unwrap_or_default();
+    let text = answers.iter().map(|answer| answer.text(console.verbose())).fold(terms, |all, text| all + &text);
     console.show(&Answer { text, json })?;
     let sound = estimates.iter().all(|estimate| estimate.termination.was_successful());
     Ok(if sound && suspicions.is_empty() { Ending::Done } else { Ending::Negative })

@@ -2,7 +2,8 @@
 
 use armid::diagnosis::{Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
-    Estimate, EstimationError, EstimatorKind, Identification, TorqueResidual, TorqueSeries, Validation,
+    Estimate, EstimationError, EstimatorKind, Identification, Selection, TorqueResidual, TorqueSeries, Validation,
+    select,
 };
 use armid::model::Columns;
 use armid::regressor::JointTorqueRegressor;
@@ -138,6 +139,15 @@ impl ProcessedLog {
         }
         let estimators: Vec<_> = estimators.iter().map(|kind| kind.estimator()).collect();
         identification.estimate_by(&self.samples, &estimators).map_err(named)
+    }
+
+    /// Which of these columns' terms the logs decide, by what is held out where anything is.
+    ///
+    /// # Errors
+    /// As [`Self::identify`].
+    pub fn select(&self, candidates: Columns) -> Result<Selection, Error> {
+        let found = select(|columns| self.identification(columns), &self.samples, &self.held_out, candidates);
+        found.map_err(|error| self.unestimated(&error))
     }
 
     /// What is estimated: the robot's base, or where joints stand still, the base that the motion reveals.

@@ -8,3 +8,5 @@ mod physical;
 mod recovery;
 mod robust;
 mod setting;
+
+pub(super) use setting::synthetic;

@@ -47,7 +47,7 @@ pub(super) fn a460_samples_of(
 }
 
 /// A random regressor of `b` columns on two joints at `count` instants, and true parameters; `y` is exact.
-pub(super) fn synthetic(count: usize, b: usize, rng: &mut impl Rng) -> (Observation, DVector<f64>) {
+pub(in crate::estimation) fn synthetic(count: usize, b: usize, rng: &mut impl Rng) -> (Observation, DVector<f64>) {
     let ids: Vec<ParameterId> = (0..b).map(|index| ParameterId { kind: ParameterKind::M, index }).collect();
     let regressor = DMatrix::from_fn(2 * count, b, |_, _| rng.random_range(-1.0..1.0));
     let beta = DVector::from_fn(b, |_, _| rng.random_range(-2.0..2.0));

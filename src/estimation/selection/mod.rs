@@ -1,0 +1,35 @@
+//! Which torque terms a recording decides.
+//!
+//! ```text
+//! y = W_S β_S + W_T β_T + ε        is β_T = 0?        S the other terms, T one of them
+//! ```
+//! [`select`] begins with all candidates and leaves out, one by one, the term that three criteria support least, until all that
+//! remain are supported by each:
+//!
+//! | criterion | supports a term where |
+//! |---|---|
+//! | F-test | the probability of an F as large without the term is below 5 % over the number of candidates |
+//! | BIC | r ln N_e − N_e ln(1 + W/(N_e (1 − b/E))) < 0 |
+//! | held-out torque | its squared error, weighted with the noise, is smaller with the term |
+//!
+//! W is the quadratic form of the r coefficients that the term alone determines with *their covariance*, correlation of the noise in time
+//! included ([`restriction`]), b the number of base parameters, E of equations, N_e of independent ones: by the raw count, ten samples of
+//! correlated noise would count as ten. Where the arm has no other terms, fewer than 5 % of recordings report one of them: the F-test alone
+//! sees to that, and the other two can only take away.
+//!
+//! Fails where the model errs in another way: a torque that no candidate has goes to the candidate that resembles it most. What
+//! held-out torque of the same motion supports is a prediction, not yet a law of friction.
+//!
+//! References: G. Schwarz, "Estimating the dimension of a model", Annals of Statistics 6(2), 1978; G. V. Bayley, J. M. Hammersley, "The
+//! 'effective' number of independent observations in an autocorrelated time series", Supplement to the Journal of the Royal Statistical
+//! Society 8(2), 1946; N. R. Draper, H. Smith, "Applied Regression Analysis", Wiley, 1998, chapter 15, for backward elimination.
+
+mod evidence;
+mod prediction_error;
+mod restriction;
+mod search;
+#[cfg(test)]
+mod tests;
+
+pub use evidence::{FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict};
+pub use search::select;

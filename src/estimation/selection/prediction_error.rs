@@ -1,0 +1,144 @@
+//! Torque that was not fitted, with a term and without it.
+//!
+//! ```text
+//! d_k = |Σ^{-½} (y_k − W_k β̃)|² − |Σ^{-½} (y_k − W_k β̂)|²        sample k was no part of the fit
+//! ```
+//! The mean of d over ten consecutive parts is nearly independent from part to part, so that its t interval knows the correlation in
+//! time.
+//!
+//! Reference: F. X. Diebold, R. S. Mariano, "Comparing predictive accuracy", Journal of Business & Economic Statistics 13(3), 1995.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::evidence::{HeldOutChange, HeldOutData};
+use super::restriction::Restriction;
+use crate::estimation::{EstimationError, Factorisation, Identification, Observation};
+use crate::linalg::{BlockWhitening, LeastSquares};
+use crate::signal::Samples;
+use crate::statistics::t_interval;
+
+/// Parts of the recording of which each in turn is predicted.
+const FOLDS: usize = 5;
+
+/// Parts over which the differences are averaged.
+const PARTS: usize = 10;
+
+/// A fit and what it has not seen.
+struct Fold {
+    beta: DVector<f64>,
+    inverse: DMatrix<f64>,
+    /// Weighted equations of what was not fitted, rows × b, and torque.
+    h: DMatrix<f64>,
+    z: DVector<f64>,
+    /// Joints n.
+    dof: usize,
+    /// Equations among them.
+    equations: usize,
+}
+
+/// Fits of all candidates, with the torque that they have not seen.
+pub(super) struct Predictions {
+    data: HeldOutData,
+    folds: Vec<Fold>,
+}
+
+impl Predictions {
+    /// On held-out samples where there are some, else on folds of the recording; `None` where a part of it does not determine the
+    /// parameters.
+    ///
+    /// # Errors
+    /// [`EstimationError`] where held-out samples are not of this robot.
+    pub(super) fn new(
+        identification: &Identification<'_>,
+        observation: &Observation,
+        (weights, fit): (&BlockWhitening, &LeastSquares),
+        held_out: &[Samples],
+    ) -> Result<Option<Self>, EstimationError> {
+        let folds: Option<Vec<Fold>> = if held_out.is_empty() {
+            (0..FOLDS).map(|fold| folded(observation, weights, fold)).collect()
+        } else {
+            let of = |samples: &Samples| {
+                let unseen = identification.unseen(samples)?;
+                Fold::of(fit, weights, &unseen)
+            };
+            Some(held_out.iter().map(of).collect::<Result<_, EstimationError>>()?)
+        };
+        let data = if held_out.is_empty() { HeldOutData::Folds } else { HeldOutData::Recording };
+        Ok(folds.map(|folds| Self { data, folds }))
+    }
+
+    /// How the error changes by what a restriction leaves out.
+    pub(super) fn change(&self, restriction: &Restriction) -> Option<HeldOutChange> {
+        let (mut without, mut with, mut count) = (Vec::new(), Vec::new(), 0);
+        for fold in &self.folds {
+            let restricted = restriction.restricted(&fold.beta, &fold.inverse)?;
+            without.extend(fold.squares(&restricted));
+            with.extend(fold.squares(&fold.beta));
+            count += fold.equations;
+        }
+        let samples = without.len();
+        let (before, after): (f64, f64) = (without.iter().sum(), with.iter().sum());
+        if samples < 2 * PARTS || before <= 0.0 {
+            return None;
+        }
+        let parts: Vec<f64> = (0..PARTS)
+            .map(|part| {
+                let range = part * samples / PARTS..(part + 1) * samples / PARTS;
+                let size = range.len() as f64;
+                range.map(|k| with[k] - without[k]).sum::<f64>() / size
+            })
+            .collect();
+        let interval = t_interval(&parts, 0.95)?;
+        let mean = before / samples as f64;
+        let rms = |sum: f64| (sum / count.max(1) as f64).sqrt();
+        Some(HeldOutChange {
+            data: self.data,
+            without: rms(before),
+            with: rms(after),
+            change_ci95: [interval.low / mean, interval.high / mean],
+        })
+    }
+}
+
+impl Fold {
+    fn of(fit: &LeastSquares, weights: &BlockWhitening, unseen: &Observation) -> Result<Self, EstimationError> {
+        let y = DMatrix::from_column_slice(unseen.y.len(), 1, unseen.y.as_slice());
+        Ok(Self {
+            beta: fit.solution().clone(),
+            inverse: fit.inverse_information(),
+            h: weights.clone().whiten(&unseen.regressor, &unseen.used)?,
+            z: weights.clone().whiten(&y, &unseen.used)?.column(0).into_owned(),
+            dof: unseen.dof,
+            equations: unseen.equations(),
+        })
+    }
+
+    /// Squared error of each sample.
+    fn squares(&self, beta: &DVector<f64>) -> Vec<f64> {
+        let error = &self.z - &self.h * beta;
+        error.as_slice().chunks_exact(self.dof).map(|of| of.iter().map(|e| e * e).sum()).collect()
+    }
+}
+
+/// The fit to all but one fold of consecutive samples; `None` where it does not determine the parameters.
+fn folded(observation: &Observation, weights: &BlockWhitening, fold: usize) -> Option<Fold> {
+    let (n, samples) = (observation.dof, observation.samples());
+    let out = fold * samples / FOLDS * n..(fold + 1) * samples / FOLDS * n;
+    let (mut seen, mut unseen) = (observation.clone(), observation.clone());
+    for row in 0..n * samples {
+        let other = if out.contains(&row) { &mut seen } else { &mut unseen };
+        other.used[row] = false;
+        other.y[row] = 0.0;
+        other.regressor.row_mut(row).fill(0.0);
+    }
+    let fit = Factorisation::new(&seen).ok()?.weighted(weights).ok()?;
+    // Only the fold itself.
+    let rows = out.len();
+    let unseen = Observation {
+        regressor: unseen.regressor.rows(out.start, rows).into_owned(),
+        y: unseen.y.rows(out.start, rows).into_owned(),
+        used: unseen.used[out].to_vec(),
+        ..unseen
+    };
+    Fold::of(&fit, weights, &unseen).ok()
+}
