@@ -210,7 +210,7 @@ impl Change {
 }
 
 /// Columns of the last link's ten among the parameters of a base.
-fn columns_of_last_link(base: &BaseReduction) -> Vec<usize> {
+pub(super) fn columns_of_last_link(base: &BaseReduction) -> Vec<usize> {
     let links = base.parameters.iter().filter(|id| id.kind == ParameterKind::M);
     let last = links.map(|id| id.index).max().unwrap_or(0);
     let of = |kind: ParameterKind| base.parameters.iter().position(|id| *id == ParameterId { kind, index: last });

@@ -50,16 +50,16 @@ impl Estimator for RidgeRegression {
 }
 
 /// The solution with its penalty.
-struct Shrunk {
-    beta: DVector<f64>,
+pub(super) struct Shrunk {
+    pub(super) beta: DVector<f64>,
     /// `(A + k D)⁻¹`.
-    inverse: DMatrix<f64>,
-    bias: DVector<f64>,
+    pub(super) inverse: DMatrix<f64>,
+    pub(super) bias: DVector<f64>,
 }
 
 impl Shrunk {
     /// From the solution without: `β₀ − β̂ = k (A + k D)⁻¹ D β₀`, small where k is. `None` where A is not positive definite.
-    fn of(plain: &LeastSquares, variance: f64) -> Option<Self> {
+    pub(super) fn of(plain: &LeastSquares, variance: f64) -> Option<Self> {
         let (beta, inverse) = (plain.solution(), plain.inverse_information());
         let b = beta.len();
         // Units in which A⁻¹ has a unit diagonal, and then those in which A has.

@@ -2,6 +2,7 @@
 
 mod chain;
 mod coverage;
+mod drive_gains;
 mod factorisation;
 mod noisy_recording;
 mod physical;

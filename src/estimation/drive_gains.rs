@@ -1,0 +1,368 @@
+//! Gains of all drives at once, from logs without and with a load that is known.
+//!
+//! ```text
+//! κ_i y_i,k − w_i,k β = ℓ_i,k        ℓ = 0 without the load, w_i,k K_n θ with it        κ_i true over stated torque constant
+//! least squares, weighted, ridge      min ‖A x − ℓ‖ over x = (β, κ), rows weighted with their residual, with a penalty
+//! total least squares                 y_i,k = (w_i,k β + ℓ_i,k)/κ_i + ε_i,k: the noise is that of y alone
+//! ```
+//! One log determines torque up to a common factor for all joints whose links move each other: with all gains and all parameters one per cent
+//! larger nothing is seen. A load of known θ (ten parameters in the frame of the last link) sets the scale. Friction and offsets must be
+//! the same in both logs, and the load's own parameters are taken as exact: an error of θ is one of the gains.
+//!
+//! The noise of y stands in the columns of A, so that the first three draw κ towards zero, by about the share of the noise in
+//! the power of what the load moves; their intervals do not hold that. Total least squares has no such bias and is maximum likelihood
+//! for normal noise.
+//!
+//! References: M. Gautier, S. Briot, "Global identification of joint drive gains and dynamic parameters of robots", Journal of Dynamic
+//! Systems, Measurement, and Control 136(5), 2014; J. Swevers and others as in [`super::MaximumLikelihood`] for noise of one side only.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::payload::columns_of_last_link;
+use super::ridge::Shrunk;
+use super::{EstimationError, Factorisation, Observation, Termination, residual_noise};
+use crate::estimation::linear_fit::LinearFit;
+use crate::linalg::{LeastSquares, LeastSquaresError, product, transpose_product};
+use crate::spatial::Inertia;
+use crate::statistics::student_quantile;
+
+/// Iterations of total least squares at most; Gauss–Newton takes some five.
+const ITERATIONS: usize = 50;
+
+/// Relative change of the gains at which the iteration has come to rest.
+const AT_REST: f64 = 1e-10;
+
+/// How the equations of the gains are solved.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum GainMethod {
+    /// Every equation alike.
+    LeastSquares,
+    /// Each joint's equations over the RMS of their residual.
+    Weighted,
+    /// The noise of the measured torque alone, where it is.
+    Total,
+    /// Weighted, and everything drawn towards zero as by [`super::RidgeRegression`].
+    Ridge,
+}
+
+impl GainMethod {
+    /// Every method.
+    pub const ALL: [Self; 4] = [Self::LeastSquares, Self::Weighted, Self::Total, Self::Ridge];
+}
+
+/// The gain of one drive.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
+pub struct DriveGain {
+    /// True over stated torque constant.
+    pub value: f64,
+    /// Standard deviation.
+    pub std: f64,
+    /// 95 % interval.
+    pub ci95: [f64; 2],
+}
+
+/// Gains and parameters of an arm, from both logs.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DriveGains {
+    /// How they were found.
+    pub method: GainMethod,
+    /// The gain of each joint, n.
+    pub gains: Vec<DriveGain>,
+    /// Covariance of the gains, n × n.
+    pub covariance: DMatrix<f64>,
+    /// The base parameters without the load, by true torques, b.
+    pub beta: DVector<f64>,
+    /// Independent samples behind the standard deviations.
+    pub degrees_of_freedom: f64,
+    /// How it ended.
+    pub termination: Termination,
+}
+
+/// Gains of all drives, from the equations of an arm `without` and `with` a load on its last link.
+///
+/// # Errors
+/// [`EstimationError::OtherRobot`] or [`EstimationError::OtherBase`] where the equations are not of one arm and base,
+/// [`EstimationError::NotExcited`] where the motion or the load does not show a gain or parameter, [`EstimationError::NotDefinite`] where the
+/// penalty of `ridge` has no answer.
+pub fn drive_gains(
+    without: &Observation,
+    with: &Observation,
+    load: &Inertia,
+    method: GainMethod,
+) -> Result<DriveGains, EstimationError> {
+    let logs = TwoLogs::of(without, with, load)?;
+    let alike = vec![1.0; without.dof];
+    let plain = logs.linear(&alike)?;
+    if method == GainMethod::LeastSquares {
+        return logs.found(method, &plain, &alike);
+    }
+    let weights: Vec<f64> = logs.rms(&plain.x).iter().map(|rms| 1.0 / rms.max(f64::MIN_POSITIVE)).collect();
+    let weighted = logs.linear(&weights)?;
+    match method {
+        GainMethod::LeastSquares | GainMethod::Weighted => logs.found(method, &weighted, &weights),
+        GainMethod::Ridge => {
+            let shrunk = logs.shrunk(&weighted, &weights)?;
+            logs.found(method, &shrunk, &weights)
+        }
+        GainMethod::Total => logs.total(&weighted, &weights),
+    }
+}
+
+/// How base parameters follow the gains: `∂β̂/∂ ln κ_i` of weighted least squares, b × n. A constant of joint i that is stated one per cent too
+/// small moves them by a hundredth of column i; all columns together are β̂.
+///
+/// # Errors
+/// As [`Factorisation::least_squares`].
+pub fn moved_by_gains(observation: &Observation) -> Result<DMatrix<f64>, EstimationError> {
+    let equations = Factorisation::new(observation)?;
+    let linear = LinearFit::weighted(&equations)?;
+    let Some(weights) = &linear.weights else { return Err(EstimationError::NotDefinite) };
+    let n = observation.dof;
+    let columns: Result<Vec<_>, EstimationError> = (0..n)
+        .map(|i| {
+            let mut one = observation.clone();
+            for (row, y) in one.y.iter_mut().enumerate() {
+                *y = if row % n == i { *y } else { 0.0 };
+            }
+            let fit = Factorisation::new(&one)?.weighted(weights)?;
+            Ok(fit.solution().clone())
+        })
+        .collect();
+    Ok(DMatrix::from_columns(&columns?))
+}
+
+/// The equations of both logs.
+struct TwoLogs<'a> {
+    logs: [&'a Observation; 2],
+    /// ℓ of both.
+    known: [DVector<f64>; 2],
+}
+
+/// A solution, `(WᵀPW)⁻¹` of its equations (with a penalty where there is one), and a bias that is known.
+struct Solved {
+    x: DVector<f64>,
+    inverse: DMatrix<f64>,
+    bias: DVector<f64>,
+    termination: Termination,
+}
+
+impl<'a> TwoLogs<'a> {
+    fn of(without: &'a Observation, with: &'a Observation, load: &Inertia) -> Result<Self, EstimationError> {
+        if without.robot != with.robot {
+            let (first, second) = (without.robot.clone(), with.robot.clone());
+            return Err(EstimationError::OtherRobot { first, second });
+        }
+        if without.base != with.base {
+            return Err(EstimationError::OtherBase { found: with.base.names(), expected: without.base.names() });
+        }
+        let (base, theta) = (&with.base, load.to_array());
+        let mut change = DVector::zeros(base.rank());
+        for (column, value) in columns_of_last_link(base).into_iter().zip(theta) {
+            change += base.k.column(column) * value;
+        }
+        let known = [DVector::zeros(without.y.len()), &with.regressor * change];
+        Ok(Self { logs: [without, with], known })
+    }
+
+    fn joints(&self) -> usize {
+        self.logs[0].dof
+    }
+
+    fn rank(&self) -> usize {
+        self.logs[0].base.rank()
+    }
+
+    /// A of one log, rows × (b + n), each row times the weight of its joint.
+    fn rows(&self, log: usize, weights: &[f64]) -> DMatrix<f64> {
+        let (n, b, observation) = (self.joints(), self.rank(), self.logs[log]);
+        DMatrix::from_fn(observation.y.len(), b + n, |row, column| {
+            let joint = row % n;
+            weights[joint]
+                * match column.checked_sub(b) {
+                    None => -observation.regressor[(row, column)],
+                    Some(of) if of == joint => observation.y[row],
+                    Some(_) => 0.0,
+                }
+        })
+    }
+
+    fn linear(&self, weights: &[f64]) -> Result<Solved, EstimationError> {
+        let parts = [0, 1].map(|log| (self.rows(log, weights), weighted(&self.known[log], weights)));
+        let fit = self.solve(&parts)?;
+        let bias = DVector::zeros(fit.solution().len());
+        Ok(Solved {
+            x: fit.solution().clone(),
+            inverse: fit.inverse_information(),
+            bias,
+            termination: Termination::Direct,
+        })
+    }
+
+    fn solve(&self, parts: &[(DMatrix<f64>, DVector<f64>); 2]) -> Result<LeastSquares, EstimationError> {
+        let [(first, y), (second, z)] = parts;
+        let rows = first.nrows();
+        let mut a = DMatrix::zeros(rows + second.nrows(), first.ncols());
+        a.rows_mut(0, rows).copy_from(first);
+        a.rows_mut(rows, second.nrows()).copy_from(second);
+        let right = DVector::from_iterator(rows + z.len(), y.iter().chain(z.iter()).copied());
+        LeastSquares::solve(&a, &right).map_err(|error| match error {
+            LeastSquaresError::Dependent { column, independent, least } => {
+                let names = self.logs[0].base.names();
+                let gain = |joint: usize| format!("the gain of joint {}", joint + 1);
+                let parameter = names.get(column).cloned().unwrap_or_else(|| gain(column - names.len()));
+                EstimationError::NotExcited { parameter, independent, least }
+            }
+            other => other.into(),
+        })
+    }
+
+    /// `ℓ − A x` of a log.
+    fn residual(&self, log: usize, x: &DVector<f64>) -> DVector<f64> {
+        let mut residual = &self.known[log] - self.rows(log, &vec![1.0; self.joints()]) * x;
+        for (row, used) in self.logs[log].used.iter().enumerate() {
+            residual[row] = if *used { residual[row] } else { 0.0 };
+        }
+        residual
+    }
+
+    /// RMS of each joint's residual over both logs.
+    fn rms(&self, x: &DVector<f64>) -> Vec<f64> {
+        let n = self.joints();
+        let (mut sums, mut counts) = (vec![0.0; n], vec![0_usize; n]);
+        for log in 0..2 {
+            for (row, value) in self.residual(log, x).iter().enumerate() {
+                sums[row % n] += value * value;
+                counts[row % n] += usize::from(self.logs[log].used[row]);
+            }
+        }
+        sums.iter().zip(counts).map(|(sum, count)| (sum / count.max(1) as f64).sqrt()).collect()
+    }
+
+    /// The penalty of Hoerl, Kennard and Baldwin.
+    fn shrunk(&self, plain: &Solved, weights: &[f64]) -> Result<Solved, EstimationError> {
+        let size = plain.x.len();
+        let fit = LeastSquares::from_factors(
+            plain.x.clone(),
+            [plain.inverse.clone(), DMatrix::identity(size, size)],
+            f64::NAN,
+            f64::NAN,
+        )?;
+        let mean = self.rms(&plain.x).iter().zip(weights).map(|(rms, weight)| (rms * weight).powi(2)).sum::<f64>();
+        let shrunk = Shrunk::of(&fit, mean / self.joints() as f64).ok_or(EstimationError::NotDefinite)?;
+        Ok(Solved { x: shrunk.beta, inverse: shrunk.inverse, bias: shrunk.bias, termination: Termination::Direct })
+    }
+
+    /// The result of linear equations.
+    fn found(&self, method: GainMethod, solved: &Solved, weights: &[f64]) -> Result<DriveGains, EstimationError> {
+        let squared: Vec<f64> = weights.iter().map(|weight| weight * weight).collect();
+        let parts = [0, 1].map(|log| (self.rows(log, &squared), self.residual(log, &solved.x)));
+        let (covariance, freedom) = self.covariance(&solved.inverse, &parts);
+        let covariance = covariance + &solved.bias * solved.bias.transpose();
+        Ok(self.result(method, solved, &covariance, freedom))
+    }
+
+    /// `A⁻¹ Bᵀ C B A⁻¹` with B the weighted columns of each log and C by its residual, and what C is known to.
+    fn covariance(&self, inverse: &DMatrix<f64>, parts: &[(DMatrix<f64>, DVector<f64>); 2]) -> (DMatrix<f64>, f64) {
+        let size = inverse.nrows();
+        let (mut middle, mut freedom) = (DMatrix::zeros(size, size), f64::INFINITY);
+        for (log, (columns, residual)) in parts.iter().enumerate() {
+            let noise = residual_noise(self.logs[log], residual);
+            middle += transpose_product(columns, &noise.apply(columns));
+            freedom = freedom.min(noise.degrees_of_freedom());
+        }
+        (product(&product(inverse, &middle), inverse), freedom)
+    }
+
+    /// Gauss–Newton on `y = g (w β + ℓ)`, g = 1/κ, from a linear solution.
+    fn total(&self, start: &Solved, weights: &[f64]) -> Result<DriveGains, EstimationError> {
+        let (n, b) = (self.joints(), self.rank());
+        let mut x = start.x.clone();
+        for i in 0..n {
+            x[b + i] = 1.0 / x[b + i];
+        }
+        // The noise of y is that of κ y over κ.
+        let weights: Vec<f64> = (0..n).map(|i| weights[i] / x[b + i].abs()).collect();
+        let (mut inverse, mut last_step) = (start.inverse.clone(), f64::INFINITY);
+        let mut termination = None;
+        for iterations in 1..=ITERATIONS {
+            let parts = [0, 1].map(|log| {
+                let (jacobian, error) = self.linearised(log, &x);
+                (scaled(&jacobian, &weights), weighted(&error, &weights))
+            });
+            let fit = self.solve(&parts)?;
+            let step = fit.solution();
+            last_step = (0..n).map(|i| (step[b + i] / x[b + i]).abs()).fold(0.0, f64::max);
+            x += step;
+            inverse = fit.inverse_information();
+            if last_step.is_nan() || last_step <= AT_REST {
+                termination = Some(Termination::Converged { iterations, last_step });
+                break;
+            }
+        }
+        let termination = match termination {
+            Some(Termination::Converged { iterations, last_step }) if last_step.is_nan() => {
+                Termination::Singular { iterations }
+            }
+            Some(ended) => ended,
+            None => Termination::IterationLimit { iterations: ITERATIONS, last_step },
+        };
+        let squared: Vec<f64> = weights.iter().map(|weight| weight * weight).collect();
+        let parts = [0, 1].map(|log| {
+            let (jacobian, error) = self.linearised(log, &x);
+            (scaled(&jacobian, &squared), error)
+        });
+        let (covariance, freedom) = self.covariance(&inverse, &parts);
+        // From g to κ.
+        let slope = DVector::from_fn(b + n, |j, _| if j < b { 1.0 } else { -1.0 / (x[j] * x[j]) });
+        let covariance = DMatrix::from_fn(b + n, b + n, |i, j| covariance[(i, j)] * slope[i] * slope[j]);
+        for i in 0..n {
+            x[b + i] = 1.0 / x[b + i];
+        }
+        let solved = Solved { x, inverse, bias: DVector::zeros(b + n), termination };
+        Ok(self.result(GainMethod::Total, &solved, &covariance, freedom))
+    }
+
+    /// ∂(g (w β + ℓ))/∂(β, g) of a log, and `y − g (w β + ℓ)`; zero in rows that are no equation.
+    fn linearised(&self, log: usize, x: &DVector<f64>) -> (DMatrix<f64>, DVector<f64>) {
+        let (n, b, observation) = (self.joints(), self.rank(), self.logs[log]);
+        let torque = &observation.regressor * x.rows(0, b) + &self.known[log];
+        let jacobian = DMatrix::from_fn(observation.y.len(), b + n, |row, column| {
+            let joint = row % n;
+            match column.checked_sub(b) {
+                None => x[b + joint] * observation.regressor[(row, column)],
+                Some(of) if of == joint => torque[row],
+                Some(_) => 0.0,
+            }
+        });
+        let error = DVector::from_fn(observation.y.len(), |row, _| observation.y[row] - x[b + row % n] * torque[row]);
+        (jacobian, error)
+    }
+
+    fn result(&self, method: GainMethod, solved: &Solved, covariance: &DMatrix<f64>, freedom: f64) -> DriveGains {
+        let (n, b) = (self.joints(), self.rank());
+        let t = student_quantile(0.975, freedom);
+        let gain = |i: usize| {
+            let (value, std) = (solved.x[b + i], covariance[(b + i, b + i)].max(0.0).sqrt());
+            DriveGain { value, std, ci95: [value - t * std, value + t * std] }
+        };
+        DriveGains {
+            method,
+            gains: (0..n).map(gain).collect(),
+            covariance: covariance.view((b, b), (n, n)).into_owned(),
+            beta: solved.x.rows(0, b).into_owned(),
+            degrees_of_freedom: freedom,
+            termination: solved.termination,
+        }
+    }
+}
+
+/// Each entry times the weight of its joint.
+fn weighted(values: &DVector<f64>, weights: &[f64]) -> DVector<f64> {
+    DVector::from_fn(values.len(), |row, _| values[row] * weights[row % weights.len()])
+}
+
+/// Each row times the weight of its joint.
+fn scaled(rows: &DMatrix<f64>, weights: &[f64]) -> DMatrix<f64> {
+    DMatrix::from_fn(rows.nrows(), rows.ncols(), |row, column| rows[(row, column)] * weights[row % weights.len()])
+}
