@@ -116,11 +116,45 @@ fn a_csv_with_a_wrong_header_is_shown_with_line_and_column() {
 }
 
 #[test]
+fn estimators_that_simulate_know_the_servo_or_say_what_is_missing() {
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "3");
+    let all = json(&armid(["identify", &recording, "--estimator", "wls,iv,didim", "--json"]).success());
+    for estimate in all.as_array().unwrap() {
+        // Friction of the simulated waist, as by weighted least squares.
+        let (found, expected) = (value(estimate, "Fc1"), value(&all[0], "Fc1"));
+        assert!((found / expected - 1.0).abs() < 0.05, "{}: {found} {expected}", estimate["estimator"]);
+    }
+    let kinds: Vec<&str> =
+        all[1]["findings"].as_array().unwrap().iter().filter_map(|finding| finding["kind"].as_str()).collect();
+    assert!(kinds.contains(&"durbin-wu-hausman"), "{kinds:?}");
+    // The same arm, whose file does not state a servo.
+    let robot = path(folder.path(), "robot.toml");
+    armid(["robot", "crs-a460", "-o", &robot]).success();
+    let text = std::fs::read_to_string(&robot).unwrap();
+    let (before, rest) = text.split_once("[servo]").unwrap();
+    let (_, after) = rest.split_once("[[joint]]").unwrap();
+    std::fs::write(&robot, format!("{before}[[joint]]{after}")).unwrap();
+    let fault = stderr(&armid(["identify", &recording, "--robot", &robot, "--estimator", "didim"]).code(2));
+    let words: Vec<&str> = fault.split_whitespace().collect();
+    assert!(words.join(" ").contains("[servo]"), "{fault}");
+    // A table of something else holds no commanded motion.
+    let rows = (0..400)
+        .map(|k| format!("{},{},{},1,2\n", 0.01 * f64::from(k), 0.01 * f64::from(k % 50), 0.02 * f64::from(k % 30)));
+    let log = write(folder.path(), "log.csv", &format!("t,q1,q2,tau1,tau2\n{}", rows.collect::<String>()));
+    let asked = ["identify", &log, "--robot", "planar-2r", "--no-friction", "--estimator", "iv"];
+    let fault = stderr(&armid(asked).code(2));
+    let words: Vec<&str> = fault.split_whitespace().collect();
+    assert!(words.join(" ").contains("recording of armid's own"), "{fault}");
+}
+
+#[test]
 fn estimators_are_listed_and_several_answer_together() {
     let list = json(&armid(["identify", "--list", "--json"]).success());
     let names: Vec<&str> = list.as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect();
-    let expected = "ols wls irls-huber irls-tukey irls-cauchy mm tls ridge essential ml ekf srekf ukf srukf cdkf srcdkf adaline \
-                    hopfield-tank pc-ols pc-wls pc-irls pc-ols-euclidean pc-ols-entropic pc-ols-pullback";
+    let expected = "ols wls irls-huber irls-tukey irls-cauchy mm tls ridge essential ml iv didim clie cloe ekf srekf ukf \
+                    srukf cdkf srcdkf pf adaline hopfield-tank pc-ols pc-wls pc-irls pc-ols-euclidean pc-ols-entropic \
+                    pc-ols-pullback";
     assert_eq!(names.join(" "), expected);
     let folder = temporary();
     let recording = record(folder.path(), "R.mcap", "3");

@@ -7,6 +7,7 @@
 //! | simulate by an independent engine | [`RapierPlant`], [`MujocoPlant`] |
 //! | write an arm as MJCF | [`mjcf`], [`mjcf_for_exchange`] |
 //! | compare the engines | [`agreement::agree`] |
+//! | identify by simulation, in closed loop with the known servo | [`closed_loop`] |
 //!
 //! One experiment on two engines that share no code:
 //!
@@ -37,11 +38,13 @@
 
 pub mod agreement;
 mod analytic;
+mod closed_loop;
 mod engine;
 mod mujoco;
 mod rapier;
 
 pub use analytic::{AnalyticBatch, AnalyticError, AnalyticPlant, BatchRun, MOST_JOINTS, perform_runs, record_runs};
+pub use closed_loop::{SimulatedLoop, closed_loop};
 pub use engine::{Engine, EngineError};
 pub use mujoco::{
     MujocoError, MujocoModel, MujocoPlant, MujocoScheme, MujocoStatus, MujocoStepper, mjcf, mjcf_for_exchange,

@@ -10,5 +10,7 @@ pub mod plant_term_laws;
 pub mod term_laws;
 pub mod trajectory_laws;
 mod law_error;
+mod stiff_loop;
 
 pub use law_error::{LawError, Requirement};
+pub use stiff_loop::StiffLoop;

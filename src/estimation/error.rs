@@ -2,6 +2,7 @@
 
 use std::fmt;
 
+use super::closed_loop::ClosedLoopError;
 use crate::base::BaseError;
 use crate::linalg::LeastSquaresError;
 use crate::signal::SignalError;
@@ -84,6 +85,25 @@ pub enum EstimationError {
         /// What it needs.
         part: ProblemPart,
     },
+    /// An estimator that simulates the arm in closed loop cannot.
+    #[error("estimator \"{estimator}\" simulates the arm in closed loop: {reason}")]
+    ClosedLoop {
+        /// Name of the estimator.
+        estimator: &'static str,
+        /// What is missing, or what went wrong.
+        reason: ClosedLoopError,
+    },
+    /// The simulated motion does not excite a parameter that the measured one does.
+    #[error(
+        "base parameter {parameter} has no instrument: the simulated motion does not excite it, the measured one does"
+    )]
+    NoInstrument {
+        /// Its name.
+        parameter: String,
+    },
+    /// Instruments that do not go with the regressor.
+    #[error("instruments: ZᵀW is singular, expected a simulated motion that goes with the measured one")]
+    WeakInstruments,
     /// The robot has no base parameters.
     #[error("base parameters: {0}")]
     Base(#[from] BaseError),

@@ -110,6 +110,15 @@ pub enum Finding {
         /// Link, from one.
         link: usize,
     },
+    /// Whether errors of the measured motion bias weighted least squares.
+    DurbinWuHausman {
+        /// What was measured of them.
+        statistic: f64,
+        /// What is exceeded by chance in one of twenty cases without such a bias.
+        limit: f64,
+        /// Its degrees of freedom.
+        freedom: usize,
+    },
     /// A drive parameter that cannot be negative is.
     NegativeDrive {
         /// Its name.
@@ -149,6 +158,10 @@ impl Finding {
             Self::BeyondShape { .. } => {
                 "make the shape in the robot file hold the whole link, or correct its nominal body"
             }
+            Self::DurbinWuHausman { statistic, limit, .. } if *statistic > *limit => {
+                "instruments are needed, unless the model misses something: compare with `wls`"
+            }
+            Self::DurbinWuHausman { .. } => "instruments are not needed here: `wls` has the shorter intervals",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
                 "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
             }
@@ -209,6 +222,16 @@ impl fmt::Display for Finding {
             Self::BeyondShape { link } => {
                 write!(f, "the nominal body of link {link} reaches beyond its shape, which does not bound the estimate")
             }
+            Self::DurbinWuHausman { statistic, limit, freedom } => write!(
+                f,
+                "Durbin–Wu–Hausman: {statistic:.1} of {freedom} degrees of freedom, 95 % limit {limit:.1}: {} weighted least \
+                 squares",
+                if statistic > limit {
+                    "errors of the motion bias"
+                } else {
+                    "no errors of the motion are seen to bias"
+                }
+            ),
             Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
         }
     }

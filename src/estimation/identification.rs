@@ -4,8 +4,11 @@
 //! robot, columns → Y, K        samples → W_b, y        W_b β = y + ε → β̂, cov β̂
 //! ```
 
+use std::sync::Arc;
+
 use super::{
-    Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Observation, Validation, validate,
+    ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Observation,
+    Validation, validate,
 };
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
@@ -49,6 +52,7 @@ const MOTION_STATES: usize = 500;
 pub struct Identification<'a> {
     robot: &'a Robot,
     nominal: Option<&'a StandardParameters>,
+    closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>,
     regressor: JointTorqueRegressor,
     base: BaseReduction,
 }
@@ -61,7 +65,7 @@ impl<'a> Identification<'a> {
     pub fn new(robot: &'a Robot, columns: Columns) -> Result<Self, EstimationError> {
         // The structural reduction draws nothing: any seed gives the same.
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
-        Ok(Self { robot, nominal: None, regressor: JointTorqueRegressor::new(robot, columns), base })
+        Ok(Self::of(robot, JointTorqueRegressor::new(robot, columns), base))
     }
 
     /// What is estimated where a motion does not show every parameter, a joint stands still, say: the base that the equations of
@@ -85,7 +89,17 @@ impl<'a> Identification<'a> {
             }
         }
         let base = BaseReduction::from_stack(regressor.parameters(), &w, Method::Qr);
-        Self { robot, nominal: None, regressor, base }
+        Self::of(robot, regressor, base)
+    }
+
+    fn of(robot: &'a Robot, regressor: JointTorqueRegressor, base: BaseReduction) -> Self {
+        Self { robot, nominal: None, closed_loop: Err(ClosedLoopError::NotGiven), regressor, base }
+    }
+
+    /// With the closed loop in which the samples were recorded, or what is not known of it, for estimators that simulate.
+    #[must_use]
+    pub fn with_closed_loop(self, closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>) -> Self {
+        Self { closed_loop, ..self }
     }
 
     /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].
@@ -136,7 +150,7 @@ impl<'a> Identification<'a> {
 
     pub(super) fn problem<'b>(&'b self, observation: &'b Observation, samples: &'b Samples) -> EstimationProblem<'b> {
         let problem = EstimationProblem::new(observation).with_robot(self.robot).with_samples(samples);
-        EstimationProblem { nominal: self.nominal, ..problem }
+        EstimationProblem { nominal: self.nominal, closed_loop: self.closed_loop.as_deref(), ..problem }
     }
 
     /// Compares what an estimate predicts with samples that it was not made from.

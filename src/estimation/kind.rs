@@ -1,10 +1,11 @@
 //! The list of estimators.
 
 use super::{
-    Adaline, CentralDifferenceKalmanFilter, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
-    EntropicPrior, EssentialParameters, Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior,
-    ExtendedKalmanFilter, HopfieldTank, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares,
-    ParticleFilter, PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression,
+    Adaline, CentralDifferenceKalmanFilter, ClosedLoopInputError, ClosedLoopOutputError, ConsistentOrdinary,
+    ConsistentReweighted, ConsistentWeighted, DirectInverseIdentification, EntropicPrior, EssentialParameters,
+    Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior, ExtendedKalmanFilter, HopfieldTank,
+    InstrumentalVariables, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares, ParticleFilter,
+    PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression,
     SquareRootCentralDifferenceKalmanFilter, SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter,
     TotalLeastSquares, UnscentedKalmanFilter, WeightedLeastSquares,
 };
@@ -60,6 +61,14 @@ estimators! {
     Essential => EssentialParameters,
     /// Maximum likelihood of parameters and motion.
     Ml => MaximumLikelihood,
+    /// Instrumental variables from a simulated motion.
+    Iv => InstrumentalVariables,
+    /// Direct and inverse dynamic identification.
+    Didim => DirectInverseIdentification,
+    /// The closed-loop input error.
+    Clie => ClosedLoopInputError,
+    /// The closed-loop output error.
+    Cloe => ClosedLoopOutputError,
     /// The Kalman filter of the parameters.
     Ekf => ExtendedKalmanFilter,
     /// The same by square roots.

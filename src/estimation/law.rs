@@ -67,3 +67,28 @@ pub struct LawException {
     /// Why the estimator cannot or does not want to obey it.
     pub reason: &'static str,
 }
+
+impl LawException {
+    const PARAMETER_UNITS: Self = Self {
+        law: EstimatorLaw::ParameterUnits,
+        reason: "it simulates the robot, whose parameters are in SI units: equations alone are refused",
+    };
+
+    /// Of estimators that compare measured torque with what a simulation gives.
+    pub(super) const OF_SIMULATION: &'static [Self] = &[
+        Self {
+            law: EstimatorLaw::TorqueUnits,
+            reason: "robot and servo state torque in N·m: torque in another unit is that of an arm which they do not describe",
+        },
+        Self::PARAMETER_UNITS,
+    ];
+
+    /// Of estimators that compare positions.
+    pub(super) const OF_POSITIONS: &'static [Self] = &[
+        Self {
+            law: EstimatorLaw::TorqueUnits,
+            reason: "it reads positions and no torque: its parameters are those by which the robot's servo moves",
+        },
+        Self::PARAMETER_UNITS,
+    ];
+}

@@ -31,6 +31,14 @@ impl LinearFit {
         Self::of(equations, equations.weighted(&weights)?, Some(weights))
     }
 
+    /// Least squares weighted with the inverse of a covariance that is known otherwise.
+    pub(super) fn with_weights(
+        equations: &Factorisation<'_>,
+        weights: BlockWhitening,
+    ) -> Result<Self, EstimationError> {
+        Self::of(equations, equations.weighted(&weights)?, Some(weights))
+    }
+
     fn of(
         equations: &Factorisation<'_>,
         fit: LeastSquares,

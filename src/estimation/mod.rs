@@ -11,6 +11,7 @@
 //! The equations' error bars come from the noise that scattered over periods, with its correlation in time; where no
 //! period was repeated, from the residual. No estimator sees the truth: the types that hold it come after this module.
 
+mod closed_loop;
 mod comparison;
 mod completion;
 mod consistent_set;
@@ -50,6 +51,10 @@ mod weighted;
 #[cfg(test)]
 mod tests;
 
+pub use closed_loop::{
+    ClosedLoop, ClosedLoopError, ClosedLoopFactory, ClosedLoopInputError, ClosedLoopMotion, ClosedLoopOutputError,
+    ClosedLoopSlopes, DirectInverseIdentification, InstrumentalVariables, closed_loop_of,
+};
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
 pub use consistent_set::{ConsistentSet, consistent_set};

@@ -2,14 +2,14 @@
 
 use std::borrow::Cow;
 
-use super::{EstimationError, Factorisation, Observation, ProblemPart};
+use super::{ClosedLoop, ClosedLoopError, EstimationError, Factorisation, Observation, ProblemPart};
 use crate::model::{Robot, StandardParameters};
 use crate::signal::Samples;
 
 /// The equations, and what else is known.
 ///
 /// Linear estimators need the equations alone, by [`EstimationProblem::factorised`]. One that simulates the arm (direct and inverse identification, say) or makes
-/// instruments from simulated states needs the robot; one that corrects the states, or differentiates them again, needs the
+/// instruments from simulated states needs its closed loop, the robot and the samples; one that corrects the states, or differentiates them again, needs the
 /// samples; one that regularises needs the nominal set. [`EstimationProblem::robot_for`] and its like give what is there, or
 /// the error that names what is missing.
 ///
@@ -30,6 +30,8 @@ pub struct EstimationProblem<'a> {
     pub samples: Option<&'a Samples>,
     /// What an experimenter would have guessed.
     pub nominal: Option<&'a StandardParameters>,
+    /// The arm under its known servo along the motion of the samples, or what is not known of it.
+    pub closed_loop: Result<&'a dyn ClosedLoop, &'a ClosedLoopError>,
     /// The factorisation of the equations, which several estimators may share.
     pub factorisation: Option<&'a Factorisation<'a>>,
 }
@@ -38,7 +40,8 @@ impl<'a> EstimationProblem<'a> {
     /// The equations alone.
     #[must_use]
     pub const fn new(observation: &'a Observation) -> Self {
-        Self { observation, robot: None, samples: None, nominal: None, factorisation: None }
+        let closed_loop = Err(&ClosedLoopError::NotGiven);
+        Self { observation, robot: None, samples: None, nominal: None, closed_loop, factorisation: None }
     }
 
     /// With the robot.
@@ -52,6 +55,13 @@ impl<'a> EstimationProblem<'a> {
     #[must_use]
     pub const fn with_samples(mut self, samples: &'a Samples) -> Self {
         self.samples = Some(samples);
+        self
+    }
+
+    /// With the closed loop, or what is not known of it.
+    #[must_use]
+    pub const fn with_closed_loop(mut self, closed_loop: Result<&'a dyn ClosedLoop, &'a ClosedLoopError>) -> Self {
+        self.closed_loop = closed_loop;
         self
     }
 
@@ -87,6 +97,14 @@ impl<'a> EstimationProblem<'a> {
     /// [`EstimationError::Missing`] where the problem holds none.
     pub fn samples_for(&self, estimator: &'static str) -> Result<&'a Samples, EstimationError> {
         self.samples.ok_or(EstimationError::Missing { estimator, part: ProblemPart::Samples })
+    }
+
+    /// The closed loop, for an estimator that cannot do without.
+    ///
+    /// # Errors
+    /// [`EstimationError::ClosedLoop`] with what is not known of it.
+    pub fn closed_loop_for(&self, estimator: &'static str) -> Result<&'a dyn ClosedLoop, EstimationError> {
+        self.closed_loop.map_err(|reason| EstimationError::ClosedLoop { estimator, reason: reason.clone() })
     }
 
     /// The nominal set, for an estimator that cannot do without.

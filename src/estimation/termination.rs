@@ -42,6 +42,12 @@ pub enum Termination {
         /// Length of the last step, relative to the iterate.
         last_step: f64,
     },
+    /// No step towards the minimum leads to an arm that can be simulated: its mass matrix is not positive definite, or its
+    /// motion runs away.
+    Unsimulable {
+        /// Iterations before.
+        iterations: usize,
+    },
     /// The equations of a step had no solution.
     Singular {
         /// Iterations before.
@@ -71,6 +77,11 @@ impl fmt::Display for Termination {
             Self::Stalled { iterations, last_step } => {
                 write!(f, "stalled after {iterations} iterations, the last step {last_step:.1e} of the iterate")
             }
+            Self::Unsimulable { iterations } => write!(
+                f,
+                "stopped after {iterations} iterations: the arm of the next step cannot be simulated, its mass matrix is not \
+                 positive definite or its motion runs away"
+            ),
             Self::Singular { iterations } => {
                 write!(f, "stopped after {iterations} iterations: the equations of the next step have no solution")
             }

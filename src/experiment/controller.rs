@@ -31,15 +31,18 @@ pub fn gain_pose(robot: &Robot) -> Vec<f64> {
 /// The controllers of all motors, in motor coordinates after the gear.
 #[derive(Clone, Debug)]
 pub struct JointPid {
-    kp: Vec<f64>,
-    kd: Vec<f64>,
-    ki: Vec<f64>,
+    pub(super) kp: Vec<f64>,
+    pub(super) kd: Vec<f64>,
+    pub(super) ki: Vec<f64>,
     /// Ampere per unit of torque.
-    ampere: Vec<f64>,
+    pub(super) ampere: Vec<f64>,
     limit: Vec<f64>,
-    smoothing: f64,
-    dt: f64,
-    rate_hz: f64,
+    pub(super) smoothing: f64,
+    pub(super) dt: f64,
+    pub(super) rate_hz: f64,
+    /// Whether the last step left a current at its limit, and the integral as it was.
+    pub(super) held: Vec<bool>,
+    pub(super) rested: Vec<bool>,
     integral: Vec<f64>,
     rate: Vec<f64>,
     last_error: Vec<f64>,
@@ -65,6 +68,8 @@ impl JointPid {
             rate_hz: tuning.rate_hz,
             integral: vec![0.0; n],
             rate: vec![0.0; n],
+            held: vec![false; n],
+            rested: vec![false; n],
             last_error: vec![0.0; n],
             fresh: true,
         }
@@ -102,7 +107,9 @@ impl JointPid {
             current[i] = wanted.clamp(-self.limit[i], self.limit[i]);
             let held = wanted.abs() > self.limit[i];
             saturated |= held;
-            if !(held && wanted * error > 0.0) {
+            self.held[i] = held;
+            self.rested[i] = held && wanted * error > 0.0;
+            if !self.rested[i] {
                 self.integral[i] += self.ki[i] * error * self.dt;
             }
         }

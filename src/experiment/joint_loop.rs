@@ -32,20 +32,20 @@ use crate::seed::Seed;
 #[derive(Clone, Debug)]
 pub struct JointLoop {
     effort: EffortInterface,
-    transmission: Transmission,
-    motors: Motors,
-    controller: JointPid,
+    pub(super) transmission: Transmission,
+    pub(super) motors: Motors,
+    pub(super) controller: JointPid,
     sensors: Sensors,
     /// What the arm's drives make of set points; `None` where they exert the commanded torque.
     drives: Option<Box<ActualDrives>>,
     /// Whether no current has been held since the motors were switched on.
     fresh: bool,
     q_motor: Vec<f64>,
-    qd_motor: Vec<f64>,
+    pub(super) qd_motor: Vec<f64>,
     command_motor: Vec<f64>,
     measured: Vec<f64>,
     before: Vec<f64>,
-    current: Vec<f64>,
+    pub(super) current: Vec<f64>,
     torque_motor: Vec<f64>,
     tau: Vec<f64>,
     sensed: Vec<f64>,

@@ -25,6 +25,7 @@ mod expectation;
 mod joint_loop;
 mod layout;
 mod limit_check;
+mod loop_slopes;
 mod motors;
 mod phase;
 mod plan;
@@ -54,6 +55,7 @@ pub use effects::{ActualArm, EffectEntry, EffectKind, Effects, ExpectedEffectErr
 pub use expectation::Expectation;
 pub use joint_loop::JointLoop;
 pub use layout::Layout;
+pub use loop_slopes::LoopSlopes;
 pub use phase::{Phase, PhaseSpan};
 pub use plan::ExperimentPlan;
 pub use plan_error::PlanError;

@@ -41,6 +41,18 @@ impl Motors {
         saturated
     }
 
+    /// By how much a current that the supply holds moves with the motor's speed (after the gear), A·s/rad; `None` where the
+    /// supply does not hold it.
+    pub(super) fn supply_slope(&self, i: usize, qd_motor: f64, current: f64) -> Option<f64> {
+        let circuit = self.circuits[i]?;
+        let (low, high) = circuit.current_limits(self.gear[i] * qd_motor);
+        if current != low && current != high {
+            return None;
+        }
+        // Between the drops of the brushes nothing flows at any speed.
+        Some(if current == 0.0 { 0.0 } else { -circuit.back_emf * self.gear[i] / circuit.resistance })
+    }
+
     /// Mean voltage over the servo period around a sample, V, n. `before` and `after` are the currents held on either
     /// side of it: their mean flows, and their step is the inductance's share.
     pub(super) fn voltages(&self, before: &[f64], after: &[f64], qd_motor: &[f64], voltage: &mut [f64]) {

@@ -6,6 +6,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::phase::{Phase, PhaseSpan};
+use super::plan::ExperimentPlan;
 use super::raw_sample::RawSample;
 use crate::model::EffortInterface;
 use crate::provenance::Provenance;
@@ -207,6 +208,24 @@ impl Recording {
         start..start + self.period_samples
     }
 
+    /// The plan that it was made by, as far as its phases tell.
+    #[must_use]
+    pub fn plan(&self) -> ExperimentPlan {
+        let length = |phase: Phase| {
+            let span = self.phases.iter().find(|span| span.phase == phase);
+            span.map_or(0, |span| span.samples.len())
+        };
+        let period = self.period_samples.max(1);
+        ExperimentPlan {
+            trajectory: self.trajectory.clone(),
+            rate_hz: self.rate_hz,
+            settle_s: length(Phase::Settle) as f64 / self.rate_hz,
+            ramp_s: length(Phase::RampIn) as f64 / self.rate_hz,
+            discarded_periods: length(Phase::Discard) / period,
+            periods: length(Phase::Record) / period,
+        }
+    }
+
     /// The phase of sample `k`.
     #[must_use]
     pub fn phase(&self, k: usize) -> Option<Phase> {
@@ -226,12 +245,14 @@ mod tests {
             ExperimentPlan { settle_s: 0.1, ramp_s: 0.3, periods: 4, ..ExperimentPlan::new(hinges::trajectory(1)) };
         let mut servo = Servo::new(&hinges::single(), &hinges::parameters(1), FlyWheels::new(1)).unwrap();
         let whole = record(&mut servo, &plan).unwrap().0;
+        assert_eq!(whole.plan(), plan);
         let mut less = whole.clone();
         // Before the periods that count, in the second, at the ends of the fourth, and after them.
         let touched =
             [0, whole.period(1).start + 7, whole.period(3).start, whole.period(3).end - 1, whole.period(3).end];
         assert_eq!(less.leave_out(&touched), [1, 3]);
         assert_eq!((less.periods(), less.len()), (2, whole.len() - 2 * whole.period_samples));
+        assert_eq!(less.plan(), plan.clone().with_periods(2));
         for (kept, p) in [(0, 0), (1, 2)] {
             assert_eq!(less.q[less.period(kept)], whole.q[whole.period(p)]);
             assert_eq!(less.effort[less.period(kept)], whole.effort[whole.period(p)]);

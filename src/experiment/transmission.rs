@@ -54,6 +54,11 @@ impl Transmission {
         &self.per_ampere
     }
 
+    /// C, where motors are coupled.
+    pub(super) fn forward(&self) -> Option<&DMatrix<f64>> {
+        self.coupling.as_ref().map(|coupling| &coupling.forward)
+    }
+
     /// Motor coordinates from joint coordinates: `C q`; velocities likewise. Both of length n.
     pub fn motor_motion(&self, joints: &[f64], motors: &mut [f64]) {
         match &self.coupling {

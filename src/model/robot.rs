@@ -59,7 +59,8 @@ pub struct Robot {
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     points: Vec<NamedPoint>,
     effort: EffortInterface,
-    servo: ServoTuning,
+    #[serde(default)]
+    servo: Option<ServoTuning>,
     source_sha256: String,
 }
 
@@ -94,7 +95,7 @@ impl Robot {
             servo,
             source_sha256,
         } = self;
-        check_servo(&servo)?;
+        servo.as_ref().map_or(Ok(()), check_servo)?;
         check_points(&points, joints.len())?;
         let spec = RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch };
         Ok(Self { points, effort, servo, source_sha256, ..Self::new(spec)? })
@@ -124,7 +125,7 @@ impl Robot {
         }
         check_surroundings(&gravity, &base, &shapes, &obstacles, &may_touch, n)?;
         let axes = joints.iter().map(Joint::axis).collect();
-        let (effort, servo) = (EffortInterface::default(), ServoTuning::default());
+        let (effort, servo) = (EffortInterface::default(), None);
         let source_sha256 = String::new();
         Ok(Self {
             name,
@@ -267,10 +268,16 @@ impl Robot {
         self.effort
     }
 
-    /// How its servo is tuned.
+    /// How its servo is tuned: as stated, or [`ServoTuning::ASSUMED`].
     #[must_use]
     pub fn servo(&self) -> &ServoTuning {
-        &self.servo
+        self.servo.as_ref().unwrap_or(&ServoTuning::ASSUMED)
+    }
+
+    /// How its servo is tuned, where anything states it.
+    #[must_use]
+    pub fn stated_servo(&self) -> Option<&ServoTuning> {
+        self.servo.as_ref()
     }
 
     /// The same robot with other drives, one for each joint.
@@ -296,7 +303,7 @@ impl Robot {
     /// The same robot with another tuning of its servo.
     #[must_use]
     pub fn with_servo(mut self, servo: ServoTuning) -> Self {
-        self.servo = servo;
+        self.servo = Some(servo);
         self
     }
 

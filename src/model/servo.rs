@@ -49,9 +49,14 @@ pub struct ServoTuning {
     pub integral_hz: f64,
 }
 
+impl ServoTuning {
+    /// 1 kHz, 8 Hz, damping 0.8 and a mild integral: what a simulated arm has whose robot file states no servo.
+    pub const ASSUMED: Self = Self { rate_hz: 1000.0, bandwidth_hz: 8.0, damping: 0.8, integral_hz: 0.5 };
+}
+
 impl Default for ServoTuning {
-    /// 1 kHz, 8 Hz, damping 0.8 and a mild integral: assumed, for arms whose servo is not published.
+    /// [`ServoTuning::ASSUMED`].
     fn default() -> Self {
-        Self { rate_hz: 1000.0, bandwidth_hz: 8.0, damping: 0.8, integral_hz: 0.5 }
+        Self::ASSUMED
     }
 }

@@ -24,7 +24,10 @@ use super::{
 };
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
-use crate::estimation::{Estimate, EstimationProblem, Estimator, Factorisation, Observation};
+use crate::estimation::{
+    ClosedLoop, ClosedLoopError, ClosedLoopFactory, Estimate, EstimationProblem, Estimator, Factorisation, Observation,
+    closed_loop_of,
+};
 use crate::excitation::{ExcitationError, radkhah2007_start};
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
@@ -45,8 +48,15 @@ pub struct StudySetup {
     truths: Vec<Truth>,
     scorer: Scorer,
     estimators: Vec<Arc<dyn Estimator>>,
+    closed_loops: Option<ClosedLoopFactory>,
     processing: Processing,
     validation: Vec<States>,
+}
+
+/// What an estimator may look at of an experiment.
+pub(super) struct Processed {
+    pub(super) samples: Samples,
+    pub(super) closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>,
 }
 
 impl StudySetup {
@@ -87,6 +97,7 @@ impl StudySetup {
         Ok(Self {
             noise: torque_covariance(&robot),
             estimators: plan.estimators(own)?,
+            closed_loops: None,
             plan,
             robot,
             nominal,
@@ -97,6 +108,12 @@ impl StudySetup {
             processing,
             validation,
         })
+    }
+
+    /// With what makes the closed loop of an experiment, for estimators that simulate.
+    #[must_use]
+    pub fn with_closed_loops(self, factory: ClosedLoopFactory) -> Self {
+        Self { closed_loops: Some(factory), ..self }
     }
 
     /// The plan.
@@ -227,18 +244,20 @@ impl StudySetup {
     /// # Errors
     /// [`RunError`], as the study's rows state it.
     pub fn samples(&self, trajectory: &PeriodicTrajectory, arm: &mut dyn Arm) -> Result<Samples, RunError> {
-        self.processed(record(arm, &self.experiment(trajectory)))
+        self.processed(record(arm, &self.experiment(trajectory))).map(|processed| processed.samples)
     }
 
-    /// The samples of what came of an experiment.
-    pub(super) fn processed(&self, performed: Performed) -> Result<Samples, RunError> {
+    /// The samples of what came of an experiment, and the closed loop in which it was performed.
+    pub(super) fn processed(&self, performed: Performed) -> Result<Processed, RunError> {
         let (recording, ending) = performed.map_err(|fault| RunError::arm(&fault))?;
         match ending {
             Ending::Diverged { t, reason, .. } => return Err(RunError::diverged(t, &reason)),
             Ending::Tripped { t, trip, .. } => return Err(RunError::tripped(t, &trip)),
             Ending::Completed | Ending::Stopped { .. } => {}
         }
-        process(&recording, &self.robot, &self.processing).map_err(|fault| RunError::signal(&fault))
+        let samples = process(&recording, &self.robot, &self.processing).map_err(|fault| RunError::signal(&fault))?;
+        let closed_loop = closed_loop_of(self.closed_loops, &self.robot, Some(&self.nominal), &[Some(&recording)]);
+        Ok(Processed { samples, closed_loop })
     }
 
     /// What an arm measured on the motions that the plan has it perform beside its runs.
@@ -247,27 +266,29 @@ impl StudySetup {
     /// [`RunError`] where one of them could not be recorded or processed.
     pub fn measured_motions(&self, performed: Vec<Performed>) -> Result<MeasuredMotions, RunError> {
         let equations = |motion| {
-            let samples = self.processed(motion)?;
+            let samples = self.processed(motion)?.samples;
             Observation::new(&self.robot, &self.regressor, &self.base, &samples)
                 .map_err(|fault| RunError::estimator(&fault))
         };
         Ok(MeasuredMotions::new(performed.into_iter().map(equations).collect::<Result<_, _>>()?))
     }
 
-    /// Every estimator of the plan on the same samples, each with its score against one of the truths.
+    /// Every estimator of the plan on the same samples, each with its score against one of the truths; those that simulate
+    /// need to know the experiment behind the samples, and fail.
     #[must_use]
     pub fn estimates(&self, samples: &Samples, truth: usize) -> Vec<ScoredEstimate> {
-        self.scored(samples, truth, None)
+        let closed_loop = Err(ClosedLoopError::NoReference);
+        self.scored(&Processed { samples: samples.clone(), closed_loop }, truth, None)
     }
 
     /// The same, scored by what that arm measured afterwards too.
     pub(super) fn scored(
         &self,
-        samples: &Samples,
+        processed: &Processed,
         truth: usize,
         measured: Option<&MeasuredMotions>,
     ) -> Vec<ScoredEstimate> {
-        self.unscored(samples)
+        self.unscored(processed)
             .into_iter()
             .zip(&self.estimators)
             .map(|(made, estimator)| match made {
@@ -278,7 +299,8 @@ impl StudySetup {
     }
 
     /// Every estimator of the plan on the same samples, or the reason why it gave nothing.
-    pub(super) fn unscored(&self, samples: &Samples) -> Vec<Result<Estimate, RunError>> {
+    pub(super) fn unscored(&self, processed: &Processed) -> Vec<Result<Estimate, RunError>> {
+        let samples = &processed.samples;
         let observation = match Observation::new(&self.robot, &self.regressor, &self.base, samples) {
             Ok(observation) => observation,
             Err(fault) => return self.estimators.iter().map(|_| Err(RunError::estimator(&fault))).collect(),
@@ -291,7 +313,8 @@ impl StudySetup {
             .with_factorisation(&equations)
             .with_robot(&self.robot)
             .with_nominal(&self.nominal)
-            .with_samples(samples);
+            .with_samples(samples)
+            .with_closed_loop(processed.closed_loop.as_deref());
         let estimate =
             |estimator: &Arc<dyn Estimator>| estimator.estimate(&problem).map_err(|fault| RunError::estimator(&fault));
         self.estimators.iter().map(estimate).collect()

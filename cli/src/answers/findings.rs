@@ -31,6 +31,7 @@ const fn rank(finding: &Finding) -> usize {
         Finding::BeyondShape { .. } => 11,
         Finding::LeftOut { .. } => 12,
         Finding::MotionTakenAsExact => 13,
+        Finding::DurbinWuHausman { .. } => 14,
     }
 }
 

@@ -83,7 +83,8 @@ impl LogArguments {
         let names_itself = found.logs.iter().any(|log| log.recording.is_none());
         let files = found.logs.iter().flat_map(|log| log.origin.files.clone()).collect();
         let mapping = found.logs.iter().find_map(|log| log.origin.mapping.clone());
-        let prepared = process_all(found.logs, &robot, &settings)?;
+        let mut prepared = process_all(found.logs, &robot, &settings)?;
+        prepared.closed_loops = Some(armid_sim::closed_loop);
         let rate_hz = rate_hz.filter(|_| names_itself);
         let logs = paths.iter().map(|path| path.display().to_string()).collect();
         Ok((prepared, Inputs { robot: source, logs, held_out_log: None, files, mapping, rate_hz, settings }))

@@ -40,6 +40,7 @@ impl Prepared {
         let first = &simulations[0];
         let (robot, nominal) = (first.robot().clone(), first.nominal.clone());
         let setup = StudySetup::new(plan, robot, nominal, &first.truth).map_err(in_words)?;
+        let setup = setup.with_closed_loops(armid_sim::closed_loop);
         Ok(Self { setup, simulations })
     }
 

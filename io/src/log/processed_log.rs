@@ -2,8 +2,8 @@
 
 use armid::diagnosis::{Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
-    Estimate, EstimationError, EstimatorKind, Identification, Selection, TorqueResidual, TorqueSeries, Validation,
-    select,
+    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Selection, TorqueResidual,
+    TorqueSeries, Validation, closed_loop_of, select,
 };
 use armid::model::Columns;
 use armid::regressor::JointTorqueRegressor;
@@ -34,6 +34,8 @@ pub struct ProcessedLog {
     pub reports: Vec<LogReport>,
     /// How they were processed.
     pub settings: LogSettings,
+    /// What makes the closed loop of the recordings, for estimators that simulate; none unless it is set.
+    pub closed_loops: Option<ClosedLoopFactory>,
 }
 
 /// What was found in a log, and how much of it is used.
@@ -137,6 +139,10 @@ impl ProcessedLog {
         if let Some(guess) = self.robot.guess() {
             identification = identification.with_nominal(guess);
         }
+        let recordings: Vec<_> = self.logs.iter().map(|log| log.recording.as_ref()).collect();
+        let robot = &self.robot;
+        let known = closed_loop_of(self.closed_loops, &robot.robot, robot.guess(), &recordings);
+        identification = identification.with_closed_loop(known);
         let estimators: Vec<_> = estimators.iter().map(|kind| kind.estimator()).collect();
         identification.estimate_by(&self.samples, &estimators).map_err(named)
     }

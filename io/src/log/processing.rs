@@ -49,6 +49,7 @@ impl Log {
             reports: vec![report],
             logs: vec![log],
             settings: settings.clone(),
+            closed_loops: None,
             robot,
         })
     }

@@ -294,6 +294,39 @@ impl<const N: usize> Chain<N> {
     }
 }
 
+impl<const N: usize> Factor<N, f64> {
+    /// Whether the matrix is positive definite.
+    pub(crate) fn is_positive(&self) -> bool {
+        self.reciprocal.iter().all(|d| d.is_finite() && *d > 0.0)
+    }
+
+    /// `H⁻¹ X` in place, X of N rows of `d` numbers.
+    #[inline(always)]
+    pub(crate) fn solve_rows(&self, x: &mut [f64], d: usize) {
+        for j in 1..N {
+            let (before, own) = x.split_at_mut(j * d);
+            for k in 0..j {
+                let lower = self.lower[j][k];
+                for (own, before) in own[..d].iter_mut().zip(&before[k * d..(k + 1) * d]) {
+                    *own -= lower * before;
+                }
+            }
+        }
+        for j in (0..N).rev() {
+            let (own, after) = x[j * d..].split_at_mut(d);
+            for own in own.iter_mut() {
+                *own *= self.reciprocal[j];
+            }
+            for k in j + 1..N {
+                let lower = self.lower[k][j];
+                for (own, after) in own.iter_mut().zip(&after[(k - j - 1) * d..(k - j) * d]) {
+                    *own -= lower * after;
+                }
+            }
+        }
+    }
+}
+
 impl<const N: usize, V: Lane> Factor<N, V> {
     /// Factors a symmetric positive definite matrix of which only the lower triangle is read.
     #[inline(always)]
@@ -330,6 +363,15 @@ impl<const N: usize, V: Lane> Factor<N, V> {
             sum = sum + d[j] * d[j] * self.reciprocal[j];
         }
         sum
+    }
+
+    /// The same factor in other numbers.
+    #[inline(always)]
+    pub(crate) fn map<U: Copy>(&self, of: impl Fn(V) -> U) -> Factor<N, U> {
+        Factor {
+            lower: std::array::from_fn(|i| std::array::from_fn(|j| of(self.lower[i][j]))),
+            reciprocal: std::array::from_fn(|i| of(self.reciprocal[i])),
+        }
     }
 
     #[inline(always)]

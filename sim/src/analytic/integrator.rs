@@ -74,6 +74,13 @@ fn parts<const N: usize, V: Lane>(chain: &Chain<N>, y: &State<N, V>, a: &[V; N],
     one.splat(0.5).less(turns, one.less(needed, needed, one), one)
 }
 
+/// How many parts a step of one arm is divided into.
+#[inline(always)]
+pub(crate) fn parts_of_step<const N: usize>(chain: &Chain<N>, y: &State<N, f64>, tau: &[f64; N], dt: f64) -> f64 {
+    let (a, factor) = chain.accelerate(&y.q, &y.v, tau);
+    parts(chain, y, &a, &factor, dt)
+}
+
 /// Steps every run by `dt` under held torque.
 #[inline(always)]
 pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V>, tau: &[V; N], dt: f64) {

@@ -13,11 +13,14 @@ mod chain;
 mod forward;
 mod forces;
 mod integrator;
+mod jet;
 mod law_numbers;
 mod plant;
 mod runs;
+mod slopes;
 mod team;
 
 pub use plant::{AnalyticError, AnalyticPlant, MOST_JOINTS};
 pub use runs::{BatchRun, perform_runs, record_runs};
+pub(crate) use slopes::{SlopedArm, sloped_arm};
 pub use team::AnalyticBatch;

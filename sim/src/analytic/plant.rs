@@ -52,6 +52,14 @@ pub enum AnalyticError {
         /// Number of joints of the robot.
         expected: usize,
     },
+    /// A parameter by which the motion has no derivative that is known.
+    #[error(
+        "{parameter}: no derivative of the motion by it, expected a parameter whose torque follows from the motion"
+    )]
+    Derivative {
+        /// Which parameter.
+        parameter: String,
+    },
     /// A torque term that the plant cannot simulate.
     #[error(transparent)]
     Term(#[from] TermError),
@@ -96,7 +104,16 @@ impl AnalyticPlant {
     /// # Panics
     /// If a slice has another length than n.
     pub fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) {
-        self.arm.acceleration(tau, qdd);
+        let _ = self.definite_acceleration(tau, qdd);
+    }
+
+    /// The same; returns whether the mass matrix in the present state is positive definite, without which they mean nothing.
+    ///
+    /// # Panics
+    /// If a slice has another length than n.
+    #[must_use]
+    pub fn definite_acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool {
+        self.arm.acceleration(tau, qdd)
     }
 }
 
@@ -131,7 +148,7 @@ trait Arm: std::fmt::Debug + Send + Sync {
     fn state(&self) -> (&[f64], &[f64]);
     fn reset(&mut self, q: &[f64], qd: &[f64]);
     fn step(&mut self, tau: &[f64], dt: f64);
-    fn acceleration(&self, tau: &[f64], qdd: &mut [f64]);
+    fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool;
     fn boxed(&self) -> Box<dyn Arm>;
     fn members(&self, runs: usize) -> Box<dyn Members>;
 }
@@ -169,8 +186,10 @@ impl<const N: usize, A: Advance> Arm for Jointed<N, A> {
         integrator::step(&self.chain, &mut self.state, &fixed(tau), dt);
     }
 
-    fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) {
-        qdd.copy_from_slice(&self.chain.accelerate(&self.state.q, &self.state.v, &fixed(tau)).0);
+    fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool {
+        let (found, factor) = self.chain.accelerate(&self.state.q, &self.state.v, &fixed(tau));
+        qdd.copy_from_slice(&found);
+        factor.is_positive()
     }
 
     fn boxed(&self) -> Box<dyn Arm> {

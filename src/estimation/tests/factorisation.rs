@@ -4,6 +4,7 @@ use nalgebra::{DMatrix, DVector};
 use rand::RngExt;
 
 use super::setting::{a460_samples, synthetic, white};
+use crate::conformance::StiffLoop;
 use crate::estimation::{
     Estimate, EstimationError, EstimationProblem, EstimatorKind, Factorisation, Finding, Inference, Instruments,
     IntervalBasis, Observation, Termination, residual_noise,
@@ -96,8 +97,17 @@ fn identity_few_samples_hold_what_all_rows_do() {
 fn identity_neither_thread_nor_repetition_changes_a_bit_and_another_observation_is_not_taken_for_this() {
     let (observation, _) = a460(800);
     let equations = Factorisation::new(&observation).unwrap();
-    let nominal = super::setting::a460().1;
-    let problem = EstimationProblem::new(&observation).with_nominal(&nominal);
+    let (robot, nominal, regressor, _, mut samples) = a460_samples(800);
+    let guess = nominal.clone();
+    let stiff = StiffLoop::new(&robot, regressor.columns(), &nominal, guess, samples.states.clone(), 1e-6);
+    for (k, q) in samples.states.q.iter_mut().enumerate() {
+        *q += 1e-9 * libm::sin(17.0 * k as f64);
+    }
+    let problem = EstimationProblem::new(&observation)
+        .with_nominal(&nominal)
+        .with_robot(&robot)
+        .with_samples(&samples)
+        .with_closed_loop(Ok(&stiff));
     let shared = problem.with_factorisation(&equations);
     for kind in EstimatorKind::ALL {
         let (own, other) = (kind.estimator().estimate(&problem).unwrap(), kind.estimator().estimate(&shared).unwrap());

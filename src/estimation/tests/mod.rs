@@ -4,6 +4,7 @@ mod chain;
 mod coverage;
 mod drive_gains;
 mod factorisation;
+mod instrumental;
 mod noisy_recording;
 mod physical;
 mod recovery;

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::setting::{a460, a460_samples, synthetic, white};
 use crate::base::{Method, reduce};
-use crate::conformance::chains;
+use crate::conformance::{StiffLoop, chains};
 use crate::dynamics::{Dynamics, States};
 use crate::estimation::{
     Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Observation, complete, predict, validate,
@@ -23,9 +23,12 @@ fn identity_exact_states_give_the_base_parameters_of_the_a460() {
     let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
     let mut guess = parameters.clone();
     guess.links = guess.links.iter().map(|link| Inertia::from_array(&link.to_array().map(|x| 0.9 * x))).collect();
+    let columns = regressor.columns();
+    let stiff = StiffLoop::new(&robot, columns, &parameters, guess.clone(), samples.states.clone(), 1e-5);
     for kind in EstimatorKind::ALL {
         let problem = EstimationProblem::new(&observation).with_robot(&robot).with_samples(&samples);
-        let estimate = kind.estimator().estimate(&problem.with_nominal(&guess)).unwrap();
+        let problem = problem.with_nominal(&guess).with_closed_loop(Ok(&stiff));
+        let estimate = kind.estimator().estimate(&problem).unwrap();
         let error = (estimate.beta() - &beta).norm() / beta.norm();
         // Steepest descent is still on its way, and says so.
         assert!(

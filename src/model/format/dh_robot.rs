@@ -96,9 +96,12 @@ pub(super) fn read_dh_robot(text: &str) -> Result<Robot, FormatError> {
         obstacles,
         may_touch,
     };
-    let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?.unwrap_or_default();
+    let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?;
     match Robot::new(spec) {
-        Ok(robot) => Ok(robot.with_effort(file.effort).with_servo(servo).with_points(points).read_from(text)),
+        Ok(robot) => {
+            let robot = servo.into_iter().fold(robot, Robot::with_servo);
+            Ok(robot.with_effort(file.effort).with_points(points).read_from(text))
+        }
         Err(fault) => check.fault(file.joint.span(), fault.to_string()),
     }
 }

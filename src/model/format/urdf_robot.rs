@@ -137,9 +137,11 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
         spec.may_touch.push(read_touch(check, table, &names)?);
     }
     let points = read_points(check, &file.point, &|link| link_index(check, link, &names))?;
-    let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?.unwrap_or_default();
+    let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?;
     let robot = match Robot::new(spec) {
-        Ok(robot) => robot.with_effort(effort).with_servo(servo).with_points(points).read_from(text),
+        Ok(robot) => {
+            servo.into_iter().fold(robot, Robot::with_servo).with_effort(effort).with_points(points).read_from(text)
+        }
         Err(fault) => return check.fault(at, fault.to_string()),
     };
     for (index, table) in stated.iter().enumerate().filter_map(|(index, table)| Some((index, (*table)?))) {

@@ -1,0 +1,175 @@
+//! Gauss–Newton steps on simulated motions, damped where a step cannot be simulated or does not pay.
+//!
+//! ```text
+//! y − f(β + Δ) ≈ r − J Δ        Δ = argmin ‖r − J Δ‖_Σ² + μ ‖D Δ‖²        D_jj = ‖J_j‖_Σ,  μ = 0 unless a step was rejected
+//! ```
+//! The damping is Levenberg and Marquardt's, in units in which no unit matters: a combination of parameters that the data hardly
+//! show moves little until the others are right. At rest there is none.
+//!
+//! Reference: J. J. Moré, "The Levenberg-Marquardt algorithm: implementation and theory", Numerical Analysis, Springer 1978.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::estimation::error::EstimationError;
+use crate::estimation::inference::solve;
+use crate::estimation::observation::Observation;
+use crate::estimation::termination::Termination;
+use crate::linalg::{BlockWhitening, LeastSquares, product};
+
+/// Steps at most.
+const STEPS: usize = 40;
+/// Damping after the first rejection of a step, the most that is tried, and the factor between.
+const LEAST_DAMPING: f64 = 1e-8;
+const MOST_DAMPING: f64 = 1e3;
+const FACTOR: f64 = 10.0;
+/// Length of a step, as weighted equations over all of them, at which the search has come to rest.
+const AT_REST: f64 = 1e-9;
+
+/// Equations around a trial point, n·M rows; zero in rows that are none.
+#[derive(Clone, Debug)]
+pub(super) struct Linearised {
+    /// J, (n·M) × b.
+    pub(super) jacobian: DMatrix<f64>,
+    /// r, n·M.
+    pub(super) residual: DVector<f64>,
+}
+
+impl Linearised {
+    /// `r + J β = J β' + ε`: linear equations of the parameters themselves.
+    pub(super) fn equations(&self, observation: &Observation, beta: &DVector<f64>) -> Observation {
+        let column = DMatrix::from_column_slice(beta.len(), 1, beta.as_slice());
+        let y = &self.residual + product(&self.jacobian, &column).column(0);
+        Observation { regressor: self.jacobian.clone(), y, ..observation.clone() }
+    }
+}
+
+/// Linearises at a trial point, or says why it cannot be simulated.
+pub(super) type Linearise<'a> = dyn Fn(&DVector<f64>) -> Result<Linearised, EstimationError> + 'a;
+
+/// Whether the trial point is at fault: another one may do.
+fn is_rejected(error: &EstimationError) -> bool {
+    matches!(error, EstimationError::ClosedLoop { reason, .. } if reason.is_of_parameters())
+}
+
+/// What `of` gives at the first of these points that can be simulated.
+///
+/// # Errors
+/// That of the last point, where none can.
+pub(super) fn first_simulable<T>(
+    starts: &[DVector<f64>],
+    of: impl Fn(&DVector<f64>) -> Result<T, EstimationError>,
+) -> Result<(DVector<f64>, T), EstimationError> {
+    let mut last = EstimationError::NotDefinite;
+    for start in starts {
+        match of(start) {
+            Ok(found) => return Ok((start.clone(), found)),
+            Err(error) if is_rejected(&error) => last = error,
+            Err(error) => return Err(error),
+        }
+    }
+    Err(last)
+}
+
+/// What is minimised.
+pub(super) struct Descent<'a> {
+    pub(super) observation: &'a Observation,
+    pub(super) weights: &'a BlockWhitening,
+    /// By which part a step may raise the sum of squares: none where J is exact.
+    pub(super) rise: f64,
+}
+
+/// Where the search ended.
+pub(super) struct Rest {
+    pub(super) beta: DVector<f64>,
+    pub(super) linearised: Linearised,
+    pub(super) termination: Termination,
+}
+
+impl Descent<'_> {
+    /// Follows steps from a point to rest.
+    pub(super) fn follow(
+        &self,
+        (mut beta, mut at): (DVector<f64>, Linearised),
+        linearise: &Linearise<'_>,
+    ) -> Result<Rest, EstimationError> {
+        let mut cost = self.white(&at.residual)?.norm_squared();
+        let (mut last_step, mut damping) = (f64::INFINITY, 0.0);
+        for iterations in 1..=STEPS {
+            let step = self.step(&at, 0.0)?;
+            let equations = at.equations(self.observation, &beta);
+            let moved = product(&at.jacobian, &DMatrix::from_column_slice(step.len(), 1, step.as_slice()));
+            last_step = self.white(&moved.column(0).into_owned())?.norm() / self.white(&equations.y)?.norm();
+            if last_step <= AT_REST {
+                return Ok(Rest {
+                    beta,
+                    linearised: at,
+                    termination: Termination::Converged { iterations, last_step },
+                });
+            }
+            let (mut unsimulable, mut accepted) = (false, None);
+            while damping <= MOST_DAMPING {
+                let trial = &beta + if damping == 0.0 { step.clone() } else { self.step(&at, damping)? };
+                match linearise(&trial) {
+                    Ok(found) => {
+                        let trial_cost = self.white(&found.residual)?.norm_squared();
+                        if trial_cost <= cost * (1.0 + self.rise) {
+                            accepted = Some((trial, found, trial_cost));
+                            break;
+                        }
+                        unsimulable = false;
+                    }
+                    Err(error) if is_rejected(&error) => unsimulable = true,
+                    Err(error) => return Err(error),
+                }
+                damping = (damping * FACTOR).max(LEAST_DAMPING);
+            }
+            let Some((trial, found, trial_cost)) = accepted else {
+                let termination = if unsimulable {
+                    Termination::Unsimulable { iterations }
+                } else {
+                    Termination::Stalled { iterations, last_step }
+                };
+                return Ok(Rest { beta, linearised: at, termination });
+            };
+            (beta, at, cost) = (trial, found, trial_cost);
+            damping = if damping > LEAST_DAMPING { damping / (FACTOR * FACTOR) } else { 0.0 };
+        }
+        let termination = Termination::IterationLimit { iterations: STEPS, last_step };
+        Ok(Rest { beta, linearised: at, termination })
+    }
+
+    /// Δ with the damping μ.
+    fn step(&self, at: &Linearised, damping: f64) -> Result<DVector<f64>, EstimationError> {
+        let mut jacobian = self.weights.clone().whiten(&at.jacobian, &self.observation.used)?;
+        let mut residual = self.white(&at.residual)?;
+        if damping > 0.0 {
+            let (rows, b) = jacobian.shape();
+            let lengths: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
+            jacobian = jacobian.resize_vertically(rows + b, 0.0);
+            residual = residual.resize_vertically(rows + b, 0.0);
+            for (j, length) in lengths.iter().enumerate() {
+                jacobian[(rows + j, j)] = damping.sqrt() * length;
+            }
+        }
+        Ok(solve(self.observation, &jacobian, &residual)?.solution().clone())
+    }
+
+    /// `Σ^{-½} r`.
+    fn white(&self, residual: &DVector<f64>) -> Result<DVector<f64>, EstimationError> {
+        let column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
+        Ok(self.weights.clone().whiten(&column, &self.observation.used)?.column(0).into_owned())
+    }
+}
+
+impl Rest {
+    /// The weighted fit of the equations around this point; where the search did not come to rest, with this point in place of
+    /// a step that was not taken.
+    pub(super) fn fit(&self, fit: LeastSquares) -> Result<LeastSquares, EstimationError> {
+        if self.termination.was_successful() {
+            return Ok(fit);
+        }
+        let b = self.beta.len();
+        let factors = [fit.inverse_information(), DMatrix::identity(b, b)];
+        Ok(LeastSquares::from_factors(self.beta.clone(), factors, fit.condition(), fit.condition_scaled())?)
+    }
+}

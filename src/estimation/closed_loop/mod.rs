@@ -1,0 +1,28 @@
+//! Estimators that simulate the arm in closed loop with its known servo.
+//!
+//! ```text
+//! r(t) → servo → τ_s(β) → arm(β) → q_s(β)        the same reference, start and servo as the recording's
+//! iv      Zᵀ Σ⁻¹ (y − W β) = 0                   Z = W(q_s, q̇_s, q̈_s)
+//! didim   min ‖y − τ_s(β)‖_Σ, ∂τ_s/∂β ≈ Z        clie   the same, ∂τ_s/∂β exact        cloe   min ‖q − q_s(β)‖
+//! ```
+//! A [`ClosedLoop`] simulates; β becomes a full set of standard parameters by the smallest change of the nominal set
+//! ([`crate::estimation::complete`]), since the motion depends on β alone. A trial whose mass matrix is not positive definite, or
+//! whose motion runs away, is a rejected step.
+
+mod clie;
+mod cloe;
+mod descent;
+mod didim;
+mod endogeneity;
+mod error;
+mod iv;
+mod simulation;
+mod torque_error;
+mod trial;
+
+pub use clie::ClosedLoopInputError;
+pub use cloe::ClosedLoopOutputError;
+pub use didim::DirectInverseIdentification;
+pub use error::ClosedLoopError;
+pub use iv::InstrumentalVariables;
+pub use simulation::{ClosedLoop, ClosedLoopFactory, ClosedLoopMotion, ClosedLoopSlopes, closed_loop_of};

@@ -1,0 +1,88 @@
+//! The arm under its known servo, simulated for any parameters.
+
+use std::fmt;
+use std::sync::Arc;
+
+use nalgebra::DMatrix;
+
+use super::error::ClosedLoopError;
+use crate::dynamics::States;
+use crate::experiment::{ExperimentPlan, Recording};
+use crate::model::{ParameterId, Robot, StandardParameters};
+
+/// What an arm with certain parameters does under its servo, at the instants of the samples: N × n each.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedLoopMotion {
+    /// Positions, velocities, accelerations, without any sensor.
+    pub states: States,
+    /// Torque of the motors on the joints, mean of what is held before and after the instant, N·m (N), row-major.
+    /// `τ = Y(q, q̇, q̈) φ` holds at every instant where the motion repeats from period to period.
+    pub tau: Vec<f64>,
+}
+
+/// How positions and torque move with parameters: means over blocks of samples, (n·M) × d each, row `k n + i` that of joint i
+/// in block k.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedLoopSlopes {
+    /// `∂q/∂φ_j`.
+    pub q: DMatrix<f64>,
+    /// `∂τ/∂φ_j`.
+    pub tau: DMatrix<f64>,
+}
+
+/// The closed loop of an arm along the motions of its recordings, for any parameters: the same controller, the same
+/// reference, the same start from rest; no sensors.
+///
+/// The simulated motion stands beside the samples instant by instant: of a recording with periods it is the mean over the
+/// recorded ones, and several recordings follow each other. Equal parameters give equal bits.
+///
+/// Estimators that simulate receive it in their problem
+/// ([`EstimationProblem::with_closed_loop`](crate::estimation::EstimationProblem::with_closed_loop)); the core has no
+/// simulator, `armid-sim` brings one.
+pub trait ClosedLoop: fmt::Debug + Send + Sync {
+    /// What the servo's gains are placed on, and what parameters that torque does not show are taken from.
+    fn nominal(&self) -> &StandardParameters;
+
+    /// The motion with these parameters.
+    ///
+    /// # Errors
+    /// [`ClosedLoopError::MassMatrix`] or [`ClosedLoopError::Diverged`] where there is none.
+    fn motion(&self, parameters: &StandardParameters) -> Result<ClosedLoopMotion, ClosedLoopError>;
+
+    /// The same with its derivatives by some parameters (d of them) as means over blocks of `block` samples: those of the
+    /// simulation itself, exact but for rounding.
+    ///
+    /// # Errors
+    /// As [`ClosedLoop::motion`].
+    fn slopes(
+        &self,
+        parameters: &StandardParameters,
+        by: &[ParameterId],
+        block: usize,
+    ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError>;
+}
+
+/// Makes the closed loop of a robot with gains for nominal parameters along the motions of some plans.
+pub type ClosedLoopFactory =
+    fn(&Robot, &StandardParameters, &[ExperimentPlan]) -> Result<Arc<dyn ClosedLoop>, ClosedLoopError>;
+
+/// The closed loop in which recordings were made, `None` for a log of something else.
+///
+/// # Errors
+/// [`ClosedLoopError`] with what is not known of it.
+pub fn closed_loop_of(
+    factory: Option<ClosedLoopFactory>,
+    robot: &Robot,
+    nominal: Option<&StandardParameters>,
+    recordings: &[Option<&Recording>],
+) -> Result<Arc<dyn ClosedLoop>, ClosedLoopError> {
+    let factory = factory.ok_or(ClosedLoopError::NotGiven)?;
+    let name = || robot.name().to_owned();
+    if robot.stated_servo().is_none() {
+        return Err(ClosedLoopError::NoServo { robot: name() });
+    }
+    let nominal = nominal.ok_or_else(|| ClosedLoopError::NoNominal { robot: name() })?;
+    let plans: Option<Vec<ExperimentPlan>> = recordings.iter().map(|recording| Some((*recording)?.plan())).collect();
+    let plans = plans.filter(|plans| !plans.is_empty()).ok_or(ClosedLoopError::NoReference)?;
+    factory(robot, nominal, &plans)
+}

@@ -1,0 +1,124 @@
+//! One point β of a search, simulated, beside the samples.
+//!
+//! ```text
+//! φ = φ_nom + Kᵀ(KKᵀ)⁻¹ (β − K φ_nom)        β → φ → q_s, q̇_s, q̈_s, τ_s
+//! ```
+//! Columns that are not estimated are not simulated either: the simulated arm is the estimated model.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::error::ClosedLoopError;
+use super::simulation::{ClosedLoop, ClosedLoopMotion, ClosedLoopSlopes};
+use crate::estimation::complete;
+use crate::estimation::error::EstimationError;
+use crate::estimation::observation::Observation;
+use crate::estimation::problem::EstimationProblem;
+use crate::model::{ParameterId, Robot, StandardParameters};
+use crate::regressor::JointTorqueRegressor;
+use crate::signal::Samples;
+
+/// What trial points are simulated with.
+pub(super) struct Trial<'a> {
+    estimator: &'static str,
+    observation: &'a Observation,
+    robot: &'a Robot,
+    samples: &'a Samples,
+    closed_loop: &'a dyn ClosedLoop,
+    regressor: JointTorqueRegressor,
+}
+
+impl<'a> Trial<'a> {
+    pub(super) fn of(estimator: &'static str, problem: &EstimationProblem<'a>) -> Result<Self, EstimationError> {
+        let robot = problem.robot_for(estimator)?;
+        Ok(Self {
+            estimator,
+            observation: problem.observation,
+            robot,
+            samples: problem.samples_for(estimator)?,
+            closed_loop: problem.closed_loop_for(estimator)?,
+            regressor: JointTorqueRegressor::new(robot, problem.observation.columns),
+        })
+    }
+
+    /// β of the nominal set.
+    pub(super) fn nominal(&self) -> DVector<f64> {
+        let nominal = self.closed_loop.nominal().vector(self.robot, self.observation.columns);
+        self.observation.base.beta(&nominal)
+    }
+
+    /// The motion at β.
+    pub(super) fn motion(&self, beta: &DVector<f64>) -> Result<ClosedLoopMotion, EstimationError> {
+        let motion = self.closed_loop.motion(&self.parameters(beta)?).map_err(|reason| self.failed(reason))?;
+        self.checked(motion)
+    }
+
+    /// The motion at β, and its derivatives by β.
+    pub(super) fn slopes(&self, beta: &DVector<f64>) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), EstimationError> {
+        let base = &self.observation.base;
+        // ∂φ/∂β = Kᵀ(KKᵀ)⁻¹ moves torque as the kept parameters alone do.
+        let by: Vec<ParameterId> = base.kept.iter().map(|&j| base.parameters[j]).collect();
+        let found = self.closed_loop.slopes(&self.parameters(beta)?, &by, self.samples.block);
+        let (motion, mut slopes) = found.map_err(|reason| self.failed(reason))?;
+        for matrix in [&mut slopes.q, &mut slopes.tau] {
+            self.blank(matrix);
+        }
+        Ok((self.checked(motion)?, slopes))
+    }
+
+    /// Z: the regressor along a simulated motion, (n·M) × b; zero in rows that are no equation.
+    pub(super) fn regressor_along(&self, motion: &ClosedLoopMotion) -> DMatrix<f64> {
+        let mut z = self.regressor.stack_means(&motion.states, &self.observation.base.kept, self.samples.block);
+        self.blank(&mut z);
+        z
+    }
+
+    /// Measured less simulated torque, n·M; zero in rows that are no equation.
+    pub(super) fn torque_error(&self, motion: &ClosedLoopMotion) -> DVector<f64> {
+        self.error(&self.observation.y, &motion.tau)
+    }
+
+    /// Measured positions, n·M; zero in rows that are no equation.
+    pub(super) fn positions(&self) -> DVector<f64> {
+        let n = self.observation.dof;
+        let mut q = DVector::from_vec(self.samples.block_means(&self.samples.states.q, n));
+        for (row, _) in self.observation.used.iter().enumerate().filter(|(_, used)| !**used) {
+            q[row] = 0.0;
+        }
+        q
+    }
+
+    /// Measured less simulated positions, n·M; zero in rows that are no equation.
+    pub(super) fn position_error(&self, motion: &ClosedLoopMotion) -> DVector<f64> {
+        self.error(&self.positions(), &motion.states.q)
+    }
+
+    /// Means of a simulated table taken from measured means.
+    fn error(&self, measured: &DVector<f64>, simulated: &[f64]) -> DVector<f64> {
+        let means = self.samples.block_means(simulated, self.observation.dof);
+        let used = &self.observation.used;
+        DVector::from_fn(measured.len(), |row, _| if used[row] { measured[row] - means[row] } else { 0.0 })
+    }
+
+    /// A full set of standard parameters with these base parameters.
+    fn parameters(&self, beta: &DVector<f64>) -> Result<StandardParameters, EstimationError> {
+        let columns = self.observation.columns;
+        let full = complete(&self.observation.base, beta, self.closed_loop.nominal())?.parameters;
+        let phi = full.vector(self.robot, columns);
+        Ok(StandardParameters::from_vector(self.robot, columns, phi.as_slice()))
+    }
+
+    fn checked(&self, motion: ClosedLoopMotion) -> Result<ClosedLoopMotion, EstimationError> {
+        let (found, expected) = (motion.states.len(), self.samples.len());
+        if found == expected { Ok(motion) } else { Err(self.failed(ClosedLoopError::Samples { found, expected })) }
+    }
+
+    fn failed(&self, reason: ClosedLoopError) -> EstimationError {
+        EstimationError::ClosedLoop { estimator: self.estimator, reason }
+    }
+
+    fn blank(&self, matrix: &mut DMatrix<f64>) {
+        for (row, _) in self.observation.used.iter().enumerate().filter(|(_, used)| !**used) {
+            matrix.row_mut(row).fill(0.0);
+        }
+    }
+}

@@ -1,0 +1,93 @@
+//! Instrumental variables against NumPy: `tests/python/instrumental.py` prints these numbers.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::base::{Method, reduce};
+use crate::dynamics::States;
+use crate::estimation::{
+    ClosedLoop, ClosedLoopError, ClosedLoopMotion, ClosedLoopSlopes, EstimationProblem, EstimatorKind, Finding,
+    Observation,
+};
+use crate::experiment::hinges;
+use crate::model::{Columns, ParameterId, StandardParameters};
+use crate::regressor::JointTorqueRegressor;
+use crate::seed::Seed;
+use crate::signal::{NoiseModel, Samples};
+
+const COUNT: usize = 60;
+
+/// A loop that moves in one way, whatever the arm.
+#[derive(Debug)]
+struct OneMotion(ClosedLoopMotion, StandardParameters);
+
+impl ClosedLoop for OneMotion {
+    fn nominal(&self) -> &StandardParameters {
+        &self.1
+    }
+
+    fn motion(&self, _: &StandardParameters) -> Result<ClosedLoopMotion, ClosedLoopError> {
+        Ok(self.0.clone())
+    }
+
+    fn slopes(
+        &self,
+        _: &StandardParameters,
+        _: &[ParameterId],
+        _: usize,
+    ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError> {
+        Err(ClosedLoopError::NotGiven)
+    }
+}
+
+/// States of a hinge whose speed and acceleration are `of` the true ones at instant k.
+fn states(of: impl Fn(f64, f64, f64) -> (f64, f64)) -> States {
+    let mut states = States::new(1);
+    for k in 0..COUNT {
+        let (k, t) = (k as f64, 0.05 * k as f64);
+        let speed = libm::cos(1.1 * t) + 0.5 * libm::sin(2.3 * t);
+        let acceleration = -1.1 * libm::sin(1.1 * t) + 1.15 * libm::cos(2.3 * t);
+        let (speed, acceleration) = of(k, speed, acceleration);
+        states.push(&[0.0], &[speed], &[acceleration]);
+    }
+    states
+}
+
+#[test]
+fn published_instruments_are_those_of_numpy() {
+    let robot = hinges::single();
+    let columns = Columns::RIGID_ROTOR_FRICTION;
+    let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, columns);
+    let exact = states(|_, speed, acceleration| (speed, acceleration));
+    let tau: Vec<f64> = (base.select_columns(&regressor.stack(&exact)) * DVector::from_vec(vec![2.0, 0.5, 0.3, 0.1]))
+        .iter()
+        .enumerate()
+        .map(|(k, tau)| tau + 0.02 * libm::sin(29.0 * k as f64))
+        .collect();
+    let measured = states(|k, speed, acceleration| {
+        (speed + 0.002 * libm::sin(17.0 * k), acceleration + 0.02 * libm::cos(13.0 * k))
+    });
+    let simulated = states(|_, speed, acceleration| (0.98 * speed, 0.97 * acceleration));
+    let samples = Samples {
+        noise: Some(NoiseModel::white(DMatrix::from_element(1, 1, 9e-4), false, 1e9)),
+        ..Samples::exact(measured, tau.clone(), vec!["N·m".to_owned()], 20.0)
+    };
+    let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
+    let one = OneMotion(ClosedLoopMotion { states: simulated, tau }, hinges::parameters(1));
+    let problem = EstimationProblem::new(&observation).with_robot(&robot).with_samples(&samples);
+    let found = EstimatorKind::Iv.estimator().estimate(&problem.with_closed_loop(Ok(&one))).unwrap();
+    let beta = [1.997_967_884_627_897_7, 0.489_947_620_157_480_8, 0.310_790_450_709_434_1, 0.098_576_898_021_650_6];
+    let std =
+        [0.003_261_142_856_268_081, 0.011_382_151_466_197_565, 0.011_402_736_250_012_105, 0.004_331_038_661_109_805_5];
+    assert_eq!(found.base.len(), 4);
+    for (p, (beta, std)) in found.base.iter().zip(beta.iter().zip(&std)) {
+        assert!((p.value / beta - 1.0).abs() < 1e-10, "{}: {} {beta}", p.name, p.value);
+        assert!((p.std / std - 1.0).abs() < 1e-9, "{}: {} {std}", p.name, p.std);
+    }
+    let test = found.findings.iter().find_map(|finding| match finding {
+        Finding::DurbinWuHausman { statistic, freedom, .. } => Some((*statistic, *freedom)),
+        _ => None,
+    });
+    let (statistic, freedom) = test.unwrap();
+    assert!(freedom == 3 && (statistic / 220.472_083_856_178_95 - 1.0).abs() < 1e-6, "{statistic} {freedom}");
+}
