@@ -104,7 +104,8 @@ fn summary(found: &[&Finding]) -> Option<String> {
         | Finding::FewPeriods { .. }
         | Finding::NoiseFromResidual
         | Finding::NearlyDependent { .. }
-        | Finding::MotionTakenAsExact => return None,
+        | Finding::MotionTakenAsExact
+        | Finding::DurbinWuHausman { .. } => return None,
     })
 }
 

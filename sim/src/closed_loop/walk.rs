@@ -34,7 +34,7 @@ pub(super) fn mean_period(
     let (discard, record) = (layout.span(Phase::Discard), layout.span(Phase::Record));
     let length = layout.period_samples;
     let mut mean = PeriodMean::new(record.len() / length);
-    let empty = || vec![Vec::with_capacity(length * n); 4];
+    let empty = || vec![Vec::new(); 4];
     let mut period: Period = empty();
     period.extend(body.tables(length / block));
     let (mut before, mut qdd) = (vec![0.0; n], vec![0.0; n]);

@@ -125,7 +125,7 @@ fn solve(
     let b = w.ncols();
     let lengths = |matrix: &DMatrix<f64>| -> Vec<f64> { matrix.column_iter().map(|column| column.norm()).collect() };
     let (of_z, of_w) = (lengths(z), lengths(w));
-    if let Some(j) = (0..b).find(|&j| of_z[j] <= 0.0 || of_z[j].is_nan()) {
+    if let Some(j) = (0..b).find(|&j| of_z[j] == 0.0) {
         return Err(EstimationError::NoInstrument { parameter: observation.base.names()[j].clone() });
     }
     let mut a = transpose_product(z, w);
