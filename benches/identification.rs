@@ -1,7 +1,8 @@
-//! Times the way from states to estimates on one core: `cargo bench --bench identification [-- --states FILE]`.
+//! Times the way from states to estimates on one core: `cargo bench --bench identification [-- --states FILE | --aperiodic]`.
 //!
 //! Without a file: per-sample times of the stacked regressor at several lengths, of 10,000 samples of the CRS A460 to ordinary
-//! and weighted estimates with intervals, and of a record of 10⁶ samples without a period, with the memory it took. With one
+//! and weighted estimates with intervals, and of a record of 10⁶ samples without a period, with the memory it took (that alone with
+//! `--aperiodic`). With one
 //! (little-endian f64: q, q̇, q̈, τ of every sample, n each) it identifies the rigid base parameters from it and prints seconds
 //! and parameters as JSON, for `benches/peers/identification.py`.
 #![allow(clippy::print_stdout, reason = "a benchmark prints its figures")]
@@ -43,6 +44,10 @@ fn main() {
     let arguments: Vec<String> = std::env::args().collect();
     match arguments.iter().position(|argument| argument == "--states") {
         Some(at) => from_file(arguments.get(at + 1).expect("a file after --states")),
+        None if arguments.iter().any(|argument| argument == "--aperiodic") => {
+            let (robot, nominal) = a460();
+            aperiodic(&robot, &nominal);
+        }
         None => alone(),
     }
 }

@@ -20,6 +20,8 @@ use armid_sim::{AnalyticPlant, MujocoModel, MujocoPlant, MujocoScheme, MujocoSte
 const BLOCK: usize = 200;
 /// Blocks of a round.
 const BLOCKS: usize = 40;
+/// Runs in lanes.
+const RUNS: usize = 8;
 /// Rounds, the best of which counts.
 const ROUNDS: usize = 15;
 
@@ -73,6 +75,21 @@ fn stepper(mut plant: impl Plant) -> impl FnMut(bool) {
     }
 }
 
+/// Steps as many runs as a study computes together, or puts them back.
+fn lanes(plant: AnalyticPlant) -> impl FnMut(bool) {
+    let mut batch = plant.batch(RUNS);
+    move |put_back| {
+        if put_back {
+            for run in 0..RUNS {
+                batch.reset(run, &Q, &QD);
+                batch.push(run, &TAU);
+            }
+        } else {
+            batch.step(1e-3);
+        }
+    }
+}
+
 /// Steps MuJoCo, or puts it back.
 fn own_step(mut model: MujocoModel, how: MujocoStepper) -> impl FnMut(bool) {
     move |put_back| {
@@ -118,6 +135,8 @@ fn main() {
         ("MuJoCo plant, held Euler", Box::new(stepper(mujoco(&truth).with_scheme(MujocoScheme::HeldEuler)))),
         ("analytic plant's RK4 step, no friction", Box::new(stepper(analytic(&smooth)))),
         ("analytic plant's RK4 step", Box::new(stepper(analytic(&truth)))),
+        ("analytic plant, 8 runs in lanes, no friction", Box::new(lanes(analytic(&smooth)))),
+        ("analytic plant, 8 runs in lanes", Box::new(lanes(analytic(&truth)))),
         (
             "analytic forward dynamics",
             Box::new(move |_| resting.acceleration(std::hint::black_box(&TAU), &mut acceleration)),
@@ -133,16 +152,21 @@ fn main() {
         ("rapier plant, 1 substep, no friction", Box::new(stepper(rapier(&smooth).with_substeps(NonZeroU32::MIN)))),
         ("rapier plant, 4 substeps", Box::new(stepper(rapier(&truth)))),
     ];
-    let cost = race(&mut candidates);
+    let mut cost = race(&mut candidates);
+    for of_all in &mut cost[8..10] {
+        *of_all /= RUNS as f64;
+    }
     for ((name, _), cost) in candidates.iter().zip(&cost) {
-        println!("{name:<40} {cost:>8.0} ns");
+        println!("{name:<44} {cost:>8.0} ns");
     }
     let ratio = |name: &str, own: f64, other: f64| println!("{name:<68} {:>6.3}", own / other);
-    ratio("analytic forward dynamics + servo : MuJoCo's Euler step", cost[8] + cost[9], cost[0]);
+    ratio("analytic forward dynamics + servo : MuJoCo's Euler step", cost[10] + cost[11], cost[0]);
     ratio("analytic RK4 step : MuJoCo's RK4 step, both without friction", cost[6], cost[1]);
     ratio("analytic RK4 step with friction : MuJoCo's RK4 step without", cost[7], cost[1]);
+    ratio("RK4 step in lanes, each run : MuJoCo's RK4 step, no friction", cost[8], cost[1]);
+    ratio("RK4 step in lanes with friction, each run : MuJoCo's RK4 step without", cost[9], cost[1]);
     ratio("MuJoCo plant by stages : MuJoCo's RK4 step, both without friction", cost[2], cost[1]);
     ratio("MuJoCo plant by stages : analytic plant, both with friction", cost[3], cost[7]);
-    ratio("analytic RK4 step : rapier's step of order one, both without friction", cost[6], cost[10]);
-    ratio("analytic RK4 step : rapier plant of 4 substeps, both with friction", cost[7], cost[11]);
+    ratio("analytic RK4 step : rapier's step of order one, both without friction", cost[6], cost[12]);
+    ratio("analytic RK4 step : rapier plant of 4 substeps, both with friction", cost[7], cost[13]);
 }

@@ -10,7 +10,7 @@
 
 use nalgebra::Vector3;
 
-use super::joint_frames::{Body, JointChain, JointPose};
+use super::joint_frames::{Body, JointChain, JointPose, State};
 use super::symmetric::Symmetric3;
 use crate::spatial::{Force, Motion};
 
@@ -147,8 +147,8 @@ pub(super) fn workspace(chain: &JointChain) -> Vec<ArticulatedJoint> {
     chain
         .joints
         .iter()
-        .map(|joint| ArticulatedJoint {
-            pose: joint.pose(0.0),
+        .map(|_| ArticulatedJoint {
+            pose: JointPose::NOWHERE,
             c: Motion::zero(),
             inertia: ArticulatedInertia::ZERO,
             bias: Force::zero(),
@@ -164,7 +164,7 @@ pub(super) fn accelerations(
     chain: &JointChain,
     work: &mut [ArticulatedJoint],
     rotors: &[f64],
-    (q, qd): (&[f64], &[f64]),
+    (q, qd, turns): State<'_>,
     x: &mut [f64],
 ) {
     let n = chain.joints.len();
@@ -173,7 +173,7 @@ pub(super) fn accelerations(
     let mut v = Motion::zero();
     for (k, (joint, body)) in chain.joints.iter().zip(&chain.bodies).enumerate() {
         let w = &mut work[k];
-        w.pose = joint.pose(q[k]);
+        w.pose = joint.pose(q[k], turns.of(k));
         v = w.pose.motion_to_child(&v);
         let rate = qd[k];
         if joint.revolute {

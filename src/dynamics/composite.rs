@@ -6,7 +6,7 @@
 
 use nalgebra::Vector3;
 
-use super::joint_frames::{Body, JointChain, JointFrame, JointPose};
+use super::joint_frames::{Body, JointChain, JointFrame, JointPose, State, Turns};
 use crate::spatial::{Force, Motion};
 
 /// What the recursion keeps of one joint.
@@ -29,14 +29,8 @@ pub(super) struct Workspace {
 impl Workspace {
     pub(super) fn new(chain: &JointChain) -> Self {
         let n = chain.joints.len();
-        let joints = chain.joints.iter().zip(&chain.bodies);
-        Self {
-            joints: joints
-                .map(|(joint, &body)| CompositeJoint { pose: joint.pose(0.0), body, wrench: Force::zero() })
-                .collect(),
-            mass: vec![0.0; n * n],
-            bias: vec![0.0; n],
-        }
+        let joint = |&body: &Body| CompositeJoint { pose: JointPose::NOWHERE, body, wrench: Force::zero() };
+        Self { joints: chain.bodies.iter().map(joint).collect(), mass: vec![0.0; n * n], bias: vec![0.0; n] }
     }
 }
 
@@ -69,22 +63,16 @@ fn mass_matrix(joints: &[JointFrame], work: &mut [CompositeJoint], mass: &mut [f
 }
 
 /// The lower triangle of the row-major n × n mass matrix of the links at `q`.
-pub(super) fn mass_matrix_at(chain: &JointChain, work: &mut Workspace, q: &[f64]) {
-    for (((w, joint), body), &q) in work.joints.iter_mut().zip(&chain.joints).zip(&chain.bodies).zip(q) {
-        w.pose = joint.pose(q);
+pub(super) fn mass_matrix_at(chain: &JointChain, work: &mut Workspace, q: &[f64], turns: &Turns) {
+    for (k, ((w, joint), body)) in work.joints.iter_mut().zip(&chain.joints).zip(&chain.bodies).enumerate() {
+        w.pose = joint.pose(q[k], turns.of(k));
         w.body = *body;
     }
     mass_matrix(&chain.joints, &mut work.joints, &mut work.mass);
 }
 
 /// Turns efforts into accelerations, in place: `x ← (H(q) + D)⁻¹ (x − c(q, q̇) − g(q))`, `D` row-major n × n.
-pub(super) fn accelerations(
-    chain: &JointChain,
-    work: &mut Workspace,
-    added: &[f64],
-    state: (&[f64], &[f64]),
-    x: &mut [f64],
-) {
+pub(super) fn accelerations(chain: &JointChain, work: &mut Workspace, added: &[f64], state: State<'_>, x: &mut [f64]) {
     // The usual numbers of joints with loops of known length: a tenth faster, the same operations in the same order.
     match chain.joints.len() {
         6 => sized::<6>(chain, work, added, state, x),
@@ -93,13 +81,7 @@ pub(super) fn accelerations(
     }
 }
 
-fn sized<const N: usize>(
-    chain: &JointChain,
-    work: &mut Workspace,
-    added: &[f64],
-    state: (&[f64], &[f64]),
-    x: &mut [f64],
-) {
+fn sized<const N: usize>(chain: &JointChain, work: &mut Workspace, added: &[f64], state: State<'_>, x: &mut [f64]) {
     if let (Some(joints), Some(bodies)) = (chain.joints.first_chunk::<N>(), chain.bodies.first_chunk::<N>()) {
         accelerations_of(joints, bodies, chain.base_acceleration, work, added, state, x);
     }
@@ -112,7 +94,7 @@ fn accelerations_of(
     base_acceleration: Vector3<f64>,
     work: &mut Workspace,
     added: &[f64],
-    state: (&[f64], &[f64]),
+    state: State<'_>,
     x: &mut [f64],
 ) {
     let n = joints.len();
@@ -132,7 +114,7 @@ fn accelerations_of(
 fn mass_matrix_and_bias(
     (joints, bodies, base_acceleration): (&[JointFrame], &[Body], Vector3<f64>),
     work: &mut [CompositeJoint],
-    (q, qd): (&[f64], &[f64]),
+    (q, qd, turns): State<'_>,
     mass: &mut [f64],
     bias: &mut [f64],
 ) {
@@ -142,7 +124,7 @@ fn mass_matrix_and_bias(
     let mut v = Motion::zero();
     let mut a = Motion::new(Vector3::zeros(), base_acceleration);
     for (k, (joint, body)) in joints.iter().zip(bodies).enumerate() {
-        let pose = joint.pose(q[k]);
+        let pose = joint.pose(q[k], turns.of(k));
         v = pose.motion_to_child(&v);
         a = pose.motion_to_child(&a);
         let rate = qd[k];

@@ -13,7 +13,7 @@
 use nalgebra::{Matrix3, Vector3};
 
 use super::symmetric::Symmetric3;
-use crate::lanes::sin_cos;
+use crate::lanes::sines_and_cosines;
 use crate::model::{JointKind, Robot};
 use crate::spatial::{Force, Inertia, Motion, Placement};
 
@@ -87,6 +87,39 @@ impl JointChain {
     }
 }
 
+/// Angles of all joints about their axes, with their sines and cosines, n each.
+#[derive(Clone, Debug)]
+pub(super) struct Turns {
+    angles: Vec<f64>,
+    sines: Vec<f64>,
+    cosines: Vec<f64>,
+}
+
+/// Positions, velocities (n each), and the sines and cosines of the positions.
+pub(super) type State<'a> = (&'a [f64], &'a [f64], &'a Turns);
+
+impl Turns {
+    pub(super) fn new(chain: &JointChain) -> Self {
+        let n = chain.joints.len();
+        Self { angles: vec![0.0; n], sines: vec![0.0; n], cosines: vec![1.0; n] }
+    }
+
+    /// Takes the positions `q` (n): one evaluation for as many joints as the processor has lanes.
+    #[inline]
+    pub(super) fn take(&mut self, joints: &[JointFrame], q: &[f64]) {
+        for ((angle, joint), q) in self.angles.iter_mut().zip(joints).zip(q) {
+            *angle = if joint.revolute { joint.offset + q } else { joint.offset };
+        }
+        sines_and_cosines(&self.angles, &mut self.sines, &mut self.cosines);
+    }
+
+    /// Sine and cosine of joint k.
+    #[inline(always)]
+    pub(super) fn of(&self, k: usize) -> (f64, f64) {
+        (self.sines[k], self.cosines[k])
+    }
+}
+
 /// `γ` of `R = Rz(γ) Rx(α) Rz(θ)`; any value serves where `α` is a multiple of 180°.
 fn gamma(r: &Matrix3<f64>) -> f64 {
     let (x, y) = (r[(0, 2)], -r[(1, 2)]);
@@ -100,11 +133,10 @@ fn turn_back(gamma: f64) -> Placement {
 }
 
 impl JointFrame {
-    /// The pose at coordinate `q`.
-    #[inline]
-    pub(super) fn pose(&self, q: f64) -> JointPose {
-        let (angle, slide) = if self.revolute { (self.offset + q, 0.0) } else { (self.offset, q) };
-        let (sin, cos) = sin_cos(angle);
+    /// The pose at coordinate `q`, whose angle about the axis has this sine and cosine.
+    #[inline(always)]
+    pub(super) fn pose(&self, q: f64, (sin, cos): (f64, f64)) -> JointPose {
+        let slide = if self.revolute { 0.0 } else { q };
         let (sin_alpha, cos_alpha) = (self.sin_alpha, self.cos_alpha);
         let origin = Vector3::new(self.origin.x, self.origin.y - sin_alpha * slide, self.origin.z + cos_alpha * slide);
         JointPose { sin, cos, sin_alpha, cos_alpha, origin }
@@ -139,6 +171,10 @@ impl JointFrame {
 }
 
 impl JointPose {
+    /// Before anything is known.
+    pub(super) const NOWHERE: Self =
+        Self { sin: 0.0, cos: 1.0, sin_alpha: 0.0, cos_alpha: 1.0, origin: Vector3::new(0.0, 0.0, 0.0) };
+
     /// `Rᵀ x`.
     #[inline]
     fn turn_in(&self, x: &Vector3<f64>) -> Vector3<f64> {
@@ -239,7 +275,7 @@ impl Body {
     /// ```text
     /// n = J α + ω × J ω + h × b        f = m b + α × h + ω × (ω × h)
     /// ```
-    #[inline]
+    #[inline(always)]
     pub(super) fn wrench(&self, v: &Motion, a: &Motion) -> Force {
         let (j, h) = (&self.rotational, &self.first_moment);
         let b = a.lin + v.ang.cross(&v.lin);

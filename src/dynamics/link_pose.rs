@@ -50,35 +50,52 @@ impl LinkPose {
     /// The pose at coordinate `q`, rad or m.
     #[inline]
     pub(crate) fn at(&self, q: f64) -> Placement {
-        let LanePlacement { axes: [x, y, z], origin } = self.in_lanes(q);
+        let LanePlacement { axes: [x, y, z], origin } = self.in_lanes(self.turn(q));
         Placement {
             rotation: Matrix3::new(x[0], y[0], z[0], x[1], y[1], z[1], x[2], y[2], z[2]),
             translation: origin.into(),
         }
     }
 
-    /// The poses of several samples.
+    /// `[x, y]`, the two functions of q.
     #[inline(always)]
-    pub(crate) fn in_lanes<V: Lane>(&self, q: V) -> LanePlacement<V> {
-        let (y, x) = match self.kind {
-            JointKind::Revolute => sin_cos(q),
-            JointKind::Prismatic => (q.splat(0.0), q),
-        };
+    pub(crate) fn turn<V: Lane>(&self, q: V) -> [V; 2] {
+        match self.kind {
+            JointKind::Revolute => {
+                let (sine, cosine) = sin_cos(q);
+                [cosine, sine]
+            }
+            JointKind::Prismatic => [q, q.splat(0.0)],
+        }
+    }
+
+    /// The same where sine and cosine of q are known.
+    #[inline(always)]
+    pub(crate) fn turn_of(&self, q: f64, sine: f64, cosine: f64) -> [f64; 2] {
+        match self.kind {
+            JointKind::Revolute => [cosine, sine],
+            JointKind::Prismatic => [q, 0.0],
+        }
+    }
+
+    /// The poses of several samples, from `[x, y]`.
+    #[inline(always)]
+    pub(crate) fn in_lanes<V: Lane>(&self, [x, y]: [V; 2]) -> LanePlacement<V> {
         LanePlacement {
-            axes: [self.three(0, q, x, y), self.three(3, q, x, y), self.three(6, q, x, y)],
-            origin: self.three(9, q, x, y),
+            axes: [self.three(0, x, y), self.three(3, x, y), self.three(6, x, y)],
+            origin: self.three(9, x, y),
         }
     }
 
     /// Three numbers of the pose. Functions, since a closure that is not inlined is compiled without the processor's lanes.
     #[inline(always)]
-    fn three<V: Lane>(&self, k: usize, one: V, x: V, y: V) -> [V; 3] {
-        [self.number(k, one, x, y), self.number(k + 1, one, x, y), self.number(k + 2, one, x, y)]
+    fn three<V: Lane>(&self, k: usize, x: V, y: V) -> [V; 3] {
+        [self.number(k, x, y), self.number(k + 1, x, y), self.number(k + 2, x, y)]
     }
 
     #[inline(always)]
-    fn number<V: Lane>(&self, k: usize, one: V, x: V, y: V) -> V {
-        one.splat(self.constant[k]) + x * one.splat(self.first[k]) + y * one.splat(self.second[k])
+    fn number<V: Lane>(&self, k: usize, x: V, y: V) -> V {
+        x.splat(self.constant[k]) + x * x.splat(self.first[k]) + y * x.splat(self.second[k])
     }
 }
 

@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, Vector3};
 
 use super::articulated::{self, ArticulatedJoint};
 use super::composite;
-use super::joint_frames::{JointChain, JointPose};
+use super::joint_frames::{JointChain, JointPose, Turns};
 use super::{LinkPose, TermState, TorqueTerms};
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::spatial::{Force, Inertia, Motion};
@@ -43,6 +43,7 @@ pub struct Dynamics {
     pub(super) term_inertia: Vec<f64>,
     coupled: bool,
     chain: JointChain,
+    turns: Turns,
     /// Pose of each joint's frame, and the force that its link takes.
     carried: Vec<(JointPose, Force)>,
     articulated: Vec<ArticulatedJoint>,
@@ -69,7 +70,7 @@ impl Dynamics {
             parameters.links.len(),
             parameters.drives.len()
         );
-        let terms = TorqueTerms::new(robot, Columns::default().and_those_of(parameters));
+        let terms = TorqueTerms::new(robot, Columns::default().and_those_of(parameters)).acting(parameters);
         let term_values = terms.values(parameters);
         let term_inertia = terms.inertia(parameters);
         let chain = JointChain::new(robot, &parameters.links);
@@ -79,7 +80,8 @@ impl Dynamics {
             term_inertia: term_inertia.transpose().as_slice().to_vec(),
             articulated: articulated::workspace(&chain),
             composite: composite::Workspace::new(&chain),
-            carried: chain.joints.iter().map(|joint| (joint.pose(0.0), Force::zero())).collect(),
+            carried: vec![(JointPose::NOWHERE, Force::zero()); n],
+            turns: Turns::new(&chain),
             chain,
             term_torque: vec![0.0; n],
             zeros: vec![0.0; n],
@@ -122,9 +124,10 @@ impl Dynamics {
     fn inverse_of_links(&mut self, q: &[f64], qd: &[f64], qdd: &[f64], tau: &mut [f64]) {
         let mut v = Motion::zero();
         let mut a = Motion::new(Vector3::zeros(), self.chain.base_acceleration);
+        self.turns.take(&self.chain.joints, q);
         let steps = self.carried.iter_mut().zip(self.chain.joints.iter().zip(&self.chain.bodies));
         for (i, ((pose, force), (joint, body))) in steps.enumerate() {
-            *pose = joint.pose(q[i]);
+            *pose = joint.pose(q[i], self.turns.of(i));
             (v, a) = joint.moved(&pose.motion_to_child(&v), &pose.motion_to_child(&a), qd[i], qdd[i]);
             *force = body.wrench(&v, &a);
         }
@@ -173,7 +176,9 @@ impl Dynamics {
     /// If a slice is shorter than n.
     pub fn forward_composite(&mut self, q: &[f64], qd: &[f64], tau: &[f64], qdd: &mut [f64]) {
         self.solve(q, qd, tau, qdd, |this, qdd| {
-            composite::accelerations(&this.chain, &mut this.composite, &this.term_inertia, (q, qd), qdd);
+            this.turns.take(&this.chain.joints, q);
+            let state = (q, qd, &this.turns);
+            composite::accelerations(&this.chain, &mut this.composite, &this.term_inertia, state, qdd);
         });
     }
 
@@ -189,7 +194,9 @@ impl Dynamics {
             return self.forward_composite(q, qd, tau, qdd);
         }
         self.solve(q, qd, tau, qdd, |this, qdd| {
-            articulated::accelerations(&this.chain, &mut this.articulated, &this.rotors, (q, qd), qdd);
+            this.turns.take(&this.chain.joints, q);
+            let state = (q, qd, &this.turns);
+            articulated::accelerations(&this.chain, &mut this.articulated, &this.rotors, state, qdd);
         });
     }
 
@@ -247,7 +254,8 @@ impl Dynamics {
     /// If `q` is shorter than n.
     pub fn mass_matrix(&mut self, q: &[f64]) -> DMatrix<f64> {
         let n = self.dof();
-        composite::mass_matrix_at(&self.chain, &mut self.composite, q);
+        self.turns.take(&self.chain.joints, q);
+        composite::mass_matrix_at(&self.chain, &mut self.composite, q, &self.turns);
         DMatrix::from_fn(n, n, |i, j| self.composite.mass[i.max(j) * n + i.min(j)] + self.term_inertia[i * n + j])
     }
 }

@@ -82,6 +82,15 @@ impl TorqueTerms {
         Self { dof, parameters, banks, coupling, torque_coupling: inverse.unwrap_or_default(), needs_load }
     }
 
+    /// Those that act with these parameters: without what all joints have with the value zero.
+    #[must_use]
+    pub(super) fn acting(mut self, parameters: &StandardParameters) -> Self {
+        let all = &self.parameters;
+        self.banks.retain(|bank| bank.members.iter().any(|&(_, column)| parameters.get(all[column]) != 0.0));
+        self.needs_load = self.banks.iter().any(|bank| bank.term.entry().needs.load);
+        self
+    }
+
     /// The parameter of each column, in order.
     #[must_use]
     pub fn parameters(&self) -> &[ParameterId] {

@@ -33,8 +33,6 @@ pub struct Information {
     kept: Vec<usize>,
     joints: Vec<JointRows>,
     samples: usize,
-    /// One sample of the regressor, n × p.
-    sample: Vec<f64>,
     prior: Option<DMatrix<f64>>,
 }
 
@@ -58,7 +56,7 @@ impl Information {
                 JointRows { rows: PaddedRows::zeros(samples, columns.len()), columns, weight: 1.0 / sigma[i] }
             })
             .collect();
-        Self { regressor, kept: kept.to_vec(), joints, samples, sample: vec![0.0; n * p], prior }
+        Self { regressor, kept: kept.to_vec(), joints, samples, prior }
     }
 
     /// Number of base columns b.
@@ -73,16 +71,17 @@ impl Information {
     /// If there are not as many samples as the rows have room for.
     pub fn gather(&mut self, states: &States) -> DMatrix<f64> {
         assert_eq!(states.len(), self.samples, "samples of the motion");
-        let (n, p, count, b) = (self.regressor.rows(), self.regressor.cols(), self.samples, self.kept.len());
-        for k in 0..count {
-            self.regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut self.sample);
-            for (i, joint) in self.joints.iter_mut().enumerate() {
-                let row = &self.sample[i * p..(i + 1) * p];
-                for (entry, &c) in joint.rows.row_mut(k).iter_mut().zip(&joint.columns) {
-                    *entry = joint.weight * row[self.kept[c]];
+        let (n, count, b) = (self.regressor.rows(), self.samples, self.kept.len());
+        let joints = &mut self.joints;
+        self.regressor.stack_in_parts(states, &self.kept, 1, |part| {
+            for (i, joint) in joints.iter_mut().enumerate() {
+                for (place, &c) in joint.columns.iter().enumerate() {
+                    for (k, entry) in part.column(c).iter().skip(i).step_by(n).enumerate() {
+                        joint.rows.row_mut(part.first + k)[place] = joint.weight * entry;
+                    }
                 }
             }
-        }
+        });
         let mut m = self.prior.clone().unwrap_or_else(|| DMatrix::zeros(b, b));
         let per_row = 1.0 / (n * count) as f64;
         for joint in &self.joints {

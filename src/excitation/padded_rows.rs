@@ -5,6 +5,8 @@
 //! ```
 //! Every entry is one running sum in the order of its index, so blocks leave no trace in the bits.
 
+use pulp::Arch;
+
 /// Rows and columns of a block. Sixteen sums fill half the registers of any 64-bit processor.
 const BLOCK: usize = 4;
 
@@ -35,6 +37,15 @@ impl PaddedRows {
 
     /// `Wᵀ W`: as many rows as these have columns; what is below its diagonal means nothing.
     pub(super) fn gram(&self) -> Self {
+        // Compiled for the processor's vectors.
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.blocks_of_gram(),
+        )
+    }
+
+    #[inline(always)]
+    fn blocks_of_gram(&self) -> Self {
         let (stride, mut gram) = (self.stride, Self::zeros(self.width, self.width));
         for left in (0..stride).step_by(BLOCK) {
             for right in (left..stride).step_by(BLOCK) {
@@ -57,6 +68,14 @@ impl PaddedRows {
 
     /// `W S` for a square matrix with as many rows as these have columns.
     pub(super) fn times(&self, square: &Self) -> Self {
+        Arch::new().dispatch(
+            #[inline(always)]
+            || self.blocks_of_product(square),
+        )
+    }
+
+    #[inline(always)]
+    fn blocks_of_product(&self, square: &Self) -> Self {
         let (stride, mut product) = (self.stride, self.clone());
         let tiles = self.values.chunks_exact(BLOCK * stride);
         for (rows, product) in tiles.zip(product.values.chunks_exact_mut(BLOCK * stride)) {
@@ -81,7 +100,7 @@ impl PaddedRows {
 }
 
 /// A block's worth of a row.
-#[inline]
+#[inline(always)]
 fn block(row: &[f64], start: usize) -> &[f64; BLOCK] {
     row[start..].first_chunk().expect("rows are padded to whole blocks")
 }

@@ -13,4 +13,4 @@ mod wide;
 
 pub use elementary::{exp, sin_cos, sines, tanh};
 pub use lane::Lane;
-pub use wide::{MOST_LANES, Wide};
+pub use wide::{MOST_LANES, Wide, sines_and_cosines};

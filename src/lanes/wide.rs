@@ -2,8 +2,9 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use pulp::Simd;
+use pulp::{Arch, Simd, WithSimd};
 
+use super::elementary::sin_cos;
 use super::lane::{Lane, ROUND};
 
 /// More lanes than any processor has.
@@ -119,5 +120,55 @@ impl<S: Simd> Lane for Wide<S> {
         let bits = self.simd.transmute_u64s_f64s((self + self.splat(ROUND + 1023.0)).x);
         let exponent = self.simd.mul_u64s(bits, self.simd.splat_u64s(1 << 52));
         Self::new(self.simd, self.simd.transmute_f64s_u64s(exponent))
+    }
+}
+
+/// Sines and cosines of any number of angles, as many at once as there are lanes for: bit by bit those of
+/// [`sin_cos`], angle by angle.
+///
+/// # Panics
+/// If the slices are not of one length.
+#[inline]
+pub fn sines_and_cosines(angles: &[f64], sines: &mut [f64], cosines: &mut [f64]) {
+    assert!(angles.len() == sines.len() && angles.len() == cosines.len(), "as many sines and cosines as angles");
+    Arch::new().dispatch(Angles { angles, sines, cosines });
+}
+
+struct Angles<'a> {
+    angles: &'a [f64],
+    sines: &'a mut [f64],
+    cosines: &'a mut [f64],
+}
+
+impl WithSimd for Angles<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let mut first = 0;
+        while first < self.angles.len() {
+            let some = first..self.angles.len().min(first + S::F64_LANES);
+            let angles = Wide::new(simd, simd.partial_load_f64s(&self.angles[some.clone()]));
+            let (sines, cosines) = sin_cos(angles);
+            simd.partial_store_f64s(&mut self.sines[some.clone()], sines.x);
+            simd.partial_store_f64s(&mut self.cosines[some], cosines.x);
+            first += S::F64_LANES;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identity_sines_of_many_angles_are_those_of_each_to_the_bit() {
+        for count in 0..20 {
+            let angles: Vec<f64> = (0..count).map(|k| f64::from(k * k) * 1.7 - 3.0).collect();
+            let (mut sines, mut cosines) = (vec![0.0; angles.len()], vec![0.0; angles.len()]);
+            sines_and_cosines(&angles, &mut sines, &mut cosines);
+            let each: (Vec<f64>, Vec<f64>) = angles.iter().map(|&angle| sin_cos(angle)).unzip();
+            assert_eq!((sines, cosines), each);
+        }
     }
 }

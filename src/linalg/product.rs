@@ -100,20 +100,12 @@ impl AddProduct<'_> {
         let (rows, lanes) = (self.rows, S::F64_LANES);
         let inner = self.a.len() / rows;
         let whole = count == V * lanes;
-        let load = |from: &[f64]| {
-            let mut vectors = [simd.splat_f64s(0.0); V];
-            for v in 0..V {
-                let end = if whole { (v + 1) * lanes } else { count };
-                vectors[v] = simd.partial_load_f64s(&from[v * lanes..end]);
-            }
-            vectors
-        };
         let mut sums = [[simd.splat_f64s(0.0); V]; N];
         for n in 0..N {
-            sums[n] = load(&self.c[(j + n) * rows + row..][..count]);
+            sums[n] = load::<S, V>(simd, &self.c[(j + n) * rows + row..][..count]);
         }
         for k in 0..inner {
-            let a = load(&self.a[k * rows + row..][..count]);
+            let a = load::<S, V>(simd, &self.a[k * rows + row..][..count]);
             for n in 0..N {
                 let b = simd.splat_f64s(self.b[(j + n) * inner + k]);
                 for v in 0..V {
@@ -123,12 +115,25 @@ impl AddProduct<'_> {
         }
         for n in 0..N {
             let to = &mut self.c[(j + n) * rows + row..][..count];
-            for v in 0..V {
-                let end = if whole { (v + 1) * lanes } else { count };
-                simd.partial_store_f64s(&mut to[v * lanes..end], sums[n][v]);
+            if whole {
+                S::as_mut_simd_f64s(to).0.copy_from_slice(&sums[n]);
+            } else {
+                simd.partial_store_f64s(to, sums[n][0]);
             }
         }
     }
+}
+
+/// V vectors, or the beginning of one.
+#[inline(always)]
+fn load<S: Simd, const V: usize>(simd: S, from: &[f64]) -> [S::f64s; V] {
+    let mut vectors = [simd.splat_f64s(0.0); V];
+    if from.len() == V * S::F64_LANES {
+        vectors.copy_from_slice(S::as_simd_f64s(from).0);
+    } else {
+        vectors[0] = simd.partial_load_f64s(from);
+    }
+    vectors
 }
 
 struct TransposedProduct<'a> {

@@ -135,7 +135,11 @@ impl WithSimd for Absorb<'_> {
                 let (row, lines) = (S::as_mut_simd_f64s(row).0, S::as_mut_simd_f64s(block).0);
                 let vectors = row.len();
                 let mut at = (k + 1) / S::F64_LANES;
-                while at + 4 <= vectors {
+                while at + 8 <= vectors {
+                    reflect::<S, 8>(simd, &reflection, row, lines, at);
+                    at += 8;
+                }
+                if at + 4 <= vectors {
                     reflect::<S, 4>(simd, &reflection, row, lines, at);
                     at += 4;
                 }

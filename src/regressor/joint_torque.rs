@@ -6,7 +6,7 @@ use nalgebra::Vector3;
 
 use super::BodyRegressor;
 use crate::dynamics::{LinkPose, TermState, TorqueTerms};
-use crate::lanes::Lane;
+use crate::lanes::{Lane, sines_and_cosines};
 use crate::model::{Columns, ParameterId, Robot, StandardParameters};
 use crate::spatial::{LaneMotion, Motion};
 
@@ -157,10 +157,19 @@ impl JointTorqueRegressor {
             heap.resize(n, inline[0]);
             &mut heap
         };
+        let mut few = [[0.0; INLINE_JOINTS]; 2];
+        let mut many;
+        let [sines, cosines]: [&mut [f64]; 2] = if n <= INLINE_JOINTS {
+            few.each_mut().map(|x| &mut x[..n])
+        } else {
+            many = [vec![0.0; n], vec![0.0; n]];
+            many.each_mut().map(|x: &mut Vec<f64>| x.as_mut_slice())
+        };
+        sines_and_cosines(&q[..n], sines, cosines);
         self.walk(
             (&v).into(),
             (&a).into(),
-            |k| [q[k], qd[k], qdd[k]],
+            |k| (self.poses[k].turn_of(q[k], sines[k], cosines[k]), [qd[k], qdd[k]]),
             rows.clone(),
             carried,
             |k, body, axes| {
@@ -181,21 +190,21 @@ impl JointTorqueRegressor {
 
     /// The recursion itself, for as many samples as V has lanes, from a base with velocity `v` and acceleration `a`. Calls
     /// `visit` for each link with its body's regressor and the axes of the joints `rows` up to it, in its frame; `state` gives
-    /// position, velocity and acceleration of a joint.
+    /// the two functions of a joint's position ([`LinkPose`]), its velocity and its acceleration.
     #[inline(always)]
     pub(super) fn walk<V: Lane>(
         &self,
         mut v: LaneMotion<V>,
         mut a: LaneMotion<V>,
-        mut state: impl FnMut(usize) -> [V; 3],
+        mut state: impl FnMut(usize) -> ([V; 2], [V; 2]),
         rows: Range<usize>,
         axes: &mut [LaneMotion<V>],
         mut visit: impl FnMut(usize, &BodyRegressor<V>, &[LaneMotion<V>]),
     ) {
         for (k, (pose, axis)) in self.poses.iter().zip(&self.axes).enumerate() {
-            let [q, qd, qdd] = state(k);
-            let x = pose.in_lanes(q);
-            let axis = LaneMotion::splat(q, axis);
+            let (turn, [qd, qdd]) = state(k);
+            let x = pose.in_lanes(turn);
+            let axis = LaneMotion::splat(qd, axis);
             let rate = axis.times(qd);
             v = x.motion_to_child(&v).plus(&rate);
             a = x.motion_to_child(&a).plus(&axis.times(qdd)).plus(&v.cross(&rate));

@@ -25,3 +25,4 @@ mod stack;
 pub use body::BodyRegressor;
 pub use joint_torque::JointTorqueRegressor;
 pub use moving_base::BaseState;
+pub use stack::StackPart;

@@ -17,6 +17,29 @@ use crate::spatial::{LaneMotion, Motion};
 /// Blocks that are worked on together: a whole number of lanes of any processor.
 const TOGETHER: usize = 8;
 
+/// Some rows of a stack, for as long as they are in the processor's first cache.
+#[derive(Clone, Copy, Debug)]
+pub struct StackPart<'a> {
+    /// Number of the first block.
+    pub first: usize,
+    /// Number of blocks, at most eight.
+    pub count: usize,
+    joints: usize,
+    numbers: &'a [f64],
+}
+
+impl StackPart<'_> {
+    /// Column `column` of those that were wanted, n · count: row `k n + i` is joint i, block `first + k`.
+    ///
+    /// # Panics
+    /// If there is no such column.
+    #[inline]
+    #[must_use]
+    pub fn column(&self, column: usize) -> &[f64] {
+        &self.numbers[column * TOGETHER * self.joints..][..self.count * self.joints]
+    }
+}
+
 impl JointTorqueRegressor {
     /// All samples: `W`, (n·N) × p, where row `k n + i` is joint i at sample k. Bit by bit what
     /// [`evaluate`](Self::evaluate) gives.
@@ -36,24 +59,87 @@ impl JointTorqueRegressor {
     /// If the states are not those of n joints, `block` is zero, or a column is beyond p.
     #[must_use]
     pub fn stack_means(&self, states: &States, columns: &[usize], block: usize) -> DMatrix<f64> {
+        let rows = self.rows() * (states.len() / block);
+        // A vector of zeros comes from the system without a pass over it, which `DMatrix::zeros` takes.
+        let mut w = DMatrix::from_vec(rows, columns.len(), vec![0.0; rows * columns.len()]);
+        self.stack_means_into(states, columns, block, &mut w);
+        w
+    }
+
+    /// [`Self::stack_means`] in the place of what `w` held. A recording that is read in parts which fit in the processor's cache, into one
+    /// matrix, waits for no memory.
+    ///
+    /// # Panics
+    /// As [`Self::stack_means`], or if `w` is not (n·M) × as many as there are columns.
+    pub fn stack_means_into(&self, states: &States, columns: &[usize], block: usize, w: &mut DMatrix<f64>) {
         let n = self.rows();
         assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
-        let blocks = states.len() / block;
-        let mut w = DMatrix::zeros(n * blocks, columns.len());
+        let (found, expected) = (w.shape(), (n * (states.len() / block), columns.len()));
+        assert_eq!(found, expected, "a matrix for the stack of {found:?}, expected {expected:?}");
         if w.is_empty() {
-            return w;
+            return;
         }
+        if !self.links.is_empty() {
+            return self.stack_under_load(states, columns, block, w);
+        }
+        let (rows, w) = (w.nrows(), w.as_mut_slice());
+        self.stack_by(
+            states,
+            columns,
+            block,
+            #[inline(always)]
+            |cells, first, count| cells.write(w, rows, first * n, count),
+        );
+    }
+
+    /// The sums of a few blocks after the other, for `put(cells, first, count)`.
+    #[inline]
+    fn stack_by(&self, states: &States, columns: &[usize], block: usize, put: impl FnMut(&Cells<'_>, usize, usize)) {
+        Arch::new().dispatch(Stack { cells: Cells::new(self, columns), states, block, put });
+    }
+
+    /// [`Self::stack_means`] a few blocks at a time, in their order. The matrix as a whole is never held: who reads each part once reads
+    /// it from the first cache.
+    ///
+    /// # Panics
+    /// As [`Self::stack_means`].
+    pub fn stack_in_parts(
+        &self,
+        states: &States,
+        columns: &[usize],
+        block: usize,
+        mut visit: impl FnMut(&StackPart<'_>),
+    ) {
+        let n = self.rows();
+        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
         if self.links.is_empty() {
-            Arch::new().dispatch(Stack { cells: Cells::new(self, columns), states, block, w: w.as_mut_slice() });
-        } else {
-            self.stack_under_load(states, columns, block, &mut w);
+            let mut numbers = vec![0.0; TOGETHER * n * columns.len()];
+            return self.stack_by(
+                states,
+                columns,
+                block,
+                #[inline(always)]
+                |cells, first, count| {
+                    cells.write(&mut numbers, TOGETHER * n, 0, count);
+                    visit(&StackPart { first, count, joints: n, numbers: &numbers });
+                },
+            );
         }
-        w
+        let w = self.stack_means(states, columns, block);
+        let mut numbers = vec![0.0; TOGETHER * n * columns.len()];
+        for first in (0..w.nrows() / n).step_by(TOGETHER) {
+            let count = TOGETHER.min(w.nrows() / n - first);
+            for (to, from) in numbers.chunks_exact_mut(TOGETHER * n).zip(w.column_iter()) {
+                to[..count * n].copy_from_slice(&from.as_slice()[first * n..(first + count) * n]);
+            }
+            visit(&StackPart { first, count, joints: n, numbers: &numbers });
+        }
     }
 
     /// Sample by sample, for terms that depend on the torque that all links take.
     fn stack_under_load(&self, states: &States, columns: &[usize], block: usize, w: &mut DMatrix<f64>) {
         let (n, p) = (self.rows(), self.cols());
+        w.fill(0.0);
         let mut rows = vec![0.0; n * p];
         for m in 0..states.len() / block {
             for k in m * block..(m + 1) * block {
@@ -143,7 +229,7 @@ impl<'a> Cells<'a> {
                 LaneMotion::splat(one, &v),
                 LaneMotion::splat(one, &a),
                 #[inline(always)]
-                |k| [at(&state.q, k), at(&state.qd, k), at(&state.qdd, k)],
+                |k| (regressor.poses[k].turn(at(&state.q, k)), [at(&state.qd, k), at(&state.qdd, k)]),
                 0..n,
                 axes,
                 #[inline(always)]
@@ -183,6 +269,48 @@ impl<'a> Cells<'a> {
                 }
             }
         });
+    }
+}
+
+impl Cells<'_> {
+    /// Writes the sums of `count` blocks into W, whose columns are `rows` long, from row `first` of each column on.
+    #[inline(always)]
+    fn write(&self, w: &mut [f64], rows: usize, first: usize, count: usize) {
+        // The usual numbers of joints with distances of known length.
+        match self.regressor.rows() {
+            6 => self.write_rows(w, 6, rows, first, count),
+            7 => self.write_rows(w, 7, rows, first, count),
+            n => self.write_rows(w, n, rows, first, count),
+        }
+    }
+
+    #[inline(always)]
+    fn write_rows(&self, w: &mut [f64], n: usize, rows: usize, first: usize, count: usize) {
+        let mut cells = self.touched.iter().peekable();
+        for (place, column) in w.chunks_exact_mut(rows).enumerate() {
+            let to = &mut column[first..first + count * n];
+            // What no state moves is zero; the rest follows while it is in the first cache.
+            for zeros in to.as_chunks_mut::<2>().0 {
+                *zeros = [0.0; 2];
+            }
+            if let Some(last) = to.last_mut() {
+                *last = 0.0;
+            }
+            while let Some(cell) = cells.next_if(|cell| cell.place == place) {
+                let (to, sums) = (&mut to[cell.joint..], &self.sums[cell.index].0);
+                if count == TOGETHER {
+                    // One look at the length for all of them.
+                    let to = &mut to[..(TOGETHER - 1) * n + 1];
+                    for lane in 0..TOGETHER {
+                        to[lane * n] = sums[lane];
+                    }
+                } else {
+                    for lane in 0..count {
+                        to[lane * n] = sums[lane];
+                    }
+                }
+            }
+        }
     }
 }
 
@@ -226,20 +354,20 @@ impl Together {
     }
 }
 
-struct Stack<'a> {
+/// Works on all states; `put(cells, first, count)` takes the sums of as many blocks.
+struct Stack<'a, F> {
     cells: Cells<'a>,
     states: &'a States,
     block: usize,
-    /// Columns of n·M entries.
-    w: &'a mut [f64],
+    put: F,
 }
 
-impl WithSimd for Stack<'_> {
+impl<F: FnMut(&Cells<'_>, usize, usize)> WithSimd for Stack<'_, F> {
     type Output = ();
 
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
-        let Self { mut cells, states, block, w } = self;
+        let Self { mut cells, states, block, mut put } = self;
         let n = states.dof;
         let (blocks, scale) = (states.len() / block, 1.0 / block as f64);
         let mut state =
@@ -260,15 +388,12 @@ impl WithSimd for Stack<'_> {
                 // Column by column, as they stand in memory.
                 cells.touched.sort_unstable_by_key(|cell| (cell.place, cell.joint));
             }
-            for cell in &cells.touched {
-                let rows = &mut w[(cell.place * blocks + first) * n + cell.joint..];
-                let sums = &cells.sums[cell.index].0;
-                let mut row = 0;
-                for sum in &sums[..count] {
-                    rows[row] = sum * scale;
-                    row += n;
+            if block > 1 {
+                for cell in &cells.touched {
+                    cells.sums[cell.index].0.iter_mut().for_each(|sum| *sum *= scale);
                 }
             }
+            put(&cells, first, count);
         }
     }
 }
@@ -309,10 +434,20 @@ mod tests {
                 }
             }
             let all: Vec<usize> = (0..p).collect();
-            let mut narrow = DMatrix::zeros(w.nrows(), p);
-            let cells = Cells::new(&regressor, &all);
-            Arch::Scalar.dispatch(Stack { cells, states: &states, block: 1, w: narrow.as_mut_slice() });
+            let mut again = DMatrix::repeat(w.nrows(), p, f64::NAN);
+            regressor.stack_means_into(&states, &all, 1, &mut again);
+            assert_eq!(again, w);
+            let (mut narrow, mut parts) = (DMatrix::zeros(w.nrows(), p), DMatrix::zeros(w.nrows(), p));
+            let (rows, columns) = (w.nrows(), narrow.as_mut_slice());
+            let put = |cells: &Cells<'_>, first: usize, count| cells.write(columns, rows, first * dof, count);
+            Arch::Scalar.dispatch(Stack { cells: Cells::new(&regressor, &all), states: &states, block: 1, put });
             assert_eq!(narrow, w);
+            regressor.stack_in_parts(&states, &all, 1, |part| {
+                for c in 0..p {
+                    parts.column_mut(c).rows_mut(part.first * dof, part.count * dof).copy_from_slice(part.column(c));
+                }
+            });
+            assert_eq!(parts, w);
         }
     }
 
@@ -328,6 +463,14 @@ mod tests {
                 let columns: Vec<usize> = (0..regressor.cols()).filter(|c| c % 3 != 1).collect();
                 let (w, means) = (regressor.stack(&states), regressor.stack_means(&states, &columns, 7));
                 assert_eq!(means.shape(), (50, columns.len()));
+                let mut blocks = 0;
+                regressor.stack_in_parts(&states, &columns, 7, |part| {
+                    assert_eq!(part.first, blocks);
+                    blocks += part.count;
+                    let rows = part.first * 5..blocks * 5;
+                    assert!((0..columns.len()).all(|c| part.column(c) == &means.column(c).as_slice()[rows.clone()]));
+                });
+                assert_eq!(blocks, 10);
                 for m in 0..10 {
                     for i in 0..5 {
                         for (c, &column) in columns.iter().enumerate() {

@@ -1,5 +1,7 @@
 //! A record without periods: the whole of it filtered and differentiated.
 
+use std::ops::Range;
+
 use super::error::check_finite;
 use super::periodic::{column, effort_units, put_column, used_blocks};
 use super::torque::{map_rows, torque_map};
@@ -79,6 +81,16 @@ impl<'a> AperiodicRecord<'a> {
 /// Fewest samples that can be processed.
 const SHORTEST: usize = 8;
 
+/// Keeps the rows of these samples, of n numbers each, in place.
+fn keep<T: Copy>(table: &mut Vec<T>, kept: &[Range<usize>], n: usize) {
+    let mut to = 0;
+    for samples in kept {
+        table.copy_within(samples.start * n..samples.end * n, to);
+        to += samples.len() * n;
+    }
+    table.truncate(to);
+}
+
 /// Processes a record without periods by zero-phase low pass and central differences. `rate_hz` is the rate of the
 /// equations, Hz: blocks of samples are averaged to come near it.
 ///
@@ -113,7 +125,7 @@ pub fn process_aperiodic(
     let mut states = States::with_len(n, len);
     let same = processing.torque_filter == TorqueFilter::SameAsPositions;
     // Only whole blocks of a segment give equations: what is left at its end is filtered with it, and goes.
-    let mut kept = Vec::with_capacity(len);
+    let mut kept: Vec<Range<usize>> = Vec::new();
     for (first, count) in spans {
         let rows = first * n..(first + count) * n;
         for i in 0..n {
@@ -131,15 +143,15 @@ pub fn process_aperiodic(
                 put_column(&mut tau[rows.clone()], n, i, &filtered);
             }
         }
-        kept.extend(first..first + count - if record.segments.len() > 1 { count % block } else { 0 });
+        kept.push(first..first + count - if record.segments.len() > 1 { count % block } else { 0 });
     }
     let mut excluded = record.excluded.to_vec();
-    if kept.len() < len {
+    if kept.iter().map(Range::len).sum::<usize>() < len {
         for table in [&mut states.q, &mut states.qd, &mut states.qdd, &mut tau] {
-            *table = kept.iter().flat_map(|&k| table[k * n..(k + 1) * n].to_vec()).collect();
+            keep(table, &kept, n);
         }
         if !excluded.is_empty() {
-            excluded = kept.iter().flat_map(|&k| excluded[k * n..(k + 1) * n].to_vec()).collect();
+            keep(&mut excluded, &kept, n);
         }
     }
     let mut used = used_blocks(&states, block, processing.reversal_fraction);

@@ -114,41 +114,79 @@ impl FourierTransform {
                 self.transform(&x[r * stride..], stride * p, rest, out, scratch);
             }
         }
-        // exp(−2πi j / n) is the root number j · stride, since n · stride is the whole length.
+        match p {
+            2 => self.combine::<2>(stride, m, out),
+            3 => self.combine::<3>(stride, m, out),
+            4 => self.combine_four(stride, m, out),
+            5 => self.combine::<5>(stride, m, out),
+            _ => self.combine_any(stride, m, out, &mut scratch[..p]),
+        }
+    }
+
+    // exp(−2πi j / n) is the root number j · stride, since n · stride is the whole length.
+
+    /// P transforms of m values each to the one of P·m.
+    #[inline]
+    fn combine<const P: usize>(&self, stride: usize, m: usize, out: &mut [Complex<f64>]) {
+        let mut parts = [Complex::new(0.0, 0.0); P];
         for k in 0..m {
-            scratch[0] = out[k];
-            for r in 1..p {
-                scratch[r] = out[r * m + k] * self.roots[r * k * stride];
+            parts[0] = out[k];
+            for r in 1..P {
+                parts[r] = out[r * m + k] * self.roots[r * k * stride];
             }
-            match p {
-                2 => {
-                    out[k] = scratch[0] + scratch[1];
-                    out[m + k] = scratch[0] - scratch[1];
-                }
-                4 => {
-                    let (a, b) = (scratch[0] + scratch[2], scratch[0] - scratch[2]);
-                    let (c, d) = (scratch[1] + scratch[3], scratch[1] - scratch[3]);
-                    let d = Complex::new(d.im, -d.re);
-                    out[k] = a + c;
-                    out[m + k] = b + d;
-                    out[2 * m + k] = a - c;
-                    out[3 * m + k] = b - d;
-                }
-                _ => {
-                    for s in 0..p {
-                        let mut sum = scratch[0];
-                        let mut turn = 0;
-                        for value in &scratch[1..p] {
-                            turn += s;
-                            if turn >= p {
-                                turn -= p;
-                            }
-                            sum += value * self.roots[turn * m * stride];
-                        }
-                        out[s * m + k] = sum;
-                    }
-                }
+            self.sums(&parts, m * stride, |s, sum| out[s * m + k] = sum);
+        }
+    }
+
+    /// The same of as many as `parts` has places.
+    fn combine_any(&self, stride: usize, m: usize, out: &mut [Complex<f64>], parts: &mut [Complex<f64>]) {
+        for k in 0..m {
+            parts[0] = out[k];
+            for r in 1..parts.len() {
+                parts[r] = out[r * m + k] * self.roots[r * k * stride];
             }
+            self.sums(parts, m * stride, |s, sum| out[s * m + k] = sum);
+        }
+    }
+
+    /// The transform of a few values, in the order of its sum; roots of their number are `apart` places from each other.
+    #[inline(always)]
+    fn sums(&self, parts: &[Complex<f64>], apart: usize, mut put: impl FnMut(usize, Complex<f64>)) {
+        let p = parts.len();
+        if p == 2 {
+            put(0, parts[0] + parts[1]);
+            put(1, parts[0] - parts[1]);
+            return;
+        }
+        for s in 0..p {
+            let (mut sum, mut turn) = (parts[0], 0);
+            for value in &parts[1..] {
+                turn += s;
+                if turn >= p {
+                    turn -= p;
+                }
+                sum += value * self.roots[turn * apart];
+            }
+            put(s, sum);
+        }
+    }
+
+    /// Four, whose roots are ±1 and ±i.
+    fn combine_four(&self, stride: usize, m: usize, out: &mut [Complex<f64>]) {
+        let (first, rest) = out.split_at_mut(m);
+        let (second, rest) = rest.split_at_mut(m);
+        let (third, fourth) = rest.split_at_mut(m);
+        let (second, third, fourth) = (&mut second[..m], &mut third[..m], &mut fourth[..m]);
+        for k in 0..m {
+            let root = |r: usize| self.roots[r * k * stride];
+            let (x, y, z) = (second[k] * root(1), third[k] * root(2), fourth[k] * root(3));
+            let (a, b) = (first[k] + y, first[k] - y);
+            let (c, d) = (x + z, x - z);
+            let d = Complex::new(d.im, -d.re);
+            first[k] = a + c;
+            second[k] = b + d;
+            third[k] = a - c;
+            fourth[k] = b - d;
         }
     }
 }

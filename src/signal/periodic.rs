@@ -100,14 +100,15 @@ pub(super) fn used_blocks(states: &States, block: usize, fraction: f64) -> Vec<b
     for top in &mut slowest {
         *top *= fraction;
     }
-    states
-        .qd
-        .chunks_exact(n * block)
-        .flat_map(|rows| {
-            let slowest = &slowest;
-            (0..n).map(move |i| rows.iter().skip(i).step_by(n).all(|qd| qd.abs() >= slowest[i]))
-        })
-        .collect()
+    let mut used = vec![true; states.len() / block * n];
+    for (used, rows) in used.chunks_exact_mut(n).zip(states.qd.chunks_exact(n * block)) {
+        for qd in rows.chunks_exact(n) {
+            for ((used, qd), slowest) in used.iter_mut().zip(qd).zip(&slowest) {
+                *used &= qd.abs() >= *slowest;
+            }
+        }
+    }
+    used
 }
 
 /// Amplitude gain of the mean over `block` samples on line h of N: Dirichlet's kernel.

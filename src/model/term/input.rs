@@ -80,7 +80,7 @@ impl TermBlock<'_> {
     ///
     /// # Panics
     /// If there is no such entry.
-    #[inline]
+    #[inline(always)]
     #[must_use]
     pub fn at(&self, k: usize) -> TermInput<f64> {
         TermInput {
