@@ -5,7 +5,7 @@
 //! ```
 //! Every entry is one running sum in the order of its index, so blocks leave no trace in the bits.
 
-use pulp::Arch;
+use pulp::{Arch, Simd, WithSimd};
 
 /// Rows and columns of a block. Sixteen sums fill half the registers of any 64-bit processor.
 const BLOCK: usize = 4;
@@ -37,11 +37,7 @@ impl PaddedRows {
 
     /// `Wᵀ W`: as many rows as these have columns; what is below its diagonal means nothing.
     pub(super) fn gram(&self) -> Self {
-        // Compiled for the processor's vectors.
-        Arch::new().dispatch(
-            #[inline(always)]
-            || self.blocks_of_gram(),
-        )
+        Arch::new().dispatch(Gram(self))
     }
 
     #[inline(always)]
@@ -68,10 +64,7 @@ impl PaddedRows {
 
     /// `W S` for a square matrix with as many rows as these have columns.
     pub(super) fn times(&self, square: &Self) -> Self {
-        Arch::new().dispatch(
-            #[inline(always)]
-            || self.blocks_of_product(square),
-        )
+        Arch::new().dispatch(Product(self, square))
     }
 
     #[inline(always)]
@@ -96,6 +89,30 @@ impl PaddedRows {
             }
         }
         product
+    }
+}
+
+/// The loops of a product compiled for the vectors of the processor, by their width alone: the sums are those of the text.
+struct Gram<'a>(&'a PaddedRows);
+
+impl WithSimd for Gram<'_> {
+    type Output = PaddedRows;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> PaddedRows {
+        self.0.blocks_of_gram()
+    }
+}
+
+/// As [`Gram`], of rows and a square matrix.
+struct Product<'a>(&'a PaddedRows, &'a PaddedRows);
+
+impl WithSimd for Product<'_> {
+    type Output = PaddedRows;
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, _: S) -> PaddedRows {
+        self.0.blocks_of_product(self.1)
     }
 }
 

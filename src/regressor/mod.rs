@@ -16,6 +16,7 @@
 
 mod adjoint;
 mod body;
+mod cells;
 #[cfg(test)]
 mod forward_mode;
 mod joint_torque;

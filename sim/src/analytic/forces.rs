@@ -36,14 +36,17 @@ impl<const N: usize> Bank<N> {
     #[inline(always)]
     fn add_torques<V: Lane>(&self, q: &[V; N], v: &[V; N], out: &mut [V; N]) {
         let zero = Lanes(v[0].splat(0.0));
-        let g = self.term.torques_of_runs::<Lanes<V>, N>(|i| TermInput {
-            q: Lanes(q[i]),
-            qd: Lanes(v[i]),
-            qdd: zero,
-            load: zero,
-            warmth: zero,
-            shape: self.shapes[i],
-        });
+        let g = self.term.torques_of_runs::<Lanes<V>, N>(
+            #[inline(always)]
+            |i| TermInput {
+                q: Lanes(q[i]),
+                qd: Lanes(v[i]),
+                qdd: zero,
+                load: zero,
+                warmth: zero,
+                shape: self.shapes[i],
+            },
+        );
         for i in 0..N {
             out[i] = out[i] + v[i].splat(self.values[i]) * g[i].0;
         }
@@ -68,17 +71,20 @@ impl<const N: usize> Bank<N> {
     fn add_slopes<V: Lane>(&self, q: &[V; N], v: &[V; N], change: &[V; N], out: &mut [V; N]) {
         let zero = v[0].splat(0.0);
         let none = Rates::fixed(zero);
-        let g = self.term.torques_of_runs::<Rates<V>, N>(|i| {
-            let nearest = v[i].magnitude() - change[i];
-            TermInput {
-                q: Rates::fixed(q[i]),
-                qd: Rates::velocity(zero.less(nearest, nearest, zero)),
-                qdd: none,
-                load: none,
-                warmth: none,
-                shape: self.shapes[i],
-            }
-        });
+        let g = self.term.torques_of_runs::<Rates<V>, N>(
+            #[inline(always)]
+            |i| {
+                let nearest = v[i].magnitude() - change[i];
+                TermInput {
+                    q: Rates::fixed(q[i]),
+                    qd: Rates::velocity(zero.less(nearest, nearest, zero)),
+                    qdd: none,
+                    load: none,
+                    warmth: none,
+                    shape: self.shapes[i],
+                }
+            },
+        );
         for i in 0..N {
             let slope = zero.splat(self.values[i]) * g[i].slope;
             out[i] = out[i] + zero.less(slope, slope, zero);

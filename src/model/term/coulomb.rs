@@ -40,7 +40,7 @@ impl TermLaw for CoulombFriction {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         x.qd.smooth_sign(x.shape[0])
     }

@@ -44,7 +44,7 @@ impl TermLaw for CoulombDirection {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         let sign = x.qd.smooth_sign(x.shape[0]);
         sign * sign

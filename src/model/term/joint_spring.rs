@@ -49,7 +49,7 @@ impl TermLaw for JointSpring {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         x.q - x.q.constant(x.shape[0].value)
     }

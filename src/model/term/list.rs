@@ -20,10 +20,21 @@ macro_rules! terms {
             #[inline(always)]
             #[must_use]
             pub fn torques_of_runs<R: Runs, const N: usize>(self, input: impl Fn(usize) -> TermInput<R>) -> [R; N] {
+                // Loops: the closure of an array's maker is compiled without the processor's lanes, each product a call.
+                let mut out = [input(0).q; N];
                 match self.listed {
-                    $(Some(Listed::$law) => std::array::from_fn(|i| super::$law.law(&input(i))),)*
-                    None => std::array::from_fn(|i| R::apart(&input(i), |x| self.torque(x))),
+                    $(Some(Listed::$law) => {
+                        for i in 0..N {
+                            out[i] = super::$law.law(&input(i));
+                        }
+                    })*
+                    None => {
+                        for i in 0..N {
+                            out[i] = R::apart(&input(i), |x| self.torque(x));
+                        }
+                    }
                 }
+                out
             }
         }
     };

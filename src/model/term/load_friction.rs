@@ -41,7 +41,7 @@ impl TermLaw for LoadFriction {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         x.load.magnitude() * x.qd.smooth_sign(x.shape[0])
     }

@@ -26,7 +26,7 @@ impl TermLaw for MotorCoulombFriction {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         CoulombFriction.law(x)
     }

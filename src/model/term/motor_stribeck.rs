@@ -22,7 +22,7 @@ impl TermLaw for MotorStribeck {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         Stribeck.law(x)
     }

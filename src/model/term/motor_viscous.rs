@@ -26,7 +26,7 @@ impl TermLaw for MotorViscousFriction {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         ViscousFriction.law(x)
     }

@@ -39,7 +39,7 @@ impl TermLaw for Offset {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         x.qd.constant(1.0)
     }

@@ -41,7 +41,7 @@ impl TermLaw for RotorInertia {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         x.qdd
     }

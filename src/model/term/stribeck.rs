@@ -46,7 +46,7 @@ impl TermLaw for Stribeck {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         let speed = x.qd.over(x.shape[1]);
         (-speed * speed).exponential() * x.qd.smooth_sign(x.shape[0])

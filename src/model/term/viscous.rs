@@ -39,7 +39,7 @@ impl TermLaw for ViscousFriction {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         x.qd
     }

@@ -37,7 +37,7 @@ impl TermLaw for WarmViscousFriction {
         &Self::ENTRY
     }
 
-    #[inline]
+    #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         x.warmth * x.qd
     }
