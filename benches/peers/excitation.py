@@ -29,53 +29,12 @@ os.environ.setdefault("OMP_NUM_THREADS", "1")
 import numpy as np
 import pinocchio as pin
 import scipy
+from arm import build, columns_of
 from scipy.optimize import minimize
 
 PERIOD, HARMONICS, SAMPLES, ACCELERATION = 10.0, 5, 100, 12.566
-# Offset deg, d m, a m, alpha deg: models/crs-a460/robot.toml.
-DH = [(0, 0.3302, 0, 90), (90, 0, 0.3048, 0), (-90, 0, 0, -90), (0, 0.3302, 0, 90), (0, 0, 0, -90), (0, 0.0762, 0, 0)]
 POSITION = np.radians([175, 90, 110, 180, 105, 180])
 VELOCITY = np.radians([180, 180, 180, 171, 173, 171])
-KINDS = ["m", "mcx", "mcy", "mcz", "Ixx", "Ixy", "Ixz", "Iyy", "Iyz", "Izz"]
-# Where Pinocchio keeps each of these ten.
-IN_PINOCCHIO = [0, 1, 2, 3, 4, 5, 7, 6, 8, 9]
-
-
-def transform(axis, angle, translation):
-    rotation = pin.AngleAxis(angle, np.eye(3)[axis]).toRotationMatrix()
-    return pin.SE3(rotation, np.array(translation, dtype=float))
-
-
-def pseudo_inertia(ten):
-    m, x, y, z, xx, xy, xz, yy, yz, zz = ten
-    inertia = np.array([[xx, xy, xz], [xy, yy, yz], [xz, yz, zz]])
-    out = np.zeros((4, 4))
-    out[:3, :3] = 0.5 * np.trace(inertia) * np.eye(3) - inertia
-    out[:3, 3] = out[3, :3] = [x, y, z]
-    out[3, 3] = m
-    return out
-
-
-def ten_of(pseudo):
-    inertia = np.trace(pseudo[:3, :3]) * np.eye(3) - pseudo[:3, :3]
-    x, y, z = pseudo[:3, 3]
-    return [pseudo[3, 3], x, y, z, inertia[0, 0], inertia[0, 1], inertia[0, 2], inertia[1, 1], inertia[1, 2], inertia[2, 2]]
-
-
-def build():
-    """The arm in Pinocchio's joint frames, and the map from parameters in DH frames to those in joint frames."""
-    model = pin.Model()
-    parent, after = 0, pin.SE3.Identity()
-    change = np.zeros((60, 60))
-    for i, (offset, d, a, alpha) in enumerate(DH):
-        placement = after * transform(2, np.radians(offset), [0, 0, 0])
-        parent = model.addJoint(parent, pin.JointModelRZ(), placement, f"joint{i + 1}")
-        after = transform(2, 0.0, [a, 0, d]) * transform(0, np.radians(alpha), [0, 0, 0])
-        for k in range(10):
-            moved = ten_of(after.homogeneous @ pseudo_inertia(np.eye(10)[k]) @ after.homogeneous.T)
-            for row, value in enumerate(moved):
-                change[10 * i + IN_PINOCCHIO[row], 10 * i + k] = value
-    return model, model.createData(), change
 
 
 class Problem:
@@ -83,8 +42,7 @@ class Problem:
 
     def __init__(self, base, samples):
         self.model, self.data, change = build()
-        names = [f"{kind}{link + 1}" for link in range(6) for kind in KINDS]
-        self.map = np.ascontiguousarray(change[:, [names.index(name) for name in base]])
+        self.map = columns_of(change, base)
         omega = 2 * np.pi / PERIOD
         theta = 2 * np.pi * np.arange(samples) / samples
         block = np.zeros((3, samples, 2 * HARMONICS + 1))
@@ -159,6 +117,43 @@ def run_peer(problem, x0, iterations):
              "excess": problem.excess(found.x), "message": found.message}
 
 
+def compare(armid, seeds, iterations, folder):
+    """Both sides in turn from the first guess of each seed."""
+    reduced = json.loads(subprocess.run([armid, "reduce", "crs-a460", "--columns", "rigid", "--json"], check=True,
+                                        capture_output=True, text=True).stdout)
+    base = [entry["name"] for entry in reduced["base"]]
+    problem, fine = Problem(base, SAMPLES), Problem(base, 5000)
+    rows = []
+    print(f"{'seed':>4} {'':>6} {'value':>8} {'seconds':>9} {'iterations':>10} {'evaluations':>11} {'excess':>9}")
+    for seed in seeds:
+        # No iteration: the first guess itself, from which both begin.
+        first, _ = run_armid(armid, seed, 0, folder)
+        ours, seconds = run_armid(armid, seed, iterations, folder)
+        # The same problem: both sides must agree on what our design is worth, on 5000 samples.
+        check = fine.condition(variables(fine, ours["trajectory"]))
+        assert abs(check / ours["condition"] - 1) < 1e-8, (check, ours["condition"])
+        start = variables(problem, first["trajectory"])
+        peer = run_peer(problem, start, iterations)
+        # Evaluations cost the same each, so time is shared out by their number.
+        further, more = ours, seconds
+        if ours["value"] > peer["value"]:
+            further, more = run_armid(armid, seed, 4000, folder)
+        reached = next((p["evaluations"] for p in further["history"] if p["value"] <= peer["value"]), None)
+        to_same = None if reached is None else more * reached / further["evaluations"]
+        row = {"seed": seed, "start_condition": problem.condition(start),
+               "armid": {"seconds": seconds} | {key: ours[key] for key in ("value", "condition", "iterations", "evaluations", "worst_limit_use")},
+               "peer": peer, "ratio_iterations": peer["seconds"] / seconds,
+               "armid_seconds_to_peer_value": to_same,
+               "ratio_same_value": None if to_same is None else peer["seconds"] / to_same}
+        rows.append(row)
+        used = max(ours["worst_limit_use"][key] for key in ("position", "velocity", "acceleration"))
+        print(f"{seed:>4} {'armid':>6} {ours['value']:8.2f} {seconds:9.4f} {ours['iterations']:>10} {ours['evaluations']:>11} {used - 1:9.1e}")
+        print(f"{'':>4} {'SLSQP':>6} {peer['value']:8.2f} {peer['seconds']:9.4f} {peer['iterations']:>10} {peer['evaluations']:>11} {peer['excess']:9.1e}")
+        same = "-" if to_same is None else f"{row['ratio_same_value']:.0f}"
+        print(f"{'':>4} time of the peer over armid's: {row['ratio_iterations']:.0f} for {iterations} iterations, {same} to the peer's value")
+    return rows
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     parser.add_argument("--armid", default="target/release/armid", help="the binary")
@@ -167,41 +162,10 @@ def main():
     parser.add_argument("-o", "--output", default=str(Path(__file__).parent / "results.json"))
     arguments = parser.parse_args()
 
-    reduced = json.loads(subprocess.run([arguments.armid, "reduce", "crs-a460", "--columns", "rigid", "--json"], check=True,
-                                        capture_output=True, text=True).stdout)
-    base = [entry["name"] for entry in reduced["base"]]
-    problem, fine = Problem(base, SAMPLES), Problem(base, 5000)
-    rows = []
-    print(f"{'seed':>4} {'':>6} {'value':>8} {'seconds':>9} {'iterations':>10} {'evaluations':>11} {'excess':>9}")
     with tempfile.TemporaryDirectory() as folder:
-        for seed in arguments.seeds:
-            # No iteration: the first guess itself, from which both begin.
-            first, _ = run_armid(arguments.armid, seed, 0, folder)
-            ours, seconds = run_armid(arguments.armid, seed, arguments.iterations, folder)
-            # The same problem: both sides must agree on what our design is worth, on 5000 samples.
-            check = fine.condition(variables(fine, ours["trajectory"]))
-            assert abs(check / ours["condition"] - 1) < 1e-8, (check, ours["condition"])
-            start = variables(problem, first["trajectory"])
-            peer = run_peer(problem, start, arguments.iterations)
-            # Evaluations cost the same each, so time is shared out by their number.
-            further, more = ours, seconds
-            if ours["value"] > peer["value"]:
-                further, more = run_armid(arguments.armid, seed, 4000, folder)
-            reached = next((p["evaluations"] for p in further["history"] if p["value"] <= peer["value"]), None)
-            to_same = None if reached is None else more * reached / further["evaluations"]
-            row = {"seed": seed, "start_condition": problem.condition(start),
-                   "armid": {"seconds": seconds} | {key: ours[key] for key in ("value", "condition", "iterations", "evaluations", "worst_limit_use")},
-                   "peer": peer, "ratio_iterations": peer["seconds"] / seconds,
-                   "armid_seconds_to_peer_value": to_same,
-                   "ratio_same_value": None if to_same is None else peer["seconds"] / to_same}
-            rows.append(row)
-            used = max(ours["worst_limit_use"][key] for key in ("position", "velocity", "acceleration"))
-            print(f"{seed:>4} {'armid':>6} {ours['value']:8.2f} {seconds:9.4f} {ours['iterations']:>10} {ours['evaluations']:>11} {used - 1:9.1e}")
-            print(f"{'':>4} {'SLSQP':>6} {peer['value']:8.2f} {peer['seconds']:9.4f} {peer['iterations']:>10} {peer['evaluations']:>11} {peer['excess']:9.1e}")
-            same = "-" if to_same is None else f"{row['ratio_same_value']:.0f}"
-            print(f"{'':>4} time of the peer over armid's: {row['ratio_iterations']:.0f} for {arguments.iterations} iterations, {same} to the peer's value")
+        rows = compare(arguments.armid, arguments.seeds, arguments.iterations, folder)
     result = {"problem": {"robot": "crs-a460", "period_s": PERIOD, "harmonics": HARMONICS, "samples": SAMPLES,
-                          "acceleration_rad_s2": ACCELERATION, "base_parameters": len(base), "iterations": arguments.iterations},
+                          "acceleration_rad_s2": ACCELERATION, "base_parameters": 36, "iterations": arguments.iterations},
               "versions": {"python": platform.python_version(), "numpy": np.__version__, "scipy": scipy.__version__,
                            "pinocchio": pin.__version__},
               "machine": {"system": platform.system(), "architecture": platform.machine(), "threads": 1, "time": "processor time, s"},

@@ -21,7 +21,7 @@ os.environ["OMP_NUM_THREADS"] = "1"
 
 import numpy as np
 import pinocchio as pin
-from excitation import KINDS, build
+from arm import build, columns_of
 
 SAMPLES = 10_000
 
@@ -67,6 +67,16 @@ def identify(model, data, columns, q, v, a, tau):
     return time.perf_counter() - began, stacked, {"ols": (ols, ols_std), "wls": (wls, wls_std)}
 
 
+def agree(found, expected):
+    """Both sides must have found the same."""
+    for name, (beta, std) in expected.items():
+        size = np.abs(std)
+        assert np.all(np.abs(np.array(found[name]["beta"]) - beta) < 1e-6 * size), f"{name}: other parameters"
+        # armid measures lags too: a few per cent where chance makes one seem to count.
+        worst = np.max(np.abs(np.array(found[name]["std"]) / std - 1))
+        print(f"{name}: standard deviations within {worst:.1e} of the peer's")
+
+
 def main():
     parser = argparse.ArgumentParser()
     parser.add_argument("bench", help="the binary that `cargo bench --bench identification --no-run` names")
@@ -80,19 +90,13 @@ def main():
         for _ in range(arguments.turns):
             run = subprocess.run([arguments.bench, "--states", file.name], capture_output=True, text=True, check=True)
             found = json.loads(run.stdout)
-            names = [f"{kind}{link + 1}" for link in range(6) for kind in KINDS]
-            columns = np.ascontiguousarray(change[:, [names.index(name) for name in found["names"]]])
+            columns = columns_of(change, found["names"])
             seconds, stacked, expected = identify(model, data, columns, *states)
             own.append(found["seconds"])
             own_stack.append(found["stack_seconds"])
             peer.append(seconds)
             peer_stack.append(stacked)
-    for name, (beta, std) in expected.items():
-        size = np.abs(std)
-        assert np.all(np.abs(np.array(found[name]["beta"]) - beta) < 1e-6 * size), f"{name}: other parameters"
-        # armid measures lags too: a few per cent where chance makes one seem to count.
-        worst = np.max(np.abs(np.array(found[name]["std"]) / std - 1))
-        print(f"{name}: standard deviations within {worst:.1e} of the peer's")
+    agree(found, expected)
     print(f"states to OLS and WLS with intervals: armid {1e3 * min(own):.1f} ms, NumPy + Pinocchio {1e3 * min(peer):.1f} ms, "
           f"ratio {min(own) / min(peer):.3f}")
     print(f"stacked base columns: armid {1e9 * min(own_stack) / SAMPLES:.0f} ns a sample, "

@@ -1,11 +1,8 @@
 // Pinocchio's joint-torque regressor, RNEA and ABA of the CRS A460, compiled for this processor from its headers: the best of
 // many batches at 256 random states, ns per evaluation. See README.md for the commands.
-#include <algorithm>
-#include <chrono>
 #include <cmath>
-#include <cstdio>
-#include <random>
-#include <vector>
+
+#include "batches.hpp"
 
 #include <pinocchio/fwd.hpp>
 #include <pinocchio/multibody.hpp>
@@ -21,17 +18,6 @@ static const double DH[6][4] = {{0, 0.3302, 0, 90},  {90, 0, 0.3048, 0}, {-90, 0
 
 static pin::SE3 turn(const Eigen::Vector3d &axis, double degrees, const Eigen::Vector3d &p) {
   return pin::SE3(Eigen::AngleAxisd(degrees * M_PI / 180, axis).toRotationMatrix(), p);
-}
-
-template <class F> static void time(const char *name, std::size_t states, F run) {
-  double best = 1e9;
-  for (int batch = 0; batch < 2000; ++batch) {
-    auto began = std::chrono::steady_clock::now();
-    for (std::size_t k = 0; k < states; ++k) run(k);
-    std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
-    best = std::min(best, took.count() / static_cast<double>(states));
-  }
-  std::printf("%-52s %8.1f ns\n", name, best * 1e9);
 }
 
 int main() {
@@ -54,7 +40,6 @@ int main() {
       of->resize(6);
       for (int i = 0; i < 6; ++i) (*of)[i] = 3 * unit(random);
     }
-  volatile double sink = 0;
   time("Pinocchio, regressor", states, [&](std::size_t k) { sink = pin::computeJointTorqueRegressor(model, data, q[k], v[k], a[k])(0, 0); });
   time("Pinocchio, RNEA", states, [&](std::size_t k) { sink = pin::rnea(model, data, q[k], v[k], a[k])[0]; });
   time("Pinocchio, ABA", states, [&](std::size_t k) { sink = pin::aba(model, data, q[k], v[k], a[k])[0]; });
