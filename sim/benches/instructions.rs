@@ -130,7 +130,7 @@ fn experiments<'a>(arm: &Arm, plan: &'a ExperimentPlan) -> Vec<Piece<'a>> {
         }),
         Piece::new("experiments in lanes", "step", RUNS * steps, move || {
             let runs: Vec<BatchRun<'_>> =
-                (0..RUNS as u64).map(|run| BatchRun { plan, seed: Seed::new(1), run }).collect();
+                (0..RUNS as u64).map(|run| BatchRun { plan, noise: Seed::new(1).of_run(run) }).collect();
             black_box(record_runs(&servo, &runs));
         }),
     ]
