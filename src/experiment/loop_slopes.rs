@@ -144,9 +144,15 @@ mod tests {
             let drives = robot.joints().iter().map(|joint| drive(&joint.drive)).collect();
             robot.with_drives(drives)
         };
-        check(&hinges::coupled());
-        // Currents at their limits some of the time, and supplies.
-        check(&limited(10.0, f64::INFINITY));
-        check(&limited(1e9, 70.0));
+        let free = limited(1e9, f64::INFINITY);
+        check(&free);
+        // Currents at their limits half of the time, and supplies that let no more through.
+        let per_ampere = free.joints()[0].drive.torque_per_ampere();
+        let mut currents: Vec<f64> = torques(&free, 0.0).0.iter().map(|tau| tau.abs() / per_ampere).collect();
+        currents.sort_by(f64::total_cmp);
+        // Not at one of them, where the loop has a corner.
+        let half = 1.001 * currents[currents.len() / 2];
+        check(&limited(half, f64::INFINITY));
+        check(&limited(1e9, 1.5 * half));
     }
 }
