@@ -227,6 +227,12 @@ impl<const N: usize, V: Lane> Inward<N, V> {
 }
 
 impl<const N: usize> Chain<N> {
+    /// Accelerations of the joints of one arm, and the factor of its mass matrix, compiled once.
+    #[inline(never)]
+    pub(crate) fn accelerate_alone(&self, q: &[f64; N], v: &[f64; N], tau: &[f64; N]) -> ([f64; N], Factor<N, f64>) {
+        self.accelerate(q, v, tau)
+    }
+
     /// Accelerations of the joints, and the factor of the mass matrix at `q`.
     #[inline(always)]
     pub(crate) fn accelerate<V: Lane>(&self, q: &[V; N], v: &[V; N], tau: &[V; N]) -> ([V; N], Factor<N, V>) {

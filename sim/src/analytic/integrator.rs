@@ -35,26 +35,6 @@ fn along<const N: usize, V: Lane>(x: &[V; N], slope: &[V; N], h: V) -> [V; N] {
     out
 }
 
-/// One step of length `h` whose first slope `a1` is known.
-#[inline(always)]
-fn advance<const N: usize, V: Lane>(chain: &Chain<N>, y: &State<N, V>, a1: &[V; N], tau: &[V; N], h: V) -> State<N, V> {
-    let half = h * h.splat(0.5);
-    let v2 = along(&y.v, a1, half);
-    let (a2, _) = chain.accelerate(&along(&y.q, &y.v, half), &v2, tau);
-    let v3 = along(&y.v, &a2, half);
-    let (a3, _) = chain.accelerate(&along(&y.q, &v2, half), &v3, tau);
-    let v4 = along(&y.v, &a3, h);
-    let (a4, _) = chain.accelerate(&along(&y.q, &v3, h), &v4, tau);
-    let sixth = h * h.splat(1.0 / 6.0);
-    let two = h.splat(2.0);
-    let mut end = *y;
-    for i in 0..N {
-        end.q[i] = y.q[i] + sixth * (y.v[i] + two * (v2[i] + v3[i]) + v4[i]);
-        end.v[i] = y.v[i] + sixth * (a1[i] + two * (a2[i] + a3[i]) + a4[i]);
-    }
-    end
-}
-
 /// How many parts a step needs, for each run.
 #[inline(always)]
 fn parts<const N: usize, V: Lane>(chain: &Chain<N>, y: &State<N, V>, a: &[V; N], factor: &Factor<N, V>, dt: f64) -> V {
@@ -75,29 +55,47 @@ fn parts<const N: usize, V: Lane>(chain: &Chain<N>, y: &State<N, V>, a: &[V; N],
 }
 
 /// How many parts a step of one arm is divided into.
-#[inline(always)]
 pub(crate) fn parts_of_step<const N: usize>(chain: &Chain<N>, y: &State<N, f64>, tau: &[f64; N], dt: f64) -> f64 {
-    let (a, factor) = chain.accelerate(&y.q, &y.v, tau);
+    let (a, factor) = chain.accelerate_alone(&y.q, &y.v, tau);
     parts(chain, y, &a, &factor, dt)
 }
 
-/// Steps every run by `dt` under held torque.
+/// Steps one arm by `dt` under held torque; compiled once for all that step arms one by one.
+#[inline(never)]
+pub(crate) fn step_alone<const N: usize>(chain: &Chain<N>, y: &mut State<N, f64>, tau: &[f64; N], dt: f64) {
+    step(chain, y, tau, dt);
+}
+
+/// Steps every run by `dt` under held torque. Stages are a loop, so that the equations of motion, which are all inlined, are
+/// compiled once and not at each of them.
 #[inline(always)]
 pub(crate) fn step<const N: usize, V: Lane>(chain: &Chain<N>, y: &mut State<N, V>, tau: &[V; N], dt: f64) {
-    let (mut a, factor) = chain.accelerate(&y.q, &y.v, tau);
-    let parts = parts(chain, y, &a, &factor, dt);
-    let h = parts.splat(dt).over(parts);
-    *y = advance(chain, y, &a, tau, h);
-    let most = parts.most();
-    let mut done = 1.0;
+    let one = tau[0].splat(1.0);
+    let (mut parts_of_runs, mut h, mut most, mut done) = (one, one.splat(dt), f64::INFINITY, 0.0);
+    let mut stages = [(y.v, y.v); 4];
     while done < most {
-        (a, _) = chain.accelerate(&y.q, &y.v, tau);
-        let next = advance(chain, y, &a, tau, h);
-        // A run that has had all its parts waits for the others.
-        let done_parts = parts.splat(done);
+        let (mut q, mut v) = (y.q, y.v);
+        for stage in 0..4 {
+            let (a, factor) = chain.accelerate(&q, &v, tau);
+            if most == f64::INFINITY {
+                parts_of_runs = parts(chain, y, &a, &factor, dt);
+                h = one.splat(dt).over(parts_of_runs);
+                most = parts_of_runs.most();
+            }
+            stages[stage] = (v, a);
+            let ahead = if stage < 2 { h * one.splat(0.5) } else { h };
+            q = along(&y.q, &v, ahead);
+            v = along(&y.v, &a, ahead);
+        }
+        let [(v1, a1), (v2, a2), (v3, a3), (v4, a4)] = &stages;
+        let (sixth, two) = (h * one.splat(1.0 / 6.0), one.splat(2.0));
+        let done_parts = one.splat(done);
         for i in 0..N {
-            y.q[i] = done_parts.less(parts, next.q[i], y.q[i]);
-            y.v[i] = done_parts.less(parts, next.v[i], y.v[i]);
+            let next_q = y.q[i] + sixth * (v1[i] + two * (v2[i] + v3[i]) + v4[i]);
+            let next_v = y.v[i] + sixth * (a1[i] + two * (a2[i] + a3[i]) + a4[i]);
+            // A run that has had all its parts waits for the others.
+            y.q[i] = done_parts.less(parts_of_runs, next_q, y.q[i]);
+            y.v[i] = done_parts.less(parts_of_runs, next_v, y.v[i]);
         }
         done += 1.0;
     }

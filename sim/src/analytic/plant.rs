@@ -183,11 +183,11 @@ impl<const N: usize, A: Advance> Arm for Jointed<N, A> {
     }
 
     fn step(&mut self, tau: &[f64], dt: f64) {
-        integrator::step(&self.chain, &mut self.state, &fixed(tau), dt);
+        integrator::step_alone(&self.chain, &mut self.state, &fixed(tau), dt);
     }
 
     fn acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool {
-        let (found, factor) = self.chain.accelerate(&self.state.q, &self.state.v, &fixed(tau));
+        let (found, factor) = self.chain.accelerate_alone(&self.state.q, &self.state.v, &fixed(tau));
         qdd.copy_from_slice(&found);
         factor.is_positive()
     }

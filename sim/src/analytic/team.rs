@@ -133,15 +133,19 @@ pub(super) struct InTurn;
 
 impl Advance for InTurn {
     fn step<const N: usize>(side: &mut Side<N, Self>, dt: f64, _: Arch) {
-        for ((q, v), tau) in side.q.iter_mut().zip(&mut side.v).zip(&side.tau) {
-            let mut state = State { q: *q, v: *v };
-            integrator::step(&side.chain, &mut state, tau, dt);
-            (*q, *v) = (state.q, state.v);
-        }
+        side.step_in_turn(dt);
     }
 }
 
 impl<const N: usize, A> Side<N, A> {
+    fn step_in_turn(&mut self, dt: f64) {
+        for ((q, v), tau) in self.q.iter_mut().zip(&mut self.v).zip(&self.tau) {
+            let mut state = State { q: *q, v: *v };
+            integrator::step_alone(&self.chain, &mut state, tau, dt);
+            (*q, *v) = (state.q, state.v);
+        }
+    }
+
     pub(super) fn new(chain: &Chain<N>, state: &State<N, f64>, runs: usize) -> Self {
         let (q, v, tau) = (vec![state.q; runs], vec![state.v; runs], vec![[0.0; N]; runs]);
         Self { chain: chain.clone(), q, v, tau, advance: PhantomData }
@@ -209,6 +213,10 @@ impl<const N: usize> WithSimd for Step<'_, N> {
     #[inline(always)]
     fn with_simd<S: Simd>(self, simd: S) {
         let Self { side, dt } = self;
+        if S::F64_LANES == 1 {
+            side.step_in_turn(dt);
+            return;
+        }
         let mut first = 0;
         while first < side.q.len() {
             let mut y = State { q: load(simd, &side.q, first), v: load(simd, &side.v, first) };
