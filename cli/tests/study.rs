@@ -470,3 +470,13 @@ fn antithetic_noise_falls_out_of_a_bias_and_runs_count_in_pairs() {
     assert_eq!(output.status.code(), Some(2), "{words}");
     assert!(words.contains("antithetic"), "{words}");
 }
+
+#[test]
+fn one_family_under_several_conditions_is_compared_with_nothing_and_has_a_page() {
+    let folder = with_plan();
+    let (one, _) = PLAN.rsplit_once("[[design]]").unwrap();
+    let one: String = one.lines().filter(|line| !line.starts_with("engines")).flat_map(|line| [line, "\n"]).collect();
+    std::fs::write(folder.path().join("one.toml"), one).unwrap();
+    succeeds(folder.path(), &["study", "one.toml", "--runs", "1", "-o", "out"]);
+    assert!(folder.path().join("out/report/report.html").exists());
+}

@@ -17,12 +17,14 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
         return beside_one_family(input);
     }
     let drawn = !input.result.findings().over_truths.is_empty();
-    if !drawn && !(2..=MOST).contains(&parts.len()) {
+    // One family has nothing to be compared with.
+    let compared = (2..=MOST).contains(&parts.len()) && !input.result.findings().comparisons.is_empty();
+    if !drawn && !compared {
         return Ok(None);
     }
     let estimator = shown_estimator(input);
     let mut section = Section::new("Does it hold elsewhere?");
-    if (2..=MOST).contains(&parts.len()) {
+    if compared {
         section = section
             .text("Every run of every design is performed under every condition with the same noise.")
             .figure(&by_condition(parts, estimator))?
