@@ -190,15 +190,14 @@ fn identity_ideal_recordings_give_the_true_parameters() {
     let arm = Arm::new("planar-2r");
     let recording = arm.record(&slow(&arm.robot), Sensing::ideal(), 0);
     let samples = process(&recording, &arm.robot, &Processing::default()).unwrap();
-    // Not `cloe`: the integral of this servo leaves no trace of an offset in positions, and its search says that it cannot begin.
-    let errors: Vec<(&str, f64, Termination)> = [EstimatorKind::Iv, EstimatorKind::Didim, EstimatorKind::Clie]
+    let errors: Vec<(&str, f64, Termination)> = SIMULATING
         .iter()
         .map(|&kind| {
             let found = arm.estimate(kind, &recording, &samples);
             (kind.name(), arm.error(&found), found.termination)
         })
         .collect();
-    // What processing leaves of the position is in the regressor of `iv`.
+    // What processing leaves of the position is in the regressor of `iv`, and in the offsets that `cloe` takes from torque.
     for (name, error, termination) in &errors {
         let most = match *name {
             "clie" => 1e-8,
@@ -285,9 +284,15 @@ fn analytic_intervals_hold_the_truth_on_a_noisy_recording_of_the_a460() {
     let samples = process(&recording, &arm.robot, &Processing::default()).unwrap();
     let beta = arm.beta();
     let mut seen = Vec::new();
-    // Positions under this servo show too little of 58 parameters for `cloe`: by torque alone.
-    for kind in [EstimatorKind::Iv, EstimatorKind::Didim, EstimatorKind::Clie] {
+    for kind in SIMULATING {
         let found = arm.estimate(kind, &recording, &samples);
+        // The integral of this servo takes up every offset.
+        let hidden = found.findings.iter().find_map(|finding| match finding {
+            Finding::HiddenFromPositions { combinations, parameters } => Some((*combinations, parameters.clone())),
+            _ => None,
+        });
+        let offsets: Vec<String> = (1..=6).map(|joint| format!("Fo{joint}")).collect();
+        assert_eq!(hidden, (kind == EstimatorKind::Cloe).then_some((6, offsets)));
         let held = |p: &armid::estimation::BaseEstimate, truth: f64| p.ci95[0] <= truth && truth <= p.ci95[1];
         let share =
             found.base.iter().zip(&beta).filter(|(p, truth)| held(p, **truth)).count() as f64 / beta.len() as f64;

@@ -119,6 +119,13 @@ pub enum Finding {
         /// Its degrees of freedom.
         freedom: usize,
     },
+    /// Combinations of parameters that the motion of a closed loop does not show.
+    HiddenFromPositions {
+        /// How many.
+        combinations: usize,
+        /// Parameters that they move.
+        parameters: Vec<String>,
+    },
     /// A drive parameter that cannot be negative is.
     NegativeDrive {
         /// Its name.
@@ -162,6 +169,7 @@ impl Finding {
                 "instruments are needed, unless the model misses something: compare with `wls`"
             }
             Self::DurbinWuHausman { .. } => "instruments are not needed here: `wls` has the shorter intervals",
+            Self::HiddenFromPositions { .. } => "their values and intervals are those of `wls`, by measured torque",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
                 "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
             }
@@ -231,6 +239,11 @@ impl fmt::Display for Finding {
                 } else {
                     "no errors of the motion are seen to bias"
                 }
+            ),
+            Self::HiddenFromPositions { combinations, parameters } => write!(
+                f,
+                "positions under this servo do not show {combinations} combinations of parameters, of {}",
+                parameters.join(", ")
             ),
             Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
         }

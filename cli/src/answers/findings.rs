@@ -32,6 +32,7 @@ const fn rank(finding: &Finding) -> usize {
         Finding::LeftOut { .. } => 12,
         Finding::MotionTakenAsExact => 13,
         Finding::DurbinWuHausman { .. } => 14,
+        Finding::HiddenFromPositions { .. } => 15,
     }
 }
 
@@ -105,7 +106,8 @@ fn summary(found: &[&Finding]) -> Option<String> {
         | Finding::NoiseFromResidual
         | Finding::NearlyDependent { .. }
         | Finding::MotionTakenAsExact
-        | Finding::DurbinWuHausman { .. } => return None,
+        | Finding::DurbinWuHausman { .. }
+        | Finding::HiddenFromPositions { .. } => return None,
     })
 }
 

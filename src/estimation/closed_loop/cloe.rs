@@ -4,13 +4,13 @@
 //! min ‖q − q_s(β)‖_Σ        J = ∂q_s/∂β of the simulation, exact        β ← β + (JᵀΣ⁻¹J)⁻¹ JᵀΣ⁻¹ (q − q_s(β))
 //! ```
 //! Positions alone are compared: torque is not read, so torque constants and what biases a current do not matter, but those of
-//! the servo's own model do. What the servo's reference and its errors of some milliradians tell of β is little: a stiff servo
-//! hides the arm, and intervals are wide. Σ is found from the residual at rest, in two rounds, and with its
-//! correlation in time the intervals; torque of the estimate is compared with the measured one all the same, and findings say
-//! where it does not fit.
+//! the servo's own model do. Σ is found from the residual in two rounds, and with its correlation in time the intervals; torque of
+//! the estimate is compared with the measured one all the same, and findings say where it does not fit.
 //!
-//! Assumes servo, reference and start known and the model complete. Fails where the servo is so stiff that positions hardly
-//! depend on β, where the encoders' zeros are off by more than the servo's errors, and where the motion runs away from every
+//! Combinations that positions do not show, such as the offsets that an integral in the servo takes up, keep the value and the
+//! interval that weighted least squares gives them by torque; a finding names them.
+//!
+//! Assumes servo, reference and start known and the model complete. Fails where the encoders' zeros are off by more than the servo's errors, and where the motion runs away from every
 //! start at hand; it finds the minimum beside its start.
 //!
 //! Sources: E. Walter, L. Pronzato, *Identification of Parametric Models from Experimental Data*, Springer, 1997; J. Leboutet et
@@ -18,7 +18,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::descent::{Descent, Linearised, Rest, first_simulable};
+use super::descent::{Descent, Linearised, first_simulable};
+use super::hidden::Hidden;
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, IntervalBasis};
@@ -30,6 +31,8 @@ use crate::estimation::law::LawException;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
+use crate::estimation::residual_noise;
+use crate::estimation::termination::Termination;
 use crate::linalg::{BlockWhitening, LeastSquares};
 
 /// Share by which a step may raise the sum of squares: rounding.
@@ -64,26 +67,35 @@ impl Estimator for ClosedLoopOutputError {
             Ok(Linearised { residual: trial.position_error(&motion), jacobian: slopes.q })
         };
         let start = first_simulable(&[torque.fit.solution().clone(), trial.nominal()], linearise)?;
-        let n = observation.dof;
-        let equal = BlockWhitening::new(&DMatrix::identity(n, n))?;
-        let first = Descent { observation: &positions, weights: &equal, rise: RISE }.follow(start, &linearise)?;
-        let weights = residual_weights(&positions, &first)?;
-        let at = (first.beta, first.linearised);
-        let rest = Descent { observation: &positions, weights: &weights, rise: RISE }.follow(at, &linearise)?;
+        let by_torque = torque.estimate(self.name(), &problem, &torque.fit, Termination::Direct)?.covariance_matrix();
+        let round = |at: (DVector<f64>, Linearised)| {
+            let weights = residual_weights(&positions, &at)?;
+            let hidden = Hidden::at(&at.1.jacobian, &positions, &weights, by_torque.clone())?;
+            let descent = Descent { observation: &positions, weights: &weights, rise: RISE, held: hidden.held() };
+            let rest = descent.follow(at, &linearise)?;
+            let around = descent.solve(&rest.linearised, 0.0)?;
+            Ok::<_, EstimationError>((rest, around, weights, hidden))
+        };
+        let (first, ..) = round(start)?;
+        let (rest, fit, weights, hidden) = round((first.beta, first.linearised))?;
+        let b = rest.beta.len();
+        let at_rest = |information: DMatrix<f64>| {
+            let factors = [information, DMatrix::identity(b, b)];
+            LeastSquares::from_factors(rest.beta.clone(), factors, fit.condition(), fit.condition_scaled())
+        };
         let around = rest.linearised.equations(&positions, &rest.beta);
         let around_equations = Factorisation::new(&around)?;
-        let linear = LinearFit::with_weights(&around_equations, weights)?;
-        let fit = rest.fit(linear.fit.clone())?;
         let around_problem =
             EstimationProblem { observation: &around, nominal: None, ..problem }.with_factorisation(&around_equations);
-        let of_positions = linear.estimate(self.name(), &around_problem, &fit, rest.termination)?;
+        let linear = LinearFit {
+            fit: at_rest(fit.inverse_information())?,
+            weights: Some(weights),
+            noise: residual_noise(&around, &around.residual(&rest.beta)),
+            basis: IntervalBasis::Residual,
+        };
+        let of_positions = linear.estimate(self.name(), &around_problem, &linear.fit, rest.termination)?;
         // The same parameters beside measured torque.
-        let beside = LeastSquares::from_factors(
-            fit.solution().clone(),
-            [torque.fit.inverse_information(), DMatrix::identity(fit.solution().len(), fit.solution().len())],
-            fit.condition(),
-            fit.condition_scaled(),
-        )?;
+        let beside = at_rest(torque.fit.inverse_information())?;
         let mut estimate = Inference {
             estimator: self.name(),
             problem: &problem,
@@ -96,7 +108,8 @@ impl Estimator for ClosedLoopOutputError {
         .estimate()?;
         estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
         estimate.interval_basis = IntervalBasis::Residual;
-        Ok(estimate.with_covariance(&of_positions.covariance_matrix()))
+        estimate.findings.extend(hidden.finding(observation));
+        Ok(estimate.with_covariance(&(of_positions.covariance_matrix() + hidden.covariance())))
     }
 
     fn exceptions(&self) -> &[LawException] {
@@ -104,10 +117,13 @@ impl Estimator for ClosedLoopOutputError {
     }
 }
 
-/// Weights by the residual of a first round, correlation between joints left out: what the model misses is in it too.
-fn residual_weights(positions: &Observation, first: &Rest) -> Result<BlockWhitening, EstimationError> {
-    let around = first.linearised.equations(positions, &first.beta);
-    let covariance = Factorisation::new(&around)?.residual_covariance(&first.beta);
+/// Weights by the residual at a trial point, correlation between joints left out: what the model misses is in it too.
+fn residual_weights(
+    positions: &Observation,
+    (beta, at): &(DVector<f64>, Linearised),
+) -> Result<BlockWhitening, EstimationError> {
+    let around = at.equations(positions, beta);
+    let covariance = Factorisation::new(&around)?.residual_covariance(beta);
     let worst = covariance.diagonal().max();
     let least = (worst * LEAST_SHARE * LEAST_SHARE).max(f64::MIN_POSITIVE);
     Ok(BlockWhitening::new(&DMatrix::from_diagonal(&covariance.diagonal().map(|variance| variance.max(least))))?)

@@ -76,6 +76,8 @@ pub(super) struct Descent<'a> {
     pub(super) weights: &'a BlockWhitening,
     /// By which part a step may raise the sum of squares: none where J is exact.
     pub(super) rise: f64,
+    /// Equations that hold combinations of parameters where they are, h × b; none where all may move.
+    pub(super) held: DMatrix<f64>,
 }
 
 /// Where the search ended.
@@ -140,18 +142,25 @@ impl Descent<'_> {
 
     /// Δ with the damping μ.
     fn step(&self, at: &Linearised, damping: f64) -> Result<DVector<f64>, EstimationError> {
+        Ok(self.solve(at, damping)?.solution().clone())
+    }
+
+    /// The fit whose solution is Δ, with the damping μ.
+    pub(super) fn solve(&self, at: &Linearised, damping: f64) -> Result<LeastSquares, EstimationError> {
         let mut jacobian = self.weights.clone().whiten(&at.jacobian, &self.observation.used)?;
         let mut residual = self.white(&at.residual)?;
+        let lengths: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
+        let mut append = |more: &DMatrix<f64>| {
+            let rows = jacobian.nrows();
+            jacobian.resize_vertically_mut(rows + more.nrows(), 0.0);
+            jacobian.rows_mut(rows, more.nrows()).copy_from(more);
+            residual.resize_vertically_mut(rows + more.nrows(), 0.0);
+        };
+        append(&self.held);
         if damping > 0.0 {
-            let (rows, b) = jacobian.shape();
-            let lengths: Vec<f64> = jacobian.column_iter().map(|column| column.norm()).collect();
-            jacobian = jacobian.resize_vertically(rows + b, 0.0);
-            residual = residual.resize_vertically(rows + b, 0.0);
-            for (j, length) in lengths.iter().enumerate() {
-                jacobian[(rows + j, j)] = damping.sqrt() * length;
-            }
+            append(&(DMatrix::from_diagonal(&DVector::from_vec(lengths)) * damping.sqrt()));
         }
-        Ok(solve(self.observation, &jacobian, &residual)?.solution().clone())
+        solve(self.observation, &jacobian, &residual)
     }
 
     /// `Σ^{-½} r`.

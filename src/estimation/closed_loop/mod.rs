@@ -15,7 +15,9 @@ mod descent;
 mod didim;
 mod endogeneity;
 mod error;
+mod hidden;
 mod iv;
+
 mod simulation;
 mod torque_error;
 mod trial;

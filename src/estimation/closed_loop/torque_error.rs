@@ -1,5 +1,7 @@
 //! Parameters for which simulated torque comes nearest to measured torque.
 
+use nalgebra::DMatrix;
+
 use super::descent::{Descent, Linearised, first_simulable};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
@@ -64,7 +66,8 @@ pub(super) fn estimate(
             BlockWhitening::new(&around.residual_covariance(around.least_squares()?.solution()))?
         }
     };
-    let rest = Descent { observation, weights: &weights, rise: slope.rise() }.follow(start, &linearise)?;
+    let rest = Descent { observation, weights: &weights, rise: slope.rise(), held: DMatrix::zeros(0, start.0.len()) }
+        .follow(start, &linearise)?;
     let around = rest.linearised.equations(observation, &rest.beta);
     let equations = Factorisation::new(&around)?;
     let linear = LinearFit::with_weights(&equations, weights)?;
