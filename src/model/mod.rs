@@ -11,10 +11,12 @@
 //! a simulation are a type of `study`, which no module that identifies can name.
 
 mod bundled;
+mod capsule;
 mod columns;
 mod columns_error;
 mod drive;
 mod friction;
+mod hull;
 mod joint;
 mod motor_circuit;
 mod parameter_id;
@@ -30,8 +32,11 @@ pub mod term;
 pub use bundled::{BundledRobot, bundled};
 pub use columns::{Columns, MOST_TERMS};
 pub use columns_error::ColumnsError;
+pub use capsule::Capsule;
 pub use drive::Drive;
 pub use friction::smooth_sign;
+pub(crate) use hull::PointHull;
+pub use hull::{HULL_POINTS, HULL_TOLERANCE, Hull};
 pub use joint::{DhConvention, DhRow, Joint, JointKind, Limits, exact_sincos};
 pub use motor_circuit::MotorCircuit;
 pub use parameter_id::{ParameterId, ParameterKind};
@@ -40,4 +45,4 @@ pub use point::NamedPoint;
 pub use robot::{Robot, RobotSpec};
 pub use robot_error::RobotError;
 pub use servo::{EffortInterface, ServoTuning};
-pub use shape::{Capsule, Cuboid, Obstacle, Shape, Solid};
+pub use shape::{Cuboid, Obstacle, Shape, Solid};

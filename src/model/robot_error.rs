@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::{
-    Capsule, Cuboid, DhConvention, DhRow, Joint, JointKind, MotorCircuit, NamedPoint, Obstacle, ServoTuning, Shape,
+    Capsule, Cuboid, DhConvention, DhRow, Hull, Joint, JointKind, MotorCircuit, NamedPoint, Obstacle, ServoTuning, Shape,
     Solid,
 };
 use crate::input::SizeError;
@@ -163,7 +163,16 @@ fn check_solid(solid: &Solid, place: impl Fn() -> String) -> Result<(), RobotErr
         Solid::Cuboid(Cuboid { placement, .. }) if !placement.is_rigid() => {
             fault(place(), "placement", shown(placement), RIGID)
         }
-        Solid::Capsule(_) | Solid::Cuboid(_) => Ok(()),
+        Solid::Hull(Hull { points, .. }) if points.is_empty() => {
+            fault(place(), "number of points", "0".to_owned(), "at least one")
+        }
+        Solid::Hull(Hull { points, .. }) if !points.iter().flatten().all(|x| x.is_finite()) => {
+            fault(place(), "points", "one that is not finite".to_owned(), FINITE)
+        }
+        Solid::Hull(Hull { margin, .. }) if !(margin.is_finite() && *margin >= 0.0) => {
+            fault(place(), "margin", margin.to_string(), FINITE_NOT_BELOW)
+        }
+        Solid::Capsule(_) | Solid::Cuboid(_) | Solid::Hull(_) => Ok(()),
     }
 }
 

@@ -1,22 +1,10 @@
-//! What a robot and its surroundings look like to a collision check: capsules, boxes and planes.
+//! What a robot and its surroundings look like to a collision check: capsules, boxes, hulls of points, and planes.
 
 use nalgebra::Vector3;
 
+use super::capsule::Capsule;
+use super::hull::Hull;
 use crate::spatial::Placement;
-
-/// A capsule: every point within `radius` of a segment, m.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct Capsule {
-    /// One end of the segment, in the frame of its link.
-    #[serde(with = "crate::plain::vector")]
-    pub from: Vector3<f64>,
-    /// The other end.
-    #[serde(with = "crate::plain::vector")]
-    pub to: Vector3<f64>,
-    /// Radius, m.
-    pub radius: f64,
-}
 
 /// A box, m.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -30,17 +18,20 @@ pub struct Cuboid {
 }
 
 /// A convex body.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
 pub enum Solid {
-    /// A rounded rod.
+    /// A rounded rod; a ball where it has no length.
     Capsule(Capsule),
     /// A box.
     Cuboid(Cuboid),
+    /// The hull of some points.
+    Hull(Hull),
 }
 
 impl Solid {
-    /// A capsule that holds the body: the body itself, or the box's longest axis thickened to its corners.
+    /// A capsule that holds the body: the body itself, the box's longest axis thickened to its corners, or a line through a
+    /// hull thickened to its points.
     #[must_use]
     pub fn enclosing_capsule(&self) -> Capsule {
         match self {
@@ -51,6 +42,20 @@ impl Solid {
                 let radius = (half.norm_squared() - half[long] * half[long]).sqrt();
                 Capsule { from: placement.translation - axis, to: placement.translation + axis, radius }
             }
+            Self::Hull(hull) => hull.enclosing_capsule(),
+        }
+    }
+
+    /// The furthest that the body reaches along a unit vector of its frame, m.
+    #[must_use]
+    pub fn extent(&self, direction: &Vector3<f64>) -> f64 {
+        match self {
+            Self::Capsule(Capsule { from, to, radius }) => direction.dot(from).max(direction.dot(to)) + radius,
+            Self::Cuboid(Cuboid { placement, half }) => {
+                let along = placement.rotation.tr_mul(direction);
+                direction.dot(&placement.translation) + along.abs().dot(half)
+            }
+            Self::Hull(hull) => hull.extent(direction),
         }
     }
 
@@ -60,12 +65,13 @@ impl Solid {
         match self {
             Self::Capsule(Capsule { from, to, radius }) => from.norm().max(to.norm()) + radius,
             Self::Cuboid(Cuboid { placement, half }) => placement.translation.norm() + half.norm(),
+            Self::Hull(Hull { points, margin }) => points.iter().map(Vector3::norm).fold(0.0, f64::max) + margin,
         }
     }
 }
 
 /// The shape of one link, for collisions and for what a link can weigh; `link` 0 is the base, link i the i-th.
-#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Shape {
     /// The link whose frame the body is given in; 0 is the base.

@@ -4,8 +4,8 @@
 //! tr(Q P) = ∫ xᵀ Q x dm ≥ 0        x = (position, 1), Q with xᵀ Q x ≥ 0 in the whole body
 //! slab between two planes   (n·x − a)(b − n·x) ≥ 0        cylinder   R² − |x − p|² + (e·(x − p))² ≥ 0
 //! ```
-//! A box gives the slabs of its faces, a capsule the cylinder around it and the slab of its ends, several bodies of one link the slabs
-//! of the box around them along the axes of the link. These are necessary: that a distribution inside the body exists is not shown.
+//! A box gives the slabs of its faces, a capsule the cylinder around it and the slab of its ends, a hull or several bodies of one link
+//! the slabs of the box around them along the axes of the link. These are necessary: that a distribution inside the body exists is not shown.
 //!
 //! Reference: P. M. Wensing, S. Kim, J.-J. E. Slotine, "Linear matrix inequalities for physically consistent inertial parameter
 //! identification: a statistical perspective on the mass distribution", IEEE Robotics and Automation Letters 3(1), 2018, section V.
@@ -36,9 +36,17 @@ impl ShapeBounds {
             }
         };
         let ball = |link: usize| {
-            robot.shapes().iter().find(|shape| shape.link == link).map(|shape| match shape.solid {
-                Solid::Capsule(Capsule { from, to, radius }) => ((from + to) * 0.5, radius),
+            robot.shapes().iter().find(|shape| shape.link == link).map(|shape| match &shape.solid {
+                Solid::Capsule(Capsule { from, to, radius }) => ((from + to) * 0.5, *radius),
                 Solid::Cuboid(Cuboid { placement, half }) => (placement.translation, half.min()),
+                // Inside the box that its bounds are.
+                Solid::Hull(hull) => {
+                    let width = |axis: usize| {
+                        let n = Vector3::ith(axis, 1.0);
+                        0.5 * (hull.extent(&n) + hull.extent(&-n))
+                    };
+                    (hull.middle(), width(0).min(width(1)).min(width(2)))
+                }
             })
         };
         let links = 1..=robot.dof();
@@ -92,18 +100,10 @@ fn around_box(cuboid: &Cuboid) -> Vec<Matrix4<f64>> {
 
 fn around_all(solids: &[&Solid]) -> Vec<Matrix4<f64>> {
     let of = |axis: usize| {
-        let reach = |solid: &Solid| match solid {
-            Solid::Capsule(Capsule { from, to, radius }) => {
-                (from[axis].min(to[axis]) - radius, from[axis].max(to[axis]) + radius)
-            }
-            Solid::Cuboid(Cuboid { placement, half }) => {
-                let width: f64 = (0..3).map(|k| placement.rotation[(axis, k)].abs() * half[k]).sum();
-                (placement.translation[axis] - width, placement.translation[axis] + width)
-            }
-        };
-        let low = solids.iter().map(|solid| reach(solid).0).fold(f64::INFINITY, f64::min);
-        let high = solids.iter().map(|solid| reach(solid).1).fold(f64::NEG_INFINITY, f64::max);
-        slab(&Vector3::ith(axis, 1.0), low, high)
+        let n = Vector3::ith(axis, 1.0);
+        let low = solids.iter().map(|solid| -solid.extent(&-n)).fold(f64::INFINITY, f64::min);
+        let high = solids.iter().map(|solid| solid.extent(&n)).fold(f64::NEG_INFINITY, f64::max);
+        slab(&n, low, high)
     };
     (0..3).map(of).collect()
 }

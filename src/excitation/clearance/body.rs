@@ -1,12 +1,14 @@
 //! Bodies in space and the distance between two of them.
 
+use std::sync::Arc;
+
 use nalgebra::{Rotation3, UnitQuaternion, Vector3};
 use parry3d_f64::math::{Pose, Rotation, Vector};
-use parry3d_f64::query::contact;
-use parry3d_f64::query::details::closest_points_segment_segment_with_locations;
-use parry3d_f64::shape::{Cuboid as ParryCuboid, Segment, Shape};
+use parry3d_f64::query::Contact;
+use parry3d_f64::query::details::{closest_points_segment_segment_with_locations, contact_support_map_support_map};
+use parry3d_f64::shape::{Cuboid as ParryCuboid, Segment, SupportMap};
 
-use crate::model::{Obstacle, Solid};
+use crate::model::{Capsule, Obstacle, PointHull, Solid};
 use crate::spatial::Placement;
 
 /// Beyond this, m, two bodies are not looked at more closely.
@@ -33,7 +35,7 @@ impl Still {
         match obstacle {
             Obstacle::Floor { z } => Self::HalfSpace { normal: Vector3::z(), offset: *z },
             Obstacle::Plane { normal, offset, .. } => Self::HalfSpace { normal: *normal, offset: *offset },
-            Obstacle::Body { solid, .. } => Self::Body(*solid),
+            Obstacle::Body { solid, .. } => Self::Body(solid.clone()),
         }
     }
 }
@@ -50,7 +52,7 @@ pub struct Separation {
 }
 
 /// A body where it stands: a core, of which every point within `radius` belongs to the body.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub(super) struct Placed {
     core: Core,
     radius: f64,
@@ -59,10 +61,20 @@ pub(super) struct Placed {
     ball: f64,
 }
 
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 enum Core {
     Line(Vector3<f64>, Vector3<f64>),
     Cuboid(Placement, Vector3<f64>),
+    Hull(Placement, Arc<HullCore>),
+}
+
+/// A hull in its link's frame.
+#[derive(Debug)]
+struct HullCore {
+    support: PointHull,
+    middle: Vector3<f64>,
+    /// Around the whole body.
+    capsule: Capsule,
 }
 
 impl Placed {
@@ -79,23 +91,73 @@ impl Placed {
                 let core = Core::Cuboid(placement, cuboid.half);
                 Self { core, radius: 0.0, centre: placement.translation, ball: cuboid.half.norm() }
             }
+            Solid::Hull(hull) => {
+                let middle = hull.middle();
+                let support = PointHull::new(&hull.points);
+                let core = HullCore { support, middle, capsule: hull.enclosing_capsule() };
+                let ball = hull.points.iter().map(|p| (p - middle).norm()).fold(0.0, f64::max);
+                let centre = pose.point(&middle);
+                Self { core: Core::Hull(*pose, Arc::new(core)), radius: hull.margin, centre, ball }
+            }
         }
     }
 
-    /// No less than the distance to another body, cheaply: that of the balls around them.
-    pub(super) fn at_least(&self, other: &Self) -> f64 {
-        (other.centre - self.centre).norm() - self.ball - other.ball - self.radius - other.radius
+    /// The same body where its link's frame stands at `pose`; `solid` is what it was made of.
+    pub(super) fn moved(&mut self, solid: &Solid, pose: &Placement) {
+        if let Core::Hull(placement, hull) = &mut self.core {
+            *placement = *pose;
+            self.centre = pose.point(&hull.middle);
+        } else {
+            *self = Self::new(solid, pose);
+        }
     }
 
-    /// The distance to a second body.
+    /// No less than the distance to another body, cheaply: that of the balls around them, or of the capsules around hulls
+    /// where the balls are within `near`.
+    pub(super) fn at_least(&self, other: &Self, near: f64) -> f64 {
+        let balls = (other.centre - self.centre).norm() - self.ball - other.ball - self.radius - other.radius;
+        if balls > near || !(self.is_hull() || other.is_hull()) {
+            return balls;
+        }
+        match (self.rod(), other.rod()) {
+            (Some((a, b, first)), Some((c, d, second))) => balls.max(lines((&a, &b), (&c, &d)).1 - first - second),
+            _ => balls,
+        }
+    }
+
+    fn is_hull(&self) -> bool {
+        matches!(self.core, Core::Hull(..))
+    }
+
+    /// Ends and radius of a rod around the body; of a box there is none.
+    fn rod(&self) -> Option<(Vector3<f64>, Vector3<f64>, f64)> {
+        match &self.core {
+            Core::Line(a, b) => Some((*a, *b, self.radius)),
+            Core::Cuboid(..) => None,
+            Core::Hull(pose, hull) => {
+                let Capsule { from, to, radius } = &hull.capsule;
+                Some((pose.point(from), pose.point(to), *radius))
+            }
+        }
+    }
+
+    /// The distance to a second body. Where one of them is a hull it is that between two planes across the normal, one on
+    /// each body: never above the true distance, however well the normal was found.
     pub(super) fn separation(&self, second: &Self) -> Separation {
         let (first, radii) = (self, self.radius + second.radius);
         let (normal, core_distance, point) = match (&first.core, &second.core) {
             (Core::Line(a, b), Core::Line(c, d)) => lines((a, b), (c, d)),
+            (x @ Core::Hull(..), y) | (x, y @ Core::Hull(..)) => {
+                let (normal, point) = x.contact(y).map_or_else(
+                    || ((second.centre - first.centre).try_normalize(0.0).unwrap_or_else(Vector3::z), second.centre),
+                    |contact| (from_parry(contact.normal1), from_parry(contact.point2)),
+                );
+                (normal, -y.extent(&-normal) - x.extent(&normal), point)
+            }
             // A separating normal and distance, or those of the deepest overlap.
-            (x, y) => match contact(&x.pose(), &*x.shape(), &y.pose(), &*y.shape(), FAR) {
-                Ok(Some(contact)) => (from_parry(contact.normal1), contact.dist, from_parry(contact.point2)),
-                _ => (Vector3::z(), 0.0, second.centre),
+            (x, y) => match x.contact(y) {
+                Some(contact) => (from_parry(contact.normal1), contact.dist, from_parry(contact.point2)),
+                None => (Vector3::z(), 0.0, second.centre),
             },
         };
         Separation { distance: core_distance - radii, normal, point }
@@ -103,29 +165,52 @@ impl Placed {
 
     /// The distance from a half space.
     pub(super) fn above(&self, normal: &Vector3<f64>, offset: f64) -> Separation {
-        let lowest = match &self.core {
-            Core::Line(from, to) => {
-                if normal.dot(from) <= normal.dot(to) {
-                    *from
-                } else {
-                    *to
-                }
-            }
-            Core::Cuboid(placement, half) => {
-                let local = placement.rotation.tr_mul(normal);
-                placement.point(&half.zip_map(&local, |half, along| if along > 0.0 { -half } else { half }))
-            }
-        };
+        let lowest = self.core.furthest(&-normal);
         Separation { distance: normal.dot(&lowest) - offset - self.radius, normal: *normal, point: lowest }
     }
 }
 
 impl Core {
-    /// The shape in the core's own frame.
-    fn shape(&self) -> Box<dyn Shape> {
+    /// A point that is furthest along a direction.
+    fn furthest(&self, along: &Vector3<f64>) -> Vector3<f64> {
         match self {
-            Self::Line(a, b) => Box::new(segment(a, b)),
-            Self::Cuboid(_, half) => Box::new(ParryCuboid::new(to_parry(half))),
+            Self::Line(from, to) => {
+                if along.dot(from) >= along.dot(to) {
+                    *from
+                } else {
+                    *to
+                }
+            }
+            Self::Cuboid(placement, half) => {
+                let local = placement.rotation.tr_mul(along);
+                placement.point(&half.zip_map(&local, |half, along| if along < 0.0 { -half } else { half }))
+            }
+            Self::Hull(pose, hull) => {
+                let local = to_parry(&pose.rotation.tr_mul(along));
+                pose.point(&from_parry(hull.support.local_support_point(local)))
+            }
+        }
+    }
+
+    /// How far it reaches along a unit vector.
+    fn extent(&self, along: &Vector3<f64>) -> f64 {
+        along.dot(&self.furthest(along))
+    }
+
+    /// Where this core and another come nearest or overlap most, in the base frame; `None` where the iteration did not end.
+    fn contact(&self, other: &Self) -> Option<Contact> {
+        let (here, there) = (self.pose(), other.pose());
+        let (first, second) = (self.support(), other.support());
+        let mut found = contact_support_map_support_map(&here.inv_mul(&there), &first, &second, FAR)?;
+        found.transform_by_mut(&here, &there);
+        Some(found)
+    }
+
+    fn support(&self) -> Support<'_> {
+        match self {
+            Self::Line(a, b) => Support::Line(segment(a, b)),
+            Self::Cuboid(_, half) => Support::Cuboid(ParryCuboid::new(to_parry(half))),
+            Self::Hull(_, hull) => Support::Hull(&hull.support),
         }
     }
 
@@ -133,11 +218,28 @@ impl Core {
     fn pose(&self) -> Pose {
         match self {
             Self::Line(..) => Pose::IDENTITY,
-            Self::Cuboid(placement, _) => {
+            Self::Cuboid(placement, _) | Self::Hull(placement, _) => {
                 let turn = UnitQuaternion::from_rotation_matrix(&Rotation3::from_matrix_unchecked(placement.rotation));
                 let rotation = Rotation::from_xyzw(turn.i, turn.j, turn.k, turn.w);
                 Pose::from_parts(to_parry(&placement.translation), rotation)
             }
+        }
+    }
+}
+
+/// A core as the furthest of its points along a direction of its own frame.
+enum Support<'a> {
+    Line(Segment),
+    Cuboid(ParryCuboid),
+    Hull(&'a PointHull),
+}
+
+impl SupportMap for Support<'_> {
+    fn local_support_point(&self, direction: Vector) -> Vector {
+        match self {
+            Self::Line(line) => line.local_support_point(direction),
+            Self::Cuboid(cuboid) => cuboid.local_support_point(direction),
+            Self::Hull(hull) => hull.local_support_point(direction),
         }
     }
 }
@@ -175,7 +277,11 @@ fn from_parry(x: Vector) -> Vector3<f64> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::model::{Capsule, Cuboid};
+    use crate::model::{Capsule, Cuboid, Hull};
+    use crate::seed::Seed;
+    use clarabel::algebra::CscMatrix;
+    use clarabel::solver::{DefaultSettings, DefaultSolver, IPSolver, NonnegativeConeT, ZeroConeT};
+    use rand::{Rng, RngExt};
 
     fn rod(from: [f64; 3], to: [f64; 3], radius: f64) -> Placed {
         let capsule = Capsule { from: from.into(), to: to.into(), radius };
@@ -185,6 +291,115 @@ mod tests {
     fn block(centre: [f64; 3], half: [f64; 3]) -> Placed {
         let placement = Placement::translation(centre[0], centre[1], centre[2]);
         Placed::new(&Solid::Cuboid(Cuboid { placement, half: half.into() }), &Placement::identity())
+    }
+
+    fn hull(points: &[Vector3<f64>], pose: &Placement) -> Placed {
+        Placed::new(&Solid::Hull(Hull::around(points).unwrap()), pose)
+    }
+
+    fn turned(rng: &mut impl Rng) -> Placement {
+        let angles: [f64; 3] = std::array::from_fn(|_| rng.random_range(-3.0..3.0));
+        let place = Vector3::from_fn(|_, _| rng.random_range(-0.4..0.4));
+        Placement::new(*Rotation3::from_euler_angles(angles[0], angles[1], angles[2]).matrix(), place)
+    }
+
+    /// The distance of two hulls as a quadratic program in the weights of their corners, solved by Clarabel.
+    ///
+    /// ```text
+    /// min |Σ λ_i p_i − Σ μ_j q_j|²        λ, μ ≥ 0, Σ λ = Σ μ = 1
+    /// ```
+    fn by_quadratic_program(p: &[Vector3<f64>], q: &[Vector3<f64>]) -> f64 {
+        let n = p.len() + q.len();
+        let all: Vec<Vector3<f64>> = p.iter().copied().chain(q.iter().map(|q| -q)).collect();
+        let mut upper = CscMatrix::zeros((n, n));
+        (upper.colptr, upper.rowval, upper.nzval) = (vec![0], Vec::new(), Vec::new());
+        let mut a = CscMatrix::zeros((2 + n, n));
+        (a.colptr, a.rowval, a.nzval) = (vec![0], Vec::new(), Vec::new());
+        for j in 0..n {
+            for i in 0..=j {
+                upper.rowval.push(i);
+                upper.nzval.push(2.0 * all[i].dot(&all[j]));
+            }
+            upper.colptr.push(upper.rowval.len());
+            a.rowval.extend([usize::from(j >= p.len()), 2 + j]);
+            a.nzval.extend([1.0, -1.0]);
+            a.colptr.push(a.rowval.len());
+        }
+        let mut b = vec![0.0; 2 + n];
+        b[..2].fill(1.0);
+        let cones = [ZeroConeT(2), NonnegativeConeT(n)];
+        let settings = DefaultSettings { verbose: false, tol_gap_abs: 1e-12, tol_gap_rel: 1e-12, ..Default::default() };
+        let mut solver = DefaultSolver::new(&upper, &vec![0.0; n], &a, &b, &cones, settings).unwrap();
+        solver.solve();
+        let apart: Vector3<f64> = all.iter().zip(&solver.solution.x).map(|(p, weight)| p * *weight).sum();
+        apart.norm()
+    }
+
+    #[test]
+    fn clarabel_distances_of_hulls_are_those_of_a_quadratic_program() {
+        let mut rng = Seed::new(12).stream("hulls", 0);
+        let mut apart = 0;
+        for _ in 0..60 {
+            let mut cloud = |count: usize| -> Vec<Vector3<f64>> {
+                (0..count).map(|_| Vector3::from_fn(|_, _| rng.random_range(-0.1..0.1))).collect()
+            };
+            let (p, q) = (cloud(12), cloud(9));
+            let (here, there) = (turned(&mut rng), turned(&mut rng));
+            let (first, second) = (hull(&p, &here), hull(&q, &there));
+            let found = first.separation(&second);
+            let in_base = |points: &[Vector3<f64>], pose: &Placement| -> Vec<Vector3<f64>> {
+                points.iter().map(|p| pose.point(p)).collect()
+            };
+            let (p, q) = (in_base(&p, &here), in_base(&q, &there));
+            let exact = by_quadratic_program(&p, &q);
+            if exact < 1e-5 {
+                // They overlap, and along every direction by no less than the depth.
+                assert!(found.distance < 1e-7, "{found:?} {exact}");
+                continue;
+            }
+            apart += 1;
+            // All corners may be there, or all but those within the margin.
+            assert!(found.distance <= exact + 1e-7, "{found:?} {exact}");
+            assert!(found.distance >= exact - first.radius - second.radius - 1e-7, "{found:?} {exact}");
+            assert!(first.at_least(&second, 0.0) <= found.distance + 1e-9);
+        }
+        assert!(apart > 40, "{apart}");
+    }
+
+    /// Boxes as hulls of their corners: `parry3d` knows boxes by a law of their own, planes by another.
+    #[test]
+    fn parry_boxes_as_hulls_are_as_far_apart_and_as_deep_as_boxes() {
+        let mut rng = Seed::new(13).stream("hulls", 0);
+        let half = [Vector3::new(0.1, 0.05, 0.2), Vector3::new(0.15, 0.1, 0.03)];
+        let (mut inside, mut worst) = (0, 0.0_f64);
+        for _ in 0..300 {
+            let poses = [turned(&mut rng), turned(&mut rng)];
+            let corners = |half: &Vector3<f64>| -> Vec<Vector3<f64>> {
+                let sign = |k: usize| if k & 1 == 0 { -1.0 } else { 1.0 };
+                (0..8).map(|k| half.component_mul(&Vector3::new(sign(k), sign(k >> 1), sign(k >> 2)))).collect()
+            };
+            let hulls: Vec<Placed> = (0..2).map(|i| hull(&corners(&half[i]), &poses[i])).collect();
+            let boxes: Vec<Placed> = (0..2)
+                .map(|i| Placed::new(&Solid::Cuboid(Cuboid { placement: poses[i], half: half[i] }), &Placement::identity()))
+                .collect();
+            let (a, b) = (hulls[0].separation(&hulls[1]), boxes[0].separation(&boxes[1]));
+            assert!(a.distance <= b.distance + 1e-9, "{a:?} {b:?}");
+            worst = worst.max(b.distance - a.distance);
+            inside += usize::from(a.distance < 0.0);
+            let mixed = hulls[0].separation(&boxes[1]);
+            assert!((mixed.distance - a.distance).abs() < 1e-8, "{mixed:?} {a:?}");
+            let plane = (hulls[0].above(&Vector3::z(), -0.5).distance, boxes[0].above(&Vector3::z(), -0.5).distance);
+            assert!((plane.0 - plane.1).abs() < 1e-12);
+        }
+        assert!(inside > 30 && worst < 1e-8, "{inside} overlap, {worst}");
+    }
+
+    #[test]
+    fn analytic_a_ball_is_a_rod_without_length() {
+        let ball = rod([0.0, 0.0, 0.5], [0.0, 0.0, 0.5], 0.1);
+        assert!((ball.separation(&rod([1.0, 0.0, 0.5], [1.0, 0.0, 0.5], 0.2)).distance - 0.7).abs() < 1e-15);
+        assert!((ball.above(&Vector3::z(), 0.0).distance - 0.4).abs() < 1e-15);
+        assert!((block([0.0, 0.0, -0.5], [0.5, 0.5, 0.5]).separation(&ball).distance - 0.4).abs() < 1e-9);
     }
 
     #[test]
@@ -212,7 +427,7 @@ mod tests {
         assert!((floor.distance - 0.25).abs() < 1e-15);
         assert!((cube.above(&Vector3::x(), -1.0).distance - 0.5).abs() < 1e-15);
         for pair in [(&along_x, &along_y), (&cube, &along_y)] {
-            assert!(pair.0.at_least(pair.1) <= pair.0.separation(pair.1).distance + 1e-12);
+            assert!(pair.0.at_least(pair.1, 1e9) <= pair.0.separation(pair.1).distance + 1e-12);
         }
     }
 }

@@ -53,7 +53,7 @@ impl Scene {
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
         let n = robot.dof();
-        let bodies: Vec<(usize, Solid)> = robot.shapes().iter().map(|shape| (shape.link, shape.solid)).collect();
+        let bodies: Vec<(usize, Solid)> = robot.shapes().iter().map(|shape| (shape.link, shape.solid.clone())).collect();
         let mut bearing: Vec<usize> = bodies.iter().map(|body| body.0).collect();
         bearing.sort_unstable();
         bearing.dedup();
@@ -88,8 +88,8 @@ impl Scene {
     }
 
     fn add_pair(&mut self, first: Partner, second: usize, from: usize) {
-        let (to, solid) = (self.bodies[second].0, self.bodies[second].1);
-        let reach = (from..to).map(|joint| self.reach(joint, to, &solid)).collect();
+        let (to, solid) = (self.bodies[second].0, &self.bodies[second].1);
+        let reach = (from..to).map(|joint| self.reach(joint, to, solid)).collect();
         self.pairs.push(Pair { first, second, from, to, reach });
     }
 
@@ -136,7 +136,7 @@ impl Scene {
         }
         for (placed, (link, solid)) in self.placed.iter_mut().zip(&self.bodies) {
             if *link > 0 {
-                *placed = Placed::new(solid, &self.poses[*link]);
+                placed.moved(solid, &self.poses[*link]);
             }
         }
     }
@@ -159,7 +159,7 @@ impl Scene {
     #[must_use]
     pub(super) fn distance_within(&self, pair: usize, near: f64) -> f64 {
         if let Pair { first: Partner::Body(body), second, .. } = &self.pairs[pair] {
-            let bound = self.placed[*body].at_least(&self.placed[*second]);
+            let bound = self.placed[*body].at_least(&self.placed[*second], near);
             if bound > near {
                 return bound;
             }
