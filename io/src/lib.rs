@@ -5,6 +5,7 @@
 //! | a name or a file | [`LoadedRobot`]: robot, nominal parameters, text | [`robot::named`], [`robot::load`] |
 //! | MCAP or CSV | [`Log`] | [`Log::read`], [`log::parse_csv`], [`log::parse_mcap`] |
 //! | tables of any shape | [`Log`] | [`log::find`], [`log::parse_tables`] with a [`log::Mapping`] |
+//! | meshes of a URDF | shapes that a clearance is held against | [`LoadedRobot::hold_collision_shapes`], [`mesh::read`] |
 //! | a URDF | a `robot.toml`, a folder to begin with | [`robot::begin`], [`starter::Starter`] |
 //! | a log and a robot | [`ProcessedLog`]: samples with their noise | [`Log::process`] |
 //! | samples | an estimate with its intervals and findings | [`ProcessedLog::identify`] |
@@ -73,6 +74,7 @@ pub mod estimate;
 pub mod experiment;
 pub mod inputs;
 pub mod log;
+pub mod mesh;
 pub mod output;
 pub mod prior;
 pub mod recording;

@@ -153,8 +153,32 @@ pub const COLUMNS: SizeLimit = SizeLimit {
     reason: "a robot of 40 joints has at most 161 columns, and each heading is compared with each",
 };
 
+/// The file of a collision mesh.
+pub const MESH_BYTES: SizeLimit = SizeLimit {
+    what: "the file of a collision mesh",
+    most: 1 << 28,
+    unit: " bytes",
+    reason: "it is held in memory, and only the hull of its points counts",
+};
+
+/// Points of a collision mesh.
+pub const MESH_POINTS: SizeLimit = SizeLimit {
+    what: "points of a collision mesh",
+    most: 5_000_000,
+    unit: "",
+    reason: "each is looked at when the hull is made",
+};
+
+/// Collision shapes of a robot.
+pub const COLLISION_SHAPES: SizeLimit = SizeLimit {
+    what: "collision shapes of a robot",
+    most: 500,
+    unit: "",
+    reason: "the distance of each from each is watched along the whole motion",
+};
+
 /// Every size that an input may ask for.
-pub const ALL: [SizeLimit; 17] = [
+pub const ALL: [SizeLimit; 20] = [
     JOINTS,
     LINKS,
     HARMONICS,
@@ -172,6 +196,9 @@ pub const ALL: [SizeLimit; 17] = [
     RECORDING_BYTES,
     LINE_BYTES,
     COLUMNS,
+    MESH_BYTES,
+    MESH_POINTS,
+    COLLISION_SHAPES,
 ];
 
 impl SizeLimit {

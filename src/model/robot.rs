@@ -262,6 +262,14 @@ impl Robot {
         self
     }
 
+    /// The same robot with other shapes of its links, and other pairs of links (0 is the base, the lower first) that may touch.
+    ///
+    /// # Errors
+    /// [`RobotError`] if a shape is not possible, or a link does not exist.
+    pub fn with_shapes(self, shapes: Vec<Shape>, may_touch: Vec<(usize, usize)>) -> Result<Self, RobotError> {
+        Self { shapes, may_touch, ..self }.checked()
+    }
+
     /// What its controller reports as effort.
     #[must_use]
     pub fn effort(&self) -> EffortInterface {

@@ -6,8 +6,10 @@ use std::path::PathBuf;
 use armid::excitation::{Design, DesignProblem, ExcitationError, LimitKind, Termination, WorstUse};
 use armid::model::{ParameterId, Robot};
 use armid::trajectory::PeriodicTrajectory;
+use armid_io::robot::HeldShapes;
 use serde_json::{Value, json};
 
+use crate::answers::clearance::ClearanceAnswer;
 use crate::terminal::{Align, Destination, Table, number};
 
 /// How a start ended, in words.
@@ -123,8 +125,10 @@ pub(crate) struct DesignAnswer<'a> {
     pub(crate) destination: Destination,
     /// What was drawn beside it.
     pub(crate) figures: Vec<PathBuf>,
-    /// What was read of the robot otherwise than it is written, and what was not: collision shapes among it.
+    /// What was read of the robot otherwise than it is written, and what was not.
     pub(crate) remarks: &'a [String],
+    /// What clearances are held against.
+    pub(crate) shapes: &'a HeldShapes,
     /// What it adds to the information so far, where there is any.
     pub(crate) gain: Option<Gain>,
 }
@@ -137,12 +141,18 @@ impl DesignAnswer<'_> {
         Some(expected.effects().iter().map(|effect| effect.name.as_str()).collect())
     }
 
+    /// What is held where a clearance is.
+    fn clearance(&self) -> Option<ClearanceAnswer<'_>> {
+        let (robot, shapes) = (self.problem.robot(), self.shapes);
+        self.problem.limits().clearance_m().map(|required_m| ClearanceAnswer { robot, required_m, shapes })
+    }
+
     pub(crate) fn json(&self, interrupted: bool) -> Value {
         let (best, certificate) = (self.best, &self.best.certificate);
         json!({
             "robot": self.problem.robot().name(),
             "remarks": self.remarks,
-            "collision_shapes": self.problem.robot().shapes().len(),
+            "collision_shapes": self.clearance().map(|clearance| clearance.json()),
             "criterion": best.criterion,
             "columns": self.problem.objective().columns().to_string(),
             "family": self.problem.space().family().name(),
@@ -231,9 +241,10 @@ impl DesignAnswer<'_> {
             let (distance, t) = (number(nearest.distance_m), nearest.t);
             let _ = writeln!(text, "\n  nearest: {distance} m, \"{first}\" to \"{second}\", t = {t:.3} s");
         }
-        if self.problem.limits().clearance_m().is_some() {
-            let held = self.problem.robot().shapes().len();
-            let _ = writeln!(text, "\n  clearance is held between {held} shapes of the robot and its surroundings");
+        text.push('\n');
+        match self.clearance() {
+            Some(clearance) => text.push_str(&clearance.text(verbose)),
+            None => text.push_str("  no clearance is held\n"),
         }
         for remark in self.remarks {
             let _ = writeln!(text, "  {remark}");

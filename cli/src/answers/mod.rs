@@ -1,5 +1,6 @@
 //! What commands answer: texts for a person, JSON for a program.
 
+pub(crate) mod clearance;
 pub(crate) mod comparison;
 pub(crate) mod design;
 pub(crate) mod estimate;

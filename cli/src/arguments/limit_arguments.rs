@@ -35,7 +35,7 @@ pub(crate) struct LimitArguments {
     /// Hold the limits on the period alone, not on the ramps around it
     #[arg(long)]
     no_ramps: bool,
-    /// Distance to keep between the robot's bodies and from obstacles, m
+    /// Distance to keep between the robot's collision shapes and from obstacles, m
     #[arg(long, value_name = "M", default_value_t = 0.0)]
     clearance: f64,
     /// Do not hold any clearance
@@ -47,6 +47,11 @@ pub(crate) struct LimitArguments {
 }
 
 impl LimitArguments {
+    /// The clearance that is to be held, m.
+    pub(crate) fn clearance(&self) -> Option<f64> {
+        (!self.ignore_clearance).then_some(self.clearance)
+    }
+
     /// The robot with the limits and obstacles that were given.
     pub(crate) fn robot(&self, loaded: &LoadedRobot) -> Result<Robot> {
         let mut robot = loaded.robot.clone();

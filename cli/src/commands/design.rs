@@ -14,13 +14,14 @@ use armid::seed::Seed;
 use armid::study::LimitExample;
 use armid::trajectory::{Family, PeriodicTrajectory};
 use armid_io::prior::set_prior;
+use armid_io::robot::HeldShapes;
 use armid_io::{Error, LoadedRobot, output, trajectory};
 use armid_reports::{Figure, Heading, design_convergence, limits_figure};
 use miette::Result;
 use rayon::prelude::*;
 
 use crate::answers::design::{DesignAnswer, Gain};
-use crate::arguments::{LimitArguments, RobotArguments, columns, one_of};
+use crate::arguments::{LimitArguments, MeshArguments, RobotArguments, columns, one_of};
 use crate::interrupt;
 use crate::terminal::{Answer, Console, Destination, Ending, progress, report_folder};
 
@@ -29,7 +30,8 @@ Every start begins at the first guess of Radkhah et al. (2007) from other random
 evaluate the criterion --evaluations times (a gradient counts as one more). The best start within all
 limits is kept. Limits hold at every instant, also between samples and on the ramps of an experiment:
 position (less --margin, where the guard of a real arm stops it), velocity, acceleration, jerk,
-distances, and torque and current (peak and RMS) with the probability --confidence at each instant, by
+distances (of the robot's shapes: a URDF's boxes, balls and capsules, and the hulls of its cylinders and
+meshes), and torque and current (peak and RMS) with the probability --confidence at each instant, by
 the uncertainty of the nominal parameters (without one, below nine tenths of the limits). Where no
 start holds them, the nearest is written, its excess is reported, and the exit status is 1. Equal seeds
 give equal trajectories. The file contains the certificate.
@@ -89,6 +91,8 @@ pub(crate) struct Arguments {
     iterations: Option<usize>,
     #[command(flatten)]
     limits: LimitArguments,
+    #[command(flatten)]
+    meshes: MeshArguments,
     /// Weight the rows of d-optimal by the noise of each joint's effort, from the robot's drives
     #[arg(long)]
     weighted: bool,
@@ -112,7 +116,11 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     check_sizes(arguments)?;
-    let loaded = arguments.robot.load()?;
+    let mut loaded = arguments.robot.load()?;
+    let shapes = match arguments.limits.clearance() {
+        Some(clearance) => loaded.hold_collision_shapes(&arguments.meshes.packages(), clearance)?,
+        None => HeldShapes::default(),
+    };
     let problem = problem(arguments, &loaded)?;
     let starts = starts(arguments, problem.robot())?;
     let destination = console.text_or(|| {
@@ -143,6 +151,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         destination,
         figures,
         remarks: &loaded.remarks,
+        shapes: &shapes,
         gain: Gain::of(&problem, best, arguments.prior.len()).map_err(|error| impossible(&error))?,
     };
     console.show(&Answer { text: done.text(console.verbose()), json: done.json(interrupted && !feasible) })?;

@@ -258,6 +258,10 @@ fn solid_json(solid: &Solid) -> Value {
             "axes": cuboid.placement.rotation.column_iter().map(|axis| axis.as_slice().to_vec()).collect::<Vec<_>>(),
             "size_m": (2.0 * cuboid.half).as_slice(),
         }),
+        Solid::Hull(hull) => json!({
+            "points_m": hull.points.iter().map(|point| point.as_slice().to_vec()).collect::<Vec<_>>(),
+            "margin_m": hull.margin,
+        }),
     }
 }
 

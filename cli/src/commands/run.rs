@@ -13,7 +13,7 @@ use armid_io::recording::{CsvSink, FileSink, McapSink, beside, check_free, part_
 use miette::Result;
 
 use crate::answers::run::{Done, answer};
-use crate::arguments::{GuardArguments, one_of};
+use crate::arguments::{GuardArguments, MeshArguments, one_of};
 use crate::arms::resumption::{Found, Part};
 use crate::arms::{self, ArmKind, Experiment, Speed, resumption, speed};
 use crate::interrupt;
@@ -87,6 +87,8 @@ pub(crate) struct Arguments {
     resume: bool,
     #[command(flatten)]
     guarding: GuardArguments,
+    #[command(flatten)]
+    meshes: MeshArguments,
     /// Panic after so many states: what a defect of armid itself does to an arm, in builds for tests alone
     #[cfg(debug_assertions)]
     #[arg(long, value_name = "STATES", hide = true)]
@@ -103,6 +105,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     experiment.arm = arguments.arm.unwrap_or(experiment.arm);
     experiment.planned.plan.periods = arguments.periods.unwrap_or(experiment.planned.plan.periods);
     experiment.guarded = arguments.guarding.guard;
+    hold_shapes(&mut experiment, &arguments.meshes, console)?;
     verify(&experiment)?;
     let path = console.output().map_or_else(
         || Ok(report_folder("name", &experiment.planned.name)?.join("recording.mcap")),
@@ -320,6 +323,19 @@ fn efforts(experiment: &Experiment, certificate: &Certificate) -> Option<EffortM
 fn refused(experiment: &Experiment, error: &VerificationError) -> miette::Report {
     let help = "nothing has moved; `armid design` writes a certificate that fits";
     Fault::new(format!("{}: {error}", experiment.planned.text.name)).help(help).into()
+}
+
+/// Holds the collision shapes of a URDF where the design did, and says which are missing.
+fn hold_shapes(experiment: &mut Experiment, meshes: &MeshArguments, console: &Console) -> Result<()> {
+    let designed = experiment.planned.certificate.as_ref().and_then(|made| made.worst_limit_use.clearance_m);
+    if designed.is_none() {
+        return Ok(());
+    }
+    let shapes = experiment.planned.robot.hold_collision_shapes(&meshes.packages(), 0.0)?;
+    for shape in shapes.left_out {
+        console.note(format!("no clearance is held against a {} of \"{}\": {}", shape.kind, shape.body, shape.reason));
+    }
+    Ok(())
 }
 
 /// The last look at the certificate, before anything moves.

@@ -39,7 +39,7 @@ pub fn load(name: &str, chain: &ChainEnds, beside: Option<&Path>) -> Result<Load
             no_chain(chain, name)?;
             LoadedRobot::file(&path)
         }
-        Some("urdf" | "xml") => LoadedRobot::tree(Text::read(&path)?, chain),
+        Some("urdf" | "xml") => LoadedRobot::tree(Text::read(&path)?, chain, path.parent().map(Path::to_path_buf)),
         other => Err(Error::new(format!(
             "{}: found a file ending in \"{}\", expected .toml, .urdf or .xml",
             path.display(),

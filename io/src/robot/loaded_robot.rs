@@ -3,11 +3,13 @@
 use std::path::{Path, PathBuf};
 
 use armid::model::format::{
-    ChainEnds, RelativeUncertainty, RobotModel, embed_urdf, parse_nominal, parse_robot_model, urdf_of,
+    ChainEnds, CollisionShape, RelativeUncertainty, RobotModel, embed_urdf, parse_nominal, parse_robot_model, urdf_of,
 };
 use armid::model::{BundledRobot, Drive, EffortInterface, Robot, StandardParameters};
 use armid::study::{Truth, truth_text};
 
+use super::held_shapes::{HeldShapes, hold};
+use super::package_path::PackagePath;
 use super::tree;
 use crate::error::Error;
 use crate::text::Text;
@@ -31,6 +33,10 @@ pub struct LoadedRobot {
     pub remarks: Vec<String>,
     /// The URDF that it was read from, where it was.
     pub urdf: Option<UrdfSource>,
+    /// Collision shapes of that URDF; the robot has none of them unless [`Self::hold_collision_shapes`] gave them to it.
+    pub collisions: Vec<CollisionShape>,
+    /// The folder of the URDF, to which the files of meshes are relative; `None` where its text came with a recording.
+    pub urdf_folder: Option<PathBuf>,
     /// Where the parameters are that a simulated arm is made of.
     truth: TruthSource,
 }
@@ -94,6 +100,20 @@ impl LoadedRobot {
         Truth::from_toml(&text.content, &self.robot).map_err(|error| Error::of_format(&text, &error))
     }
 
+    /// Gives the robot the collision shapes of its URDF, so that clearances are held against them: boxes, balls and capsules as
+    /// they are, cylinders and the hulls of meshes within the margin of a [`Hull`](armid::model::Hull). Files of meshes are
+    /// found by `packages`. A shape that cannot be had is left out with its reason. Pairs of links that come within
+    /// `clearance` (m) in nearly every posture ([`armid::excitation::clearance::touching_links`]) may touch.
+    ///
+    /// # Errors
+    /// [`Error`] where there are too many shapes, or one is not possible.
+    pub fn hold_collision_shapes(&mut self, packages: &PackagePath, clearance: f64) -> Result<HeldShapes, Error> {
+        let folder = self.urdf_folder.as_deref();
+        let (robot, held) = hold(&self.robot, &self.collisions, packages, folder, clearance)?;
+        self.robot = robot;
+        Ok(held)
+    }
+
     /// Torque follows from the efforts of a log: a robot from a URDF or MJCF says neither torque constants nor gears, and
     /// currents are no torques.
     ///
@@ -129,31 +149,31 @@ impl LoadedRobot {
     pub(super) fn bundled(entry: &BundledRobot) -> Result<Self, Error> {
         let text = Text::new(format!("models/{}/robot.toml", entry.name), entry.robot);
         let nominal = Text::new(format!("models/{}/nominal.toml", entry.name), entry.nominal);
-        Self::of_texts(text, Some(nominal), TruthSource::Bundled(entry.name))
+        Self::of_texts(text, Some(nominal), TruthSource::Bundled(entry.name), None)
     }
 
     /// A robot file; `nominal.toml` and `truth.toml` lie beside it.
     pub(super) fn file(path: &Path) -> Result<Self, Error> {
         let text = Text::read(path)?;
         let folder = path.parent().map_or_else(|| PathBuf::from("."), Path::to_path_buf);
-        let text = with_urdf(text, &folder)?;
+        let (text, urdf_folder) = with_urdf(text, &folder)?;
         let beside = folder.join("nominal.toml");
         let nominal = if beside.is_file() { Some(Text::read(&beside)?) } else { None };
-        Self::of_texts(text, nominal, TruthSource::Folder(folder))
+        Self::of_texts(text, nominal, TruthSource::Folder(folder), urdf_folder)
     }
 
     /// The robot that a recording holds: texts.
     pub(crate) fn recorded(name: &str, robot: &str, nominal: Option<&str>, chain: &ChainEnds) -> Result<Self, Error> {
         let text = Text::new(format!("{name} (robot file)"), robot);
         if robot.trim_start().starts_with('<') {
-            return Self::tree(text, chain);
+            return Self::tree(text, chain, None);
         }
         let nominal = nominal.map(|nominal| Text::new(format!("{name} (nominal file)"), nominal));
-        Self::of_texts(text, nominal, TruthSource::Own)
+        Self::of_texts(text, nominal, TruthSource::Own, None)
     }
 
-    /// The chain of a tree in XML.
-    pub(super) fn tree(text: Text, chain: &ChainEnds) -> Result<Self, Error> {
+    /// The chain of a tree in XML, whose file lies in `folder`.
+    pub(super) fn tree(text: Text, chain: &ChainEnds, folder: Option<PathBuf>) -> Result<Self, Error> {
         let model = tree::parse(&text, chain)?;
         let mut remarks = model.remarks;
         if !model.locked.is_empty() {
@@ -169,13 +189,20 @@ impl LoadedRobot {
             nominal_text: None,
             own: Some(model.parameters),
             remarks,
+            collisions: model.collisions,
+            urdf_folder: folder,
             truth: TruthSource::Own,
         })
     }
 
-    fn of_texts(text: Text, nominal_text: Option<Text>, truth: TruthSource) -> Result<Self, Error> {
+    fn of_texts(
+        text: Text,
+        nominal_text: Option<Text>,
+        truth: TruthSource,
+        urdf_folder: Option<PathBuf>,
+    ) -> Result<Self, Error> {
         let read = parse_robot_model(&text.content).map_err(|error| Error::of_format(&text, &error))?;
-        let RobotModel { robot, parameters: own, locked, mut remarks } = read;
+        let RobotModel { robot, parameters: own, locked, collisions, mut remarks } = read;
         if !locked.is_empty() {
             remarks.push(held(&locked));
         }
@@ -197,6 +224,8 @@ impl LoadedRobot {
             own,
             remarks,
             urdf,
+            collisions,
+            urdf_folder,
             truth,
         })
     }
@@ -207,10 +236,10 @@ fn held(locked: &[String]) -> String {
     format!("joints off the chain are held at zero: {}", locked.join(", "))
 }
 
-/// A robot file with the URDF that it names, which lies relative to `folder`.
-fn with_urdf(text: Text, folder: &Path) -> Result<Text, Error> {
+/// A robot file with the URDF that it names, which lies relative to `folder`, and the folder of that.
+fn with_urdf(text: Text, folder: &Path) -> Result<(Text, Option<PathBuf>), Error> {
     let reference = urdf_of(&text.content).map_err(|error| Error::of_format(&text, &error))?;
-    let Some(reference) = reference.filter(|reference| reference.text.is_none()) else { return Ok(text) };
+    let Some(reference) = reference.filter(|reference| reference.text.is_none()) else { return Ok((text, None)) };
     let path = folder.join(&reference.path);
     if !path.is_file() {
         let message = format!("URDF not found: {}", path.display());
@@ -220,5 +249,6 @@ fn with_urdf(text: Text, folder: &Path) -> Result<Text, Error> {
     let urdf = Text::read(&path)?;
     // A fault in the URDF is shown there.
     tree::parse(&urdf, &reference.ends)?;
-    Ok(Text::new(&text.name, embed_urdf(&text.content, &urdf.content)))
+    let whole = Text::new(&text.name, embed_urdf(&text.content, &urdf.content));
+    Ok((whole, path.parent().map(Path::to_path_buf)))
 }

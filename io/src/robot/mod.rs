@@ -2,9 +2,13 @@
 
 mod begun_file;
 mod find;
+mod held_shapes;
 mod loaded_robot;
+mod package_path;
 mod tree;
 
 pub use begun_file::begin;
 pub use find::{load, named};
+pub use held_shapes::{HeldShape, HeldShapes, ShapeLeftOut};
 pub use loaded_robot::{LoadedRobot, UrdfSource};
+pub use package_path::PackagePath;

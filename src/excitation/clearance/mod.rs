@@ -11,8 +11,10 @@ mod body;
 mod limits;
 mod scene;
 mod sweep;
+mod touching;
 
 pub use body::{Separation, Still};
 pub use limits::ClearanceLimits;
 pub use scene::{Pair, Scene};
 pub use sweep::{CLEARANCE_TOLERANCE, WorstClearance, smallest_clearance};
+pub use touching::{TouchingLinks, touching_links};

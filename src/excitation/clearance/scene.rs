@@ -118,6 +118,16 @@ impl Scene {
         &self.pairs
     }
 
+    /// The links of a pair of the robot's bodies, the inner one first; `None` where one of the two stands around.
+    #[must_use]
+    pub fn links(&self, pair: usize) -> Option<(usize, usize)> {
+        let Pair { first, second, .. } = &self.pairs[pair];
+        match first {
+            Partner::Body(body) => Some((self.bodies[*body].0, self.bodies[*second].0)),
+            Partner::Still(_) => None,
+        }
+    }
+
     /// What the two bodies of a pair are called: links by their joints, obstacles by their names.
     #[must_use]
     pub fn pair_names(&self, pair: usize) -> [String; 2] {

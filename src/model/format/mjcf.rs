@@ -56,7 +56,7 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         return root.fault(format!("the root element is <{}>, expected <mujoco>", root.tag()));
     }
     let settings = Settings::read(root)?;
-    let mut reader = BodyReader { settings: &settings, bodies: Vec::new(), joints: 0 };
+    let mut reader = BodyReader { settings: &settings, bodies: Vec::new(), joints: 0, geoms: 0 };
     reader.bodies.push(Body {
         name: "world".to_owned(),
         parent: None,
@@ -64,12 +64,15 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         snapped: None,
         connection: Connection::Fixed,
         inertia: Ok(Inertia::zero()),
+        shapes: Vec::new(),
         at: root.span(),
     });
     for world in root.all("worldbody") {
         reader.children(world, 0, None)?;
     }
-    let bodies = reader.bodies;
+    let (bodies, geoms) = (reader.bodies, reader.geoms);
+    let not_held = || format!("shapes of an MJCF are not read, and no clearance is held against them: {geoms} × geom");
+    let remarks = (geoms > 0).then(not_held).into_iter().collect();
     let mut rotors = Vec::new();
     for tendons in root.all("tendon") {
         for tendon in tendons.elements() {
@@ -77,7 +80,7 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         }
     }
     let name = root.attribute("model").map_or("unnamed", |name| name.value()).to_owned();
-    Tree { check: root.check(), at: root.span(), name, gravity: settings.gravity, bodies, rotors, remarks: Vec::new() }
+    Tree { check: root.check(), at: root.span(), name, gravity: settings.gravity, bodies, rotors, remarks }
         .chain(ends)
         .map(|model| model.read_from(text))
 }
@@ -115,6 +118,8 @@ struct BodyReader<'s, 'a> {
     settings: &'s Settings<'a>,
     bodies: Vec<Body>,
     joints: usize,
+    /// Shapes, which nothing is read of.
+    geoms: usize,
 }
 
 impl<'a> BodyReader<'_, 'a> {
@@ -123,7 +128,7 @@ impl<'a> BodyReader<'_, 'a> {
             match element.tag() {
                 "body" => self.body(element, index, class)?,
                 "joint" | "freejoint" if parent.tag() == "body" => {}
-                tag if PASSED_OVER.contains(&tag) => {}
+                tag if PASSED_OVER.contains(&tag) => self.geoms += usize::from(tag == "geom"),
                 tag => return element.fault(format!("<{tag}> in <{}> is not supported", parent.tag())),
             }
         }
@@ -149,7 +154,8 @@ impl<'a> BodyReader<'_, 'a> {
         let inertia = self.inertia(element, &name);
         let placement = self.settings.placement(element)?;
         let at = element.span();
-        self.bodies.push(Body { name, parent: Some(parent), placement, snapped: None, connection, inertia, at });
+        let shapes = Vec::new();
+        self.bodies.push(Body { name, parent: Some(parent), placement, snapped: None, connection, inertia, shapes, at });
         self.children(element, index, class)
     }
 

@@ -17,6 +17,7 @@
 mod arm;
 mod base_table;
 mod chain;
+mod collision;
 mod coupling_table;
 mod dh_robot;
 mod drive_table;
@@ -59,6 +60,7 @@ mod urdf_robot_tests;
 #[allow(clippy::float_cmp, reason = "right angles and small sums are exact")]
 mod urdf_tests;
 
+pub use collision::{CollisionShape, Geometry};
 pub use embedded_urdf::{UrdfReference, embed_urdf, urdf_of};
 pub use error::FormatError;
 pub use mjcf::parse_mjcf;

@@ -32,5 +32,5 @@ pub fn parse_robot_model(text: &str) -> Result<RobotModel, FormatError> {
         return read_urdf_robot(text);
     }
     let robot = read_dh_robot(text)?;
-    Ok(RobotModel { robot, parameters: None, locked: Vec::new(), remarks: Vec::new() })
+    Ok(RobotModel { robot, parameters: None, locked: Vec::new(), collisions: Vec::new(), remarks: Vec::new() })
 }

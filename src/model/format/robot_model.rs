@@ -1,5 +1,6 @@
 //! What a robot file states.
 
+use super::collision::CollisionShape;
 use crate::model::{Robot, StandardParameters};
 
 /// A robot, and what its file says of its parameters.
@@ -11,6 +12,8 @@ pub struct RobotModel {
     pub parameters: Option<StandardParameters>,
     /// Joints of the URDF that the chain does not have, held at zero.
     pub locked: Vec<String>,
+    /// Collision shapes of the URDF; [`Robot::shapes`] has those of the robot file alone.
+    pub collisions: Vec<CollisionShape>,
     /// What else was read otherwise than it is written, a sentence each.
     pub remarks: Vec<String>,
 }

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, Matrix3, RowDVector, Vector3};
 use crate::model::term::ROTOR;
 
 use super::FormatError;
+use super::collision::{CollisionShape, Geometry};
 use super::reading::Check;
 use crate::model::{
     Drive, DriveParameters, EffortInterface, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters,
@@ -37,6 +38,8 @@ pub struct ImportedModel {
     pub parameters: StandardParameters,
     /// Joints of the tree that the chain does not have, held at zero.
     pub locked: Vec<String>,
+    /// Collision shapes of the file, in the frames of the chain's links; [`Robot::shapes`] has none of them.
+    pub collisions: Vec<CollisionShape>,
     /// What else was read otherwise than it is written, a sentence each.
     pub remarks: Vec<String>,
 }
@@ -113,6 +116,8 @@ pub(super) struct Body {
     pub(super) connection: Connection,
     /// In its own frame; a fault that counts only where the body moves.
     pub(super) inertia: Result<Inertia, FormatError>,
+    /// Its collision shapes, each with the pose of its frame in that of the body.
+    pub(super) shapes: Vec<(Placement, Result<Geometry, FormatError>)>,
     pub(super) at: Range<usize>,
 }
 
@@ -220,6 +225,7 @@ impl Tree<'_> {
             }
             carried[b] = Some((link, pose));
         }
+        let collisions = self.collisions(base, &carried);
         let spec = RobotSpec {
             name: self.name.clone(),
             gravity: self.gravity,
@@ -244,7 +250,7 @@ impl Tree<'_> {
                 let robot = robot.with_effort(EffortInterface::Torque);
                 let mut remarks = self.remarks;
                 remarks.extend(impossible(&robot, &parameters));
-                Ok(ImportedModel { robot, parameters, locked, remarks })
+                Ok(ImportedModel { robot, parameters, locked, collisions, remarks })
             }
             Err(fault) => self.check.fault(self.at.clone(), fault.to_string()),
         }
@@ -252,6 +258,29 @@ impl Tree<'_> {
 }
 
 impl Tree<'_> {
+    /// The collision shapes on the links that carry their bodies; what does not hang on the base stands with it.
+    fn collisions(&self, base: usize, carried: &[Option<(usize, Placement)>]) -> Vec<CollisionShape> {
+        let from_root = |body: usize| {
+            self.path(body).iter().fold(Placement::identity(), |pose, &b| pose.compose(&self.bodies[b].placement))
+        };
+        let to_base = from_root(base).inverse();
+        let mut shapes = Vec::new();
+        for (b, body) in self.bodies.iter().enumerate() {
+            let beside = || (0, to_base.compose(&from_root(b)));
+            for (placement, geometry) in &body.shapes {
+                let (link, pose) = carried[b].unwrap_or_else(beside);
+                let placement = pose.compose(placement);
+                shapes.push(CollisionShape {
+                    link,
+                    body: body.name.clone(),
+                    placement,
+                    geometry: geometry.clone(),
+                });
+            }
+        }
+        shapes
+    }
+
     /// `q_motor = C q` and the inertia of the rotors behind it. A rotor stands for the motor that its name says, else for
     /// the last of its joints that has no rotor of its own.
     fn coupling(

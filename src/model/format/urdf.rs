@@ -6,16 +6,16 @@
 //! ```text
 //! T(q) = origin · Rot(axis, q) = (origin · R) · Rz(q) · Rᵀ        R z = axis
 //! ```
-//! Not read: meshes, collision shapes (a remark counts them), transmissions, sensors, simulator extensions.
+//! Collision shapes are read, but not the files of meshes. Not read: transmissions, sensors, simulator extensions.
 //! Reference: the URDF/XML specification of the Robot Operating System.
 
 use crate::input::size::LINKS;
 use crate::model::term::{COULOMB, VISCOUS};
-use std::collections::BTreeMap;
 
 use nalgebra::{Matrix3, Vector3};
 
 use super::FormatError;
+use super::collision::{Geometry, read_geometry};
 use super::element::{Element, parse_xml, sincos, snapped_direction, snapped_sincos, turn_z_to};
 use super::reading::STANDARD_GRAVITY;
 use super::tree::{Body, ChainEnds, Connection, ImportedModel, MovingJoint, Tree, moved};
@@ -73,7 +73,7 @@ pub(super) fn read_tree<'a>(root: Element<'a>, text: &str) -> Result<Tree<'a>, F
     if links.is_empty() {
         return root.fault("the robot has no links, expected at least two");
     }
-    let mut remarks: Vec<String> = collisions_left_out(&links).into_iter().collect();
+    let mut remarks = Vec::new();
     // The joint that carries each link.
     let mut carrier: Vec<Option<UrdfJoint<'_>>> = links.iter().map(|_| None).collect();
     for element in root.all("joint") {
@@ -95,21 +95,14 @@ pub(super) fn read_tree<'a>(root: Element<'a>, text: &str) -> Result<Tree<'a>, F
     })
 }
 
-/// How many collision shapes the file has, which no clearance is held against.
-fn collisions_left_out(links: &[Element<'_>]) -> Option<String> {
-    let mut counts: BTreeMap<&str, usize> = BTreeMap::new();
-    for link in links {
-        for collision in link.all("collision") {
-            for geometry in collision.all("geometry") {
-                for shape in geometry.elements() {
-                    *counts.entry(shape.tag()).or_default() += 1;
-                }
-            }
-        }
-    }
-    let counts: Vec<String> = counts.iter().map(|(kind, count)| format!("{count} × {kind}")).collect();
-    (!counts.is_empty())
-        .then(|| format!("collision shapes are not read, and no clearance is held against them: {}", counts.join(", ")))
+/// The collision shapes of a link; one that cannot be read is there with its fault.
+fn collision_shapes(link: Element<'_>) -> Vec<(Placement, Result<Geometry, FormatError>)> {
+    let of = |collision: Element<'_>| match read_origin(collision) {
+        Ok(placement) if placement.is_rigid() => (placement, read_geometry(collision)),
+        Ok(_) => (Placement::identity(), collision.fault("<origin> of <collision> is beyond all numbers")),
+        Err(fault) => (Placement::identity(), Err(fault)),
+    };
+    link.all("collision").map(of).collect()
 }
 
 /// The bodies from the root outwards.
@@ -131,6 +124,7 @@ fn bodies(
     while next < order.len() {
         let link = order[next];
         let inertia = Ok(read_inertial(links[link])?);
+        let shapes = collision_shapes(links[link]);
         bodies.push(match &carrier[link] {
             None => Body {
                 name: names[link].to_owned(),
@@ -139,6 +133,7 @@ fn bodies(
                 snapped: None,
                 connection: Connection::Fixed,
                 inertia,
+                shapes,
                 at: links[link].span(),
             },
             Some(joint) => Body {
@@ -148,6 +143,7 @@ fn bodies(
                 snapped: joint.snapped()?,
                 connection: joint.connection(remarks)?,
                 inertia,
+                shapes,
                 at: joint.element.span(),
             },
         });

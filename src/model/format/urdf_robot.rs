@@ -93,7 +93,7 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
         let place = format!("line {}, column {}", fault.line, fault.column);
         check.fault(at.clone(), format!("{}, {place}: {}", file.urdf.get_ref(), fault.message))
     })?;
-    let ImportedModel { robot, mut parameters, locked, remarks } = imported;
+    let ImportedModel { robot, mut parameters, locked, collisions, remarks } = imported;
     let effort = file.effort.unwrap_or_else(|| robot.effort());
     let mut spec = robot.into_spec();
     let names: Vec<String> = spec.joints.iter().map(|joint| joint.name.clone()).collect();
@@ -154,7 +154,7 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
         let numbers = terms.iter().map(|(key, number)| (key.get_ref().as_str(), number));
         read_terms(check, &robot, index, numbers, true, &mut parameters.drives[index])?;
     }
-    Ok(RobotModel { robot, parameters: Some(parameters), locked, remarks })
+    Ok(RobotModel { robot, parameters: Some(parameters), locked, collisions, remarks })
 }
 
 /// Puts what the file says of a joint into it.
