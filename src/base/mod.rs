@@ -20,6 +20,7 @@ mod dependence;
 mod nearly_dependent;
 mod formula;
 mod geometry;
+mod load;
 mod method;
 mod radkhah2007;
 mod random_states;
@@ -30,6 +31,7 @@ mod structural;
 
 pub use error::BaseError;
 pub use formula::{Coefficient, Formula, Product, Quantity, Symbol};
+pub use load::LOAD_UNITS;
 pub use method::Method;
 pub use nearly_dependent::NearlyDependent;
 pub use radkhah2007::Radkhah2007Sets;

@@ -18,7 +18,6 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::payload::columns_of_last_link;
 use super::ridge::Shrunk;
 use super::{EstimationError, Factorisation, Observation, Termination, residual_noise};
 use crate::estimation::linear_fit::LinearFit;
@@ -158,7 +157,7 @@ impl<'a> TwoLogs<'a> {
         }
         let (base, theta) = (&with.base, load.to_array());
         let mut change = DVector::zeros(base.rank());
-        for (column, value) in columns_of_last_link(base).into_iter().zip(theta) {
+        for (column, value) in base.columns_of_last_link().into_iter().zip(theta) {
             change += base.k.column(column) * value;
         }
         let known = [DVector::zeros(without.y.len()), &with.regressor * change];

@@ -14,15 +14,11 @@ use nalgebra::{Cholesky, DMatrix, DVector, Vector3};
 
 use super::consistent_set::{ConsistentSet, consistent_set};
 use super::{BaseEstimate, Estimate, EstimationError, Termination};
-use crate::base::{BaseReduction, Category, Method};
+use crate::base::{BaseReduction, Category, LOAD_UNITS};
 use crate::linalg::product;
-use crate::model::term::Structure;
-use crate::model::{JointKind, ParameterId, ParameterKind, StandardParameters};
+use crate::model::{JointKind, ParameterKind, StandardParameters};
 use crate::spatial::Inertia;
 use crate::statistics::{chi_squared_quantile, student_quantile};
-
-/// Natural sizes of the ten: a kilogram a decimetre away.
-const UNITS: [f64; 10] = [1.0, 0.1, 0.1, 0.1, 0.01, 0.01, 0.01, 0.01, 0.01, 0.01];
 
 /// Radius of gyration of a load of which nothing is known, m.
 const GYRATION: f64 = 0.05;
@@ -98,7 +94,7 @@ pub fn payload(base: &BaseReduction, without: &Estimate, with: &Estimate) -> Res
         }
     }
     let change = Change::between(base, without, with);
-    let load = load_of(base, &change.rows);
+    let load = base.of_load();
     if load.rank() == 0 {
         return Err(EstimationError::NothingShared);
     }
@@ -158,11 +154,7 @@ struct Fitted {
 
 impl Change {
     fn between(base: &BaseReduction, without: &Estimate, with: &Estimate) -> Self {
-        let inertial = |kind: ParameterKind| match kind.term() {
-            None => true,
-            Some(term) => term.entry().structure == Structure::Inertia,
-        };
-        let rows: Vec<usize> = (0..base.rank()).filter(|&row| inertial(base.parameters[base.kept[row]].kind)).collect();
+        let rows = base.inertial_rows();
         let values = with.beta() - without.beta();
         let covariance = with.covariance_matrix() + without.covariance_matrix();
         Self {
@@ -179,9 +171,9 @@ impl Change {
         let scaled = DMatrix::from_fn(rows, rows, |i, j| self.covariance[(i, j)] / (std[i] * std[j]));
         let Some(factor) = Cholesky::new(scaled) else { return Err(EstimationError::NotDefinite) };
         let lower = factor.l();
-        let columns = columns_of_last_link(base);
+        let columns = base.columns_of_last_link();
         let k = DMatrix::from_fn(rows, rank, |i, j| {
-            base.k[(self.rows[i], columns[load.kept[j]])] * UNITS[load.kept[j]] / std[i]
+            base.k[(self.rows[i], columns[load.kept[j]])] * LOAD_UNITS[load.kept[j]] / std[i]
         });
         let d = DMatrix::from_fn(rows, 1, |i, _| self.values[i] / std[i]);
         let (Some(a), Some(y)) = (lower.solve_lower_triangular(&k), lower.solve_lower_triangular(&d)) else {
@@ -196,7 +188,7 @@ impl Change {
         let chi_squared = residual.iter().map(|r| r * r).sum::<f64>();
         let freedom = (rows - rank) as f64;
         let widened_by = if freedom > 0.0 { (chi_squared / freedom).sqrt().max(1.0) } else { 1.0 };
-        let unit = |j: usize| UNITS[load.kept[j]];
+        let unit = |j: usize| LOAD_UNITS[load.kept[j]];
         Ok(Fitted {
             values: DVector::from_fn(rank, |j, _| solution[(j, 0)] * unit(j)),
             covariance: DMatrix::from_fn(rank, rank, |i, j| {
@@ -207,24 +199,6 @@ impl Change {
             widened_by,
         })
     }
-}
-
-/// Columns of the last link's ten among the parameters of a base.
-pub(super) fn columns_of_last_link(base: &BaseReduction) -> Vec<usize> {
-    let links = base.parameters.iter().filter(|id| id.kind == ParameterKind::M);
-    let last = links.map(|id| id.index).max().unwrap_or(0);
-    let of = |kind: ParameterKind| base.parameters.iter().position(|id| *id == ParameterId { kind, index: last });
-    ParameterKind::LINK.into_iter().filter_map(of).collect()
-}
-
-/// What the rows of a base show of the ten of its last link.
-fn load_of(base: &BaseReduction, rows: &[usize]) -> BaseReduction {
-    let columns = columns_of_last_link(base);
-    let unit_of = |row: usize| base.parameters[base.kept[row]].kind.link_place().map_or(UNITS[4], |place| UNITS[place]);
-    let stack =
-        DMatrix::from_fn(rows.len(), columns.len(), |i, j| base.k[(rows[i], columns[j])] * UNITS[j] / unit_of(rows[i]));
-    let ids = ParameterKind::LINK.map(|kind| ParameterId { kind, index: 0 });
-    BaseReduction::from_stack(&ids, &stack, Method::Structural).with_units(&UNITS)
 }
 
 /// The combinations as an estimate of one body.
@@ -266,7 +240,7 @@ fn guess(load: &BaseReduction, combinations: &Estimate) -> StandardParameters {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::base::reduce;
+    use crate::base::{Method, reduce};
     use crate::conformance::chains::{ChainRecipe, random_inertia};
     use crate::estimation::consistent_set::fixtures::estimate_of;
     use crate::excitation::fixtures::{crs_a460, crs_a460_nominal};
@@ -300,7 +274,7 @@ mod tests {
             let b = beta.len();
             // Correlated: R Rᵀ of a random R near the identity, in units of the parameters.
             let size =
-                |row: usize| base.parameters[base.kept[row]].kind.link_place().map_or(0.01, |place| UNITS[place]);
+                |row: usize| base.parameters[base.kept[row]].kind.link_place().map_or(0.01, |place| LOAD_UNITS[place]);
             let mixing = DMatrix::from_fn(b, b, |i, j| {
                 let x: f64 = StandardNormal.sample(rng);
                 0.02 * size(i) * if i == j { 1.0 } else { 0.2 * x }

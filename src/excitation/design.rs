@@ -121,7 +121,7 @@ fn continue_from(problem: &DesignProblem, start: &PeriodicTrajectory, hops: Seed
     let trajectory = feasibility.basis().trajectory(&x);
     let trajectory = feasibility.finish(trajectory);
     let certificate = Certificate::of(problem, &trajectory)?;
-    let termination = feasibility.verdict(problem, &certificate).unwrap_or(ending);
+    let termination = feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(ending);
     let criterion = problem.objective().criterion();
     Ok(Design {
         trajectory,
@@ -201,7 +201,7 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
     let (start, value) = best.expect("the budget is at least one evaluation");
     let trajectory = feasibility.finish(start.clone());
     let certificate = Certificate::of(problem, &trajectory)?;
-    let termination = feasibility.verdict(problem, &certificate).unwrap_or(Termination::Drawn);
+    let termination = feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(Termination::Drawn);
     Ok(Design {
         trajectory,
         criterion: criterion.name().to_owned(),

@@ -72,7 +72,8 @@ pub(crate) struct Feasibility {
     linear: AllRows,
     timeline: Timeline,
     smooth: CombinedLimits,
-    effort: Option<EffortLimits>,
+    /// Without a payload, and with it where there is one.
+    efforts: Vec<EffortLimits>,
     samples: usize,
 }
 
@@ -89,12 +90,14 @@ impl Feasibility {
             torque: (1.0 - 2.0 * EXCESS_TOLERANCE) * allowed.torque,
         };
         let samples = TORQUE_SAMPLES * problem.samples();
-        let effort = problem.efforts().map(|model| {
+        let models = problem.efforts().into_iter().chain(problem.payload_efforts());
+        let of = |model| {
             let timeline = problem.timeline(basis.period_s());
             EffortLimits::new(model, &Channel::all(&robot), &basis, timeline, samples, margins.torque)
-        });
+        };
+        let efforts: Vec<EffortLimits> = models.map(of).collect();
         let mut smooth = CombinedLimits::default();
-        if let Some(effort) = &effort {
+        for effort in &efforts {
             smooth.limits.push(Box::new(effort.clone()));
         }
         if let Some(clearance) = problem.limits().clearance_m() {
@@ -108,7 +111,7 @@ impl Feasibility {
             period: LimitRows::new(&robot, &basis, &margins, ROW_TOLERANCE),
             paths: PathRows::new(&robot, &basis, timeline, &margins, ROW_TOLERANCE),
         };
-        Ok(Self { robot, basis, margins, timeline, linear, smooth, effort, samples })
+        Ok(Self { robot, basis, margins, timeline, linear, smooth, efforts, samples })
     }
 
     pub(crate) fn basis(&self) -> &MotionBasis {
@@ -187,8 +190,10 @@ impl Feasibility {
         least: f64,
         (mut gap, halvings): (f64, usize),
     ) -> PeriodicTrajectory {
-        let Some(effort) = &mut self.effort else { return trajectory };
-        let mut holds = |candidate: &PeriodicTrajectory| effort.holds(candidate, samples, 1.0 + EXCESS_TOLERANCE);
+        let efforts = &mut self.efforts;
+        let mut holds = |candidate: &PeriodicTrajectory| {
+            efforts.iter_mut().all(|effort| effort.holds(candidate, samples, 1.0 + EXCESS_TOLERANCE))
+        };
         if holds(&trajectory) {
             return trajectory;
         }
@@ -211,13 +216,31 @@ impl Feasibility {
         scaled(&trajectory, inside)
     }
 
-    /// What is still exceeded most, if anything.
-    pub(crate) fn verdict(&self, problem: &DesignProblem, certificate: &Certificate) -> Option<Termination> {
+    /// What is still exceeded most by a trajectory and its certificate, if anything.
+    pub(crate) fn verdict(
+        &self,
+        problem: &DesignProblem,
+        trajectory: &PeriodicTrajectory,
+        certificate: &Certificate,
+    ) -> Option<Termination> {
         let worst = &certificate.worst;
         let margins = problem.limits().margins();
         let efforts_and_motion = LimitKind::ALL.into_iter().filter_map(|limit| {
             let part = limit.permitted(margins);
             let worst = worst.of(limit).filter(|worst| worst.ratio > part)?;
+            let joint = self.robot.joints()[worst.joint].name.clone();
+            Some((worst.ratio / part, Termination::Infeasible { limit, joint, worst }))
+        });
+        let loaded = problem.payload_use(trajectory).unwrap_or_default();
+        let with_payload = [
+            (LimitKind::Torque, loaded.torque.map(|used| used.peak)),
+            (LimitKind::TorqueRms, loaded.torque.map(|used| used.mean_square)),
+            (LimitKind::Current, loaded.current.map(|used| used.peak)),
+            (LimitKind::CurrentRms, loaded.current.map(|used| used.mean_square)),
+        ];
+        let with_payload = with_payload.into_iter().filter_map(|(limit, worst)| {
+            let part = limit.permitted(margins);
+            let worst = worst.filter(|worst| worst.ratio > part)?;
             let joint = self.robot.joints()[worst.joint].name.clone();
             Some((worst.ratio / part, Termination::Infeasible { limit, joint, worst }))
         });
@@ -235,7 +258,7 @@ impl Feasibility {
                 .then_some((1.0 + short, Termination::Infeasible { limit: LimitKind::Clearance, joint, worst }))
         });
         // What the problem lacks most: a design that cannot hold one limit often lets others slip a little as well.
-        let exceeded = efforts_and_motion.chain(clearance).max_by(|x, y| x.0.total_cmp(&y.0));
+        let exceeded = efforts_and_motion.chain(with_payload).chain(clearance).max_by(|x, y| x.0.total_cmp(&y.0));
         exceeded.map(|(_, termination)| termination)
     }
 }

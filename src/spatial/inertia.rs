@@ -55,6 +55,12 @@ impl Inertia {
         Self { mass, first_moment: com * mass, rotational: about_com + steiner }
     }
 
+    /// From mass (kg), centre of mass (m), and one radius of gyration (m) about every axis through it, as of a ball.
+    #[must_use]
+    pub fn with_gyration(mass: f64, com: [f64; 3], radius: f64) -> Self {
+        Self::from_com(mass, Vector3::from(com), Matrix3::from_diagonal_element(mass * radius * radius))
+    }
+
     /// The ten in the order of `NOTATION.md`: `m, mcx, mcy, mcz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz`.
     #[must_use]
     pub fn to_array(&self) -> [f64; 10] {

@@ -3,6 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
+use armid::excitation::effort::WorstEfforts;
 use armid::excitation::{Design, DesignProblem, ExcitationError, LimitKind, Termination, WorstUse};
 use armid::model::{ParameterId, Robot};
 use armid::trajectory::PeriodicTrajectory;
@@ -129,6 +130,8 @@ pub(crate) struct DesignAnswer<'a> {
     pub(crate) remarks: &'a [String],
     /// What clearances are held against.
     pub(crate) shapes: &'a HeldShapes,
+    /// Mass (kg) and centre (m) of the heaviest load that it is made for.
+    pub(crate) payload: Option<(f64, [f64; 3])>,
     /// What it adds to the information so far, where there is any.
     pub(crate) gain: Option<Gain>,
 }
@@ -139,6 +142,38 @@ impl DesignAnswer<'_> {
         let objective = self.problem.objective();
         let expected = objective.expected().filter(|_| objective.criterion().expects_effects())?;
         Some(expected.effects().iter().map(|effect| effect.name.as_str()).collect())
+    }
+
+    /// The heaviest load, and what it uses of torque and current.
+    fn payload_json(&self) -> Option<Value> {
+        let (mass, centre) = self.payload?;
+        let used = self.problem.payload_use(&self.best.trajectory);
+        let used = used.map(|WorstEfforts { torque, current }| {
+            json!({
+                "torque": torque.map(|used| used.peak.ratio),
+                "torque_rms": torque.map(|used| used.mean_square.ratio),
+                "current": current.map(|used| used.peak.ratio),
+                "current_rms": current.map(|used| used.mean_square.ratio),
+            })
+        });
+        Some(json!({ "mass_kg": mass, "centre_m": centre, "worst_limit_use": used }))
+    }
+
+    fn payload_text(&self) -> Option<String> {
+        let (mass, centre) = self.payload?;
+        let at = centre.iter().map(|&x| number(x)).collect::<Vec<_>>().join(", ");
+        let mut text = format!("\n  made for a load on the last link, of at most {mass} kg at ({at}) m");
+        let Some(WorstEfforts { torque, current }) = self.problem.payload_use(&self.best.trajectory) else {
+            text.push_str("; no limit of torque is held,\n  since the robot has no nominal parameters\n");
+            return Some(text);
+        };
+        let uses = [("torque", torque), ("current", current)].into_iter().filter_map(|(name, used)| {
+            let share = 100.0 * used?.peak.ratio;
+            Some(format!("{share:.1} % of {name}"))
+        });
+        let uses: Vec<String> = uses.collect();
+        let _ = write!(text, ",\n  which uses {}; the load has no shape that a clearance is held against\n", uses.join(", "));
+        Some(text)
     }
 
     /// What is held where a clearance is.
@@ -175,6 +210,7 @@ impl DesignAnswer<'_> {
             "uncertainty_multiple": certificate.uncertainty_multiple,
             "efforts_inside": certificate.efforts_inside,
             "clearance_required_m": self.problem.limits().clearance_m(),
+            "payload": self.payload_json(),
             "robot_sha256": certificate.robot_sha256,
             "trajectory_sha256": certificate.trajectory_sha256,
             "iterations": best.iterations,
@@ -241,6 +277,7 @@ impl DesignAnswer<'_> {
             let (distance, t) = (number(nearest.distance_m), nearest.t);
             let _ = writeln!(text, "\n  nearest: {distance} m, \"{first}\" to \"{second}\", t = {t:.3} s");
         }
+        text.push_str(&self.payload_text().unwrap_or_default());
         text.push('\n');
         match self.clearance() {
             Some(clearance) => text.push_str(&clearance.text(verbose)),

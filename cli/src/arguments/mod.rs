@@ -5,6 +5,7 @@ mod guard_arguments;
 mod limit_arguments;
 mod log_arguments;
 mod mesh_arguments;
+mod payload_arguments;
 mod robot_arguments;
 
 pub(crate) use choices::{columns, one_of};
@@ -12,4 +13,5 @@ pub(crate) use guard_arguments::GuardArguments;
 pub(crate) use limit_arguments::LimitArguments;
 pub(crate) use log_arguments::LogArguments;
 pub(crate) use mesh_arguments::MeshArguments;
+pub(crate) use payload_arguments::PayloadArguments;
 pub(crate) use robot_arguments::{ChainArguments, RobotArguments};

@@ -1,10 +1,13 @@
 //! `armid design`
 
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 use std::time::Instant;
 
+use armid::base::{Method, reduce};
+use armid::excitation::criterion::PayloadOptimal;
 use armid::excitation::{
-    CriterionKind, DEFAULT_EVALUATIONS, Design, DesignBudget, DesignProblem, DesignSpace, EvaluationMotions,
+    Criterion, CriterionKind, DEFAULT_EVALUATIONS, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace, EvaluationMotions,
     ExcitationError, best_of, design, design_from, nearest_of, random_design,
 };
 use armid::experiment::{EffectKind, Effects};
@@ -21,7 +24,7 @@ use miette::Result;
 use rayon::prelude::*;
 
 use crate::answers::design::{DesignAnswer, Gain};
-use crate::arguments::{LimitArguments, MeshArguments, RobotArguments, columns, one_of};
+use crate::arguments::{LimitArguments, MeshArguments, PayloadArguments, RobotArguments, columns, one_of};
 use crate::interrupt;
 use crate::terminal::{Answer, Console, Destination, Ending, progress, report_folder};
 
@@ -45,6 +48,7 @@ Examples:
   armid design crs-a460 --criterion d-optimal --prior E.json --from T.toml -o T2.toml
   armid design crs-a460 --criterion model-error --expect load-friction,elasticity=3.0 -o T.toml
   armid design crs-a460 --criterion a-optimal --family cubic-b-spline --freeze wrist_roll=0 -o T.toml
+  armid design crs-a460 --payload 1.5 --payload-centre 0,0,0.05 -o L.toml   # for identify --payload
   armid design arm.urdf --criterion condition-scaled --period 20 --harmonics 7 -o T.toml";
 
 /// Design a trajectory that excites the parameters best within the limits
@@ -54,8 +58,10 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
     /// Criterion
-    #[arg(long, value_parser = one_of(&CriterionKind::ALL, CriterionKind::name))]
-    criterion: CriterionKind,
+    #[arg(long, value_parser = one_of(&CriterionKind::ALL, CriterionKind::name), required_unless_present = "payload")]
+    criterion: Option<CriterionKind>,
+    #[command(flatten)]
+    payload: PayloadArguments,
     /// Which parameters are to be estimated
     #[arg(long, default_value = "rigid+rotor+friction", value_parser = columns)]
     columns: Columns,
@@ -124,7 +130,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let problem = problem(arguments, &loaded)?;
     let starts = starts(arguments, problem.robot())?;
     let destination = console.text_or(|| {
-        let folder = format!("{}-{}", problem.robot().name(), arguments.criterion.name());
+        let folder = format!("{}-{}", problem.robot().name(), problem.objective().criterion().name());
         Ok(report_folder("name of the robot", &folder)?.join("trajectory.toml"))
     })?;
     let began = Instant::now();
@@ -152,6 +158,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         figures,
         remarks: &loaded.remarks,
         shapes: &shapes,
+        payload: arguments.payload.load()?.map(|load| (load.mass, arguments.payload.centre())),
         gain: Gain::of(&problem, best, arguments.prior.len()).map_err(|error| impossible(&error))?,
     };
     console.show(&Answer { text: done.text(console.verbose()), json: done.json(interrupted && !feasible) })?;
@@ -211,7 +218,9 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
         return Err(Error::new("--starts is 0, expected at least 1, or a trajectory --from which to start").into());
     }
     let columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
-    let mut problem = DesignProblem::new(robot, columns, arguments.criterion).map_err(|error| impossible(&error))?;
+    let load = arguments.payload.load()?;
+    let criterion = criterion(arguments, &robot, columns)?;
+    let mut problem = DesignProblem::new(robot, columns, criterion).map_err(|error| impossible(&error))?;
     let harmonics = match arguments.harmonics.as_slice() {
         [every] => vec![*every; problem.robot().dof()],
         each => each.to_vec(),
@@ -230,18 +239,21 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
     let budget = DesignBudget::new(arguments.evaluations).map_err(|error| impossible(&error))?;
     problem.set_budget(arguments.iterations.map_or(budget, |iterations| budget.with_iterations(iterations)));
     let limits = arguments.limits.limits(problem.robot(), loaded)?;
+    let limits = load.iter().cloned().fold(limits, DesignLimits::with_payload);
     problem.set_limits(limits).map_err(|error| impossible(&error))?;
-    if arguments.weighted {
+    // A load is estimated with rows that are weighted by their noise.
+    if arguments.weighted || (load.is_some() && effort_noise(problem.robot()).is_ok()) {
         let noise = effort_noise(problem.robot())?;
         problem.set_noise(noise).map_err(|error| impossible(&error))?;
     }
     declare_use(arguments, loaded, &mut problem)?;
     if !arguments.prior.is_empty() {
-        if !arguments.criterion.is_weighted() {
+        let criterion = problem.objective().criterion();
+        if !criterion.is_weighted() {
             let message = format!(
                 "--prior with --criterion {}, expected one of the information: d-optimal, a-optimal, e-optimal, i-optimal \
                  or model-error",
-                arguments.criterion.name()
+                criterion.name()
             );
             return Err(Error::new(message).into());
         }
@@ -250,9 +262,25 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
     Ok(problem)
 }
 
+/// What is minimised: a criterion of the list, or that of a load.
+fn criterion(arguments: &Arguments, robot: &Robot, columns: Columns) -> Result<Arc<dyn Criterion>> {
+    if let Some(kind) = arguments.criterion {
+        return Ok(kind.into());
+    }
+    let base = reduce(robot, columns, Method::Structural, Seed::new(0))
+        .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
+    match PayloadOptimal::of(&base) {
+        Some(criterion) => Ok(Arc::new(criterion)),
+        None => {
+            let message = format!("the joints of robot \"{}\" show nothing of a load on the last link", robot.name());
+            Err(Error::new(message).into())
+        }
+    }
+}
+
 /// What the estimate is for, and what is expected of the arm.
 fn declare_use(arguments: &Arguments, loaded: &LoadedRobot, problem: &mut DesignProblem) -> Result<()> {
-    let kind = arguments.criterion;
+    let Some(kind) = arguments.criterion else { return Ok(()) };
     let is_model_error = kind == CriterionKind::ModelError;
     let refused = |option: &str, expected: &str| -> Result<()> {
         Err(Error::new(format!("{option} with --criterion {}, expected {expected}", kind.name())).into())

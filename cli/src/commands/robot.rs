@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use armid::model::format::parse_robot;
+use armid::model::format::{Geometry, parse_robot};
 use armid::model::term::Term;
 use armid::model::{Columns, DhConvention, EffortInterface, Joint, JointKind, Obstacle, Robot, Solid, bundled};
 use armid::provenance::Provenance;
@@ -143,6 +143,17 @@ fn describe(loaded: &LoadedRobot) -> Answer {
                 table.row(own.into_iter().chain(terms.iter().map(|&term| number(drive[term]))));
             }
             let _ = write!(text, "\n{heading}\n{}", table.render(2));
+        }
+    }
+    if !loaded.collisions.is_empty() {
+        let _ = writeln!(text, "\nCollision shapes, which `armid design` holds clearances against");
+        for shape in &loaded.collisions {
+            let what = match &shape.geometry {
+                Ok(Geometry::Mesh { file, .. }) => format!("mesh {file}"),
+                Ok(geometry) => geometry.kind().to_owned(),
+                Err(fault) => format!("cannot be read: {fault}"),
+            };
+            let _ = writeln!(text, "  {}: {what}", shape.body);
         }
     }
     if !loaded.remarks.is_empty() {
@@ -307,6 +318,12 @@ fn as_json(loaded: &LoadedRobot, provenance: &Provenance) -> Value {
         "joints": robot.joints().iter().map(joint_json).collect::<Vec<_>>(),
         "coupling": robot.coupling().map(|c| c.row_iter().map(|row| row.iter().copied().collect()).collect::<Vec<Vec<f64>>>()),
         "shapes": shapes,
+        "collision_shapes": loaded.collisions.iter().map(|shape| json!({
+            "link": robot.link_name(shape.link),
+            "body": shape.body,
+            "kind": shape.geometry.as_ref().map_or("shape", Geometry::kind),
+            "fault": shape.geometry.as_ref().err().map(ToString::to_string),
+        })).collect::<Vec<_>>(),
         "obstacles": obstacles,
         "servo": robot.servo(),
         "nominal": parameters(&loaded.nominal),

@@ -129,7 +129,10 @@ impl Meshes<'_> {
         match &shape.geometry {
             Err(fault) => Err(fault.to_string()),
             Ok(Geometry::Mesh { file, .. }) => {
-                let path = self.packages.find(file, self.folder).map_err(|error| error.to_string())?;
+                let path = self.packages.find(file, self.folder).map_err(|error| {
+                    let help = error.hint().map_or_else(String::new, |help| format!("; {help}"));
+                    format!("{error}{help}")
+                })?;
                 let read = || mesh::read(&path).map_err(|error| error.to_string());
                 let points = self.read.entry(path.clone()).or_insert_with(read).as_ref().map_err(Clone::clone)?;
                 Ok((shape.solid(points).ok_or_else(without_points)?, Some(path)))

@@ -11,7 +11,7 @@ use super::space::DesignSpace;
 use crate::base::BaseReduction;
 use crate::excitation::basis::MotionBasis;
 use crate::excitation::criterion::Criterion;
-use crate::excitation::effort::EffortModel;
+use crate::excitation::effort::{Channel, EffortModel, WorstEfforts};
 use crate::excitation::error::ExcitationError;
 use crate::excitation::evaluation::EvaluationMotions;
 use crate::excitation::expected::ExpectedEffects;
@@ -260,6 +260,20 @@ impl DesignProblem {
     #[must_use]
     pub fn efforts(&self) -> Option<EffortModel> {
         self.limits.efforts(&self.robot)
+    }
+
+    /// The efforts with the payload; `None` without nominal parameters or payload.
+    #[must_use]
+    pub fn payload_efforts(&self) -> Option<EffortModel> {
+        self.limits.payload_efforts(&self.robot)
+    }
+
+    /// The largest uses of torque and current by a motion with the payload, over its period and ramps.
+    #[must_use]
+    pub fn payload_use(&self, trajectory: &PeriodicTrajectory) -> Option<WorstEfforts> {
+        let (mut model, timeline) = (self.payload_efforts()?, self.timeline(trajectory.period_s()));
+        let samples = self.budget.certificate_samples();
+        Some(WorstEfforts::of(&mut model, &Channel::all(&self.robot), trajectory, timeline, samples))
     }
 
     /// The robot with position limits that keep the margin from its own.

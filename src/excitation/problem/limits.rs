@@ -4,6 +4,7 @@ use crate::excitation::effort::{EffortModel, ParameterSpread};
 use crate::excitation::error::{ExcitationError, above_zero, same_length};
 use crate::excitation::margins::Margins;
 use crate::model::{Columns, Robot, StandardParameters};
+use crate::spatial::Inertia;
 
 /// The limits of a design problem. The default is the robot's own of position, velocity and acceleration, on the period
 /// alone.
@@ -18,6 +19,7 @@ use crate::model::{Columns, Robot, StandardParameters};
 pub struct DesignLimits {
     nominal: Option<StandardParameters>,
     spread: Option<ParameterSpread>,
+    payload: Option<Inertia>,
     ramp_s: Option<f64>,
     clearance_m: Option<f64>,
     margins: Margins,
@@ -50,6 +52,13 @@ impl DesignLimits {
             not_below_zero("standard deviation of a nominal parameter", deviation)?;
         }
         Ok(Self { nominal: Some(nominal), spread: Some(spread), ..self })
+    }
+
+    /// Holds torque and current with this body on the last link (in its frame) as well as without it. Efforts are linear in
+    /// its ten parameters, and their peaks and root mean squares convex: any part of it is held, too.
+    #[must_use]
+    pub fn with_payload(self, payload: Inertia) -> Self {
+        Self { payload: Some(payload), ..self }
     }
 
     /// Holds all limits on ramps of this length (s) around the motion too.
@@ -129,6 +138,15 @@ impl DesignLimits {
     /// The efforts of a robot by the nominal parameters; `None` without them.
     pub(super) fn efforts(&self, robot: &Robot) -> Option<EffortModel> {
         self.nominal.as_ref().map(|nominal| EffortModel::new(robot, nominal, self.spread.as_ref()))
+    }
+
+    /// The efforts of a robot that carries the payload; `None` without nominal parameters or payload.
+    pub(super) fn payload_efforts(&self, robot: &Robot) -> Option<EffortModel> {
+        let (mut loaded, payload) = (self.nominal.clone()?, self.payload.as_ref()?);
+        let last = loaded.links.last_mut()?;
+        let (own, more) = (last.to_array(), payload.to_array());
+        *last = Inertia::from_array(&std::array::from_fn(|k| own[k] + more[k]));
+        Some(EffortModel::new(robot, &loaded, self.spread.as_ref()))
     }
 
     /// Checks that these are limits of this robot, and returns it with position limits that keep the margin from its own.
