@@ -114,7 +114,8 @@ fn what_is_no_load_is_refused() {
     // Nothing is held that this load would need.
     let folder = temporary();
     let out = folder.path().join("T.toml");
-    let heavy = ["design", "crs-a460", "--payload", "60", "--payload-centre", "0,0,0.3", "--starts", "1", "--evaluations", "8"];
+    let heavy =
+        ["design", "crs-a460", "--payload", "60", "--payload-centre", "0,0,0.3", "--starts", "1", "--evaluations", "8"];
     let text = support::stdout(&armid(heavy.iter().chain(&["--no-baseline", "-o", out.to_str().unwrap()])).code(1));
     assert!(text.contains("no trajectory within the limits") && text.contains("at most 60 kg"), "{text}");
 }

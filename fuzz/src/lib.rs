@@ -12,7 +12,7 @@ use armid::model::format::{
     ChainEnds, FormatError, ImportedModel, embed_urdf, parse_mjcf, parse_nominal, parse_parameter_map,
     parse_parameters, parse_robot, parse_robot_model, parse_urdf, write_robot, write_urdf,
 };
-use armid::model::{Robot, bundled};
+use armid::model::{Hull, Robot, bundled};
 use armid::spatial::Inertia;
 use armid::study::{StudyPlan, StudySetup};
 use armid::trajectory::PeriodicTrajectory;
@@ -99,6 +99,27 @@ pub fn urdf(bytes: &[u8]) {
     let file = embed_urdf(&write_robot(&model, "arm.urdf", &ends), text);
     let read = parse_robot_model(&file).expect("a robot file over a URDF that can be read");
     assert_eq!(read.parameters, Some(model.parameters), "parameters change on the way through a robot file");
+}
+
+/// Meshes: STL, OBJ and COLLADA, and the hull of their points.
+///
+/// # Panics
+/// Where the hull leaves a point out: a fault that fuzzing looks for.
+pub fn mesh(bytes: &[u8]) {
+    for ending in ["stl", "obj", "dae"] {
+        let Ok(points) = armid_io::mesh::parse(ending, bytes) else { continue };
+        // Beyond any arm, distances have no digits left.
+        if points.len() > 1000 || points.iter().flatten().any(|x| x.abs() > 1e3) {
+            continue;
+        }
+        let hull = Hull::around(&points).expect("there are points");
+        for axis in 0..3 {
+            let along = |p: &[f64]| p[axis];
+            let furthest = points.iter().map(|p| along(p.as_slice())).fold(f64::NEG_INFINITY, f64::max);
+            let reach = hull.points.iter().map(|p| along(p.as_slice())).fold(f64::NEG_INFINITY, f64::max);
+            assert!(furthest <= reach + hull.margin + 1e-9, "a point of a {ending} lies outside its hull");
+        }
+    }
 }
 
 /// MJCF: the chain of a robot.

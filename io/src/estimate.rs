@@ -44,7 +44,8 @@ pub fn parse_all(text: &Text) -> Result<Vec<Estimate>, Error> {
     let estimates: Vec<Estimate> =
         serde_json::from_str(&text.content).map_err(|error| Error::of_json(text, &error).help(EXPECTED))?;
     if estimates.is_empty() {
-        return Err(Error::new(format!("{} holds an empty list, expected at least one estimate", text.name)));
+        let message = format!("{} holds an empty list, expected at least one estimate", text.name);
+        return Err(Error::new(message).help(format!("`armid identify LOG -o {}` makes such a file", text.name)));
     }
     estimates.iter().try_for_each(|estimate| check_lengths(estimate, text))?;
     Ok(estimates)
@@ -92,6 +93,7 @@ pub fn check_robot(estimate: &Estimate, name: &str, loaded: &LoadedRobot) -> Res
 
 pub(crate) fn mismatch(name: &str, what: &str, found: &str, expected: &str) -> Error {
     Error::mismatch(format!("{name}: the {what} is \"{found}\", expected \"{expected}\""))
+        .help(format!("`armid identify LOG --robot … -o {name}` estimates again, of the robot at hand"))
 }
 
 #[cfg(test)]

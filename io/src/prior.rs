@@ -9,6 +9,9 @@ use crate::error::Error;
 use crate::estimate::{check_robot, mismatch, read};
 use crate::robot::LoadedRobot;
 
+/// What makes an estimate that a design can add to.
+const AGAIN: &str = "`armid identify LOG --estimator wls -o E.json` makes an estimate that a design can add to";
+
 /// Sets a problem's noise and prior information by earlier estimates of the same robot and base parameters.
 ///
 /// The noise and the number of equations are those of the last estimate: the next experiment is taken to be performed
@@ -24,10 +27,11 @@ pub fn set_prior(problem: &mut DesignProblem, loaded: &LoadedRobot, paths: &[Pat
         check(&estimate, problem, loaded, &name)?;
         if let Some(bad) = estimate.noise_std.iter().find(|std| !(std.is_finite() && **std > 0.0)) {
             let message = format!("{name}: a noise_std is {bad}, expected a finite number above zero");
-            return Err(Error::new(message));
+            return Err(Error::new(message).help(AGAIN));
         }
         let information = estimate.information().ok_or_else(|| {
             Error::new(format!("{name}: the covariance is not positive definite, expected that of an identified base"))
+                .help(AGAIN)
         })?;
         let known = match sum.take() {
             None => information,

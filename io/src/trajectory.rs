@@ -37,7 +37,8 @@ pub fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<Periodic
     if trajectory.joints.len() != robot.dof() {
         let message =
             format!("trajectory \"{name}\" moves 6 joints, expected the {} of \"{}\"", robot.dof(), robot.name());
-        return Err(Error::mismatch(message));
+        return Err(Error::mismatch(message)
+            .help("`armid design ROBOT --criterion d-optimal -o T.toml` makes one for this robot"));
     }
     for (moved, joint) in trajectory.joints.iter_mut().zip(robot.joints()) {
         moved.name.clone_from(&joint.name);
@@ -76,6 +77,9 @@ pub fn parse(text: &Text, robot: &Robot) -> Result<PeriodicTrajectory, Error> {
         return Ok(trajectory);
     }
     let message = format!("{}: found the joints {}, expected {}", text.name, found.join(", "), expected.join(", "));
-    let help = format!("a trajectory for \"{}\" names its joints in their order from the base outwards", robot.name());
+    let help = format!(
+        "a trajectory for \"{}\" names its joints in their order from the base outwards; `armid design` makes one",
+        robot.name()
+    );
     Err(Error::mismatch(message).help(help))
 }

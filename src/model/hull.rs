@@ -108,9 +108,10 @@ impl Hull {
     #[must_use]
     pub fn middle(&self) -> Vector3<f64> {
         let along = |axis: usize| {
-            let (low, high) = self.points.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| {
-                (low.min(p[axis]), high.max(p[axis]))
-            });
+            let (low, high) = self
+                .points
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[axis]), high.max(p[axis])));
             0.5 * (low + high)
         };
         Vector3::new(along(0), along(1), along(2))

@@ -30,9 +30,9 @@ pub mod format;
 pub mod term;
 
 pub use bundled::{BundledRobot, bundled};
+pub use capsule::Capsule;
 pub use columns::{Columns, MOST_TERMS};
 pub use columns_error::ColumnsError;
-pub use capsule::Capsule;
 pub use drive::Drive;
 pub use friction::smooth_sign;
 pub(crate) use hull::PointHull;

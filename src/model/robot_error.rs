@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 
 use super::{
-    Capsule, Cuboid, DhConvention, DhRow, Hull, Joint, JointKind, MotorCircuit, NamedPoint, Obstacle, ServoTuning, Shape,
-    Solid,
+    Capsule, Cuboid, DhConvention, DhRow, Hull, Joint, JointKind, MotorCircuit, NamedPoint, Obstacle, ServoTuning,
+    Shape, Solid,
 };
 use crate::input::SizeError;
 use crate::spatial::Placement;

@@ -172,7 +172,11 @@ impl DesignAnswer<'_> {
             Some(format!("{share:.1} % of {name}"))
         });
         let uses: Vec<String> = uses.collect();
-        let _ = write!(text, ",\n  which uses {}; the load has no shape that a clearance is held against\n", uses.join(", "));
+        let _ = write!(
+            text,
+            ",\n  which uses {}; the load has no shape that a clearance is held against\n",
+            uses.join(", ")
+        );
         Some(text)
     }
 

@@ -21,7 +21,8 @@ impl MeshArguments {
         let ament = of("AMENT_PREFIX_PATH");
         let named = |path: &PathBuf| !path.as_os_str().is_empty();
         let installed = std::env::split_paths(&ament).filter(named).map(|prefix| prefix.join("share"));
-        let folders = self.package_path.iter().cloned().chain(std::env::split_paths(&ros).filter(named)).chain(installed);
+        let folders =
+            self.package_path.iter().cloned().chain(std::env::split_paths(&ros).filter(named)).chain(installed);
         PackagePath::new(folders.collect())
     }
 }

@@ -70,7 +70,9 @@ pub(crate) fn perform(
         }
         ArmKind::Replay => {
             let Some(path) = recording else {
-                return Err(Error::new("arm replay needs --recording R.mcap: what it plays").into());
+                return Err(Error::new("arm replay needs --recording R.mcap: what it plays")
+                    .help("`armid run EXPERIMENT -o R.mcap` makes one")
+                    .into());
             };
             let recording = Log::read(path)?.into_recording()?;
             let ending = Replay(recording).perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;

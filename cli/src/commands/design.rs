@@ -7,8 +7,8 @@ use std::time::Instant;
 use armid::base::{Method, reduce};
 use armid::excitation::criterion::PayloadOptimal;
 use armid::excitation::{
-    Criterion, CriterionKind, DEFAULT_EVALUATIONS, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace, EvaluationMotions,
-    ExcitationError, best_of, design, design_from, nearest_of, random_design,
+    Criterion, CriterionKind, DEFAULT_EVALUATIONS, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace,
+    EvaluationMotions, ExcitationError, best_of, design, design_from, nearest_of, random_design,
 };
 use armid::experiment::{EffectKind, Effects};
 use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
@@ -283,7 +283,8 @@ fn declare_use(arguments: &Arguments, loaded: &LoadedRobot, problem: &mut Design
     let Some(kind) = arguments.criterion else { return Ok(()) };
     let is_model_error = kind == CriterionKind::ModelError;
     let refused = |option: &str, expected: &str| -> Result<()> {
-        Err(Error::new(format!("{option} with --criterion {}, expected {expected}", kind.name())).into())
+        let message = format!("{option} with --criterion {}, expected {expected}", kind.name());
+        Err(Error::new(message).help("`armid design --help` says what each criterion asks for").into())
     };
     if !arguments.expect.is_empty() && !is_model_error {
         return refused("--expect", "model-error");
@@ -338,7 +339,8 @@ fn effort_noise(robot: &Robot) -> Result<Vec<f64>> {
     match robot.joints().iter().zip(&noise).find(|(_, noise)| **noise <= 0.0) {
         Some((joint, _)) => {
             let message = format!("--weighted: the current of joint \"{}\" has no noise in the robot file", joint.name);
-            Err(Error::new(message).into())
+            let help = "current_noise_a of a drive states it; `armid robot ROBOT -o robot.toml` begins a robot file";
+            Err(Error::new(message).help(help).into())
         }
         None => Ok(noise),
     }

@@ -75,7 +75,7 @@ pub(super) fn designs_from(folder: &Path, work: &mut FinishedWork, setup: &Study
     if journals.is_empty() {
         let message =
             format!("{}: found no {}, expected a folder that --stage designs wrote", folder.display(), Journal::NAME);
-        return Err(Error::new(message));
+        return Err(Error::new(message).help("`armid study STUDY --stage designs -o DIR` makes them"));
     }
     journals.iter().try_for_each(|journal| work.include_designs(journal, setup))
 }

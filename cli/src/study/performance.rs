@@ -157,7 +157,7 @@ impl Performance<'_> {
                 missing.len(),
                 designs.len()
             );
-            return Err(Error::new(message).into());
+            return Err(Error::new(message).help("`armid study STUDY --stage designs -o DIR` makes them").into());
         }
         let work = Mutex::new(work);
         self.make_designs(missing, &work)?;

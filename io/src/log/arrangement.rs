@@ -5,6 +5,10 @@ use armid::model::Robot;
 use super::joint_log::Log;
 use crate::error::Error;
 
+/// What brings log and robot together.
+const HELP: &str = "`armid robot ROBOT` shows the joints of the robot, --robot names another; of a table, --map \"q=…, tau=…\" says \
+                    which columns are the joints'";
+
 /// The log with the robot's joints in the robot's order; joints of other things, a gripper's, are left out.
 pub(super) fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {
     let expected: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
@@ -15,7 +19,7 @@ pub(super) fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {
         let (found, expected) = (log.dof, robot.dof());
         let message =
             format!("{} holds {found} joints, expected the {expected} of robot \"{}\"", log.name, robot.name());
-        return Err(Error::mismatch(message));
+        return Err(Error::mismatch(message).help(HELP));
     };
     if *joints == expected {
         return Ok(log);
@@ -25,7 +29,7 @@ pub(super) fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {
         let (found, expected) = (joints.join(", "), expected.join(", "));
         let message =
             format!("{} holds the joints {found}, expected {expected} of robot \"{}\"", log.name, robot.name());
-        return Err(Error::mismatch(message));
+        return Err(Error::mismatch(message).help(HELP));
     };
     let pick = |table: &[f64]| -> Vec<f64> {
         table.chunks_exact(joints.len()).flat_map(|row| order.iter().map(|&joint| row[joint])).collect()

@@ -13,6 +13,9 @@ use super::{foreign, mcap, sqlite};
 use crate::error::Error;
 use crate::text::read_bytes;
 
+/// What makes a bag.
+const RECORDED_BY: &str = "`ros2 bag record /joint_states` records one with positions and efforts of every joint";
+
 /// Reads the joint states of a bag.
 ///
 /// # Errors
@@ -40,7 +43,7 @@ pub(super) fn read(folder: &Path) -> Result<Log, Error> {
             let message = format!(
                 "{name} is a folder without .mcap or .db3 files, expected a bag of `ros2 bag record`, or a log file"
             );
-            return Err(Error::new(message));
+            return Err(Error::new(message).help(RECORDED_BY));
         }
     };
     files.sort_by_key(|path| (number(path), path.clone()));
@@ -66,7 +69,7 @@ fn of_files(name: &str, files: &[PathBuf]) -> Result<Log, Error> {
         hashes.push(FileHash { path: path.display().to_string(), sha256: sha256_of_bytes(&bytes) });
     }
     if states.is_empty() {
-        return Err(Error::new(format!("{name} holds no joint states")));
+        return Err(Error::new(format!("{name} holds no joint states")).help(RECORDED_BY));
     }
     let mut log = foreign::log(name, &states)?;
     log.origin.files = hashes;

@@ -219,7 +219,10 @@ struct Reader<'a> {
 
 impl Reader<'_> {
     fn read(&self, files: Vec<FileHash>) -> Result<RawLog, Error> {
-        let position = self.get(Quantity::Position).ok_or_else(|| Error::new("q is missing"))?;
+        let position = self.get(Quantity::Position).ok_or_else(|| {
+            Error::new("q is missing")
+                .help("--map \"t=time, q=joint_[1-6]_pos, tau=torque_[1-6]\" says which columns are what")
+        })?;
         let dof = position.columns.len();
         let mut sized = self.found.iter().filter(|found| found.quantity != Quantity::Time);
         if let Some(found) = sized.find(|found| found.columns.len() != dof) {
@@ -227,7 +230,10 @@ impl Reader<'_> {
             return Err(Error::new(format!("{key} names {count} columns, expected {dof}, as many as q")));
         }
         let effort = self.get(Quantity::Torque).or_else(|| self.get(Quantity::Current));
-        let effort = effort.ok_or_else(|| Error::new("tau or current is missing"))?;
+        let effort = effort.ok_or_else(|| {
+            Error::new("tau or current is missing")
+                .help("--map \"…, tau=torque_[1-6]\", or current= with its constants, says which columns hold it")
+        })?;
         let velocity = self.get(Quantity::Velocity);
         let at_motors = |found: &Found| match (&found.map.gear, found.map.motor) {
             (Some(_), _) => Some(AtMotors::Geared),

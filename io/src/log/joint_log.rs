@@ -108,7 +108,9 @@ impl Log {
             Some(RecordedRobot { text, nominal, chain }) => {
                 LoadedRobot::recorded(&self.name, text, nominal.as_deref(), chain)
             }
-            None => Err(Error::unknown(format!("{} does not name its robot", self.name))),
+            None => Err(Error::unknown(format!("{} does not name its robot", self.name)).help(
+                "--robot names it; `armid robot` lists the bundled ones, `armid init arm.urdf` begins one's own",
+            )),
         }
     }
 
@@ -118,7 +120,9 @@ impl Log {
     /// [`Error`] where something else than armid recorded it.
     pub fn into_recording(self) -> Result<Recording, Error> {
         let name = self.name;
-        self.recording
-            .ok_or_else(|| Error::new(format!("{name} was not recorded by armid, expected a recording with its plan")))
+        self.recording.ok_or_else(|| {
+            Error::new(format!("{name} was not recorded by armid, expected a recording with its plan"))
+                .help("`armid run EXPERIMENT -o R.mcap` makes one")
+        })
     }
 }

@@ -54,7 +54,8 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
     if contents.states.is_empty() {
         let message =
             format!("{name} holds no message of type {} on {STATES}, expected one per sample", JointState::NAME);
-        return Err(Error::new(message));
+        return Err(Error::new(message)
+            .help("`armid run EXPERIMENT -o R.mcap` or `ros2 bag record /joint_states` records them"));
     }
     let whole = contents.whole;
     let mut log = match &contents.metadata {

@@ -97,7 +97,8 @@ impl ProcessedLog {
             if found != expected {
                 let message =
                     format!("{} is of robot \"{found}\", expected \"{expected}\" as the first log", log.name());
-                return Err(Error::mismatch(message));
+                return Err(Error::mismatch(message)
+                    .help("`armid identify` takes logs of one robot; each robot has an estimate of its own"));
             }
             all.parts.extend(log.parts);
             all.held_out.extend(log.held_out);
@@ -257,7 +258,7 @@ impl ProcessedLog {
         let robot = &self.robot.robot;
         if estimate.robot != robot.name() {
             let message = format!("{name} is of robot \"{}\", expected \"{}\"", estimate.robot, robot.name());
-            return Err(Error::mismatch(message));
+            return Err(Error::mismatch(message).help("`armid identify LOG -o E.json` makes an estimate of this robot"));
         }
         Columns::parse(&estimate.columns).ok_or_else(|| {
             let names = Columns::ALL.map(|columns| columns.to_string()).join(", ");

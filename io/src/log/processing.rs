@@ -16,6 +16,9 @@ use super::settings::LogSettings;
 use crate::error::Error;
 use crate::robot::LoadedRobot;
 
+/// What there is to do about a period that does not fit.
+const NO_PERIOD: &str = "without --period the log is taken as a motion without periods";
+
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
 
@@ -76,14 +79,17 @@ pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) 
 /// A recording of armid's own says itself what counts.
 fn refuse_cuts(log: &Log, settings: &LogSettings) -> Result<(), Error> {
     if let Some(period) = settings.period_s {
-        return Err(Error::new(format!("{} states its own period, found a period of {period} s", log.name)));
+        let message = format!("{} states its own period, found a period of {period} s", log.name);
+        return Err(Error::new(message).help("leave out --period"));
     }
     if settings.from_s != 0.0 || settings.until_s.is_some() {
         let message = format!("{} states its recorded part, found times to begin or to end at", log.name);
-        return Err(Error::new(message));
+        return Err(Error::new(message).help("leave out --from and --until"));
     }
     if settings.measured_velocity {
-        return Err(Error::new(format!("{} holds no measured velocities", log.name)));
+        return Err(
+            Error::new(format!("{} holds no measured velocities", log.name)).help("leave out --measured-velocity")
+        );
     }
     Ok(())
 }
@@ -105,7 +111,8 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
     }
     if settings.measured_velocity && log.qd.is_none() {
         let message = format!("{} holds no measured velocities, expected a column qd for each joint", log.name);
-        return Err(Error::new(message));
+        return Err(Error::new(message)
+            .help("--map \"…, qd=velocity_[1-6]\" says which they are, or leave out --measured-velocity"));
     }
     // A robot that says what its efforts are decides where the log does not.
     let unit = settings.effort.or(log.effort_unit).unwrap_or_else(|| robot.robot.effort());
@@ -169,7 +176,7 @@ fn periodic(
             "a period of {period} s is {whole:.3} samples at the {} Hz of {}, expected a whole number of at least 8",
             log.rate_hz, log.name
         );
-        return Err(Error::new(message));
+        return Err(Error::new(message).help(NO_PERIOD));
     }
     let period_samples = period_samples as usize;
     let mut starts = Vec::new();
@@ -191,7 +198,7 @@ fn periodic(
             log.name,
             log.len() as f64 / log.rate_hz
         );
-        return Err(Error::new(message));
+        return Err(Error::new(message).help(NO_PERIOD));
     }
     let aside = if settings.held_out.is_share() {
         (share * starts.len() as f64).round() as usize

@@ -23,10 +23,11 @@ pub(super) fn points(text: &str) -> Result<Vec<Vector3<f64>>, String> {
     if root.tag_name().name() != "COLLADA" {
         return Err(format!("the root element is <{}>, expected <COLLADA>", root.tag_name().name()));
     }
-    let meter = match child(root, "asset").and_then(|asset| child(asset, "unit")).and_then(|unit| unit.attribute("meter")) {
-        Some(meter) => numbers::<1>(meter)?[0],
-        None => 1.0,
-    };
+    let meter =
+        match child(root, "asset").and_then(|asset| child(asset, "unit")).and_then(|unit| unit.attribute("meter")) {
+            Some(meter) => numbers::<1>(meter)?[0],
+            None => 1.0,
+        };
     let by_id = document.descendants().filter_map(|node| Some((node.attribute("id")?, node))).collect();
     let mut reader = Reader { by_id, points: Vec::new(), nodes: 0 };
     let from_file = Matrix4::new_scaling(meter);
@@ -58,7 +59,8 @@ fn child<'a>(node: Node<'a, 'a>, tag: &'static str) -> Option<Node<'a, 'a>> {
 /// Exactly `N` finite numbers.
 fn numbers<const N: usize>(text: &str) -> Result<[f64; N], String> {
     let found: Option<Vec<f64>> = text.split_ascii_whitespace().map(|word| word.parse().ok()).collect();
-    let found: Option<[f64; N]> = found.filter(|all| all.iter().all(|x| x.is_finite())).and_then(|all| all.try_into().ok());
+    let found: Option<[f64; N]> =
+        found.filter(|all| all.iter().all(|x| x.is_finite())).and_then(|all| all.try_into().ok());
     found.ok_or_else(|| {
         let shown: String = text.chars().take(40).collect();
         format!("\"{shown}\", expected {N} finite number{}", if N == 1 { "" } else { "s" })
@@ -100,7 +102,9 @@ impl<'a> Reader<'a> {
                     pose *= Rotation3::from_axis_angle(&axis, degrees.to_radians()).to_homogeneous();
                 }
                 tag @ ("lookat" | "skew" | "instance_controller") => {
-                    return Err(format!("<{tag}> in a node is not read, expected matrix, translate, rotate, scale and geometries"));
+                    return Err(format!(
+                        "<{tag}> in a node is not read, expected matrix, translate, rotate, scale and geometries"
+                    ));
                 }
                 _ => {}
             }

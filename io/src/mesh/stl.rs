@@ -21,7 +21,10 @@ pub(super) fn points(bytes: &[u8]) -> Result<Vec<Vector3<f64>>, String> {
             let expected = HEADER.saturating_add(TRIANGLE.saturating_mul(count));
             Err(format!("{} bytes, expected {expected} of an STL with {count} triangles", bytes.len()))
         }
-        None => Err(format!("{} bytes, expected an STL: at least {HEADER} in binary, or a text that begins with solid", bytes.len())),
+        None => Err(format!(
+            "{} bytes, expected an STL: at least {HEADER} in binary, or a text that begins with solid",
+            bytes.len()
+        )),
     }
 }
 

@@ -40,11 +40,16 @@ pub fn load(name: &str, chain: &ChainEnds, beside: Option<&Path>) -> Result<Load
             LoadedRobot::file(&path)
         }
         Some("urdf" | "xml") => LoadedRobot::tree(Text::read(&path)?, chain, path.parent().map(Path::to_path_buf)),
-        other => Err(Error::new(format!(
-            "{}: found a file ending in \"{}\", expected .toml, .urdf or .xml",
-            path.display(),
-            other.unwrap_or_default()
-        ))),
+        other => {
+            let (ending, shown) = (other.unwrap_or_default(), path.display());
+            let error =
+                Error::new(format!("{shown}: found a file ending in \"{ending}\", expected .toml, .urdf or .xml"));
+            Err(if ending == "xacro" {
+                error.help(format!("`xacro {shown} > arm.urdf` makes a URDF of it"))
+            } else {
+                error
+            })
+        }
     }
 }
 

@@ -43,7 +43,8 @@ impl PackagePath {
         }
         let named = self.0.iter().map(|folder| folder.display().to_string()).collect::<Vec<_>>().join(", ");
         let beside = if above.is_empty() { "" } else { "the folders above the URDF" };
-        let looked = [named.as_str(), beside].iter().filter(|text| !text.is_empty()).copied().collect::<Vec<_>>().join(" and ");
+        let looked =
+            [named.as_str(), beside].iter().filter(|text| !text.is_empty()).copied().collect::<Vec<_>>().join(" and ");
         let looked = if looked.is_empty() { "no folder to look in".to_owned() } else { format!("not in {looked}") };
         let name = name.unwrap_or_default().to_string_lossy();
         Err(Error::unknown(format!("{file} not found: {looked}"))
@@ -72,11 +73,16 @@ mod tests {
         let (urdf, own) = (at("share/arm_description/urdf"), at("share/arm_description/meshes/a.stl"));
         let none = PackagePath::default();
         assert_eq!(none.find("package://arm_description/meshes/a.stl", Some(&urdf)).unwrap(), own);
-        assert_eq!(none.find("../meshes/a.stl", Some(&urdf)).unwrap().canonicalize().unwrap(), own.canonicalize().unwrap());
+        assert_eq!(
+            none.find("../meshes/a.stl", Some(&urdf)).unwrap().canonicalize().unwrap(),
+            own.canonicalize().unwrap()
+        );
         assert_eq!(none.find(&format!("file://{}", own.display()), None).unwrap(), own);
         let fault = none.find("package://other/meshes/b.stl", Some(&urdf)).unwrap_err().to_string();
         assert!(fault.contains("package://other/meshes/b.stl not found: not in the folders above the URDF"), "{fault}");
-        assert!(none.find("package://other/meshes/b.stl", None).unwrap_err().to_string().contains("no folder to look in"));
+        assert!(
+            none.find("package://other/meshes/b.stl", None).unwrap_err().to_string().contains("no folder to look in")
+        );
         for holder in ["elsewhere", "elsewhere/other"] {
             let found = PackagePath::new(vec![at(holder)]).find("package://other/meshes/b.stl", Some(&urdf)).unwrap();
             assert_eq!(found, at("elsewhere/other/meshes/b.stl"));

@@ -98,8 +98,10 @@ fn rows(path: &PathBuf, names: &[&str], mut take: impl FnMut(&[Field])) -> Resul
         let all: BTreeMap<&String, &Field> = row.get_column_iter().collect();
         let cells: Option<Vec<Field>> =
             names.iter().map(|name| all.get(&(*name).to_owned()).copied().cloned()).collect();
-        let cells = cells
-            .ok_or_else(|| Error::new(format!("{}: expected the columns {}", path.display(), names.join(", "))))?;
+        let cells = cells.ok_or_else(|| {
+            Error::new(format!("{}: expected the columns {}", path.display(), names.join(", ")))
+                .help("`armid study STUDY -o DIR` writes them")
+        })?;
         take(&cells);
     }
     Ok(())

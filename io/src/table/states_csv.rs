@@ -40,7 +40,8 @@ pub fn parse(text: Text, dof: usize, third: Third) -> Result<States, Error> {
     let known: Vec<usize> = q.iter().chain(&qd).chain(&qdd).copied().collect();
     table.only(&expected, |name| name == "t" || table.find(name).is_some_and(|column| known.contains(&column)))?;
     if table.len() == 0 {
-        return Err(Error::new(format!("{} holds no states, expected at least one row", table.text.name)));
+        let message = format!("{} holds no states, expected at least one row", table.text.name);
+        return Err(Error::new(message).help(format!("the headings are {expected}, and each further line is a state")));
     }
     let mut states = States::new(dof);
     for row in 0..table.len() {

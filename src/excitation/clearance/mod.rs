@@ -13,6 +13,9 @@ mod scene;
 mod sweep;
 mod touching;
 
+#[cfg(test)]
+mod hull_tests;
+
 pub use body::{Separation, Still};
 pub use limits::ClearanceLimits;
 pub use scene::{Pair, Scene};

@@ -53,7 +53,8 @@ impl Scene {
     #[must_use]
     pub fn new(robot: &Robot) -> Self {
         let n = robot.dof();
-        let bodies: Vec<(usize, Solid)> = robot.shapes().iter().map(|shape| (shape.link, shape.solid.clone())).collect();
+        let bodies: Vec<(usize, Solid)> =
+            robot.shapes().iter().map(|shape| (shape.link, shape.solid.clone())).collect();
         let mut bearing: Vec<usize> = bodies.iter().map(|body| body.0).collect();
         bearing.sort_unstable();
         bearing.dedup();

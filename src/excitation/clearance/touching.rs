@@ -83,7 +83,8 @@ mod tests {
         let coarse = robot.with_shapes(shapes, Vec::new()).unwrap();
         let found = touching_links(&coarse, 0.0);
         assert!(found.iter().any(|touching| touching.links == (2, 4) && touching.share == 1.0), "{found:?}");
-        let held = coarse.clone().with_shapes(coarse.shapes().to_vec(), found.iter().map(|t| t.links).collect()).unwrap();
+        let held =
+            coarse.clone().with_shapes(coarse.shapes().to_vec(), found.iter().map(|t| t.links).collect()).unwrap();
         assert_eq!(touching_links(&held, 0.0), []);
     }
 }

@@ -33,7 +33,9 @@ impl PayloadOptimal {
         let (rows, columns) = (base.inertial_rows(), base.columns_of_last_link());
         let shown = base.of_load().kept;
         let others = (0..base.rank()).filter(|row| !rows.contains(row)).collect();
-        let k = DMatrix::from_fn(rows.len(), shown.len(), |i, j| base.k[(rows[i], columns[shown[j]])] * LOAD_UNITS[shown[j]]);
+        let k = DMatrix::from_fn(rows.len(), shown.len(), |i, j| {
+            base.k[(rows[i], columns[shown[j]])] * LOAD_UNITS[shown[j]]
+        });
         (!shown.is_empty()).then_some(Self { rows: [rows, others], k })
     }
 }

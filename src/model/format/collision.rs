@@ -147,6 +147,7 @@ pub(super) fn read_geometry(collision: Element<'_>) -> Result<Geometry, FormatEr
             file: shape.required("filename")?.value().to_owned(),
             scale: shape.numbers("scale")?.map_or_else(|| Vector3::repeat(1.0), Vector3::from),
         }),
-        other => shape.fault(format!("<{other}> is no shape that is known, expected a box, cylinder, sphere, capsule or mesh")),
+        other => shape
+            .fault(format!("<{other}> is no shape that is known, expected a box, cylinder, sphere, capsule or mesh")),
     }
 }

@@ -155,7 +155,16 @@ impl<'a> BodyReader<'_, 'a> {
         let placement = self.settings.placement(element)?;
         let at = element.span();
         let shapes = Vec::new();
-        self.bodies.push(Body { name, parent: Some(parent), placement, snapped: None, connection, inertia, shapes, at });
+        self.bodies.push(Body {
+            name,
+            parent: Some(parent),
+            placement,
+            snapped: None,
+            connection,
+            inertia,
+            shapes,
+            at,
+        });
         self.children(element, index, class)
     }
 

@@ -270,12 +270,7 @@ impl Tree<'_> {
             for (placement, geometry) in &body.shapes {
                 let (link, pose) = carried[b].unwrap_or_else(beside);
                 let placement = pose.compose(placement);
-                shapes.push(CollisionShape {
-                    link,
-                    body: body.name.clone(),
-                    placement,
-                    geometry: geometry.clone(),
-                });
+                shapes.push(CollisionShape { link, body: body.name.clone(), placement, geometry: geometry.clone() });
             }
         }
         shapes

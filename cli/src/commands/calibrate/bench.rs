@@ -103,7 +103,8 @@ impl BenchArguments {
         let log = Log::read(&path)?;
         let Some(recording) = log.recording else {
             let message = format!("{} was not recorded by armid, expected a recording with its plan", log.name);
-            return Err(Error::new(message).into());
+            let help = "--plan-only writes the motion, `armid run` performs and records it";
+            return Err(Error::new(message).help(help).into());
         };
         bench.recording = Some(recording);
         Ok(bench)

@@ -157,7 +157,7 @@ fn recorded(path: &Path, loaded: &LoadedRobot) -> Result<Samples> {
     let log = Log::read(path)?;
     let Some(recording) = &log.recording else {
         let message = format!("{} was not recorded by armid, expected a recording with its plan", log.name);
-        return Err(Error::new(message).into());
+        return Err(Error::new(message).help("`armid run EXPERIMENT -o R.mcap` makes one").into());
     };
     process(recording, &loaded.robot, &processing())
         .map_err(|error| Error::new(format!("{}: {error}", log.name)).into())

@@ -60,7 +60,7 @@ impl Submission {
         if !path.is_file() {
             let message =
                 format!("{}: found no {}, expected the folder of a submitted study", folder.display(), Self::NAME);
-            return Err(Error::unknown(message));
+            return Err(Error::unknown(message).help("`armid study submit STUDY --engine slurm -o DIR` makes one"));
         }
         let text = Text::read(&path)?;
         serde_json::from_str(&text.content).map_err(|error| {
