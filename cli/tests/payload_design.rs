@@ -26,10 +26,9 @@ fn seven_axes() -> String {
              ixx=\"{moment}\" ixy=\"0\" ixz=\"0\" iyy=\"{moment}\" iyz=\"0\" izz=\"{moment}\"/></inertial></link>\n\
              <joint name=\"joint_{n}\" type=\"revolute\"><origin xyz=\"{place}\"/><parent link=\"{parent}\"/><child \
              link=\"link_{n}\"/><axis xyz=\"{axis}\"/><limit lower=\"-2.6\" upper=\"2.6\" velocity=\"2\" effort=\"{}\"/>\
-             <dynamics damping=\"{}\" friction=\"{}\"/></joint>\n",
+             <dynamics damping=\"{}\"/></joint>\n",
             if n < 5 { 90.0 } else { 15.0 },
             4.0 / n as f64,
-            3.0 / n as f64,
         );
     }
     text + "</robot>\n"
@@ -39,7 +38,7 @@ fn seven_axes() -> String {
 fn deviations(folder: &Path, robot: &str, trajectory: &str) -> Vec<f64> {
     let recorded = |name: &str, run: usize, tool: &str| {
         let text = format!(
-            "robot = \"{robot}\"\ntrajectory = \"{trajectory}\"\nperiods = 2\nrate_hz = 200\nrun = {run}\n[effects]\n\
+            "robot = \"{robot}\"\ntrajectory = \"{trajectory}\"\nperiods = 2\nrate_hz = 500\nrun = {run}\n[effects]\n\
              torque-noise = 0.2\n{tool}"
         );
         let experiment = write(folder, "x.toml", &text);
@@ -87,16 +86,27 @@ fn a_design_for_a_load_on_the_a460_narrows_its_intervals() {
     let folder = temporary();
     let found = compare(folder.path(), "crs-a460");
     let narrower = found[0].iter().zip(&found[1]).filter(|(general, made)| made < general).count();
-    assert!(mean_ratio(&found) < 0.9 && narrower >= 8, "{} {found:?}", mean_ratio(&found));
+    assert!(mean_ratio(&found) < 0.85 && narrower == 10, "{} {found:?}", mean_ratio(&found));
 }
 
 #[test]
 fn a_design_for_a_load_on_seven_axes_of_a_urdf_narrows_its_intervals() {
     let folder = temporary();
     write(folder.path(), "seven.urdf", &seven_axes());
-    let found = compare(folder.path(), "seven.urdf");
+    // What a URDF has no place for: rotors, and friction that a simulator can integrate.
+    let joint = |n: usize| {
+        format!(
+            "[[joint]]\nname = \"joint_{n}\"\n[joint.drive]\ncoulomb_velocity_rad_s = 0.01\n[joint.terms]\nrotor_kg_m2 = \
+             {}\ncoulomb_nm = {}\n",
+            0.5 / n as f64,
+            2.0 / n as f64
+        )
+    };
+    let joints: String = (1..=7).map(joint).collect();
+    write(folder.path(), "seven.toml", &format!("urdf = \"seven.urdf\"\n{joints}"));
+    let found = compare(folder.path(), "seven.toml");
     let narrower = found[0].iter().zip(&found[1]).filter(|(general, made)| made < general).count();
-    assert!(mean_ratio(&found) < 0.9 && narrower >= 8, "{} {found:?}", mean_ratio(&found));
+    assert!(mean_ratio(&found) < 0.85 && narrower == 10, "{} {found:?}", mean_ratio(&found));
 }
 
 #[test]

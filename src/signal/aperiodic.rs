@@ -1,4 +1,15 @@
 //! A record without periods: the whole of it filtered and differentiated.
+//!
+//! The low pass of positions takes out of the regressor what the torque keeps: the servo's transients at each reversal of friction.
+//! On the A460 along Table I in closed loop, without any noise at 500 Hz, the share of torque that is left by `wls`, all columns:
+//!
+//! ```text
+//! cut-off, Hz                          10       20       40       80      160
+//! used equations, motion alone      0.88 %   0.45 %   0.29 %   0.21 %   0.04 %
+//! all samples, motion alone         1.22 %   0.55 %   0.36 %   0.21 %   0.04 %
+//! all samples, rest and ramps too   1.53 %   0.99 %   0.76 %   0.50 %   0.26 %
+//! ```
+//! Neither the differences (below 1e-4 here) nor the grid make it. A higher cut-off costs noise of the acceleration, with its square.
 
 use std::ops::Range;
 

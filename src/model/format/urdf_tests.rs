@@ -373,3 +373,45 @@ fn urdf_rs_reads_the_same_chain() {
         assert!((pose.translation.vector - ours.translation).amax() < 1e-14);
     }
 }
+
+#[test]
+fn collision_shapes_stand_on_the_links_that_carry_them() {
+    use super::Geometry;
+    use crate::model::{Hull, Solid};
+
+    let shape =
+        |origin: &str, geometry: &str| format!("<collision>{origin}<geometry>{geometry}</geometry></collision>");
+    let text = format!(
+        "<robot name=\"arm\"><link name=\"world\">{}</link><link name=\"a\">{}{}</link><link name=\"tool\">{}{}</link>\
+         <joint name=\"j\" type=\"continuous\"><parent link=\"world\"/><child link=\"a\"/><axis xyz=\"0 0 1\"/></joint>\
+         <joint name=\"f\" type=\"fixed\"><origin xyz=\"0 0 1\" rpy=\"1.5707963267948966 0 0\"/><parent link=\"a\"/><child \
+         link=\"tool\"/></joint></robot>",
+        shape("<origin xyz=\"0 0 -1\"/>", "<box size=\"1 2 0\"/>"),
+        shape("", "<cylinder radius=\"0.05\" length=\"0.2\"/>"),
+        shape("", "<sphere radius=\"-1\"/>"),
+        shape("<origin xyz=\"0 0 0.5\"/>", "<capsule radius=\"0.1\" length=\"0.4\"/>"),
+        shape("", "<mesh filename=\"package://a/b.stl\" scale=\"0.001 0.001 0.002\"/>"),
+    );
+    let shapes = parse(&text).unwrap().collisions;
+    assert_eq!(
+        shapes.iter().map(|s| (s.link, s.body.as_str())).collect::<Vec<_>>(),
+        [(0, "world"), (1, "a"), (1, "a"), (1, "tool"), (1, "tool")]
+    );
+    // A plate has a hull of its corners, a cylinder one of its rims.
+    let Some(Solid::Hull(Hull { points, margin })) = shapes[0].solid(&[]) else { panic!("{:?}", shapes[0]) };
+    assert_eq!((points.len(), margin), (4, 0.0));
+    assert!(matches!(shapes[1].solid(&[]), Some(Solid::Hull(hull)) if hull.margin < 5e-4));
+    let fault = shapes[2].geometry.as_ref().unwrap_err();
+    assert!(fault.message.contains("radius is -1, expected a number above zero"), "{fault}");
+    assert_eq!(shapes[2].solid(&[]), None);
+    // A quarter turn about x brings z onto −y, one metre up.
+    let Some(Solid::Capsule(capsule)) = shapes[3].solid(&[]) else { panic!("{:?}", shapes[3]) };
+    assert!((capsule.from - Vector3::new(0.0, -0.3, 1.0)).norm() < 1e-15, "{capsule:?}");
+    assert!((capsule.to - Vector3::new(0.0, -0.7, 1.0)).norm() < 1e-15 && capsule.radius == 0.1);
+    assert!(matches!(&shapes[4].geometry, Ok(Geometry::Mesh { file, .. }) if file == "package://a/b.stl"));
+    let Some(Solid::Hull(hull)) = shapes[4].solid(&[Vector3::new(1.0, 2.0, 3.0)]) else { panic!() };
+    assert!((hull.points[0] - Vector3::new(0.001, -0.006, 1.002)).norm() < 1e-15, "{hull:?}");
+    // Where the base is another link, what stands before it stands with it.
+    let above = ChainEnds { base: Some("a".to_owned()), tip: None };
+    assert!(parse_urdf(&text, &above).is_err());
+}
