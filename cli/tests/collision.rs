@@ -58,18 +58,24 @@ fn design(robot: &str, out: &Path, more: &[&str]) -> Value {
 
 /// The least distance of the tip's ball from the pillar's along the trajectory of a file, by its own series and by hand.
 fn nearest(trajectory: &Path) -> f64 {
-    let file: toml::Table = std::fs::read_to_string(trajectory).unwrap().parse().unwrap();
-    let omega = TAU / file["period_s"].as_float().unwrap();
-    let joints = file["joint"].as_array().unwrap();
+    let file: toml::Table =
+        std::fs::read_to_string(trajectory).expect("as it was written").parse().expect("as it was written");
+    let omega = TAU / file["period_s"].as_float().expect("as it was written");
+    let joints = file["joint"].as_array().expect("as it was written");
     let angle = |joint: &toml::Value, t: f64| {
         let list = |key: &str| -> Vec<f64> {
-            joint[key].as_array().unwrap().iter().map(|value| value.as_float().unwrap()).collect()
+            joint[key]
+                .as_array()
+                .expect("as it was written")
+                .iter()
+                .map(|value| value.as_float().expect("as it was written"))
+                .collect()
         };
         let terms = list("a").into_iter().zip(list("b")).enumerate().map(|(l, (a, b))| {
             let w = omega * (l + 1) as f64;
             (a * (w * t).sin() - b * (w * t).cos()) / w
         });
-        joint["q0"].as_float().unwrap() + terms.sum::<f64>()
+        joint["q0"].as_float().expect("as it was written") + terms.sum::<f64>()
     };
     let at = |k: usize| {
         let t = TAU / omega * k as f64 / 4001.0;

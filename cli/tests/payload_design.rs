@@ -51,8 +51,8 @@ fn deviations(folder: &Path, robot: &str, trajectory: &str) -> Vec<f64> {
     let found = json(&found);
     let parameters = found["parameters"].as_array().expect("ten parameters");
     let mass = &parameters[0]["shown"];
-    let off = (mass["value"].as_f64().unwrap() - 1.0).abs();
-    assert!(off < 5.0 * mass["std"].as_f64().unwrap(), "{mass}");
+    let off = (mass["value"].as_f64().expect("as it was written") - 1.0).abs();
+    assert!(off < 5.0 * mass["std"].as_f64().expect("as it was written"), "{mass}");
     parameters.iter().map(|parameter| parameter["shown"]["std"].as_f64().expect("all ten are shown")).collect()
 }
 
@@ -61,8 +61,9 @@ fn compare(folder: &Path, robot: &str) -> [Vec<f64>; 2] {
     let design = |name: &str, aim: &[&str]| -> Value {
         let out = folder.join(name).to_str().expect("a path in UTF-8").to_owned();
         let robot = folder.join(robot);
-        let robot = if robot.is_file() { robot.to_str().unwrap().to_owned() } else { "crs-a460".to_owned() };
-        let usual = ["--starts", "3", "--evaluations", "120", "--no-baseline", "--json", "-o", &out];
+        let robot =
+            if robot.is_file() { robot.to_str().expect("as it was written").to_owned() } else { "crs-a460".to_owned() };
+        let usual = ["--starts", "3", "--evaluations", "400", "--no-baseline", "--json", "-o", &out];
         json(&armid(["design", &robot].iter().chain(aim).chain(&usual)).success())
     };
     let weighted: &[&str] = if robot == "crs-a460" { &["--weighted"] } else { &[] };

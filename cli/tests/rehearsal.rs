@@ -9,8 +9,17 @@ fn share(folder: &std::path::Path, log: &str, cutoff_hz: &str) -> f64 {
     let out = folder.join("E.json");
     // The motion alone, without standstill and ramps.
     let part = ["--from", "3.5", "--until", "23", "--held-out", "none", "--bandwidth-hz", "20"];
-    let arguments =
-        ["identify", log, "--robot", "crs-a460", "--cutoff-hz", cutoff_hz, "--json", "-o", out.to_str().unwrap()];
+    let arguments = [
+        "identify",
+        log,
+        "--robot",
+        "crs-a460",
+        "--cutoff-hz",
+        cutoff_hz,
+        "--json",
+        "-o",
+        out.to_str().expect("as it was written"),
+    ];
     let found = json(&armid(arguments.iter().chain(&part)));
     found["residual"]["used_rows"]["total"].as_f64().unwrap_or_else(|| panic!("{found}"))
 }

@@ -239,7 +239,7 @@ fn problem(arguments: &Arguments, loaded: &LoadedRobot) -> Result<DesignProblem>
     let budget = DesignBudget::new(arguments.evaluations).map_err(|error| impossible(&error))?;
     problem.set_budget(arguments.iterations.map_or(budget, |iterations| budget.with_iterations(iterations)));
     let limits = arguments.limits.limits(problem.robot(), loaded)?;
-    let limits = load.iter().cloned().fold(limits, DesignLimits::with_payload);
+    let limits = load.iter().copied().fold(limits, DesignLimits::with_payload);
     problem.set_limits(limits).map_err(|error| impossible(&error))?;
     // A load is estimated with rows that are weighted by their noise.
     if arguments.weighted || (load.is_some() && effort_noise(problem.robot()).is_ok()) {
