@@ -22,6 +22,10 @@ use crate::provenance::sha256;
 use crate::seed::Seed;
 use crate::trajectory::PeriodicTrajectory;
 
+/// Part of a search's end beyond which its last correction counts: the value is then that of the motion as it was shrunk to hold
+/// torque, where the budget ended outside.
+const SHRUNK: f64 = 1e-4;
+
 /// A designed trajectory.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(remote = "Self", deny_unknown_fields)]
@@ -123,6 +127,14 @@ fn continue_from(problem: &DesignProblem, start: &PeriodicTrajectory, hops: Seed
     let certificate = Certificate::of(problem, &trajectory)?;
     let termination = feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(ending);
     let criterion = problem.objective().criterion();
+    let finished = feasibility.basis().coefficients(&trajectory)?;
+    let (size, moved) =
+        x.iter().zip(&finished).fold((0.0, 0.0), |(size, moved), (x, y)| (size + x * x, moved + (x - y) * (x - y)));
+    let value = if moved <= SHRUNK * SHRUNK * size {
+        value
+    } else {
+        criterion.report(InformationObjective::of(problem, SHARPNESS[0])?.exact_at(&finished))
+    };
     Ok(Design {
         trajectory,
         criterion: criterion.name().to_owned(),
