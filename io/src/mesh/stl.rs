@@ -16,7 +16,9 @@ pub(super) fn points(bytes: &[u8]) -> Result<Vec<Vector3<f64>>, String> {
     match triangles(bytes) {
         // Some files in binary begin with the word, too.
         Some(count) if bytes.len() >= HEADER + TRIANGLE * count => Ok(binary(bytes, count)),
-        _ if bytes.trim_ascii_start().starts_with(b"solid") => text(&String::from_utf8_lossy(bytes)),
+        _ if bytes.trim_ascii_start().starts_with(b"solid") && !bytes.contains(&0) => {
+            text(&String::from_utf8_lossy(bytes))
+        }
         Some(count) => {
             let expected = HEADER.saturating_add(TRIANGLE.saturating_mul(count));
             Err(format!("{} bytes, expected {expected} of an STL with {count} triangles", bytes.len()))
@@ -79,7 +81,7 @@ mod tests {
         assert_eq!(points(&binary).unwrap(), expected);
         assert_eq!(points(text.as_bytes()).unwrap(), expected);
         let fault = points(&binary[..100]).unwrap_err();
-        assert!(fault.contains("line") || fault.contains("expected"), "{fault}");
+        assert!(fault.contains("expected 134 of an STL with 1 triangles"), "{fault}");
         binary[..5].fill(b'x');
         assert!(points(&binary[..130]).unwrap_err().contains("expected 134 of an STL with 1 triangles"));
         assert!(points(b"").is_err());
