@@ -9,7 +9,8 @@
 //! all samples, motion alone         1.22 %   0.55 %   0.36 %   0.21 %   0.04 %
 //! all samples, rest and ramps too   1.53 %   0.99 %   0.76 %   0.50 %   0.26 %
 //! ```
-//! Neither the differences (below 1e-4 here) nor the grid make it. A higher cut-off costs noise of the acceleration, with its square.
+//! What differences and grid have in it was not separated: of the motion alone, all but 0.04 % goes with the cut-off. A higher cut-off
+//! costs noise of the acceleration, with its square.
 
 use std::ops::Range;
 
