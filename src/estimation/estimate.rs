@@ -39,6 +39,8 @@ pub enum IntervalBasis {
     Scatter,
     /// The residual of the fit: noise and model errors.
     Residual,
+    /// The scatter over repeated periods, and beyond it what the residual shows of a torque that the model lacks.
+    Discrepancy,
 }
 
 /// Base parameters with their uncertainty, and how well the model explains the torque. Serialises to the keys of the

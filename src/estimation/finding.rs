@@ -146,7 +146,7 @@ impl Finding {
             Self::LargeCondition { .. } => "design a trajectory that excites the parameters more evenly",
             Self::ResidualAboveNoise { .. } => {
                 "the model misses something: friction law, torque constant, flexibility, or too narrow a filter; the \
-                 intervals are taken from the residual"
+                 intervals hold what the residual shows of it"
             }
             Self::ResidualCorrelated { .. } => "check the residual over time and over velocity for what is missing",
             Self::FewPeriods { .. } => "record at least 4 periods",

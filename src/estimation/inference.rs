@@ -6,12 +6,14 @@
 //! with the covariance C of all equations, correlation in time included. For white noise and P = Σ⁻¹ the middle part
 //! cancels against one factor and `(WᵀΣ⁻¹W)⁻¹` remains.
 //!
-//! The scatter over periods does not see what repeats: model errors, errors of the measured motion. Where the residual
-//! of a joint is much larger than the scatter explains, a finding says so, and C is taken from the residual instead,
-//! with its correlation in time: intervals then hold model errors as far as these look like noise.
+//! The scatter over periods does not see what repeats: model errors, errors of the measured motion. What the residual shows of
+//! them is added as a [`discrepancy`](super::discrepancy), where the states of the equations are known. Where they are not,
+//! and the residual of a joint is much larger than the scatter explains, C is taken from the residual with its
+//! correlation in time: intervals then hold model errors as far as these look like noise.
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
+use super::discrepancy::Discrepancy;
 use super::expected_residual::{COLUMNS, ExpectedResidual};
 use super::residual::{ResidualScale, neighbour_correlation};
 use super::restated::poorly_determined;
@@ -78,7 +80,10 @@ impl Inference<'_> {
             let residual = observation.residual(beta);
             beyond = self.correlated(&residual, &expected);
             let misfit = self.misfit(&residual_rms, &expected);
-            if !misfit.is_empty() {
+            if let Some(discrepancy) = Discrepancy::found(self.problem, &noise, beta.as_slice()) {
+                covariance += self.fit.sandwich(&discrepancy.products(self.problem, self.instruments)?);
+                interval_basis = IntervalBasis::Discrepancy;
+            } else if !misfit.is_empty() {
                 let seen = residual_noise(observation, &residual);
                 covariance = self.covariance(&equations, &seen)?.1;
                 (freedom, interval_basis) = (seen.degrees_of_freedom(), IntervalBasis::Residual);
@@ -217,8 +222,10 @@ impl Inference<'_> {
         let periods = self.problem.observation.periods;
         match self.basis {
             IntervalBasis::Residual => findings.push(Finding::NoiseFromResidual),
-            IntervalBasis::Scatter if periods < FEW_PERIODS => findings.push(Finding::FewPeriods { periods }),
-            IntervalBasis::Scatter => {}
+            IntervalBasis::Scatter | IntervalBasis::Discrepancy if periods < FEW_PERIODS => {
+                findings.push(Finding::FewPeriods { periods });
+            }
+            IntervalBasis::Scatter | IntervalBasis::Discrepancy => {}
         }
         findings
     }

@@ -9,12 +9,14 @@
 //! [`Estimator`] with [`Factorisation`] or [`solve`], [`scatter_noise`] and [`Inference`], and passes [`crate::conformance::estimator_laws`].
 //!
 //! The equations' error bars come from the noise that scattered over periods, with its correlation in time; where no
-//! period was repeated, from the residual. No estimator sees the truth: the types that hold it come after this module.
+//! period was repeated, from the residual. What the residual shows beyond that noise is in them as a discrepancy: a random
+//! function of speed, load, position, acceleration and time. No estimator sees the truth: the types that hold it come after this module.
 
 mod closed_loop;
 mod comparison;
 mod completion;
 mod consistent_set;
+mod discrepancy;
 mod drive_gains;
 mod error;
 mod essential;

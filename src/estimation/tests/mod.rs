@@ -2,6 +2,7 @@
 
 mod chain;
 mod coverage;
+mod discrepancy;
 mod drive_gains;
 mod factorisation;
 mod instrumental;

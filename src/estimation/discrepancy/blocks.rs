@@ -1,0 +1,121 @@
+//! Equations averaged over blocks of time, few enough to be looked at joint by joint.
+//!
+//! ```text
+//! ȳ = mean of D consecutive equations, D = ⌈M / 360⌉
+//! ```
+//! What a model lacks is smooth against the sampling of a recording; what is faster than a block is left to the scatter.
+
+use nalgebra::{DMatrix, DVector};
+
+use crate::estimation::Observation;
+use crate::signal::{NoiseModel, Samples};
+
+/// At most this many blocks.
+const MOST_BLOCKS: usize = 360;
+
+/// Means of equations and states over blocks.
+pub(super) struct BlockedEquations {
+    /// Equations in a block.
+    pub(super) length: usize,
+    /// Number of blocks.
+    pub(super) count: usize,
+    /// Whether the last block is followed by the first.
+    pub(super) periodic: bool,
+    dof: usize,
+    samples: usize,
+    /// Regressor, (n · count) × b.
+    regressor: DMatrix<f64>,
+    torque: DVector<f64>,
+    /// Root of the share of a block's equations that are used, n · count; zero where fewer than half are.
+    weight: Vec<f64>,
+    /// Position, speed and acceleration, count × n each.
+    pub(super) q: DMatrix<f64>,
+    pub(super) qd: DMatrix<f64>,
+    pub(super) qdd: DMatrix<f64>,
+}
+
+impl BlockedEquations {
+    /// `None` where the samples are not those of the observation.
+    pub(super) fn new(observation: &Observation, samples: &Samples) -> Option<Self> {
+        let (n, m) = (observation.dof, observation.samples());
+        if samples.dof() != n || samples.blocks() != m || m == 0 {
+            return None;
+        }
+        let length = m.div_ceil(MOST_BLOCKS);
+        let count = m / length;
+        let mut weight = vec![0.0; n * count];
+        for (row, weight) in weight.iter_mut().enumerate() {
+            let (block, i) = (row / n, row % n);
+            let used = (0..length).filter(|k| observation.used[(block * length + k) * n + i]).count();
+            *weight = if 2 * used >= length { (used as f64 / length as f64).sqrt() } else { 0.0 };
+        }
+        let mean = |column: &[f64], row: usize| {
+            let (block, i) = (row / n, row % n);
+            let sum: f64 = (0..length).map(|k| column[(block * length + k) * n + i]).sum();
+            // Rows that are no equation are zero.
+            let used = weight[row] * weight[row] * length as f64;
+            if used > 0.0 { sum / used } else { 0.0 }
+        };
+        let regressor = observation.regressor.as_slice();
+        let rows = observation.regressor.nrows();
+        let raw = samples.block * length;
+        let state = |values: &[f64]| {
+            DMatrix::from_fn(count, n, |block, i| {
+                let sum: f64 = (0..raw).map(|k| values[(block * raw + k) * n + i]).sum();
+                sum / raw as f64
+            })
+        };
+        Some(Self {
+            length,
+            count,
+            periodic: observation.periodic && count * length == m,
+            dof: n,
+            samples: m,
+            regressor: DMatrix::from_fn(n * count, observation.regressor.ncols(), |row, j| {
+                mean(&regressor[j * rows..(j + 1) * rows], row)
+            }),
+            torque: DVector::from_fn(n * count, |row, _| mean(observation.y.as_slice(), row)),
+            weight,
+            q: state(&samples.states.q),
+            qd: state(&samples.states.qd),
+            qdd: state(&samples.states.qdd),
+        })
+    }
+
+    /// W of one joint, count × b.
+    pub(super) fn regressor(&self, joint: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(self.count, self.regressor.ncols(), |block, j| self.regressor[(block * self.dof + joint, j)])
+    }
+
+    /// y of one joint, count.
+    pub(super) fn torque(&self, joint: usize) -> DVector<f64> {
+        DVector::from_fn(self.count, |block, _| self.torque[block * self.dof + joint])
+    }
+
+    /// Weights of one joint's blocks, count.
+    pub(super) fn weight(&self, joint: usize) -> Vec<f64> {
+        self.weight.iter().skip(joint).step_by(self.dof).copied().collect()
+    }
+
+    /// Sums of a joint's rows over blocks, count × columns.
+    pub(super) fn sums(&self, columns: &DMatrix<f64>, joint: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(self.count, columns.ncols(), |block, j| {
+            let last = if block + 1 == self.count { self.samples } else { (block + 1) * self.length };
+            (block * self.length..last).map(|k| columns[(k * self.dof + joint, j)]).sum()
+        })
+    }
+
+    /// Lag covariances of a joint's block means, from lag zero: `1/D² Σ_ab R(l D + b − a)`.
+    pub(super) fn lags(&self, noise: &NoiseModel, joint: usize) -> Vec<f64> {
+        let d = self.length;
+        let variance = noise.covariance()[(joint, joint)];
+        let last = (noise.length() / d + 1).min(self.count / 2);
+        (0..=last)
+            .map(|l| {
+                let of = |a: usize, b: usize| noise.correlation(joint, (l * d + b).abs_diff(a));
+                let sum: f64 = (0..d).flat_map(|a| (0..d).map(move |b| (a, b))).map(|(a, b)| of(a, b)).sum();
+                variance * sum / (d * d) as f64
+            })
+            .collect()
+    }
+}

@@ -1,0 +1,133 @@
+//! Functions that a missing torque is made of, as groups that share a size.
+//!
+//! ```text
+//! Φ_c(x) = Π_d exp(−(x_d − c_d)² / 2 h_d²)        centres c on a grid of spacing h: Φ Φᵀ is close to a
+//!                                                 squared-exponential kernel of length √2 h
+//! ```
+//! - speed: friction that no law of the model has, finer near rest (inverse hyperbolic sine of the speed)
+//! - speed and load: friction of gears under load
+//! - position: cogging, converter ripple, springs; load: torque constants that saturate
+//! - acceleration and position: elasticity, and motion that is measured with errors
+//! - harmonics of the record's own length, by two spectra that fall like those of smooth functions: everything else
+//!
+//! Three laws have one size in all joints, since drives of one arm are alike: friction in proportion to the load, the rate of the
+//! torque (a current loop that lags) and its curvature (elasticity, a lag of second order).
+//!
+//! Load is the torque of the rigid parameters of the estimate.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::blocks::BlockedEquations;
+use crate::estimation::Observation;
+use crate::model::term::VISCOUS;
+
+/// Laws whose size all joints share.
+pub(super) const SHARED: usize = 3;
+/// Speed, as a part of its RMS, at which friction under load has changed its sign.
+const AT_REST: f64 = 0.03;
+/// Speeds below this part of their RMS are resolved.
+const REST: f64 = 0.1;
+/// Harmonics at which the weights of the two spectra have fallen to e^-1/4; twice as many are held.
+const SPECTRA: [f64; 2] = [3.0, 10.0];
+
+/// Functions of one joint, blocks × functions each.
+pub(super) struct Functions {
+    /// One function each, N·m for a size of 1: by the same law in every joint.
+    pub(super) shared: [DMatrix<f64>; SHARED],
+    /// The mean of the squares over a group's rows, summed over its columns, is 1.
+    pub(super) own: Vec<DMatrix<f64>>,
+}
+
+/// The functions of one joint.
+pub(super) fn of_joint(blocks: &BlockedEquations, observation: &Observation, joint: usize, beta: &[f64]) -> Functions {
+    let column = |matrix: &DMatrix<f64>| -> Vec<f64> { matrix.column(joint).iter().copied().collect() };
+    let (q, qd, qdd) = (column(&blocks.q), column(&blocks.qd), column(&blocks.qdd));
+    let regressor = blocks.regressor(joint);
+    let rigid = DVector::from_fn(beta.len(), |j, _| {
+        let id = observation.base.parameters[observation.base.kept[j]];
+        if id.kind.link_place().is_some() { beta[j] } else { 0.0 }
+    });
+    let load: Vec<f64> = (&regressor * rigid).iter().copied().collect();
+    let rms = (qd.iter().map(|v| v * v).sum::<f64>() / qd.len() as f64).sqrt();
+    let speed: Vec<f64> = qd.iter().map(|v| libm::asinh(v / (REST * rms))).collect();
+    // Friction that changes its sign within a block has no rate there.
+    let smooth = DVector::from_fn(beta.len(), |j, _| {
+        let kind = observation.base.parameters[observation.base.kept[j]].kind;
+        if kind.term().is_none_or(|term| term.is_inertia() || term == VISCOUS) { beta[j] } else { 0.0 }
+    });
+    let torque: Vec<f64> = (&regressor * smooth).iter().copied().collect();
+    let rate = differences(&torque, blocks.periodic);
+    let curvature = differences(&rate, blocks.periodic);
+    let sign: Vec<f64> = qd.iter().map(|v| libm::tanh(v / (AT_REST * rms))).collect();
+    let friction: Vec<f64> = load.iter().zip(&sign).map(|(load, sign)| load.abs() * sign).collect();
+    let shared = [friction, rate, curvature].map(|function| DMatrix::from_column_slice(function.len(), 1, &function));
+    let mut own = vec![
+        bumps(&[(&speed, 12)]),
+        bumps(&[(&speed, 6), (&load, 5)]),
+        bumps(&[(&q, 14)]),
+        bumps(&[(&load, 8)]),
+        bumps(&[(&qdd, 5), (&q, 4)]),
+    ];
+    own.extend(SPECTRA.map(|spread| harmonics(blocks.count, spread)));
+    for group in &mut own {
+        let scale = (group.norm_squared() / blocks.count as f64).sqrt();
+        if scale > 0.0 {
+            group.unscale_mut(scale);
+        }
+    }
+    Functions { shared, own }
+}
+
+/// Products of bumps over grids of some variables.
+fn bumps(variables: &[(&[f64], usize)]) -> DMatrix<f64> {
+    let rows = variables.first().map_or(0, |(values, _)| values.len());
+    let one: Vec<DMatrix<f64>> = variables.iter().map(|(values, count)| grid(values, *count)).collect();
+    let total: usize = one.iter().map(DMatrix::ncols).product();
+    DMatrix::from_fn(rows, total, |row, at| {
+        let mut rest = at;
+        one.iter()
+            .map(|of| {
+                let place = rest % of.ncols();
+                rest /= of.ncols();
+                of[(row, place)]
+            })
+            .product()
+    })
+}
+
+/// Bumps over one variable, from its least to its largest value.
+fn grid(values: &[f64], count: usize) -> DMatrix<f64> {
+    let (low, high) = values.iter().fold((f64::INFINITY, f64::NEG_INFINITY), |(l, h), &v| (l.min(v), h.max(v)));
+    let spacing = (high - low) / (count - 1) as f64;
+    DMatrix::from_fn(values.len(), count, |row, at| {
+        if spacing > 0.0 {
+            let x = (values[row] - low) / spacing - at as f64;
+            libm::exp(-0.5 * x * x)
+        } else {
+            1.0
+        }
+    })
+}
+
+/// Half the difference of the values after and before.
+fn differences(values: &[f64], periodic: bool) -> Vec<f64> {
+    let m = values.len();
+    (0..m)
+        .map(|k| {
+            let (before, after) =
+                if periodic { ((k + m - 1) % m, (k + 1) % m) } else { (k.saturating_sub(1), (k + 1).min(m - 1)) };
+            0.5 * (values[after] - values[before])
+        })
+        .collect()
+}
+
+/// Sines and cosines over the record, whose weights fall with the harmonic.
+fn harmonics(count: usize, spread: f64) -> DMatrix<f64> {
+    let most = ((2.0 * spread) as usize).min(count / 4).max(1);
+    DMatrix::from_fn(count, 2 * most, |row, at| {
+        let h = (at / 2 + 1) as f64;
+        let phase = std::f64::consts::TAU * h * (row as f64 + 0.5) / count as f64;
+        let weight = libm::exp(-0.25 * (h / spread) * (h / spread));
+        weight * if at % 2 == 0 { libm::cos(phase) } else { libm::sin(phase) }
+    })
+}
