@@ -264,6 +264,7 @@ const CIRCLES: &[(&str, &[&str], &str)] = &[
             "estimator_comparison",
             "evidence",
             "family_score",
+            "replication",
             "setup",
             "truth_comparison",
         ],

@@ -96,6 +96,52 @@ fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
     found
 }
 
+/// The stored summary of a study.
+fn summary(folder: &Path) -> serde_json::Value {
+    serde_json::from_str(&std::fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
+}
+
+/// Every interval of comparisons, scores and correlations with its own estimate, and what they are of.
+fn stored_intervals(summary: &serde_json::Value) -> Vec<(String, f64, f64, f64)> {
+    let mut found = Vec::new();
+    let mut add = |words: &serde_json::Value, value: &serde_json::Value, interval: &serde_json::Value| {
+        if let (Some(low), Some(high)) = (interval["low"].as_f64(), interval["high"].as_f64()) {
+            found.push((words.to_string(), low, value.as_f64().unwrap(), high));
+        }
+    };
+    for condition in summary["conditions"].as_array().unwrap() {
+        let of = |list: &str| condition["findings"][list].as_array().cloned().unwrap_or_default();
+        for one in of("comparisons") {
+            add(&one, &one["difference"], &one["interval"]);
+        }
+        for one in of("estimator_comparisons").iter().chain(&of("over_truths")) {
+            add(one, &one["ratio"], &one["interval"]);
+        }
+        for one in of("foretelling") {
+            add(&one, &one["rank_correlation"], &one["interval"]);
+        }
+        for family in of("families") {
+            let intervals = family["intervals"].as_array().unwrap();
+            for (value, interval) in family["values"].as_array().unwrap().iter().zip(intervals) {
+                add(&family["family"], value, interval);
+            }
+            for parameter in family["parameters"].as_array().unwrap() {
+                add(parameter, &parameter["bias"], &parameter["bias_interval"]);
+                add(parameter, &parameter["coverage"], &parameter["coverage_interval"]);
+            }
+        }
+    }
+    found
+}
+
+fn assert_intervals_hold_their_estimates(summary: &serde_json::Value) {
+    let intervals = stored_intervals(summary);
+    assert!(intervals.len() > 100, "{} intervals", intervals.len());
+    for (words, low, value, high) in intervals {
+        assert!(low <= value && value <= high, "{low} {value} {high}: {words}");
+    }
+}
+
 fn with_plan() -> tempfile::TempDir {
     let folder = tempfile::tempdir().unwrap();
     std::fs::write(folder.path().join("study.toml"), PLAN).unwrap();
@@ -115,6 +161,7 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
             .all(|f| one.contains_key(*f))
     );
     assert!(one == files(&at.join("two")), "one and two threads differ");
+    assert_intervals_hold_their_estimates(&summary(&at.join("one")));
 
     succeeds(at, &["study", "study.toml", "--shard", "1/2", "-o", "part1"]);
     succeeds(at, &["study", "study.toml", "--shard", "2/2", "-o", "part2"]);
@@ -479,4 +526,65 @@ fn one_family_under_several_conditions_is_compared_with_nothing_and_has_a_page()
     std::fs::write(folder.path().join("one.toml"), one).unwrap();
     succeeds(folder.path(), &["study", "one.toml", "--runs", "1", "-o", "out"]);
     assert!(folder.path().join("out/report/report.html").exists());
+}
+
+#[test]
+fn designs_of_one_start_are_pairs_and_others_are_not() {
+    let folder = tempfile::tempdir().unwrap();
+    let (first, _) =
+        alone().rsplit_once("[[design]]").map(|(first, rest)| (first.to_owned(), rest.to_owned())).unwrap();
+    let family = |name: &str, making: &str, starts: usize| {
+        format!(
+            "[[design]]\nname = \"{name}\"\nmaking = \"{making}\"\ncriterion = \"d-optimal\"\nstarts = {starts}\nevaluations = 3\n\n"
+        )
+    };
+    let plan =
+        first + &family("d-optimal", "optimised", 3) + &family("random", "random", 3) + &family("single", "random", 1);
+    std::fs::write(folder.path().join("own.toml"), plan).unwrap();
+    succeeds(folder.path(), &["study", "own.toml", "-o", "out"]);
+    let summary = summary(&folder.path().join("out"));
+    assert_intervals_hold_their_estimates(&summary);
+    let comparisons = summary["conditions"][0]["findings"]["comparisons"].as_array().unwrap();
+    let of = |first: &str, second: &str| {
+        let found = |c: &&serde_json::Value| {
+            c["metric"] == "prediction" && c["estimator"] == "wls" && c["first"] == first && c["second"] == second
+        };
+        comparisons.iter().find(found).unwrap()
+    };
+    // Two starts against three: the first two are pairs.
+    assert_eq!(of("condition", "d-optimal")["unit"], "paired designs");
+    assert_eq!(of("condition", "d-optimal")["degrees_of_freedom"], 1.0);
+    assert_eq!(of("d-optimal", "random")["unit"], "designs");
+    assert_eq!(of("d-optimal", "single")["unit"], "designs and runs");
+    for c in comparisons.iter().filter(|c| c["metric"] == "prediction") {
+        let (p, adjusted) = (c["p"].as_f64().unwrap(), c["p_adjusted"].as_f64().unwrap());
+        assert!(p <= adjusted && adjusted <= 1.0 && (adjusted < 0.05) == c["better"].is_string(), "{c}");
+    }
+    let page = std::fs::read_to_string(folder.path().join("out/report/report.html")).unwrap();
+    assert!(page.contains("paired designs") && page.contains("turn a correlation"));
+}
+
+#[test]
+fn unselected_designs_of_one_run_each_show_what_values_foretell() {
+    let folder = tempfile::tempdir().unwrap();
+    let (_, random) = PLAN.rsplit_once("[[design]]").unwrap();
+    let (before, _) =
+        alone().split_once("[[design]]").map(|(first, rest)| (first.to_owned(), rest.to_owned())).unwrap();
+    let random = random.replace("starts = 2", "starts = 30").replace("evaluations = 5", "evaluations = 1");
+    let plan = format!("{before}[[design]]{random}").replace("runs = 3", "runs = 1");
+    std::fs::write(folder.path().join("own.toml"), plan).unwrap();
+    succeeds(folder.path(), &["study", "own.toml", "-o", "out"]);
+    let summary = summary(&folder.path().join("out"));
+    let findings = &summary["conditions"][0]["findings"];
+    let found = findings["foretelling"].as_array().unwrap();
+    // Seven values, two estimators, all metrics of single runs but what no arm measured.
+    let metrics: std::collections::BTreeSet<&str> = found.iter().map(|c| c["metric"].as_str().unwrap()).collect();
+    assert_eq!(found.len(), 7 * 2 * metrics.len());
+    assert!(metrics.contains("si") && metrics.contains("reference") && !metrics.contains("measured"), "{metrics:?}");
+    assert!(found.iter().all(|c| c["designs"] == 30 && c["interval"]["low"].is_number()));
+    // One run of a design has no scatter to state.
+    assert!(findings["families"][0]["parameters"][0]["std"].is_null());
+    assert!(findings["comparisons"].as_array().unwrap().is_empty());
+    let page = std::fs::read_to_string(folder.path().join("out/report/report.html")).unwrap();
+    assert!(page.contains("none was selected") && !page.contains("turn a correlation"));
 }

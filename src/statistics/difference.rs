@@ -190,16 +190,16 @@ mod tests {
     fn statistics_few_designs_are_covered_as_often_as_stated() {
         // 4000 studies of 4 designs against 8 with twice the scatter, and of 4 pairs that share most of it. A 95 % interval covers in
         // 93.6 to 96.4 % of them but for a chance below 1e-4 each; Welch's is approximate and may be off by half a per cent.
-        let studies = 4000;
-        let mut covered = [0; 2];
+        let studies = 4000_u32;
+        let mut covered = [0_u32; 2];
         let mut rng = Seed::new(17).stream("few designs", 0);
         let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
         for _ in 0..studies {
             let first: Vec<f64> = (0..4).map(|_| 0.3 + normal()).collect();
             let second: Vec<f64> = (0..8).map(|_| 2.0 * normal()).collect();
-            covered[0] += usize::from(welch_difference(&first, &second, 0.95).unwrap().interval.contains(0.3));
+            covered[0] += u32::from(welch_difference(&first, &second, 0.95).unwrap().interval.contains(0.3));
             let pairs: Vec<f64> = first.iter().map(|shared| (shared + 0.2 * normal()) - shared - 0.1).collect();
-            covered[1] += usize::from(paired_difference(&pairs, 0.95).unwrap().interval.contains(-0.1));
+            covered[1] += u32::from(paired_difference(&pairs, 0.95).unwrap().interval.contains(-0.1));
         }
         let share = covered.map(|count| f64::from(count) / f64::from(studies));
         assert!((0.931..=0.969).contains(&share[0]) && (0.936..=0.964).contains(&share[1]), "{share:?}");

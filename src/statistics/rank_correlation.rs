@@ -97,13 +97,13 @@ mod tests {
             let expected = 6.0 / std::f64::consts::PI * libm::asin(0.5 * r);
             let mut rng = Seed::new(8).stream("pairs", n as u64);
             let mut normal = || -> f64 { StandardNormal.sample(&mut rng) };
-            let samples = 1500;
-            let mut covered = 0;
+            let samples = 1500_u32;
+            let mut covered = 0_u32;
             for _ in 0..samples {
                 let x: Vec<f64> = (0..n).map(|_| normal()).collect();
                 let y: Vec<f64> = x.iter().map(|x| r * x + (1.0 - r * r).sqrt() * normal()).collect();
                 let rho = rank_correlation(&x, &y).unwrap();
-                covered += usize::from(rank_correlation_interval(rho, n, 0.95).unwrap().contains(expected));
+                covered += u32::from(rank_correlation_interval(rho, n, 0.95).unwrap().contains(expected));
             }
             let share = f64::from(covered) / f64::from(samples);
             assert!((0.93..=0.97).contains(&share), "{r}: {share}");

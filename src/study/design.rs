@@ -2,7 +2,8 @@
 
 use super::family_plan::{DesignMethod, HarmonicsPlan};
 use super::radkhah2007::table_one;
-use super::{StudyError, StudySetup, plan_error};
+use super::shared_start::SharedStart;
+use super::{StudyError, StudySetup, VarianceReduction, plan_error};
 use crate::excitation::{
     Certificate, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace, ExcitationError,
     HistoryPoint, Termination, design, random_design,
@@ -75,6 +76,19 @@ impl StudyDesign {
 }
 
 impl StudySetup {
+    /// Where the search of design `start` of a family began.
+    pub(super) fn shared_start(&self, family: usize, start: usize) -> SharedStart {
+        let sequence = self.families_of_sequence(family);
+        let has = |method| sequence.iter().any(|&of| self.plan.designs[of].method == method);
+        if self.plan.reduces_variance(VarianceReduction::CommonNoise) || has(DesignMethod::Optimised) {
+            SharedStart::Guess(start)
+        } else if has(DesignMethod::Random) {
+            SharedStart::Draws(start)
+        } else {
+            SharedStart::Fixed
+        }
+    }
+
     /// Makes one design of one family. Families share their starts: start k of every family is the same first guess.
     ///
     /// # Errors

@@ -115,7 +115,7 @@ mod tests {
 
     use super::*;
     use crate::seed::Seed;
-    use crate::study::{DesignRow, RunTable, StatusCount};
+    use crate::study::{DesignRow, RunTable, SharedStart, StatusCount};
 
     /// Prediction errors: design → reference, which is the last of the plan, and another → run.
     #[derive(Debug)]
@@ -148,7 +148,8 @@ mod tests {
 
     fn compared(errors: Errors, runs_of_noise: usize) -> EstimatorComparison {
         let (families, estimators) = (["one".to_owned()], ["wls", "ols"].map(str::to_owned));
-        let designs = vec![DesignRow { family: 0, bound_std: &[1.0], values: &[] }; errors.0.len()];
+        let designs =
+            vec![DesignRow { family: 0, start: SharedStart::Fixed, bound_std: &[1.0], values: &[] }; errors.0.len()];
         let units = DVector::from_element(1, 1.0);
         let evidence = Evidence {
             families: &families,
@@ -160,6 +161,7 @@ mod tests {
             runs: &errors,
             condition: 0,
             runs_of_noise,
+            runs_are_matched: false,
             seed: Seed::new(1),
         };
         let mut found = evidence.estimator_comparisons().unwrap();

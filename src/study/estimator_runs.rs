@@ -15,6 +15,8 @@ pub(super) struct EstimatorRuns<'a> {
     pub(super) truths: Vec<Vec<usize>>,
     /// Where runs share noise, the first run of each group that does, among those that gave an estimate, and their number.
     groups: Option<Vec<Vec<usize>>>,
+    /// So many planned runs in succession share their noise.
+    runs_of_noise: usize,
 }
 
 impl<'a> EstimatorRuns<'a> {
@@ -28,7 +30,7 @@ impl<'a> EstimatorRuns<'a> {
         runs_of_noise: usize,
     ) -> Self {
         let groups = (runs_of_noise > 1).then(|| scored.iter().map(|of| first_of_groups(of, runs_of_noise)).collect());
-        Self { index, name, scored, truths, groups }
+        Self { index, name, scored, truths, groups, runs_of_noise }
     }
 
     /// Which planned runs of a design gave an estimate.
@@ -49,6 +51,12 @@ impl<'a> EstimatorRuns<'a> {
     /// The runs of one such group, among those that gave an estimate.
     pub(super) fn group(&self, design: usize, index: usize) -> Range<usize> {
         self.groups.as_ref().map_or(index..index + 1, |groups| groups[design][index]..groups[design][index + 1])
+    }
+
+    /// Where each such group of a design stands among the planned ones.
+    pub(super) fn planned_groups(&self, design: usize) -> impl Iterator<Item = usize> {
+        let planned = self.scored[design].chunks(self.runs_of_noise).enumerate();
+        planned.filter(|(_, of_group)| of_group.contains(&true)).map(|(place, _)| place)
     }
 
     /// The mean of each group of a design's values.
@@ -86,11 +94,14 @@ mod tests {
             scored: vec![scored.to_vec()],
             truths: vec![vec![0; 6]],
             groups: Some(vec![groups]),
+            runs_of_noise: 2,
         };
         assert_eq!((runs.count(0), runs.size(0)), (6, 4));
         assert_eq!(runs.group(0, 2), 3..5);
         assert_eq!(runs.group_means(0, &[1.0, 3.0, 5.0, 7.0, 8.0, 9.0]), [2.0, 5.0, 7.5, 9.0]);
-        let alone = EstimatorRuns { groups: None, ..runs };
+        assert_eq!(runs.planned_groups(0).collect::<Vec<_>>(), [0, 1, 3, 4]);
+        let alone = EstimatorRuns { groups: None, runs_of_noise: 1, ..runs };
         assert_eq!((alone.size(0), alone.group(0, 2)), (6, 2..3));
+        assert_eq!(alone.planned_groups(0).collect::<Vec<_>>(), [0, 1, 3, 6, 7, 8]);
     }
 }

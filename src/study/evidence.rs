@@ -2,10 +2,12 @@
 //! differences between families with their intervals.
 //!
 //! ```text
-//! family value     geometric mean over its runs of the RMSE          (no single bad design decides)
-//! difference       ratio of two family values, 95 % interval by bootstrap over designs and runs
+//! design value     mean over its runs of the logarithm of the RMSE
+//! family value     exp of the mean over its designs, t interval over designs      (no single bad design decides)
+//! difference       ratio of two families: t interval over designs that share their start, else Welch's (see `comparison`)
 //! log volume       ½ ln det( mean over all runs of z zᵀ ),  z_i = e_i / u_i
 //! bias             mean error; its interval takes designs as the units where there are at least two
+//! foretelling      Spearman's rank correlation over designs of each criterion value with the median of each metric
 //! ```
 //! Metrics stand in the order in which they decide: torque prediction first.
 
@@ -19,6 +21,7 @@ use super::estimator_runs::EstimatorRuns;
 use super::family_score::FamilyScore;
 use super::metric::Metric;
 use super::run_table::{RunNumber, RunTable};
+use super::shared_start::SharedStart;
 use super::truth_comparison::TruthComparison;
 use crate::seed::Seed;
 use crate::statistics::Spread;
@@ -31,6 +34,8 @@ pub(super) const LEVEL: f64 = 0.95;
 pub struct DesignRow<'a> {
     /// Index of its family.
     pub family: usize,
+    /// Where its search began.
+    pub start: SharedStart,
     /// Cramér–Rao standard deviations (b).
     pub bound_std: &'a [f64],
     /// Values that may predict its error, by name.
@@ -58,7 +63,9 @@ pub struct Evidence<'a> {
     pub condition: usize,
     /// So many runs in succession share their noise: no fewer are independent of others.
     pub runs_of_noise: usize,
-    /// Seed of the bootstraps.
+    /// Whether runs of the same number of two designs share arm or noise.
+    pub runs_are_matched: bool,
+    /// Seed of the draws of log volumes.
     pub seed: Seed,
 }
 
@@ -77,7 +84,7 @@ pub struct Findings {
     pub over_truths: Vec<TruthComparison>,
     /// Median over runs of the prediction RMSE of each design (outer: estimator, inner: design), N·m.
     pub design_prediction: Vec<Vec<Option<Spread>>>,
-    /// How well criterion values predict the error.
+    /// How well criterion values predict the error, by each metric of single runs.
     #[serde(rename = "foretelling")]
     pub criterion_correlations: Vec<CriterionCorrelation>,
 }
@@ -117,15 +124,19 @@ impl Evidence<'_> {
                     continue;
                 }
                 let values = self.metric_values(&runs, metric)?;
+                let spread: Vec<Option<Spread>> = values.iter().map(|of| Spread::of(&present(of))).collect();
+                findings.criterion_correlations.extend(self.criterion_correlations(name, metric, &spread));
                 if metric == Metric::Prediction {
-                    let spread: Vec<Option<Spread>> = values.iter().map(|of| Spread::of(&present(of))).collect();
-                    findings.criterion_correlations.extend(self.criterion_correlations(name, &spread));
                     findings.design_prediction.push(spread);
                 }
-                self.add_metric(metric, &runs, &values, &mut scores);
+                self.add_spread(metric, &values, &mut scores);
                 let logs = logarithms(values);
-                for ((&pair, found), over) in pairs.iter().zip(&mut comparisons).zip(&mut over_truths) {
-                    found.extend(self.compare(metric, &runs, pair, &logs));
+                self.add_metric(metric, &runs, &logs, &mut scores);
+                let compared = self.compare(metric, &runs, &pairs, &logs);
+                for (found, compared) in comparisons.iter_mut().zip(compared) {
+                    found.extend(compared);
+                }
+                for (&pair, over) in pairs.iter().zip(&mut over_truths) {
                     over.extend(self.over_truths(metric, &runs, pair, &logs));
                 }
             }
@@ -203,16 +214,6 @@ pub(super) fn logarithms(mut values: RunValues) -> RunValues {
     values
 }
 
-/// The geometric mean of values by their logarithms; `None` of nothing.
-pub(super) fn geometric_mean(logs: impl Iterator<Item = Option<f64>>) -> Option<f64> {
-    let (mut sum, mut count) = (0.0, 0_usize);
-    for log in logs.flatten() {
-        sum += log;
-        count += 1;
-    }
-    (count > 0).then(|| libm::exp(sum / count as f64))
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -226,8 +227,14 @@ mod tests {
         let families = ["narrow".to_owned(), "wide".to_owned()];
         let bounds = [[1.0; 3], [2.0; 3]];
         let values: Vec<[(&str, f64); 1]> = (0..12).map(|d| [("scale", bounds[d / 6][0])]).collect();
-        let designs: Vec<DesignRow<'_>> =
-            (0..12).map(|d| DesignRow { family: d / 6, bound_std: &bounds[d / 6], values: &values[d] }).collect();
+        let designs: Vec<DesignRow<'_>> = (0..12)
+            .map(|d| DesignRow {
+                family: d / 6,
+                start: SharedStart::Guess(d % 6),
+                bound_std: &bounds[d / 6],
+                values: &values[d],
+            })
+            .collect();
         let mut rng = Seed::new(3).stream("errors", 0);
         let mut outcomes = Vec::new();
         for design in 0..12 {
@@ -280,6 +287,7 @@ mod tests {
             runs: &OutcomeTable { outcomes: &outcomes, truths: &truths },
             condition: 0,
             runs_of_noise: 1,
+            runs_are_matched: false,
             seed: Seed::new(1),
         }
         .findings()
@@ -306,7 +314,7 @@ mod tests {
         // 360 independent intervals at 95 %: 92 to 98 % but for a chance of 1 %.
         assert!((0.92..=0.98).contains(&wide.coverage), "{}", wide.coverage);
         for parameter in &wide.parameters {
-            assert!((parameter.std - 2.0).abs() < 0.6 && (parameter.bound_std - 2.0).abs() < 1e-12);
+            assert!((parameter.std.unwrap() - 2.0).abs() < 0.6 && (parameter.bound_std - 2.0).abs() < 1e-12);
         }
         assert!(findings.criterion_correlations[0].rank_correlation.unwrap() > 0.7);
     }
@@ -319,7 +327,8 @@ mod tests {
         let (units, families, estimators) =
             (DVector::from_element(1, 1.0), ["one".to_owned(), "two".to_owned()], ["ols".to_owned()]);
         let bound = [1.0];
-        let designs = [0, 1].map(|family| DesignRow { family, bound_std: &bound, values: &[] });
+        let designs =
+            [0, 1].map(|family| DesignRow { family, start: SharedStart::Fixed, bound_std: &bound, values: &[] });
         let outcome = |design: usize, truth: usize| {
             let error = if (design == 0) == (truth < 4) { 1.0 } else { 2.0 };
             let score = Score {
@@ -353,6 +362,7 @@ mod tests {
             runs: &OutcomeTable { outcomes: &outcomes, truths: &truths },
             condition: 0,
             runs_of_noise: 1,
+            runs_are_matched: false,
             seed: Seed::new(1),
         }
         .findings()

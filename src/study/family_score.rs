@@ -2,16 +2,17 @@
 
 use super::error::StudyError;
 use super::estimator_runs::EstimatorRuns;
-use super::evidence::{Evidence, LEVEL, RunValues, geometric_mean, logarithms, present};
+use super::evidence::{Evidence, LEVEL, RunValues, present};
 use super::metric::Metric;
 use super::run_table::RunNumber;
 use crate::seed::Seed;
-use crate::statistics::{
-    Interval, Spread, bootstrap_interval, mean, quantile, root_mean_square, share_interval, t_interval, variance,
-};
+use crate::statistics::{Interval, Spread, mean, quantile, root_mean_square, share_interval, t_interval, variance};
 
 /// Runs for each parameter from which on a volume has an interval.
 pub(super) const VOLUME_RUNS: usize = 4;
+
+/// Draws of the bootstrap of a log volume.
+pub(super) const VOLUME_RESAMPLES: usize = 200;
 
 /// The score of a family of designs with one estimator.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -26,11 +27,12 @@ pub struct FamilyScore {
     pub runs: usize,
     /// Runs that did not.
     pub failures: usize,
-    /// One value per metric, in the order of [`Metric::ALL`]; `None` where it is not defined (a volume needs more runs
-    /// than parameters).
+    /// One value per metric, in the order of [`Metric::ALL`]: the geometric mean over designs of that over the runs of each; `None`
+    /// where it is not defined (a volume needs more runs than parameters).
     pub values: Vec<Option<f64>>,
-    /// Their 95 % intervals by bootstrap over designs and runs; `None` too where a volume has fewer than four runs for
-    /// each parameter, since draws with repetition would make it singular.
+    /// Their 95 % intervals: by Student's t of the logarithms over designs, over runs of an only design. That of a volume is by
+    /// bootstrap over designs and runs, and `None` where there are fewer than four runs for each parameter, since draws with
+    /// repetition would make it singular.
     pub intervals: Vec<Option<Interval>>,
     /// Median over parameters of the standard deviation over its Cramér–Rao bound.
     pub std_over_bound: Option<f64>,
@@ -59,12 +61,12 @@ impl FamilyScore {
 /// The score of a family on one base parameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct ParameterScore {
-    /// Mean error, in the parameter's unit.
+    /// Mean error over designs, over runs of an only design, in the parameter's unit.
     pub bias: f64,
     /// Its 95 % interval.
     pub bias_interval: Option<Interval>,
-    /// Standard deviation over the runs of a design, root of the mean variance over designs.
-    pub std: f64,
+    /// Standard deviation over the runs of a design, root of the mean variance over designs; `None` of one run each.
+    pub std: Option<f64>,
     /// Mean standard deviation that the estimator states.
     pub stated_std: f64,
     /// Cramér–Rao bound on the standard deviation, root of the mean bound over designs.
@@ -89,7 +91,8 @@ impl Evidence<'_> {
         let parameters = (0..self.parameters())
             .map(|parameter| self.parameter_score(parameter, &designs, runs))
             .collect::<Result<Vec<_>, _>>()?;
-        let over_bound: Vec<f64> = parameters.iter().map(|p| p.std / p.bound_std).filter(|r| r.is_finite()).collect();
+        let over_bound: Vec<f64> =
+            parameters.iter().filter_map(|p| Some(p.std? / p.bound_std)).filter(|r| r.is_finite()).collect();
         let in_units: Vec<f64> = parameters.iter().zip(self.units.iter()).map(|(p, unit)| p.bound_std / unit).collect();
         Ok(FamilyScore {
             family: self.families[family].clone(),
@@ -108,36 +111,34 @@ impl Evidence<'_> {
         })
     }
 
-    /// Adds one metric of single runs to the scores of all families.
-    pub(super) fn add_metric(
-        &self,
-        metric: Metric,
-        runs: &EstimatorRuns<'_>,
-        values: &RunValues,
-        scores: &mut [FamilyScore],
-    ) {
-        let place = place_of(metric);
+    /// Adds the spread over runs of a metric to the scores of all families.
+    pub(super) fn add_spread(&self, metric: Metric, values: &RunValues, scores: &mut [FamilyScore]) {
         for (family, score) in scores.iter_mut().enumerate() {
             let designs = self.designs_of(family);
-            let spread = || {
-                Spread::of(
-                    &designs.iter().flat_map(|&design| values[design].iter().copied().flatten()).collect::<Vec<_>>(),
-                )
-            };
+            let spread =
+                || Spread::of(&designs.iter().flat_map(|&design| present(&values[design])).collect::<Vec<f64>>());
             match metric {
                 Metric::Prediction => score.prediction_spread = spread(),
                 Metric::Reference => score.reference_spread = spread(),
                 Metric::PredictionOfRating | Metric::LogVolume | Metric::Si | Metric::Measured => {}
             }
-            let logs = logarithms(designs.iter().map(|&design| values[design].clone()).collect());
-            score.values[place] = geometric_mean(logs.iter().flatten().copied());
-            let sizes: Vec<usize> = designs.iter().map(|&design| runs.size(design)).collect();
-            let seed = self.value_seed(metric, family, runs);
-            score.intervals[place] = bootstrap_interval(&[&sizes], metric.resamples(), LEVEL, seed, |drawn| {
-                let runs_of =
-                    |&(place, group): &(usize, usize)| runs.group(designs[place], group).map(move |run| (place, run));
-                geometric_mean(drawn[0].iter().flat_map(runs_of).map(|(place, run)| logs[place][run]))
-            });
+        }
+    }
+
+    /// Adds one metric of single runs, by its logarithms, to the scores of all families.
+    pub(super) fn add_metric(
+        &self,
+        metric: Metric,
+        runs: &EstimatorRuns<'_>,
+        logs: &RunValues,
+        scores: &mut [FamilyScore],
+    ) {
+        let place = place_of(metric);
+        let back = |interval: Interval| Interval { low: libm::exp(interval.low), high: libm::exp(interval.high) };
+        for (family, score) in scores.iter_mut().enumerate() {
+            let units = self.units_of(family, runs, logs).values();
+            score.values[place] = (!units.is_empty()).then(|| libm::exp(mean(&units)));
+            score.intervals[place] = t_interval(&units, LEVEL).filter(|of| of.low.is_finite()).map(back);
         }
     }
 
@@ -152,8 +153,10 @@ impl Evidence<'_> {
             if sizes.iter().sum::<usize>() >= VOLUME_RUNS * self.parameters() {
                 let seed = self.value_seed(metric, family, runs);
                 let sides = [(&designs[..], &sizes[..])];
-                score.intervals[place] =
-                    volumes.interval(runs, &sides, metric.resamples(), LEVEL, seed, |values| values[0])?;
+                let value = score.values[place];
+                let drawn = volumes.interval(runs, &sides, VOLUME_RESAMPLES, LEVEL, seed, |values| values[0])?;
+                // Draws with repetition shrink a determinant: an interval beside its own estimate says nothing.
+                score.intervals[place] = drawn.filter(|drawn| value.is_some_and(|value| drawn.contains(value)));
             }
         }
         Ok(())
@@ -197,9 +200,9 @@ impl Evidence<'_> {
             designs.iter().zip(&errors).filter_map(|(&design, errors)| self.error_variance(runs, design, errors));
         let variances: Vec<f64> = variances.collect();
         Ok(ParameterScore {
-            bias: mean(&pooled),
+            bias: mean(&units),
             bias_interval: t_interval(&units, LEVEL),
-            std: mean(&variances).sqrt(),
+            std: (!variances.is_empty()).then(|| mean(&variances).sqrt()),
             stated_std,
             bound_std: mean(&bounds).sqrt(),
             rmse: root_mean_square(&pooled),

@@ -2,11 +2,6 @@
 
 use super::outcome::ScoredEstimate;
 
-/// Draws of every bootstrap.
-const RESAMPLES: usize = 1000;
-/// Draws where the statistic is a determinant, which costs a thousand times more.
-const VOLUME_RESAMPLES: usize = 200;
-
 /// A metric in which designs are compared; the first decides.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -47,11 +42,6 @@ impl Metric {
     #[must_use]
     pub const fn is_logarithmic(self) -> bool {
         matches!(self, Self::LogVolume)
-    }
-
-    /// Draws of a bootstrap by this metric.
-    pub(super) const fn resamples(self) -> usize {
-        if self.is_logarithmic() { VOLUME_RESAMPLES } else { RESAMPLES }
     }
 
     pub(super) fn of(self, estimate: &ScoredEstimate) -> Option<f64> {

@@ -353,7 +353,12 @@ impl StudySetup {
             .iter()
             .zip(bounds)
             .zip(&values)
-            .map(|((design, bound_std), values)| DesignRow { family: design.family, bound_std, values })
+            .map(|((design, bound_std), values)| DesignRow {
+                family: design.family,
+                start: self.shared_start(design.family, design.start),
+                bound_std,
+                values,
+            })
             .collect();
         Evidence {
             families: &families,
@@ -365,6 +370,7 @@ impl StudySetup {
             condition,
             compare_with: &self.plan.compare_with,
             runs_of_noise: self.plan.runs_of_noise(),
+            runs_are_matched: self.plan.truths.is_some() || self.plan.reduces_variance(VarianceReduction::CommonNoise),
             seed: self.plan.seed.child("bootstrap", 0),
         }
         .findings()

@@ -10,7 +10,10 @@ use crate::terminal::{Align, Answer, Table, number};
 /// The answer of a finished study.
 pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: Option<&Path>) -> Answer {
     let mut text = format!("{}\n\n{}", result.plan.question, families(result).render(0));
-    let _ = writeln!(text, "\n{runs} runs, {failed} failed. Smaller is better; geometric means over runs.");
+    let _ = writeln!(
+        text,
+        "\n{runs} runs, {failed} failed. Smaller is better; geometric means over designs of those over runs."
+    );
     let estimator = result.plan.identification.estimators.last().map_or("", String::as_str);
     for part in &result.conditions {
         if result.conditions.len() > 1 {
@@ -56,11 +59,13 @@ fn headline(text: &mut String, findings: &Findings, estimator: &str) {
     });
     for c in pair {
         let sign = if c.metric.is_logarithmic() { "−" } else { "/" };
-        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]", i.low, i.high));
+        let unit = c.unit.map_or_else(String::new, |unit| format!(" over {}", unit.words()));
+        let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]{unit}", i.low, i.high));
+        let p = c.p_adjusted.map_or_else(String::new, |p| format!(" (adjusted p {})", number(p)));
         let verdict = c.better.as_ref().map_or_else(|| "undecided".to_owned(), |better| format!("{better} is better"));
         let _ = writeln!(
             text,
-            "{}, {} {sign} {}: {:.3}{interval}, {verdict}",
+            "{}, {} {sign} {}: {:.3}{interval}, {verdict}{p}",
             c.metric.title(),
             c.first,
             c.second,

@@ -93,7 +93,8 @@ fn against(parts: &[ConditionResult], reference: &str, metric: Metric, estimator
         )
         .subtitle(format!("{}, estimator {estimator}", metric.title()))
         .caption(format!(
-            "Ratio of geometric means over runs with its 95 % interval by bootstrap over designs and runs; left of 1 the family is better than {reference}."
+            "Ratio of geometric means over designs with its 95 % t interval ({}); left of 1 the family is better than {reference}.",
+            unit_words(parts, estimator, metric, |c| [c.first.as_str(), c.second.as_str()].contains(&reference))
         )),
         value: Axis::log(format!("ratio to {reference}"), ""),
         groups: Group::assign(others.iter().map(|&family| family.to_owned())),
@@ -137,7 +138,10 @@ fn by_condition(parts: &[ConditionResult], estimator: &str) -> IntervalFigure {
     IntervalFigure {
         heading: Heading::new("differences-by-condition", "The differences between families under every condition")
             .subtitle(format!("torque prediction RMSE, first over second, estimator {estimator}"))
-            .caption("Ratio of geometric means with its 95 % interval by bootstrap over designs and runs; left of 1 the first family is better."),
+            .caption(format!(
+                "Ratio of geometric means over designs with its 95 % t interval ({}); left of 1 the first family is better.",
+                unit_words(parts, estimator, Metric::Prediction, |_| true)
+            )),
         value: Axis::log("ratio of prediction RMSE", ""),
         groups: groups(parts),
         rows: rows.collect(),
@@ -146,14 +150,33 @@ fn by_condition(parts: &[ConditionResult], estimator: &str) -> IntervalFigure {
     }
 }
 
-/// An interval that holds its point, which a bootstrap of a ratio need not.
+/// What is repeated independently in the comparisons that a figure shows, in words.
+fn unit_words(
+    parts: &[ConditionResult],
+    estimator: &str,
+    metric: Metric,
+    is_shown: impl Fn(&Comparison) -> bool,
+) -> String {
+    let mut words: Vec<&str> = Vec::new();
+    for c in parts.iter().flat_map(|part| &part.findings.comparisons) {
+        let is_of_figure = c.estimator == estimator && c.metric == metric && is_shown(c);
+        if let Some(unit) = c.unit.filter(|_| is_of_figure)
+            && !words.contains(&unit.words())
+        {
+            words.push(unit.words());
+        }
+    }
+    format!("units: {}", words.join("; "))
+}
+
+/// An interval that holds its point, in results too that were stored with one that need not.
 fn around(point: f64, low: f64, high: f64) -> Interval {
     Interval::new(point, low.min(point), high.max(point))
 }
 
 fn comparisons(parts: &[ConditionResult], estimator: &str) -> Table {
     let mut table = Table::new(
-        "Differences between families under every condition, first over second (log volume: first minus second), with 95 % intervals.",
+        "Differences between families under every condition, first over second (log volume: first minus second), with 95 % intervals, what is repeated independently, and the p-value as Holm adjusts it within a condition.",
         vec![
             Column::text("condition"),
             Column::text("metric"),
@@ -162,6 +185,8 @@ fn comparisons(parts: &[ConditionResult], estimator: &str) -> Table {
             Column::number("difference", ""),
             Column::number("low", ""),
             Column::number("high", ""),
+            Column::text("unit"),
+            Column::number("adjusted p", ""),
             Column::text("better"),
         ],
     );
@@ -175,6 +200,8 @@ fn comparisons(parts: &[ConditionResult], estimator: &str) -> Table {
                 Cell::fixed(c.difference, 3),
                 c.interval.map_or(Cell::Missing, |i| Cell::fixed(i.low, 3)),
                 c.interval.map_or(Cell::Missing, |i| Cell::fixed(i.high, 3)),
+                c.unit.map_or(Cell::Missing, |unit| Cell::text(unit.words())),
+                c.p_adjusted.map_or(Cell::Missing, |p| Cell::number(p, 2)),
                 c.better.as_ref().map_or(Cell::Missing, Cell::text),
             ]);
         }

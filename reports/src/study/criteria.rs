@@ -5,8 +5,8 @@ use armid::study::{FamilyScore, ReportInput, StudyDesign};
 
 use super::selection::shown_estimator;
 use crate::{
-    Axis, BoxFigure, BoxRow, Cell, Column, Distribution, DocumentError, Group, Heading, Quantiles, ScatterFigure,
-    ScatterGroup, ScatterPanel, ScatterPoint, Section, Table,
+    Axis, BoxFigure, BoxRow, Distribution, DocumentError, Group, Heading, Quantiles, ScatterFigure, ScatterGroup,
+    ScatterPanel, ScatterPoint, Section,
 };
 
 type Value = (&'static str, &'static str, fn(&StudyDesign) -> f64, bool);
@@ -44,7 +44,10 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
                         .filter_map(|(design, spread)| {
                             let spread = spread.as_ref()?;
                             let point = ScatterPoint::new(value(design), spread.median);
-                            Some(point.interval(spread.lower_quartile, spread.upper_quartile))
+                            // One run has no quartiles.
+                            let scatters = spread.lower_quartile < spread.upper_quartile;
+                            let (low, high) = (spread.lower_quartile, spread.upper_quartile);
+                            Some(if scatters { point.interval(low, high) } else { point })
                         })
                         .collect(),
                 })
@@ -78,24 +81,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         Axis::log("parameter RMSE", "reference units"),
         |family| family.reference_spread,
     );
-    let mut table = Table::new(
-        "Does a design's own value predict its error? Spearman's rank correlation over designs; the criteria are oriented so that smaller is better, so a useful one has a value near 1.",
-        vec![
-            Column::text("value"),
-            Column::text("estimator"),
-            Column::number("designs", ""),
-            Column::number("rank correlation", ""),
-        ],
-    );
-    for f in &result.findings().criterion_correlations {
-        table = table.row(vec![
-            Cell::text(&f.value),
-            Cell::text(&f.estimator),
-            Cell::count(f.designs),
-            f.rank_correlation.map_or(Cell::Missing, |r| Cell::fixed(r, 2)),
-        ]);
-    }
-    Ok(Section::new("Criteria and errors").figure(&prediction)?.figure(&parameters)?.figure(&scatter)?.table(table))
+    Section::new("Criteria and errors").figure(&prediction)?.figure(&parameters)?.figure(&scatter)
 }
 
 /// One box per family and estimator.

@@ -115,7 +115,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     }
     let table = plan.designs.iter().filter_map(score).fold(
         Table::new(
-            "Every combination: geometric means over runs, with 95 % intervals by bootstrap over designs and runs; smaller is better.",
+            "Every combination: geometric means over designs, with 95 % t intervals over designs (over runs of an only design); smaller is better.",
             vec![
                 Column::text("criterion, trajectories, harmonics"),
                 Column::number("designs", ""),

@@ -5,6 +5,7 @@ mod estimators;
 mod answer;
 mod conditions;
 mod convergence;
+mod correlations;
 mod criteria;
 mod grid;
 mod limits;

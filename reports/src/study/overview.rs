@@ -4,9 +4,14 @@ use armid::study::{Comparison, ReportInput};
 
 use crate::{Cell, Column, Section, Table};
 
+/// How differences between families are tested, as every page says it.
+pub(super) const TESTED: &str = "Intervals are 95 % t intervals of the mean difference of logarithms: over designs that share their start in pairs, else Welch's over the designs of either family; runs count as units of a family with one design alone. A log volume's is by bootstrap over designs and runs. A family is called better where the p-value, adjusted by Holm's method for all pairs of one metric and estimator, is below 0.05, which asks for more than that an interval leaves out no difference.";
+
 /// One comparison as a sentence.
 pub(super) fn sentence(c: &Comparison) -> String {
-    let interval = c.interval.map_or_else(String::new, |i| format!(" (95 % interval {:.3} to {:.3})", i.low, i.high));
+    let unit = c.unit.map_or_else(String::new, |unit| format!(" over {}", unit.words()));
+    let interval =
+        c.interval.map_or_else(String::new, |i| format!(" (95 % interval{unit} {:.3} to {:.3})", i.low, i.high));
     let relation = if c.metric.is_logarithmic() {
         format!("{} minus {}", c.first, c.second)
     } else {
@@ -35,7 +40,7 @@ pub(super) fn section(input: &ReportInput) -> Section {
         Column::number("coverage", "%"),
     ];
     let mut values = Table::new(
-        "What each family of designs achieves; smaller is better. Torque prediction RMSE and parameter RMSE are geometric means over runs; the log volume of the error in reference units needs more runs than parameters; parameters in SI add unlike units as numbers, which is what a condition number bounds; measured torque is that of fresh motions of the same arm, effects and noise included, where the plan asks for them; coverage is that of the stated 95 % intervals.",
+        "What each family of designs achieves; smaller is better. Torque prediction RMSE and parameter RMSE are geometric means over designs of those over runs; the log volume of the error in reference units needs more runs than parameters; parameters in SI add unlike units as numbers, which is what a condition number bounds; measured torque is that of fresh motions of the same arm, effects and noise included, where the plan asks for them; coverage is that of the stated 95 % intervals.",
         columns,
     );
     for family in &findings.families {
@@ -51,7 +56,7 @@ pub(super) fn section(input: &ReportInput) -> Section {
         values = values.row(row);
     }
     let mut differences = Table::new(
-        "Differences between families, first over second (log volume: first minus second), with 95 % intervals by bootstrap over designs and runs.",
+        "Differences between families, first over second (log volume: first minus second), with 95 % intervals, what is repeated independently, the degrees of freedom of Student's t, and the p-value as Holm adjusts it.",
         vec![
             Column::text("metric"),
             Column::text("estimator"),
@@ -60,6 +65,9 @@ pub(super) fn section(input: &ReportInput) -> Section {
             Column::number("difference", ""),
             Column::number("low", ""),
             Column::number("high", ""),
+            Column::text("unit"),
+            Column::number("freedom", ""),
+            Column::number("adjusted p", ""),
             Column::text("better"),
         ],
     );
@@ -72,11 +80,15 @@ pub(super) fn section(input: &ReportInput) -> Section {
             Cell::fixed(c.difference, 3),
             c.interval.map_or(Cell::Missing, |i| Cell::fixed(i.low, 3)),
             c.interval.map_or(Cell::Missing, |i| Cell::fixed(i.high, 3)),
+            c.unit.map_or(Cell::Missing, |unit| Cell::text(unit.words())),
+            c.degrees_of_freedom.map_or(Cell::Missing, |freedom| Cell::fixed(freedom, 1)),
+            c.p_adjusted.map_or(Cell::Missing, |p| Cell::number(p, 2)),
             c.better.as_ref().map_or(Cell::Missing, Cell::text),
         ]);
     }
     Section::new("What was found")
         .text("Families are ranked by achieved error, never by their own criterion: first by the torque that an estimate predicts on held-out random trajectories, then by the volume of the parameter error, then by its size in declared units. Nothing is divided by a true value, which may be zero.")
         .table(values)
+        .text(TESTED)
         .table(differences)
 }

@@ -4,8 +4,8 @@ use armid::study::ReportInput;
 
 use super::selection::GROUPS;
 use super::{
-    answer, conditions, convergence, criteria, effect_sensitivity, estimators, grid, limits, overview, parameters,
-    prediction, radkhah2007, rounds,
+    answer, conditions, convergence, correlations, criteria, effect_sensitivity, estimators, grid, limits, overview,
+    parameters, prediction, radkhah2007, rounds,
 };
 use crate::{Document, DocumentError};
 
@@ -40,6 +40,9 @@ pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
         document = document.section(grid::section(input)?);
     } else if !is_crowded {
         document = document.section(criteria::section(input)?);
+    }
+    if let Some(section) = correlations::section(input) {
+        document = document.section(section);
     }
     if let Some(found) = &result.effect_sensitivity {
         document = document.section(effect_sensitivity::section(input, found)?);

@@ -98,7 +98,7 @@ fn table(input: &ReportInput, families: &[&FamilyScore]) -> Table {
                 Cell::text(&family.family),
                 Cell::number(parameter.truth, 4),
                 Cell::number(s.bias, 2),
-                Cell::number(s.std, 3),
+                s.std.map_or(Cell::Missing, |std| Cell::number(std, 3)),
                 Cell::number(s.stated_std, 3),
                 Cell::number(s.bound_std, 3),
                 Cell::number(s.rmse, 3),

@@ -58,7 +58,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
     let figure = ScatterFigure {
         heading: Heading::new("rounds", "What each round gains")
             .subtitle(format!("error after one experiment, two, …, all of the same length; {estimator}"))
-            .caption("Bars: 95 % intervals by bootstrap over designs and runs. The bound is the median over parameters of the Cramér–Rao standard deviation; that of one experiment falls as long as a round gains more than the same experiments again."),
+            .caption("Bars: 95 % t intervals over designs (over runs of an only design; those of a volume by bootstrap over designs and runs). The bound is the median over parameters of the Cramér–Rao standard deviation; that of one experiment falls as long as a round gains more than the same experiments again."),
         columns: 2,
         panels: panels
             .into_iter()
