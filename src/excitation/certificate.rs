@@ -6,6 +6,17 @@
 //! on a grid far finer than the optimiser's. Position, velocity and acceleration are held against their limits at the
 //! true extrema of the series, torque at the refined peaks of the grid, so no grid can hide an excess. The figures of
 //! the rigid base columns do not depend on what was optimised; those of the chosen columns end in `_all`.
+//!
+//! The bias susceptibility is what B. Armstrong, "On Finding Exciting Trajectories for Identification Experiments Involving
+//! Systems with Nonlinear Dynamics", Int. J. Robotics Research 8(6), 1989, calls the susceptibility of estimates to bias by
+//! unmodelled torque, here of parameters in reference units:
+//!
+//! ```text
+//! β̂ = β + W_b⁺ e      ‖D⁻¹(β̂ − β)‖ ≤ s ‖e‖/√rows      s = √rows / σ_min(W_b D) = 1/√λ_min(D M D)
+//! ```
+//! for torque e (N·m, one entry for each torque row) that the model lacks, D the diagonal of the reference units. It bounds the
+//! error by every e of that size, and one e, the left singular vector of σ_min, reaches the bound. What a given effect does
+//! is not in it: how much torque the effect gives depends on the motion, and most of that torque lies in other directions.
 
 use nalgebra::{DMatrix, SymmetricEigen};
 
@@ -49,6 +60,15 @@ pub struct Certificate {
     /// SHA-256 of the nominal parameters and their uncertainty; `None` where torque is not held.
     #[serde(default)]
     pub nominal_sha256: Option<String>,
+    /// Largest norm of the error of the chosen base parameters in reference units per N·m RMS of torque that the model lacks,
+    /// √rows/σ_min(W_b D), by least squares: see the module. `None` in a certificate of before it was computed; infinite where M
+    /// is singular.
+    #[serde(
+        default,
+        skip_serializing_if = "Option::is_none",
+        deserialize_with = "crate::plain::infinite::present_positive"
+    )]
+    pub bias_susceptibility: Option<f64>,
     /// Samples of one period on which it was computed.
     pub samples: usize,
     /// Length of the ramps that the efforts were computed with, s.
@@ -138,6 +158,7 @@ impl Certificate {
             weakest,
             uncertainty_multiple: problem.limits().spread().map_or(0.0, |spread| spread.multiple),
             efforts_inside,
+            bias_susceptibility: Some(bias_susceptibility(&m, &reference_units(problem))),
             samples,
             condition: report(CriterionKind::Condition, &m_rigid),
             condition_scaled: report(CriterionKind::ConditionScaled, &m_rigid),
@@ -170,6 +191,19 @@ impl Certificate {
         let content = Self { checksum: String::new(), ..self.clone() };
         sha256(&toml::to_string(&content).expect("names, numbers and lists of them have a TOML form"))
     }
+}
+
+/// The reference unit of each chosen base parameter.
+fn reference_units(problem: &DesignProblem) -> Vec<f64> {
+    let (base, units) = (problem.base(), problem.objective().reference_units());
+    base.kept.iter().map(|&column| units.of(base.parameters[column].kind)).collect()
+}
+
+/// `1/√λ_min(D M D)` of the information of one torque row; infinite of a singular matrix.
+fn bias_susceptibility(m: &DMatrix<f64>, units: &[f64]) -> f64 {
+    let scaled = DMatrix::from_fn(m.nrows(), m.ncols(), |i, j| units[i] * m[(i, j)] * units[j]);
+    let smallest = SymmetricEigen::new(scaled).eigenvalues.min();
+    if smallest > 0.0 { 1.0 / smallest.sqrt() } else { f64::INFINITY }
 }
 
 /// The base parameters that make up the least identifiable direction.
@@ -244,6 +278,49 @@ mod tests {
         let rows = rigid.nrows() as f64;
         let log_det: f64 = crate::linalg::singular_values(&rigid).iter().map(|s| libm::log(s * s / rows)).sum();
         assert!((certificate.log_det_information - log_det).abs() < 1e-9);
+    }
+
+    #[test]
+    fn analytic_bias_susceptibility_of_two_columns() {
+        // W = [3 0; 0 4; 0 0], D = diag(2, 1/2): W D = diag(6, 2) over three rows, so that √3/2 is reached by e along the
+        // second row: e = (0, √3, 0) has RMS 1 N·m and moves β_2 by √3/4, which is √3/2 units.
+        let w = DMatrix::from_row_slice(3, 2, &[3.0, 0.0, 0.0, 4.0, 0.0, 0.0]);
+        let m = w.tr_mul(&w) / 3.0;
+        assert!((bias_susceptibility(&m, &[2.0, 0.5]) - 0.5 * 3.0_f64.sqrt()).abs() < 1e-15);
+        // W = [1 1; 1 −1; 1 0]: σ² of W diag(1, 3) are the roots of x² − 21 x + 54, 3 and 18.
+        let w = DMatrix::from_row_slice(3, 2, &[1.0, 1.0, 1.0, -1.0, 1.0, 0.0]);
+        let m = w.tr_mul(&w) / 3.0;
+        assert!((bias_susceptibility(&m, &[1.0, 3.0]) - 1.0).abs() < 1e-15);
+        // numpy 2.4: w = sin(arange(1, 7)).reshape(3, 2); sqrt(3)/svd(w @ diag([0.1, 0.02]), compute_uv=False)[1]
+        let w = DMatrix::from_row_iterator(3, 2, (1..7).map(|k| libm::sin(f64::from(k))));
+        let m = w.tr_mul(&w) / 3.0;
+        let found = bias_susceptibility(&m, &[0.1, 0.02]);
+        assert!((found / 89.104_252_906_821_67 - 1.0).abs() < 1e-12, "{found}");
+        assert_eq!(bias_susceptibility(&DMatrix::zeros(2, 2), &[1.0, 1.0]), f64::INFINITY);
+    }
+
+    #[test]
+    fn identity_the_bias_susceptibility_is_reached_by_one_unmodelled_torque_and_passed_by_none() {
+        let mut problem = problem(Columns::RIGID_ROTOR_FRICTION);
+        problem.set_budget(DesignBudget::default().with_certificate_samples(200).unwrap());
+        let trajectory = table_one::corrected().into();
+        let found = Certificate::of(&problem, &trajectory).unwrap().bias_susceptibility.unwrap();
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns());
+        let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(200)));
+        let units = reference_units(&problem);
+        let scaled = DMatrix::from_fn(w.nrows(), w.ncols(), |i, j| w[(i, j)] * units[j]);
+        let svd = scaled.clone().svd(true, true);
+        let rows = (w.nrows() as f64).sqrt();
+        assert!((found * svd.singular_values.min() / rows - 1.0).abs() < 1e-8, "{found}");
+        // The torque of the weakest direction, 1 N·m RMS, and others of that size.
+        let worst = svd.u.as_ref().unwrap().column(svd.singular_values.imin()) * rows;
+        let moved = |torque: &nalgebra::DVector<f64>| svd.solve(torque, 0.0).unwrap().norm();
+        assert!((moved(&worst.into_owned()) / found - 1.0).abs() < 1e-6);
+        for k in 1..20 {
+            let torque = nalgebra::DVector::from_fn(w.nrows(), |i, _| libm::sin(f64::from(k) * 0.7 * i as f64));
+            let share = moved(&(&torque * (rows / torque.norm()))) / found;
+            assert!(share <= 1.0 + 1e-9, "{share}");
+        }
     }
 
     #[test]

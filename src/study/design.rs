@@ -190,6 +190,7 @@ impl StudySetup {
         problem.set_limits(DesignLimits::default().with_efforts(self.nominal.clone()))?;
         problem.set_noise(sigma)?;
         problem.set_budget(DesignBudget::new(evaluations)?);
+        problem.set_reference_units(self.plan.reference.clone());
         problem.set_rows(self.robot.dof() as f64 * self.raw_samples() * experiment.periods as f64)?;
         Ok(problem)
     }

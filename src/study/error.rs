@@ -2,6 +2,7 @@
 
 use super::plan_error::StudyPlanError;
 use super::random_truth::TruthError;
+use super::validation::ValidationError;
 use crate::base::BaseError;
 use crate::excitation::ExcitationError;
 
@@ -20,6 +21,9 @@ pub enum StudyError {
     /// A trajectory cannot be made.
     #[error(transparent)]
     Excitation(#[from] ExcitationError),
+    /// The motions on which predictions are tested cannot be drawn.
+    #[error(transparent)]
+    Validation(#[from] ValidationError),
     /// The numbers of its runs cannot be read where they are held.
     #[error("the numbers of the runs cannot be read: {0}")]
     Runs(String),

@@ -269,6 +269,9 @@ mod tests {
                             reference_rmse: rmse,
                             si_rmse: rmse,
                             measured_rmse_nm: None,
+                            slow_rmse_nm: rmse,
+                            point_to_point_rmse_nm: rmse,
+                            static_rmse_nm: None,
                         }),
                     }],
                 });
@@ -338,6 +341,9 @@ mod tests {
                 reference_rmse: error,
                 si_rmse: error,
                 measured_rmse_nm: None,
+                slow_rmse_nm: error,
+                point_to_point_rmse_nm: error,
+                static_rmse_nm: Some(error),
             };
             let estimate = ScoredEstimate {
                 estimator: "ols".to_owned(),

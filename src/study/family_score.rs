@@ -49,6 +49,18 @@ pub struct FamilyScore {
 }
 
 impl FamilyScore {
+    /// The geometric mean over runs in one metric (of a log volume the value); `None` where it is not defined.
+    #[must_use]
+    pub fn value(&self, metric: Metric) -> Option<f64> {
+        self.values.get(place_of(metric)).copied().flatten()
+    }
+
+    /// Its 95 % interval.
+    #[must_use]
+    pub fn interval(&self, metric: Metric) -> Option<Interval> {
+        self.intervals.get(place_of(metric)).copied().flatten()
+    }
+
     /// The bound of one experiment where `experiments` make up the whole, `bound √k`: as long as it falls, an experiment
     /// gains more than the same number of samples of those before it; where it stands still, the design has nothing left
     /// to add.
@@ -120,7 +132,13 @@ impl Evidence<'_> {
             match metric {
                 Metric::Prediction => score.prediction_spread = spread(),
                 Metric::Reference => score.reference_spread = spread(),
-                Metric::PredictionOfRating | Metric::LogVolume | Metric::Si | Metric::Measured => {}
+                Metric::PredictionOfRating
+                | Metric::LogVolume
+                | Metric::Si
+                | Metric::Measured
+                | Metric::Slow
+                | Metric::PointToPoint
+                | Metric::Static => {}
             }
         }
     }

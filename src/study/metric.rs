@@ -6,7 +6,7 @@ use super::outcome::ScoredEstimate;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Metric {
-    /// Torque prediction RMSE on validation trajectories, N·m.
+    /// Torque prediction RMSE on random motions, N·m.
     Prediction,
     /// The same, each joint over its torque rating.
     PredictionOfRating,
@@ -18,12 +18,31 @@ pub enum Metric {
     Si,
     /// Torque prediction RMSE against what the arm measures on fresh motions, N·m.
     Measured,
+    /// Torque prediction RMSE on the random motions at 30 % of their speed, N·m.
+    Slow,
+    /// Torque prediction RMSE on moves from point to point, N·m.
+    PointToPoint,
+    /// Torque prediction RMSE on poses at rest, N·m; `None` of an arm that carries no weight there.
+    Static,
 }
 
 impl Metric {
     /// Every metric, the first deciding.
-    pub const ALL: [Self; 6] =
-        [Self::Prediction, Self::PredictionOfRating, Self::LogVolume, Self::Reference, Self::Si, Self::Measured];
+    pub const ALL: [Self; 9] = [
+        Self::Prediction,
+        Self::PredictionOfRating,
+        Self::LogVolume,
+        Self::Reference,
+        Self::Si,
+        Self::Measured,
+        Self::Slow,
+        Self::PointToPoint,
+        Self::Static,
+    ];
+
+    /// The torque prediction RMSE on each kind of motion, in the order of
+    /// [`MotionKind::ALL`](super::MotionKind::ALL).
+    pub const OF_MOTIONS: [Self; 4] = [Self::Prediction, Self::Slow, Self::PointToPoint, Self::Static];
 
     /// Name in tables.
     #[must_use]
@@ -35,6 +54,9 @@ impl Metric {
             Self::Reference => "parameter RMSE, reference units",
             Self::Si => "parameter RMSE, SI units",
             Self::Measured => "RMSE against measured torque, N·m",
+            Self::Slow => "torque prediction RMSE on slow motions, N·m",
+            Self::PointToPoint => "torque prediction RMSE on moves from point to point, N·m",
+            Self::Static => "torque prediction RMSE on static poses, N·m",
         }
     }
 
@@ -52,6 +74,9 @@ impl Metric {
             Self::Reference => Some(score.reference_rmse),
             Self::Si => Some(score.si_rmse),
             Self::Measured => score.measured_rmse_nm,
+            Self::Slow => Some(score.slow_rmse_nm),
+            Self::PointToPoint => Some(score.point_to_point_rmse_nm),
+            Self::Static => score.static_rmse_nm,
             Self::LogVolume => None,
         }
     }

@@ -6,11 +6,10 @@ use super::family_plan::{DesignMethod, FamilyPlan};
 use super::grid::GridPlan;
 use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
-use super::units::ReferenceUnits;
 use super::variance_reduction::VarianceReduction;
 use crate::estimation::{Estimator, EstimatorKind};
 use crate::experiment::{Effects, ExpectedEffectError};
-use crate::model::{Columns, format::FormatError};
+use crate::model::{Columns, ReferenceUnits, format::FormatError};
 use crate::seed::Seed;
 
 /// A whole study. Two runs of one plan give the same bytes.
@@ -98,15 +97,15 @@ pub struct IdentificationSettings {
     pub estimators: Vec<String>,
 }
 
-/// Random trajectories on which torque predictions are tested; no design and no estimate sees them.
+/// The motions on which torque predictions are tested; no design and no estimate sees them.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ValidationSettings {
-    /// How many.
+    /// How many of each [kind](super::MotionKind).
     pub trajectories: usize,
     /// Samples of each.
     pub samples: usize,
-    /// So many of them are performed by the arm of every condition, and what it measures there scores its estimates too.
+    /// So many of the random ones are performed by the arm of every condition, and what it measures there scores its estimates too.
     #[serde(default, skip_serializing_if = "is_zero")]
     pub measured: usize,
 }

@@ -19,6 +19,7 @@ use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
 use super::run_order::RunOrder;
 use super::run_table::{RunNumber, RunTable};
+use super::validation::ValidationMotions;
 use super::{
     Centre, ConditionResult, RunError, RunId, Scorer, StudyDesign, StudyError, Truth, TruthError, VarianceReduction,
 };
@@ -28,7 +29,6 @@ use crate::estimation::{
     ClosedLoop, ClosedLoopError, ClosedLoopFactory, Estimate, EstimationProblem, Estimator, Factorisation, Observation,
     closed_loop_of,
 };
-use crate::excitation::{ExcitationError, radkhah2007_start};
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
@@ -50,7 +50,7 @@ pub struct StudySetup {
     estimators: Vec<Arc<dyn Estimator>>,
     closed_loops: Option<ClosedLoopFactory>,
     processing: Processing,
-    validation: Vec<States>,
+    validation: ValidationMotions,
 }
 
 /// What an estimator may look at of an experiment.
@@ -60,10 +60,10 @@ pub(super) struct Processed {
 }
 
 impl StudySetup {
-    /// Reduces the robot, draws the truths and the validation trajectories, and makes the scorer.
+    /// Reduces the robot, draws the truths and the validation motions, and makes the scorer.
     ///
     /// # Errors
-    /// [`StudyError`] where the plan, the robot or the validation trajectories do not allow it.
+    /// [`StudyError`] where the plan, the robot or the validation motions do not allow it.
     pub fn new(plan: StudyPlan, robot: Robot, nominal: StandardParameters, truth: &Truth) -> Result<Self, StudyError> {
         Self::with_estimators(plan, robot, nominal, truth, &[])
     }
@@ -84,9 +84,7 @@ impl StudySetup {
         let columns = plan.columns()?;
         let regressor = JointTorqueRegressor::new(&robot, columns);
         let base = reduce(&robot, columns, Method::Structural, plan.seed)?;
-        let validation = (0..plan.validation.trajectories as u64)
-            .map(|index| Ok(validation_trajectory(&plan, &robot, index)?.sample(plan.validation.samples)))
-            .collect::<Result<Vec<_>, ExcitationError>>()?;
+        let validation = ValidationMotions::draw(&robot, &nominal, &plan.experiment, &plan.validation, plan.seed)?;
         let truths = draw_truths(&plan, truth, &nominal)?;
         let scorer = Scorer::new(&robot, &truths, &regressor, &base, &validation, &plan.reference);
         let processing = Processing {
@@ -152,18 +150,10 @@ impl StudySetup {
         &self.processing
     }
 
-    /// States of the validation trajectories.
+    /// The motions on which predictions are tested.
     #[must_use]
-    pub fn validation(&self) -> &[States] {
+    pub const fn validation(&self) -> &ValidationMotions {
         &self.validation
-    }
-
-    /// One of the validation trajectories.
-    ///
-    /// # Errors
-    /// [`ExcitationError`] where the settings are impossible for the robot.
-    pub fn validation_trajectory(&self, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {
-        validation_trajectory(&self.plan, &self.robot, index)
     }
 
     /// Every design of the plan as (family, start), in the order in which designs are numbered.
@@ -388,12 +378,6 @@ fn draw_truths(plan: &StudyPlan, own: &Truth, nominal: &StandardParameters) -> R
         truths.extend(random.draw(&centre, plan.seed)?);
     }
     Ok(truths)
-}
-
-fn validation_trajectory(plan: &StudyPlan, robot: &Robot, index: u64) -> Result<PeriodicTrajectory, ExcitationError> {
-    let settings = &plan.experiment;
-    radkhah2007_start(robot, settings.period_s, settings.harmonics, plan.seed.child("validation", 0), index)
-        .map(Into::into)
 }
 
 impl StudyPlan {

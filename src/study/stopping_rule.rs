@@ -57,15 +57,18 @@ pub struct RuleError {
 }
 
 /// Metrics of single runs, as a rule names them.
-const METRICS: [(&str, Metric); 5] = [
+const METRICS: [(&str, Metric); 8] = [
     ("prediction", Metric::Prediction),
     ("prediction-of-rating", Metric::PredictionOfRating),
     ("reference", Metric::Reference),
     ("si", Metric::Si),
     ("measured", Metric::Measured),
+    ("slow", Metric::Slow),
+    ("point-to-point", Metric::PointToPoint),
+    ("static", Metric::Static),
 ];
 
-fn metrics() -> [&'static str; 5] {
+fn metrics() -> [&'static str; 8] {
     METRICS.map(|(name, _)| name)
 }
 

@@ -188,7 +188,7 @@ impl DesignAnswer<'_> {
 
     pub(crate) fn json(&self, interrupted: bool) -> Value {
         let (best, certificate) = (self.best, &self.best.certificate);
-        json!({
+        let mut answer = json!({
             "robot": self.problem.robot().name(),
             "remarks": self.remarks,
             "collision_shapes": self.clearance().map(|clearance| clearance.json()),
@@ -230,7 +230,10 @@ impl DesignAnswer<'_> {
             "baseline": self.baseline.map(start_json),
             "prior": self.gain.as_ref().map(Gain::json),
             "history": best.history,
-        })
+        });
+        // One key more than the macro has room for.
+        answer["bias_susceptibility"] = json!(certificate.bias_susceptibility);
+        answer
     }
 
     pub(crate) fn text(&self, verbose: bool) -> String {
@@ -266,6 +269,9 @@ impl DesignAnswer<'_> {
             ("ln det of the information", certificate.log_det_information, certificate.log_det_information_all),
         ] {
             worth.row([name.to_owned(), number(rigid), number(all)]);
+        }
+        if let Some(bias) = certificate.bias_susceptibility {
+            worth.row(["bias susceptibility, ref. units per N·m".to_owned(), "–".to_owned(), number(bias)]);
         }
         text.push_str(&worth.render(2));
         let mut limits = Table::new(&[("limit", Align::Left), ("used", Align::Right), ("most", Align::Left)]);

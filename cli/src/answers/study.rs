@@ -3,13 +3,23 @@
 use std::fmt::Write;
 use std::path::Path;
 
-use armid::study::{ConditionResult, Findings, Metric, StudyResult};
+use armid::study::{ConditionResult, FamilyScore, Findings, Metric, MotionKind, StudyResult};
 
 use crate::terminal::{Align, Answer, Table, number};
 
+/// Metrics of the first table.
+const SHOWN: [Metric; 6] = [
+    Metric::Prediction,
+    Metric::PredictionOfRating,
+    Metric::LogVolume,
+    Metric::Reference,
+    Metric::Si,
+    Metric::Measured,
+];
+
 /// The answer of a finished study.
 pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: Option<&Path>) -> Answer {
-    let mut text = format!("{}\n\n{}", result.plan.question, families(result).render(0));
+    let mut text = format!("{}\n\n{}\n{}", result.plan.question, families(result).render(0), motions(result).render(0));
     let _ = writeln!(
         text,
         "\n{runs} runs, {failed} failed. Smaller is better; geometric means over designs of those over runs."
@@ -115,11 +125,28 @@ fn families(result: &StudyResult) -> Table {
     for family in &result.findings().families {
         let mut row =
             vec![family.family.clone(), family.estimator.clone(), family.designs.to_string(), family.runs.to_string()];
-        row.extend((0..Metric::ALL.len()).map(|m| family.values[m].map_or_else(|| "–".to_owned(), short)));
+        row.extend(SHOWN.iter().map(|&metric| value(family, metric)));
         row.push(format!("{:.1}", 100.0 * family.coverage));
         table.row(row);
     }
     table
+}
+
+/// Every family on each kind of motion.
+fn motions(result: &StudyResult) -> Table {
+    let mut columns = vec![("prediction RMSE, N·m", Align::Left), ("estimator", Align::Left)];
+    columns.extend(MotionKind::ALL.map(|kind| (kind.title(), Align::Right)));
+    let mut table = Table::new(&columns);
+    for family in &result.findings().families {
+        let mut row = vec![family.family.clone(), family.estimator.clone()];
+        row.extend(Metric::OF_MOTIONS.iter().map(|&metric| value(family, metric)));
+        table.row(row);
+    }
+    table
+}
+
+fn value(family: &FamilyScore, metric: Metric) -> String {
+    family.value(metric).map_or_else(|| "–".to_owned(), short)
 }
 
 fn short(value: f64) -> String {

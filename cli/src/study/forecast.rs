@@ -2,7 +2,7 @@
 
 use std::time::Instant;
 
-use armid::study::{RunId, StudyPlan};
+use armid::study::{Metric, RunId, StudyPlan};
 use armid_io::Error;
 use armid_io::study::{MadeDesign, Piece};
 use miette::Result;
@@ -85,7 +85,8 @@ impl Performance<'_> {
         let rows = plan.identification.estimators.len();
         let (b, n) = (self.setup.base().rank(), self.setup.robot().dof());
         // Estimate, standard deviation and half width of each parameter, metrics and residuals of each run, its wall time.
-        let of_run = rows * 8 * (3 * b + 5 + n) + 8;
+        let metrics = Metric::ALL.iter().filter(|metric| !metric.is_logarithmic()).count();
+        let of_run = rows * 8 * (3 * b + metrics + n) + 8;
         let of_condition = runs / self.order.conditions();
         let held = (ROWS + HELD_OF_RUN * runs + SUMMED_OF_RUN * of_condition) as u64;
         Ok(Forecast {
@@ -202,7 +203,7 @@ impl Performance<'_> {
         let mut shared = vec![
             format!("each design is made once, for all of its runs ({})", runs_of(plan)),
             "start k of every family begins at the same first guess".to_owned(),
-            format!("{} validation trajectories score every estimate", plan.validation.trajectories),
+            format!("{} validation motions of each of four kinds score every estimate", plan.validation.trajectories),
         ];
         if self.order.conditions() > 1 {
             shared.push("a run has the same noise under every condition".to_owned());

@@ -79,8 +79,8 @@ impl Performance<'_> {
                 let seed = self.setup.plan().seed.child("validation experiment", 0);
                 let simulation = self.first().made_of(self.setup.truth(run));
                 let mut arm = simulation.arm(&Sensing::default(), seed.of_run(0)).map_err(in_words)?;
-                let trajectory = self.setup.validation_trajectory(0).map_err(in_words)?;
-                let samples = self.setup.samples(&trajectory, &mut *arm).ok();
+                let trajectory = self.setup.validation().random().first();
+                let samples = trajectory.and_then(|trajectory| self.setup.samples(trajectory, &mut *arm).ok());
                 samples.map(|samples| self.setup.prediction_example(design, &estimate, &samples))
             }
             None => None,

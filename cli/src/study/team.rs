@@ -62,9 +62,8 @@ impl Performance<'_> {
         if let Some(known) = self.measured.lock().map_err(in_words)?.get(&arm) {
             return Ok(Some(Arc::clone(known)));
         }
-        let plans = (0..plan.validation.measured as u64)
-            .map(|index| Ok(self.setup.experiment(&self.setup.validation_trajectory(index).map_err(in_words)?)))
-            .collect::<Result<Vec<ExperimentPlan>>>()?;
+        let motions = self.setup.validation().random().iter().take(plan.validation.measured);
+        let plans: Vec<ExperimentPlan> = motions.map(|motion| self.setup.experiment(motion)).collect();
         let seed = plan.seed.child("measured motion", arm.1 as u64);
         let runs: Vec<BatchRun<'_>> =
             plans.iter().zip(0..).map(|(plan, run)| BatchRun { plan, noise: seed.of_run(run) }).collect();

@@ -15,7 +15,13 @@ use crate::error::Error;
 pub(super) struct Header {
     armid: String,
     plan_sha256: String,
+    /// By which motions and metrics its runs are scored.
+    #[serde(default)]
+    scores: u32,
 }
+
+/// The scores of this version: 0 on random motions alone, 1 on four kinds of motion, all inside the torque ratings.
+const SCORES: u32 = 1;
 
 /// Where the whole lines of a journal end.
 #[derive(Debug, Default)]
@@ -36,11 +42,11 @@ pub(super) trait Reader {
 
 impl Header {
     pub(super) fn of(plan_sha256: &str) -> Self {
-        Self { armid: env!("CARGO_PKG_VERSION").to_owned(), plan_sha256: plan_sha256.to_owned() }
+        Self { armid: env!("CARGO_PKG_VERSION").to_owned(), plan_sha256: plan_sha256.to_owned(), scores: SCORES }
     }
 
     pub(super) fn check(&self, path: &Path, plan_sha256: &str) -> Result<(), Error> {
-        if self.plan_sha256 == plan_sha256 && self.armid == env!("CARGO_PKG_VERSION") {
+        if self.plan_sha256 == plan_sha256 && self.armid == env!("CARGO_PKG_VERSION") && self.scores == SCORES {
             return Ok(());
         }
         let message = "belongs to another plan, number of runs, arms or version of armid; begin anew without --resume, \

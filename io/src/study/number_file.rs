@@ -224,6 +224,9 @@ evaluations = 2
                 reference_rmse: value(e + 700),
                 si_rmse: value(e + 800),
                 measured_rmse_nm: None,
+                slow_rmse_nm: value(e + 900),
+                point_to_point_rmse_nm: value(e + 1000),
+                static_rmse_nm: (e > 0).then(|| value(e + 1100)),
             }),
         };
         let estimators = &setup.plan().identification.estimators;

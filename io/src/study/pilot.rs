@@ -78,6 +78,9 @@ const fn column(metric: Metric) -> &'static str {
         Metric::Reference => "reference_rmse",
         Metric::Si => "si_rmse",
         Metric::Measured => "measured_rmse_nm",
+        Metric::Slow => "slow_rmse_nm",
+        Metric::PointToPoint => "point_to_point_rmse_nm",
+        Metric::Static => "static_rmse_nm",
     }
 }
 

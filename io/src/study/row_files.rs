@@ -118,6 +118,9 @@ impl RowFiles {
                 Cell::Number(score.map(|s| s.reference_rmse)),
                 Cell::Number(score.map(|s| s.si_rmse)),
                 Cell::Number(score.and_then(|s| s.measured_rmse_nm)),
+                Cell::Number(score.map(|s| s.slow_rmse_nm)),
+                Cell::Number(score.map(|s| s.point_to_point_rmse_nm)),
+                Cell::Number(score.and_then(|s| s.static_rmse_nm)),
             ];
             let residual =
                 |joint| Cell::Number(estimate.and_then(|estimate| estimate.residual_rms.get(joint).copied()));
@@ -176,7 +179,7 @@ impl Texts {
 }
 
 /// One row per run, design and estimator; residuals of the joints follow.
-const RUN_COLUMNS: [(&str, Kind); 13] = [
+const RUN_COLUMNS: [(&str, Kind); 16] = [
     ("family", Kind::Text),
     ("design", Kind::Integer),
     ("run", Kind::Integer),
@@ -190,6 +193,9 @@ const RUN_COLUMNS: [(&str, Kind); 13] = [
     ("reference_rmse", Kind::Number),
     ("si_rmse", Kind::Number),
     ("measured_rmse_nm", Kind::Number),
+    ("slow_rmse_nm", Kind::Number),
+    ("point_to_point_rmse_nm", Kind::Number),
+    ("static_rmse_nm", Kind::Number),
 ];
 
 /// One row per run, design, estimator and parameter.

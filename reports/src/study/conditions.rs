@@ -7,6 +7,17 @@ use crate::{
     Axis, Cell, Column, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow, Level, Section, Table,
 };
 
+/// Metrics that have a figure over conditions.
+const SHOWN: [Metric; 7] = [
+    Metric::Prediction,
+    Metric::Slow,
+    Metric::PointToPoint,
+    Metric::Static,
+    Metric::Measured,
+    Metric::Reference,
+    Metric::Si,
+];
+
 /// More conditions than a figure of pairs can show apart.
 const MOST: usize = 8;
 
@@ -48,7 +59,7 @@ fn beside_one_family(input: &ReportInput) -> Result<Option<Section>, DocumentErr
     }
     let mut section = Section::new("Does it hold elsewhere?")
         .text("Every run of every design is performed under every condition with the same noise.");
-    for metric in [Metric::Prediction, Metric::Measured, Metric::Reference, Metric::Si] {
+    for metric in SHOWN {
         let figure = against(parts, reference, metric, estimator);
         if figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some)) {
             section = section.figure(&figure)?;
@@ -85,6 +96,9 @@ fn against(parts: &[ConditionResult], reference: &str, metric: Metric, estimator
         Metric::Reference => "parameters",
         Metric::Si => "parameters-si",
         Metric::Measured => "measured-torque",
+        Metric::Slow => "slow-motions",
+        Metric::PointToPoint => "point-to-point-motions",
+        Metric::Static => "static-poses",
     };
     IntervalFigure {
         heading: Heading::new(

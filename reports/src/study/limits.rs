@@ -16,7 +16,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         section = section.figure(&figure)?;
     }
     let mut table = Table::new(
-        "Every design: condition numbers and information of the rigid base columns and of all estimated ones, and the worst use of each limit.",
+        "Every design: condition numbers and information of the rigid base columns and of all estimated ones; the bias susceptibility, the largest norm of the parameter error in reference units by 1 N·m RMS of any torque that the model lacks (how much torque an effect gives is not in it); and the worst use of each limit.",
         vec![
             Column::text("family"),
             Column::number("start", ""),
@@ -26,6 +26,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
             Column::number("condition", ""),
             Column::number("scaled", ""),
             Column::number("ln det", ""),
+            Column::number("bias susceptibility", "per N·m"),
             Column::number("position", "%"),
             Column::number("velocity", "%"),
             Column::number("acceleration", "%"),
@@ -44,6 +45,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
             Cell::number(c.condition_all, 4),
             Cell::number(c.condition_scaled_all, 4),
             Cell::number(c.log_det_information_all, 4),
+            c.bias_susceptibility.filter(|bias| bias.is_finite()).map_or(Cell::Missing, |bias| Cell::number(bias, 3)),
             percent(c.worst_limit_use.position),
             percent(c.worst_limit_use.velocity),
             percent(c.worst_limit_use.acceleration),

@@ -9,6 +9,7 @@ mod correlations;
 mod criteria;
 mod grid;
 mod limits;
+mod motions;
 mod overview;
 mod page;
 mod parameters;

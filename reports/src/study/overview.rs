@@ -1,11 +1,20 @@
 //! What the study found, in words and two tables.
 
-use armid::study::{Comparison, ReportInput};
+use armid::study::{Comparison, Metric, ReportInput};
 
 use crate::{Cell, Column, Section, Table};
 
 /// How differences between families are tested, as every page says it.
 pub(super) const TESTED: &str = "Intervals are 95 % t intervals of the mean difference of logarithms: over designs that share their start in pairs, else Welch's over the designs of either family; runs count as units of a family with one design alone. A log volume's is by bootstrap over designs and runs. A family is called better where the p-value, adjusted by Holm's method for all pairs of one metric and estimator, is below 0.05, which asks for more than that an interval leaves out no difference.";
+/// Metrics of the first table.
+const SHOWN: [Metric; 6] = [
+    Metric::Prediction,
+    Metric::PredictionOfRating,
+    Metric::LogVolume,
+    Metric::Reference,
+    Metric::Si,
+    Metric::Measured,
+];
 
 /// One comparison as a sentence.
 pub(super) fn sentence(c: &Comparison) -> String {
@@ -51,7 +60,13 @@ pub(super) fn section(input: &ReportInput) -> Section {
             Cell::count(family.runs),
             Cell::count(family.failures),
         ];
-        row.extend(family.values.iter().map(|value| value.map_or(Cell::Missing, |value| Cell::number(value, 3))));
+        // The motions of other kinds have a table of their own.
+        row.extend(
+            SHOWN
+                .iter()
+                .map(|&metric| family.value(metric))
+                .map(|value| value.map_or(Cell::Missing, |value| Cell::number(value, 3))),
+        );
         row.push(Cell::fixed(100.0 * family.coverage, 1));
         values = values.row(row);
     }

@@ -4,8 +4,8 @@ use armid::study::ReportInput;
 
 use super::selection::GROUPS;
 use super::{
-    answer, conditions, convergence, correlations, criteria, effect_sensitivity, estimators, grid, limits, overview,
-    parameters, prediction, radkhah2007, rounds,
+    answer, conditions, convergence, correlations, criteria, effect_sensitivity, estimators, grid, limits, motions,
+    overview, parameters, prediction, radkhah2007, rounds,
 };
 use crate::{Document, DocumentError};
 
@@ -31,7 +31,8 @@ pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
             },
             plan.seed.value()
         ))
-        .section(overview::section(input));
+        .section(overview::section(input))
+        .section(motions::section(input));
     if let Some(rounds) = rounds::section(input)? {
         document = document.section(rounds);
     }

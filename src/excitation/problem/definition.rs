@@ -16,7 +16,7 @@ use crate::excitation::error::ExcitationError;
 use crate::excitation::evaluation::EvaluationMotions;
 use crate::excitation::expected::ExpectedEffects;
 use crate::excitation::start::series_start;
-use crate::model::{Columns, Robot};
+use crate::model::{Columns, ReferenceUnits, Robot};
 use crate::seed::Seed;
 use crate::trajectory::{Family, PeriodicTrajectory, Timeline};
 
@@ -136,6 +136,12 @@ impl DesignProblem {
     pub fn set_evaluation(&mut self, motions: EvaluationMotions) -> Result<(), ExcitationError> {
         self.objective.set_evaluation(self.robot.dof(), motions)?;
         self.objective.declare(&self.robot, &self.space)
+    }
+
+    /// Adds errors of unlike parameters in these units, in place of the usual ones, in
+    /// [`Certificate::bias_susceptibility`](crate::excitation::Certificate::bias_susceptibility).
+    pub fn set_reference_units(&mut self, units: ReferenceUnits) {
+        self.objective.set_reference_units(units);
     }
 
     /// Expects these effects of the arm, for the criteria that do; none unless said.

@@ -13,7 +13,7 @@ use crate::excitation::criterion::Criterion;
 use crate::excitation::error::{ExcitationError, above_zero, same_length};
 use crate::excitation::evaluation::EvaluationMotions;
 use crate::excitation::expected::ExpectedEffects;
-use crate::model::{Columns, Robot};
+use crate::model::{Columns, ReferenceUnits, Robot};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 
@@ -39,6 +39,7 @@ pub struct DesignObjective {
     evaluation: Option<EvaluationMotions>,
     expected: Option<ExpectedEffects>,
     rows: Option<f64>,
+    reference_units: ReferenceUnits,
 }
 
 impl DesignObjective {
@@ -55,6 +56,7 @@ impl DesignObjective {
             evaluation: None,
             expected: None,
             rows: None,
+            reference_units: ReferenceUnits::default(),
         })
     }
 
@@ -103,6 +105,16 @@ impl DesignObjective {
     #[must_use]
     pub const fn expected(&self) -> Option<&ExpectedEffects> {
         self.expected.as_ref()
+    }
+
+    /// Units in which a certificate adds errors of unlike parameters; no search depends on them.
+    #[must_use]
+    pub const fn reference_units(&self) -> &ReferenceUnits {
+        &self.reference_units
+    }
+
+    pub(super) fn set_reference_units(&mut self, units: ReferenceUnits) {
+        self.reference_units = units;
     }
 
     pub(super) fn set_evaluation(&mut self, joints: usize, motions: EvaluationMotions) -> Result<(), ExcitationError> {

@@ -15,7 +15,8 @@ use crate::seed::RunNoise;
 use crate::signal::Samples;
 use crate::statistics::{Interval, mean, quantile, rank_correlation, root_mean_square, t_interval};
 use crate::study::{
-    DesignMethod, FamilyScore, Findings, Metric, StudyDesign, StudyError, StudySetup, Truth, feasible_ranges,
+    DesignMethod, FamilyScore, Findings, Metric, MotionKind, StudyDesign, StudyError, StudySetup, Truth,
+    feasible_ranges,
 };
 
 /// Makes an arm with these sensors for one run.
@@ -209,11 +210,12 @@ impl ClaimEvaluation<'_> {
             let id = self.base.parameters[column];
             regrouped.set(id, regrouped.get(id) + lost[i]);
         }
+        let random = setup.validation().states(MotionKind::Random);
         let torque = |parameters| -> Vec<f64> {
             let mut dynamics = Dynamics::new(&setup.robot, parameters);
             let mut all = Vec::new();
             let mut tau = vec![0.0; setup.robot.dof()];
-            for states in setup.validation() {
+            for states in &random {
                 for k in 0..states.len() {
                     dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), &mut tau);
                     all.extend_from_slice(&tau);

@@ -1,7 +1,7 @@
-//! Units in which errors of unlike parameters are added: declared by a study, never derived from the truth.
+//! Units in which errors of unlike parameters are added: declared by a study or taken as usual, never derived from the truth.
 
-use crate::model::ParameterKind;
-use crate::model::term::Structure;
+use super::parameter_id::ParameterKind;
+use super::term::Structure;
 
 /// The error that counts as one, for each kind of parameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -17,6 +17,13 @@ pub struct ReferenceUnits {
     pub viscous_nm_s_rad: f64,
     /// Coulomb friction and offsets.
     pub torque_nm: f64,
+}
+
+impl Default for ReferenceUnits {
+    /// What the studies of `experiments/` declare: 0.1 kg, 0.02 kg·m, 0.01 kg·m², 0.1 N·m·s/rad, 0.1 N·m.
+    fn default() -> Self {
+        Self { mass_kg: 0.1, first_moment_kg_m: 0.02, inertia_kg_m2: 0.01, viscous_nm_s_rad: 0.1, torque_nm: 0.1 }
+    }
 }
 
 impl ReferenceUnits {
