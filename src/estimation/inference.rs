@@ -6,10 +6,10 @@
 //! with the covariance C of all equations, correlation in time included. For white noise and P = Σ⁻¹ the middle part
 //! cancels against one factor and `(WᵀΣ⁻¹W)⁻¹` remains.
 //!
-//! The scatter over periods does not see what repeats: model errors, errors of the measured motion. What the residual shows of
-//! them is added as a [`discrepancy`](super::discrepancy), where the states of the equations are known. Where they are not,
-//! and the residual of a joint is much larger than the scatter explains, C is taken from the residual with its
-//! correlation in time: intervals then hold model errors as far as these look like noise.
+//! The scatter over periods does not see what repeats: model errors, errors of the measured motion. Where the residual of a
+//! joint is much larger than the scatter explains, C is taken from the residual with its correlation in time: that sees what
+//! joints say against each other, as under wrong torque constants. What single joints show of a torque that no parameter of
+//! theirs explains is added as a [`discrepancy`](super::discrepancy), where the states of the equations are known.
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
@@ -80,13 +80,14 @@ impl Inference<'_> {
             let residual = observation.residual(beta);
             beyond = self.correlated(&residual, &expected);
             let misfit = self.misfit(&residual_rms, &expected);
-            if let Some(discrepancy) = Discrepancy::found(self.problem, &noise, beta.as_slice()) {
-                covariance += self.fit.sandwich(&discrepancy.products(self.problem, self.instruments)?);
-                interval_basis = IntervalBasis::Discrepancy;
-            } else if !misfit.is_empty() {
+            if !misfit.is_empty() {
                 let seen = residual_noise(observation, &residual);
                 covariance = self.covariance(&equations, &seen)?.1;
                 (freedom, interval_basis) = (seen.degrees_of_freedom(), IntervalBasis::Residual);
+            }
+            if let Some(discrepancy) = Discrepancy::found(self.problem, &noise, beta.as_slice()) {
+                covariance += self.fit.sandwich(&discrepancy.products(self.problem, self.instruments)?);
+                interval_basis = IntervalBasis::Discrepancy;
             }
             beyond.extend(misfit);
         }
