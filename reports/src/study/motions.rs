@@ -14,7 +14,7 @@ pub(super) fn section(input: &ReportInput) -> Section {
     columns.extend(kinds("N·m"));
     let mut values = Table::new(
         format!(
-            "Torque prediction RMSE of each family by kind of motion, estimator {estimator}: geometric mean over runs with its 95 % interval by bootstrap over designs and runs."
+            "Torque prediction RMSE of each family by kind of motion, estimator {estimator}: geometric mean over designs with its 95 % t interval over designs (over runs of an only design)."
         ),
         columns,
     );
