@@ -86,7 +86,8 @@ impl Inference<'_> {
                 (freedom, interval_basis) = (seen.degrees_of_freedom(), IntervalBasis::Residual);
             }
             if let Some(discrepancy) = Discrepancy::found(self.problem, &noise, beta.as_slice()) {
-                covariance += self.fit.sandwich(&discrepancy.products(self.problem, self.instruments)?);
+                let functions = discrepancy.products(self.problem, self.instruments)?;
+                covariance += self.fit.sandwich(&(functions + self.products(&equations, &discrepancy.white())?));
                 interval_basis = IntervalBasis::Discrepancy;
             }
             beyond.extend(misfit);

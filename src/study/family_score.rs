@@ -49,7 +49,7 @@ pub struct FamilyScore {
 }
 
 impl FamilyScore {
-    /// The geometric mean over runs in one metric (of a log volume the value); `None` where it is not defined.
+    /// The geometric mean over designs in one metric (of a log volume the value); `None` where it is not defined.
     #[must_use]
     pub fn value(&self, metric: Metric) -> Option<f64> {
         self.values.get(place_of(metric)).copied().flatten()

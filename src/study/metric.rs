@@ -40,6 +40,10 @@ impl Metric {
         Self::Static,
     ];
 
+    /// Those of the first table, in which a study compares designs; predictions on other kinds of motion have a table of their own.
+    pub const OF_ERRORS: [Self; 6] =
+        [Self::Prediction, Self::PredictionOfRating, Self::LogVolume, Self::Reference, Self::Si, Self::Measured];
+
     /// The torque prediction RMSE on each kind of motion, in the order of
     /// [`MotionKind::ALL`](super::MotionKind::ALL).
     pub const OF_MOTIONS: [Self; 4] = [Self::Prediction, Self::Slow, Self::PointToPoint, Self::Static];

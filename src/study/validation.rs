@@ -19,7 +19,7 @@
 //! - A move uses 90 % of the limit that binds first: where that is a torque rating, it is slowed down in steps of 5 %, and
 //!   drawn again where no speed keeps it, because gravity on the way does not.
 //!
-//! Torque is looked at on a grid, and held to 99 % of its ratings (90 % of a move) so that no instant between passes them. A
+//! Torque is looked at on a grid, and held to 99 % of its ratings (90 % of a move): the rest is left to the instants between. A
 //! robot that states no ratings has none to keep. Plans state no torque limits of their own: the robot's count.
 //!
 //! At rest the signs of Coulomb friction, of its load dependence and of its static part are sign(0) = 0, and so are their

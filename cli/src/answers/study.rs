@@ -7,16 +7,6 @@ use armid::study::{ConditionResult, FamilyScore, Findings, Metric, MotionKind, S
 
 use crate::terminal::{Align, Answer, Table, number};
 
-/// Metrics of the first table.
-const SHOWN: [Metric; 6] = [
-    Metric::Prediction,
-    Metric::PredictionOfRating,
-    Metric::LogVolume,
-    Metric::Reference,
-    Metric::Si,
-    Metric::Measured,
-];
-
 /// The answer of a finished study.
 pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: Option<&Path>) -> Answer {
     let mut text = format!("{}\n\n{}\n{}", result.plan.question, families(result).render(0), motions(result).render(0));
@@ -125,7 +115,7 @@ fn families(result: &StudyResult) -> Table {
     for family in &result.findings().families {
         let mut row =
             vec![family.family.clone(), family.estimator.clone(), family.designs.to_string(), family.runs.to_string()];
-        row.extend(SHOWN.iter().map(|&metric| value(family, metric)));
+        row.extend(Metric::OF_ERRORS.iter().map(|&metric| value(family, metric)));
         row.push(format!("{:.1}", 100.0 * family.coverage));
         table.row(row);
     }

@@ -6,16 +6,6 @@ use crate::{Cell, Column, Section, Table};
 
 /// How differences between families are tested, as every page says it.
 pub(super) const TESTED: &str = "Intervals are 95 % t intervals of the mean difference of logarithms: over designs that share their start in pairs, else Welch's over the designs of either family; runs count as units of a family with one design alone. A log volume's is by bootstrap over designs and runs. A family is called better where the p-value, adjusted by Holm's method for all pairs of one metric and estimator, is below 0.05, which asks for more than that an interval leaves out no difference.";
-/// Metrics of the first table.
-const SHOWN: [Metric; 6] = [
-    Metric::Prediction,
-    Metric::PredictionOfRating,
-    Metric::LogVolume,
-    Metric::Reference,
-    Metric::Si,
-    Metric::Measured,
-];
-
 /// One comparison as a sentence.
 pub(super) fn sentence(c: &Comparison) -> String {
     let unit = c.unit.map_or_else(String::new, |unit| format!(" over {}", unit.words()));
@@ -62,7 +52,7 @@ pub(super) fn section(input: &ReportInput) -> Section {
         ];
         // The motions of other kinds have a table of their own.
         row.extend(
-            SHOWN
+            Metric::OF_ERRORS
                 .iter()
                 .map(|&metric| family.value(metric))
                 .map(|value| value.map_or(Cell::Missing, |value| Cell::number(value, 3))),

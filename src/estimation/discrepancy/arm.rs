@@ -11,20 +11,20 @@ use crate::estimation::{EstimationError, EstimationProblem, Instruments};
 use crate::linalg::product;
 use crate::signal::NoiseModel;
 
-/// The discrepancy of every joint that shows one.
+/// The discrepancy of all joints, where one of them shows any.
 pub(in crate::estimation) struct Discrepancy {
     blocks: BlockedEquations,
     joints: Vec<JointDiscrepancy>,
+    /// Variance of one equation of what repeats and looks like noise, n × n, diagonal, (N·m)².
+    white: DMatrix<f64>,
 }
 
-/// The discrepancy of one joint.
+/// The discrepancy of one joint, as far as functions go.
 struct JointDiscrepancy {
     /// Joint, from zero.
     joint: usize,
     /// Functions by columns, blocks × functions, each times the root of its size, N·m.
     functions: DMatrix<f64>,
-    /// Variance of one equation of what repeats and looks like noise, (N·m)².
-    white: f64,
 }
 
 impl Discrepancy {
@@ -51,33 +51,36 @@ impl Discrepancy {
         let reduced: Vec<_> =
             residuals.iter().zip(&more).map(|((_, residual), &more)| residual.reduced(more)).collect();
         let (sizes, shared) = sizes::restricted_likelihood(&reduced);
-        let joints = residuals.iter().zip(sizes).map(|((joint, residual), sizes)| {
-            let functions = &functions[*joint];
+        let mut white = DMatrix::zeros(problem.observation.dof, problem.observation.dof);
+        let joints = residuals.iter().zip(sizes).map(|(&(joint, ref residual), sizes)| {
+            white[(joint, joint)] = sizes.white * noise.covariance()[(joint, joint)];
+            let functions = &functions[joint];
             let own = functions.own.iter().zip(sizes.own.iter().map(|size| size * residual.unit()));
             let columns = own
                 .chain(functions.shared.iter().zip(shared))
                 .flat_map(|(group, variance)| group.column_iter().map(move |column| column * variance.sqrt()));
             let columns: Vec<_> = columns.collect();
-            let white = sizes.white * noise.covariance()[(*joint, *joint)];
-            JointDiscrepancy { joint: *joint, functions: DMatrix::from_columns(&columns), white }
+            JointDiscrepancy { joint, functions: DMatrix::from_columns(&columns) }
         });
-        let joints: Vec<JointDiscrepancy> = joints.collect();
-        (!joints.is_empty()).then_some(Self { blocks, joints })
+        let joints = joints.collect();
+        Some(Self { blocks, joints, white })
     }
 
-    /// `Bᵀ K B`, b × b.
+    /// What of it repeats and looks like noise, as a noise that is white in time.
+    pub(in crate::estimation) fn white(&self) -> NoiseModel {
+        NoiseModel::white(self.white.clone(), self.blocks.periodic, f64::INFINITY)
+    }
+
+    /// `Bᵀ K B` of its functions, b × b.
     pub(in crate::estimation) fn products(
         &self,
         problem: &EstimationProblem<'_>,
         instruments: Instruments<'_>,
     ) -> Result<DMatrix<f64>, EstimationError> {
         let observation = problem.observation;
-        let (b, n) = (observation.regressor.ncols(), observation.dof);
+        let b = observation.regressor.ncols();
         let mut spread: Vec<DMatrix<f64>> =
             self.joints.iter().map(|joint| DMatrix::zeros(b, joint.functions.ncols())).collect();
-        let mut sum = DMatrix::zeros(b, b);
-        let whole = self.joints.iter().any(|joint| joint.white > 0.0);
-        let mut rows: Vec<DMatrix<f64>> = Vec::new();
         for first in (0..b).step_by(COLUMNS) {
             let range = first..(first + COLUMNS).min(b);
             let columns = instruments.columns(observation, range.clone())?;
@@ -86,28 +89,7 @@ impl Discrepancy {
                 let part = product(&sums.transpose(), &joint.functions);
                 spread.rows_range_mut(range.clone()).copy_from(&part);
             }
-            if whole {
-                rows.push(columns);
-            }
         }
-        for spread in &spread {
-            sum += product(spread, &spread.transpose());
-        }
-        for joint in self.joints.iter().filter(|joint| joint.white > 0.0) {
-            for (p, left) in rows.iter().enumerate() {
-                for (q, right) in rows.iter().enumerate() {
-                    for i in 0..left.ncols() {
-                        for j in 0..right.ncols() {
-                            let dot: f64 = (joint.joint..left.nrows())
-                                .step_by(n)
-                                .map(|row| left[(row, i)] * right[(row, j)])
-                                .sum();
-                            sum[(p * COLUMNS + i, q * COLUMNS + j)] += joint.white * dot;
-                        }
-                    }
-                }
-            }
-        }
-        Ok(sum)
+        Ok(spread.iter().fold(DMatrix::zeros(b, b), |sum, spread| sum + product(spread, &spread.transpose())))
     }
 }

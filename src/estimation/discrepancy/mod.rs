@@ -9,9 +9,11 @@
 //! speed, load, position, acceleration and time ([`features`]). Its sizes v_ik are those that the visible part has, by
 //! the restricted likelihood ([`sizes`]); the functions then stand for the part that the regressor hides too.
 //!
-//! One joint at a time: that its residual is no more than the scatter over periods leaves is tested by F (a lack of fit
-//! against pure error) and for each group of functions on its own. A joint of which no test says otherwise has no
-//! discrepancy.
+//! That the residual of a joint's own fit is no more than the scatter over periods leaves is tested by F (a lack of fit against
+//! pure error), and for each group of functions on its own. Where no joint fails a test there is no discrepancy. Where one does, those
+//! that fail have functions of their own; the laws that all joints share, and what repeats and looks like noise, are those of
+//! every joint that has more equations than parameters. The tests and the functions need the states of the equations: where an estimator has
+//! none, there is no discrepancy.
 //!
 //! References: M. C. Kennedy, A. O'Hagan, "Bayesian calibration of computer models", J. R. Statist. Soc. B 63(3), 2001, for the
 //! discrepancy; J. Swevers et al., "Optimal robot excitation and identification", IEEE Trans. Robotics and Automation
