@@ -14,6 +14,7 @@
 
 mod block_whitening;
 mod condition;
+mod definite;
 mod dot;
 mod gram;
 mod least_squares;
@@ -27,6 +28,7 @@ mod triangular;
 
 pub use block_whitening::BlockWhitening;
 pub use condition::{condition, condition_scaled, normalised_columns, singular_values};
+pub use definite::definite_inverse;
 pub use dot::dot;
 pub use gram::Gram;
 pub use least_squares::{LeastSquares, LeastSquaresError};

@@ -12,10 +12,10 @@
 //! added, and both are bounded by what is visible of them in the residual. The four numbers below were set on arms,
 //! designs and noise other than those of `experiments/07-coverage`, by coverage and width of the intervals.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{DMatrix, DVector};
 
 use super::features::SHARED;
-use crate::linalg::product;
+use crate::linalg::{definite_inverse, product};
 
 /// Steps at most; a size that still moves then is taken as it stands, which is nearer than any before.
 const STEPS: usize = 40;
@@ -83,7 +83,7 @@ impl<'a> Joint<'a> {
         for (group, &size) in reduced.groups.iter().zip(self.own.iter().chain(shared)) {
             v.zip_apply(group, |sum, entry| *sum += size * entry);
         }
-        self.precision = Cholesky::new(v)?.inverse();
+        self.precision = definite_inverse(v)?;
         let z = &self.precision * &reduced.residual;
         let of = |group: &DMatrix<f64>| [z.dot(&(group * &z)).max(0.0), group.dot(&self.precision)];
         let largest = self.own.iter().fold(0.0_f64, |a, &b| a.max(b));
