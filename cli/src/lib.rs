@@ -24,11 +24,12 @@ pub fn main() -> ExitCode {
     terminal::install_reporter();
     let line = CommandLine::parse();
     let console = Console::new(line.global);
+    let next_step = line.command.next_step();
     let outcome = interrupt::watch().and_then(|()| commands::carry_out(line.command, &console));
     match outcome {
         Ok(ending) => ending.exit_code(),
         Err(report) => {
-            console.fault(&report);
+            console.fault(&report, next_step);
             ExitCode::from(2)
         }
     }

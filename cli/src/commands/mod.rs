@@ -13,6 +13,7 @@ mod export;
 mod identify;
 mod init;
 mod monitor;
+mod next_step;
 mod payload;
 mod reduce;
 mod report;

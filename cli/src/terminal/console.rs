@@ -68,9 +68,14 @@ impl Console {
         let _ = writeln!(std::io::stderr(), "{message}");
     }
 
-    /// What went wrong.
-    pub(crate) fn fault(&self, report: &miette::Report) {
-        let _ = writeln!(std::io::stderr(), "{report:?}");
+    /// What went wrong, and the commands that help on, where what went wrong names none.
+    pub(crate) fn fault(&self, report: &miette::Report, next_step: &str) {
+        let mut errors = std::io::stderr();
+        let _ = writeln!(errors, "{report:?}");
+        let names_one = |text: &dyn std::fmt::Display| text.to_string().contains("`armid ");
+        if !names_one(report) && !report.help().is_some_and(|help| names_one(&help)) {
+            let _ = writeln!(errors, "  next: {next_step}");
+        }
     }
 
     /// The answer of a command that makes no file of its own: `-o` writes it there instead of standard output, as JSON
