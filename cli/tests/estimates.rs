@@ -153,7 +153,7 @@ fn estimators_are_listed_and_several_answer_together() {
     let list = json(&armid(["identify", "--list", "--json"]).success());
     let names: Vec<&str> = list.as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect();
     let expected = "ols wls irls-huber irls-tukey irls-cauchy mm tls ridge essential ml iv didim clie cloe ekf srekf ukf \
-                    srukf cdkf srcdkf pf adaline hopfield-tank pc-ols pc-wls pc-irls pc-ols-euclidean pc-ols-entropic \
+                    srukf cdkf srcdkf pf adaline hopfield-tank pc-ols pc-wls pc-irls pc-iv pc-didim pc-ols-euclidean pc-ols-entropic \
                     pc-ols-pullback";
     assert_eq!(names.join(" "), expected);
     let folder = temporary();

@@ -182,8 +182,14 @@ fn analytic_slopes_are_central_differences_of_the_simulation() {
     }
 }
 
-const SIMULATING: [EstimatorKind; 4] =
-    [EstimatorKind::Iv, EstimatorKind::Didim, EstimatorKind::Clie, EstimatorKind::Cloe];
+const SIMULATING: [EstimatorKind; 6] = [
+    EstimatorKind::Iv,
+    EstimatorKind::Didim,
+    EstimatorKind::Clie,
+    EstimatorKind::Cloe,
+    EstimatorKind::PcIv,
+    EstimatorKind::PcDidim,
+];
 
 #[test]
 fn identity_ideal_recordings_give_the_true_parameters() {
@@ -203,6 +209,7 @@ fn identity_ideal_recordings_give_the_true_parameters() {
             "clie" => 1e-8,
             // Its steps end when they move torque by 1e-9 of it, each a third of the one before.
             "didim" => 1e-6,
+            "pc-didim" => 1e-5,
             _ => 2e-2,
         };
         assert!(*error < most && termination.was_successful(), "{errors:?}");

@@ -1,13 +1,13 @@
 //! The list of estimators.
 
 use super::{
-    Adaline, CentralDifferenceKalmanFilter, ClosedLoopInputError, ClosedLoopOutputError, ConsistentOrdinary,
-    ConsistentReweighted, ConsistentWeighted, DirectInverseIdentification, EntropicPrior, EssentialParameters,
-    Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior, ExtendedKalmanFilter, HopfieldTank,
-    InstrumentalVariables, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares, ParticleFilter,
-    PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression,
-    SquareRootCentralDifferenceKalmanFilter, SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter,
-    TotalLeastSquares, UnscentedKalmanFilter, WeightedLeastSquares,
+    Adaline, CentralDifferenceKalmanFilter, ClosedLoopInputError, ClosedLoopOutputError, ConsistentDirectInverse,
+    ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted, DirectInverseIdentification,
+    EntropicPrior, EssentialParameters, Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior,
+    ExtendedKalmanFilter, HopfieldTank, InstrumentalVariables, LawException, MaximumLikelihood, MmEstimator,
+    OrdinaryLeastSquares, ParticleFilter, PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey,
+    RidgeRegression, SquareRootCentralDifferenceKalmanFilter, SquareRootExtendedKalmanFilter,
+    SquareRootUnscentedKalmanFilter, TotalLeastSquares, UnscentedKalmanFilter, WeightedLeastSquares,
 };
 
 /// Makes the enum, and everything that enumerates it, from one list.
@@ -93,6 +93,10 @@ estimators! {
     PcWls => ConsistentWeighted,
     /// Huber's M-estimate over physically consistent sets.
     PcIrls => ConsistentReweighted,
+    /// Instrumental variables over physically consistent sets.
+    PcIv => ConsistentInstrumental,
+    /// Direct and inverse dynamic identification over physically consistent sets.
+    PcDidim => ConsistentDirectInverse,
     /// Least squares over physically consistent sets near a prior, by the Euclidean distance.
     PcOlsEuclidean => EuclideanPrior,
     /// The same by the entropic distance.

@@ -78,7 +78,8 @@ pub use observation::Observation;
 pub use ordinary::OrdinaryLeastSquares;
 pub use payload::{Payload, PayloadParameter, PayloadValue, payload};
 pub use physical::{
-    ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted, EntropicPrior, EuclideanPrior, PullbackPrior,
+    ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
+    EntropicPrior, EuclideanPrior, PullbackPrior,
 };
 pub use prediction::{Validation, predict, validate};
 pub use problem::EstimationProblem;

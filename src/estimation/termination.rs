@@ -61,6 +61,12 @@ impl Termination {
     pub const fn was_successful(self) -> bool {
         matches!(self, Self::Direct | Self::Converged { .. } | Self::Optimal { .. })
     }
+
+    /// That of a search whose last step ended so: the step's, where it failed.
+    #[must_use]
+    pub(super) const fn with_last_step(self, last: Self) -> Self {
+        if last.was_successful() { self } else { last }
+    }
 }
 
 impl fmt::Display for Termination {

@@ -23,7 +23,9 @@ const LEAST_DAMPING: f64 = 1e-8;
 const MOST_DAMPING: f64 = 1e3;
 const FACTOR: f64 = 10.0;
 /// Length of a step, as weighted equations over all of them, at which the search has come to rest.
-const AT_REST: f64 = 1e-9;
+pub(super) const AT_REST: f64 = 1e-9;
+/// The same where steps end in a set: about what is known of the nearest point of it.
+pub(super) const AT_REST_IN_A_SET: f64 = 1e-8;
 
 /// Equations around a trial point, n·M rows; zero in rows that are none.
 #[derive(Clone, Debug)]
@@ -45,6 +47,9 @@ impl Linearised {
 
 /// Linearises at a trial point, or says why it cannot be simulated.
 pub(super) type Linearise<'a> = dyn Fn(&DVector<f64>) -> Result<Linearised, EstimationError> + 'a;
+
+/// Takes the solution of linear equations of β, with its inverse information, to the nearest point of a set.
+pub(in crate::estimation) type Onto<'a> = dyn Fn(&LeastSquares) -> Result<DVector<f64>, EstimationError> + 'a;
 
 /// Whether the trial point is at fault: another one may do.
 fn is_rejected(error: &EstimationError) -> bool {
@@ -78,13 +83,15 @@ pub(super) struct Descent<'a> {
     pub(super) rise: f64,
     /// Equations that hold combinations of parameters where they are, h × b; none where all may move.
     pub(super) held: DMatrix<f64>,
+    /// The set in which steps end; none where any β will do.
+    pub(super) onto: Option<&'a Onto<'a>>,
 }
 
 /// Where the search ended.
-pub(super) struct Rest {
+pub(in crate::estimation) struct Rest {
     pub(super) beta: DVector<f64>,
     pub(super) linearised: Linearised,
-    pub(super) termination: Termination,
+    pub(in crate::estimation) termination: Termination,
 }
 
 impl Descent<'_> {
@@ -96,12 +103,13 @@ impl Descent<'_> {
     ) -> Result<Rest, EstimationError> {
         let mut cost = self.white(&at.residual)?.norm_squared();
         let (mut last_step, mut damping) = (f64::INFINITY, 0.0);
+        let at_rest = if self.onto.is_some() { AT_REST_IN_A_SET } else { AT_REST };
         for iterations in 1..=STEPS {
-            let step = self.step(&at, 0.0)?;
+            let step = self.step(&at, &beta, 0.0)?;
             let equations = at.equations(self.observation, &beta);
             let moved = product(&at.jacobian, &DMatrix::from_column_slice(step.len(), 1, step.as_slice()));
             last_step = self.white(&moved.column(0).into_owned())?.norm() / self.white(&equations.y)?.norm();
-            if last_step <= AT_REST {
+            if last_step <= at_rest {
                 return Ok(Rest {
                     beta,
                     linearised: at,
@@ -110,7 +118,7 @@ impl Descent<'_> {
             }
             let (mut unsimulable, mut accepted) = (false, None);
             while damping <= MOST_DAMPING {
-                let trial = &beta + if damping == 0.0 { step.clone() } else { self.step(&at, damping)? };
+                let trial = &beta + if damping == 0.0 { step.clone() } else { self.step(&at, &beta, damping)? };
                 match linearise(&trial) {
                     Ok(found) => {
                         let trial_cost = self.white(&found.residual)?.norm_squared();
@@ -140,9 +148,13 @@ impl Descent<'_> {
         Ok(Rest { beta, linearised: at, termination })
     }
 
-    /// Δ with the damping μ.
-    fn step(&self, at: &Linearised, damping: f64) -> Result<DVector<f64>, EstimationError> {
-        Ok(self.solve(at, damping)?.solution().clone())
+    /// Δ from β with the damping μ.
+    fn step(&self, at: &Linearised, beta: &DVector<f64>, damping: f64) -> Result<DVector<f64>, EstimationError> {
+        let fit = self.solve(at, damping)?;
+        let Some(onto) = self.onto else { return Ok(fit.solution().clone()) };
+        let factors = [fit.inverse_information(), DMatrix::identity(beta.len(), beta.len())];
+        let (condition, scaled) = (fit.condition(), fit.condition_scaled());
+        Ok(onto(&LeastSquares::from_factors(beta + fit.solution(), factors, condition, scaled)?)? - beta)
     }
 
     /// The fit whose solution is Δ, with the damping μ.

@@ -16,8 +16,8 @@ mod didim;
 mod endogeneity;
 mod error;
 mod hidden;
+mod instrumental_fit;
 mod iv;
-
 mod simulation;
 mod torque_error;
 mod trial;
@@ -26,5 +26,7 @@ pub use clie::ClosedLoopInputError;
 pub use cloe::ClosedLoopOutputError;
 pub use didim::DirectInverseIdentification;
 pub use error::ClosedLoopError;
+pub(super) use instrumental_fit::InstrumentalFit;
 pub use iv::InstrumentalVariables;
 pub use simulation::{ClosedLoop, ClosedLoopFactory, ClosedLoopMotion, ClosedLoopSlopes, closed_loop_of};
+pub(super) use torque_error::{TorqueSearch, TorqueSlope, search as torque_search};

@@ -2,18 +2,19 @@
 
 use nalgebra::DMatrix;
 
-use super::descent::{Descent, Linearised, first_simulable};
+use super::descent::{Descent, Linearised, Onto, Rest, first_simulable};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
 use crate::estimation::factorisation::Factorisation;
 use crate::estimation::linear_fit::LinearFit;
+use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
 use crate::linalg::BlockWhitening;
 
 /// What stands for ∂τ_s/∂β.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum TorqueSlope {
+pub(in crate::estimation) enum TorqueSlope {
     /// The regressor along the simulated motion: what the motion owes to β is left out.
     Regressor,
     /// The derivative of the simulation.
@@ -31,12 +32,36 @@ impl TorqueSlope {
     }
 }
 
-/// `min ‖y − τ_s(β)‖_Σ` from the weighted linear fit, or from the nominal set where that cannot be simulated.
+/// Where a search ended.
+pub(in crate::estimation) struct TorqueSearch {
+    /// Linear equations around that point.
+    pub(in crate::estimation) around: Observation,
+    /// Their weights.
+    pub(in crate::estimation) weights: BlockWhitening,
+    pub(in crate::estimation) rest: Rest,
+}
+
+/// The estimate where `min ‖y − τ_s(β)‖_Σ`.
 pub(super) fn estimate(
     estimator: &'static str,
     problem: &EstimationProblem<'_>,
     slope: TorqueSlope,
 ) -> Result<Estimate, EstimationError> {
+    let TorqueSearch { around, weights, rest } = search(estimator, problem, slope, None)?;
+    let equations = Factorisation::new(&around)?;
+    let linear = LinearFit::with_weights(&equations, weights)?;
+    let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
+    linear.estimate(estimator, &problem, &rest.fit(linear.fit.clone())?, rest.termination)
+}
+
+/// `min ‖y − τ_s(β)‖_Σ`, over a set where there is one, from the weighted linear fit, or from the nominal set where that cannot be
+/// simulated.
+pub(in crate::estimation) fn search(
+    estimator: &'static str,
+    problem: &EstimationProblem<'_>,
+    slope: TorqueSlope,
+    onto: Option<&Onto<'_>>,
+) -> Result<TorqueSearch, EstimationError> {
     let trial = Trial::of(estimator, problem)?;
     let observation = problem.observation;
     let equations = problem.factorised()?;
@@ -55,7 +80,11 @@ pub(super) fn estimate(
         };
         Ok(Linearised { residual: trial.torque_error(&motion), jacobian })
     };
-    let start = first_simulable(&[linear.fit.solution().clone(), trial.nominal()], linearise)?;
+    let first = match onto {
+        Some(onto) => onto(&linear.fit)?,
+        None => linear.fit.solution().clone(),
+    };
+    let start = first_simulable(&[first, trial.nominal()], linearise)?;
     let weights = match &linear.weights {
         // The noise that was measured.
         Some(weights) if observation.noise.is_some() => weights.clone(),
@@ -66,11 +95,8 @@ pub(super) fn estimate(
             BlockWhitening::new(&around.residual_covariance(around.least_squares()?.solution()))?
         }
     };
-    let rest = Descent { observation, weights: &weights, rise: slope.rise(), held: DMatrix::zeros(0, start.0.len()) }
-        .follow(start, &linearise)?;
+    let held = DMatrix::zeros(0, start.0.len());
+    let rest = Descent { observation, weights: &weights, rise: slope.rise(), held, onto }.follow(start, &linearise)?;
     let around = rest.linearised.equations(observation, &rest.beta);
-    let equations = Factorisation::new(&around)?;
-    let linear = LinearFit::with_weights(&equations, weights)?;
-    let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
-    linear.estimate(estimator, &problem, &rest.fit(linear.fit.clone())?, rest.termination)
+    Ok(TorqueSearch { around, weights, rest })
 }

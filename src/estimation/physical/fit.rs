@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::inference::{as_fit, restate};
-use super::solution::consistent;
+use super::solution::{ConsistentFit, consistent};
 use crate::estimation::consistent_set::Prior;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::{Estimate, EstimationError, EstimationProblem, EstimatorLaw, LawException, Termination};
@@ -55,10 +55,31 @@ pub(super) fn estimate(
     linear: &LinearFit,
     prior: Prior,
 ) -> Result<Estimate, EstimationError> {
-    let plain = linear.estimate(estimator, problem, &linear.fit, Termination::Direct)?;
     let fit = consistent(problem, &linear.fit, variance(problem, linear)?, prior)?;
-    let held = linear.estimate(estimator, problem, &as_fit(&linear.fit, &fit)?, fit.termination)?;
-    restate(problem, &plain, held, &fit)
+    restated(estimator, problem, linear, &fit, fit.termination)
+}
+
+/// The same of the equations around the point where a search ended, over consistent sets.
+pub(super) fn estimate_by_search(
+    estimator: &'static str,
+    problem: &EstimationProblem<'_>,
+    linear: &LinearFit,
+    search: Termination,
+) -> Result<Estimate, EstimationError> {
+    let fit = consistent(problem, &linear.fit, variance(problem, linear)?, Prior::None)?;
+    restated(estimator, problem, linear, &fit, search.with_last_step(fit.termination))
+}
+
+fn restated(
+    estimator: &'static str,
+    problem: &EstimationProblem<'_>,
+    linear: &LinearFit,
+    fit: &ConsistentFit,
+    termination: Termination,
+) -> Result<Estimate, EstimationError> {
+    let plain = linear.estimate(estimator, problem, &linear.fit, Termination::Direct)?;
+    let held = linear.estimate(estimator, problem, &as_fit(&linear.fit, fit)?, termination)?;
+    restate(problem, &plain, held, fit)
 }
 
 /// The variance of the residual of a linear fit, above rounding.

@@ -11,6 +11,8 @@
 //! beyond it is no such bound, which [`Finding::BeyondShape`](super::Finding::BeyondShape) tells. The optimum is that of the
 //! semidefinite program, and its duality gap is in the [`Termination`](super::Termination); `armid export` has the same solver.
 //!
+//! `pc-iv` and `pc-didim` go on from the estimators that simulate the arm: each step of theirs ends at the nearest consistent set.
+//!
 //! Fails where a torque that the model lacks pushes the equations out of what a body can have: the estimate then lies on the
 //! boundary, [`Finding::HeldBack`](super::Finding::HeldBack) says how far from its equations.
 //!
@@ -18,18 +20,22 @@
 //! inequality approach", International Journal of Robotics Research 33(6), 2014; P. M. Wensing, S. Kim, J.-J. Slotine (2018);
 //! T. Lee, P. M. Wensing, F. C. Park (2020), for the priors.
 
+mod direct_inverse;
 mod entropic;
 mod euclidean;
 mod fit;
 mod inference;
+mod instrumental;
 mod ordinary;
 mod pullback;
 mod reweighted;
 mod solution;
 mod weighted;
 
+pub use direct_inverse::ConsistentDirectInverse;
 pub use entropic::EntropicPrior;
 pub use euclidean::EuclideanPrior;
+pub use instrumental::ConsistentInstrumental;
 pub use ordinary::ConsistentOrdinary;
 pub use pullback::PullbackPrior;
 pub use reweighted::ConsistentReweighted;

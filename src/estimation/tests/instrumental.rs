@@ -5,8 +5,8 @@ use nalgebra::{DMatrix, DVector};
 use crate::base::{Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{
-    ClosedLoop, ClosedLoopError, ClosedLoopMotion, ClosedLoopSlopes, EstimationProblem, EstimatorKind, Finding,
-    Observation,
+    ClosedLoop, ClosedLoopError, ClosedLoopMotion, ClosedLoopSlopes, Estimate, EstimationProblem, EstimatorKind,
+    Finding, Observation,
 };
 use crate::experiment::hinges;
 use crate::model::{Columns, ParameterId, StandardParameters};
@@ -52,14 +52,14 @@ fn states(of: impl Fn(f64, f64, f64) -> (f64, f64)) -> States {
     states
 }
 
-#[test]
-fn published_instruments_are_those_of_numpy() {
+/// A hinge with these base parameters whose measured motion has errors, and its simulated one, which is another.
+fn hinge(beta: [f64; 4]) -> (Observation, Samples, OneMotion) {
     let robot = hinges::single();
     let columns = Columns::RIGID_ROTOR_FRICTION;
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
     let regressor = JointTorqueRegressor::new(&robot, columns);
     let exact = states(|_, speed, acceleration| (speed, acceleration));
-    let tau: Vec<f64> = (base.select_columns(&regressor.stack(&exact)) * DVector::from_vec(vec![2.0, 0.5, 0.3, 0.1]))
+    let tau: Vec<f64> = (base.select_columns(&regressor.stack(&exact)) * DVector::from_row_slice(&beta))
         .iter()
         .enumerate()
         .map(|(k, tau)| tau + 0.02 * libm::sin(29.0 * k as f64))
@@ -73,9 +73,18 @@ fn published_instruments_are_those_of_numpy() {
         ..Samples::exact(measured, tau.clone(), vec!["N·m".to_owned()], 20.0)
     };
     let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
-    let one = OneMotion(ClosedLoopMotion { states: simulated, tau }, hinges::parameters(1));
-    let problem = EstimationProblem::new(&observation).with_robot(&robot).with_samples(&samples);
-    let found = EstimatorKind::Iv.estimator().estimate(&problem.with_closed_loop(Ok(&one))).unwrap();
+    (observation, samples, OneMotion(ClosedLoopMotion { states: simulated, tau }, hinges::parameters(1)))
+}
+
+fn estimate(kind: EstimatorKind, (observation, samples, one): &(Observation, Samples, OneMotion)) -> Estimate {
+    let robot = hinges::single();
+    let problem = EstimationProblem::new(observation).with_robot(&robot).with_samples(samples);
+    kind.estimator().estimate(&problem.with_closed_loop(Ok(one))).unwrap()
+}
+
+#[test]
+fn published_instruments_are_those_of_numpy() {
+    let found = estimate(EstimatorKind::Iv, &hinge([2.0, 0.5, 0.3, 0.1]));
     let beta = [1.997_967_884_627_897_7, 0.489_947_620_157_480_8, 0.310_790_450_709_434_1, 0.098_576_898_021_650_6];
     let std =
         [0.003_261_142_856_268_081, 0.011_382_151_466_197_565, 0.011_402_736_250_012_105, 0.004_331_038_661_109_805_5];
@@ -91,4 +100,21 @@ fn published_instruments_are_those_of_numpy() {
     });
     let (statistic, freedom) = test.unwrap();
     assert!(freedom == 3 && (statistic / 220.472_083_856_178_95 - 1.0).abs() < 1e-6, "{statistic} {freedom}");
+}
+
+#[test]
+fn analytic_a_bound_moves_the_others_by_the_covariance_of_the_instruments() {
+    // Friction that would drive the joint: held at none, and β moves along that column of G = (ZᵀW)⁻¹ ZᵀZ (WᵀZ)⁻¹.
+    let case = hinge([2.0, 0.5, -0.3, 0.1]);
+    let (free, held) = (estimate(EstimatorKind::Iv, &case), estimate(EstimatorKind::PcIv, &case));
+    let (robot, columns) = (hinges::single(), Columns::RIGID_ROTOR_FRICTION);
+    let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
+    let z = base.select_columns(&JointTorqueRegressor::new(&robot, columns).stack(&case.2.0.states));
+    let inverse = z.tr_mul(&case.0.regressor).try_inverse().unwrap();
+    let g = &inverse * z.tr_mul(&z) * inverse.transpose();
+    let at = free.base.iter().position(|p| p.name == "Fc1").unwrap();
+    assert!(free.base[at].value < -0.25 && held.termination.was_successful());
+    let expected = free.beta() - g.column(at) * (free.base[at].value / g[(at, at)]);
+    let apart = (held.beta() - expected).component_div(&free.std()).amax();
+    assert!(apart < 1e-4, "{apart} {held:?}");
 }

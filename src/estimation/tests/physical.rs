@@ -4,16 +4,20 @@ use nalgebra::{DMatrix, DVector};
 
 use super::setting::{a460_samples_of, white};
 use crate::base::BaseReduction;
+use crate::conformance::StiffLoop;
 use crate::estimation::{
     Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Observation, ProblemPart,
 };
 use crate::model::term::VISCOUS;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::seed::Seed;
+use crate::signal::Samples;
 
 const CONSTRAINED: [EstimatorKind; 3] = [EstimatorKind::PcOls, EstimatorKind::PcWls, EstimatorKind::PcIrls];
 const NEAR_A_PRIOR: [EstimatorKind; 3] =
     [EstimatorKind::PcOlsEuclidean, EstimatorKind::PcOlsEntropic, EstimatorKind::PcOlsPullback];
+
+const SIMULATING: [EstimatorKind; 2] = [EstimatorKind::PcIv, EstimatorKind::PcDidim];
 
 struct Case {
     robot: Robot,
@@ -21,6 +25,7 @@ struct Case {
     observation: Observation,
     base: BaseReduction,
     beta: DVector<f64>,
+    samples: Samples,
 }
 
 /// The A460 on Table I with noise `factor` times that of its currents, and hardly any viscous friction at the wrist.
@@ -39,13 +44,20 @@ fn case(factor: f64, run: u64) -> Case {
     }
     let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
     let beta = base.beta(&truth.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
-    Case { robot, truth, observation, base, beta }
+    Case { robot, truth, observation, base, beta, samples }
 }
 
 impl Case {
     fn estimate(&self, kind: EstimatorKind) -> Estimate {
+        self.estimate_in(kind, 1e-6)
+    }
+
+    /// Under a servo that lets a joint deviate by `compliance` rad per N·m.
+    fn estimate_in(&self, kind: EstimatorKind, compliance: f64) -> Estimate {
+        let (columns, states) = (Columns::RIGID_ROTOR_FRICTION, self.samples.states.clone());
+        let stiff = StiffLoop::new(&self.robot, columns, &self.truth, self.truth.clone(), states, compliance);
         let problem = EstimationProblem::new(&self.observation).with_robot(&self.robot).with_nominal(&self.truth);
-        kind.estimator().estimate(&problem).unwrap()
+        kind.estimator().estimate(&problem.with_samples(&self.samples).with_closed_loop(Ok(&stiff))).unwrap()
     }
 
     fn set(&self, estimate: &Estimate) -> StandardParameters {
@@ -61,7 +73,7 @@ impl Case {
 #[test]
 fn identity_every_set_is_consistent_and_has_the_base_parameters_of_the_estimate() {
     let case = case(3.0, 0);
-    for kind in CONSTRAINED.into_iter().chain(NEAR_A_PRIOR) {
+    for kind in CONSTRAINED.into_iter().chain(NEAR_A_PRIOR).chain(SIMULATING) {
         let found = case.estimate(kind);
         assert!(found.termination.was_successful(), "{}: {:?}", kind.name(), found.termination);
         let set = case.set(&found);
@@ -75,7 +87,7 @@ fn identity_every_set_is_consistent_and_has_the_base_parameters_of_the_estimate(
     assert!(
         plain.findings.iter().any(|f| matches!(f, Finding::NegativeDrive { .. } | Finding::InconsistentLink { .. }))
     );
-    for kind in CONSTRAINED {
+    for kind in CONSTRAINED.into_iter().chain(SIMULATING) {
         assert!(case.estimate(kind).findings.iter().any(|f| matches!(f, Finding::HeldBack { .. })), "{}", kind.name());
     }
 }
@@ -87,11 +99,28 @@ fn identity_where_the_plain_solution_is_consistent_it_is_the_answer() {
         (EstimatorKind::PcOls, EstimatorKind::Ols),
         (EstimatorKind::PcWls, EstimatorKind::Wls),
         (EstimatorKind::PcIrls, EstimatorKind::IrlsHuber),
+        (EstimatorKind::PcIv, EstimatorKind::Iv),
+        (EstimatorKind::PcDidim, EstimatorKind::Didim),
     ] {
         let (found, plain) = (case.estimate(kind), case.estimate(plain));
         let moved = (found.beta() - plain.beta()).component_div(&plain.std()).amax();
         assert!(moved < 1e-5, "{}: {moved}", kind.name());
         assert!(!found.findings.iter().any(|f| matches!(f, Finding::HeldBack { .. })));
+    }
+}
+
+#[test]
+fn identity_along_the_measured_motion_those_that_simulate_are_weighted_least_squares() {
+    // A servo that no torque moves: the simulated motion is the measured one, and torque is linear.
+    let case = case(3.0, 5);
+    let expected = case.estimate_in(EstimatorKind::PcWls, 0.0);
+    assert!(expected.findings.iter().any(|f| matches!(f, Finding::HeldBack { .. })));
+    for kind in SIMULATING {
+        let found = case.estimate_in(kind, 0.0);
+        let moved = (found.beta() - expected.beta()).component_div(&expected.std()).amax();
+        assert!(moved < 1e-4, "{}: {moved}", kind.name());
+        let wider = found.std().component_div(&expected.std());
+        assert!((wider.add_scalar(-1.0)).amax() < 1e-6, "{}", kind.name());
     }
 }
 

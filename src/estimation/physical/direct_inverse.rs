@@ -1,0 +1,48 @@
+//! Direct and inverse dynamic identification over physically consistent sets.
+//!
+//! ```text
+//! min_φ ‖y − τ_s(K φ)‖_Σ        over consistent φ        ∂τ_s/∂β ≈ Z as for `didim`
+//! ```
+//! Each step goes to the consistent set that explains the linear equations around the last one best, so that the arm can be
+//! simulated after every step that is not too long. What `didim` assumes is assumed. Intervals are those of the unconstrained solution of
+//! the last equations, cut to what is consistent. Where the search does not come to rest, the result is the consistent set by
+//! the last equations, and the [`Termination`](crate::estimation::Termination) says so.
+//!
+//! Source: J. Leboutet, J. Roux, A. Janot, J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a
+//! survey", Applied Sciences 11(9), 2021, for the estimators that combine the two.
+
+use super::fit::estimate_by_search;
+use super::solution::consistent;
+use crate::estimation::closed_loop::{TorqueSearch, TorqueSlope, torque_search};
+use crate::estimation::consistent_set::Prior;
+use crate::estimation::linear_fit::LinearFit;
+use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, LawException};
+use crate::linalg::LeastSquares;
+
+/// Simulated against measured torque, with every link a possible body.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct ConsistentDirectInverse;
+
+impl Estimator for ConsistentDirectInverse {
+    fn name(&self) -> &'static str {
+        "pc-didim"
+    }
+
+    fn summary(&self) -> &'static str {
+        "measured against simulated torque of the closed loop, over physically consistent sets"
+    }
+
+    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+        let onto = |fit: &LeastSquares| Ok(consistent(problem, fit, 1.0, Prior::None)?.beta);
+        let TorqueSearch { around, weights, rest } =
+            torque_search(self.name(), problem, TorqueSlope::Regressor, Some(&onto))?;
+        let equations = Factorisation::new(&around)?;
+        let linear = LinearFit::with_weights(&equations, weights)?;
+        let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
+        estimate_by_search(self.name(), &problem, &linear, rest.termination)
+    }
+
+    fn exceptions(&self) -> &[LawException] {
+        LawException::OF_SIMULATION
+    }
+}
