@@ -96,7 +96,7 @@ fn swap_effort(samples: &mut Samples, a: usize, b: usize) {
 /// What a mistake does to a log, joint by joint as the mappings would have it.
 type Fault = (&'static str, fn(&Robot, &mut Samples), fn(&Mistake) -> bool);
 
-const FAULTS: [Fault; 15] = [
+const FAULTS: [Fault; 17] = [
     (
         "degrees",
         |_, s| (0..6).for_each(|i| scale_motion(s, i, 180.0 / std::f64::consts::PI)),
@@ -178,6 +178,12 @@ const FAULTS: [Fault; 15] = [
         |_, s| s.states.q.iter_mut().skip(1).step_by(6).for_each(|q| *q += 0.5 * std::f64::consts::PI),
         |m| *m == Mistake::ZeroOffset { joint: 2, degrees: -90.0 },
     ),
+    (
+        "radians taken for degrees",
+        |_, s| (0..6).for_each(|i| scale_motion(s, i, std::f64::consts::PI / 180.0)),
+        |m| *m == Mistake::Radians,
+    ),
+    ("effort of joint 1 not there", |_, s| scale_effort(s, 0, 0.0), |m| *m == Mistake::NoEffort { joint: 1 }),
     ("gravity along x", |_, _| {}, |m| *m == Mistake::Gravity { direction: [1, 0, 0] }),
     ("joint 4 at rest", |_, _| {}, |m| *m == Mistake::AtRest { joint: 4 }),
 ];
@@ -214,6 +220,39 @@ fn a_model_error_is_no_mistake_of_the_log() {
                 let found = named(&robot, &samples);
                 assert_eq!(found, None, "{name}: load friction {load}, Stribeck {stribeck}, seed {seed}");
             }
+        }
+    }
+}
+
+#[test]
+fn noise_of_weak_joints_is_no_mistake_of_strong_ones() {
+    // A residual that is large beside a small torque: a larger torque of another joint must not excuse it.
+    for name in ROBOTS {
+        let (robot, truth) = robot(name);
+        for (seed, noise) in [(1, 0.1), (2, 0.2), (3, 0.3)] {
+            let mut samples = log(&robot, &truth, seed);
+            let mut rng = Seed::new(seed).stream("wrist", 0);
+            for i in 3..6 {
+                let rms = (samples.tau.iter().skip(i).step_by(6).map(|x| x * x).sum::<f64>() / SAMPLES as f64).sqrt();
+                for x in samples.tau.iter_mut().skip(i).step_by(6) {
+                    *x += noise * rms * 1.7 * uniform(&mut rng, -1.0, 1.0);
+                }
+            }
+            assert_eq!(named(&robot, &samples), None, "{name}, seed {seed}, noise {noise}");
+        }
+    }
+}
+
+#[test]
+fn angles_of_motors_with_unknown_gears_are_no_degrees() {
+    for name in ROBOTS {
+        let (robot, truth) = robot(name);
+        let mut samples = log(&robot, &truth, 1);
+        let ungeared = robot.with_joints(|joint| joint.drive.gear = 1.0).expect("a robot");
+        (0..6).for_each(|i| scale_motion(&mut samples, i, 100.0));
+        match named(&ungeared, &samples) {
+            Some(Mistake::PositionUnit { factor }) => assert!((factor * 100.0 - 1.0).abs() < 0.1, "{name}: {factor}"),
+            other => panic!("{name}: {other:?}"),
         }
     }
 }

@@ -23,6 +23,9 @@ const BEYOND_LIMITS: f64 = 0.3;
 /// A position limit counts as exceeded beyond this multiple of it, a velocity or torque limit beyond twice that.
 const LIMIT_SLACK: f64 = 1.3;
 
+/// One degree, rad.
+pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
+
 /// States and torque at some instants, K × n each.
 #[derive(Clone, Debug)]
 pub(super) struct Instants {
@@ -30,6 +33,9 @@ pub(super) struct Instants {
     pub(super) qd: Vec<f64>,
     pub(super) qdd: Vec<f64>,
     pub(super) tau: Vec<f64>,
+    /// Torque of each joint that its residual is compared with, n. A correction changes it as it changes the torque: were it taken
+    /// again afterwards, a larger torque of one joint would excuse the residuals of the others.
+    scale: Vec<f64>,
 }
 
 /// The regressor of one robot, and which columns are fitted.
@@ -69,7 +75,7 @@ impl Model {
     pub(super) fn cost(&self, instants: &Instants) -> f64 {
         let (n, b) = (self.robot.dof(), self.kept.len());
         let count = instants.q.len() / n;
-        let scale = torque_scale(&instants.tau, n);
+        let scale = &instants.scale;
         let mut w = DMatrix::zeros(count * n, b);
         let mut y = DVector::zeros(count * n);
         let mut all = vec![0.0; n * self.regressor.cols()];
@@ -100,7 +106,7 @@ impl Model {
         }
         let residual = left.iter().map(|e| e * e).sum::<f64>() / (count * n) as f64;
         let beta = DVector::from_iterator(b, scaled.iter().zip(&lengths).map(|(beta, length)| beta / length));
-        residual + self.implausible(instants, &beta, &scale) + self.beyond_limits(instants)
+        residual + self.implausible(instants, &beta, scale) + self.beyond_limits(instants)
     }
 
     /// Friction that drives and inertia that is negative, as parts of each joint's torque, squared.
@@ -171,7 +177,7 @@ impl Instants {
         let n = samples.dof();
         let step = samples.blocks().div_ceil(INSTANTS).max(1);
         let mean = samples.block_means(&samples.tau, n);
-        let mut instants = Self { q: Vec::new(), qd: Vec::new(), qdd: Vec::new(), tau: Vec::new() };
+        let mut instants = Self { q: Vec::new(), qd: Vec::new(), qdd: Vec::new(), tau: Vec::new(), scale: Vec::new() };
         for m in (0..samples.blocks()).step_by(step) {
             let k = m * samples.block + samples.block / 2;
             instants.q.extend_from_slice(samples.states.q(k));
@@ -179,6 +185,7 @@ impl Instants {
             instants.qdd.extend_from_slice(samples.states.qdd(k));
             instants.tau.extend_from_slice(&mean[m * n..(m + 1) * n]);
         }
+        instants.scale = torque_scale(&instants.tau, n);
         instants
     }
 
@@ -194,12 +201,15 @@ impl Instants {
         };
         let effort = |out: &mut Self, i: usize, factor: f64| {
             out.tau.iter_mut().skip(i).step_by(n).for_each(|x| *x *= factor);
+            out.scale[i] *= factor.abs();
         };
         let swap = |rows: &mut [f64], [a, b]: [usize; 2]| {
             rows.chunks_exact_mut(n).for_each(|row| row.swap(a - 1, b - 1));
         };
         match *mistake {
-            Mistake::Degrees => (0..n).for_each(|i| motion(&mut out, i, std::f64::consts::PI / 180.0)),
+            Mistake::Degrees => (0..n).for_each(|i| motion(&mut out, i, DEGREE)),
+            Mistake::Radians => (0..n).for_each(|i| motion(&mut out, i, DEGREE.recip())),
+            Mistake::PositionUnit { factor } => (0..n).for_each(|i| motion(&mut out, i, factor)),
             Mistake::MotorAngles => {
                 (0..n).for_each(|i| motion(&mut out, i, gear[i].recip()));
                 if let Some(inverse) = robot.coupling().and_then(|coupling| coupling.clone().try_inverse()) {
@@ -212,6 +222,9 @@ impl Instants {
                 (0..n).for_each(|i| effort(&mut out, i, gear[i]));
                 if let Some(coupling) = robot.coupling() {
                     out.tau = mapped(&out.tau, &coupling.transpose());
+                    let squares: Vec<f64> = out.scale.iter().map(|scale| scale * scale).collect();
+                    let squares = mapped(&squares, &coupling.transpose().map(|entry| entry * entry));
+                    out.scale = squares.iter().map(|square| square.sqrt()).collect();
                 }
             }
             Mistake::EffortUnit { factor } => (0..n).for_each(|i| effort(&mut out, i, factor)),
@@ -220,9 +233,12 @@ impl Instants {
             Mistake::PositionsSwapped { joints } => {
                 [&mut out.q, &mut out.qd, &mut out.qdd].into_iter().for_each(|rows| swap(rows, joints));
             }
-            Mistake::EffortsSwapped { joints } => swap(&mut out.tau, joints),
+            Mistake::EffortsSwapped { joints } => {
+                [&mut out.tau, &mut out.scale].into_iter().for_each(|rows| swap(rows, joints));
+            }
             Mistake::JointsSwapped { joints } => {
-                [&mut out.q, &mut out.qd, &mut out.qdd, &mut out.tau].into_iter().for_each(|rows| swap(rows, joints));
+                let all = [&mut out.q, &mut out.qd, &mut out.qdd, &mut out.tau, &mut out.scale];
+                all.into_iter().for_each(|rows| swap(rows, joints));
             }
             Mistake::PositionScale { joint, factor } => motion(&mut out, joint - 1, factor),
             Mistake::EffortScale { joint, factor } => effort(&mut out, joint - 1, factor),
@@ -230,7 +246,7 @@ impl Instants {
                 out.q.iter_mut().skip(joint - 1).step_by(n).for_each(|q| *q += degrees.to_radians());
             }
             // Nothing in the log itself is to be changed.
-            Mistake::Gravity { .. } | Mistake::AtRest { .. } => {}
+            Mistake::Gravity { .. } | Mistake::NoEffort { .. } | Mistake::AtRest { .. } => {}
         }
         out
     }

@@ -8,8 +8,16 @@ use std::fmt;
 pub enum Mistake {
     /// Positions are in degrees, and were read as radians.
     Degrees,
+    /// Positions are in radians, and were read as degrees.
+    Radians,
     /// Positions are those of the motors.
     MotorAngles,
+    /// Positions are in another unit, or those of motors whose gears the robot file does not know: the true ones are `factor` times those in
+    /// the log.
+    PositionUnit {
+        /// True position over that in the log.
+        factor: f64,
+    },
     /// Torques are those of the motors.
     MotorTorques,
     /// Efforts are in another unit: the true ones are `factor` times those in the log.
@@ -73,6 +81,11 @@ pub enum Mistake {
         /// What is to be added to its position, degrees.
         degrees: f64,
     },
+    /// The effort of a joint that moves is one number throughout.
+    NoEffort {
+        /// The joint.
+        joint: usize,
+    },
     /// A joint stands still.
     AtRest {
         /// The joint.
@@ -86,6 +99,13 @@ impl Mistake {
     pub fn correction(&self) -> String {
         match self {
             Self::Degrees => "state the unit: --map \"q=… deg\"".to_owned(),
+            Self::Radians => "state the unit: --map \"q=… rad\"".to_owned(),
+            Self::PositionUnit { factor } => {
+                format!(
+                    "state the side and the gears, about {:.0} on average: --map \"q=… motor gear=…\"; or the unit",
+                    factor.recip()
+                )
+            }
             Self::MotorAngles => "state the side: --map \"q=… motor\", with gear=… where the robot has none".to_owned(),
             Self::MotorTorques => {
                 "state the side: --map \"tau=… motor\", with gear=… where the robot has none".to_owned()
@@ -122,6 +142,9 @@ impl Mistake {
             Self::ZeroOffset { joint, degrees } => {
                 format!("add the offset of its zero: --map \"q=… offset_deg=…\", {degrees} at joint {joint}")
             }
+            Self::NoEffort { joint } => {
+                format!("record the effort of joint {joint}, or check the column that is mapped to it")
+            }
             Self::AtRest { joint } => {
                 format!(
                     "move joint {joint} as well; the parameters that only its motion excites are left out of this fit"
@@ -135,6 +158,10 @@ impl fmt::Display for Mistake {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         match self {
             Self::Degrees => write!(f, "the positions look like degrees, and are read as radians"),
+            Self::Radians => write!(f, "the positions look like radians, and are read as degrees"),
+            Self::PositionUnit { factor } => {
+                write!(f, "the positions of all joints look {:.4} times too large", factor.recip())
+            }
             Self::MotorAngles => {
                 write!(f, "the positions look like those of the motors, and are read as those of the joints")
             }
@@ -167,6 +194,9 @@ impl fmt::Display for Mistake {
             }
             Self::ZeroOffset { joint, degrees } => {
                 write!(f, "the zero of joint {joint} seems to be off by {degrees}°")
+            }
+            Self::NoEffort { joint } => {
+                write!(f, "the effort of joint {joint} is one number throughout, although the joint moves")
             }
             Self::AtRest { joint } => write!(f, "joint {joint} is at rest"),
         }

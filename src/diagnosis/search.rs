@@ -3,7 +3,7 @@
 use nalgebra::Vector3;
 
 use super::Mistake;
-use super::evidence::{Instants, Model};
+use super::evidence::{DEGREE, Instants, Model};
 use crate::base::BaseError;
 use crate::model::{Columns, Robot};
 use crate::signal::Samples;
@@ -18,6 +18,8 @@ const HANDICAP: f64 = 1.5;
 const EQUAL: f64 = 1.1;
 /// A joint that moves less than this, rad or m, stands still.
 const REST: f64 = 2e-3;
+/// A motion of which no joint has a larger range, rad or m, is looked at as one in radians that were taken for degrees.
+const SMALL: f64 = 0.12;
 /// A factor this near to one is no mistake.
 const SAME: f64 = 0.05;
 /// Degrees that the zeros of joints differ by between conventions.
@@ -41,19 +43,14 @@ pub struct Suspicion {
 #[must_use]
 pub fn standing_joints(samples: &Samples) -> Vec<usize> {
     let n = samples.dof();
-    (0..n)
-        .filter(|&i| {
-            let range = samples
-                .states
-                .q
-                .iter()
-                .skip(i)
-                .step_by(n)
-                .fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &q| (a.min(q), b.max(q)));
-            range.1 - range.0 < REST
-        })
-        .map(|i| i + 1)
-        .collect()
+    (0..n).filter(|&i| range(&samples.states.q, i, n) < REST).map(|i| i + 1).collect()
+}
+
+/// Largest less smallest of one joint's entries of a table with n in a row.
+fn range(table: &[f64], joint: usize, n: usize) -> f64 {
+    let column = table.iter().skip(joint).step_by(n);
+    let ends = column.fold((f64::INFINITY, f64::NEG_INFINITY), |(a, b), &x| (a.min(x), b.max(x)));
+    ends.1 - ends.0
 }
 
 /// Looks for a mistake that the samples of a log were made with; `None` where the log is explained as it stands, or no mistake
@@ -65,10 +62,22 @@ pub fn diagnose(robot: &Robot, columns: Columns, samples: &Samples) -> Result<Op
     let model = Model::new(robot.clone(), columns)?;
     let instants = Instants::of(samples);
     let cost = model.cost(&instants);
+    let (n, standing) = (samples.dof(), standing_joints(samples));
+    let silent = (0..n).find(|&i| range(&samples.tau, i, n) == 0.0 && !standing.contains(&(i + 1)));
+    if let Some(i) = silent {
+        return Ok(Some(Suspicion { mistake: Mistake::NoEffort { joint: i + 1 }, cost, corrected_cost: cost }));
+    }
+    let after = |mistake: &Mistake| model.cost(&instants.corrected(mistake, robot));
+    // A fit explains small motions by parameters that no arm has: whether the large ones are explained too is what counts.
+    if (0..n).all(|i| range(&samples.states.q, i, n) < SMALL) {
+        let corrected_cost = after(&Mistake::Radians);
+        if corrected_cost < cost.max(SUSPECT) / MUCH_BETTER {
+            return Ok(Some(Suspicion { mistake: Mistake::Radians, cost, corrected_cost }));
+        }
+    }
     if cost < SUSPECT {
         return Ok(None);
     }
-    let after = |mistake: &Mistake| model.cost(&instants.corrected(mistake, robot));
     let mut best: Option<(Mistake, f64, f64)> = None;
     for mistake in plain(robot) {
         offer(&mut best, mistake, after(&mistake), 1.0);
@@ -76,6 +85,10 @@ pub fn diagnose(robot: &Robot, columns: Columns, samples: &Samples) -> Result<Op
     for (direction, gravity) in directions(robot.gravity()) {
         let turned = Model::new(robot.clone().with_gravity(gravity), columns)?;
         offer(&mut best, Mistake::Gravity { direction }, turned.cost(&instants), 1.0);
+    }
+    if matches!(best, Some((Mistake::Degrees, ..))) && robot.joints().iter().all(|joint| joint.drive.gear == 1.0) {
+        let (times, found) = best_factor(|times| after(&Mistake::PositionUnit { factor: times * DEGREE }));
+        offer(&mut best, Mistake::PositionUnit { factor: times * DEGREE }, found, HANDICAP);
     }
     // Factors are looked for where nothing simpler explains the log.
     let explained = best.is_some_and(|(_, found, _)| found < SUSPECT);

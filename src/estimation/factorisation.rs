@@ -126,6 +126,23 @@ impl<'a> Factorisation<'a> {
         ResidualScale::of(self.observation).covariance(&self.residual_products(beta))
     }
 
+    /// Weights by that covariance. A joint that has no equation, at rest say, has no residual: its weight is one, and nothing is
+    /// weighted with it.
+    ///
+    /// # Errors
+    /// [`EstimationError::LeastSquares`] where the covariance of the others is not positive definite.
+    pub fn residual_weights(&self, beta: &DVector<f64>) -> Result<BlockWhitening, EstimationError> {
+        let (n, mut covariance) = (self.observation.dof, self.residual_covariance(beta));
+        for i in 0..n {
+            if !self.observation.used.iter().skip(i).step_by(n).any(|&used| used) {
+                covariance.row_mut(i).fill(0.0);
+                covariance.column_mut(i).fill(0.0);
+                covariance[(i, i)] = 1.0;
+            }
+        }
+        Ok(BlockWhitening::new(&covariance)?)
+    }
+
     /// `Σ_k r_k r_kᵀ` over all samples, n × n, for the residual of β (b).
     #[must_use]
     pub fn residual_products(&self, beta: &DVector<f64>) -> DMatrix<f64> {

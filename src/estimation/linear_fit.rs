@@ -26,7 +26,7 @@ impl LinearFit {
     pub(super) fn weighted(equations: &Factorisation<'_>) -> Result<Self, EstimationError> {
         let weights = match scatter_noise(equations.observation()) {
             Some(noise) => BlockWhitening::new(noise.covariance())?,
-            None => BlockWhitening::new(&equations.residual_covariance(equations.least_squares()?.solution()))?,
+            None => equations.residual_weights(equations.least_squares()?.solution())?,
         };
         Self::of(equations, equations.weighted(&weights)?, Some(weights))
     }

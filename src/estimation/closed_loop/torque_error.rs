@@ -92,7 +92,7 @@ pub(in crate::estimation) fn search(
         _ => {
             let around = start.1.equations(observation, &start.0);
             let around = Factorisation::new(&around)?;
-            BlockWhitening::new(&around.residual_covariance(around.least_squares()?.solution()))?
+            around.residual_weights(around.least_squares()?.solution())?
         }
     };
     let held = DMatrix::zeros(0, start.0.len());

@@ -7,13 +7,24 @@ use crate::base::{Method, reduce};
 use crate::conformance::{StiffLoop, chains};
 use crate::dynamics::{Dynamics, States};
 use crate::estimation::{
-    Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Observation, complete, predict, validate,
+    Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Identification, Observation, complete,
+    predict, validate,
 };
 use crate::model::Columns;
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::{NoiseModel, Samples};
 use crate::spatial::Inertia;
+
+/// Estimators that need the servo.
+const SIMULATING: [EstimatorKind; 6] = [
+    EstimatorKind::Iv,
+    EstimatorKind::Didim,
+    EstimatorKind::Clie,
+    EstimatorKind::Cloe,
+    EstimatorKind::PcIv,
+    EstimatorKind::PcDidim,
+];
 
 #[test]
 fn identity_exact_states_give_the_base_parameters_of_the_a460() {
@@ -45,6 +56,29 @@ fn identity_exact_states_give_the_base_parameters_of_the_a460() {
         }
         let validation = validate(&estimate, &regressor, &samples).unwrap();
         assert!(validation.is_within(1e-9) && validation.rms.len() == 6);
+    }
+}
+
+#[test]
+fn a_joint_at_rest_leaves_the_others_to_every_estimator() {
+    // Without periods the noise is that of the residual, and the joint at rest has no equation and so no residual.
+    let (robot, parameters, _, _, samples) = a460_samples(300);
+    let mut samples = samples.with_joints_at_rest(&[4]);
+    let mut dynamics = Dynamics::new(&robot, &parameters);
+    let (states, noise) = (samples.states.clone(), DMatrix::identity(6, 6) * 1e-4);
+    for (k, tau) in samples.tau.chunks_exact_mut(6).enumerate() {
+        dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), tau);
+    }
+    let noise = white(&noise, 300, &mut Seed::new(33).stream("noise", 0));
+    for (tau, noise) in samples.tau.iter_mut().zip(noise.iter()) {
+        *tau += noise;
+    }
+    let known = Identification::on_motion(&robot, Columns::RIGID_ROTOR_FRICTION, &samples).with_nominal(&parameters);
+    assert!((30..58).contains(&known.base().rank()), "{}", known.base().rank());
+    for kind in EstimatorKind::ALL.iter().filter(|kind| !SIMULATING.contains(kind)) {
+        let found =
+            known.estimate(&samples, kind.estimator()).unwrap_or_else(|fault| panic!("{}: {fault}", kind.name()));
+        assert!(found.residual_rms.iter().all(|rms| *rms < 1.0), "{}: {:?}", kind.name(), found.residual_rms);
     }
 }
 
