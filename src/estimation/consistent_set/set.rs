@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::newton::{DataTerm, StepEquations};
-use super::path::{PathEnd, follow};
+use super::path::{PathEnd, follow, nearer};
 use super::prior::{NEAREST, Prior, Weights};
 use super::region::Region;
 use super::shape_bounds::ShapeBounds;
@@ -46,7 +46,8 @@ impl ConsistentSet {
     }
 }
 
-/// The consistent set of parameters that agrees best with an estimate, and of several the one nearest to a guess.
+/// The consistent set of parameters that agrees best with an estimate, and of several the one nearest to a guess. Where none has the
+/// estimated base parameters, those whose χ² is within 1 % of the least agree alike.
 ///
 /// # Errors
 /// [`EstimationError::OtherBase`] where the estimate is not one of this base, [`EstimationError::Count`] where the guess is of
@@ -63,17 +64,29 @@ pub fn consistent_set(
     let (beta, std, covariance) = (estimate.beta(), estimate.std(), estimate.covariance_matrix());
     let region = Region::of(base, guess, (&beta, &std), &ShapeBounds::default())?;
     let data = DataTerm::of(&base.k, &beta, information, &covariance)?;
-    let PathEnd { phi, optimum, lambda, termination } = follow(&region, &data, Prior::None);
+    let end = follow(&region, &data, Prior::None);
+    let between = nearer(&region, &data, &end);
     // How the base parameters of the optimum follow the estimate, and the nearest set the optimum.
     let follows = |phi: &DVector<f64>, weights: Weights| {
         let equations = StepEquations::of(phi, &region, &data, Prior::None, weights);
         equations.and_then(|equations| equations.sensitivity()).ok_or(EstimationError::NotDefinite)
     };
-    let mut sensitivity = follows(&phi, NEAREST)?;
-    if lambda.is_finite() {
-        sensitivity =
-            product(&sensitivity, &product(&base.k, &follows(&optimum, Weights { data: lambda, ..NEAREST })?));
-    }
+    let PathEnd { phi, optimum, lambda, termination } = end;
+    let (phi, lambda, termination, sensitivity) = match between {
+        Some((phi, weight, termination)) => {
+            let sensitivity = follows(&phi, Weights { data: weight, ..NEAREST })?;
+            (phi, weight, termination, sensitivity)
+        }
+        None if lambda.is_infinite() => {
+            let sensitivity = follows(&phi, NEAREST)?;
+            (phi, lambda, termination, sensitivity)
+        }
+        None => {
+            let of_optimum = product(&base.k, &follows(&optimum, Weights { data: lambda, ..NEAREST })?);
+            let sensitivity = product(&follows(&phi, NEAREST)?, &of_optimum);
+            (phi, lambda, termination, sensitivity)
+        }
+    };
     let std_of = |c: usize| {
         let row = sensitivity.row(c).transpose();
         row.dot(&(&covariance * &row)).max(0.0).sqrt()
@@ -106,6 +119,7 @@ fn outside(base: &BaseReduction, estimate: &Estimate, phi: &DVector<f64>) -> Vec
 mod tests {
     use super::*;
     use crate::base::{Method, reduce};
+    use crate::estimation::consistent_set::constrained_fit;
     use crate::estimation::consistent_set::fixtures::estimate_of;
     use crate::excitation::fixtures::{crs_a460, crs_a460_nominal};
     use crate::model::Columns;
@@ -163,6 +177,26 @@ mod tests {
         let region = Region::of(&base, &guess, (&beta, &std), &ShapeBounds::default()).unwrap();
         let value = |set: &StandardParameters| region.divergence(&set.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
         assert!(value(&set.parameters) < value(&other));
+    }
+
+    #[test]
+    fn identity_little_more_than_the_least_chi_squared_is_nearer_to_the_guess() {
+        // Noise of three standard deviations to either side: no consistent set has these base parameters.
+        let (base, guess, exact, std) = setting();
+        let beta = DVector::from_fn(exact.len(), |i, _| exact[i] + [3.0, -3.0][i % 2] * std[i]);
+        let set = consistent_set(&base, &estimate(&base, &beta, &std), &guess).unwrap();
+        assert!(!set.is_exact && set.termination.was_successful() && is_consistent(&set.parameters));
+        let covariance = DMatrix::from_diagonal(&std.component_mul(&std));
+        let information = DMatrix::from_diagonal(&std.map(|std| 1.0 / (std * std)));
+        let data = (&beta, information, &covariance);
+        let least = constrained_fit(&base, (&guess, &ShapeBounds::default()), data, Prior::None).unwrap().phi;
+        let least_chi_squared = (base.beta(&least) - &beta).component_div(&std).norm_squared();
+        let ratio = set.chi_squared / least_chi_squared;
+        assert!((1.0 - 1e-6..=1.0 + 1e-2).contains(&ratio), "{ratio}");
+        let region = Region::of(&base, &guess, (&beta, &std), &ShapeBounds::default()).unwrap();
+        let found = set.parameters.vector(&crs_a460(), Columns::RIGID_ROTOR_FRICTION);
+        let (found, of_least) = (region.divergence(&found), region.divergence(&least));
+        assert!(found < 0.9 * of_least, "{found} {of_least}");
     }
 
     #[test]
