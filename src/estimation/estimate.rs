@@ -20,6 +20,15 @@ pub struct BaseEstimate {
     pub ci95: [f64; 2],
     /// Unit of all of them.
     pub unit: String,
+    /// The part of the standard deviation that the robot file declares, in its square: what no residual shows. Zero where it declares
+    /// nothing.
+    #[serde(default, skip_serializing_if = "is_zero")]
+    pub declared_std: f64,
+}
+
+#[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
+fn is_zero(std: &f64) -> bool {
+    *std == 0.0
 }
 
 /// One standard parameter of a completed set.

@@ -9,10 +9,12 @@
 //! The scatter over periods does not see what repeats: model errors, errors of the measured motion. Where the residual of a
 //! joint is much larger than the scatter explains, C is taken from the residual with its correlation in time: that sees what
 //! joints say against each other, as under wrong torque constants. What single joints show of a torque that no parameter of
-//! theirs explains is added as a [`discrepancy`](super::discrepancy), where the states of the equations are known.
+//! theirs explains is added as a [`discrepancy`](super::discrepancy), where the states of the equations are known. What leaves no
+//! trace in any residual is added as far as the robot file declares it ([`declared`]).
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
+use super::declared;
 use super::discrepancy::Discrepancy;
 use super::expected_residual::{COLUMNS, ExpectedResidual};
 use super::residual::{ResidualScale, neighbour_correlation};
@@ -92,6 +94,10 @@ impl Inference<'_> {
             }
             beyond.extend(misfit);
         }
+        let declared = declared::covariance(self.problem, self.fit, self.instruments)?;
+        if let Some(declared) = &declared {
+            covariance += declared;
+        }
         let t = student_quantile(0.975, freedom);
         let base: Vec<BaseEstimate> = observation
             .base
@@ -101,7 +107,8 @@ impl Inference<'_> {
             .map(|(j, name)| {
                 let (value, std) = (beta[j], covariance[(j, j)].max(0.0).sqrt());
                 let unit = observation.parameter_units[j].clone();
-                BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit }
+                let declared_std = declared.as_ref().map_or(0.0, |of| of[(j, j)].max(0.0).sqrt());
+                BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit, declared_std }
             })
             .collect();
         let mut findings = self.findings(&base);

@@ -16,6 +16,7 @@ mod closed_loop;
 mod comparison;
 mod completion;
 mod consistent_set;
+mod declared;
 mod discrepancy;
 mod drive_gains;
 mod error;

@@ -207,7 +207,7 @@ fn estimate(of: &Estimate, load: &BaseReduction, fitted: &Fitted, freedom: f64) 
     let parameter = |(row, name): (usize, String)| {
         let (value, std) = (fitted.values[row], fitted.covariance[(row, row)].max(0.0).sqrt());
         let unit = load.parameters[load.kept[row]].kind.unit(JointKind::Revolute).to_owned();
-        BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit }
+        BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit, declared_std: 0.0 }
     };
     Estimate {
         columns: "rigid".to_owned(),

@@ -6,7 +6,7 @@ use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::robot_error::{RobotError, check_joint, check_points, check_servo, check_surroundings};
-use super::{Drive, EffortInterface, Joint, NamedPoint, Obstacle, ServoTuning, Shape};
+use super::{DeclaredUncertainty, Drive, EffortInterface, Joint, NamedPoint, Obstacle, ServoTuning, Shape};
 use crate::input::size::JOINTS;
 use crate::provenance::sha256;
 use crate::spatial::{Motion, Placement};
@@ -61,6 +61,8 @@ pub struct Robot {
     effort: EffortInterface,
     #[serde(default)]
     servo: Option<ServoTuning>,
+    #[serde(default, skip_serializing_if = "DeclaredUncertainty::is_none")]
+    uncertainty: DeclaredUncertainty,
     source_sha256: String,
 }
 
@@ -93,12 +95,13 @@ impl Robot {
             points,
             effort,
             servo,
+            uncertainty,
             source_sha256,
         } = self;
         servo.as_ref().map_or(Ok(()), check_servo)?;
         check_points(&points, joints.len())?;
         let spec = RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch };
-        Ok(Self { points, effort, servo, source_sha256, ..Self::new(spec)? })
+        Ok(Self { points, effort, servo, uncertainty, source_sha256, ..Self::new(spec)? })
     }
 
     /// Checks a specification.
@@ -125,7 +128,7 @@ impl Robot {
         }
         check_surroundings(&gravity, &base, &shapes, &obstacles, &may_touch, n)?;
         let axes = joints.iter().map(Joint::axis).collect();
-        let (effort, servo) = (EffortInterface::default(), None);
+        let (effort, servo, uncertainty) = (EffortInterface::default(), None, DeclaredUncertainty::default());
         let source_sha256 = String::new();
         Ok(Self {
             name,
@@ -140,6 +143,7 @@ impl Robot {
             points: Vec::new(),
             effort,
             servo,
+            uncertainty,
             source_sha256,
         })
     }
@@ -215,6 +219,19 @@ impl Robot {
     #[must_use]
     pub fn may_touch(&self) -> &[(usize, usize)] {
         &self.may_touch
+    }
+
+    /// What is uncertain about it and leaves no trace in a recording.
+    #[must_use]
+    pub fn uncertainty(&self) -> &DeclaredUncertainty {
+        &self.uncertainty
+    }
+
+    /// The same robot with this declared uncertainty.
+    #[must_use]
+    pub fn with_uncertainty(mut self, uncertainty: DeclaredUncertainty) -> Self {
+        self.uncertainty = uncertainty;
+        self
     }
 
     /// Points of the arm that have a name, beside the frames of the links.

@@ -181,7 +181,7 @@ mod tests {
         let base = (0..beta.len()).map(|i| {
             let (value, std) = (beta[i], covariance[(i, i)].sqrt());
             let ci95 = [value - 2.0 * std, value + 2.0 * std];
-            BaseEstimate { name: format!("p{i}"), value, std, ci95, unit: String::new() }
+            BaseEstimate { name: format!("p{i}"), value, std, ci95, unit: String::new(), declared_std: 0.0 }
         });
         Estimate {
             estimator: "wls".to_owned(),

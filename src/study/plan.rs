@@ -9,7 +9,7 @@ use super::random_truth::RandomTruths;
 use super::variance_reduction::VarianceReduction;
 use crate::estimation::{Estimator, EstimatorKind};
 use crate::experiment::{Effects, ExpectedEffectError};
-use crate::model::{Columns, ReferenceUnits, format::FormatError};
+use crate::model::{Columns, DeclaredUncertainty, ReferenceUnits, format::FormatError};
 use crate::seed::Seed;
 
 /// A whole study. Two runs of one plan give the same bytes.
@@ -43,6 +43,9 @@ pub struct StudyPlan {
     /// The families of designs that are compared.
     #[serde(rename = "design", default)]
     pub designs: Vec<FamilyPlan>,
+    /// What is declared uncertain of the arm, in place of what its robot file declares.
+    #[serde(default, skip_serializing_if = "DeclaredUncertainty::is_none")]
+    pub uncertainty: DeclaredUncertainty,
     /// Effects of the real arm that every run has, beside those of its truth.
     #[serde(default, skip_serializing_if = "Effects::is_none")]
     pub effects: Effects,

@@ -81,6 +81,8 @@ impl StudySetup {
         own: &[Arc<dyn Estimator>],
     ) -> Result<Self, StudyError> {
         plan.check_with(own)?;
+        let declared = if plan.uncertainty.is_none() { robot.uncertainty().clone() } else { plan.uncertainty.clone() };
+        let robot = robot.with_uncertainty(declared);
         let columns = plan.columns()?;
         let regressor = JointTorqueRegressor::new(&robot, columns);
         let base = reduce(&robot, columns, Method::Structural, plan.seed)?;

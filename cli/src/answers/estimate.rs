@@ -221,22 +221,31 @@ impl<'a> EstimateAnswer<'a> {
     }
 
     fn parameters(&self) -> String {
-        let mut table = Table::new(&[
-            ("parameter", Align::Left),
-            ("value", Align::Right),
-            ("std", Align::Right),
+        let declares = self.estimate.base.iter().any(|parameter| parameter.declared_std > 0.0);
+        let mut headings = vec![("parameter", Align::Left), ("value", Align::Right), ("std", Align::Right)];
+        if declares {
+            // In squares: what the robot file declares, and no residual shows.
+            headings.push(("of it declared", Align::Right));
+        }
+        headings.extend([
             ("95 % interval", Align::Right),
             ("", Align::Right),
             ("unit", Align::Left),
             ("stands for", Align::Left),
         ]);
+        let mut table = Table::new(&headings);
         for (parameter, expression) in self.estimate.base.iter().zip(&self.expressions) {
             let decimals = decimals(parameter.std);
             let [value, low, high] =
                 [parameter.value, parameter.ci95[0], parameter.ci95[1]].map(|number| format!("{number:.decimals$}"));
             let std = format!("{:.decimals$}", parameter.std);
             let stands_for = if *expression == parameter.name { String::new() } else { expression.clone() };
-            table.row([parameter.name.clone(), value, std, low, high, parameter.unit.clone(), stands_for]);
+            let mut row = vec![parameter.name.clone(), value, std];
+            if declares {
+                row.push(format!("{:.decimals$}", parameter.declared_std));
+            }
+            row.extend([low, high, parameter.unit.clone(), stands_for]);
+            table.row(row);
         }
         table.render(2)
     }

@@ -86,8 +86,8 @@ impl Estimator for ClosedLoopOutputError {
         };
         let around = rest.linearised.equations(&positions, &rest.beta);
         let around_equations = Factorisation::new(&around)?;
-        let around_problem =
-            EstimationProblem { observation: &around, nominal: None, ..problem }.with_factorisation(&around_equations);
+        let around_problem = EstimationProblem { observation: &around, nominal: None, robot: None, ..problem }
+            .with_factorisation(&around_equations);
         let linear = LinearFit {
             fit: at_rest(fit.inverse_information())?,
             weights: Some(weights),

@@ -14,7 +14,7 @@ pub(in crate::estimation) fn estimate_of(
     let of = |(i, name): (usize, String)| {
         let std = covariance[(i, i)].sqrt();
         let ci95 = [beta[i] - 1.96 * std, beta[i] + 1.96 * std];
-        BaseEstimate { name, value: beta[i], std, ci95, unit: String::new() }
+        BaseEstimate { name, value: beta[i], std, ci95, unit: String::new(), declared_std: 0.0 }
     };
     Estimate {
         estimator: "wls".to_owned(),

@@ -2,6 +2,7 @@
 
 mod chain;
 mod coverage;
+mod declared;
 mod discrepancy;
 mod drive_gains;
 mod factorisation;

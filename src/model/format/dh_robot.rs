@@ -14,6 +14,7 @@ use super::servo_table::{ServoTable, read_servo};
 use super::shape_tables::{
     FloorTable, ObstacleTable, ShapeTable, TouchTable, link_index, read_obstacles, read_shape, read_touch,
 };
+use super::uncertainty_table::{UncertaintyTable, read_uncertainty};
 use crate::model::{DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, Robot, RobotSpec};
 use crate::spatial::Placement;
 
@@ -27,6 +28,8 @@ struct RobotTable {
     effort: EffortInterface,
     base: Option<BaseTable>,
     servo: Option<ServoTable>,
+    #[serde(default)]
+    uncertainty: UncertaintyTable,
     joint: Spanned<Vec<Spanned<JointTable>>>,
     coupling: Option<CouplingTable>,
     #[serde(default)]
@@ -97,9 +100,10 @@ pub(super) fn read_dh_robot(text: &str) -> Result<Robot, FormatError> {
         may_touch,
     };
     let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?;
+    let uncertainty = read_uncertainty(check, &file.uncertainty)?;
     match Robot::new(spec) {
         Ok(robot) => {
-            let robot = servo.into_iter().fold(robot, Robot::with_servo);
+            let robot = servo.into_iter().fold(robot, Robot::with_servo).with_uncertainty(uncertainty);
             Ok(robot.with_effort(file.effort).with_points(points).read_from(text))
         }
         Err(fault) => check.fault(file.joint.span(), fault.to_string()),

@@ -178,6 +178,16 @@ fn analytic_every_fault_of_a_robot_file_names_its_place() {
         ("[[1, 0], [0.5, 1]]", "[[1, 0], ¶[0.5]]", "row 2 of motor_from_joint has 1 numbers, expected 2"),
         ("[[1, 0], [0.5, 1]]", "¶[[1, 0], [1, 0]]", "singular"),
         ("[servo]", "[servo¶", "expected `]`"),
+        (
+            "[servo]",
+            "[uncertainty]\n¶gravity = 0.1\n[servo]",
+            "unknown field `gravity`, expected one of `torque_constant`",
+        ),
+        (
+            "[servo]",
+            "[uncertainty]\n¶viscous = -0.1\n[servo]",
+            "viscous is -0.1, expected a finite number not below zero",
+        ),
         ("name = \"pair\"\n", "¶", "missing field `name`"),
         ("rate_hz = 5000\n", "", "missing field `rate_hz`"),
     ] {

@@ -41,6 +41,7 @@ mod shape_parameters;
 mod shape_tables;
 mod term_keys;
 mod tree;
+mod uncertainty_table;
 mod urdf;
 mod urdf_edit;
 mod urdf_robot;

@@ -34,6 +34,7 @@ use super::shape_tables::{
 };
 use super::term_keys::{read_terms, term_keys};
 use super::tree::ImportedModel;
+use super::uncertainty_table::{UncertaintyTable, read_uncertainty};
 use super::urdf::parse_urdf;
 use crate::model::{EffortInterface, Joint, Robot};
 
@@ -50,6 +51,8 @@ struct RobotTable {
     effort: Option<EffortInterface>,
     base: Option<BaseTable>,
     servo: Option<ServoTable>,
+    #[serde(default)]
+    uncertainty: UncertaintyTable,
     #[serde(default)]
     joint: Vec<Spanned<JointTable>>,
     coupling: Option<CouplingTable>,
@@ -138,10 +141,15 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
     }
     let points = read_points(check, &file.point, &|link| link_index(check, link, &names))?;
     let servo = file.servo.as_ref().map(|table| read_servo(check, table)).transpose()?;
+    let uncertainty = read_uncertainty(check, &file.uncertainty)?;
     let robot = match Robot::new(spec) {
-        Ok(robot) => {
-            servo.into_iter().fold(robot, Robot::with_servo).with_effort(effort).with_points(points).read_from(text)
-        }
+        Ok(robot) => servo
+            .into_iter()
+            .fold(robot, Robot::with_servo)
+            .with_uncertainty(uncertainty)
+            .with_effort(effort)
+            .with_points(points)
+            .read_from(text),
         Err(fault) => return check.fault(at, fault.to_string()),
     };
     for (index, table) in stated.iter().enumerate().filter_map(|(index, table)| Some((index, (*table)?))) {

@@ -1,0 +1,108 @@
+//! What is declared uncertain, against estimates from torque that has the error.
+
+use std::collections::BTreeMap;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::setting::{a460_samples, white};
+use crate::estimation::{Estimate, EstimationProblem, EstimatorKind, Observation};
+use crate::model::term::{Term, VISCOUS};
+use crate::model::{DeclaredUncertainty, ParameterKind, Robot};
+use crate::seed::Seed;
+use crate::signal::{NoiseModel, Samples};
+
+const COUNT: usize = 200;
+
+struct Case {
+    robot: Robot,
+    observe: Box<dyn Fn(&Samples) -> Observation>,
+    samples: Samples,
+}
+
+/// A noisy periodic recording of the A460.
+fn case() -> Case {
+    let (robot, _, regressor, base, mut samples) = a460_samples(COUNT);
+    let covariance = DMatrix::identity(6, 6) * 0.04;
+    let noise = white(&covariance, COUNT, &mut Seed::new(71).stream("noise", 0));
+    for (tau, noise) in samples.tau.iter_mut().zip(noise.iter()) {
+        *tau += noise;
+    }
+    samples.noise = Some(NoiseModel::white(covariance, true, 1e9));
+    samples.period_s = Some(10.0);
+    let of = robot.clone();
+    let observe = Box::new(move |samples: &Samples| Observation::new(&of, &regressor, &base, samples).unwrap());
+    Case { robot, observe, samples }
+}
+
+fn estimate(robot: &Robot, case: &Case, samples: &Samples) -> Estimate {
+    let observation = (case.observe)(samples);
+    let problem = EstimationProblem::new(&observation).with_robot(robot).with_samples(samples);
+    EstimatorKind::Wls.estimator().estimate(&problem).unwrap()
+}
+
+fn declaring(robot: &Robot, key: &str, std: f64) -> Robot {
+    robot.clone().with_uncertainty(DeclaredUncertainty::new(BTreeMap::from([(key.to_owned(), std)])).unwrap())
+}
+
+fn declared(estimate: &Estimate) -> DVector<f64> {
+    DVector::from_iterator(estimate.base.len(), estimate.base.iter().map(|p| p.declared_std))
+}
+
+/// The estimates from torque with the error of one standard deviation of each motor in turn, less that without; squares summed.
+fn moved(case: &Case, error: impl Fn(&Samples, usize, usize) -> f64) -> DVector<f64> {
+    let exact = estimate(&case.robot, case, &case.samples).beta();
+    let mut squares = exact.map(|_| 0.0);
+    for m in 0..6 {
+        let mut samples = case.samples.clone();
+        for k in 0..COUNT {
+            samples.tau[6 * k + m] += error(&case.samples, k, m);
+        }
+        let shift = estimate(&case.robot, case, &samples).beta() - &exact;
+        squares += shift.component_mul(&shift);
+    }
+    squares.map(f64::sqrt)
+}
+
+#[test]
+fn identity_a_torque_constant_moves_the_estimate_as_far_as_it_is_declared() {
+    let case = case();
+    let found = estimate(&declaring(&case.robot, "torque_constant", 0.03), &case, &case.samples);
+    let expected = moved(&case, |samples, k, m| 0.03 * samples.tau[6 * k + m]);
+    assert!((declared(&found) - &expected).amax() < 1e-9 * expected.amax());
+    // It is added to the rest, in squares, and the estimate stays.
+    let plain = estimate(&case.robot, &case, &case.samples);
+    assert_eq!(found.beta(), plain.beta());
+    assert!(declared(&plain).iter().all(|&std| std == 0.0));
+    for ((found, plain), declared) in found.base.iter().zip(&plain.base).zip(expected.iter()) {
+        assert!((found.std - plain.std.hypot(*declared)).abs() < 1e-9 * found.std, "{}", found.name);
+    }
+}
+
+#[test]
+fn identity_a_lag_moves_the_estimate_as_far_as_it_is_declared() {
+    let case = case();
+    let found = estimate(&declaring(&case.robot, "current_lag_s", 1e-3), &case, &case.samples);
+    let step = 1.0 / case.samples.rate_hz;
+    let expected = moved(&case, |samples, k, m| {
+        let at = |k: usize| samples.tau[6 * (k % COUNT) + m];
+        1e-3 * (at(k + 1) - at(k + COUNT - 1)) / (2.0 * step)
+    });
+    assert!((declared(&found) - &expected).amax() < 1e-9 * expected.amax());
+}
+
+#[test]
+fn analytic_a_coefficient_that_is_meant_otherwise_is_uncertain_by_itself() {
+    let case = case();
+    let plain = estimate(&case.robot, &case, &case.samples);
+    let observation = (case.observe)(&case.samples);
+    let is = |row: usize, term: Term| matches!(observation.base.terms(row)[..], [(id, _)] if id.kind == ParameterKind::Term(term));
+    let found = estimate(&declaring(&case.robot, "viscous", 0.2), &case, &case.samples);
+    for (row, (p, declared)) in plain.base.iter().zip(declared(&found).iter()).enumerate() {
+        let expected = if is(row, VISCOUS) { 0.2 * p.value.abs() } else { 0.0 };
+        assert!((declared - expected).abs() < 1e-8 * (1.0 + p.value.abs()), "{}: {declared} {expected}", p.name);
+    }
+    let found = estimate(&declaring(&case.robot, "offset_nm", 0.5), &case, &case.samples);
+    let offsets = found.base.iter().filter(|p| p.name.starts_with("Fo"));
+    let stds: Vec<f64> = offsets.map(|p| p.declared_std).collect();
+    assert!(stds.len() == 6 && stds.iter().all(|std| (std - 0.5).abs() < 1e-8), "{stds:?}");
+}
