@@ -153,6 +153,17 @@ impl Error {
         self
     }
 
+    /// The same error about a robot that the file of an estimate names: where nothing has that name, `help` says what to do.
+    #[must_use]
+    pub fn of_an_estimate(mut self, estimate: &str, help: &str) -> Self {
+        if self.kind == ErrorKind::Unknown {
+            let looked = "looked for from the current folder and from that of the estimate";
+            self.message = shortened(format!("{}: named by {estimate}, {looked}", self.message));
+            self.help = Some(help.to_owned());
+        }
+        self
+    }
+
     /// What helps, where anything does.
     #[must_use]
     pub fn hint(&self) -> Option<&str> {

@@ -1,8 +1,11 @@
 //! What an estimate was made from, as its file records it: robot, logs, mapping, processing.
 
+use std::path::Path;
+
 use serde::{Deserialize, Serialize};
 use serde_json::Value;
 
+use armid::model::bundled;
 use armid::provenance::sha256;
 
 use crate::error::Error;
@@ -43,7 +46,8 @@ pub struct Inputs {
 }
 
 impl Inputs {
-    /// What the file of an estimate says; `None` where an older version wrote it.
+    /// What the file of an estimate says; `None` where an older version wrote it. A relative path that leads nowhere from the
+    /// current folder, and somewhere from the folder of the estimate, is taken from there.
     ///
     /// # Errors
     /// [`Error`] where it says something else.
@@ -52,10 +56,33 @@ impl Inputs {
         let one = value.get(0).unwrap_or(&value);
         match one.get("inputs") {
             None | Some(Value::Null) => Ok(None),
-            Some(inputs) => serde_json::from_value(inputs.clone())
-                .map(Some)
-                .map_err(|error| Error::new(format!("{}: inputs: {error}", text.name))),
+            Some(inputs) => {
+                let mut inputs: Self = serde_json::from_value(inputs.clone())
+                    .map_err(|error| Error::new(format!("{}: inputs: {error}", text.name)))?;
+                inputs.look_beside(Path::new(&text.name).parent().unwrap_or(Path::new("")));
+                Ok(Some(inputs))
+            }
         }
+    }
+
+    /// Paths that lead nowhere from the current folder are taken from another one, where they lead somewhere from there.
+    fn look_beside(&mut self, folder: &Path) {
+        let robot = self.robot.name.as_mut().filter(|name| bundled().iter().all(|entry| entry.name != name.as_str()));
+        for path in robot.into_iter().chain(&mut self.logs).chain(&mut self.held_out_log) {
+            let beside = folder.join(path.as_str());
+            if !Path::new(path.as_str()).exists() && beside.exists() {
+                *path = beside.display().to_string();
+            }
+        }
+    }
+
+    /// A file that both were made from, the same bytes in times that both use; none where there is no such file.
+    #[must_use]
+    pub fn shared_file<'a>(&self, other: &'a Self) -> Option<&'a FileHash> {
+        let span = |inputs: &Self| (inputs.settings.from_s, inputs.settings.until_s.unwrap_or(f64::INFINITY));
+        let ((a_from, a_until), (b_from, b_until)) = (span(self), span(other));
+        let found = other.files.iter().find(|file| self.files.iter().any(|of_self| of_self.sha256 == file.sha256));
+        found.filter(|_| a_from < b_until && b_from < a_until)
     }
 
     /// The files of logs are those that the estimate was made from. `name` is what errors call the estimate.
@@ -89,5 +116,52 @@ impl Inputs {
             self.robot.sha256, found, loaded.text.name
         );
         Err(Error::mismatch(message).help("the robot file has changed: identify again"))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::{Inputs, RobotSource};
+    use crate::log::{FileHash, LogSettings};
+    use crate::text::Text;
+
+    fn inputs(robot: &str, log: &str, sha256: &str, span: (f64, Option<f64>)) -> Inputs {
+        Inputs {
+            robot: RobotSource { name: Some(robot.to_owned()), sha256: String::new(), base_link: None, tip_link: None },
+            logs: vec![log.to_owned()],
+            held_out_log: None,
+            files: vec![FileHash { path: log.to_owned(), sha256: sha256.to_owned() }],
+            mapping: None,
+            rate_hz: None,
+            settings: LogSettings { from_s: span.0, until_s: span.1, ..LogSettings::default() },
+        }
+    }
+
+    #[test]
+    fn paths_are_looked_for_beside_the_estimate_as_well() {
+        let folder = tempfile::tempdir().unwrap();
+        std::fs::write(folder.path().join("x.urdf"), "").unwrap();
+        // A folder that is called as a bundled robot is not that robot.
+        std::fs::create_dir(folder.path().join("crs-a460")).unwrap();
+        let of = |robot: &str, log: &str| {
+            let content = json!({ "inputs": inputs(robot, log, "a", (0.0, None)) }).to_string();
+            let name = folder.path().join("E.json").display().to_string();
+            Inputs::of_estimate(&Text::new(name, content)).unwrap().unwrap()
+        };
+        let beside = folder.path().join("x.urdf").display().to_string();
+        let found = of("x.urdf", "nowhere.csv");
+        assert_eq!((found.robot.name, &found.logs[0][..]), (Some(beside.clone()), "nowhere.csv"));
+        let found = of("crs-a460", "x.urdf");
+        assert_eq!((found.robot.name.as_deref(), &found.logs[0]), (Some("crs-a460"), &beside));
+    }
+
+    #[test]
+    fn a_file_is_shared_where_its_bytes_and_the_times_of_both_are() {
+        let fit = inputs("r", "a.csv", "a", (0.0, Some(10.0)));
+        let shared = |sha256: &str, from: f64| fit.shared_file(&inputs("r", "b.csv", sha256, (from, None))).is_some();
+        assert!(shared("a", 0.0) && shared("a", 9.0));
+        assert!(!shared("b", 0.0) && !shared("a", 10.0));
     }
 }

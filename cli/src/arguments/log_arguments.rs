@@ -12,6 +12,9 @@ use armid_io::{Error, Inputs, LoadedRobot, LogSettings, ProcessedLog};
 
 use super::{ChainArguments, one_of};
 
+/// What helps where an estimate names a robot file that is not there.
+const WHERE_IT_IS: &str = "--robot ROBOT of `armid identify`, `validate` and `export` says where it is now";
+
 /// Which logs, of which robot, and how they become samples.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct LogArguments {
@@ -112,7 +115,7 @@ impl LogArguments {
         match remembered.map(|inputs| &inputs.robot) {
             Some(RobotSource { name: Some(name), base_link, tip_link, .. }) => {
                 let chain = ChainArguments { base_link: base_link.clone(), tip_link: tip_link.clone() };
-                let loaded = chain.load(name)?;
+                let loaded = chain.load(name).map_err(|error| error.of_an_estimate("the estimate", WHERE_IT_IS))?;
                 let source = of(Some(name.clone()), &loaded, &chain);
                 Ok((loaded, source))
             }

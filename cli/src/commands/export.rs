@@ -104,7 +104,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
                 base_link: arguments.chain.base_link.clone().or(base_link),
                 tip_link: arguments.chain.tip_link.clone().or(tip_link),
             };
-            chain.load(&name)?
+            chain.load(&name).map_err(|error| error.of_an_estimate(&text.name, "--robot ROBOT says where it is now"))?
         }
         _ => arguments.chain.load(arguments.robot.as_deref().unwrap_or(&estimate.robot))?,
     };

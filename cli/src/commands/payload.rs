@@ -47,6 +47,15 @@ pub(super) fn run(
     // Robot, mapping and processing are those of the estimate where nothing else is said.
     let columns = columns_of(&without)?;
     let with = of_logs(logs.log, logs.with, without.inputs.as_ref(), columns, *estimator)?;
+    if let (Some(one), Some(other)) = (&without.inputs, &with.inputs)
+        && let Some(file) = one.shared_file(other)
+    {
+        let message = format!(
+            "{} with the load is {} without it (the same SHA-256), expected two recordings",
+            file.path, without.name
+        );
+        return Err(Error::mismatch(message).help("record one log with the load and one without it").into());
+    }
     let loaded = with.robot.as_ref().or(without.robot.as_ref());
     let Some(loaded) = loaded else { return Err(Error::new("no robot is named, expected --robot ROBOT").into()) };
     check_robot(&without.estimate, &without.name, loaded)?;

@@ -9,6 +9,7 @@ use armid_io::{Error, Inputs, ProcessedLog, Text, estimate};
 use miette::Result;
 use serde_json::{Value, json};
 
+use crate::answers::findings::paragraph;
 use crate::answers::estimate::{joint_names, left_out, percent, residual_json};
 use crate::arguments::LogArguments;
 use crate::terminal::{Align, Answer, Console, Ending, Table, number};
@@ -18,7 +19,8 @@ The verdict is `passed` (exit 0) where every joint's difference, as a share of i
 effort's RMS, is within --limit, and `failed` (exit 1) otherwise. It is taken over the rows that
 would be used for a fit: those where the joint moves faster than 2 % of its top speed and no channel
 is faulty. The shares over all rows and in total, below a fixed --bandwidth-hz, are listed beside it.
-Robot, mapping and processing are those of the estimate unless others are given.
+Robot, mapping and processing are those of the estimate unless others are given; its paths are looked for
+from the current folder, then beside E.json. A log of the fit itself is remarked upon: it validates nothing.
 
 Examples:
   armid validate E.json other.mcap
@@ -48,12 +50,20 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let estimates = estimate::parse_all(&text)?;
     let inputs = Inputs::of_estimate(&text)?;
     let (prepared, now) = arguments.log.process(&arguments.logs, inputs.as_ref(), HeldOut::Nothing, None)?;
+    let of_the_fit = inputs.as_ref().and_then(|inputs| inputs.shared_file(&now)).map(|file| {
+        format!(
+            "{} is the log of the fit (the same SHA-256), so that this is no validation: another log is one, or what \
+             `armid identify --held-out` keeps aside",
+            file.path
+        )
+    });
+    let remarks: Vec<String> = of_the_fit.into_iter().collect();
     if let Some(inputs) = inputs.filter(|inputs| inputs.robot.name.is_some() && inputs.robot.name == now.robot.name) {
         inputs.check_robot(&prepared.robot, &text.name)?;
     }
     let mut verdicts = Vec::new();
     for estimate in &estimates {
-        verdicts.push(Verdict::of(estimate, &prepared, arguments.limit, &text)?);
+        verdicts.push(Verdict::of(estimate, &prepared, arguments.limit, &text, &remarks)?);
     }
     let json = match verdicts.as_slice() {
         [one] => one.json(),
@@ -70,13 +80,21 @@ struct Verdict<'a> {
     validation: Validation,
     residual: TorqueResidual,
     limit: f64,
+    /// What else is to be known of the logs.
+    remarks: &'a [String],
 }
 
 impl<'a> Verdict<'a> {
-    fn of(estimate: &'a Estimate, prepared: &'a ProcessedLog, limit: f64, text: &Text) -> Result<Self> {
+    fn of(
+        estimate: &'a Estimate,
+        prepared: &'a ProcessedLog,
+        limit: f64,
+        text: &Text,
+        remarks: &'a [String],
+    ) -> Result<Self> {
         let validation = prepared.validate(estimate, &text.name)?;
         let (residual, _) = prepared.residual(estimate, &text.name)?;
-        Ok(Self { estimate, prepared, validation, residual, limit })
+        Ok(Self { estimate, prepared, validation, residual, limit, remarks })
     }
 
     fn passed(&self) -> bool {
@@ -98,6 +116,7 @@ impl<'a> Verdict<'a> {
             "limit": self.limit,
             "residual": residual_json(&self.residual),
             "logs": self.prepared.reports,
+            "remarks": self.remarks,
             "verdict": Self::word(self.passed()),
         })
     }
@@ -110,6 +129,9 @@ impl<'a> Verdict<'a> {
             Self::word(self.passed()),
             number(100.0 * self.limit)
         );
+        for remark in self.remarks {
+            let _ = writeln!(text, "{}", paragraph(remark, 2));
+        }
         let mut table = Table::new(&[
             ("joint", Align::Left),
             ("difference RMS", Align::Right),

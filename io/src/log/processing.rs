@@ -119,6 +119,9 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
     log.effort_unit = Some(unit);
     robot.check_constants(unit, &log.name)?;
     let whole = log.between(from, until);
+    if whole.is_empty() {
+        return Err(nothing_left(log, settings));
+    }
     match settings.period_s {
         Some(period) => periodic(&whole, &robot.robot, settings, period, share),
         None => {
@@ -127,6 +130,33 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
             Ok((used, if aside.is_empty() { None } else { Some(aperiodic(&aside, &robot.robot, settings)?) }))
         }
     }
+}
+
+/// The times to begin and to end at leave no sample.
+fn nothing_left(log: &Log, settings: &LogSettings) -> Error {
+    let end = log.segments.last().map_or(0.0, |last| last.start_s + last.samples.saturating_sub(1) as f64 / log.rate_hz);
+    let asked = match settings.until_s {
+        Some(until) => format!("--from {} --until {until}", settings.from_s),
+        None => format!("--from {}", settings.from_s),
+    };
+    let message = format!("{asked} leaves nothing of {}, which spans 0 to {end:.3} s", log.name);
+    Error::new(message).help("both count in seconds from the first sample of the log, whatever its stamps are")
+}
+
+/// What there is to do about a cut-off frequency that the rate of a log does not allow.
+fn below_nyquist(error: &SignalError, log: &Log) -> Option<String> {
+    let SignalError::Cutoff { nyquist, .. } = error else { return None };
+    let milliseconds =
+        if log.rate_hz < 5.0 { "; are the stamps milliseconds? then --map \"t=… ms, …\" says so" } else { "" };
+    // Two digits, rounded down, so that it stays below.
+    let wanted = 0.8 * nyquist;
+    let digit = 10_f64.powi(wanted.log10().floor() as i32 - 1);
+    let wanted = (wanted / digit).floor() * digit;
+    Some(format!(
+        "--cutoff-hz {} is one that a log of {} Hz allows{milliseconds}",
+        (wanted * 1e6).round() / 1e6,
+        (log.rate_hz * 1e3).round() / 1e3
+    ))
 }
 
 fn aperiodic(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples, Error> {
@@ -140,15 +170,8 @@ fn aperiodic(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples
     };
     let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
     let thinned = (4.0 * processing.cutoff_hz(0.0)).min(log.rate_hz);
-    process_aperiodic(&record, robot, unit, thinned, processing).map_err(|error| {
-        let shown = Error::new(format!("{}: {error}", log.name));
-        match error {
-            SignalError::Cutoff { .. } if log.rate_hz < 5.0 => {
-                shown.help("are the stamps milliseconds? then use --map \"t=… ms, …\"")
-            }
-            _ => shown,
-        }
-    })
+    process_aperiodic(&record, robot, unit, thinned, processing)
+        .map_err(|error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log)))
 }
 
 fn periodic(
@@ -222,7 +245,7 @@ fn average(log: &Log, robot: &Robot, settings: &LogSettings, starts: &[usize], c
     let record = PeriodicRecord { dof: n, rate_hz: log.rate_hz, period_samples: count, q: &q, effort: &effort };
     let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
     let mut samples = process_periods(&record, robot, unit, 0.0, &settings.processing)
-        .map_err(|error| Error::new(format!("{}: {error}", log.name)))?;
+        .map_err(|error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log)))?;
     if !log.excluded.is_empty() {
         // What was at fault in one period is in the average.
         let block = samples.block;
