@@ -42,11 +42,23 @@ pub(crate) fn residual_json(residual: &TorqueResidual) -> Value {
 }
 
 /// The keys of a suspicion, with its sentence and what to try.
-fn suspicion_json(suspicion: &Suspicion) -> Value {
+fn suspicion_json(suspicion: &Suspicion, prepared: &ProcessedLog) -> Value {
     let mut json = json!(suspicion);
     json["text"] = json!(suspicion.mistake.to_string());
-    json["advice"] = json!(suspicion.mistake.correction());
+    json["advice"] = json!(advice(suspicion, prepared));
     json
+}
+
+/// What to try about a suspicion: where all logs were read alike, with the mapping that does it.
+fn advice(suspicion: &Suspicion, prepared: &ProcessedLog) -> String {
+    let correction = suspicion.mistake.correction();
+    let mut mappings = prepared.reports.iter().map(|report| report.origin.corrected(&suspicion.mistake));
+    match mappings.next().flatten() {
+        Some(mapping) if mappings.all(|other| other.as_ref() == Some(&mapping)) => {
+            format!("{correction}, so: --map \"{mapping}\"")
+        }
+        Some(_) | None => correction,
+    }
 }
 
 /// A share in percent.
@@ -157,7 +169,7 @@ impl<'a> EstimateAnswer<'a> {
         {
             json["gaps"] = gaps.json();
         }
-        json["suspicions"] = self.suspicions.iter().map(suspicion_json).collect();
+        json["suspicions"] = self.suspicions.iter().map(|suspicion| suspicion_json(suspicion, self.prepared)).collect();
         json["joints"] = json!(joint_names(self.prepared));
         json["residual"] = residual_json(&self.used);
         json["held_out"] = self.held_out.as_ref().map_or(Value::Null, residual_json);
@@ -194,7 +206,7 @@ impl<'a> EstimateAnswer<'a> {
         let _ = writeln!(text, "{}", paragraph(&sentence, 0));
         for suspicion in self.suspicions {
             text += &paragraph(&suspicion.mistake.to_string(), 2);
-            let _ = writeln!(text, "{}", paragraph(&format!("→ {}", suspicion.mistake.correction()), 4));
+            let _ = writeln!(text, "{}", paragraph(&format!("→ {}", advice(suspicion, self.prepared)), 4));
         }
         let _ = writeln!(text, "torque below {} Hz that the estimate does not explain", number(self.used.bandwidth_hz));
         text += &residual_table(&joint_names(self.prepared), &estimate.units, &self.used, self.held_out.as_ref());

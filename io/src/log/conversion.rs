@@ -6,10 +6,11 @@
 //! with the robot's coupling C (one where its motors are not coupled) and the gear ratios N: those of the mapping, which
 //! have been applied already, or else the robot's.
 
-use armid::model::Robot;
+use armid::model::{EffortInterface, Robot};
 use nalgebra::{DMatrix, DVector};
 
 use super::joint_log::Log;
+use super::mapping::{ColumnMap, Quantity};
 use crate::error::Error;
 
 /// What is still to be done to the values of a log.
@@ -35,6 +36,33 @@ pub(crate) enum AtMotors {
 }
 
 impl Conversion {
+    /// What mappings leave to be done to values with their factors, and what the efforts are.
+    ///
+    /// # Errors
+    /// [`Error`] where the offset is neither of one value nor of `n`.
+    pub(super) fn of_maps(
+        position: &ColumnMap,
+        velocity: Option<&ColumnMap>,
+        effort: &ColumnMap,
+        n: usize,
+    ) -> Result<(Self, EffortInterface), Error> {
+        let at_motors = |map: &ColumnMap| match (&map.gear, map.motor) {
+            (Some(_), _) => Some(AtMotors::Geared),
+            (None, true) => Some(AtMotors::RobotsGear),
+            (None, false) => None,
+        };
+        // A current with a constant is a torque of its motor.
+        let with_constant = effort.constant.is_some();
+        let is_torque = effort.quantity == Quantity::Torque || with_constant;
+        let conversion = Self {
+            q: at_motors(position),
+            qd: velocity.and_then(at_motors),
+            effort: at_motors(effort).or(with_constant.then_some(AtMotors::RobotsGear)).filter(|_| is_torque),
+            offset: position.offsets(n)?,
+        };
+        Ok((conversion, if is_torque { EffortInterface::Torque } else { EffortInterface::Current }))
+    }
+
     /// Brings a log, whose joints are the robot's, to its joints.
     ///
     /// # Errors

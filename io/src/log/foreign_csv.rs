@@ -1,12 +1,11 @@
 //! Tables that something else wrote: one file, or several side by side, by a mapping or by their own headings.
 
-use armid::model::EffortInterface;
 use armid::provenance::sha256;
 
 use super::Log;
-use super::conversion::{AtMotors, Conversion};
-use super::mapping::{ColumnMap, Mapping, Quantity, Unit, expand};
-use super::origin::{FileHash, Origin};
+use super::conversion::Conversion;
+use super::mapping::{ColumnMap, Mapping, Quantity, Unit, listed};
+use super::origin::{FileHash, Origin, ReadAs};
 use super::raw_log::RawLog;
 use crate::error::Error;
 use crate::suggestion;
@@ -47,6 +46,10 @@ pub fn parse(texts: Vec<Text>, mapping: Option<&Mapping>, rate_hz: Option<f64>) 
         );
         return Err(Error::mismatch(message));
     }
+    if let Some(topic) = mapping.and_then(|mapping| mapping.topic.as_deref()) {
+        let message = format!("{} is a table, found topic={topic}, expected columns alone", first.text.name);
+        return Err(Error::mismatch(message).help("a topic is one of joint states of ROS 2: leave it out"));
+    }
     let found = match mapping {
         Some(mapping) => by_mapping(&tables, mapping)?,
         None => by_headings(&tables, rate_hz.is_some())?,
@@ -63,7 +66,6 @@ fn by_mapping(tables: &[ForeignTable], mapping: &Mapping) -> Result<Vec<Found>, 
     let mut found = Vec::new();
     for map in &mapping.columns {
         let key = map.quantity.key();
-        let names = expand(&map.columns).map_err(|fault| Error::new(format!("{key}: {fault}")))?;
         let candidates: Vec<usize> = match &map.file {
             Some(file) => tables
                 .iter()
@@ -82,6 +84,8 @@ fn by_mapping(tables: &[ForeignTable], mapping: &Mapping) -> Result<Vec<Found>, 
             );
             return Err(Error::unknown(message));
         }
+        let known = |name: &str| candidates.iter().any(|&k| columns(&tables[k], &[name.to_owned()]).is_some());
+        let names = listed(&map.columns, known).map_err(|fault| Error::new(format!("{key}: {fault}")))?;
         let mut matches = candidates.iter().filter_map(|&k| columns(&tables[k], &names).map(|columns| (k, columns)));
         let Some((table, columns)) = matches.next() else {
             return Err(missing(&tables[candidates[0]], key, &names));
@@ -235,18 +239,8 @@ impl Reader<'_> {
                 .help("--map \"…, tau=torque_[1-6]\", or current= with its constants, says which columns hold it")
         })?;
         let velocity = self.get(Quantity::Velocity);
-        let at_motors = |found: &Found| match (&found.map.gear, found.map.motor) {
-            (Some(_), _) => Some(AtMotors::Geared),
-            (None, true) => Some(AtMotors::RobotsGear),
-            (None, false) => None,
-        };
-        // A current with a constant is a torque of its motor.
-        let with_constant = effort.map.constant.is_some();
-        let effort_at_motors = if effort.quantity == Quantity::Torque || with_constant {
-            at_motors(effort).or(with_constant.then_some(AtMotors::RobotsGear))
-        } else {
-            None
-        };
+        let (conversion, effort_unit) =
+            Conversion::of_maps(&position.map, velocity.map(|found| &found.map), &effort.map, dof)?;
         let t = match (self.rate_hz, self.get(Quantity::Time)) {
             (None, None) => {
                 let message = format!("{} has no column of times", self.tables[0].text.name);
@@ -255,8 +249,6 @@ impl Reader<'_> {
             (None, Some(time)) => self.values(time, 1)?,
             (Some(_), _) => Vec::new(),
         };
-        let offset = self.of_each(position, position.map.offset.as_deref(), 0.0, "offset", dof)?;
-        let is_torque = effort.quantity == Quantity::Torque || with_constant;
         Ok(RawLog {
             name: self.tables.iter().map(|table| table.text.name.as_str()).collect::<Vec<_>>().join(" + "),
             joints: None,
@@ -266,13 +258,8 @@ impl Reader<'_> {
             q: self.values(position, dof)?,
             qd: velocity.map(|velocity| self.values(velocity, dof)).transpose()?,
             effort: self.values(effort, dof)?,
-            effort_unit: Some(if is_torque { EffortInterface::Torque } else { EffortInterface::Current }),
-            conversion: Conversion {
-                q: at_motors(position),
-                qd: velocity.and_then(at_motors),
-                effort: effort_at_motors,
-                offset: if offset.iter().all(|x| *x == 0.0) { Vec::new() } else { offset },
-            },
+            effort_unit: Some(effort_unit),
+            conversion,
             origin: self.origin(files),
         })
     }
@@ -284,18 +271,7 @@ impl Reader<'_> {
     /// Values in SI units with sign and, where the mapping has it, gear; `n` columns.
     fn values(&self, found: &Found, n: usize) -> Result<Vec<f64>, Error> {
         let mut values = self.tables[found.table].values(&found.columns)?;
-        let map = &found.map;
-        let of_each = |list: Option<&[f64]>, otherwise, what| self.of_each(found, list, otherwise, what, n);
-        let (sign, gear) = (of_each(map.sign.as_deref(), 1.0, "sign")?, of_each(map.gear.as_deref(), 1.0, "gear")?);
-        let (constant, rated) =
-            (of_each(map.constant.as_deref(), 1.0, "constant")?, of_each(map.rated.as_deref(), 1.0, "rated")?);
-        let is_effort = matches!(found.quantity, Quantity::Torque | Quantity::Current);
-        let factor: Vec<f64> = (0..n)
-            .map(|i| {
-                let gear = if is_effort { gear[i] } else { gear[i].recip() };
-                found.unit.si() * sign[i] * gear * constant[i] * rated[i]
-            })
-            .collect();
+        let factor = found.map.factors(found.unit, n)?;
         for row in values.chunks_exact_mut(n) {
             for (value, factor) in row.iter_mut().zip(&factor) {
                 *value *= factor;
@@ -304,24 +280,32 @@ impl Reader<'_> {
         Ok(values)
     }
 
-    /// One value for each joint.
-    fn of_each(
-        &self,
-        found: &Found,
-        list: Option<&[f64]>,
-        otherwise: f64,
-        what: &str,
-        n: usize,
-    ) -> Result<Vec<f64>, Error> {
-        match list {
-            None => Ok(vec![otherwise; n]),
-            Some([one]) => Ok(vec![*one; n]),
-            Some(list) if list.len() == n => Ok(list.to_vec()),
-            Some(list) => {
-                let (key, count) = (found.quantity.key(), list.len());
-                Err(Error::new(format!("{key}: {what} has {count} values, expected 1 or {n}, one for each joint")))
+    /// The mapping that the columns are, and what each of them is called in one.
+    fn read_as(&self) -> ReadAs {
+        let mut mapping = Mapping::default();
+        let mut columns = Vec::new();
+        for found in &self.found {
+            let headings = self.tables[found.table].names();
+            let plain = |name: &str| {
+                let allowed = |c: char| c.is_alphanumeric() || ['_', '-', '.', '#'].contains(&c);
+                !name.is_empty() && name.chars().all(allowed)
+            };
+            let called = |column: usize| {
+                let name = &headings[column];
+                let is_first = headings.iter().position(|heading| heading == name) == Some(column);
+                if plain(name) && is_first { name.clone() } else { format!("#{}", column + 1) }
+            };
+            let names: Vec<String> = found.columns.iter().map(|&column| called(column)).collect();
+            let mut map = found.map.clone();
+            map.columns = names.join("/");
+            if self.tables.len() > 1 {
+                map.file = Some(stem(&self.tables[found.table].text.name).to_owned());
             }
+            columns.push((found.quantity, names));
+            mapping.columns.push(map);
         }
+        mapping.columns.sort_by_key(|map| map.quantity);
+        ReadAs { mapping, columns }
     }
 
     fn origin(&self, files: Vec<FileHash>) -> Origin {
@@ -369,6 +353,7 @@ impl Reader<'_> {
                 }
             }
         }
-        Origin { files, columns: columns.collect(), skipped_columns: skipped, remarks, ..Origin::default() }
+        let read_as = Some(self.read_as());
+        Origin { files, columns: columns.collect(), skipped_columns: skipped, remarks, read_as, ..Origin::default() }
     }
 }

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use armid::diagnosis::Mistake;
+
 use super::channels::ChannelFault;
+use super::mapping::{Mapping, Quantity, corrected};
 use super::stamps::Timing;
 
 /// A file and what was in it.
@@ -25,6 +28,9 @@ pub struct Origin {
     pub skipped_columns: Vec<String>,
     /// The mapping, where there was one.
     pub mapping: Option<String>,
+    /// The mapping that the log was read by, be it stated or found in the headings.
+    #[serde(skip)]
+    pub(super) read_as: Option<ReadAs>,
     /// What else was done, a sentence each.
     pub remarks: Vec<String>,
     /// What the stamps said; `None` for a recording of armid's own.
@@ -33,7 +39,37 @@ pub struct Origin {
     pub channels: Vec<ChannelFault>,
 }
 
+/// How a log was read.
+#[derive(Clone, Debug, PartialEq)]
+pub(super) struct ReadAs {
+    /// The mapping.
+    pub(super) mapping: Mapping,
+    /// The columns of each quantity, joint by joint, as a mapping names them.
+    pub(super) columns: Vec<(Quantity, Vec<String>)>,
+}
+
 impl Origin {
+    /// What `--map` is to say so that a mistake is corrected, where that is known.
+    #[must_use]
+    pub fn corrected(&self, mistake: &Mistake) -> Option<String> {
+        let read_as = self.read_as.as_ref()?;
+        corrected(&read_as.mapping, &read_as.columns, mistake).map(|mapping| mapping.text())
+    }
+
+    /// What `--map` is to say where the efforts are currents of motors whose constants are not known.
+    pub(super) fn with_constants(&self) -> Option<String> {
+        let mut mapping = self.read_as.as_ref()?.mapping.clone();
+        let effort = mapping.columns.iter_mut().find(|map| matches!(map.quantity, Quantity::Current | Quantity::Torque))?;
+        (effort.quantity, effort.constant, effort.gear) = (Quantity::Current, Some(vec![0.05]), Some(vec![100.0]));
+        Some(mapping.text())
+    }
+
+    /// Whether a mapping has made torques of currents.
+    pub(super) fn has_constants(&self) -> bool {
+        let maps = self.read_as.iter().flat_map(|read_as| &read_as.mapping.columns);
+        maps.into_iter().any(|map| map.constant.is_some())
+    }
+
     /// Sentences about what was found in the log; none where all was well.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {

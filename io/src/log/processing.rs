@@ -115,9 +115,13 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
             .help("--map \"…, qd=velocity_[1-6]\" says which they are, or leave out --measured-velocity"));
     }
     // A robot that says what its efforts are decides where the log does not.
-    let unit = settings.effort.or(log.effort_unit).unwrap_or_else(|| robot.robot.effort());
+    let unit = match log.effort_unit {
+        // Currents with constants are torques by now, whatever is said of the efforts of the log.
+        Some(unit) if log.origin.has_constants() => unit,
+        stated => settings.effort.or(stated).unwrap_or_else(|| robot.robot.effort()),
+    };
     log.effort_unit = Some(unit);
-    robot.check_constants(unit, &log.name)?;
+    robot.check_constants(unit, &log.name, log.origin.with_constants().as_deref())?;
     let whole = log.between(from, until);
     if whole.is_empty() {
         return Err(nothing_left(log, settings));

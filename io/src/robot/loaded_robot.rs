@@ -118,8 +118,14 @@ impl LoadedRobot {
     /// currents are no torques.
     ///
     /// # Errors
-    /// [`Error`] where the efforts are currents and a drive has no torque constant. `name` is that of the log.
-    pub(crate) fn check_constants(&self, effort: EffortInterface, name: &str) -> Result<(), Error> {
+    /// [`Error`] where the efforts are currents and a drive has no torque constant. `name` is that of the log, `mapping` one that
+    /// states constants beside its columns.
+    pub(crate) fn check_constants(
+        &self,
+        effort: EffortInterface,
+        name: &str,
+        mapping: Option<&str>,
+    ) -> Result<(), Error> {
         // A file that says "torque" may leave the constant out: one N·m at the joint for each A is none.
         let lacks = |drive: &Drive| (drive.torque_per_ampere() - 1.0).abs() < 1e-12;
         let lacking = self.robot.joints().iter().filter(|joint| lacks(&joint.drive));
@@ -139,9 +145,11 @@ impl LoadedRobot {
                 lacking.join(", ")
             )
         };
-        let help = "state them beside the columns: --map \"…, current=i_[1-6] constant=0.05 gear=100\" (N·m/A at the motor; \
-                    values of each joint with / between them), or in a robot file: `armid robot arm.urdf -o robot.toml` begins \
-                    one";
+        let mapping = mapping.unwrap_or("…, current=i_[1-6] constant=0.05 gear=100");
+        let help = format!(
+            "state them beside the columns: --map \"{mapping}\" (N·m/A at the motor, turns of the motor; values of each joint \
+             with / between them), or in a robot file: `armid robot arm.urdf -o robot.toml` begins one"
+        );
         Err(Error::mismatch(message).help(help))
     }
 

@@ -1,6 +1,7 @@
 //! One quantity of a log: its columns, and how their values become those of the joints.
 
 use super::{Quantity, Unit};
+use crate::error::Error;
 use crate::suggestion;
 
 /// The columns of one quantity.
@@ -15,7 +16,7 @@ pub struct ColumnMap {
     pub quantity: Quantity,
     /// The file that holds them: its name, with or without folder and ending; `None` where only one can be meant.
     pub file: Option<String>,
-    /// Headings, or `#` and the number of a column from one; `[1-6]` stands for the joints.
+    /// Headings, or `#` and the number of a column from one; `[1-6]` stands for the joints; several with `/` between them.
     pub columns: String,
     /// Their unit; `None` takes the one that the heading ends with, else SI.
     pub unit: Option<Unit>,
@@ -111,6 +112,76 @@ impl ColumnMap {
             ));
         }
         Ok(map)
+    }
+
+    /// What a value in this unit is multiplied with, joint by joint: sign, unit and, where it is stated, gear, constant and rated
+    /// value.
+    ///
+    /// # Errors
+    /// [`Error`] where a list is neither of one value nor of `n`.
+    pub(crate) fn factors(&self, unit: Unit, n: usize) -> Result<Vec<f64>, Error> {
+        let of_each = |list: &Option<Vec<f64>>, what| self.of_each(list.as_deref(), 1.0, what, n);
+        let (sign, gear) = (of_each(&self.sign, "sign")?, of_each(&self.gear, "gear")?);
+        let (constant, rated) = (of_each(&self.constant, "constant")?, of_each(&self.rated, "rated")?);
+        let is_effort = matches!(self.quantity, Quantity::Torque | Quantity::Current);
+        let factor = |i: usize| {
+            let gear = if is_effort { gear[i] } else { gear[i].recip() };
+            unit.si() * sign[i] * gear * constant[i] * rated[i]
+        };
+        Ok((0..n).map(factor).collect())
+    }
+
+    /// What is added at the joints, rad (m); none where nothing is.
+    ///
+    /// # Errors
+    /// As [`Self::factors`].
+    pub(crate) fn offsets(&self, n: usize) -> Result<Vec<f64>, Error> {
+        let offset = self.of_each(self.offset.as_deref(), 0.0, "offset", n)?;
+        Ok(if offset.iter().all(|x| *x == 0.0) { Vec::new() } else { offset })
+    }
+
+    /// One value for each joint.
+    fn of_each(&self, list: Option<&[f64]>, otherwise: f64, what: &str, n: usize) -> Result<Vec<f64>, Error> {
+        match list {
+            None => Ok(vec![otherwise; n]),
+            Some([one]) => Ok(vec![*one; n]),
+            Some(list) if list.len() == n => Ok(list.to_vec()),
+            Some(list) => {
+                let (key, count) = (self.quantity.key(), list.len());
+                Err(Error::new(format!("{key}: {what} has {count} values, expected 1 or {n}, one for each joint")))
+            }
+        }
+    }
+
+    /// The same as [`Self::parse`] reads it, behind its key.
+    pub(super) fn text(&self) -> String {
+        let quoted = |text: &str| {
+            if text.contains(char::is_whitespace) { format!("'{text}'") } else { text.to_owned() }
+        };
+        let mut words = vec![match &self.file {
+            Some(file) => quoted(&format!("{file}:{}", self.columns)),
+            None => quoted(&self.columns),
+        }];
+        words.extend(self.unit.map(|unit| unit.name().to_owned()));
+        words.extend(self.motor.then(|| "motor".to_owned()));
+        let degrees: Option<Vec<f64>> = self.offset.as_deref().map(|list| list.iter().map(|x| x.to_degrees()).collect());
+        // An offset that is held in rad (m) is in the unit that a rotation or a translation is stated in.
+        let in_degrees = !matches!(self.unit, Some(Unit::M | Unit::Mm));
+        let offset = if in_degrees { ("offset_deg", &degrees) } else { ("offset_rad", &self.offset) };
+        for (name, list) in [
+            ("gear", &self.gear),
+            ("sign", &self.sign),
+            offset,
+            ("constant", &self.constant),
+            ("rated", &self.rated),
+        ] {
+            if let Some(list) = list {
+                // Twelve digits: what rounding adds to degrees is not written.
+                let number = |x: &f64| format!("{x:.12}").parse::<f64>().unwrap_or(*x).to_string();
+                words.push(format!("{name}={}", list.iter().map(number).collect::<Vec<_>>().join("/")));
+            }
+        }
+        words.join(" ")
     }
 
     fn unit(quantity: Quantity, word: &str) -> Result<Unit, String> {

@@ -9,6 +9,8 @@ use crate::suggestion;
 pub struct Mapping {
     /// One entry for each quantity, in the order of [`Quantity`].
     pub columns: Vec<ColumnMap>,
+    /// The topic of joint states; `None` takes the usual one or the only one.
+    pub topic: Option<String>,
 }
 
 impl Mapping {
@@ -36,7 +38,11 @@ impl Mapping {
     pub(crate) fn of_entries<'a>(entries: impl IntoIterator<Item = (&'a str, &'a str)>) -> Result<Self, String> {
         let mut mapping = Self::default();
         for (key, value) in entries {
-            let keys = Quantity::ALL.map(Quantity::key);
+            if key == TOPIC && mapping.topic.is_none() && !value.is_empty() {
+                mapping.topic = Some(value.to_owned());
+                continue;
+            }
+            let keys: Vec<&str> = Quantity::ALL.iter().map(|quantity| quantity.key()).chain([TOPIC]).collect();
             let Some(quantity) = Quantity::ALL.into_iter().find(|quantity| quantity.key() == key) else {
                 let expected = suggestion::help(key, &keys);
                 return Err(format!("found \"{key}\"; {expected}"));
@@ -47,6 +53,9 @@ impl Mapping {
             mapping.columns.push(ColumnMap::parse(quantity, value)?);
         }
         mapping.columns.sort_by_key(|map| map.quantity);
+        if mapping.columns.is_empty() && mapping.topic.is_some() {
+            return Ok(mapping);
+        }
         if mapping.of(Quantity::Position).is_none() {
             return Err("q is missing, expected the columns of the positions".to_owned());
         }
@@ -63,12 +72,23 @@ impl Mapping {
         self.columns.iter().find(|map| map.quantity == quantity)
     }
 
+    /// The text that [`Self::parse`] reads it from.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let topic = self.topic.iter().map(|topic| format!("{TOPIC}={topic}"));
+        let columns = self.columns.iter().map(|map| format!("{}={}", map.quantity.key(), map.text()));
+        topic.chain(columns).collect::<Vec<_>>().join(", ")
+    }
+
     /// Whether the mapping names files: then the files of a log stand side by side.
     #[must_use]
     pub fn names_files(&self) -> bool {
         self.columns.iter().any(|map| map.file.is_some())
     }
 }
+
+/// The key of a topic.
+const TOPIC: &str = "topic";
 
 const EXAMPLE: &str = "for example: t=time_ms ms, q=joint_[1-6]_pos deg, current=actual_current_[1-6] mA";
 
@@ -111,6 +131,26 @@ mod tests {
         assert_eq!(columns, ["time_ms", "p[1-2]", "torque, [1-2]"]);
         assert!(!mapping.names_files() && mapping.of(Quantity::Velocity).is_none());
         assert!(Mapping::parse("q=a:p[1-2], tau=b:p[1-2]").unwrap().names_files());
+    }
+
+    #[test]
+    fn identity_a_mapping_is_read_back_from_its_text() {
+        for text in [
+            "topic=/arm/joint_states, q=j[1-2] deg motor gear=32/-45.5 offset_deg=0/90, current=i[1-2] mA constant=0.05",
+            "t=time_ms ms, q='joint 1'/'joint 2' sign=1/-1 offset_deg=0.1, tau=pos:tau[1-2] % rated=2.5",
+        ] {
+            let mapping = Mapping::parse(text).unwrap();
+            let again = Mapping::parse(&mapping.text()).unwrap();
+            assert_eq!(again.text(), mapping.text());
+            assert_eq!((again.topic.clone(), again.columns.len()), (mapping.topic.clone(), mapping.columns.len()));
+            for (a, b) in again.columns.iter().zip(&mapping.columns) {
+                let offsets = |map: &crate::log::ColumnMap| map.offset.clone().unwrap_or_default();
+                assert!(offsets(a).iter().zip(offsets(b)).all(|(a, b)| (a - b).abs() < 1e-13));
+                assert_eq!((&a.columns, &a.gear, &a.sign, &a.unit), (&b.columns, &b.gear, &b.sign, &b.unit));
+            }
+        }
+        let topic = Mapping::parse("topic=/joint_states").unwrap();
+        assert_eq!((topic.topic.as_deref(), topic.columns.len()), (Some("/joint_states"), 0));
     }
 
     #[test]
