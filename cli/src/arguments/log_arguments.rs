@@ -1,13 +1,13 @@
 //! Which logs, of which robot, and how they become samples: what `identify` and `validate` share.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use armid::estimation::DEFAULT_BANDWIDTH_HZ;
 use armid::model::EffortInterface;
 use armid::provenance::sha256;
 use armid::signal::{Derivatives, Processing};
 use armid_io::inputs::RobotSource;
-use armid_io::log::{FoundLogs, HeldOut, find, is_table, process_all};
+use armid_io::log::{FoundLogs, HeldOut, find, is_joint_states, is_table, process_all};
 use armid_io::{Error, Inputs, LoadedRobot, LogSettings, ProcessedLog};
 
 use super::{ChainArguments, one_of};
@@ -24,8 +24,10 @@ pub(crate) struct LogArguments {
     #[command(flatten)]
     chain: ChainArguments,
     /// What the columns of a table are: "t=time_ms ms, q=joint_[1-6] deg, current=i_[1-6] mA". Keys t, q, qd, tau, current;
-    /// headings with [1-6] for the joints, or #2 for the second column, `file:heading` for files side by side; then unit,
-    /// motor, gear=, sign=, offset_deg=, constant= (N·m/A), rated= (of %), values of each joint with / between them
+    /// headings with [1-6] or [01-06] for the joints, or #2 for the second column, several with / between them (#1/#3/#2),
+    /// `file:heading` for files side by side; then unit, motor, gear=, sign=, offset_deg=, constant= (N·m/A), rated= (of %),
+    /// values of each joint with / between them. Of joint states of ROS 2 the names of joints take the place of headings,
+    /// without t, and topic=/arm/joint_states, alone or in front, says which are meant
     #[arg(long, value_name = "COLUMNS", help_heading = "Logs")]
     map: Option<String>,
     /// Rows per second of a table without a column of times
@@ -73,11 +75,17 @@ impl LogArguments {
         held_out: HeldOut,
         exactly: Option<&LogSettings>,
     ) -> Result<(ProcessedLog, Inputs), Error> {
-        // Other kinds of logs say themselves what an estimate records of tables.
-        let of_tables = remembered.filter(|_| paths.iter().all(|path| is_table(path)));
-        let mapping = self.map.clone().or_else(|| of_tables.and_then(|inputs| inputs.mapping.clone()));
-        let rate_hz = self.rate.or_else(|| of_tables.and_then(|inputs| inputs.rate_hz));
-        let found = find(paths, mapping.as_deref(), rate_hz)?;
+        // What an estimate records of tables is of tables, and of joint states of joint states.
+        let alike = remembered.filter(|inputs| {
+            let were_states = inputs.logs.iter().all(|log| is_joint_states(Path::new(log)));
+            let is_alike = if were_states { is_joint_states } else { is_table };
+            paths.iter().all(|path| is_alike(path))
+        });
+        let mapping = self.map.clone().or_else(|| alike.and_then(|inputs| inputs.mapping.clone()));
+        let rate_hz = self.rate.or_else(|| alike.and_then(|inputs| inputs.rate_hz));
+        let arm = self.named_robot(paths, remembered)?;
+        let found = find(paths, mapping.as_deref(), rate_hz, arm.as_ref().map(|loaded| &loaded.robot))?;
+        self.refuse_mapping_of_recordings(&found)?;
         let (robot, source) = self.robot(&found, remembered)?;
         let settings = match exactly {
             Some(settings) => settings.clone(),
@@ -91,6 +99,34 @@ impl LogArguments {
         let rate_hz = rate_hz.filter(|_| names_itself);
         let logs = paths.iter().map(|path| path.display().to_string()).collect();
         Ok((prepared, Inputs { robot: source, logs, held_out_log: None, files, mapping, rate_hz, settings }))
+    }
+
+    /// The robot whose joints are looked for in joint states, where it is named outside of them.
+    fn named_robot(&self, paths: &[PathBuf], remembered: Option<&Inputs>) -> Result<Option<LoadedRobot>, Error> {
+        if !paths.iter().any(|path| is_joint_states(path)) {
+            return Ok(None);
+        }
+        if let Some(name) = &self.robot {
+            return self.chain.load(name).map(Some);
+        }
+        // A recording may hold its robot: that of the estimate need not be there.
+        Ok(remembered.and_then(|inputs| {
+            let RobotSource { name, base_link, tip_link, .. } = &inputs.robot;
+            let chain = ChainArguments { base_link: base_link.clone(), tip_link: tip_link.clone() };
+            chain.load(name.as_deref()?).ok()
+        }))
+    }
+
+    /// A recording of armid's own says itself what it holds.
+    fn refuse_mapping_of_recordings(&self, found: &FoundLogs) -> Result<(), Error> {
+        let Some(log) = found.logs.iter().find(|log| log.recording.is_some()) else { return Ok(()) };
+        let (option, states) = match (&self.map, self.rate) {
+            (Some(_), _) => ("--map", "what its columns are"),
+            (None, Some(_)) => ("--rate", "its rate"),
+            (None, None) => return Ok(()),
+        };
+        let message = format!("{} is a recording of `armid run`, which states {states}, found {option}", log.name);
+        Err(Error::mismatch(message).help(format!("leave out {option}: it is of logs of other tools")))
     }
 
     /// The robot, and what it was called.

@@ -9,8 +9,8 @@ use armid_io::{Error, Inputs, ProcessedLog, Text, estimate};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answers::findings::paragraph;
 use crate::answers::estimate::{joint_names, left_out, percent, residual_json};
+use crate::answers::findings::paragraph;
 use crate::arguments::LogArguments;
 use crate::terminal::{Align, Answer, Console, Ending, Table, number};
 

@@ -6,8 +6,8 @@ use super::joint_log::Log;
 use crate::error::Error;
 
 /// What brings log and robot together.
-const HELP: &str = "`armid robot ROBOT` shows the joints of the robot, --robot names another; of a table, --map \"q=…, tau=…\" says \
-                    which columns are the joints'";
+pub(super) const HELP: &str = "`armid robot ROBOT` shows the joints of the robot, --robot names another; --map \"q=…, tau=…\" \
+                               says which columns of a table, or which joints of joint states, they are";
 
 /// The log with the robot's joints in the robot's order; joints of other things, a gripper's, are left out.
 pub(super) fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {

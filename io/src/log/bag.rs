@@ -9,6 +9,7 @@ use armid::provenance::sha256_of_bytes;
 
 use super::joint_log::Log;
 use super::origin::FileHash;
+use super::topics::{StateReading, Topics};
 use super::{foreign, mcap, sqlite};
 use crate::error::Error;
 use crate::text::read_bytes;
@@ -20,7 +21,7 @@ const RECORDED_BY: &str = "`ros2 bag record /joint_states` records one with posi
 ///
 /// # Errors
 /// [`Error`] where the folder holds no such files, or those of two bags, or no joint states.
-pub(super) fn read(folder: &Path) -> Result<Log, Error> {
+pub(super) fn read(folder: &Path, reading: &StateReading<'_>) -> Result<Log, Error> {
     let name = folder.display().to_string();
     let entries = fs::read_dir(folder).map_err(|error| Error::unreadable(folder, &error))?;
     let files: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
@@ -47,31 +48,36 @@ pub(super) fn read(folder: &Path) -> Result<Log, Error> {
         }
     };
     files.sort_by_key(|path| (number(path), path.clone()));
-    of_files(&name, &files)
+    of_files(&name, &files, reading)
 }
 
 /// Reads the joint states of one file of a bag in SQLite.
 ///
 /// # Errors
 /// As [`read`].
-pub(super) fn read_sqlite(file: &Path) -> Result<Log, Error> {
-    of_files(&file.display().to_string(), &[file.to_path_buf()])
+pub(super) fn read_sqlite(file: &Path, reading: &StateReading<'_>) -> Result<Log, Error> {
+    of_files(&file.display().to_string(), &[file.to_path_buf()], reading)
 }
 
-fn of_files(name: &str, files: &[PathBuf]) -> Result<Log, Error> {
-    let (mut states, mut hashes) = (Vec::new(), Vec::new());
+fn of_files(name: &str, files: &[PathBuf], reading: &StateReading<'_>) -> Result<Log, Error> {
+    let (mut topics, mut hashes) = (Topics::new(), Vec::new());
     for path in files {
         let bytes = read_bytes(path, &RECORDING_BYTES)?;
         let is_sqlite = path.extension().is_some_and(|ending| ending == "db3");
-        let more =
-            if is_sqlite { sqlite::bag_states(path) } else { mcap::bag_states(&path.display().to_string(), &bytes) };
-        states.extend(more?);
+        let more = if is_sqlite { sqlite::topics(path) } else { mcap::topics(&path.display().to_string(), &bytes) };
+        for (topic, messages) in more? {
+            match topics.iter_mut().find(|(known, _)| *known == topic) {
+                Some((_, known)) => known.extend(messages),
+                None => topics.push((topic, messages)),
+            }
+        }
         hashes.push(FileHash { path: path.display().to_string(), sha256: sha256_of_bytes(&bytes) });
     }
-    if states.is_empty() {
+    let messages = reading.one_topic(name, topics)?;
+    if messages.is_empty() {
         return Err(Error::new(format!("{name} holds no joint states")).help(RECORDED_BY));
     }
-    let mut log = foreign::log(name, &states)?;
+    let mut log = foreign::log(name, &messages, reading)?;
     log.origin.files = hashes;
     Ok(log)
 }
@@ -87,6 +93,7 @@ fn number(path: &Path) -> u64 {
 mod tests {
     use std::path::Path;
 
+    use super::super::topics::StateReading;
     use super::{number, read};
 
     #[test]
@@ -99,7 +106,7 @@ mod tests {
     fn a_folder_that_is_no_bag_is_refused_with_what_helps() {
         let folder = tempfile::tempdir().unwrap();
         let refused = |wanted: &str| {
-            let fault = read(folder.path()).unwrap_err().to_string();
+            let fault = read(folder.path(), &StateReading::default()).unwrap_err().to_string();
             assert!(fault.contains(wanted), "{fault}");
         };
         refused("without .mcap or .db3 files");

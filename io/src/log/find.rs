@@ -2,10 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
+use armid::model::Robot;
+
 use super::foreign_csv;
 use super::joint_log::Log;
 use super::log_file::LogFile;
 use super::mapping::Mapping;
+use super::topics::StateReading;
 use crate::error::Error;
 use crate::text::Text;
 
@@ -23,11 +26,17 @@ pub struct FoundLogs {
 }
 
 /// Reads logs: MCAP files, tables, and TOML files with a `[log]` table. Tables are logs of their own, or one side by side where
-/// the mapping names files. Mapping and rate are those of tables.
+/// the mapping names files. The rate is that of tables; the mapping is of tables or of joint states of other tools, in which the
+/// joints of `robot` are looked for. A recording of armid's own has neither.
 ///
 /// # Errors
 /// [`Error`] where a file cannot be read, is no log, or is not as the mapping says.
-pub fn find(paths: &[PathBuf], mapping: Option<&str>, rate_hz: Option<f64>) -> Result<FoundLogs, Error> {
+pub fn find(
+    paths: &[PathBuf],
+    mapping: Option<&str>,
+    rate_hz: Option<f64>,
+    robot: Option<&Robot>,
+) -> Result<FoundLogs, Error> {
     let parsed = mapping.map(Mapping::parse).transpose()?;
     let mut found = FoundLogs::default();
     if parsed.as_ref().is_some_and(Mapping::names_files) && paths.iter().all(|path| is_table(path)) {
@@ -53,7 +62,15 @@ pub fn find(paths: &[PathBuf], mapping: Option<&str>, rate_hz: Option<f64>) -> R
             log.origin.mapping = mapping.map(str::to_owned);
             found.logs.push(log);
         } else {
-            found.logs.push(Log::read(path)?);
+            let mut log = Log::read_as(path, &StateReading { mapping: parsed.as_ref(), robot })?;
+            if let (Some(rate), None, false) = (rate_hz, &log.recording, is_table(path)) {
+                let message = format!("{} has the stamps of its messages, found a rate of {rate} Hz", log.name);
+                return Err(
+                    Error::mismatch(message).help("--rate is of tables without a column of times: leave it out")
+                );
+            }
+            log.origin.mapping = mapping.filter(|_| log.recording.is_none()).map(str::to_owned);
+            found.logs.push(log);
         }
     }
     if found.logs.is_empty() {
@@ -67,4 +84,11 @@ pub fn find(paths: &[PathBuf], mapping: Option<&str>, rate_hz: Option<f64>) -> R
 pub fn is_table(path: &Path) -> bool {
     let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
     !path.is_dir() && [".mcap", ".mcap.part", ".db3", ".toml"].iter().all(|ending| !name.ends_with(ending))
+}
+
+/// Whether a path is that of a bag, of one of its files or of an MCAP, by its name.
+#[must_use]
+pub fn is_joint_states(path: &Path) -> bool {
+    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
+    path.is_dir() || [".mcap", ".mcap.part", ".db3"].iter().any(|ending| name.ends_with(ending))
 }

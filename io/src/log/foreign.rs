@@ -1,31 +1,183 @@
 //! Joint states that something else recorded.
 
+use std::collections::BTreeSet;
+
 use armid::cdr::JointState;
+use armid::model::EffortInterface;
 
 use super::conversion::Conversion;
 use super::joint_log::Log;
-use super::origin::Origin;
+use super::joint_names::names_in_log;
+use super::mapping::{ColumnMap, Mapping, Quantity, listed};
+use super::origin::{Origin, ReadAs};
 use super::raw_log::RawLog;
-use super::state_table::{columns, velocities};
+use super::state_rows::StateRows;
+use super::topics::{Message, StateReading};
 use crate::error::Error;
 
+/// Joints of one quantity, and how their values become those of the robot's.
+struct Column {
+    map: ColumnMap,
+    joints: Vec<String>,
+}
+
+/// What is read from joint states.
+struct Plan {
+    q: Column,
+    /// Velocities: in any case, or where every message has them.
+    qd: Option<(Column, bool)>,
+    effort: Column,
+    /// What the robot calls the joints; `None` where the mapping puts them in order.
+    joints: Option<Vec<String>>,
+    remarks: Vec<String>,
+}
+
 /// A log whose times are the stamps of its messages.
-pub(super) fn log(name: &str, states: &[JointState]) -> Result<Log, Error> {
-    let joints = states[0].name.clone();
-    let (q, effort) = columns(name, &joints, states)?;
-    let first = states[0].stamp.ns();
+pub(super) fn log(name: &str, messages: &[Message], reading: &StateReading<'_>) -> Result<Log, Error> {
+    let plan = Plan::of(name, messages, reading)?;
+    let dof = plan.q.joints.len();
+    let columns = || [&plan.q, &plan.effort].into_iter().chain(plan.qd.as_ref().map(|(column, _)| column));
+    let needed: BTreeSet<&String> = columns().flat_map(|column| &column.joints).collect();
+    let rows = StateRows::of(name, messages, needed.into_iter().cloned().collect())?;
+    let qd = match &plan.qd {
+        Some((column, needed)) => match rows.velocities(&column.joints) {
+            None if *needed => {
+                let message =
+                    format!("{name}: a message has no velocity of a joint, expected one for each joint of qd");
+                return Err(Error::new(message).help("leave out qd: velocities are made from the positions"));
+            }
+            found => found.map(|values| column.scaled(values)).transpose()?,
+        },
+        None => None,
+    };
+    let (conversion, effort_unit) =
+        Conversion::of_maps(&plan.q.map, plan.qd.as_ref().map(|(column, _)| &column.map), &plan.effort.map, dof)?;
+    let is_mapped = plan.joints.is_none();
+    let first = rows.times_ns.first().copied().unwrap_or(0);
+    let said = |column: &Column| {
+        let unit = column.map.unit.unwrap_or(column.map.quantity.units()[0]).name();
+        let side = if column.map.motor { " at the motors" } else { "" };
+        format!("{} from {} in {unit}{side}", column.map.quantity.key(), column.joints.join(" "))
+    };
+    // Velocities that nobody asked for are not part of a correction.
+    let stated = || columns().filter(|column| is_mapped || column.map.quantity != Quantity::Velocity);
+    let read_as = (is_mapped || reading.robot.is_some()).then(|| ReadAs {
+        mapping: Mapping {
+            columns: stated().map(Column::listed).collect(),
+            topic: reading.mapping.and_then(|mapping| mapping.topic.clone()),
+        },
+        columns: columns().map(|column| (column.map.quantity, column.joints.clone())).collect(),
+    });
     let raw = RawLog {
         name: name.to_owned(),
-        dof: joints.len(),
-        t: states.iter().map(|state| (i128::from(state.stamp.ns()) - i128::from(first)) as f64 * 1e-9).collect(),
+        dof,
+        t: rows.times_ns.iter().map(|&time| (i128::from(time) - i128::from(first)) as f64 * 1e-9).collect(),
         rate_hz: None,
-        qd: velocities(&joints, states),
-        joints: Some(joints),
-        q,
-        effort,
-        effort_unit: None,
-        conversion: Conversion::default(),
-        origin: Origin::default(),
+        q: plan.q.scaled(rows.values(&plan.q.joints, |state: &JointState| &state.position)?)?,
+        qd,
+        effort: plan.effort.scaled(rows.values(&plan.effort.joints, |state: &JointState| &state.effort)?)?,
+        effort_unit: is_mapped.then_some(effort_unit),
+        conversion,
+        origin: Origin {
+            columns: if is_mapped { columns().map(said).collect() } else { Vec::new() },
+            remarks: plan.remarks.iter().chain(&rows.remarks).cloned().collect(),
+            read_as,
+            ..Origin::default()
+        },
+        joints: plan.joints,
     };
     raw.even(|row, message| Error::new(format!("{name}: message {}: {message}", row + 1)))
+}
+
+impl Plan {
+    fn of(name: &str, messages: &[Message], reading: &StateReading<'_>) -> Result<Self, Error> {
+        let Some(first) = messages.first() else { return Err(Error::new(format!("{name} holds no joint states"))) };
+        let found: BTreeSet<&str> =
+            messages.iter().flat_map(|message| &message.state.name).map(String::as_str).collect();
+        if let Some(mapping) = reading.mapping.filter(|mapping| !mapping.columns.is_empty()) {
+            return Self::of_mapping(name, mapping, &found);
+        }
+        let (in_log, prefix) = match reading.robot {
+            Some(robot) => names_in_log(name, robot, &found)?,
+            None => (first.state.name.clone(), None),
+        };
+        let joints = match reading.robot {
+            Some(robot) => robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+            None => in_log.clone(),
+        };
+        let effort = match reading.robot.map(|robot| robot.effort()) {
+            Some(EffortInterface::Current) => Quantity::Current,
+            Some(EffortInterface::Torque) | None => Quantity::Torque,
+        };
+        let of = |quantity| Column { map: ColumnMap::new(quantity, ""), joints: in_log.clone() };
+        Ok(Self {
+            q: of(Quantity::Position),
+            qd: Some((of(Quantity::Velocity), false)),
+            effort: of(effort),
+            joints: Some(joints),
+            remarks: prefix.iter().map(|prefix| format!("the joints are those with the prefix \"{prefix}\"")).collect(),
+        })
+    }
+
+    /// The joints that a mapping names.
+    fn of_mapping(name: &str, mapping: &Mapping, found: &BTreeSet<&str>) -> Result<Self, Error> {
+        let of = |quantity: Quantity| -> Result<Option<Column>, Error> {
+            let Some(map) = mapping.of(quantity) else { return Ok(None) };
+            let key = quantity.key();
+            let help = "of joint states, --map names joints: --map \"q=joint[1-6] deg, tau=joint[1-6] motor gear=100\"";
+            let joints = listed(&map.columns, |joint| found.contains(joint))
+                .map_err(|fault| Error::new(format!("{key}: {fault}")))?;
+            if let Some(file) = &map.file {
+                let message =
+                    format!("{key}: {name} holds joint states, found the file \"{file}\" in front of a joint");
+                return Err(Error::mismatch(message).help(help));
+            }
+            if let Some(missing) = joints.iter().find(|joint| !found.contains(joint.as_str())) {
+                let list = found.iter().copied().collect::<Vec<_>>().join(", ");
+                let message = format!("{key}: {name} holds no joint \"{missing}\", found {list}");
+                return Err(Error::mismatch(message).help(help));
+            }
+            Ok(Some(Column { map: map.clone(), joints }))
+        };
+        if mapping.of(Quantity::Time).is_some() {
+            let message =
+                format!("t: the times of {name} are the stamps of its messages, expected none in the mapping");
+            return Err(Error::mismatch(message).help("leave out t"));
+        }
+        let needed = |column: Option<Column>, key: &str| {
+            column.ok_or_else(|| Error::new(format!("{name}: {key} is missing in the mapping")))
+        };
+        let q = needed(of(Quantity::Position)?, "q")?;
+        let effort = match of(Quantity::Torque)? {
+            Some(torque) => torque,
+            None => needed(of(Quantity::Current)?, "tau or current")?,
+        };
+        let qd = of(Quantity::Velocity)?;
+        for column in [&effort].into_iter().chain(&qd) {
+            let (key, count, dof) = (column.map.quantity.key(), column.joints.len(), q.joints.len());
+            if count != dof {
+                return Err(Error::new(format!("{key} names {count} joints, expected {dof}, as many as q")));
+            }
+        }
+        Ok(Self { q, qd: qd.map(|column| (column, true)), effort, joints: None, remarks: Vec::new() })
+    }
+}
+
+impl Column {
+    /// Values with sign, unit and what else the mapping states.
+    fn scaled(&self, mut values: Vec<f64>) -> Result<Vec<f64>, Error> {
+        let unit = self.map.unit.unwrap_or(self.map.quantity.units()[0]);
+        let factors = self.map.factors(unit, self.joints.len())?;
+        for row in values.chunks_exact_mut(factors.len().max(1)) {
+            for (value, factor) in row.iter_mut().zip(&factors) {
+                *value *= factor;
+            }
+        }
+        Ok(values)
+    }
+
+    /// The map with every joint written out.
+    fn listed(&self) -> ColumnMap {
+        ColumnMap { columns: self.joints.join("/"), ..self.map.clone() }
+    }
 }

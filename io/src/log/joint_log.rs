@@ -11,6 +11,7 @@ use armid::provenance::sha256_of_bytes;
 
 use super::conversion::Conversion;
 use super::origin::{FileHash, Origin};
+use super::topics::StateReading;
 use super::{bag, csv, mcap, sqlite};
 use crate::error::Error;
 use crate::robot::LoadedRobot;
@@ -80,15 +81,23 @@ impl Log {
     /// # Errors
     /// [`Error`] where the file cannot be read or is no log.
     pub fn read(path: &Path) -> Result<Self, Error> {
+        Self::read_as(path, &StateReading::default())
+    }
+
+    /// The same, where it is known what is looked for in joint states of other tools.
+    ///
+    /// # Errors
+    /// As [`Self::read`].
+    pub(super) fn read_as(path: &Path, reading: &StateReading<'_>) -> Result<Self, Error> {
         if path.is_dir() {
-            return bag::read(path);
+            return bag::read(path, reading);
         }
         let bytes = read_bytes(path, &RECORDING_BYTES)?;
         if bytes.starts_with(sqlite::MAGIC) {
-            return bag::read_sqlite(path);
+            return bag::read_sqlite(path, reading);
         }
         if bytes.starts_with(::mcap::MAGIC) {
-            let mut log = mcap::parse(path, &bytes)?;
+            let mut log = mcap::parse_as(path, &bytes, reading)?;
             log.origin.files = vec![FileHash { path: path.display().to_string(), sha256: sha256_of_bytes(&bytes) }];
             return Ok(log);
         }

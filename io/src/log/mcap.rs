@@ -1,6 +1,6 @@
 //! MCAP files back to values: armid's own, and those of other tools that hold joint states.
 
-use std::collections::BTreeMap;
+use std::collections::{BTreeMap, BTreeSet};
 use std::path::Path;
 
 use ::mcap::McapError;
@@ -9,7 +9,7 @@ use armid::cdr::{FloatArray, JointState};
 
 use super::joint_log::Log;
 use super::mcap_records::Records;
-use super::topics::one_topic;
+use super::topics::{Message, StateReading, Topics};
 use super::{foreign, recorded};
 use crate::error::Error;
 use crate::recording::{ENDING, METADATA, STATES, VOLTAGE};
@@ -23,10 +23,12 @@ pub(super) struct Contents {
     pub(super) ending: BTreeMap<String, String>,
     /// Every joint state, in order.
     pub(super) states: Vec<JointState>,
+    /// When each of them was recorded, ns.
+    recorded_ns: Vec<i64>,
     /// Time, ns, and motor voltages.
     pub(super) voltages: Vec<(u64, Vec<f64>)>,
-    /// Joint states on other topics, by channel: the topic, and every state.
-    others: BTreeMap<u16, (String, Vec<JointState>)>,
+    /// Joint states on other topics, by channel: the topic, and every message.
+    others: BTreeMap<u16, (String, Vec<Message>)>,
     /// Whether its end is there.
     whole: bool,
 }
@@ -37,10 +39,20 @@ pub(super) struct Contents {
 /// # Errors
 /// [`Error`] where the bytes are no MCAP, are damaged or cut off, or hold no joint states.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
+    parse_as(path, bytes, &StateReading::default())
+}
+
+/// The same, where it is known what is looked for in joint states of other tools.
+///
+/// # Errors
+/// As [`parse`].
+pub(super) fn parse_as(path: &Path, bytes: &[u8], reading: &StateReading<'_>) -> Result<Log, Error> {
     let name = path.display().to_string();
     let mut contents = contents(&name, bytes)?;
-    if contents.states.is_empty() {
-        contents.states = contents.of_one_topic(&name)?;
+    let mut messages = Vec::new();
+    if contents.metadata.is_none() {
+        messages = reading.one_topic(&name, contents.topics())?;
+        contents.states = messages.iter().map(|message| message.state.clone()).collect();
     }
     if !contents.whole && path.extension().is_none_or(|extension| extension != "part") {
         let last = contents.states.last().map_or(0.0, |state| state.stamp.seconds());
@@ -60,23 +72,40 @@ pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
     let whole = contents.whole;
     let mut log = match &contents.metadata {
         Some(metadata) => recorded::log(&name, metadata, &contents)?,
-        None => foreign::log(&name, &contents.states)?,
+        None => foreign::log(&name, &messages, reading)?,
     };
     log.complete = whole;
     Ok(log)
 }
 
 impl Contents {
-    /// The joint states of the only topic that has any, where it is not the usual one; none where no topic has.
-    fn of_one_topic(&mut self, name: &str) -> Result<Vec<JointState>, Error> {
-        one_topic(name, std::mem::take(&mut self.others).into_values())
+    /// The joint states by topic.
+    fn topics(&mut self) -> Topics {
+        let usual = std::mem::take(&mut self.states).into_iter().zip(std::mem::take(&mut self.recorded_ns));
+        let usual = usual.map(|(state, recorded_ns)| Message { recorded_ns, state }).collect();
+        let mut topics: Topics = vec![(STATES.to_owned(), usual)];
+        for (topic, messages) in std::mem::take(&mut self.others).into_values() {
+            match topics.iter_mut().find(|(known, _)| *known == topic) {
+                // Senders of one topic may have channels of their own.
+                Some((_, known)) => {
+                    known.extend(messages);
+                    known.sort_by_key(|message| message.recorded_ns);
+                }
+                None => topics.push((topic, messages)),
+            }
+        }
+        topics
     }
 }
 
-/// The joint states of one file of a bag.
-pub(super) fn bag_states(name: &str, bytes: &[u8]) -> Result<Vec<JointState>, Error> {
-    let mut contents = contents(name, bytes)?;
-    if contents.states.is_empty() { contents.of_one_topic(name) } else { Ok(contents.states) }
+/// The joint states of one file of a bag, by topic.
+pub(super) fn topics(name: &str, bytes: &[u8]) -> Result<Topics, Error> {
+    Ok(contents(name, bytes)?.topics())
+}
+
+/// A time of a record, ns.
+fn time_ns(time: u64) -> i64 {
+    i64::try_from(time).unwrap_or(i64::MAX)
 }
 
 fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
@@ -90,7 +119,7 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
         }
     };
     let mut contents = Contents::default();
-    let (mut channel, mut voltage) = (None, None);
+    let (mut channels, mut voltage) = (BTreeSet::new(), None);
     let (mut schema, mut arrays) = (None, None);
     // A chunk's checksum is checked at its end: where that fails it says more than the message that was damaged.
     let mut undecodable: Option<Error> = None;
@@ -106,7 +135,7 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
                     let message = format!("{name}: {STATES} is not {} in CDR, as recorded by ROS 2", JointState::NAME);
                     return Err(Error::new(message));
                 }
-                channel = Some(found.id);
+                channels.insert(found.id);
             }
             Ok(Record::Channel(found)) if schema == Some(found.schema_id) && found.message_encoding == "cdr" => {
                 contents.others.insert(found.id, (found.topic, Vec::new()));
@@ -114,17 +143,20 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
             Ok(Record::Message { header, data }) if contents.others.contains_key(&header.channel_id) => {
                 let (topic, states) = contents.others.entry(header.channel_id).or_default();
                 match JointState::decode(&data) {
-                    Ok(state) => states.push(state),
+                    Ok(state) => states.push(Message { recorded_ns: time_ns(header.log_time), state }),
                     Err(error) => {
                         let message = format!("{name}: message {} on {topic}: {error}", states.len() + 1);
                         undecodable.get_or_insert_with(|| Error::new(message));
                     }
                 }
             }
-            Ok(Record::Message { header, data }) if Some(header.channel_id) == channel => {
+            Ok(Record::Message { header, data }) if channels.contains(&header.channel_id) => {
                 let number = contents.states.len() + 1;
                 match JointState::decode(&data) {
-                    Ok(state) => contents.states.push(state),
+                    Ok(state) => {
+                        contents.states.push(state);
+                        contents.recorded_ns.push(time_ns(header.log_time));
+                    }
                     Err(error) => {
                         let message = format!("{name}: message {number} on {STATES}: {error}");
                         undecodable.get_or_insert_with(|| Error::new(message));

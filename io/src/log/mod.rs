@@ -3,7 +3,7 @@
 //! | file | holds |
 //! |---|---|
 //! | MCAP of `armid run` | the recording with its plan, its robot and its provenance |
-//! | MCAP of other tools, or a folder of `ros2 bag` with files in MCAP or SQLite | `sensor_msgs/msg/JointState` on `/joint_states`, or on the one topic that has them; the rate comes from the stamps |
+//! | MCAP of other tools, or a folder of `ros2 bag` with files in MCAP or SQLite | `sensor_msgs/msg/JointState` on `/joint_states`, on the one topic that has them, or on the one that a [`Mapping`] states; the rate comes from the stamps |
 //! | CSV of armid | `t,q1..qn,tau1..taun` (N·m) or `t,q1..qn,current1..currentn` (A) |
 //! | tables of other tools | any headings; a [`Mapping`] says what the columns are |
 //!
@@ -21,6 +21,7 @@ mod foreign;
 mod foreign_csv;
 mod gaps;
 mod joint_log;
+mod joint_names;
 mod log_file;
 mod mapping;
 mod mcap;
@@ -33,12 +34,13 @@ mod recorded;
 mod settings;
 mod sqlite;
 mod stamps;
+mod state_rows;
 mod state_table;
 mod topics;
 
 pub use channels::{ChannelFault, ChannelState};
 pub use csv::{parse as parse_csv, write as write_csv};
-pub use find::{FoundLogs, find, is_table};
+pub use find::{FoundLogs, find, is_joint_states, is_table};
 pub use foreign_csv::parse as parse_tables;
 pub use gaps::Gaps;
 pub use joint_log::{Log, RecordedRobot, Segment};

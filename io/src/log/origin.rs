@@ -59,7 +59,8 @@ impl Origin {
     /// What `--map` is to say where the efforts are currents of motors whose constants are not known.
     pub(super) fn with_constants(&self) -> Option<String> {
         let mut mapping = self.read_as.as_ref()?.mapping.clone();
-        let effort = mapping.columns.iter_mut().find(|map| matches!(map.quantity, Quantity::Current | Quantity::Torque))?;
+        let effort =
+            mapping.columns.iter_mut().find(|map| matches!(map.quantity, Quantity::Current | Quantity::Torque))?;
         (effort.quantity, effort.constant, effort.gear) = (Quantity::Current, Some(vec![0.05]), Some(vec![100.0]));
         Some(mapping.text())
     }

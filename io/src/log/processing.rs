@@ -138,7 +138,8 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
 
 /// The times to begin and to end at leave no sample.
 fn nothing_left(log: &Log, settings: &LogSettings) -> Error {
-    let end = log.segments.last().map_or(0.0, |last| last.start_s + last.samples.saturating_sub(1) as f64 / log.rate_hz);
+    let end =
+        log.segments.last().map_or(0.0, |last| last.start_s + last.samples.saturating_sub(1) as f64 / log.rate_hz);
     let asked = match settings.until_s {
         Some(until) => format!("--from {} --until {until}", settings.from_s),
         None => format!("--from {}", settings.from_s),

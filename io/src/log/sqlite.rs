@@ -10,19 +10,17 @@ use std::path::{Path, PathBuf};
 use armid::cdr::JointState;
 use rusqlite::{Connection, OpenFlags};
 
-use super::topics::one_topic;
+use super::topics::{Message, Topics};
 use crate::error::Error;
-use crate::recording::STATES;
 
 /// How such a file begins.
 pub(super) const MAGIC: &[u8] = b"SQLite format 3\0";
 
-/// The joint states of one file, in the order of their times: those on the usual topic, else those of the only one that has
-/// any.
+/// The joint states of one file by topic, in the order of their times.
 ///
 /// # Errors
 /// [`Error`] where the file is no such database, is still being written, or a message is no joint state.
-pub(super) fn bag_states(path: &Path) -> Result<Vec<JointState>, Error> {
+pub(super) fn topics(path: &Path) -> Result<Topics, Error> {
     let name = path.display().to_string();
     let mut journal = path.as_os_str().to_owned();
     journal.push("-wal");
@@ -36,7 +34,7 @@ pub(super) fn bag_states(path: &Path) -> Result<Vec<JointState>, Error> {
     let fault = |error: rusqlite::Error| Error::new(format!("{name} cannot be read as a bag in SQLite: {error}"));
     let flags = OpenFlags::SQLITE_OPEN_READ_ONLY | OpenFlags::SQLITE_OPEN_NO_MUTEX;
     let bag = Connection::open_with_flags(path, flags).map_err(fault)?;
-    let mut topics: BTreeMap<i64, (String, Vec<JointState>)> = BTreeMap::new();
+    let mut topics: BTreeMap<i64, (String, Vec<Message>)> = BTreeMap::new();
     let mut query = bag.prepare("SELECT id, name, type, serialization_format FROM topics").map_err(fault)?;
     let mut rows = query.query([]).map_err(fault)?;
     while let Some(row) = rows.next().map_err(fault)? {
@@ -50,23 +48,20 @@ pub(super) fn bag_states(path: &Path) -> Result<Vec<JointState>, Error> {
         }
         topics.insert(row.get(0).map_err(fault)?, (topic, Vec::new()));
     }
-    let mut query =
-        bag.prepare("SELECT data FROM messages WHERE topic_id = ?1 ORDER BY timestamp, id").map_err(fault)?;
-    for (id, (topic, states)) in &mut topics {
+    let mut query = bag
+        .prepare("SELECT data, timestamp FROM messages WHERE topic_id = ?1 ORDER BY timestamp, id")
+        .map_err(fault)?;
+    for (id, (topic, messages)) in &mut topics {
         let mut rows = query.query([id]).map_err(fault)?;
         while let Some(row) = rows.next().map_err(fault)? {
             let value = row.get_ref(0).map_err(fault)?;
             let data = value.as_blob().map_err(|error| fault(error.into()))?;
             let state = JointState::decode(data)
-                .map_err(|error| Error::new(format!("{name}: message {} on {topic}: {error}", states.len() + 1)))?;
-            states.push(state);
+                .map_err(|error| Error::new(format!("{name}: message {} on {topic}: {error}", messages.len() + 1)))?;
+            messages.push(Message { recorded_ns: row.get(1).map_err(fault)?, state });
         }
     }
-    let usual = topics.iter().find(|(_, (topic, states))| topic == STATES && !states.is_empty()).map(|(id, _)| *id);
-    match usual.and_then(|id| topics.remove(&id)) {
-        Some((_, states)) => Ok(states),
-        None => one_topic(&name, topics.into_values()),
-    }
+    Ok(topics.into_values().collect())
 }
 
 #[cfg(test)]
@@ -76,7 +71,15 @@ mod tests {
     use armid::cdr::{JointState, Time};
     use rusqlite::Connection;
 
-    use super::bag_states;
+    use super::super::topics::StateReading;
+    use super::topics;
+    use crate::error::Error;
+    use crate::log::Mapping;
+
+    fn bag_states(path: &Path) -> Result<Vec<JointState>, Error> {
+        let messages = StateReading::default().one_topic("bag", topics(path)?)?;
+        Ok(messages.into_iter().map(|message| message.state).collect())
+    }
 
     fn state(k: i32) -> JointState {
         JointState {
@@ -133,14 +136,25 @@ mod tests {
     #[test]
     fn the_only_topic_is_taken_and_several_are_refused() {
         let folder = tempfile::tempdir().unwrap();
-        let topics = [(1, "/arm/states", JOINTS, "cdr"), (2, "/hand/states", JOINTS, "cdr")];
-        let path = bag(folder.path(), &topics, &[(1, 1, state(3).encode().unwrap())]);
+        let both = [(1, "/arm/states", JOINTS, "cdr"), (2, "/hand/states", JOINTS, "cdr")];
+        let path = bag(folder.path(), &both, &[(1, 1, state(3).encode().unwrap())]);
         assert_eq!(bag_states(&path).unwrap(), [state(3)]);
         std::fs::remove_file(&path).unwrap();
-        let path =
-            bag(folder.path(), &topics, &[(1, 1, state(3).encode().unwrap()), (2, 1, state(3).encode().unwrap())]);
+        let path = bag(folder.path(), &both, &[(1, 1, state(3).encode().unwrap()), (2, 1, state(3).encode().unwrap())]);
         let fault = bag_states(&path).unwrap_err().to_string();
         assert!(fault.contains("on /arm/states, /hand/states, expected /joint_states"), "{fault}");
+        // The one that is stated, with the times at which the recorder had its messages.
+        let stated = |topic: &str| {
+            let mapping = Mapping::parse(topic).unwrap();
+            StateReading { mapping: Some(&mapping), robot: None }.one_topic("bag", topics(&path).unwrap())
+        };
+        let found = stated("topic=/hand/states").unwrap();
+        assert_eq!(
+            found.iter().map(|message| (message.recorded_ns, message.state.clone())).collect::<Vec<_>>(),
+            [(1, state(3))]
+        );
+        let fault = stated("topic=/states").unwrap_err().to_string();
+        assert!(fault.contains("no joint states on /states, found /arm/states, /hand/states"), "{fault}");
     }
 
     #[test]

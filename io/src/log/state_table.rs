@@ -28,15 +28,3 @@ pub(super) fn columns(name: &str, joints: &[String], states: &[JointState]) -> R
     }
     Ok((q, effort))
 }
-
-/// Velocities in the order of `joints`; `None` where a message lacks one.
-pub(super) fn velocities(joints: &[String], states: &[JointState]) -> Option<Vec<f64>> {
-    let mut qd = Vec::with_capacity(states.len() * joints.len());
-    for state in states {
-        for joint in joints {
-            let at = state.name.iter().position(|found| found == joint)?;
-            qd.push(*state.velocity.get(at)?);
-        }
-    }
-    Some(qd)
-}

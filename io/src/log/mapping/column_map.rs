@@ -164,17 +164,14 @@ impl ColumnMap {
         }];
         words.extend(self.unit.map(|unit| unit.name().to_owned()));
         words.extend(self.motor.then(|| "motor".to_owned()));
-        let degrees: Option<Vec<f64>> = self.offset.as_deref().map(|list| list.iter().map(|x| x.to_degrees()).collect());
+        let degrees: Option<Vec<f64>> =
+            self.offset.as_deref().map(|list| list.iter().map(|x| x.to_degrees()).collect());
         // An offset that is held in rad (m) is in the unit that a rotation or a translation is stated in.
         let in_degrees = !matches!(self.unit, Some(Unit::M | Unit::Mm));
         let offset = if in_degrees { ("offset_deg", &degrees) } else { ("offset_rad", &self.offset) };
-        for (name, list) in [
-            ("gear", &self.gear),
-            ("sign", &self.sign),
-            offset,
-            ("constant", &self.constant),
-            ("rated", &self.rated),
-        ] {
+        for (name, list) in
+            [("gear", &self.gear), ("sign", &self.sign), offset, ("constant", &self.constant), ("rated", &self.rated)]
+        {
             if let Some(list) = list {
                 // Twelve digits: what rounding adds to degrees is not written.
                 let number = |x: &f64| format!("{x:.12}").parse::<f64>().unwrap_or(*x).to_string();

@@ -84,8 +84,7 @@ mod tests {
     fn corrections_are_mappings_that_can_be_typed() {
         let read_as = Mapping::parse("t=#1, q=a/b/c deg sign=-1, tau=#[5-7]").unwrap();
         let names = |names: [&str; 3]| names.map(str::to_owned).to_vec();
-        let columns =
-            [(Quantity::Position, names(["a", "b", "c"])), (Quantity::Torque, names(["#5", "#6", "#7"]))];
+        let columns = [(Quantity::Position, names(["a", "b", "c"])), (Quantity::Torque, names(["#5", "#6", "#7"]))];
         for (mistake, wanted) in [
             (Mistake::JointsSwapped { joints: [2, 3] }, "t=#1, q=a/c/b deg sign=-1, tau=#5/#7/#6"),
             (Mistake::PositionsSwapped { joints: [1, 3] }, "t=#1, q=c/b/a deg sign=-1, tau=#[5-7]"),
