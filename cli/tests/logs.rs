@@ -241,3 +241,93 @@ fn what_a_log_lacks_is_said_with_what_helps() {
         assert!(fault.contains(wanted), "{wanted} not in {fault}");
     }
 }
+
+#[test]
+fn the_correction_of_exchanged_columns_can_be_typed_as_it_is_printed() {
+    let folder = temporary();
+    let rows = recorded(folder.path());
+    let plain = identify(&[folder.path().join("R.csv").to_str().unwrap()]);
+    let text = |headings: &str, separator: &str| {
+        table(headings, separator, &rows, |_, row| {
+            let (mut q, mut current) = (row.1.clone(), row.2.clone());
+            q.swap(1, 2);
+            current.swap(1, 2);
+            [vec![row.0], q, current].concat()
+        })
+    };
+    // Headings of one's own, some with a blank or a slash; and none.
+    let headings = "t;base pos;arm/shoulder;elbow_pos;q4;q5;q6;i01;i02;i03;i04;i05;i06";
+    let named = write(folder.path(), "named.csv", &text(headings, ";"));
+    let bare = write(folder.path(), "bare.csv", &text("", ","));
+    for (file, map, wanted) in [
+        (
+            &named,
+            "q='base pos'/arm/shoulder/elbow_pos/q[4-6], current=i[01-06], t=t",
+            "t=t, q=#2/elbow_pos/#3/q4/q5/q6, current=i01/i03/i02/i04/i05/i06",
+        ),
+        (&bare, "t=#1, q=#[2-7], current=#[8-13]", "t=#1, q=#2/#4/#3/#5/#6/#7, current=#8/#10/#9/#11/#12/#13"),
+    ] {
+        let found = identify(&[file, "--map", map]);
+        let advice = found["suspicions"][0]["advice"].as_str().expect("a suspicion");
+        let typed = advice.split("--map \"").nth(1).and_then(|rest| rest.split('"').next()).expect("a mapping");
+        assert_eq!(typed, wanted, "{advice}");
+        let corrected = identify(&[file, "--map", typed]);
+        assert!(distance(&plain, &corrected) < 1e-6, "{}", distance(&plain, &corrected));
+        assert_eq!(corrected["suspicions"], Value::from(Vec::<Value>::new()));
+    }
+}
+
+#[test]
+fn slow_logs_and_parts_beyond_a_log_are_refused_with_what_helps() {
+    let folder = temporary();
+    let rows = recorded(folder.path());
+    let headings = "t,q1,q2,q3,q4,q5,q6,current1,current2,current3,current4,current5,current6";
+    let part = |name: &str, step: usize| {
+        let rows: Vec<Row> = rows.iter().step_by(step).cloned().collect();
+        let text = table(headings, ",", &rows, |_, row| [vec![row.0], row.1.clone(), row.2.clone()].concat());
+        write(folder.path(), name, &text)
+    };
+    // 500 Hz over 25.
+    let slow = part("slow.csv", 25);
+    let refused = |file: &str, more: &[&str]| {
+        stderr(&armid(["identify", file, "--robot", "staubli-tx40"].iter().chain(more)).code(2))
+    };
+    let fault = refused(&slow, &[]);
+    assert!(fault.contains("cut-off frequency is 10 Hz") && fault.contains("--cutoff-hz 8 "), "{fault}");
+    assert!(identify(&[&slow, "--cutoff-hz", "8"])["base"].is_array());
+
+    let whole = part("whole.csv", 1);
+    let fault = refused(&whole, &["--from", "1000"]);
+    assert!(fault.contains("--from 1000 leaves nothing of ") && fault.contains("which spans 0 to "), "{fault}");
+    let fault = refused(&whole, &["--from", "1000", "--until", "1001"]);
+    assert!(fault.contains("--from 1000 --until 1001 leaves nothing of "), "{fault}");
+}
+
+#[test]
+fn paths_of_an_estimate_hold_beside_it_and_its_own_log_validates_nothing() {
+    let folder = temporary();
+    let home = folder.path().join("home");
+    std::fs::create_dir(&home).expect("a folder");
+    recorded(&home);
+    let at = |place: &Path, arguments: &[&str]| {
+        assert_cmd::Command::new(support::program()).current_dir(place).args(arguments).assert()
+    };
+    at(&home, &["robot", "staubli-tx40", "-o", "arm.toml"]).success();
+    at(&home, &["identify", "R.csv", "--robot", "arm.toml", "--held-out", "none", "-o", "E.json"]);
+    // From elsewhere: robot and log are beside the estimate.
+    at(folder.path(), &["report", "home/E.json", "-o", "page"]).success();
+    let verdict = json(&at(folder.path(), &["validate", "home/E.json", "home/R.csv", "--limit", "0.9", "--json"]));
+    let remark = verdict["remarks"][0].as_str().expect("a remark");
+    assert!(remark.contains("home/R.csv is the log of the fit"), "{remark}");
+    // Other times of the log are another matter.
+    let part = ["identify", "R.csv", "--robot", "arm.toml", "--held-out", "none", "--until", "7", "-o", "P.json"];
+    at(&home, &part);
+    let rest = ["validate", "home/P.json", "home/R.csv", "--from", "7", "--until", "11", "--limit", "0.9", "--json"];
+    assert_eq!(json(&at(folder.path(), &rest))["remarks"], Value::from(Vec::<Value>::new()));
+    // A robot file that is nowhere.
+    std::fs::rename(home.join("arm.toml"), home.join("moved.toml")).expect("another name");
+    for command in [&["validate", "home/E.json", "home/R.csv"][..], &["export", "home/E.json", "--to", "json"]] {
+        let fault = stderr(&at(folder.path(), command).code(2));
+        assert!(fault.contains("robot file not found") && fault.contains("--robot ROBOT"), "{fault}");
+    }
+}

@@ -122,3 +122,23 @@ fn what_makes_no_payload_is_refused() {
         assert!(fault.contains(wanted), "{wanted} not in {fault}");
     }
 }
+
+#[test]
+fn one_recording_is_not_both_with_and_without_a_load() {
+    let folder = temporary();
+    let joint = |name: &str, a: &str, b: &str| format!("\n[[joint]]\nname = \"{name}\"\na = {a}\nb = {b}\nq0 = 0.1\n");
+    let motion = "period_s = 4.0\nharmonics = 2\n".to_owned()
+        + &joint("shoulder", "[0.5, 0.3]", "[0.2, -0.3]")
+        + &joint("elbow", "[-0.3, 0.4]", "[0.5, 0.3]");
+    write(folder.path(), "T.toml", &motion);
+    let plan = "robot = \"planar-2r\"\ntrajectory = \"T.toml\"\nrate_hz = 250\nperiods = 2\nramp_s = 1\n";
+    let plan = write(folder.path(), "x.toml", plan);
+    let log = folder.path().join("R.csv").to_str().unwrap().to_owned();
+    armid(["run", &plan, "-o", &log]).success();
+    // The same bytes under another name.
+    let copy = write(folder.path(), "copy.csv", &std::fs::read_to_string(&log).unwrap());
+    let columns = ["--robot", "planar-2r", "--columns", "rigid"];
+    let both = ["identify", "--payload", "--without", &log, "--with", &copy];
+    let fault = stderr(&armid(both.iter().chain(&columns)).code(2));
+    assert!(fault.contains("(the same SHA-256), expected two recordings"), "{fault}");
+}

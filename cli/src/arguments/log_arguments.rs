@@ -77,7 +77,7 @@ impl LogArguments {
     ) -> Result<(ProcessedLog, Inputs), Error> {
         // What an estimate records of tables is of tables, and of joint states of joint states.
         let alike = remembered.filter(|inputs| {
-            let were_states = inputs.logs.iter().all(|log| is_joint_states(Path::new(log)));
+            let were_states = !inputs.logs.is_empty() && inputs.logs.iter().all(|log| is_joint_states(Path::new(log)));
             let is_alike = if were_states { is_joint_states } else { is_table };
             paths.iter().all(|path| is_alike(path))
         });

@@ -18,7 +18,8 @@ use crate::arguments::{LogArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = r#"A log is a recording of `armid run`, an MCAP of ROS 2 joint states, a table of any shape, or a
-TOML whose [log] table says what the columns are. The headings t,q1..qn and
+TOML whose [log] table says what the columns are. Joint states need --map only for other names or units of
+joints, or for one of several topics. The headings t,q1..qn and
 tau1..taun (N·m) or current1..currentn (A) need no --map. Several logs go into one fit; tables whose
 columns --map names as file:heading are read side by side. Of logs of other tools the last
 fifth is held out, and the residual on it is reported. Where a mistake in the log explains its torque
@@ -31,6 +32,7 @@ Examples:
   armid identify log.csv --robot crs-a460 --period 10 --from 3 -o E.json
   armid identify log.csv --robot arm.urdf --map "t=time_ms, q=pos_[1-6] deg, tau=torque_[1-6]"
   armid identify pos.csv cur.csv --robot arm.toml --rate 1000 --map "q=pos:j[1-6], current=cur:j[1-6]"
+  armid identify bag --robot arm.urdf --map "topic=/arm/joint_states, q=joint[1-6], tau=joint[1-6] motor"
   armid identify a.csv b.csv --robot crs-a460 --held-out c.csv -o E.json
   armid identify R.mcap --select -o E.json
   armid identify R.mcap --select=rigid+rotor+friction+stribeck --held-out other.mcap

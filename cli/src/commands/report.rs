@@ -15,7 +15,7 @@ const AFTER_HELP: &str = "\
 Everything that the report of a study shows is stored by `armid study`; this redraws it and computes
 nothing. Of an estimate it shows measured against predicted torque, the residual over time and over
 velocity, the parameters with their intervals, and a verdict with its reason; the logs are read again
-from where they were.
+from where they were, or from beside the estimate.
 
 Examples:
   armid report reports/01-criteria

@@ -61,6 +61,7 @@ impl Origin {
         let mut mapping = self.read_as.as_ref()?.mapping.clone();
         let effort =
             mapping.columns.iter_mut().find(|map| matches!(map.quantity, Quantity::Current | Quantity::Torque))?;
+        effort.unit = effort.unit.filter(|unit| Quantity::Current.units().contains(unit));
         (effort.quantity, effort.constant, effort.gear) = (Quantity::Current, Some(vec![0.05]), Some(vec![100.0]));
         Some(mapping.text())
     }
