@@ -26,6 +26,7 @@ pub(crate) fn corrected(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], 
     };
     match *mistake {
         Mistake::Degrees => change(&mut mapping, &positions[..1], &|map| map.unit = Some(Unit::Deg)),
+        Mistake::Radians => change(&mut mapping, &positions[..1], &|map| map.unit = Some(Unit::Rad)),
         Mistake::PositionSign { joint } => change(&mut mapping, &positions, &|map| turn(map, joint, dof)),
         Mistake::EffortSign { joint } => change(&mut mapping, &efforts, &|map| turn(map, joint, dof)),
         Mistake::PositionsSwapped { joints } => exchange(&mut mapping, &positions, joints),
@@ -44,6 +45,8 @@ pub(crate) fn corrected(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], 
             });
         }
         Mistake::MotorAngles
+        | Mistake::PositionUnit { .. }
+        | Mistake::NoEffort { .. }
         | Mistake::MotorTorques
         | Mistake::EffortUnit { .. }
         | Mistake::Gravity { .. }
