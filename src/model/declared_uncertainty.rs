@@ -4,16 +4,14 @@ use std::collections::BTreeMap;
 
 use serde::{Deserialize, Serialize};
 
-use super::term::Term;
-
 /// Standard deviations that whoever writes the robot file knows from elsewhere (type B of the *Guide to the Expression of Uncertainty
 /// in Measurement*, JCGM 100:2008, 4.3): a data sheet, a calibration, how warm a gear gets. None where nothing is stated.
 ///
 /// - `torque_constant`: of each motor's torque constant and gear, independent of the others, relative.
 /// - `current_lag_s`: by how much the torque of each motor lags behind its measured current, independent of the others.
-/// - the keys of a nominal file's `relative_uncertainty`, of terms (`viscous`, `coulomb`, `offset_nm` …): by how much the coefficient that a
-///   recording shows differs from the one that is meant, of each joint or motor independent of the others; a share of the
-///   value, or an amount where the key ends in a unit. A gear that was warm, a converter's offset.
+/// - `viscous`, `coulomb`, `offset_nm`: by how much the coefficient that a recording shows differs from the one that is meant, of each
+///   joint or motor independent of the others; a share of the value, the offset's an amount. A gear that was warm, a converter's
+///   offset.
 ///
 /// An error of that kind is explained whole by other values of the parameters, so that no residual shows it.
 ///
@@ -35,33 +33,23 @@ impl DeclaredUncertainty {
     /// Key of the lag between current and torque.
     pub const CURRENT_LAG: &'static str = "current_lag_s";
 
+    /// Every key; those of terms are the keys of their priors.
+    pub const KEYS: [&'static str; 5] = [Self::TORQUE_CONSTANT, Self::CURRENT_LAG, "viscous", "coulomb", "offset_nm"];
+
     /// Checks keys and numbers.
     ///
     /// # Errors
     /// [`DeclaredUncertaintyError`] with the key.
     pub fn new(stated: BTreeMap<String, f64>) -> Result<Self, DeclaredUncertaintyError> {
-        let expected = Self::keys();
         for (key, &found) in &stated {
-            if !expected.contains(&key.as_str()) {
-                return Err(DeclaredUncertaintyError::Unknown { found: key.clone(), expected });
+            if !Self::KEYS.contains(&key.as_str()) {
+                return Err(DeclaredUncertaintyError::Unknown { found: key.clone() });
             }
             if !(found.is_finite() && found >= 0.0) {
                 return Err(DeclaredUncertaintyError::Amount { key: key.clone(), found });
             }
         }
         Ok(Self(stated))
-    }
-
-    /// Every key.
-    #[must_use]
-    pub fn keys() -> Vec<&'static str> {
-        let terms = Term::ALL.iter().map(|term| term.entry().prior.key);
-        [Self::TORQUE_CONSTANT, Self::CURRENT_LAG].into_iter().chain(terms).fold(Vec::new(), |mut keys, key| {
-            if !keys.contains(&key) {
-                keys.push(key);
-            }
-            keys
-        })
     }
 
     /// The standard deviation under a key; zero where it is not stated.
@@ -89,12 +77,10 @@ impl TryFrom<BTreeMap<String, f64>> for DeclaredUncertainty {
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum DeclaredUncertaintyError {
     /// No key has this name.
-    #[error("unknown field `{found}`, expected one of {}", expected.iter().map(|key| format!("`{key}`")).collect::<Vec<_>>().join(", "))]
+    #[error("unknown field `{found}`, expected one of {}", DeclaredUncertainty::KEYS.map(|key| format!("`{key}`")).join(", "))]
     Unknown {
         /// What was found.
         found: String,
-        /// The keys that there are.
-        expected: Vec<&'static str>,
     },
     /// A standard deviation is no finite number from zero on.
     #[error("{key} is {found}, expected a finite number not below zero")]

@@ -138,7 +138,8 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
                 channels.insert(found.id);
             }
             Ok(Record::Channel(found)) if schema == Some(found.schema_id) && found.message_encoding == "cdr" => {
-                contents.others.insert(found.id, (found.topic, Vec::new()));
+                // The summary at the end of a file names every channel again.
+                contents.others.entry(found.id).or_insert((found.topic, Vec::new()));
             }
             Ok(Record::Message { header, data }) if contents.others.contains_key(&header.channel_id) => {
                 let (topic, states) = contents.others.entry(header.channel_id).or_default();
