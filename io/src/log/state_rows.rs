@@ -38,7 +38,9 @@ impl<'a> StateRows<'a> {
             let holds = joints.iter().map(|joint| message.state.name.contains(joint)).collect();
             groups.entry(holds).or_default().push(k);
         }
-        let mut senders: Vec<Sender> = groups.into_iter().map(|(holds, messages)| Sender { holds, messages }).collect();
+        // Of senders of equal size, the one of the first joints comes first.
+        let senders = groups.into_iter().rev().map(|(holds, messages)| Sender { holds, messages });
+        let mut senders: Vec<Sender> = senders.collect();
         senders.sort_by_key(|sender| {
             let count = sender.holds.iter().filter(|holds| **holds).count();
             std::cmp::Reverse((count, sender.messages.len()))
