@@ -27,6 +27,31 @@ fn an_experiment_is_recorded_whole() {
     assert_eq!(std::fs::read_dir(folder.path().join("sub")).unwrap().count(), 1);
     // The servo's bandwidth is 8 Hz, the motion's 0.5 Hz: it follows within 2°.
     assert!(done["tracking"]["peak_error"].as_array().unwrap().iter().all(|e| e.as_f64().unwrap() < 0.035));
+    assert_eq!(done["tracking"]["not_followed"], serde_json::json!([]));
+}
+
+#[test]
+fn a_joint_that_does_not_follow_is_named() {
+    let folder = temporary();
+    let robot = path(folder.path(), "robot.toml");
+    armid(["robot", "planar-2r", "-o", &robot]).success();
+    let text = std::fs::read_to_string(&robot).unwrap();
+    // A servo a tenth as fast as the motion.
+    let soft = text.replace("bandwidth_hz = 8", "bandwidth_hz = 0.05").replace("integral_hz = 0.5", "integral_hz = 0");
+    assert_ne!(soft, text);
+    write(folder.path(), "robot.toml", &soft);
+    let joint = |name: &str| format!("[[joint]]\nname = \"{name}\"\na = [0.6]\nb = [0.2]\nq0 = 0.0\n");
+    let trajectory = format!("period_s = 2.0\nharmonics = 1\n{}{}", joint("shoulder"), joint("elbow"));
+    write(folder.path(), "T.toml", &trajectory);
+    let text = "robot = \"robot.toml\"\ntrajectory = \"T.toml\"\nperiods = 2\nrate_hz = 200\n";
+    let experiment = write(folder.path(), "experiment.toml", text);
+    let run = |more: &[&str]| {
+        let recording = path(folder.path(), "R.csv");
+        armid(["run", &experiment, "-o", &recording].iter().chain(more)).success()
+    };
+    let done = json(&run(&["--json"]));
+    assert!(!done["tracking"]["not_followed"].as_array().unwrap().is_empty(), "{}", done["tracking"]);
+    assert!(stdout(&run(&[])).contains("did not follow: its error is more than a tenth of its motion"));
 }
 
 #[test]

@@ -10,6 +10,7 @@ use armid_reports::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, es
 use miette::Result;
 
 use super::estimate::{joint_names, percent};
+use super::findings::grouped;
 use crate::arguments::LogArguments;
 
 /// Points of a line on the page, at most.
@@ -98,7 +99,12 @@ impl Page<'_> {
             traces_of: if aside { "held out, not used for the fit".into() } else { "used for the fit".into() },
             parameters: parameters.collect(),
             left_out: self.prepared.reports.iter().flat_map(|report| report.origin.sentences()).collect(),
-            findings: self.estimate.findings.iter().map(|finding| format!("{finding}: {}", finding.advice())).collect(),
+            findings: grouped(&self.estimate.findings)
+                .into_iter()
+                .flat_map(|(sentences, advice)| {
+                    sentences.into_iter().map(move |sentence| format!("{sentence}: {advice}"))
+                })
+                .collect(),
             provenance,
         })
     }

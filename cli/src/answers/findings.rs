@@ -111,8 +111,8 @@ fn summary(found: &[&Finding]) -> Option<String> {
     })
 }
 
-/// The findings as a text.
-pub(crate) fn findings(all: &[Finding]) -> String {
+/// Sentences of each kind of finding, the most important kind first, and its advice.
+pub(crate) fn grouped(all: &[Finding]) -> Vec<(Vec<String>, String)> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for finding in all {
         let rank = rank(finding);
@@ -122,17 +122,22 @@ pub(crate) fn findings(all: &[Finding]) -> String {
         }
     }
     groups.sort_by_key(|group| group.rank);
+    let sentences = |group: &Group<'_>| match summary(&group.of_kind).filter(|_| group.of_kind.len() > SHOWN) {
+        Some(summary) => vec![summary],
+        None => group.of_kind.iter().map(|finding| finding.to_string()).collect(),
+    };
+    groups.iter().map(|group| (sentences(group), group.finding.advice().to_string())).collect()
+}
+
+/// The findings as a text.
+pub(crate) fn findings(all: &[Finding]) -> String {
     let mut text = String::new();
-    for group in groups {
+    for (sentences, advice) in grouped(all) {
         text.push('\n');
-        let sentences = match summary(&group.of_kind).filter(|_| group.of_kind.len() > SHOWN) {
-            Some(summary) => vec![summary],
-            None => group.of_kind.iter().map(|finding| finding.to_string()).collect(),
-        };
         for sentence in sentences {
             text.push_str(&paragraph(&sentence, 2));
         }
-        text.push_str(&paragraph(&format!("→ {}", group.finding.advice()), 4));
+        text.push_str(&paragraph(&format!("→ {advice}"), 4));
     }
     text
 }

@@ -8,8 +8,14 @@ use armid::model::{JointKind, Robot};
 use armid_hardware::guard::{GuardRecord, Trip};
 use serde_json::{Value, json};
 
+use super::findings::paragraph;
 use crate::arms::{Experiment, Performed, Speed};
 use crate::terminal::{Align, Answer, Table, number};
+
+/// An RMS error above this part of the range of a joint's command counts as not following it.
+const NOT_FOLLOWED: f64 = 0.1;
+/// Instants of a period at which the range is looked at.
+const RANGE_SAMPLES: usize = 200;
 
 /// The last step's answer; the ones before it are in `steps`.
 pub(crate) fn answer(steps: &[Done]) -> Answer {
@@ -93,6 +99,7 @@ impl Done {
                 "effort_units": self.experiment.planned.robot.robot.joints().iter().map(|j| j.kind.effort_unit()).collect::<Vec<_>>(),
                 "peak_current_a": tracking.peak_current,
                 "saturated_steps": tracking.saturated_steps,
+                "not_followed": not_followed(&self.experiment, tracking),
             })),
         })
     }
@@ -113,6 +120,14 @@ impl Done {
         );
         if let Some(tracking) = &self.performed.tracking {
             let _ = write!(text, "\n{}", followed(&self.experiment.planned.robot.robot, tracking).render(2));
+            for joint in not_followed(&self.experiment, tracking) {
+                let sentence = format!(
+                    "{joint} did not follow: its error is more than a tenth of its motion. A slower motion may be followed, or a \
+                     servo of another [servo] in the robot file"
+                );
+                text.push('\n');
+                text.push_str(&paragraph(&sentence, 2));
+            }
             if tracking.saturated_steps > 0 {
                 let _ = writeln!(text, "\n  a current was at its limit in {} servo steps", tracking.saturated_steps);
             }
@@ -146,6 +161,20 @@ fn watched(guard: &GuardRecord) -> Table {
         table.row([trip.name().to_owned(), format!("{:.0} %", 100.0 * used), format!("{bound:.0} ms")]);
     }
     table
+}
+
+/// Names of joints whose RMS error is more than [`NOT_FOLLOWED`] of the range of their command.
+fn not_followed(experiment: &Experiment, tracking: &Tracking) -> Vec<String> {
+    let states = experiment.planned.plan.trajectory.sample(RANGE_SAMPLES);
+    let joints = experiment.planned.robot.robot.joints().iter().zip(&tracking.rms_error).enumerate();
+    joints
+        .filter(|(i, (_, error))| {
+            let column = || states.q.iter().skip(*i).step_by(states.dof).copied();
+            let range = column().fold(f64::NEG_INFINITY, f64::max) - column().fold(f64::INFINITY, f64::min);
+            **error > NOT_FOLLOWED * range
+        })
+        .map(|(_, (joint, _))| joint.name.clone())
+        .collect()
 }
 
 /// How the servo followed while it counted.
