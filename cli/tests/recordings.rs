@@ -40,6 +40,10 @@ fn a_joint_that_does_not_follow_is_named() {
     let soft = text.replace("bandwidth_hz = 8", "bandwidth_hz = 0.05").replace("integral_hz = 0.5", "integral_hz = 0");
     assert_ne!(soft, text);
     write(folder.path(), "robot.toml", &soft);
+    for name in ["nominal.toml", "truth.toml"] {
+        let model = format!("{}/../models/planar-2r/{name}", env!("CARGO_MANIFEST_DIR"));
+        write(folder.path(), name, &std::fs::read_to_string(model).unwrap());
+    }
     let joint = |name: &str| format!("[[joint]]\nname = \"{name}\"\na = [0.6]\nb = [0.2]\nq0 = 0.0\n");
     let trajectory = format!("period_s = 2.0\nharmonics = 1\n{}{}", joint("shoulder"), joint("elbow"));
     write(folder.path(), "T.toml", &trajectory);
