@@ -15,6 +15,7 @@
 //! | draw one figure | a struct of [`figures`] and [`Figure::svg`] |
 //! | put a page together | [`Document`], [`Section`], [`Table`] |
 //! | report a study | [`study_document`] |
+//! | set one study on several robots side by side | [`robots_document`] |
 //! | report an estimate | [`estimate_document`] |
 //! | report the comparison of two estimates | [`comparison_document`] |
 //! | show a design | [`design_convergence`], [`limits_figure`] |
@@ -59,5 +60,5 @@ pub use error::{DocumentError, FigureError};
 pub use estimate::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, estimate_document};
 pub use figures::*;
 pub use heading::Heading;
-pub use study::study_document;
+pub use study::{robots_answer, robots_document, study_document};
 pub use style::{Dash, Group, GroupStyle, Marker};

@@ -109,6 +109,14 @@ pub const TRUTHS: SizeLimit = SizeLimit {
     reason: "each is scored along all validation trajectories before the first run",
 };
 
+/// Robots of one study.
+pub const ROBOTS: SizeLimit = SizeLimit {
+    what: "robots of one study",
+    most: 8,
+    unit: "",
+    reason: "each is a whole study, and no more can be told apart in a figure",
+};
+
 /// Samples on which torque predictions are tested.
 pub const VALIDATION_SAMPLES: SizeLimit = SizeLimit {
     what: "samples of all validation trajectories together",
@@ -178,7 +186,7 @@ pub const COLLISION_SHAPES: SizeLimit = SizeLimit {
 };
 
 /// Every size that an input may ask for.
-pub const ALL: [SizeLimit; 20] = [
+pub const ALL: [SizeLimit; 21] = [
     JOINTS,
     LINKS,
     HARMONICS,
@@ -190,6 +198,7 @@ pub const ALL: [SizeLimit; 20] = [
     DESIGNS,
     RUNS,
     TRUTHS,
+    ROBOTS,
     VALIDATION_SAMPLES,
     THREADS,
     TEXT_BYTES,

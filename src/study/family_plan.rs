@@ -66,6 +66,9 @@ pub struct FamilyPlan {
     /// Runs of each design, where it differs from the study's.
     #[serde(default)]
     pub runs: Option<usize>,
+    /// On which of the plan's robots it is made; on all where absent. Empty once the text is read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub robots: Vec<String>,
     /// Of how many starts these are the first, where a study ended before all of them: their runs have the random numbers
     /// that they have among all.
     #[serde(default, skip_serializing_if = "Option::is_none")]

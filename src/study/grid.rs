@@ -37,6 +37,7 @@ impl GridPlan {
                         evaluations: self.evaluations,
                         expected: crate::experiment::Effects::none(),
                         runs: None,
+                        robots: Vec::new(),
                         of_starts: None,
                     });
                 }

@@ -5,6 +5,7 @@
 //! ```
 //! This module comes after every module that identifies, so that none of them can name the [`Truth`].
 
+mod agreement;
 mod effect_sensitivity;
 mod bound;
 mod experiment_sequence;
@@ -33,6 +34,7 @@ pub mod radkhah2007;
 mod random_truth;
 mod replication;
 mod result;
+mod robots_summary;
 mod run_id;
 mod run_order;
 mod run_table;
@@ -43,6 +45,7 @@ mod shared_start;
 mod status_count;
 mod stopping_rule;
 mod stored_work;
+mod study_plans;
 mod torque_rating;
 mod truth;
 mod truth_comparison;
@@ -55,6 +58,7 @@ mod variance_reduction;
 mod volume;
 
 pub use crate::model::ReferenceUnits;
+pub use agreement::Agreement;
 pub use bound::{cramer_rao_std, torque_covariance};
 pub use comparison::Comparison;
 pub use condition::{Condition, ConditionResult};
@@ -79,6 +83,7 @@ pub use point_to_point::PointToPointMove;
 pub use random_truth::{Centre, RandomTruths, TruthError};
 pub use replication::Replication;
 pub use result::{JointLine, ParameterLine, ReportInput, StudyResult};
+pub use robots_summary::{AgreementCounts, RobotDifference, RobotResult, RobotsComparison, RobotsSummary};
 pub use run_error::{RunError, RunErrorKind};
 pub use run_id::RunId;
 pub use run_order::RunOrder;
@@ -89,6 +94,7 @@ pub use shared_start::SharedStart;
 pub use status_count::StatusCount;
 pub use stopping_rule::{Look, RuleError, StoppingRule};
 pub use stored_work::StoredWorkError;
+pub use study_plans::StudyPlans;
 pub use truth::Truth;
 pub use truth_comparison::TruthComparison;
 pub use truth_files::truth_text;

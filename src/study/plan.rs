@@ -9,7 +9,7 @@ use super::random_truth::RandomTruths;
 use super::variance_reduction::VarianceReduction;
 use crate::estimation::{Estimator, EstimatorKind};
 use crate::experiment::{Effects, ExpectedEffectError};
-use crate::model::{Columns, DeclaredUncertainty, ReferenceUnits, format::FormatError};
+use crate::model::{Columns, DeclaredUncertainty, ReferenceUnits};
 use crate::seed::Seed;
 
 /// A whole study. Two runs of one plan give the same bytes.
@@ -20,8 +20,12 @@ pub struct StudyPlan {
     pub name: String,
     /// The question that the study answers, one sentence.
     pub question: String,
-    /// Bundled name of the robot, or path of its file.
+    /// Bundled name of the robot, or path of its file; absent where the text has `robots`.
+    #[serde(default)]
     pub robot: String,
+    /// Robots on each of which the whole study is done; one plan for each once the text is read.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub robots: Vec<String>,
     /// Every random number comes from it.
     pub seed: Seed,
     /// Runs of each design, unless its family says otherwise.
@@ -119,20 +123,6 @@ const fn is_zero(count: &usize) -> bool {
 }
 
 impl StudyPlan {
-    /// Reads a `study.toml`.
-    ///
-    /// # Errors
-    /// [`FormatError`] with line and column where the text is not TOML, has a key too many or too few, or asks for
-    /// something that does not exist.
-    pub fn from_toml(text: &str) -> Result<Self, FormatError> {
-        let mut plan: Self = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
-        for grid in std::mem::take(&mut plan.grid) {
-            plan.designs.extend(grid.designs());
-        }
-        plan.check().map_err(|fault| fault.in_text(text))?;
-        Ok(plan)
-    }
-
     /// Checks what the types leave open: names, and numbers that must be positive.
     ///
     /// # Errors
@@ -146,6 +136,7 @@ impl StudyPlan {
     /// # Errors
     /// As [`StudyPlan::check`].
     pub fn check_with(&self, own: &[Arc<dyn Estimator>]) -> Result<(), StudyPlanError> {
+        self.check_robot()?;
         self.columns()?;
         if self.identification.estimators.is_empty() {
             return Err(number("identification.estimators", "[]", "at least one name"));

@@ -53,6 +53,14 @@ pub enum StudyPlanError {
         /// What is possible.
         expected: &'static str,
     },
+    /// Robots that do not make one study each.
+    #[error("robots is [{}], expected {expected}", quoted(found))]
+    Robots {
+        /// What was found.
+        found: Vec<String>,
+        /// What is possible.
+        expected: &'static str,
+    },
     /// More than may be asked for.
     #[error(transparent)]
     Size(#[from] SizeError),
@@ -75,6 +83,7 @@ impl StudyPlanError {
             Self::Number { key, found, .. } => (key.as_str(), found.as_str()),
             Self::Twice { key, found } => (*key, found.as_str()),
             Self::Columns { found, .. } => ("columns", found.as_str()),
+            Self::Robots { found, .. } => ("robots", found.first().map_or("", String::as_str)),
             Self::FileName(FileNameError { key, found, .. }) => (key.as_str(), found.as_str()),
             // A number may be written in more ways than one.
             Self::Size(SizeError { key, .. }) => (key.as_str(), ""),
@@ -93,6 +102,10 @@ impl StudyPlanError {
         }
         0..0
     }
+}
+
+fn quoted(names: &[String]) -> String {
+    names.iter().map(|name| format!("\"{name}\"")).collect::<Vec<_>>().join(", ")
 }
 
 pub(super) fn number(key: impl Into<String>, found: impl ToString, expected: &'static str) -> StudyPlanError {

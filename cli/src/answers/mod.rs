@@ -8,6 +8,7 @@ pub(crate) mod estimate_page;
 pub(crate) mod exchange;
 pub(crate) mod findings;
 pub(crate) mod payload;
+pub(crate) mod robots;
 pub(crate) mod run;
 pub(crate) mod selection;
 pub(crate) mod source;

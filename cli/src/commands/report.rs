@@ -3,12 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use armid_io::Error;
-use armid_io::study::read_study;
+use armid_io::study::{read_robots, read_study};
 use miette::Result;
 use serde_json::json;
 
 use crate::answers::{comparison, estimate_page};
-use crate::study::write_report;
+use crate::study::{write_report, write_robots_report};
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
@@ -58,13 +58,17 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let help = "`armid identify LOG -o E.json` writes an estimate, `armid study STUDY -o DIR` a study";
             return Err(Error::new(message).help(help).into());
         }
-        let input = read_study(folder)?;
-        let output = match console.output() {
-            Some(output) if arguments.folders.len() > 1 => output.join(&input.result.plan.name),
+        let output = |name: &str| match console.output() {
+            Some(output) if arguments.folders.len() > 1 => output.join(name),
             Some(output) => output.to_path_buf(),
             None => folder.join("report"),
         };
-        pages.push(write_report(&output, &input)?);
+        if let Some(summary) = read_robots(folder)? {
+            pages.push(write_robots_report(&output(&summary.name), &summary)?);
+            continue;
+        }
+        let input = read_study(folder)?;
+        pages.push(write_report(&output(&input.result.plan.name), &input)?);
     }
     let lines: Vec<String> = pages.iter().map(|page: &PathBuf| page.display().to_string()).collect();
     console.show(&Answer { text: lines.join("\n") + "\n", json: json!({ "pages": lines }) })?;

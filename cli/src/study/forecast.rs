@@ -234,6 +234,11 @@ fn most_memory() -> Option<u64> {
 }
 
 impl Forecast {
+    /// Of designs, at most, and runs.
+    pub(crate) fn core_hours(&self) -> f64 {
+        self.design_core_hours + self.run_core_hours
+    }
+
     /// In words.
     pub(crate) fn answer(&self) -> Result<Answer> {
         let bytes = |bytes: u64| match bytes as f64 {
@@ -252,7 +257,7 @@ impl Forecast {
             self.runs,
             self.conditions,
             self.truths,
-            self.design_core_hours + self.run_core_hours,
+            self.core_hours(),
             self.design_core_hours,
             self.run_core_hours,
             bytes(self.journal_bytes),

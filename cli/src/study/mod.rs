@@ -11,9 +11,9 @@ mod team;
 mod until;
 mod words;
 
-pub(crate) use forecast::sample_plan;
+pub(crate) use forecast::{Forecast, sample_plan};
 pub(crate) use part::{Part, Shard, Stage};
 pub(crate) use performance::Performance;
 pub(crate) use prepared::Prepared;
-pub(crate) use report::write_report;
+pub(crate) use report::{write_report, write_robots_report};
 pub(crate) use words::in_words;

@@ -8,14 +8,15 @@ use armid::seed::RunNoise;
 use armid::study::radkhah2007::{Reproduction, evaluate_claims};
 use armid::study::{Examples, ReportInput, RunId, RunOrder, ScoredEstimate, StudyDesign};
 use armid_io::Error;
-use armid_io::study::{FinishedWork, write_provenance, write_study};
+use armid_io::study::{FinishedWork, Journal, plan_text, read_study, write_provenance, write_study};
+use armid_io::text::Text;
 use miette::Result;
 
 use super::in_words;
 use super::performance::{Performance, Performed};
 use super::report::write_report;
 use crate::answers::study as study_answer;
-use crate::terminal::Ending;
+use crate::terminal::{Answer, Ending};
 
 /// The order in which work is stored, and the place of each design in it.
 type Stored = (RunOrder, Vec<usize>);
@@ -24,8 +25,15 @@ type Stored = (RunOrder, Vec<usize>);
 const SHOWN_FAMILIES: usize = 8;
 
 impl Performance<'_> {
-    /// Sums up, stores everything, and writes the report.
+    /// Sums up, stores everything, writes the report, and says so.
     pub(crate) fn finish(&self, performed: Performed) -> Result<Ending> {
+        let (ending, answer) = self.sum_up(performed)?;
+        self.console.show(&answer)?;
+        Ok(ending)
+    }
+
+    /// Sums up, stores everything, and writes the report; how that ended, and what is to be said.
+    pub(crate) fn sum_up(&self, performed: Performed) -> Result<(Ending, Answer)> {
         self.console.note("summing up");
         let Performed { designs, mut work, numbers, stored } = performed;
         let numbers = numbers.ok_or_else(|| Error::new("a part of a study cannot be summed up"))?;
@@ -43,9 +51,7 @@ impl Performance<'_> {
             None
         };
         let examples = self.examples(&designs, &mut work, &stored)?;
-        let seed = self.setup.plan().seed;
-        let provenance = Provenance::new(self.setup.robot().name(), &self.first().loaded.text.content, Some(seed));
-        let result = self.setup.result(provenance, designs, bounds, (conditions, effect_sensitivity), radkhah2007);
+        let result = self.setup.result(self.provenance(), designs, bounds, (conditions, effect_sensitivity), radkhah2007);
         let input = ReportInput { result, examples };
         write_study(self.output, &input)?;
         write_provenance(self.output, rayon::current_num_threads())?;
@@ -54,8 +60,24 @@ impl Performance<'_> {
         let report: Option<PathBuf> =
             if failed < runs { Some(write_report(&self.output.join("report"), &input)?) } else { None };
         work.remove()?;
-        self.console.show(&study_answer::answer(&input.result, runs, failed, report.as_deref()))?;
-        Ok(if failed == runs { Ending::Negative } else { Ending::Done })
+        let ending = if failed == runs { Ending::Negative } else { Ending::Done };
+        Ok((ending, study_answer::answer(&input.result, runs, failed, report.as_deref())))
+    }
+
+    /// Is this very study stored, whole: its plan, on its robot, by this version?
+    pub(crate) fn is_stored(&self) -> bool {
+        let of_plan = || {
+            let stored = Text::read(&self.output.join("study.toml")).ok();
+            stored.is_some_and(|stored| plan_text(self.plan()).is_ok_and(|text| text == *stored.content))
+        };
+        let of_robot = || read_study(self.output).is_ok_and(|input| input.result.provenance == self.provenance());
+        !self.output.join(Journal::NAME).exists() && of_plan() && of_robot()
+    }
+
+    /// What produces the results.
+    fn provenance(&self) -> Provenance {
+        let seed = self.setup.plan().seed;
+        Provenance::new(self.setup.robot().name(), &self.first().loaded.text.content, Some(seed))
     }
 
     /// The best design of each family against its limits, and the first validation experiment against what a median

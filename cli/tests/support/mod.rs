@@ -16,6 +16,11 @@ pub(crate) fn armid<A: AsRef<OsStr>>(arguments: impl IntoIterator<Item = A>) -> 
     assert_cmd::Command::new(program()).args(arguments).assert()
 }
 
+/// The same in a folder.
+pub(crate) fn armid_in<A: AsRef<OsStr>>(folder: &Path, arguments: impl IntoIterator<Item = A>) -> Assert {
+    assert_cmd::Command::new(program()).current_dir(folder).args(arguments).assert()
+}
+
 /// What it wrote to standard output.
 pub(crate) fn stdout(assert: &Assert) -> String {
     String::from_utf8(assert.get_output().stdout.clone()).expect("text")

@@ -8,6 +8,7 @@ mod number_file;
 mod piece;
 mod pilot;
 mod plan;
+mod robots;
 mod row_files;
 mod store;
 
@@ -18,6 +19,7 @@ pub use line_chain::LineChain;
 pub use number_file::NumberFile;
 pub use piece::Piece;
 pub use pilot::{log_ratios, seconds_of};
-pub use plan::load as load_plan;
+pub use plan::{load as load_plan, load_all as load_plans};
+pub use robots::{read_robots, write_robots};
 pub use row_files::RowFiles;
 pub use store::{parse as parse_study, plan_text, read as read_study, write as write_study, write_provenance};

@@ -8,6 +8,7 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use armid::study::{Examples, ReportInput, StudyPlan, StudyResult};
 
+use super::robots::read_robots;
 use crate::error::Error;
 use crate::output::{pretty, write_text};
 use crate::text::Text;
@@ -42,9 +43,19 @@ pub fn write(folder: &Path, input: &ReportInput) -> Result<(), Error> {
 /// Reads a stored study again.
 ///
 /// # Errors
-/// As [`parse`], and where a file cannot be read.
+/// As [`parse`], and where a file cannot be read, or the folder is that of a study on several robots.
 pub fn read(folder: &Path) -> Result<ReportInput, Error> {
-    parse(&Text::read(&folder.join(SUMMARY))?, &Text::read(&folder.join(EXAMPLES))?)
+    let stored = || parse(&Text::read(&folder.join(SUMMARY))?, &Text::read(&folder.join(EXAMPLES))?);
+    stored().map_err(|error| match read_robots(folder) {
+        Ok(Some(summary)) => {
+            let folders: Vec<String> =
+                summary.robots.iter().map(|robot| folder.join(&robot.folder).display().to_string()).collect();
+            let shown = folder.display();
+            Error::mismatch(format!("{shown} holds a study on several robots, expected that on one of them"))
+                .help(format!("expected one of: {}", folders.join(", ")))
+        }
+        Ok(None) | Err(_) => error,
+    })
 }
 
 /// A stored study from the texts of its summary and its examples.

@@ -93,6 +93,9 @@ fn render_block(block: &Block, counters: &mut Counters) -> Markup {
     match block {
         Block::Text(text) => html! { p { (marked(text)) } },
         Block::List(items) => html! { ul { @for item in items { li { (marked(item)) } } } },
+        Block::Links(links) => {
+            html! { ul { @for (text, address) in links { li { a href=(printable(address)) { (marked(text)) } } } } }
+        }
         Block::Listing(text) => html! { pre { code { (printable(text)) } } },
         Block::Subheading(text) => html! { h3 { (marked(text)) } },
         Block::Figure(figure) => {

@@ -48,6 +48,8 @@ pub enum Block {
     Text(String),
     /// A bulleted list.
     List(Vec<String>),
+    /// A bulleted list of links: what each is called, and its address relative to the page.
+    Links(Vec<(String, String)>),
     /// Text as it would stand in a terminal or a file: a command, a formula per line.
     Listing(String),
     /// A smaller heading inside the section.
@@ -110,6 +112,12 @@ impl Section {
     #[must_use]
     pub fn list<I: IntoIterator<Item = S>, S: Into<String>>(self, items: I) -> Self {
         self.block(Block::List(items.into_iter().map(Into::into).collect()))
+    }
+
+    /// Adds a bulleted list of links, each a text and an address relative to the page.
+    #[must_use]
+    pub fn links<I: IntoIterator<Item = (S, S)>, S: Into<String>>(self, links: I) -> Self {
+        self.block(Block::Links(links.into_iter().map(|(text, address)| (text.into(), address.into())).collect()))
     }
 
     /// Adds preformatted text.

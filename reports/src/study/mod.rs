@@ -15,7 +15,9 @@ mod page;
 mod parameters;
 mod prediction;
 mod radkhah2007;
+mod robots;
 mod rounds;
 mod selection;
 
 pub use page::study_document;
+pub use robots::{robots_answer, robots_document};

@@ -3,14 +3,14 @@
 use std::path::{Path, PathBuf};
 
 use armid::input::size;
-use armid::study::{StoppingRule, StudyPlan};
+use armid::study::{StoppingRule, StudyPlans};
 use miette::Result;
 
 use super::overrides::Overrides;
-use super::{cancel, collect, merge, plan, status, submit};
+use super::{cancel, collect, dry_run, merge, plan, robots, status, submit};
 use crate::arguments::one_of;
-use crate::study::{Part, Performance, Prepared, Shard, Stage, in_words, sample_plan};
-use crate::terminal::{Answer, Console, Ending, report_folder};
+use crate::study::{Part, Performance, Prepared, Shard, Stage, in_words};
+use crate::terminal::{Answer, Console, Ending};
 
 /// Most threads, as the parser of arguments takes it.
 const THREADS: u32 = size::THREADS.most as u32;
@@ -28,6 +28,7 @@ Examples:
   armid study 01-criteria --truths 25             each run number on its own random arm
   armid study 01-criteria --arm analytic,mujoco   the same in two engines
   armid study my/study.toml --jobs 1 -o out --resume
+  armid study my/study.toml --robot puma-560      one of the plan's robots = [...], into reports/NAME/puma-560/
   armid study 01-criteria --until 'ratio(condition, d-optimal).prediction < 5 %'   as many starts as that takes
   armid study 01-criteria --runs 1000 --dry-run   what that would cost
   armid study plan pilot --until 'ratio(condition, d-optimal).prediction < 2 %'    how large a study for that
@@ -97,19 +98,22 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 }
 
 fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let (plan, folder) = arguments.overrides.plan(arguments.study.as_deref().unwrap_or_default())?;
+    let request = arguments.overrides.request(arguments.study.as_deref().unwrap_or_default())?;
     if arguments.dry_run {
-        let sample = Prepared::new(sample_plan(&plan), folder.as_deref())?;
-        let forecast = sample.performance(Path::new(""), Part::default(), console).forecast(&plan)?;
-        console.answer(&forecast.answer()?)?;
-        return Ok(Ending::Done);
+        return dry_run::run(&request, console);
     }
-    let output = output_folder(&plan, console)?;
-    let prepared = Prepared::new(plan, folder.as_deref())?;
     let threads = rayon::ThreadPoolBuilder::new()
         .num_threads(arguments.jobs.map_or(0, |jobs| jobs as usize))
         .build()
         .map_err(in_words)?;
+    let in_parts = arguments.part_words();
+    if let (StudyPlans::OnRobots(plans), true) = (&request.plans, in_parts.is_empty()) {
+        let (output, beside) = (request.output(console)?, request.beside.as_deref());
+        return threads.install(|| robots::perform(plans, beside, (&output, arguments.resume), console));
+    }
+    let plan = request.one(&format!("STUDY {in_parts}"))?.clone();
+    let (output, folder) = (request.output(console)?, request.beside);
+    let prepared = Prepared::new(plan, folder.as_deref())?;
     let part = Part { stage: arguments.stage, shard: arguments.shard };
     let study = prepared.performance(&output, part, console);
     if let Some(words) = &arguments.until {
@@ -120,6 +124,23 @@ fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
         Some(Stage::Designs) => design(&study, arguments.resume, console),
         Some(Stage::Runs) | None => run_part(&study, arguments, console),
     })
+}
+
+impl Arguments {
+    /// The arguments that ask for a part of a study or for an early end, as words of a command line.
+    fn part_words(&self) -> String {
+        let mut words = Vec::new();
+        if let Some(stage) = self.stage {
+            words.push(format!("--stage {}", stage.name()));
+        }
+        if let Some(Shard { k, n }) = self.shard {
+            words.push(format!("--shard {k}/{n}"));
+        }
+        if let Some(rule) = &self.until {
+            words.push(format!("--until '{rule}'"));
+        }
+        words.join(" ")
+    }
 }
 
 /// The designs alone, or a part of them.
@@ -178,8 +199,4 @@ fn part_is_there(study: &Performance<'_>, console: &Console) -> Result<Ending> {
 fn interrupted(study: &Performance<'_>, console: &Console) -> Result<Ending> {
     console.note(format!("interrupted; go on with --resume -o {}", study.output().display()));
     Ok(Ending::Interrupted)
-}
-
-pub(super) fn output_folder(plan: &StudyPlan, console: &Console) -> Result<PathBuf> {
-    Ok(console.output().map_or_else(|| report_folder("name", &plan.name), |path| Ok(path.to_path_buf()))?)
 }

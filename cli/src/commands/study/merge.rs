@@ -8,7 +8,7 @@ use armid_io::study::load_plan;
 use armid_sim::Engine;
 use miette::Result;
 
-use super::command::output_folder;
+use super::request::output_folder;
 use crate::study::{Part, Prepared};
 use crate::terminal::{Console, Ending};
 

@@ -3,9 +3,12 @@
 mod cancel;
 mod collect;
 mod command;
+mod dry_run;
 mod merge;
 mod overrides;
 mod plan;
+mod request;
+mod robots;
 mod status;
 mod submit;
 

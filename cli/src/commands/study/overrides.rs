@@ -1,12 +1,11 @@
 //! Which study, and what stands in place of its plan's values.
 
-use std::path::PathBuf;
-
-use armid::study::{RandomTruths, StudyPlan};
-use armid_io::study::load_plan;
+use armid::study::RandomTruths;
+use armid_io::study::load_plans;
 use armid_sim::Engine;
 use miette::Result;
 
+use super::request::Request;
 use crate::arguments::one_of;
 use crate::arms::ArmKind;
 use crate::study::in_words;
@@ -28,24 +27,34 @@ pub(crate) struct Overrides {
         value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name)
     )]
     arm: Option<Vec<ArmKind>>,
+    /// One robot of the plan's `robots`
+    #[arg(long, value_name = "ROBOT")]
+    robot: Option<String>,
 }
 
 impl Overrides {
-    /// The plan that is asked for, and the folder that relative paths in it begin at.
-    pub(crate) fn plan(&self, study: &str) -> Result<(StudyPlan, Option<PathBuf>)> {
-        let (mut plan, folder) = load_plan(study, &Engine::ALL.map(Engine::name))?;
-        if let Some(runs) = self.runs {
-            plan.scale_runs(runs as usize);
+    /// The study that is asked for.
+    pub(crate) fn request(&self, study: &str) -> Result<Request> {
+        let (mut plans, beside) = load_plans(study, &Engine::ALL.map(Engine::name))?;
+        for plan in plans.plans_mut() {
+            if let Some(runs) = self.runs {
+                plan.scale_runs(runs as usize);
+            }
+            if let Some(truths) = self.truths {
+                let count = truths as usize;
+                let spread = plan.truths.take();
+                plan.truths = Some(spread.map_or(RandomTruths::of(count), |spread| RandomTruths { count, ..spread }));
+            }
+            if let Some(arms) = &self.arm {
+                plan.engines = arms.iter().map(|arm| arm.name().to_owned()).collect();
+                plan.check().map_err(in_words)?;
+            }
         }
-        if let Some(truths) = self.truths {
-            let count = truths as usize;
-            plan.truths = Some(plan.truths.map_or(RandomTruths::of(count), |spread| RandomTruths { count, ..spread }));
+        let request = Request { study: study.to_owned(), plans, beside, below: None };
+        match &self.robot {
+            Some(robot) => Ok(request.on(robot)?),
+            None => Ok(request),
         }
-        if let Some(arms) = &self.arm {
-            plan.engines = arms.iter().map(|arm| arm.name().to_owned()).collect();
-            plan.check().map_err(in_words)?;
-        }
-        Ok((plan, folder))
     }
 
     /// The same as words of a command line.
@@ -60,6 +69,9 @@ impl Overrides {
         if let Some(arms) = &self.arm {
             let names: Vec<&str> = arms.iter().map(|arm| arm.name()).collect();
             words.extend(["--arm".to_owned(), names.join(",")]);
+        }
+        if let Some(robot) = &self.robot {
+            words.extend(["--robot".to_owned(), robot.clone()]);
         }
         words
     }

@@ -8,7 +8,6 @@ use armid_io::output::write_text;
 use armid_io::study::plan_text;
 use miette::Result;
 
-use super::command::output_folder;
 use super::overrides::Overrides;
 use crate::arguments::one_of;
 use crate::study::cluster::{Batch, Slurm, Submission, TaskCounts, batches, submit};
@@ -57,8 +56,10 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let (plan, beside) = arguments.overrides.plan(&arguments.study)?;
-    let folder = absolute(&output_folder(&plan, console)?)?;
+    let request = arguments.overrides.request(&arguments.study)?;
+    let plan = request.one("submit STUDY --engine slurm")?.clone();
+    let folder = absolute(&request.output(console)?)?;
+    let beside = request.beside;
     let text = plan_text(&plan)?;
     // What cannot be prepared here cannot be performed there.
     let prepared = Prepared::new(plan, beside.as_deref())?;

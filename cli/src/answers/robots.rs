@@ -1,0 +1,31 @@
+//! What `armid study` says of a study on several robots: how many comparisons they agree on, and where the report is.
+
+use std::path::Path;
+
+use armid::study::{Agreement, RobotsSummary};
+use armid_io::Error;
+
+use crate::terminal::{Align, Answer, Table};
+
+/// The answer of a study that is finished on every robot.
+pub(crate) fn answer(summary: &RobotsSummary, page: &Path) -> Result<Answer, Error> {
+    let mut columns = vec![("metric", Align::Left), ("estimator", Align::Left)];
+    columns.extend(Agreement::ALL.map(|agreement| (agreement.words(), Align::Right)));
+    let mut table = Table::new(&columns);
+    for counts in &summary.agreements {
+        let mut row = vec![counts.metric.title().to_owned(), counts.estimator.clone()];
+        row.extend(Agreement::ALL.map(|agreement| counts.of(agreement).to_string()));
+        table.row(row);
+    }
+    let robots: Vec<&str> = summary.robots.iter().map(|robot| robot.robot.as_str()).collect();
+    let text = format!(
+        "{}\n\nComparisons of two families under one condition, on {}:\n\n{}\nreport: {}\n",
+        summary.question,
+        robots.join(", "),
+        table.render(0),
+        page.display()
+    );
+    let mut json = serde_json::to_value(summary).map_err(|error| Error::new(error.to_string()))?;
+    json["report"] = page.display().to_string().into();
+    Ok(Answer { text, json })
+}
