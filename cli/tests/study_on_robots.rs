@@ -109,6 +109,11 @@ fn summary(folder: &Path) -> Value {
     serde_json::from_str(&std::fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
 }
 
+/// What went wrong, on one line.
+fn fault(assert: &assert_cmd::assert::Assert) -> String {
+    stderr(assert).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 fn succeeds(folder: &Path, arguments: &[&str]) {
     armid_in(folder, arguments).success();
 }
@@ -154,7 +159,11 @@ fn identity_each_robot_has_the_study_of_a_plan_with_it_alone_and_all_stand_side_
     let all = summary(&at.join("both"));
     let own_summaries = ["planar-2r", "arms-bench.toml"].map(|robot| summary(&at.join("both").join(robot)));
     let rows = all["comparisons"].as_array().unwrap();
-    assert_eq!(rows.iter().filter(|row| row["first"] == "random").count() * 2, rows.len(), "one pair is the first's alone");
+    assert_eq!(
+        rows.iter().filter(|row| row["first"] == "random").count() * 2,
+        rows.len(),
+        "one pair is the first's alone"
+    );
     for row in rows {
         assert_eq!(row["second"], "d-optimal");
         let condition = ["none", "load friction"].iter().position(|name| row["condition"] == *name).unwrap();
@@ -221,7 +230,10 @@ fn identity_each_robot_has_the_study_of_a_plan_with_it_alone_and_all_stand_side_
         std::fs::copy(at.join("arms").join(name), at.join("part-1/arms").join(name)).unwrap();
     }
     succeeds(at, &["study", "merge", "part-1", "part-2", "-o", "split/arms-bench.toml"]);
-    let timing = || ["planar-2r", "arms-bench.toml"].map(|r| std::fs::read(at.join("split").join(r).join("timing.parquet")).unwrap());
+    let timing = || {
+        ["planar-2r", "arms-bench.toml"]
+            .map(|r| std::fs::read(at.join("split").join(r).join("timing.parquet")).unwrap())
+    };
     let before = timing();
     succeeds(at, &["study", "study.toml", "--resume", "-o", "split"]);
     assert!(timing() == before, "a robot was performed again");
@@ -233,11 +245,12 @@ fn identity_each_robot_has_the_study_of_a_plan_with_it_alone_and_all_stand_side_
     assert!(files(&at.join("split")) == both && timing()[1] == before[1]);
 
     // What asks for one study says which there are.
-    let plan = armid_in(at, &["study", "plan", "both", "--until", "ratio(condition, d-optimal).prediction < 5 %"]).code(2);
-    let text = stderr(&plan).replace("\n  │ ", " ");
+    let plan =
+        armid_in(at, &["study", "plan", "both", "--until", "ratio(condition, d-optimal).prediction < 5 %"]).code(2);
+    let text = fault(&plan);
     assert!(text.contains("holds a study on several robots") && text.contains("both/planar-2r"), "{text}");
     let over = armid_in(at, &["study", "study.toml", "-o", "alone/planar-2r"]).code(2);
-    assert!(stderr(&over).contains("holds a study on one robot"), "{}", stderr(&over));
+    assert!(fault(&over).contains("holds a study on one robot"), "{}", fault(&over));
 }
 
 #[test]
@@ -250,17 +263,18 @@ fn parts_and_an_early_end_ask_for_one_robot_and_name_the_next_command() {
         (&["--until", "ratio(condition, d-optimal).si < 5 %"], "--robot planar-2r`"),
     ] {
         let refused = armid_in(at, [&["study", "study.toml", "-o", "x"], arguments].concat()).code(2);
-        let text = stderr(&refused).replace("\n  │ ", " ").replace("\n        ", " ");
+        let text = fault(&refused);
         assert!(text.contains("study on the robots planar-2r, arms/bench.toml") && text.contains(next), "{text}");
     }
     let submit = ["study", "submit", "study.toml", "--engine", "slurm", "--dry-run"];
-    let text = stderr(&armid_in(at, submit).code(2)).replace("\n  │ ", " ").replace("\n        ", " ");
+    let text = fault(&armid_in(at, submit).code(2));
     assert!(text.contains("`armid study submit study.toml --engine slurm --robot planar-2r`"), "{text}");
     let chosen = armid_in(at, [&submit[..], &["--robot", "planar-2r", "--json"]].concat()).success();
     let shown: Value = serde_json::from_slice(&chosen.get_output().stdout).unwrap();
-    let scripts: Vec<&str> = shown["scripts"].as_object().unwrap().values().map(|text| text.as_str().unwrap()).collect();
+    let scripts: Vec<&str> =
+        shown["scripts"].as_object().unwrap().values().map(|text| text.as_str().unwrap()).collect();
     assert!(scripts.iter().any(|script| script.contains("--robot") && script.contains("planar-2r")), "{scripts:?}");
-    let nobody = stderr(&armid_in(at, ["study", "study.toml", "--robot", "puma-560"]).code(2));
+    let nobody = fault(&armid_in(at, ["study", "study.toml", "--robot", "puma-560"]).code(2));
     assert!(nobody.contains("--robot is \"puma-560\"") && nobody.contains("planar-2r, arms/bench.toml"), "{nobody}");
 
     // What it costs on each and together; nothing is written.
@@ -283,12 +297,20 @@ fn faults_of_a_list_of_robots_name_line_found_and_expected() {
         (list, "robot = \"planar-2r\"\nrobots = [\"planar-2r\"]", &["study.toml:5:12", "one of the two keys"]),
         (list, "robots = [\"..\"]", &["study.toml:4", "at least one letter or digit"]),
         (list, "", &["robot is absent", "robots = ["]),
-        ("robots = [\"planar-2r\"]", "robots = [\"puma-560\"]", &["study.toml:60:12", "puma-560", "planar-2r, arms/bench.toml"]),
-        ("compare_with = [\"d-optimal\"]", "compare_with = [\"random\"]", &["study.toml:9:17", "on arms/bench.toml", "condition, d-optimal"]),
+        (
+            "robots = [\"planar-2r\"]",
+            "robots = [\"puma-560\"]",
+            &["study.toml:60:12", "puma-560", "planar-2r, arms/bench.toml"],
+        ),
+        (
+            "compare_with = [\"d-optimal\"]",
+            "compare_with = [\"random\"]",
+            &["study.toml:9:18", "on arms/bench.toml", "condition, d-optimal"],
+        ),
     ] {
         assert_eq!(PLAN.matches(from).count(), 1, "{from}");
         std::fs::write(folder.path().join("study.toml"), PLAN.replace(from, to)).unwrap();
-        let text = stderr(&armid_in(folder.path(), ["study", "study.toml", "-o", "x"]).code(2)).replace("\n  │ ", " ");
+        let text = fault(&armid_in(folder.path(), ["study", "study.toml", "-o", "x"]).code(2));
         assert!(words.iter().all(|word| text.contains(word)), "{to}: {text}");
     }
 }

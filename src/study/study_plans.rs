@@ -102,6 +102,9 @@ impl StudyPlan {
             let expected = "no robot = \"…\" beside it: one of the two keys";
             return Err(StudyPlanError::Robots { found: self.robots.clone(), expected });
         }
+        if self.robots.is_empty() {
+            self.check_robot()?;
+        }
         ROBOTS.check_count("robots", self.robots.len())?;
         for (i, robot) in self.robots.iter().enumerate() {
             check_file_name("robots", &folder_of(robot))?;
@@ -120,7 +123,11 @@ impl StudyPlan {
     /// Checks that the plan has its one robot.
     pub(super) fn check_robot(&self) -> Result<(), StudyPlanError> {
         if self.robot.is_empty() {
-            return Err(number("robot", "absent", "a bundled name or a path; robots = [\"…\", \"…\"] where it is several"));
+            return Err(number(
+                "robot",
+                "absent",
+                "a bundled name or a path; robots = [\"…\", \"…\"] where it is several",
+            ));
         }
         Ok(())
     }

@@ -24,7 +24,8 @@ pub fn load(name: &str, engines: &[&'static str]) -> Result<(StudyPlan, Option<P
         StudyPlans::One(plan) => Ok((*plan, folder)),
         StudyPlans::OnRobots(plans) => {
             let robots: Vec<&str> = plans.iter().map(|plan| plan.robot.as_str()).collect();
-            let message = format!("{name}: found a study on the robots {}, expected one on one robot", robots.join(", "));
+            let message =
+                format!("{name}: found a study on the robots {}, expected one on one robot", robots.join(", "));
             Err(Error::mismatch(message))
         }
     }

@@ -19,8 +19,12 @@ const TOLD: [Metric; 2] = [Metric::Prediction, Metric::Measured];
 /// [`DocumentError`] where a figure cannot be drawn from what is stored.
 pub fn robots_document(summary: &RobotsSummary) -> Result<Document, DocumentError> {
     let robots: Vec<&str> = summary.robots.iter().map(|robot| robot.robot.as_str()).collect();
-    let mut document = Document::new(&summary.question)
-        .subtitle(format!("{} on {}, {} conditions on each", summary.name, robots.join(", "), summary.conditions.len()));
+    let mut document = Document::new(&summary.question).subtitle(format!(
+        "{} on {}, {} conditions on each",
+        summary.name,
+        robots.join(", "),
+        summary.conditions.len()
+    ));
     for paragraph in robots_answer(summary) {
         document = document.summary(paragraph);
     }
@@ -235,10 +239,8 @@ fn rows<'a>(
     estimator: &str,
 ) -> Vec<&'a RobotsComparison> {
     let all = summary.comparisons.iter();
-    all.filter(|row| {
-        row.metric == metric && row.estimator == estimator && row.first == first && row.second == second
-    })
-    .collect()
+    all.filter(|row| row.metric == metric && row.estimator == estimator && row.first == first && row.second == second)
+        .collect()
 }
 
 /// The estimator that is shown: the last of the plan that was compared.
