@@ -6,6 +6,7 @@ use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{Finding, Termination};
 use crate::provenance::Provenance;
+use crate::statistics::student_quantile;
 
 /// One base parameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -131,6 +132,18 @@ impl Estimate {
                  the value"
             )),
             None => Ok(()),
+        }
+    }
+
+    /// The same values with a covariance that has this much more in it, b × b.
+    pub(super) fn add_covariance(&mut self, added: &DMatrix<f64>) {
+        let t = student_quantile(0.975, self.degrees_of_freedom);
+        for (i, (row, parameter)) in self.covariance.iter_mut().zip(&mut self.base).enumerate() {
+            for (j, value) in row.iter_mut().enumerate() {
+                *value += added[(i, j)];
+            }
+            parameter.std = row[i].max(0.0).sqrt();
+            parameter.ci95 = [parameter.value - t * parameter.std, parameter.value + t * parameter.std];
         }
     }
 

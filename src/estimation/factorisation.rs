@@ -17,10 +17,12 @@ use std::sync::OnceLock;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::residual::ResidualScale;
+use super::discrepancy::Discrepancy;
+use super::residual::{ResidualScale, scatter_noise};
 use super::{EstimationError, Observation};
 use crate::linalg::product::add_product;
 use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
+use crate::signal::Samples;
 
 /// Groups of more samples than this many times their columns are replaced by their factor.
 const WORTH_FACTORING: usize = 2;
@@ -47,6 +49,7 @@ pub struct Factorisation<'a> {
     observation: &'a Observation,
     groups: Vec<SampleGroup>,
     ordinary: OnceLock<Result<LeastSquares, EstimationError>>,
+    discrepancy: OnceLock<Result<Option<Discrepancy>, EstimationError>>,
 }
 
 /// Samples that have the same joints as equations.
@@ -87,7 +90,7 @@ impl<'a> Factorisation<'a> {
             let (row, value) = all.find(|(_, value)| !value.is_finite()).unwrap_or((0, f64::INFINITY));
             return Err(LeastSquaresError::NotFinite { row, value }.into());
         }
-        Ok(Self { observation, groups, ordinary: OnceLock::new() })
+        Ok(Self { observation, groups, ordinary: OnceLock::new(), discrepancy: OnceLock::new() })
     }
 
     /// The observation that was factored.
@@ -108,6 +111,22 @@ impl<'a> Factorisation<'a> {
     /// [`EstimationError::NotExcited`] with the parameter's name.
     pub fn least_squares(&self) -> Result<&LeastSquares, EstimationError> {
         self.ordinary.get_or_init(|| self.solve(|group| Ok(group.rows.clone()))).as_ref().map_err(Clone::clone)
+    }
+
+    /// What the samples that the equations were made from show of a torque that the model lacks, found once for all estimators;
+    /// `None` where they show nothing, and where there is no scatter over periods to compare with. Loads are those of the weighted
+    /// fit.
+    pub(super) fn discrepancy(&self, samples: &Samples) -> Result<Option<&Discrepancy>, EstimationError> {
+        let found = self.discrepancy.get_or_init(|| {
+            let Some(noise) = scatter_noise(self.observation) else { return Ok(None) };
+            // A joint without noise has no weight; loads of the ordinary fit do as well.
+            let beta = match BlockWhitening::new(noise.covariance()) {
+                Ok(weights) => self.weighted(&weights)?.solution().clone(),
+                Err(_) => self.least_squares()?.solution().clone(),
+            };
+            Ok(Discrepancy::found(self.observation, samples, &noise, beta.as_slice()))
+        });
+        found.as_ref().map(Option::as_ref).map_err(Clone::clone)
     }
 
     /// Least squares weighted with the inverse of the covariance of one sample's noise.

@@ -15,13 +15,12 @@
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::declared;
-use super::discrepancy::Discrepancy;
 use super::expected_residual::{COLUMNS, ExpectedResidual};
 use super::residual::{ResidualScale, neighbour_correlation};
 use super::restated::poorly_determined;
 use super::{
     BaseEstimate, Estimate, EstimationError, EstimationProblem, Factorisation, Finding, Instruments, IntervalBasis,
-    Observation, StandardEstimate, Termination, complete, residual_noise,
+    Observation, StandardEstimate, Termination, complete, residual_noise, scatter_noise,
 };
 use crate::linalg::{LeastSquares, product};
 use crate::signal::NoiseModel;
@@ -70,13 +69,38 @@ impl Inference<'_> {
     /// # Errors
     /// [`EstimationError`] where the nominal set of the problem is of another arm.
     pub fn estimate(self) -> Result<Estimate, EstimationError> {
+        Ok(self.inferred(self.problem.observation)?.estimate)
+    }
+
+    /// The estimate with intervals from `noise` of a residual, as of an estimator that has one of its own. Where there is scatter
+    /// over periods, findings about the residual come from that: what noise alone would leave. What the scatter shows that the model
+    /// lacks is added as for any other estimator, looked for in `kept`, the equations that the estimator did not give up.
+    pub(super) fn with_residual_noise(self, kept: &Observation) -> Result<Estimate, EstimationError> {
+        let Some(scatter) = scatter_noise(self.problem.observation) else {
+            return Inference { basis: IntervalBasis::Residual, ..self }.estimate();
+        };
+        let of_scatter = Inference { noise: &scatter, basis: IntervalBasis::Scatter, ..self }.inferred(kept)?;
+        let mut estimate = Inference { basis: IntervalBasis::Residual, ..self }.estimate()?;
+        if let Some(discrepancy) = &of_scatter.discrepancy {
+            estimate.add_covariance(discrepancy);
+            estimate.interval_basis = IntervalBasis::Discrepancy;
+        }
+        let is_of_std = |finding: &Finding| matches!(finding, Finding::PoorlyDetermined { .. });
+        estimate.findings = poorly_determined(&estimate.base);
+        estimate.findings.extend(of_scatter.estimate.findings.into_iter().filter(|finding| !is_of_std(finding)));
+        estimate.noise_std = of_scatter.estimate.noise_std;
+        Ok(estimate)
+    }
+
+    /// The estimate, and what of its covariance is a discrepancy, which is looked for in the equations `kept`.
+    fn inferred(self, kept: &Observation) -> Result<Inferred, EstimationError> {
         let observation = self.problem.observation;
         let beta = self.fit.solution();
         let equations = self.problem.factorised()?;
         let residual_rms = ResidualScale::of(observation).rms(&equations.residual_products(beta));
         let (noise, mut covariance) = self.covariance(&equations, self.noise)?;
         let (mut freedom, mut interval_basis) = (self.noise.degrees_of_freedom(), self.basis);
-        let mut beyond = Vec::new();
+        let (mut beyond, mut found) = (Vec::new(), None);
         if self.basis == IntervalBasis::Scatter {
             let expected = ExpectedResidual::new(self.problem, self.fit, self.instruments, &noise, &covariance)?;
             let residual = observation.residual(beta);
@@ -87,9 +111,9 @@ impl Inference<'_> {
                 covariance = self.covariance(&equations, &seen)?.1;
                 (freedom, interval_basis) = (seen.degrees_of_freedom(), IntervalBasis::Residual);
             }
-            if let Some(discrepancy) = Discrepancy::found(self.problem, &noise, beta.as_slice()) {
-                let functions = discrepancy.products(self.problem, self.instruments)?;
-                covariance += self.fit.sandwich(&(functions + self.products(&equations, &discrepancy.white())?));
+            found = self.discrepancy(&equations, kept)?;
+            if let Some(discrepancy) = &found {
+                covariance += discrepancy;
                 interval_basis = IntervalBasis::Discrepancy;
             }
             beyond.extend(misfit);
@@ -125,7 +149,7 @@ impl Inference<'_> {
             findings.extend(completion.findings.iter().cloned());
         }
         let b = base.len();
-        Ok(Estimate {
+        let estimate = Estimate {
             estimator: self.estimator.to_owned(),
             robot: observation.robot.clone(),
             columns: observation.columns.to_string(),
@@ -148,7 +172,22 @@ impl Inference<'_> {
             findings,
             termination: self.termination,
             provenance: observation.provenance.clone(),
-        })
+        };
+        Ok(Inferred { estimate, discrepancy: found })
+    }
+
+    /// cov β̂ of what the equations `kept` show that the model lacks.
+    fn discrepancy(
+        &self,
+        equations: &Factorisation<'_>,
+        kept: &Observation,
+    ) -> Result<Option<DMatrix<f64>>, EstimationError> {
+        let Some(samples) = self.problem.samples else { return Ok(None) };
+        let observation = self.problem.observation;
+        let of_kept = (!std::ptr::eq(kept, observation)).then(|| Factorisation::new(kept)).transpose()?;
+        let Some(found) = of_kept.as_ref().unwrap_or(equations).discrepancy(samples)? else { return Ok(None) };
+        let functions = found.products(observation, self.instruments)?;
+        Ok(Some(self.fit.sandwich(&(functions + self.products(equations, &found.white())?))))
     }
 
     /// cov β̂ for one noise, and that noise as it was believed.
@@ -238,6 +277,12 @@ impl Inference<'_> {
         }
         findings
     }
+}
+
+/// An estimate, and the part of its covariance that is a discrepancy.
+struct Inferred {
+    estimate: Estimate,
+    discrepancy: Option<DMatrix<f64>>,
 }
 
 /// A covariance whose variance in no direction is below [`LEAST_VARIANCE`] of that under white noise, so that it is

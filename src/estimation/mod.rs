@@ -42,7 +42,6 @@ mod prediction;
 mod problem;
 mod recursive;
 mod residual;
-mod residual_basis;
 mod restated;
 mod ridge;
 mod robust;

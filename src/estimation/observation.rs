@@ -1,5 +1,7 @@
 //! The stacked linear equations of one experiment.
 
+use std::borrow::Cow;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::EstimationError;
@@ -120,6 +122,21 @@ impl Observation {
     #[must_use]
     pub fn equations(&self) -> usize {
         self.used.iter().filter(|used| **used).count()
+    }
+
+    /// The same without the equations that are given up.
+    pub(super) fn without(&self, given_up: impl Fn(usize) -> bool) -> Cow<'_, Self> {
+        let rows: Vec<usize> = (0..self.y.len()).filter(|&row| self.used[row] && given_up(row)).collect();
+        if rows.is_empty() {
+            return Cow::Borrowed(self);
+        }
+        let mut kept = self.clone();
+        for row in rows {
+            kept.used[row] = false;
+            kept.regressor.row_mut(row).fill(0.0);
+            kept.y[row] = 0.0;
+        }
+        Cow::Owned(kept)
     }
 
     /// `y − W_b β`, n·M; zero in rows that are no equation.

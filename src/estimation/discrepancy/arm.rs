@@ -7,11 +7,12 @@ use super::features::{self, Functions};
 use super::joint::JointResidual;
 use super::sizes;
 use crate::estimation::expected_residual::COLUMNS;
-use crate::estimation::{EstimationError, EstimationProblem, Instruments};
+use crate::estimation::{EstimationError, Instruments, Observation};
 use crate::linalg::product;
-use crate::signal::NoiseModel;
+use crate::signal::{NoiseModel, Samples};
 
 /// The discrepancy of all joints, where one of them shows any.
+#[derive(Clone, Debug)]
 pub(in crate::estimation) struct Discrepancy {
     blocks: BlockedEquations,
     joints: Vec<JointDiscrepancy>,
@@ -20,6 +21,7 @@ pub(in crate::estimation) struct Discrepancy {
 }
 
 /// The discrepancy of one joint, as far as functions go.
+#[derive(Clone, Debug)]
 struct JointDiscrepancy {
     /// Joint, from zero.
     joint: usize,
@@ -28,17 +30,17 @@ struct JointDiscrepancy {
 }
 
 impl Discrepancy {
-    /// What the residual shows; `None` where it shows nothing beyond the scatter over periods, and where the states of the
-    /// equations are not known.
+    /// What the residual shows; `None` where it shows nothing beyond the scatter over periods, and where the samples are not those
+    /// of the observation. β (b) says what each joint carries.
     pub(in crate::estimation) fn found(
-        problem: &EstimationProblem<'_>,
+        observation: &Observation,
+        samples: &Samples,
         noise: &NoiseModel,
         beta: &[f64],
     ) -> Option<Self> {
-        let blocks = BlockedEquations::new(problem.observation, problem.samples?)?;
-        let functions: Vec<Functions> = (0..problem.observation.dof)
-            .map(|joint| features::of_joint(&blocks, problem.observation, joint, beta))
-            .collect();
+        let blocks = BlockedEquations::new(observation, samples)?;
+        let functions: Vec<Functions> =
+            (0..observation.dof).map(|joint| features::of_joint(&blocks, observation, joint, beta)).collect();
         let residuals: Vec<(usize, JointResidual)> = functions
             .iter()
             .enumerate()
@@ -51,7 +53,7 @@ impl Discrepancy {
         let reduced: Vec<_> =
             residuals.iter().zip(&more).map(|((_, residual), &more)| residual.reduced(more)).collect();
         let (sizes, shared) = sizes::restricted_likelihood(&reduced);
-        let mut white = DMatrix::zeros(problem.observation.dof, problem.observation.dof);
+        let mut white = DMatrix::zeros(observation.dof, observation.dof);
         let joints = residuals.iter().zip(sizes).map(|(&(joint, ref residual), sizes)| {
             white[(joint, joint)] = sizes.white * noise.covariance()[(joint, joint)];
             let functions = &functions[joint];
@@ -74,10 +76,9 @@ impl Discrepancy {
     /// `Bᵀ K B` of its functions, b × b.
     pub(in crate::estimation) fn products(
         &self,
-        problem: &EstimationProblem<'_>,
+        observation: &Observation,
         instruments: Instruments<'_>,
     ) -> Result<DMatrix<f64>, EstimationError> {
-        let observation = problem.observation;
         let b = observation.regressor.ncols();
         let mut spread: Vec<DMatrix<f64>> =
             self.joints.iter().map(|joint| DMatrix::zeros(b, joint.functions.ncols())).collect();

@@ -14,6 +14,7 @@ use crate::signal::{NoiseModel, Samples};
 const MOST_BLOCKS: usize = 360;
 
 /// Means of equations and states over blocks.
+#[derive(Clone, Debug)]
 pub(super) struct BlockedEquations {
     /// Equations in a block.
     pub(super) length: usize,

@@ -19,10 +19,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::noise::MotionNoise;
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::residual_basis::with_residual_noise;
 use crate::estimation::{
-    Estimate, EstimationError, EstimationProblem, Estimator, Finding, Inference, Instruments, Observation, Termination,
-    residual_noise,
+    Estimate, EstimationError, EstimationProblem, Estimator, Finding, Inference, Instruments, IntervalBasis,
+    Observation, Termination, residual_noise,
 };
 use crate::linalg::{LeastSquares, RowFactor};
 
@@ -75,18 +74,16 @@ impl Estimator for MaximumLikelihood {
         }
         let termination = termination.unwrap_or(Termination::IterationLimit { iterations: ITERATIONS, last_step });
         let residual = residual_noise(observation, &step.residual);
-        with_residual_noise(observation, &residual, |noise, basis| {
-            Inference {
-                estimator: self.name(),
-                problem: &problem,
-                fit: &step.fit,
-                instruments: Instruments::Rows(&step.instruments),
-                noise,
-                basis,
-                termination,
-            }
-            .estimate()
-        })
+        Inference {
+            estimator: self.name(),
+            problem: &problem,
+            fit: &step.fit,
+            instruments: Instruments::Rows(&step.instruments),
+            noise: &residual,
+            basis: IntervalBasis::Residual,
+            termination,
+        }
+        .with_residual_noise(observation)
     }
 }
 

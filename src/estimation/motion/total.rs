@@ -18,9 +18,9 @@ use nalgebra::{DMatrix, DVector};
 
 use super::noise::MotionNoise;
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::residual_basis::with_residual_noise;
 use crate::estimation::{
-    Estimate, EstimationError, EstimationProblem, Estimator, Finding, Inference, Termination, residual_noise,
+    Estimate, EstimationError, EstimationProblem, Estimator, Finding, Inference, IntervalBasis, Termination,
+    residual_noise,
 };
 use crate::linalg::LeastSquares;
 
@@ -65,18 +65,16 @@ impl Estimator for TotalLeastSquares {
             linear.fit.condition_scaled(),
         )?;
         let noise = residual_noise(observation, &observation.residual(fit.solution()));
-        with_residual_noise(observation, &noise, |noise, basis| {
-            Inference {
-                estimator: self.name(),
-                problem: &problem,
-                fit: &fit,
-                instruments: linear.instruments(),
-                noise,
-                basis,
-                termination: total.termination,
-            }
-            .estimate()
-        })
+        Inference {
+            estimator: self.name(),
+            problem: &problem,
+            fit: &fit,
+            instruments: linear.instruments(),
+            noise: &noise,
+            basis: IntervalBasis::Residual,
+            termination: total.termination,
+        }
+        .with_residual_noise(observation)
     }
 }
 

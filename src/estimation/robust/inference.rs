@@ -10,7 +10,8 @@
 //! that was given up is no information, however long its row. k is Huber's correction for the number of parameters.
 //!
 //! The scatter over periods, where there is one, says what residual noise alone explains, and is the basis of no interval:
-//! outliers that scatter are in it.
+//! outliers that scatter are in it. What the equations that are no outliers show beyond the scatter, of a torque that the model lacks,
+//! is added as a discrepancy.
 //!
 //! References: P. J. Huber, E. M. Ronchetti, *Robust Statistics*, 2009, section 7.6 (eq. 7.81 is one joint and white
 //! noise); M. Koller, W. A. Stahel, "Sharpening Wald-type inference in robust regression for small samples", Computational
@@ -19,12 +20,11 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::iteration::{RobustFit, weighted_rows};
-use crate::estimation::residual_basis::with_residual_noise;
 use crate::estimation::{
-    Estimate, EstimationError, EstimationProblem, Finding, Inference, Instruments, Observation, residual_noise,
+    Estimate, EstimationError, EstimationProblem, Finding, Inference, Instruments, IntervalBasis, Observation,
+    residual_noise,
 };
 use crate::linalg::LeastSquares;
-use crate::signal::NoiseModel;
 
 /// Mean slope of the influence that a joint is taken to have at least; below it hardly an equation of the joint counts.
 const LEAST_SLOPE: f64 = 0.05;
@@ -68,20 +68,18 @@ pub(crate) fn estimate(
         let (s, slope) = (robust.scales[row % observation.dof], joints[row % observation.dof].slope);
         observation.regressor[(row, column)] * (parts[row] * slope).sqrt() / s
     });
-    let inferred = |noise: &NoiseModel, basis| {
-        Inference {
-            estimator: name,
-            problem,
-            fit: &fit,
-            instruments: Instruments::Rows(&rows),
-            noise,
-            basis,
-            termination: robust.termination,
-        }
-        .estimate()
-    };
     let noise = residual_noise(observation, &pseudo);
-    let mut estimate = with_residual_noise(observation, &noise, inferred)?;
+    let inference = Inference {
+        estimator: name,
+        problem,
+        fit: &fit,
+        instruments: Instruments::Rows(&rows),
+        noise: &noise,
+        basis: IntervalBasis::Residual,
+        termination: robust.termination,
+    };
+    let kept = observation.without(|row| u[row].abs() > OUTLIER);
+    let mut estimate = inference.with_residual_noise(&kept)?;
     estimate.findings.extend(outliers(observation, robust, &u));
     Ok(estimate)
 }
