@@ -81,3 +81,51 @@ fn analytic_intervals_hold_what_the_model_lacks() {
     assert!(with.pooled() > 0.9, "{} with, {} without", with.pooled(), without.pooled());
     assert!(without.pooled() < with.pooled() - 0.05, "{} with, {} without", with.pooled(), without.pooled());
 }
+
+/// Estimators whose intervals come from a residual of their own.
+const OF_RESIDUAL: [EstimatorKind; 4] =
+    [EstimatorKind::IrlsHuber, EstimatorKind::IrlsTukey, EstimatorKind::IrlsCauchy, EstimatorKind::Mm];
+
+#[test]
+fn analytic_intervals_of_robust_estimators_hold_what_the_model_lacks() {
+    let (arm, seed) = (Arm::new(0.05), Seed::new(73));
+    for kind in OF_RESIDUAL {
+        let (mut with, mut without) = (Coverage::new(arm.beta.len()), Coverage::new(arm.beta.len()));
+        for run in 0..8 {
+            let observation = arm.observed(seed, run);
+            let problem = EstimationProblem::new(&observation);
+            let seen = kind.estimator().estimate(&problem.with_samples(&arm.samples)).unwrap();
+            assert_eq!(seen.interval_basis, IntervalBasis::Discrepancy, "{}", kind.name());
+            with.add(&seen, &arm.beta);
+            let blind = kind.estimator().estimate(&problem).unwrap();
+            assert_eq!(blind.interval_basis, IntervalBasis::Residual, "{}", kind.name());
+            without.add(&blind, &arm.beta);
+            assert_eq!(seen.beta(), blind.beta());
+        }
+        assert!(with.pooled() > 0.9, "{}: {} with, {} without", kind.name(), with.pooled(), without.pooled());
+        let gain = with.pooled() - without.pooled();
+        assert!(gain > 0.05, "{}: {} with, {} without", kind.name(), with.pooled(), without.pooled());
+    }
+}
+
+#[test]
+fn analytic_outliers_that_a_robust_estimator_gives_up_are_no_discrepancy() {
+    // One torque in a hundred is wrong by two hundred standard deviations.
+    let (arm, seed) = (Arm::new(0.0), Seed::new(74));
+    for kind in OF_RESIDUAL {
+        let (mut alarms, mut coverage) = (0, Coverage::new(arm.beta.len()));
+        for run in 0..20 {
+            let mut observation = arm.observed(seed, run);
+            for row in (0..observation.y.len()).skip(run as usize).step_by(97) {
+                observation.y[row] += 200.0 * arm.covariance[(row % 6, row % 6)].sqrt();
+            }
+            let problem = EstimationProblem::new(&observation).with_samples(&arm.samples);
+            let estimate = kind.estimator().estimate(&problem).unwrap();
+            alarms += usize::from(estimate.interval_basis == IntervalBasis::Discrepancy);
+            coverage.add(&estimate, &arm.beta);
+        }
+        // Below 22 % of recordings by chance; 11 of 20 in one of a thousand cases.
+        assert!(alarms <= 11, "{}: {alarms} false alarms in 20", kind.name());
+        assert!(coverage.pooled() > 0.92, "{}: {}", kind.name(), coverage.pooled());
+    }
+}
