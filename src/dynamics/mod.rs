@@ -26,6 +26,7 @@ mod model;
 mod placed_term;
 mod simulable;
 mod symmetric;
+mod torque_difference;
 mod torque_terms;
 
 pub use crate::trajectory::States;
@@ -35,4 +36,5 @@ pub use model::Dynamics;
 pub use placed_term::PlacedTerm;
 pub use simulable::{TermError, check_simulable};
 pub(crate) use symmetric::Symmetric3;
+pub use torque_difference::TorqueDifference;
 pub use torque_terms::{TermState, TorqueTerms};

@@ -11,5 +11,6 @@ pub(crate) mod payload;
 pub(crate) mod robots;
 pub(crate) mod run;
 pub(crate) mod selection;
+pub(crate) mod snapping;
 pub(crate) mod source;
 pub(crate) mod study;

@@ -15,6 +15,7 @@ use miette::Result;
 use serde_json::{Value, json};
 
 use crate::answers::exchange::{Exchange, Reloaded};
+use crate::answers::snapping::Snapping;
 use crate::answers::source::SourceAnswer;
 use crate::arguments::{ChainArguments, one_of};
 use crate::terminal::{Answer, Console, Destination, Ending, number, report_folder};
@@ -31,7 +32,8 @@ of every number that is written.
 
 A robot that came as a URDF is written as that file with other inertias, damping and friction; names,
 meshes, comments and formatting stay. URDF has no place for rotor inertia and torque offset, MJCF none
-for the offset: the answer says what torque lacks without them.
+for the offset: the answer says what torque lacks without them. Right angles of a URDF that are written
+with few digits stay as they are in the file; the answer says by how much its torque differs for that.
 
 c and rust are source code of inverse dynamics, gravity torque and mass matrix in the base parameters
 as estimated, with the operations that they need and no others; it needs a compiler alone, and no set
@@ -123,10 +125,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let (written, remarks) = format.write(&loaded, &set.parameters, &header(&estimate, &set))?;
     let reloaded = Reloaded::compare(format, &written, &loaded, &set.parameters)?;
     console.deliver(&destination, &written)?;
+    let snapping = Snapping::of(&loaded, &set.parameters)?;
     let sound = set.is_within() && set.termination.was_successful() && reloaded.is_sound();
     let joints = loaded.robot.joints().iter().map(|joint| joint.name.clone()).collect();
     let remarks = loaded.remarks.iter().cloned().chain(remarks).collect();
-    let done = Done { estimate: &estimate, format, set, reloaded, remarks, joints, destination };
+    let done = Done { estimate: &estimate, format, set, reloaded, snapping, remarks, joints, destination };
     console.show(&Answer { text: done.text(), json: done.json() })?;
     Ok(if sound { Ending::Done } else { Ending::Negative })
 }
@@ -206,6 +209,7 @@ struct Done<'a> {
     format: Exchange,
     set: ConsistentSet,
     reloaded: Reloaded,
+    snapping: Option<Snapping>,
     remarks: Vec<String>,
     joints: Vec<String>,
     destination: Destination,
@@ -235,6 +239,7 @@ impl Done<'_> {
                 "terms": left.meanings,
                 "missing_torque_relative_rms": left.missing,
             })),
+            "snapped": self.snapping.as_ref().map(Snapping::json),
             "remarks": self.remarks,
         })
     }
@@ -264,6 +269,7 @@ impl Done<'_> {
         for remark in &self.remarks {
             let _ = writeln!(text, "{remark}");
         }
+        text.extend(self.snapping.iter().map(Snapping::text));
         text
     }
 }

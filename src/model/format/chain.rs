@@ -3,7 +3,7 @@
 use super::FormatError;
 use super::arm::{arm_of, listed, quoted_one};
 use super::element::RIGHT_ANGLE;
-use super::tree::{ChainEnds, ImportedModel, Tree};
+use super::tree::{ChainEnds, ImportedModel, SnappedJoint, Tree};
 
 impl Tree<'_> {
     /// The serial chain between two bodies.
@@ -43,7 +43,11 @@ impl Tree<'_> {
     fn remark_right_angles(&mut self, base: usize, tip: usize) {
         let path = self.path(tip).into_iter().skip_while(|&b| b != base).skip(1);
         let off = path.filter_map(|b| self.bodies[b].snapped.as_ref());
-        let off: Vec<String> = off.map(|(joint, off)| format!("\"{joint}\" by {off:.1e}")).collect();
+        let off: Vec<SnappedJoint> =
+            off.map(|(name, off)| SnappedJoint { name: name.clone(), angle_rad: *off }).collect();
+        self.snapped = off;
+        let named = |joint: &SnappedJoint| format!("\"{}\" by {:.1e}", joint.name, joint.angle_rad);
+        let off: Vec<String> = self.snapped.iter().map(named).collect();
         if !off.is_empty() {
             let joints = off.join(", ");
             self.remarks.push(format!(

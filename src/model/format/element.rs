@@ -199,25 +199,41 @@ impl RightAngle {
     }
 }
 
-/// Sine and cosine of an angle of the geometry, exact within [`RIGHT_ANGLE`] of a multiple of 90°, and by how much the
-/// angle was off, rad: zero where it means what it says.
-pub(super) fn snapped_sincos(angle: f64) -> ((f64, f64), f64) {
+/// How angles of the geometry that are nearly right are read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum NearlyRight {
+    /// As the right angles that they mean.
+    Snapped,
+    /// As they are written.
+    AsWritten,
+}
+
+impl NearlyRight {
+    /// Whether an angle that is off a right one by so much is read as that, rad.
+    fn snaps(self, off: f64) -> bool {
+        self == Self::Snapped && off.abs() <= RIGHT_ANGLE
+    }
+}
+
+/// Sine and cosine of an angle of the geometry, exact within [`RIGHT_ANGLE`] of a multiple of 90° where that is snapped, and by
+/// how much the angle was off, rad: zero where it means what it says.
+pub(super) fn snapped_sincos(angle: f64, nearly: NearlyRight) -> ((f64, f64), f64) {
     let right = RightAngle::nearest(angle);
     if right.is_rounding() {
         (right.sincos(), 0.0)
-    } else if right.off.abs() <= RIGHT_ANGLE {
+    } else if nearly.snaps(right.off) {
         (right.sincos(), right.off.abs())
     } else {
         (libm::sincos(angle), 0.0)
     }
 }
 
-/// A direction of the geometry, along a coordinate axis where it is within [`RIGHT_ANGLE`] of one, and by how much it
-/// was off, rad.
-pub(super) fn snapped_direction(axis: &Vector3<f64>) -> (Vector3<f64>, f64) {
+/// A direction of the geometry, along a coordinate axis where it is within [`RIGHT_ANGLE`] of one and that is snapped, and by how
+/// much it was off, rad.
+pub(super) fn snapped_direction(axis: &Vector3<f64>, nearly: NearlyRight) -> (Vector3<f64>, f64) {
     let along = axis.iamax();
     let across = axis.iter().enumerate().filter(|&(i, _)| i != along).fold(0.0, |sum, (_, x)| libm::hypot(sum, *x));
-    if across <= RIGHT_ANGLE {
+    if nearly.snaps(across) {
         let mut exact = Vector3::zeros();
         exact[along] = if axis[along] < 0.0 { -1.0 } else { 1.0 };
         (exact, across)
@@ -291,19 +307,20 @@ mod tests {
         for (written, meant) in
             [(1.5708, (1.0, 0.0)), (-1.5708, (-1.0, 0.0)), (3.14159, (0.0, -1.0)), (4e-5, (0.0, 1.0))]
         {
-            let (found, off) = snapped_sincos(written);
+            let (found, off) = snapped_sincos(written, NearlyRight::Snapped);
             assert_eq!(found, meant);
             let exact = (written - (written / FRAC_PI_2).round() * FRAC_PI_2).abs();
             assert!((off - exact).abs() < 1e-15 && off > 0.0, "{written}: {off}");
+            assert_eq!(snapped_sincos(written, NearlyRight::AsWritten), (libm::sincos(written), 0.0));
         }
-        assert_eq!(snapped_sincos(PI), ((0.0, -1.0), 0.0));
+        assert_eq!(snapped_sincos(PI, NearlyRight::Snapped), ((0.0, -1.0), 0.0));
         for other in [1.57, 1.5707, 6e-5, 0.7854] {
-            assert_eq!(snapped_sincos(other), (libm::sincos(other), 0.0));
+            assert_eq!(snapped_sincos(other, NearlyRight::Snapped), (libm::sincos(other), 0.0));
         }
-        let (axis, off) = snapped_direction(&Vector3::new(3e-5, -1.0, 4e-5).normalize());
+        let (axis, off) = snapped_direction(&Vector3::new(3e-5, -1.0, 4e-5).normalize(), NearlyRight::Snapped);
         assert_eq!(axis, -Vector3::y());
         assert!((off - 5e-5).abs() < 1e-12);
         let tilted = Vector3::new(6e-5, 0.0, 1.0).normalize();
-        assert_eq!(snapped_direction(&tilted), (tilted, 0.0));
+        assert_eq!(snapped_direction(&tilted, NearlyRight::Snapped), (tilted, 0.0));
     }
 }

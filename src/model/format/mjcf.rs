@@ -80,9 +80,18 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         }
     }
     let name = root.attribute("model").map_or("unnamed", |name| name.value()).to_owned();
-    Tree { check: root.check(), at: root.span(), name, gravity: settings.gravity, bodies, rotors, remarks }
-        .chain(ends)
-        .map(|model| model.read_from(text))
+    Tree {
+        check: root.check(),
+        at: root.span(),
+        name,
+        gravity: settings.gravity,
+        bodies,
+        rotors,
+        snapped: Vec::new(),
+        remarks,
+    }
+    .chain(ends)
+    .map(|model| model.read_from(text))
 }
 
 /// The rotor that a fixed tendon stands for; none where it has no armature.

@@ -6,7 +6,7 @@
 //! | `truth.toml`, `published.toml`, an export | [`parse_parameters`] | [`ParameterFile`] |
 //! | `nominal.toml` | [`parse_nominal`] | [`NominalParameters`] |
 //! | name → value, TOML or JSON | [`parse_parameter_map`] | [`StandardParameters`](super::StandardParameters) |
-//! | URDF | [`parse_urdf`] | [`ImportedModel`] |
+//! | URDF | [`parse_urdf`], [`parse_urdf_as_written`] | [`ImportedModel`] |
 //! | MJCF | [`parse_mjcf`] | [`ImportedModel`] |
 //!
 //! [`write_parameters`] and [`write_urdf`] go the other way, [`write_robot`] begins a `robot.toml` over a URDF; [`edit_urdf`] puts parameters into a URDF that is there.
@@ -72,7 +72,7 @@ pub use relative_uncertainty::RelativeUncertainty;
 pub use robot_file::{parse_robot, parse_robot_model};
 pub use robot_model::RobotModel;
 pub use robot_writer::write_robot;
-pub use tree::{ChainEnds, ImportedModel};
-pub use urdf::parse_urdf;
+pub use tree::{ChainEnds, ImportedModel, SnappedJoint};
+pub use urdf::{parse_urdf, parse_urdf_as_written};
 pub use urdf_edit::{EditedUrdf, edit_urdf};
 pub use urdf_writer::write_urdf;

@@ -40,8 +40,19 @@ pub struct ImportedModel {
     pub locked: Vec<String>,
     /// Collision shapes of the file, in the frames of the chain's links; [`Robot::shapes`] has none of them.
     pub collisions: Vec<CollisionShape>,
+    /// Joints whose angles are read as right angles, although they are written a little off.
+    pub snapped: Vec<SnappedJoint>,
     /// What else was read otherwise than it is written, a sentence each.
     pub remarks: Vec<String>,
+}
+
+/// A joint of a URDF, from base to tip, whose angles are read as right angles.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct SnappedJoint {
+    /// Its name.
+    pub name: String,
+    /// The largest angle by which it was off, rad.
+    pub angle_rad: f64,
 }
 
 impl ImportedModel {
@@ -142,6 +153,8 @@ pub(super) struct Tree<'a> {
     pub(super) bodies: Vec<Body>,
     /// Rotors that turn with several joints.
     pub(super) rotors: Vec<CoupledRotor>,
+    /// Joints from base to tip whose angles are not read as they are written.
+    pub(super) snapped: Vec<SnappedJoint>,
     pub(super) remarks: Vec<String>,
 }
 
@@ -250,7 +263,7 @@ impl Tree<'_> {
                 let robot = robot.with_effort(EffortInterface::Torque);
                 let mut remarks = self.remarks;
                 remarks.extend(impossible(&robot, &parameters));
-                Ok(ImportedModel { robot, parameters, locked, collisions, remarks })
+                Ok(ImportedModel { robot, parameters, locked, collisions, snapped: self.snapped, remarks })
             }
             Err(fault) => self.check.fault(self.at.clone(), fault.to_string()),
         }

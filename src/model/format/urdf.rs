@@ -16,7 +16,7 @@ use nalgebra::{Matrix3, Vector3};
 
 use super::FormatError;
 use super::collision::{Geometry, read_geometry};
-use super::element::{Element, parse_xml, sincos, snapped_direction, snapped_sincos, turn_z_to};
+use super::element::{Element, NearlyRight, parse_xml, sincos, snapped_direction, snapped_sincos, turn_z_to};
 use super::reading::STANDARD_GRAVITY;
 use super::tree::{Body, ChainEnds, Connection, ImportedModel, MovingJoint, Tree, moved};
 use crate::model::{DriveParameters, JointKind, Limits};
@@ -46,11 +46,21 @@ use crate::spatial::{Inertia, Placement};
 /// has two parents, a tree without a tip (the leaves are listed), a planar, floating or mimic joint on the chain.
 pub fn parse_urdf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
     let document = parse_xml(text)?;
-    read_tree(Element::root(&document), text)?.chain(ends).map(|model| model.read_from(text))
+    let tree = read_tree(Element::root(&document), text, NearlyRight::Snapped)?;
+    tree.chain(ends).map(|model| model.read_from(text))
+}
+
+/// The same with every angle as it is written, rounded right angles too: what a reader that does not mend them sees.
+///
+/// # Errors
+/// As [`parse_urdf`].
+pub fn parse_urdf_as_written(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
+    let document = parse_xml(text)?;
+    read_tree(Element::root(&document), text, NearlyRight::AsWritten)?.chain(ends)
 }
 
 /// The tree of a whole file.
-pub(super) fn read_tree<'a>(root: Element<'a>, text: &str) -> Result<Tree<'a>, FormatError> {
+pub(super) fn read_tree<'a>(root: Element<'a>, text: &str, nearly: NearlyRight) -> Result<Tree<'a>, FormatError> {
     if root.tag() != "robot" {
         return root.fault(format!("the root element is <{}>, expected <robot>", root.tag()));
     }
@@ -77,7 +87,7 @@ pub(super) fn read_tree<'a>(root: Element<'a>, text: &str) -> Result<Tree<'a>, F
     // The joint that carries each link.
     let mut carrier: Vec<Option<UrdfJoint<'_>>> = links.iter().map(|_| None).collect();
     for element in root.all("joint") {
-        let joint = UrdfJoint::read(element, &names)?;
+        let joint = UrdfJoint::read(element, &names, nearly)?;
         let child = joint.child;
         if let Some(other) = carrier[child].replace(joint) {
             let message = format!("link \"{}\" already hangs on joint \"{}\"", names[child], other.name);
@@ -91,6 +101,7 @@ pub(super) fn read_tree<'a>(root: Element<'a>, text: &str) -> Result<Tree<'a>, F
         gravity: Vector3::from(STANDARD_GRAVITY),
         bodies: bodies(root, &links, &names, &carrier, &mut remarks)?,
         rotors: Vec::new(),
+        snapped: Vec::new(),
         remarks,
     })
 }
@@ -165,10 +176,11 @@ struct UrdfJoint<'a> {
     origin: Placement,
     /// By how much its angles were off the right angles that they are read as, rad.
     off: f64,
+    nearly: NearlyRight,
 }
 
 impl<'a> UrdfJoint<'a> {
-    fn read(element: Element<'a>, links: &[&str]) -> Result<Self, FormatError> {
+    fn read(element: Element<'a>, links: &[&str], nearly: NearlyRight) -> Result<Self, FormatError> {
         let end = |tag: &'static str| {
             let Some(end) = element.only(tag)? else {
                 return element.fault(format!("<joint> has no <{tag}>, expected one"));
@@ -182,13 +194,14 @@ impl<'a> UrdfJoint<'a> {
                 Ok,
             )
         };
-        let (origin, off) = read_snapped_origin(element)?;
+        let (origin, off) = read_snapped_origin(element, nearly)?;
         Ok(Self {
             name: element.required("name")?.value().to_owned(),
             parent: end("parent")?,
             child: end("child")?,
             origin,
             off,
+            nearly,
             element,
         })
     }
@@ -196,7 +209,7 @@ impl<'a> UrdfJoint<'a> {
     /// The joint's axis, along a coordinate axis where it nearly is, and by how much it was off, rad.
     fn axis(&self) -> Result<(Vector3<f64>, f64), FormatError> {
         match self.element.only("axis")? {
-            Some(axis) => Ok(snapped_direction(&axis.direction_of(&axis.required("xyz")?)?)),
+            Some(axis) => Ok(snapped_direction(&axis.direction_of(&axis.required("xyz")?)?, self.nearly)),
             None => Ok((Vector3::x(), 0.0)),
         }
     }
@@ -296,9 +309,9 @@ pub(super) fn read_origin(element: Element<'_>) -> Result<Placement, FormatError
 }
 
 /// The `<origin>` of a joint with right angles where it nearly has them, and by how much one was off at most, rad.
-fn read_snapped_origin(element: Element<'_>) -> Result<(Placement, f64), FormatError> {
+fn read_snapped_origin(element: Element<'_>, nearly: NearlyRight) -> Result<(Placement, f64), FormatError> {
     let Some([xyz, rpy]) = origin_numbers(element)? else { return Ok((Placement::identity(), 0.0)) };
-    let angles = rpy.map(snapped_sincos);
+    let angles = rpy.map(|angle| snapped_sincos(angle, nearly));
     let off = angles.iter().fold(0.0, |most: f64, (_, off)| most.max(*off));
     Ok((placed(xyz, angles.map(|(angle, _)| angle)), off))
 }

@@ -13,7 +13,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::element::{Element, parse_xml};
+use super::element::{Element, NearlyRight, parse_xml};
 use super::tree::moved;
 use super::urdf::{read_inertial, read_origin, read_tree};
 use super::{ChainEnds, FormatError};
@@ -56,7 +56,7 @@ pub struct EditedUrdf {
 pub fn edit_urdf(text: &str, ends: &ChainEnds, parameters: &StandardParameters) -> Result<EditedUrdf, FormatError> {
     let document = parse_xml(text)?;
     let root = Element::root(&document);
-    let mut tree = read_tree(root, text)?;
+    let mut tree = read_tree(root, text, NearlyRight::Snapped)?;
     let (base, moving) = tree.select(ends)?;
     if moving.len() != parameters.links.len() || moving.len() != parameters.drives.len() {
         let (found, expected) = (parameters.links.len(), moving.len());

@@ -96,7 +96,7 @@ pub(super) fn read_urdf_robot(text: &str) -> Result<RobotModel, FormatError> {
         let place = format!("line {}, column {}", fault.line, fault.column);
         check.fault(at.clone(), format!("{}, {place}: {}", file.urdf.get_ref(), fault.message))
     })?;
-    let ImportedModel { robot, mut parameters, locked, collisions, remarks } = imported;
+    let ImportedModel { robot, mut parameters, locked, collisions, snapped: _, remarks } = imported;
     let effort = file.effort.unwrap_or_else(|| robot.effort());
     let mut spec = robot.into_spec();
     let names: Vec<String> = spec.joints.iter().map(|joint| joint.name.clone()).collect();

@@ -6,7 +6,7 @@ use std::fmt::Write;
 use nalgebra::{Isometry3, Matrix3, Rotation3, Translation3, Unit, Vector3};
 
 use super::fault_tests::expect_fault;
-use super::{ChainEnds, FormatError, ImportedModel, parse_parameters, parse_robot, parse_urdf};
+use super::{ChainEnds, FormatError, ImportedModel, parse_parameters, parse_robot, parse_urdf, parse_urdf_as_written};
 use crate::conformance::chains::random_state;
 use crate::dynamics::Dynamics;
 use crate::model::{EffortInterface, JointKind, Robot, StandardParameters, bundled};
@@ -125,6 +125,23 @@ fn arm(angle: &str, axis: &str, more: &str) -> String {
 }
 
 #[test]
+fn analytic_torque_of_an_axis_that_a_rounded_angle_tilts() {
+    use crate::dynamics::TorqueDifference;
+    // Upside down, 3.1416 in place of π: the axis leans by δ, and a mass m at the arm l weighs m g l sin δ · sin(q) on it, with all
+    // angles equally likely.
+    let text = "<robot name=\"arm\"><link name=\"a\"/><link name=\"b\"><inertial><origin xyz=\"0.5 0 0\"/><mass value=\"4\"/>\
+        <inertia ixx=\"0.1\" ixy=\"0\" ixz=\"0\" iyy=\"0.1\" iyz=\"0\" izz=\"0.1\"/></inertial></link>\
+        <joint name=\"j\" type=\"continuous\"><origin xyz=\"0 0 1\" rpy=\"3.1416 0 0\"/><parent link=\"a\"/><child link=\"b\"/>\
+        <axis xyz=\"0 0 1\"/></joint></robot>";
+    let read = parse(text).unwrap();
+    let written = parse_urdf_as_written(text, &ChainEnds::default()).unwrap();
+    let found = TorqueDifference::new((&written.robot, &written.parameters), (&read.robot, &read.parameters), 4000);
+    let most = 4.0 * 9.81 * 0.5 * libm::sin(3.1416 - std::f64::consts::PI);
+    assert!((found.largest[0] / most - 1.0).abs() < 1e-3, "{} {most}", found.largest[0]);
+    assert!((found.rms[0] / (most / 2.0_f64.sqrt()) - 1.0).abs() < 0.03, "{}", found.rms[0]);
+}
+
+#[test]
 fn identity_rounded_right_angles_give_the_robot_of_exact_ones() {
     use crate::base::{Method, reduce};
     use crate::model::Columns;
@@ -148,6 +165,13 @@ fn identity_rounded_right_angles_give_the_robot_of_exact_ones() {
     // The amount is that of the worst angle: 3.1416 is 7.3464e-6 rad too large.
     let rounded = parse(&arm("1.5708 0 3.1416", "0 0 1", "")).unwrap();
     assert!(rounded.remarks[0].ends_with("joint \"j2\" by 7.3e-6, \"j4\" by 7.3e-6 rad"), "{:?}", rounded.remarks);
+    let names: Vec<&str> = rounded.snapped.iter().map(|joint| joint.name.as_str()).collect();
+    assert_eq!(names, ["j2", "j4"]);
+    assert!((rounded.snapped[0].angle_rad - (3.1416 - std::f64::consts::PI)).abs() < 1e-15);
+    // As it is written it is the angle of the file.
+    let written = parse_urdf_as_written(&arm("1.5708 0 3.1416", "0 0 1", ""), &ChainEnds::default()).unwrap();
+    assert!(written.snapped.is_empty() && written.remarks.is_empty());
+    assert!((written.robot.joints()[1].before.rotation[(2, 2)] - libm::cos(1.5708)).abs() < 1e-15);
     // Further away an angle is what it says.
     let tilted = parse(&arm("1.571 0 3.1416", "0 0 1", "")).unwrap();
     assert!((tilted.robot.joints()[1].before.rotation[(2, 2)] - libm::cos(1.571)).abs() < 1e-15);
