@@ -52,10 +52,12 @@ fn suspicion_json(suspicion: &Suspicion, prepared: &ProcessedLog) -> Value {
 /// What to try about a suspicion: where all logs were read alike, with the mapping that does it.
 fn advice(suspicion: &Suspicion, prepared: &ProcessedLog) -> String {
     let correction = suspicion.mistake.correction();
-    let mut mappings = prepared.reports.iter().map(|report| report.origin.corrected(&suspicion.mistake));
-    match mappings.next().flatten() {
-        Some(mapping) if mappings.all(|other| other.as_ref() == Some(&mapping)) => {
-            format!("{correction}, so: --map \"{mapping}\"")
+    let robot = &prepared.robot.robot;
+    let mut mappings = prepared.reports.iter().map(|report| report.origin.corrected(&suspicion.mistake, robot));
+    match mappings.next() {
+        Some(first) if !first.is_empty() && mappings.all(|other| other == first) => {
+            let typed: Vec<String> = first.iter().map(|mapping| format!("--map \"{mapping}\"")).collect();
+            format!("{correction}, so: {}", typed.join(" or: "))
         }
         Some(_) | None => correction,
     }

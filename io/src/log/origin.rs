@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use armid::diagnosis::Mistake;
+use armid::model::Robot;
 
 use super::channels::ChannelFault;
 use super::mapping::{Mapping, Quantity, corrected};
@@ -49,11 +50,13 @@ pub(super) struct ReadAs {
 }
 
 impl Origin {
-    /// What `--map` is to say so that a mistake is corrected, where that is known.
+    /// What `--map` is to say so that a mistake in a log of this robot is corrected: several where the data do not show which,
+    /// none where that is not known.
     #[must_use]
-    pub fn corrected(&self, mistake: &Mistake) -> Option<String> {
-        let read_as = self.read_as.as_ref()?;
-        corrected(&read_as.mapping, &read_as.columns, mistake).map(|mapping| mapping.text())
+    pub fn corrected(&self, mistake: &Mistake, robot: &Robot) -> Vec<String> {
+        let Some(read_as) = &self.read_as else { return Vec::new() };
+        let all = corrected(&read_as.mapping, &read_as.columns, mistake, robot);
+        all.iter().map(Mapping::text).collect()
     }
 
     /// What `--map` is to say where the efforts are currents of motors whose constants are not known.

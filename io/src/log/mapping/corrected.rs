@@ -1,13 +1,34 @@
 //! A mapping that corrects a mistake.
 
 use armid::diagnosis::Mistake;
+use armid::model::Robot;
 
 use super::{ColumnMap, Mapping, Quantity, Unit};
 
+/// Part by which a factor may be off the unit that it stands for.
+const SAME_UNIT: f64 = 0.03;
+
+/// The largest gear that joints have.
+const LARGEST_GEAR: f64 = 500.0;
+
 /// The mapping by which a log was read, with the columns of every joint written out, corrected of a mistake: what `--map` is to
-/// say. `None` where the data do not show one correction, or it is none of the mapping.
+/// say. Several where the data do not show which, the likeliest first; none where the correction is none of the mapping.
 #[must_use]
-pub(crate) fn corrected(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], mistake: &Mistake) -> Option<Mapping> {
+pub(crate) fn corrected(
+    read_as: &Mapping,
+    columns: &[(Quantity, Vec<String>)],
+    mistake: &Mistake,
+    robot: &Robot,
+) -> Vec<Mapping> {
+    if let Mistake::EitherSign { joint } = *mistake {
+        let either = [Mistake::EffortSign { joint }, Mistake::PositionSign { joint }];
+        return either.iter().flat_map(|mistake| corrected(read_as, columns, mistake, robot)).collect();
+    }
+    one(read_as, columns, mistake, robot).into_iter().collect()
+}
+
+/// The only correction.
+fn one(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], mistake: &Mistake, robot: &Robot) -> Option<Mapping> {
     let mut mapping = read_as.clone();
     let (positions, efforts) = ([Quantity::Position, Quantity::Velocity], [Quantity::Current, Quantity::Torque]);
     let change = |mapping: &mut Mapping, of: &[Quantity], with: &dyn Fn(&mut ColumnMap)| {
@@ -44,11 +65,48 @@ pub(crate) fn corrected(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], 
                 map.offset = Some(offset);
             });
         }
-        Mistake::MotorAngles
-        | Mistake::PositionUnit { .. }
-        | Mistake::NoEffort { .. }
-        | Mistake::MotorTorques
-        | Mistake::EffortUnit { .. }
+        Mistake::MotorAngles => change(&mut mapping, &positions, &|map| map.motor = true),
+        Mistake::PositionUnit { factor } => match position_unit(read_as.of(Quantity::Position)?, factor) {
+            Some(unit) => change(&mut mapping, &positions[..1], &|map| map.unit = Some(unit)),
+            None => {
+                // One gear for all, to begin with; one that none has is in degrees.
+                let (unit, gear) = match read_as.of(Quantity::Position)?.unit {
+                    None | Some(Unit::Rad) if factor.recip() > LARGEST_GEAR => {
+                        (Some(Unit::Deg), Unit::Deg.si() / factor)
+                    }
+                    unit => (unit, factor.recip()),
+                };
+                change(&mut mapping, &positions[..1], &|map| {
+                    (map.unit, map.motor, map.gear) = (unit, true, Some(vec![gear.round().max(1.0)]));
+                });
+            }
+        },
+        Mistake::MotorTorques => {
+            let torque = read_as.of(Quantity::Torque)?;
+            if torque.motor {
+                return None;
+            }
+            change(&mut mapping, &efforts, &|map| map.motor = true);
+        }
+        Mistake::EffortUnit { factor } => {
+            let of = efforts.into_iter().find(|quantity| read_as.of(*quantity).is_some())?;
+            if factor == 1e-3 {
+                let unit = if of == Quantity::Current { Unit::Ma } else { Unit::MilliNm };
+                change(&mut mapping, &[of], &|map| map.unit = Some(unit));
+            } else {
+                // Percent of what the robot can do.
+                let rated: Vec<f64> = if of == Quantity::Current {
+                    robot.joints().iter().map(|joint| joint.drive.current_limit).collect()
+                } else {
+                    robot.joints().iter().map(|joint| joint.limits.torque).collect()
+                };
+                if !rated.iter().all(|rated| rated.is_finite()) {
+                    return None;
+                }
+                change(&mut mapping, &[of], &|map| (map.unit, map.rated) = (Some(Unit::Percent), Some(rated.clone())));
+            }
+        }
+        Mistake::NoEffort { .. }
         | Mistake::Gravity { .. }
         | Mistake::EitherSign { .. }
         | Mistake::PositionScale { .. }
@@ -56,6 +114,13 @@ pub(crate) fn corrected(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], 
         | Mistake::AtRest { .. } => return None,
     }
     Some(mapping)
+}
+
+/// The unit that makes positions `factor` times as large as they were read.
+fn position_unit(map: &ColumnMap, factor: f64) -> Option<Unit> {
+    let si = factor * map.unit.unwrap_or(Unit::Rad).si();
+    let units = [Unit::Rad, Unit::Deg, Unit::Mrad, Unit::Rev];
+    units.into_iter().find(|unit| (si / unit.si() - 1.0).abs() < SAME_UNIT)
 }
 
 /// Turns the sign of a joint, from one.
@@ -88,6 +153,7 @@ mod tests {
         let read_as = Mapping::parse("t=#1, q=a/b/c deg sign=-1, tau=#[5-7]").unwrap();
         let names = |names: [&str; 3]| names.map(str::to_owned).to_vec();
         let columns = [(Quantity::Position, names(["a", "b", "c"])), (Quantity::Torque, names(["#5", "#6", "#7"]))];
+        let robot = crate::robot::named("planar-2r").unwrap().robot;
         for (mistake, wanted) in [
             (Mistake::JointsSwapped { joints: [2, 3] }, "t=#1, q=a/c/b deg sign=-1, tau=#5/#7/#6"),
             (Mistake::PositionsSwapped { joints: [1, 3] }, "t=#1, q=c/b/a deg sign=-1, tau=#[5-7]"),
@@ -99,10 +165,47 @@ mod tests {
                 "t=#1, q=a/b/c deg sign=-1 offset_deg=-90/0/0, tau=#[5-7]",
             ),
         ] {
-            let found = corrected(&read_as, &columns, &mistake).unwrap().text();
+            let [found] = &corrected(&read_as, &columns, &mistake, &robot)[..] else { panic!("{mistake:?}") };
+            let found = found.text();
             assert_eq!(found, wanted);
             assert!(Mapping::parse(&found).is_ok());
         }
-        assert_eq!(corrected(&read_as, &columns, &Mistake::EitherSign { joint: 1 }), None);
+        assert!(corrected(&read_as, &columns, &Mistake::NoEffort { joint: 1 }, &robot).is_empty());
+    }
+
+    /// The texts of the corrections of a log that was read by a mapping.
+    fn texts(read_as: &str, mistake: &Mistake) -> Vec<String> {
+        let robot = crate::robot::named("staubli-tx40").unwrap().robot;
+        let read_as = Mapping::parse(read_as).unwrap();
+        let names = |from: usize| (from..from + 6).map(|k| format!("#{k}")).collect::<Vec<_>>();
+        let columns = [(Quantity::Position, names(2)), (Quantity::Torque, names(8))];
+        let all: Vec<String> =
+            corrected(&read_as, &columns, mistake, &robot).iter().map(|mapping| mapping.text()).collect();
+        assert!(all.iter().all(|text| Mapping::parse(text).is_ok()), "{all:?}");
+        all
+    }
+
+    #[test]
+    fn either_sign_motor_sides_and_units_are_mappings_too() {
+        let torque = "t=#1, q=#[2-7], tau=#[8-13]";
+        let current = "t=#1, q=#[2-7], current=#[8-13]";
+        assert_eq!(
+            texts(torque, &Mistake::EitherSign { joint: 2 }),
+            ["t=#1, q=#[2-7], tau=#[8-13] sign=1/-1/1/1/1/1", "t=#1, q=#[2-7] sign=1/-1/1/1/1/1, tau=#[8-13]"]
+        );
+        assert_eq!(texts(torque, &Mistake::MotorAngles), ["t=#1, q=#[2-7] motor, tau=#[8-13]"]);
+        assert_eq!(texts(torque, &Mistake::MotorTorques), ["t=#1, q=#[2-7], tau=#[8-13] motor"]);
+        assert!(texts(current, &Mistake::MotorTorques).is_empty());
+        assert_eq!(texts(torque, &Mistake::EffortUnit { factor: 1e-3 }), ["t=#1, q=#[2-7], tau=#[8-13] mNm"]);
+        assert_eq!(texts(current, &Mistake::EffortUnit { factor: 1e-3 }), ["t=#1, q=#[2-7], current=#[8-13] mA"]);
+        // Percent are of what the robot file says that the joints can do.
+        let [rated] = &texts(torque, &Mistake::EffortUnit { factor: 0.01 })[..] else { panic!("one correction") };
+        assert!(rated.contains("tau=#[8-13] % rated="), "{rated}");
+        // A factor that is no unit is that of gears.
+        let of = |factor| texts("t=#1, q=#[2-7] deg, tau=#[8-13]", &Mistake::PositionUnit { factor });
+        assert_eq!(of(0.0098), ["t=#1, q=#[2-7] deg motor gear=102, tau=#[8-13]"]);
+        assert_eq!(of(0.0573), ["t=#1, q=#[2-7] mrad, tau=#[8-13]"]);
+        let in_radians = texts(torque, &Mistake::PositionUnit { factor: 1.0_f64.to_radians() / 121.0 });
+        assert_eq!(in_radians, ["t=#1, q=#[2-7] deg motor gear=121, tau=#[8-13]"]);
     }
 }
