@@ -224,6 +224,40 @@ fn a_model_error_is_no_mistake_of_the_log() {
     }
 }
 
+/// So many samples of a log, from one of them on.
+fn excerpt(samples: &Samples, first: usize, count: usize) -> Samples {
+    let n = samples.dof();
+    let rows = |table: &[f64]| table[first * n..(first + count) * n].to_vec();
+    let mut states = States::new(n);
+    let (q, qd, qdd) = (rows(&samples.states.q), rows(&samples.states.qd), rows(&samples.states.qdd));
+    for ((q, qd), qdd) in q.chunks_exact(n).zip(qd.chunks_exact(n)).zip(qdd.chunks_exact(n)) {
+        states.push(q, qd, qdd);
+    }
+    Samples::exact(states, rows(&samples.tau), vec!["N·m".to_owned(); n], RATE_HZ)
+}
+
+#[test]
+fn two_seconds_of_a_sound_log_are_too_few_to_suspect_it() {
+    let mut wrong = Vec::new();
+    for name in ROBOTS {
+        let (robot, truth) = robot(name);
+        for seed in 1..3 {
+            let mut samples = log(&robot, &truth, seed);
+            if seed == 2 {
+                with_unmodelled_friction(&mut samples, 0.05, 0.0);
+            }
+            for (seconds, first) in [(2, 0), (2, 300), (2, 600), (4, 100), (4, 500)] {
+                let part = excerpt(&samples, first, seconds * 50);
+                let found = named(&robot, &part);
+                if let Some(found) = found {
+                    wrong.push(format!("{name}, seed {seed}, {seconds} s from sample {first}: {found:?}"));
+                }
+            }
+        }
+    }
+    assert!(wrong.is_empty(), "{}", wrong.join("\n"));
+}
+
 #[test]
 fn noise_of_weak_joints_is_no_mistake_of_strong_ones() {
     // A residual that is large beside a small torque: a larger torque of another joint must not excuse it.

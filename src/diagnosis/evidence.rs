@@ -20,6 +20,8 @@ const LEAST_TORQUE: f64 = 0.02;
 const RIDGE: f64 = 1e-9;
 /// What a joint beyond its limits adds to the cost.
 const BEYOND_LIMITS: f64 = 0.3;
+/// Standard deviations that a value must be below zero to count as below.
+const DOUBT: f64 = 3.0;
 /// A position limit counts as exceeded beyond this multiple of it, a velocity or torque limit beyond twice that.
 const LIMIT_SLACK: f64 = 1.3;
 
@@ -106,38 +108,51 @@ impl Model {
         }
         let residual = left.iter().map(|e| e * e).sum::<f64>() / (count * n) as f64;
         let beta = DVector::from_iterator(b, scaled.iter().zip(&lengths).map(|(beta, length)| beta / length));
-        residual + self.implausible(instants, &beta, scale) + self.beyond_limits(instants)
+        let noise = residual * (count * n) as f64 / (count * n).saturating_sub(b).max(1) as f64;
+        // Standard deviation of a combination of the parameters.
+        let std = |of_each: &DVector<f64>| {
+            let scaled = DVector::from_iterator(b, of_each.iter().zip(&lengths).map(|(x, length)| x / length));
+            (noise * scaled.dot(&factor.solve(&scaled))).sqrt()
+        };
+        residual + self.implausible(instants, &beta, &std) + self.beyond_limits(instants)
     }
 
-    /// Friction that drives and inertia that is negative, as parts of each joint's torque, squared.
-    fn implausible(&self, instants: &Instants, beta: &DVector<f64>, scale: &[f64]) -> f64 {
-        let n = self.robot.dof();
+    /// Friction that drives and inertia that is negative beyond doubt, as parts of each joint's torque, squared. `std` gives the
+    /// standard deviation of a combination of the parameters: a short log determines few of them, and then a sign says nothing.
+    fn implausible(&self, instants: &Instants, beta: &DVector<f64>, std: &dyn Fn(&DVector<f64>) -> f64) -> f64 {
+        let (n, scale) = (self.robot.dof(), &instants.scale);
         let rms = |rows: &[f64], i: usize| -> f64 {
             let squares: f64 = rows.iter().skip(i).step_by(n).map(|x| x * x).sum();
             (squares / (rows.len() / n).max(1) as f64).sqrt()
         };
+        // What a combination is below zero beyond doubt.
+        let below = |of_each: &DVector<f64>| {
+            let value = of_each.dot(beta);
+            if value < 0.0 { (value + DOUBT * std(of_each)).min(0.0) } else { 0.0 }
+        };
         let mut cost = 0.0;
-        let mut friction = vec![0.0; n];
+        let b = self.kept.len();
+        let mut friction = vec![DVector::zeros(b); n];
         for &(joint, at, coulomb) in &self.friction {
-            friction[joint] += beta[at] * if coulomb { 1.0 } else { rms(&instants.qd, joint) };
+            friction[joint][at] += if coulomb { 1.0 } else { rms(&instants.qd, joint) };
         }
-        for (joint, torque) in friction.iter().enumerate() {
-            cost += (torque.min(0.0) / scale[joint]).powi(2);
+        for (joint, of_each) in friction.iter().enumerate() {
+            cost += (below(of_each) / scale[joint]).powi(2);
         }
         let (still, mut all) = (vec![0.0; n], vec![0.0; n * self.regressor.cols()]);
-        let b = self.kept.len();
         let states: Vec<&[f64]> = instants.q.chunks_exact(n).step_by((instants.q.len() / n / 8).max(1)).collect();
         for i in 0..n {
             let mut unit = still.clone();
             unit[i] = 1.0;
-            let mut mean = 0.0;
+            let mut mean = DVector::zeros(b);
             for q in &states {
                 let moved = self.rows(q, &still, &unit, &mut all);
                 let held = self.rows(q, &still, &still, &mut all);
-                mean += (0..b).map(|c| (moved[i * b + c] - held[i * b + c]) * beta[c]).sum::<f64>();
+                for (c, mean) in mean.iter_mut().enumerate() {
+                    *mean += (moved[i * b + c] - held[i * b + c]) / states.len() as f64;
+                }
             }
-            mean /= states.len().max(1) as f64;
-            cost += (mean.min(0.0) * rms(&instants.qdd, i) / scale[i]).powi(2);
+            cost += (below(&mean) * rms(&instants.qdd, i) / scale[i]).powi(2);
         }
         cost / n as f64
     }

@@ -1,7 +1,7 @@
 //! Which mistake in a log, or about a robot, explains the measured torque better than the log as it stands?
 //!
 //! ```text
-//! J = 1/n Σ_i ‖e_i‖²/‖τ_i‖²  +  friction and inertia below zero  +  limits exceeded        e = τ − Y_b β̂
+//! J = 1/n Σ_i ‖e_i‖²/‖τ_i‖²  +  friction and inertia below zero by 3 σ  +  limits exceeded        e = τ − Y_b β̂
 //! ```
 //! A log with degrees for radians, a flipped sign, two joints exchanged or a wrong gear ratio is as well-formed as a good one,
 //! and least squares finds parameters for it. These explain little of the torque or are physically inconsistent, or
