@@ -1,73 +1,14 @@
 //! Logs that something else recorded: tables of every shape, uneven stamps, gaps, several files and several logs.
 
 mod support;
+#[path = "support/foreign_log.rs"]
+mod foreign_log;
 
-use std::fmt::Write;
 use std::path::Path;
 
+use foreign_log::{Row, distance, identify, recorded, table};
 use serde_json::Value;
 use support::{armid, json, stderr, stdout, temporary, write};
-
-/// One row: time, positions, currents.
-type Row = (f64, Vec<f64>, Vec<f64>);
-
-/// A motion of the TX40, whose wrist is coupled, of 1 + 1 + 4 + 4 + 1 s at 500 Hz, without periods as far as the log says.
-fn recorded(folder: &Path) -> Vec<Row> {
-    let mut text = "period_s = 4.0\nharmonics = 2\n".to_owned();
-    for (k, name) in ["waist", "shoulder", "elbow", "wrist_roll", "wrist_pitch", "tool_roll"].iter().enumerate() {
-        // Phases of their own: joints that turn round together do not show whose friction it is.
-        let phase = 1.9 * k as f64;
-        let ([a, b], [c, d]) =
-            ([0.7 * phase.cos(), 0.7 * phase.sin()], [0.6 * (2.3 * phase).sin(), 0.6 * (2.3 * phase).cos()]);
-        text += &format!("\n[[joint]]\nname = \"{name}\"\na = [{a:?}, {c:?}]\nb = [{b:?}, {d:?}]\nq0 = 0.1\n");
-    }
-    write(folder, "T.toml", &text);
-    let experiment = "robot = \"staubli-tx40\"\ntrajectory = \"T.toml\"\nperiods = 1\nrate_hz = 500\nramp_s = 1\n";
-    let experiment = write(folder, "x.toml", experiment);
-    let out = folder.join("R.csv");
-    armid(["run", &experiment, "-o", out.to_str().expect("a path in UTF-8")]).success();
-    let text = std::fs::read_to_string(out).expect("the recording");
-    assert!(text.starts_with("t,q1,q2,q3,q4,q5,q6,current1"), "{}", &text[..60]);
-    text.lines()
-        .skip(1)
-        .map(|line| {
-            let row: Vec<f64> = line.split(',').map(|value| value.parse().expect("a number")).collect();
-            (row[0], row[1..7].to_vec(), row[7..13].to_vec())
-        })
-        .collect()
-}
-
-fn table(headings: &str, separator: &str, rows: &[Row], values: impl Fn(usize, &Row) -> Vec<f64>) -> String {
-    let mut text = String::new();
-    if !headings.is_empty() {
-        let _ = writeln!(text, "{headings}");
-    }
-    for (k, row) in rows.iter().enumerate() {
-        let values: Vec<String> = values(k, row).iter().map(f64::to_string).collect();
-        let _ = writeln!(text, "{}", values.join(separator));
-    }
-    text
-}
-
-fn identify(arguments: &[&str]) -> Value {
-    let all = ["identify"].into_iter().chain(arguments.iter().copied()).chain(["--robot", "staubli-tx40", "--json"]);
-    let done = armid(all);
-    let code = done.get_output().status.code();
-    assert!(matches!(code, Some(0 | 1)), "{}", stderr(&done));
-    json(&done)
-}
-
-/// Largest difference between the base parameters of two estimates, in standard deviations of the first.
-fn distance(a: &Value, b: &Value) -> f64 {
-    let (a, b) =
-        (a["base"].as_array().expect("a list of parameters"), b["base"].as_array().expect("a list of parameters"));
-    assert_eq!(a.len(), b.len());
-    let differs = |(a, b): (&Value, &Value)| {
-        (a["value"].as_f64().expect("a number") - b["value"].as_f64().expect("a number"))
-            / a["std"].as_f64().expect("a number")
-    };
-    a.iter().zip(b).map(differs).fold(0.0, |worst, x| worst.max(x.abs()))
-}
 
 const GEARS: [f64; 6] = [32.0, 32.0, 45.0, 48.0, 45.0, 32.0];
 const GAINS: [f64; 6] = [35.24, 32.04, 23.94, 9.05, 15.5, 6.56];
@@ -278,6 +219,67 @@ fn the_correction_of_exchanged_columns_can_be_typed_as_it_is_printed() {
 }
 
 #[test]
+fn a_joint_at_rest_is_a_finding_and_the_rest_is_identified() {
+    let folder = temporary();
+    let rows = recorded(folder.path());
+    let headings = "t,q1,q2,q3,q4,q5,q6,current1,current2,current3,current4,current5,current6";
+    let still = table(headings, ",", &rows, |_, row| {
+        let mut q = row.1.clone();
+        q[0] = 0.4;
+        [vec![row.0], q, row.2.clone()].concat()
+    });
+    let file = write(folder.path(), "still.csv", &still);
+    let done = armid(["identify", &file, "--robot", "staubli-tx40", "--json"]).code(1);
+    let found = json(&done);
+    let suspicion = &found["suspicions"][0];
+    assert_eq!((&suspicion["mistake"], &suspicion["joint"]), (&Value::from("at-rest"), &Value::from(1)), "{suspicion}");
+    // What joint 1 alone shows is left out, and the others have their parameters.
+    let names: Vec<&str> =
+        found["base"].as_array().unwrap().iter().map(|parameter| parameter["name"].as_str().unwrap()).collect();
+    assert!(!names.contains(&"Fv1") && !names.contains(&"Fc1"), "{names:?}");
+    for name in ["Fv2", "Fc2", "Fv3", "Fc3", "Fv6", "Fc6"] {
+        assert!(names.contains(&name), "{name} not in {names:?}");
+    }
+    let text = stdout(&armid(["identify", &file, "--robot", "staubli-tx40"]).code(1));
+    assert!(text.contains("joint 1 is at rest") && text.contains("move joint 1 as well"), "{text}");
+}
+
+#[test]
+fn corrections_of_units_sides_and_signs_can_be_typed_as_they_are_printed() {
+    let folder = temporary();
+    let rows = recorded(folder.path());
+    let plain = identify(&[folder.path().join("R.csv").to_str().unwrap()]);
+    let headings = "t,a1,a2,a3,a4,a5,a6,i1,i2,i3,i4,i5,i6";
+    let map = "t=t, q=a[1-6], current=i[1-6]";
+    let motors =
+        |q: &[f64]| -> Vec<f64> { (0..6).map(|k| GEARS[k] * (q[k] + if k == 5 { q[4] } else { 0.0 })).collect() };
+    type Written<'a> = (&'a str, &'a dyn Fn(&Row) -> (Vec<f64>, Vec<f64>), &'a str);
+    let cases: [Written<'_>; 2] = [
+        ("motors", &|row| (motors(&row.1), row.2.clone()), "t=t, q=a[1-6] motor, current=i[1-6]"),
+        (
+            "milliampere",
+            &|row| (row.1.clone(), row.2.iter().map(|i| 1e3 * i).collect()),
+            "t=t, q=a[1-6], current=i[1-6] mA",
+        ),
+    ];
+    for (name, written, wanted) in cases {
+        let text = table(headings, ",", &rows, |_, row| {
+            let (q, current) = written(row);
+            [vec![row.0], q, current].concat()
+        });
+        let file = write(folder.path(), &format!("{name}.csv"), &text);
+        let done = armid(["identify", &file, "--robot", "staubli-tx40", "--map", map, "--json"]).code(1);
+        let found = json(&done);
+        let advice = found["suspicions"][0]["advice"].as_str().expect("a suspicion");
+        let typed = advice.split("so: --map \"").nth(1).and_then(|rest| rest.split('"').next()).expect(advice);
+        assert_eq!(typed, wanted, "{advice}");
+        let corrected = identify(&[&file, "--map", typed]);
+        assert!(distance(&plain, &corrected) < 1e-6, "{}", distance(&plain, &corrected));
+        assert_eq!(corrected["suspicions"], Value::from(Vec::<Value>::new()));
+    }
+}
+
+#[test]
 fn slow_logs_and_parts_beyond_a_log_are_refused_with_what_helps() {
     let folder = temporary();
     let rows = recorded(folder.path());
@@ -326,8 +328,18 @@ fn paths_of_an_estimate_hold_beside_it_and_its_own_log_validates_nothing() {
     assert_eq!(json(&at(folder.path(), &rest))["remarks"], Value::from(Vec::<Value>::new()));
     // A robot file that is nowhere.
     std::fs::rename(home.join("arm.toml"), home.join("moved.toml")).expect("another name");
-    for command in [&["validate", "home/E.json", "home/R.csv"][..], &["export", "home/E.json", "--to", "json"]] {
+    for command in [
+        &["validate", "home/E.json", "home/R.csv"][..],
+        &["report", "home/E.json"],
+        &["export", "home/E.json", "--to", "json"],
+    ] {
         let fault = stderr(&at(folder.path(), command).code(2));
         assert!(fault.contains("robot file not found") && fault.contains("--robot ROBOT"), "{fault}");
     }
+    // It is where it is said to be now, as long as it is the same.
+    let page = ["report", "home/E.json", "--robot", "home/moved.toml", "-o", "moved"];
+    at(folder.path(), &page).success();
+    assert!(folder.path().join("moved/report.html").is_file());
+    let fault = stderr(&at(folder.path(), &["report", "home/E.json", "--robot", "crs-a460"]).code(2));
+    assert!(fault.contains("staubli-tx40") || fault.contains("SHA-256"), "{fault}");
 }

@@ -11,7 +11,7 @@ use miette::Result;
 
 use super::estimate::{joint_names, percent};
 use super::findings::grouped;
-use crate::arguments::LogArguments;
+use crate::arguments::{ChainArguments, LogArguments};
 
 /// Points of a line on the page, at most.
 const POINTS: usize = 1500;
@@ -19,8 +19,14 @@ const POINTS: usize = 1500;
 /// Share of the torque that a model may leave unexplained to be called good on rows that it has not seen.
 const GOOD: f64 = 0.1;
 
-/// Draws the page of an estimate into a folder; the path of the page.
-pub(crate) fn report(path: &Path, folder: Option<&Path>) -> Result<PathBuf> {
+/// Draws the page of an estimate into a folder; the path of the page. The robot is that of the estimate, from where the estimate
+/// says or from `robot`.
+pub(crate) fn report(
+    path: &Path,
+    folder: Option<&Path>,
+    robot: Option<&str>,
+    chain: &ChainArguments,
+) -> Result<PathBuf> {
     let text = Text::read(path)?;
     let estimate = estimate::parse(&text)?;
     let Some(inputs) = Inputs::of_estimate(&text)? else {
@@ -28,7 +34,11 @@ pub(crate) fn report(path: &Path, folder: Option<&Path>) -> Result<PathBuf> {
         return Err(Error::new(message).help("identify again, with -o").into());
     };
     let logs: Vec<PathBuf> = inputs.logs.iter().map(PathBuf::from).collect();
-    let arguments = LogArguments::default();
+    let chain = ChainArguments {
+        base_link: chain.base_link.clone().or_else(|| inputs.robot.base_link.clone()),
+        tip_link: chain.tip_link.clone().or_else(|| inputs.robot.tip_link.clone()),
+    };
+    let arguments = LogArguments::of_robot(robot.map(str::to_owned), chain);
     let (mut prepared, now) =
         arguments.process(&logs, Some(&inputs), inputs.settings.held_out, Some(&inputs.settings))?;
     inputs.check_files(&now.files, &text.name)?;

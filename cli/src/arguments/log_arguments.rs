@@ -13,7 +13,7 @@ use armid_io::{Error, Inputs, LoadedRobot, LogSettings, ProcessedLog};
 use super::{ChainArguments, one_of};
 
 /// What helps where an estimate names a robot file that is not there.
-const WHERE_IT_IS: &str = "--robot ROBOT of `armid identify`, `validate` and `export` says where it is now";
+const WHERE_IT_IS: &str = "--robot ROBOT of `armid identify`, `validate`, `report` and `export` says where it is now";
 
 /// Which logs, of which robot, and how they become samples.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -66,6 +66,11 @@ pub(crate) struct LogArguments {
 }
 
 impl LogArguments {
+    /// Nothing but the robot, where it is another than what is remembered.
+    pub(crate) fn of_robot(robot: Option<String>, chain: ChainArguments) -> Self {
+        Self { robot, chain, ..Self::default() }
+    }
+
     /// Reads logs and processes them. What was not said is as `remembered` has it: what an estimate was made with; `exactly`
     /// are settings that hold in any case.
     pub(crate) fn process(

@@ -8,6 +8,7 @@ use miette::Result;
 use serde_json::json;
 
 use crate::answers::{comparison, estimate_page};
+use crate::arguments::ChainArguments;
 use crate::study::{write_report, write_robots_report};
 use crate::terminal::{Answer, Console, Ending};
 
@@ -21,6 +22,7 @@ Examples:
   armid report reports/01-criteria
   armid report reports/01-criteria -o /tmp/page
   armid report E.json -o page
+  armid report E.json --robot lab/robot.toml -o page
   armid report --compare simulated measured -o page";
 
 /// Draw the page of an estimate, or regenerate the report of a stored study
@@ -33,6 +35,11 @@ pub(crate) struct Arguments {
     /// Compare two estimates: JSON files of `armid identify`, or folders with estimate.json and validation.json
     #[arg(long, num_args = 2, value_names = ["A", "B"], conflicts_with = "folders")]
     compare: Option<Vec<PathBuf>>,
+    /// The robot of the estimates, where its file is no longer where they say
+    #[arg(long, conflicts_with = "compare")]
+    robot: Option<String>,
+    #[command(flatten)]
+    chain: ChainArguments,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
@@ -50,13 +57,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
                 }
                 output => output.map(Path::to_path_buf),
             };
-            pages.push(estimate_page::report(folder, output.as_deref())?);
+            pages.push(estimate_page::report(folder, output.as_deref(), arguments.robot.as_deref(), &arguments.chain)?);
             continue;
         }
         if !folder.is_dir() {
             let message = format!("not a study directory, nor a file of `armid identify`: {}", folder.display());
             let help = "`armid identify LOG -o E.json` writes an estimate, `armid study STUDY -o DIR` a study";
             return Err(Error::new(message).help(help).into());
+        }
+        if arguments.robot.is_some() {
+            let message =
+                format!("{} is of a study, which holds its robot: --robot is for estimates", folder.display());
+            return Err(Error::new(message).into());
         }
         let output = |name: &str| match console.output() {
             Some(output) if arguments.folders.len() > 1 => output.join(name),
