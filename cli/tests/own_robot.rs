@@ -55,6 +55,22 @@ fn every_line_of_ones_own_robot_in_ten_minutes_is_executed() {
         serde_json::from_str(&std::fs::read_to_string(folder.path().join("E.json")).unwrap()).unwrap();
     assert!(estimate["held_out"]["used_rows"]["total"].as_f64().unwrap() < 0.1, "{}", estimate["held_out"]);
     assert!(folder.path().join("identified.urdf").is_file() && folder.path().join("report/report.html").is_file());
+
+    // The right angles of the URDF are written 1.5708, and what that changes is said.
+    let export = "armid export E.json --to urdf -o again.urdf";
+    let done = json(&run(&format!("{export} --json"), folder.path()).success());
+    let (snapped, torque) = (&done["snapped"], &done["snapped"]["torque"]);
+    let names: Vec<&str> =
+        snapped["joints"].as_array().unwrap().iter().map(|joint| joint["name"].as_str().unwrap()).collect();
+    assert_eq!(names, ["joint_2", "joint_4"]);
+    assert!((snapped["largest_angle_rad"].as_f64().unwrap() - (1.5708 - std::f64::consts::FRAC_PI_2)).abs() < 1e-15);
+    for key in ["rms", "largest", "relative_rms"] {
+        let of_each: Vec<f64> = torque[key].as_array().unwrap().iter().map(|x| x.as_f64().unwrap()).collect();
+        // Millionths of a radian are no more than about as many parts of the torque.
+        assert!(of_each.len() == 6 && of_each.iter().all(|x| (1e-9..1e-2).contains(x)), "{key}: {of_each:?}");
+    }
+    let text = stdout(&run(&export.replace("again", "once-more"), folder.path()).success());
+    assert!(text.contains("up to 3.7e-6 rad off right ones (joint_2,") && text.contains("difference RMS"), "{text}");
 }
 
 #[test]
@@ -85,6 +101,42 @@ fn a_folder_to_begin_with_runs_as_its_own_readme_says() {
     armid(["init", &urdf, "-o", folder.path().to_str().unwrap()]).success();
     assert_eq!(std::fs::read_to_string(&urdf).unwrap(), own_robot::urdf());
     armid(["robot", folder.path().join("robot.toml").to_str().unwrap()]).success();
+}
+
+#[test]
+fn joints_whose_friction_is_far_above_their_inertia_follow_in_a_rehearsal() {
+    // As in URDFs of light arms: 6 N·m·s/rad on a wrist of less than 1e-3 kg·m².
+    let folder = temporary();
+    let mut urdf = own_robot::urdf();
+    for (n, wrist) in [(5_u8, "damping=\"6\" friction=\"0.5\""), (6, "damping=\"0\" friction=\"2\"")] {
+        let (damping, friction) = (8.0 / f64::from(n), 5.0 / f64::from(n));
+        let written = format!("damping=\"{damping}\" friction=\"{friction}\"");
+        assert!(urdf.contains(&written), "{urdf}");
+        urdf = urdf.replace(&written, wrist);
+    }
+    let urdf = urdf.replace("mass value=\"0.5\"", "mass value=\"0.05\"").replace("\"0.001\"", "\"0.0001\"");
+    let urdf = write(folder.path(), "arm.urdf", &urdf);
+    let lab = folder.path().join("lab");
+    armid(["init", &urdf, "-o", lab.to_str().unwrap()]).success();
+    let mut motion = "period_s = 10.0\nharmonics = 2\n".to_owned();
+    for n in 1..=6 {
+        let phase = 1.9 * f64::from(n);
+        let [a, b] = [0.9 * phase.cos(), 0.9 * phase.sin()];
+        motion += &format!("\n[[joint]]\nname = \"joint_{n}\"\na = [{a:?}, 0.2]\nb = [{b:?}, -0.3]\nq0 = 0.1\n");
+    }
+    write(&lab, "trajectory.toml", &motion);
+    let not_followed = |log: &str| {
+        let line = ["run", "experiment.toml", "-o", log, "--periods", "1", "--json"];
+        let done = assert_cmd::Command::new(support::program()).current_dir(&lab).args(line).assert().success();
+        json(&done)["tracking"]["not_followed"].clone()
+    };
+    assert_eq!(not_followed("log.csv"), serde_json::json!([]));
+    // A servo that knows of inertia alone leaves them behind.
+    let robot = std::fs::read_to_string(lab.join("robot.toml")).unwrap();
+    assert!(robot.contains("\nfriction = true "), "{robot}");
+    write(&lab, "robot.toml", &robot.replace("\nfriction = true ", "\nfriction = false "));
+    let behind = not_followed("other.csv");
+    assert!(behind.as_array().unwrap().iter().any(|joint| joint == "joint_5"), "{behind}");
 }
 
 #[test]

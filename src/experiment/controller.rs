@@ -9,10 +9,16 @@
 //! takes its own error for the one before: no kick. The integral rests while the current is at its limit and the
 //! error pushes further: no wind-up.
 //!
+//! A tuning with `friction` raises Kp and Kd by the nominal friction, as [`ServoTuning`] says.
+//!
 //! There is no feed-forward, as in the plainest vendor controllers: a motion of angular frequency `w ≪ ω` under a
 //! torque `τ` is followed with an error of about `(τ − J q̈) / Kp`, less what the integral takes.
 
+use super::motor_load::MotorLoad;
 use crate::model::{Robot, ServoTuning};
+
+/// Highest natural frequency of the derivative over the rate of the servo, rad.
+const FASTEST: f64 = 0.3;
 
 /// The pose at which gains are placed: every joint a quarter of its range above the middle of it, 45° where it has no
 /// limits. An arm with its elbow half bent, neither folded nor stretched; n, rad (m).
@@ -37,7 +43,7 @@ pub struct JointPid {
     /// Ampere per unit of torque.
     pub(super) ampere: Vec<f64>,
     limit: Vec<f64>,
-    pub(super) smoothing: f64,
+    pub(super) smoothing: Vec<f64>,
     pub(super) dt: f64,
     pub(super) rate_hz: f64,
     /// Whether the last step left a current at its limit, and the integral as it was.
@@ -50,20 +56,35 @@ pub struct JointPid {
 }
 
 impl JointPid {
-    /// Gains for motors that see the inertia `inertia` (kg·m²) and give `per_ampere` (N·m/A) up to `limit` (A).
+    /// Gains for motors that turn this load and give `per_ampere` (N·m/A) up to `limit` (A).
     #[must_use]
-    pub fn new(tuning: &ServoTuning, inertia: &[f64], per_ampere: &[f64], limit: &[f64]) -> Self {
-        let n = inertia.len();
-        let omega = std::f64::consts::TAU * tuning.bandwidth_hz;
+    pub fn new(tuning: &ServoTuning, load: &MotorLoad, per_ampere: &[f64], limit: &[f64]) -> Self {
+        let n = load.inertia.len();
+        let base = std::f64::consts::TAU * tuning.bandwidth_hz;
         let dt = 1.0 / tuning.rate_hz;
-        let kp: Vec<f64> = inertia.iter().map(|j| j * omega * omega).collect();
+        let on_inertia = load.inertia.iter().map(|j| j * base * base);
+        // Position gain and natural frequency of each motor.
+        let (kp, omega): (Vec<f64>, Vec<f64>) = if tuning.friction {
+            let fastest = base.max(FASTEST * tuning.rate_hz);
+            on_inertia
+                .enumerate()
+                .map(|(i, kp)| {
+                    let j = load.inertia[i];
+                    let coulomb = (load.coulomb_per_speed[i] * base).min(j * (fastest * fastest - base * base));
+                    let kp = kp + load.viscous[i] * base + coulomb;
+                    (kp, (kp / j).sqrt().min(fastest))
+                })
+                .unzip()
+        } else {
+            on_inertia.map(|kp| (kp, base)).unzip()
+        };
         Self {
-            kd: inertia.iter().map(|j| 2.0 * tuning.damping * omega * j).collect(),
+            kd: load.inertia.iter().zip(&omega).map(|(j, omega)| 2.0 * tuning.damping * omega * j).collect(),
             ki: kp.iter().map(|kp| kp * std::f64::consts::TAU * tuning.integral_hz).collect(),
             kp,
             ampere: per_ampere.iter().map(|k| 1.0 / k).collect(),
             limit: limit.to_vec(),
-            smoothing: 1.0 - libm::exp(-10.0 * omega * dt),
+            smoothing: omega.iter().map(|omega| 1.0 - libm::exp(-10.0 * omega * dt)).collect(),
             dt,
             rate_hz: tuning.rate_hz,
             integral: vec![0.0; n],
@@ -102,7 +123,7 @@ impl JointPid {
             let error = command[i] - measured[i];
             let difference = if self.fresh { 0.0 } else { (error - self.last_error[i]) * self.rate_hz };
             self.last_error[i] = error;
-            self.rate[i] += self.smoothing * (difference - self.rate[i]);
+            self.rate[i] += self.smoothing[i] * (difference - self.rate[i]);
             let wanted = (self.kp[i] * error + self.kd[i] * self.rate[i] + self.integral[i]) * self.ampere[i];
             current[i] = wanted.clamp(-self.limit[i], self.limit[i]);
             let held = wanted.abs() > self.limit[i];
@@ -123,7 +144,33 @@ mod tests {
     use super::*;
 
     fn pid(limit: f64) -> JointPid {
-        JointPid::new(&ServoTuning::default(), &[2.0], &[15.0], &[limit])
+        JointPid::new(&ServoTuning::default(), &load(2.0, 0.0, 0.0), &[15.0], &[limit])
+    }
+
+    fn load(inertia: f64, viscous: f64, coulomb_per_speed: f64) -> MotorLoad {
+        MotorLoad { inertia: vec![inertia], viscous: vec![viscous], coulomb_per_speed: vec![coulomb_per_speed] }
+    }
+
+    #[test]
+    fn analytic_gains_with_friction_are_those_of_the_documented_formula() {
+        let tuning = |friction| ServoTuning { friction, ..ServoTuning::default() };
+        let omega = std::f64::consts::TAU * 8.0;
+        let of = |friction, load: &MotorLoad| {
+            let pid = JointPid::new(&tuning(friction), load, &[15.0], &[1e9]);
+            (pid.kp[0], pid.kd[0], pid.smoothing[0])
+        };
+        let close = |a: f64, b: f64| assert!((a / b - 1.0).abs() < 1e-14, "{a} {b}");
+        // Without friction nothing changes, to the last bit.
+        assert_eq!(of(true, &load(2.0, 0.0, 0.0)), of(false, &load(2.0, 3.0, 4.0)));
+        // A wrist of 2e-4 kg·m² with 10 N·m·s/rad: the derivative ends at 300 rad/s of a servo at 1 kHz.
+        let (kp, kd, _) = of(true, &load(2e-4, 10.0, 0.0));
+        close(kp, 2e-4 * omega * omega + 10.0 * omega);
+        close(kd, 2.0 * 0.8 * 300.0 * 2e-4);
+        // Coulomb friction, below that bound and at it.
+        let (kp, kd, _) = of(true, &load(0.1, 0.0, 1.0));
+        close(kp, 0.1 * omega * omega + omega);
+        close(kd, 2.0 * 0.8 * 0.1 * (kp / 0.1).sqrt());
+        close(of(true, &load(1e-4, 0.0, 5.0)).0, 1e-4 * 300.0 * 300.0);
     }
 
     #[test]

@@ -4,12 +4,11 @@
 //! The one loop of the project: a [`super::Cycle`] closes it along a plan, with the effects of an arm where it has some; a
 //! robot controller closes it around any command.
 
-use super::controller::gain_pose;
 use super::effects::{ActualArm, ActualDrives};
+use super::motor_load::MotorLoad;
 use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{JointPid, Sensing, ServoError, Transmission};
-use crate::dynamics::Dynamics;
 use crate::model::{Drive, EffortInterface, Robot, StandardParameters};
 use crate::seed::Seed;
 
@@ -58,25 +57,6 @@ fn drives(robot: &Robot) -> Vec<Drive> {
     robot.joints().iter().map(|joint| joint.drive.clone()).collect()
 }
 
-/// Inertia that each motor sees at the gain pose, kg·m²; what the controller's gains are placed on.
-///
-/// # Errors
-/// [`ServoError`] where the nominal parameters are of another robot, or give a motor no inertia.
-pub(super) fn motor_inertia(robot: &Robot, nominal: &StandardParameters) -> Result<Vec<f64>, ServoError> {
-    let (found, expected) = (nominal.links.len(), robot.dof());
-    if found != expected {
-        return Err(ServoError::Dof { quantity: "nominal parameter set", found, expected });
-    }
-    let mass_matrix = Dynamics::new(robot, nominal).mass_matrix(&gain_pose(robot));
-    let inertia = Transmission::new(robot).motor_inertia(&mass_matrix);
-    for (joint, &inertia) in robot.joints().iter().zip(&inertia) {
-        if !(inertia.is_finite() && inertia > 0.0) {
-            return Err(ServoError::Inertia { joint: joint.name.clone(), inertia });
-        }
-    }
-    Ok(inertia)
-}
-
 impl JointLoop {
     /// The loop of a robot with gains for its nominal parameters, and sensors of one seed and run.
     ///
@@ -89,16 +69,16 @@ impl JointLoop {
         seed: Seed,
         run: u64,
     ) -> Result<Self, ServoError> {
-        let inertia = motor_inertia(robot, nominal)?;
+        let load = MotorLoad::new(robot, nominal)?;
         let motors = Motors::new(&drives(robot), robot.servo().rate_hz);
-        Ok(Self::of(robot, &inertia, motors, Sensors::new(robot, sensing, seed.of_run(run))))
+        Ok(Self::of(robot, &load, motors, Sensors::new(robot, sensing, seed.of_run(run))))
     }
 
-    /// The loop with gains for motors of this inertia, kg·m² (n).
-    pub(super) fn of(robot: &Robot, inertia: &[f64], motors: Motors, sensors: Sensors) -> Self {
+    /// The loop with gains for motors that turn this load.
+    pub(super) fn of(robot: &Robot, load: &MotorLoad, motors: Motors, sensors: Sensors) -> Self {
         let transmission = Transmission::new(robot);
         let limit: Vec<f64> = robot.joints().iter().map(|joint| joint.drive.current_limit).collect();
-        let controller = JointPid::new(robot.servo(), inertia, transmission.per_ampere(), &limit);
+        let controller = JointPid::new(robot.servo(), load, transmission.per_ampere(), &limit);
         let zero = || vec![0.0; robot.dof()];
         Self {
             effort: robot.effort(),

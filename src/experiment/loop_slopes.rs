@@ -52,7 +52,7 @@ impl LoopSlopes {
                 let error = -*own;
                 let difference = if fresh { 0.0 } else { (error - *last) * pid.rate_hz };
                 *last = error;
-                *rate += pid.smoothing * (difference - *rate);
+                *rate += pid.smoothing[i] * (difference - *rate);
                 let wanted = (pid.kp[i] * error + pid.kd[i] * *rate + *integral) * pid.ampere[i];
                 *own = if pid.held[i] { 0.0 } else { wanted };
                 if !pid.rested[i] {

@@ -3,7 +3,7 @@
 use std::sync::Arc;
 
 use super::cycle::CycleSpec;
-use super::joint_loop::motor_inertia;
+use super::motor_load::MotorLoad;
 use super::motors::Motors;
 use super::sensing::Sensors;
 use super::{
@@ -64,7 +64,7 @@ pub struct Servo<P> {
     plant: P,
     sensing: Sensing,
     noise: RunNoise,
-    inertia: Vec<f64>,
+    load: MotorLoad,
     motors: Vec<Drive>,
     actual: Option<ActualArm>,
     tracking: Option<Tracking>,
@@ -80,14 +80,14 @@ impl<P: Plant> Servo<P> {
         if found != expected {
             return Err(ServoError::Dof { quantity: "plant", found, expected });
         }
-        let inertia = motor_inertia(robot, nominal)?;
+        let load = MotorLoad::new(robot, nominal)?;
         Ok(Self {
             robot: robot.clone(),
             robot_text: String::new(),
             plant,
             sensing: Sensing::default(),
             noise: Seed::new(0).of_run(0),
-            inertia,
+            load,
             motors: robot.joints().iter().map(|joint| joint.drive.clone()).collect(),
             actual: None,
             tracking: None,
@@ -154,7 +154,7 @@ impl<P: Plant> Servo<P> {
     /// Nominal inertia that each motor sees at the gain pose, kg·m², n.
     #[must_use]
     pub fn inertia(&self) -> &[f64] {
-        &self.inertia
+        &self.load.inertia
     }
 
     /// How well the last experiment followed its command.
@@ -210,7 +210,7 @@ impl<P: Plant> Servo<P> {
                 None => sensors,
                 Some(actual) => sensors.with_effects(actual),
             };
-            let joints = JointLoop::of(&self.robot, &self.inertia, motors.clone(), sensors);
+            let joints = JointLoop::of(&self.robot, &self.load, motors.clone(), sensors);
             Cycle::new(CycleSpec {
                 robot: &self.robot,
                 layout: Arc::clone(&layout),

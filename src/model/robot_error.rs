@@ -187,7 +187,7 @@ pub(super) fn check_points(points: &[NamedPoint], dof: usize) -> Result<(), Robo
 }
 
 pub(super) fn check_servo(servo: &ServoTuning) -> Result<(), RobotError> {
-    let ServoTuning { rate_hz, bandwidth_hz, damping, integral_hz } = *servo;
+    let ServoTuning { rate_hz, bandwidth_hz, damping, integral_hz, friction: _ } = *servo;
     let place = || "servo".to_owned();
     for (quantity, value) in [("rate_hz", rate_hz), ("bandwidth_hz", bandwidth_hz), ("damping", damping)] {
         if !(value.is_finite() && value > 0.0) {

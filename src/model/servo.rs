@@ -32,6 +32,15 @@ impl EffortInterface {
 /// ```
 /// `ζ` is the damping. The loop is stable on `J` where `2π integral_hz < 2 ζ ω`.
 ///
+/// With `friction`, Kp is raised by what nominal friction needs: URDFs have joints whose damping is a thousand times what a servo
+/// on their inertia alone would overcome. With viscous and Coulomb friction Fv and Fc, the speed limit v and the servo's rate f
+///
+/// ```text
+/// Kp = J ω² + Fv ω + min(Fc ω / v, J ((0.3 f)² − ω²))      Kd = 2 ζ J min(√(Kp / J), 0.3 f)
+/// ```
+/// so that friction at the speed v leaves an error of at most `v/ω`, less what the integral takes, and the derivative stays slower
+/// than the servo.
+///
 /// ```
 /// let tuning = armid::model::ServoTuning::default();
 /// assert!(tuning.integral_hz < 2.0 * tuning.damping * tuning.bandwidth_hz);
@@ -47,11 +56,15 @@ pub struct ServoTuning {
     pub damping: f64,
     /// Corner frequency of the integral action, Hz; 0 means none.
     pub integral_hz: f64,
+    /// Whether the gains overcome the nominal friction, too.
+    #[serde(default)]
+    pub friction: bool,
 }
 
 impl ServoTuning {
-    /// 1 kHz, 8 Hz, damping 0.8 and a mild integral: what a simulated arm has whose robot file states no servo.
-    pub const ASSUMED: Self = Self { rate_hz: 1000.0, bandwidth_hz: 8.0, damping: 0.8, integral_hz: 0.5 };
+    /// 1 kHz, 8 Hz, damping 0.8, a mild integral, and friction overcome: what a simulated arm has whose robot file states no servo.
+    pub const ASSUMED: Self =
+        Self { rate_hz: 1000.0, bandwidth_hz: 8.0, damping: 0.8, integral_hz: 0.5, friction: true };
 }
 
 impl Default for ServoTuning {

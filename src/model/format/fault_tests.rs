@@ -118,7 +118,10 @@ fn replaced(text: &str, from: &str, to: &str) -> String {
 fn analytic_a_robot_file_is_read_with_its_units() {
     let robot = parse_robot(TWO_JOINTS).unwrap();
     assert_eq!(robot.effort(), EffortInterface::Torque);
-    assert_eq!(*robot.servo(), ServoTuning { rate_hz: 5000.0, bandwidth_hz: 10.0, damping: 0.7, integral_hz: 0.2 });
+    assert_eq!(
+        *robot.servo(),
+        ServoTuning { rate_hz: 5000.0, bandwidth_hz: 10.0, damping: 0.7, integral_hz: 0.2, friction: false }
+    );
     let [turn, slide] = robot.joints() else { panic!("two joints") };
     assert_eq!(turn.limits.position, (-std::f64::consts::FRAC_PI_2, std::f64::consts::PI));
     assert_eq!(turn.limits.velocity, std::f64::consts::PI);

@@ -65,6 +65,7 @@ pub fn write_robot(model: &ImportedModel, path: &str, ends: &ChainEnds) -> Strin
     out.key("bandwidth_hz", "8", "");
     out.key("damping", "0.8", "");
     out.key("integral_hz", "0.5", "");
+    out.key("friction", "true", "gains overcome the friction of the URDF, too");
     out.blank();
     out.heading("# [floor]", "`armid design --clearance` keeps above it");
     out.gap("z_m", "in the base frame");

@@ -14,6 +14,8 @@ pub(super) struct ServoTable {
     bandwidth_hz: Number,
     damping: Number,
     integral_hz: Number,
+    #[serde(default)]
+    friction: bool,
 }
 
 /// The tuning.
@@ -26,5 +28,6 @@ pub(super) fn read_servo(check: Check<'_>, table: &ServoTable) -> Result<ServoTu
         bandwidth_hz: check.positive("bandwidth_hz", &table.bandwidth_hz)?,
         damping: check.positive("damping", &table.damping)?,
         integral_hz: check.not_negative("integral_hz", &table.integral_hz)?,
+        friction: table.friction,
     })
 }
