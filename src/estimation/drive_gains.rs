@@ -33,21 +33,35 @@ const AT_REST: f64 = 1e-10;
 
 /// How the equations of the gains are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[serde(rename_all = "kebab-case")]
 pub enum GainMethod {
     /// Every equation alike.
+    #[serde(rename = "ols")]
     LeastSquares,
     /// Each joint's equations over the RMS of their residual.
+    #[serde(rename = "wls")]
     Weighted,
     /// The noise of the measured torque alone, where it is.
+    #[serde(rename = "tls")]
     Total,
     /// Weighted, and everything drawn towards zero as by [`super::RidgeRegression`].
+    #[serde(rename = "ridge")]
     Ridge,
 }
 
 impl GainMethod {
     /// Every method.
     pub const ALL: [Self; 4] = [Self::LeastSquares, Self::Weighted, Self::Total, Self::Ridge];
+
+    /// What commands and files call it.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::LeastSquares => "ols",
+            Self::Weighted => "wls",
+            Self::Total => "tls",
+            Self::Ridge => "ridge",
+        }
+    }
 }
 
 /// The gain of one drive.
@@ -76,6 +90,24 @@ pub struct DriveGains {
     pub degrees_of_freedom: f64,
     /// How it ended.
     pub termination: Termination,
+}
+
+impl DriveGains {
+    /// Joints whose gain is not 1, at a level of 5 % over all joints together (Bonferroni): their stated constants are wrong.
+    #[must_use]
+    pub fn wrong(&self) -> Vec<usize> {
+        let each = 0.05 / self.gains.len() as f64;
+        let t = student_quantile(1.0 - 0.5 * each, self.degrees_of_freedom);
+        let is_wrong = |gain: &DriveGain| (gain.value - 1.0).abs() > t * gain.std;
+        (0..self.gains.len()).filter(|&joint| is_wrong(&self.gains[joint])).collect()
+    }
+
+    /// Joints whose gain the load does not show: the 95 % interval holds zero, or has no end.
+    #[must_use]
+    pub fn hidden(&self) -> Vec<usize> {
+        let is_hidden = |gain: &DriveGain| !(gain.ci95[0] > 0.0 && gain.ci95[1].is_finite());
+        (0..self.gains.len()).filter(|&joint| is_hidden(&self.gains[joint])).collect()
+    }
 }
 
 /// Gains of all drives, from the equations of an arm `without` and `with` a load on its last link.

@@ -61,6 +61,18 @@ impl Inertia {
         Self::from_com(mass, Vector3::from(com), Matrix3::from_diagonal_element(mass * radius * radius))
     }
 
+    /// From mass (kg), centre of mass (m), and the inertia matrix about it as `xx, yy, zz, xy, xz, yz` (kg·m²).
+    ///
+    /// ```
+    /// use armid::spatial::Inertia;
+    /// let body = Inertia::with_moments(2.0, [0.0, 0.0, 0.5], [0.01, 0.02, 0.03, 0.001, 0.0, 0.0]);
+    /// assert_eq!(body.to_array(), [2.0, 0.0, 0.0, 1.0, 0.51, 0.001, 0.0, 0.52, 0.0, 0.03]);
+    /// ```
+    #[must_use]
+    pub fn with_moments(mass: f64, com: [f64; 3], [xx, yy, zz, xy, xz, yz]: [f64; 6]) -> Self {
+        Self::from_com(mass, Vector3::from(com), Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
+    }
+
     /// The ten in the order of `NOTATION.md`: `m, mcx, mcy, mcz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz`.
     #[must_use]
     pub fn to_array(&self) -> [f64; 10] {

@@ -3,6 +3,7 @@
 pub(crate) mod clearance;
 pub(crate) mod comparison;
 pub(crate) mod design;
+pub(crate) mod drive_gains;
 pub(crate) mod estimate;
 pub(crate) mod estimate_page;
 pub(crate) mod exchange;

@@ -2,6 +2,7 @@
 
 mod choices;
 mod guard_arguments;
+mod known_load_arguments;
 mod limit_arguments;
 mod log_arguments;
 mod mesh_arguments;
@@ -10,6 +11,7 @@ mod robot_arguments;
 
 pub(crate) use choices::{columns, one_of};
 pub(crate) use guard_arguments::GuardArguments;
+pub(crate) use known_load_arguments::KnownLoadArguments;
 pub(crate) use limit_arguments::LimitArguments;
 pub(crate) use log_arguments::LogArguments;
 pub(crate) use mesh_arguments::MeshArguments;

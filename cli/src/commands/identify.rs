@@ -11,10 +11,11 @@ use armid_io::{Error, output};
 use miette::Result;
 use serde_json::{Value, json};
 
+use super::drive_gains;
 use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::EstimateAnswer;
 use crate::answers::selection::{selection_json, selection_text};
-use crate::arguments::{LogArguments, columns, one_of};
+use crate::arguments::{KnownLoadArguments, LogArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = r#"A log is a recording of `armid run`, an MCAP of ROS 2 joint states, a table of any shape, or a
@@ -38,6 +39,7 @@ Examples:
   armid identify R.mcap --select=rigid+rotor+friction+stribeck --held-out other.mcap
   armid identify --payload --without empty.csv --with loaded.csv --robot arm.urdf -o P.json
   armid identify --payload --without E.json --with loaded.csv
+  armid identify --drive-gains --without A.mcap --with B.mcap --payload-mass 1 --payload-centre 0,0,0.06
   armid identify --list"#;
 
 /// What `--select` without a list means.
@@ -54,20 +56,25 @@ fn candidates(text: &str) -> Result<Columns, Error> {
 
 /// Estimate the parameters from a recording
 #[derive(Debug, clap::Args)]
-#[command(after_help = AFTER_HELP)]
+#[command(after_help = AFTER_HELP, group = clap::ArgGroup::new("of_two").args(["payload", "drive_gains"]))]
 pub(crate) struct Arguments {
     /// The logs: MCAP, tables, or TOML files with a [log] table
-    #[arg(required_unless_present_any = ["list", "payload"], conflicts_with = "payload", value_name = "LOG")]
+    #[arg(required_unless_present_any = ["list", "payload", "drive_gains"], conflicts_with = "of_two", value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// Identify what the last link carries, from logs without it and with it
     #[arg(long, requires_all = ["without", "with"], conflicts_with = "held_out", help_heading = "Payload")]
     payload: bool,
-    /// Logs of the arm without its load, or an estimate of it
-    #[arg(long, value_name = "LOG|E.json", num_args = 1.., requires = "payload", help_heading = "Payload")]
+    /// Find the torque constants of all drives at once, from logs of motor currents without a load that is known and with it
+    #[arg(long, requires_all = ["without", "with"], conflicts_with_all = ["held_out", "estimator"], help_heading = "Payload")]
+    drive_gains: bool,
+    /// Logs of the arm without its load; with --payload, an estimate of it will do
+    #[arg(long, value_name = "LOG|E.json", num_args = 1.., requires = "of_two", help_heading = "Payload")]
     without: Vec<PathBuf>,
     /// Logs of the arm with its load
-    #[arg(long, value_name = "LOG", num_args = 1.., requires = "payload", help_heading = "Payload")]
+    #[arg(long, value_name = "LOG", num_args = 1.., requires = "of_two", help_heading = "Payload")]
     with: Vec<PathBuf>,
+    #[command(flatten)]
+    known_load: KnownLoadArguments,
     /// List the estimators
     #[arg(long)]
     list: bool,
@@ -83,7 +90,7 @@ pub(crate) struct Arguments {
     /// Estimate with the torque terms that the data decide, among all that a motion can show or among =COLUMNS: by F-test, BIC and
     /// torque that is not fitted
     #[arg(long, value_name = "COLUMNS", num_args = 0..=1, require_equals = true, default_missing_value = ALL_TERMS,
-        conflicts_with_all = ["columns", "no_friction", "payload"])]
+        conflicts_with_all = ["columns", "no_friction", "of_two"])]
     select: Option<String>,
     /// What is held out and only predicted: a part such as 30%, none, or another log; by default the last fifth of a log of
     /// another tool
@@ -124,6 +131,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if arguments.payload {
         let logs = PayloadLogs { without: &arguments.without, with: &arguments.with, log: &arguments.log };
         return payload::run(&logs, columns, &arguments.estimator, console);
+    }
+    if arguments.drive_gains {
+        let load = arguments.known_load.load()?;
+        return drive_gains::run([&arguments.without, &arguments.with], &arguments.log, columns, &load, console);
     }
     let among = arguments.select.as_deref().map(candidates).transpose()?;
     let (held_out, other) = arguments.held_out()?;

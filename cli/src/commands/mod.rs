@@ -8,6 +8,7 @@ mod completions;
 mod controller;
 mod design;
 mod doctor;
+mod drive_gains;
 mod dynamics;
 mod export;
 mod identify;

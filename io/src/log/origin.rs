@@ -75,6 +75,16 @@ impl Origin {
         maps.into_iter().any(|map| map.constant.is_some())
     }
 
+    /// The torque constants by which a mapping has made torques of the currents of `n` motors, N·m/A; none where it states none.
+    pub(super) fn constants(&self, n: usize) -> Option<Vec<f64>> {
+        let maps = self.read_as.iter().flat_map(|read_as| &read_as.mapping.columns);
+        let stated = maps.into_iter().find_map(|map| map.constant.as_ref())?;
+        match stated.as_slice() {
+            [one] => Some(vec![*one; n]),
+            each => Some(each.to_vec()),
+        }
+    }
+
     /// Sentences about what was found in the log; none where all was well.
     #[must_use]
     pub fn sentences(&self) -> Vec<String> {

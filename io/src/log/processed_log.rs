@@ -2,10 +2,10 @@
 
 use armid::diagnosis::{Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
-    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Selection, TorqueResidual,
-    TorqueSeries, Validation, closed_loop_of, select,
+    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Observation, Selection,
+    TorqueResidual, TorqueSeries, Validation, closed_loop_of, select,
 };
-use armid::model::Columns;
+use armid::model::{Columns, EffortInterface};
 use armid::regressor::JointTorqueRegressor;
 use armid::signal::Samples;
 use serde::Serialize;
@@ -155,6 +155,49 @@ impl ProcessedLog {
     pub fn select(&self, candidates: Columns) -> Result<Selection, Error> {
         let found = select(|columns| self.identification(columns), &self.samples, &self.held_out, candidates);
         found.map_err(|error| self.unestimated(&error))
+    }
+
+    /// The torque constants by which the currents of these logs became torques, N·m/A, n: those of a mapping, or the robot's.
+    ///
+    /// # Errors
+    /// [`Error`] where a log holds torques, or the logs state unlike constants.
+    pub fn stated_constants(&self) -> Result<Vec<f64>, Error> {
+        let robot = &self.robot.robot;
+        let of_robot = || robot.joints().iter().map(|joint| joint.drive.torque_constant).collect::<Vec<_>>();
+        let mut all: Option<Vec<f64>> = None;
+        for log in &self.logs {
+            let effort = log.effort_unit.unwrap_or_else(|| robot.effort());
+            let stated = match (log.origin.constants(log.dof), effort) {
+                (Some(constants), _) => constants,
+                (None, EffortInterface::Current) => of_robot(),
+                (None, EffortInterface::Torque) => {
+                    let message =
+                        format!("{} holds torques, expected motor currents: torques have no torque constant", log.name);
+                    return Err(Error::mismatch(message).help(
+                        "name the columns of the currents: `armid identify --drive-gains … --map \"…, current=i_[1-6]\"`, or \
+                         say that the efforts are currents by --effort current",
+                    ));
+                }
+            };
+            if all.as_ref().is_some_and(|all| *all != stated) {
+                let message = format!("{} states other torque constants than the log before it", log.name);
+                return Err(Error::mismatch(message).help("give all logs one --map"));
+            }
+            all = Some(stated);
+        }
+        Ok(all.unwrap_or_else(of_robot))
+    }
+
+    /// The equations of these samples for columns.
+    ///
+    /// # Errors
+    /// [`Error`] where there are fewer equations than parameters, or the robot's geometry is not finite.
+    pub fn observation(&self, columns: Columns) -> Result<Observation, Error> {
+        let robot = &self.robot.robot;
+        let named = |error: EstimationError| self.unestimated(&error);
+        let identification = self.identification(columns).map_err(named)?;
+        let regressor = JointTorqueRegressor::new(robot, columns);
+        Observation::new(robot, &regressor, identification.base(), &self.samples).map_err(named)
     }
 
     /// What is estimated: the robot's base, or where joints stand still, the base that the motion reveals.
