@@ -1,9 +1,10 @@
 //! The page of one estimate: does it explain the torque, where not, and what it found.
 
 use crate::document::{Cell, Column, Table};
+use crate::residual::ResidualDiagnostics;
 use crate::{
-    Axis, Bar, BarFigure, BarRow, Document, DocumentError, Group, GroupStyle, Heading, Line, ScatterFigure,
-    ScatterGroup, ScatterPanel, ScatterPoint, Section, TimePanel, TimeSeriesFigure,
+    Axis, Bar, BarFigure, BarRow, Document, DocumentError, Group, GroupStyle, Heading, Line, Section, TimePanel,
+    TimeSeriesFigure,
 };
 
 /// Joints in one figure.
@@ -20,10 +21,6 @@ pub struct TorqueTrace {
     pub measured: Vec<f64>,
     /// Predicted torque.
     pub predicted: Vec<f64>,
-    /// Their difference.
-    pub residual: Vec<f64>,
-    /// Velocity at those times.
-    pub velocity: Vec<f64>,
 }
 
 /// One base parameter.
@@ -75,6 +72,8 @@ pub struct EstimateInput {
     pub traces: Vec<TorqueTrace>,
     /// What those are of.
     pub traces_of: String,
+    /// What the residual of the fit shows.
+    pub diagnostics: ResidualDiagnostics,
     /// Parameters.
     pub parameters: Vec<ParameterRow>,
     /// What was left out, and what was found in the logs.
@@ -92,8 +91,11 @@ pub struct EstimateInput {
 pub fn estimate_document(input: &EstimateInput) -> Result<Document, DocumentError> {
     let document = Document::new(format!("{}: identified parameters", input.robot)).subtitle(input.subtitle.clone());
     let document = input.verdict.iter().fold(document, |document, paragraph| document.summary(paragraph.clone()));
-    let document =
-        document.section(torque(input)?).section(shares(input)?).section(diagnostics(input)?).section(found(input));
+    let document = document
+        .section(torque(input)?)
+        .section(shares(input)?)
+        .section(input.diagnostics.section(&input.unit)?)
+        .section(found(input));
     let document = document.section(parameters(input));
     let provenance = input.provenance.iter();
     let document =
@@ -144,55 +146,6 @@ fn shares(input: &EstimateInput) -> Result<Section, DocumentError> {
     Section::new("Residual").figure(&figure)
 }
 
-fn diagnostics(input: &EstimateInput) -> Result<Section, DocumentError> {
-    let over_time = TimeSeriesFigure {
-        heading: Heading::new("residual-time", "Residual over time").caption(
-            "The residual should look like noise: slow waves indicate missing physics, peaks at reversals friction.",
-        ),
-        time: Axis::linear("time", "s"),
-        value: Axis::linear("residual", input.unit.clone()),
-        columns: 2,
-        same_range: false,
-        panels: input
-            .traces
-            .iter()
-            .take(PANELS)
-            .map(|trace| TimePanel {
-                title: trace.joint.clone(),
-                lines: vec![Line::new("residual", GroupStyle::nth(2), trace.times.clone(), trace.residual.clone())],
-                limits: Vec::new(),
-            })
-            .collect(),
-    };
-    let over_velocity = ScatterFigure {
-        heading: Heading::new("residual-velocity", "Residual over velocity")
-            .caption("A step at zero is Coulomb friction that the model lacks, curvature friction that is not linear."),
-        columns: 2,
-        panels: input
-            .traces
-            .iter()
-            .take(PANELS)
-            .map(|trace| ScatterPanel {
-                title: trace.joint.clone(),
-                x: Axis::linear("velocity", "rad/s"),
-                y: Axis::linear("residual", input.unit.clone()),
-                groups: vec![ScatterGroup {
-                    label: "residual".into(),
-                    style: GroupStyle::nth(2),
-                    points: trace
-                        .velocity
-                        .iter()
-                        .zip(&trace.residual)
-                        .map(|(&velocity, &residual)| ScatterPoint::new(velocity, residual))
-                        .collect(),
-                }],
-                references: Vec::new(),
-            })
-            .collect(),
-    };
-    Section::new("Diagnostics").figure(&over_time)?.figure(&over_velocity)
-}
-
 fn found(input: &EstimateInput) -> Section {
     let section = Section::new("What was found");
     let all: Vec<String> = input.left_out.iter().chain(&input.findings).cloned().collect();
@@ -226,6 +179,7 @@ fn parameters(input: &EstimateInput) -> Section {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::residual::ResidualTrace;
 
     #[test]
     fn a_page_holds_every_part() {
@@ -234,8 +188,26 @@ mod tests {
             times: vec![0.0, 1.0, 2.0],
             measured: vec![1.0, 2.0, 1.5],
             predicted: vec![1.1, 1.9, 1.5],
+        };
+        let residual = ResidualTrace {
+            joint: "elbow".into(),
+            times: vec![0.0, 1.0, 2.0],
             residual: vec![-0.1, 0.1, 0.0],
             velocity: vec![0.0, 1.0, -1.0],
+            load: vec![2.0, 1.0, 3.0],
+            position: vec![0.5, 0.25, 0.125],
+            lags: vec![1.0, 2.0],
+            autocorrelation: vec![0.5, -0.25],
+            white_within: 0.4,
+        };
+        let sentences = |of: &str| vec![format!("elbow: first of {of}."), format!("wrist: second of {of}.")];
+        let diagnostics = ResidualDiagnostics {
+            traces: vec![residual],
+            over_time: sentences("time"),
+            over_speed: sentences("speed"),
+            over_load: sentences("load"),
+            over_position: sentences("position"),
+            whiteness: sentences("lags"),
         };
         let input = EstimateInput {
             robot: "arm".into(),
@@ -247,6 +219,7 @@ mod tests {
             shares: vec![ResidualShares { label: "used rows".into(), joints: vec![Some(5.0)], total: Some(5.0) }],
             traces: vec![trace],
             traces_of: "used rows".into(),
+            diagnostics,
             parameters: vec![ParameterRow {
                 name: "Izz1".into(),
                 expression: "Izz1 + Ia1".into(),
@@ -260,9 +233,20 @@ mod tests {
             provenance: vec![("log".into(), "a.csv".into())],
         };
         let html = estimate_document(&input).unwrap().html().unwrap();
-        for part in ["Izz1 + Ia1", "Residual over velocity", "<strong>explains</strong>", "the noise is taken", "a.csv"]
-        {
+        for part in ["Izz1 + Ia1", "<strong>explains</strong>", "the noise is taken", "a.csv"] {
             assert!(html.contains(part), "{part}");
+        }
+        // Each figure with its sentence below it, and those of other joints after that.
+        for (title, of) in [
+            ("Residual over time", "time"),
+            ("Residual over speed", "speed"),
+            ("Residual over load", "load"),
+            ("Residual over position", "position"),
+            ("Autocorrelation of the residual", "lags"),
+        ] {
+            let at = |part: &str| html.rfind(part).unwrap_or_else(|| panic!("{part}"));
+            let (first, second) = (format!("elbow: first of {of}."), format!("<li>wrist: second of {of}.</li>"));
+            assert!(html.find(title).unwrap() < at(&first) && at(&first) < at(&second), "{title}");
         }
     }
 }

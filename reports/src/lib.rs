@@ -48,6 +48,7 @@ pub mod figures;
 pub mod document;
 mod comparison;
 mod design;
+mod residual;
 mod estimate;
 mod study;
 
@@ -60,5 +61,6 @@ pub use error::{DocumentError, FigureError};
 pub use estimate::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, estimate_document};
 pub use figures::*;
 pub use heading::Heading;
+pub use residual::{ResidualDiagnostics, ResidualTrace};
 pub use study::{robots_answer, robots_document, study_document};
 pub use style::{Dash, Group, GroupStyle, Marker};

@@ -42,6 +42,7 @@ mod prediction;
 mod problem;
 mod recursive;
 mod residual;
+mod residual_shape;
 mod restated;
 mod ridge;
 mod robust;
@@ -88,6 +89,7 @@ pub use recursive::{
     SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter, UnscentedKalmanFilter,
 };
 pub use residual::{residual_noise, scatter_noise};
+pub use residual_shape::{Against, JointTrace, ResidualShape, ResidualTrends, Trend, Whiteness};
 pub use ridge::RidgeRegression;
 pub use robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey};
 pub use selection::{FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, select};

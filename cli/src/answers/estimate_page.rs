@@ -2,11 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::estimation::{Estimate, TorqueResidual, TorqueSeries};
+use armid::estimation::{Against, Estimate, ResidualTrends, TorqueResidual, TorqueSeries};
 use armid::signal::Samples;
 use armid_io::output::write_text;
 use armid_io::{Error, Inputs, ProcessedLog, Text, estimate};
-use armid_reports::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, estimate_document};
+use armid_reports::{
+    EstimateInput, ParameterRow, ResidualDiagnostics, ResidualShares, ResidualTrace, TorqueTrace, estimate_document,
+};
 use miette::Result;
 
 use super::estimate::{joint_names, percent};
@@ -91,6 +93,8 @@ impl Page<'_> {
         let mut provenance = vec![("robot file, SHA-256".to_owned(), inputs.robot.sha256.clone())];
         provenance.extend(inputs.files.iter().map(|file| (file.path.clone(), file.sha256.clone())));
         provenance.extend(inputs.mapping.clone().map(|mapping| ("mapping".to_owned(), mapping)));
+        let trends = self.prepared.residual_trends(self.estimate, self.name)?;
+        let diagnostics = diagnostics(&trends, &joints);
         Ok(EstimateInput {
             robot: self.estimate.robot.clone(),
             subtitle: format!(
@@ -107,6 +111,7 @@ impl Page<'_> {
             shares,
             traces,
             traces_of: if aside { "held out, not used for the fit".into() } else { "used for the fit".into() },
+            diagnostics,
             parameters: parameters.collect(),
             left_out: self.prepared.reports.iter().flat_map(|report| report.origin.sentences()).collect(),
             findings: grouped(&self.estimate.findings)
@@ -172,9 +177,38 @@ fn trace(joint: &str, i: usize, samples: &Samples, series: &TorqueSeries) -> Tor
     TorqueTrace {
         joint: joint.to_owned(),
         times: rows.iter().map(|&k| k as f64 / samples.rate_hz).collect(),
-        residual: measured.iter().zip(&predicted).map(|(measured, predicted)| measured - predicted).collect(),
         measured,
         predicted,
-        velocity: pick(&samples.states.qd),
+    }
+}
+
+/// What the residual shows, thinned to what a page can show.
+fn diagnostics(trends: &ResidualTrends, joints: &[String]) -> ResidualDiagnostics {
+    let traces =
+        trends.traces.iter().zip(&trends.whiteness).zip(joints).filter(|((trace, _), _)| !trace.times.is_empty());
+    let traces = traces.map(|((trace, white), joint)| {
+        let step = trace.times.len().div_ceil(POINTS).max(1);
+        let pick = |values: &[f64]| -> Vec<f64> { values.iter().step_by(step).copied().collect() };
+        let autocorrelation = white.as_ref().map(|white| white.autocorrelation.clone()).unwrap_or_default();
+        let step_s = white.as_ref().map_or(0.0, |white| white.step_s);
+        ResidualTrace {
+            joint: joint.clone(),
+            times: pick(&trace.times),
+            residual: pick(&trace.residual),
+            velocity: pick(&trace.velocity),
+            load: pick(&trace.load),
+            position: pick(&trace.position),
+            lags: (1..=autocorrelation.len()).map(|lag| lag as f64 * step_s).collect(),
+            autocorrelation,
+            white_within: white.as_ref().map_or(0.0, |white| white.limit),
+        }
+    });
+    ResidualDiagnostics {
+        traces: traces.collect(),
+        over_time: trends.sentences(Against::Time, joints),
+        over_speed: trends.sentences(Against::Speed, joints),
+        over_load: trends.sentences(Against::Load, joints),
+        over_position: trends.sentences(Against::Position, joints),
+        whiteness: trends.whiteness_sentences(joints),
     }
 }

@@ -2,8 +2,8 @@
 
 use armid::diagnosis::{Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
-    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Observation, Selection,
-    TorqueResidual, TorqueSeries, Validation, closed_loop_of, select,
+    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Observation, ResidualTrends,
+    Selection, TorqueResidual, TorqueSeries, Validation, closed_loop_of, select,
 };
 use armid::model::{Columns, EffortInterface};
 use armid::regressor::JointTorqueRegressor;
@@ -198,6 +198,16 @@ impl ProcessedLog {
         let identification = self.identification(columns).map_err(named)?;
         let regressor = JointTorqueRegressor::new(robot, columns);
         Observation::new(robot, &regressor, identification.base(), &self.samples).map_err(named)
+    }
+
+    /// What the residual of an estimate shows on the equations that it was made from.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn residual_trends(&self, estimate: &Estimate, name: &str) -> Result<ResidualTrends, Error> {
+        let observation = self.observation(self.columns_of(estimate, name)?)?;
+        let found = ResidualTrends::new(&self.robot.robot, &observation, &self.samples, estimate);
+        found.map_err(|error| Error::mismatch(format!("{name}: {error}")))
     }
 
     /// What is estimated: the robot's base, or where joints stand still, the base that the motion reveals.

@@ -1,0 +1,307 @@
+//! The shapes of a residual, and their tests.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::shape::{Against, Point, ResidualShape};
+use super::whiteness::{Whiteness, probability};
+use crate::estimation::linear_fit::LinearFit;
+use crate::estimation::{Estimate, EstimationError, Factorisation, Observation, residual_noise};
+use crate::model::{JointKind, Robot};
+use crate::signal::{NoiseModel, Samples};
+use crate::statistics::{holm_adjusted, student_p_value, student_quantile};
+
+/// Part of a shape below which nothing of it is left beside the model: rounding of the projection.
+const IN_THE_MODEL: f64 = 1e-5;
+
+/// Level of the tests, over all joints and shapes of a figure.
+const LEVEL: f64 = 0.05;
+
+/// A shape that the residual of a joint has.
+#[derive(Clone, Debug, PartialEq, serde::Serialize)]
+pub struct Trend {
+    /// Which joint, from zero.
+    pub joint: usize,
+    /// Which shape.
+    pub shape: ResidualShape,
+    /// Its coefficient.
+    pub slope: f64,
+    /// 95 % interval of that.
+    pub ci95: [f64; 2],
+    /// Unit of it.
+    pub unit: String,
+    /// p-value, adjusted over all joints and shapes that were tested against the same variable.
+    pub p_adjusted: f64,
+    /// Share of the power of the joint's residual that it takes with it.
+    pub share: f64,
+}
+
+impl Trend {
+    /// The sentence that it supports.
+    #[must_use]
+    pub fn sentence(&self, joint: &str) -> String {
+        let positive = self.slope > 0.0;
+        format!(
+            "{joint}: {}, by {} ({} to {}) {}, {} ({}; {:.0} % of the residual's power).",
+            self.shape.course(positive),
+            three(self.slope),
+            three(self.ci95[0]),
+            three(self.ci95[1]),
+            self.unit,
+            self.shape.sign_of(positive),
+            probability(self.p_adjusted),
+            100.0 * self.share
+        )
+    }
+}
+
+/// The residual of one joint, equation by equation.
+#[derive(Clone, Debug, PartialEq)]
+pub struct JointTrace {
+    /// Times, s.
+    pub times: Vec<f64>,
+    /// Measured less predicted torque.
+    pub residual: Vec<f64>,
+    /// Velocity.
+    pub velocity: Vec<f64>,
+    /// What the links take, by the estimate.
+    pub load: Vec<f64>,
+    /// Position.
+    pub position: Vec<f64>,
+}
+
+/// What the residual of an estimate's own equations shows.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResidualTrends {
+    /// Its shapes at 5 %, of each joint and variable at most one, those of the largest share first.
+    pub trends: Vec<Trend>,
+    /// What it was tested for, and how many tests each adjustment is over.
+    pub tested: Vec<(Against, usize)>,
+    /// Autocorrelation of each joint; `None` where there are too few equations.
+    pub whiteness: Vec<Option<Whiteness>>,
+    /// The residuals.
+    pub traces: Vec<JointTrace>,
+}
+
+impl ResidualTrends {
+    /// Tests the residual of `estimate` on the equations that it was made from, with the states of `samples`.
+    ///
+    /// # Errors
+    /// [`EstimationError::Count`] where observation, samples and estimate are not of each other, and as [`Factorisation::weighted`].
+    pub fn new(
+        robot: &Robot,
+        observation: &Observation,
+        samples: &Samples,
+        estimate: &Estimate,
+    ) -> Result<Self, EstimationError> {
+        for (quantity, found, expected) in [
+            ("blocks of the samples", samples.blocks(), observation.samples()),
+            ("parameters of the estimate", estimate.base.len(), observation.base.rank()),
+        ] {
+            if found != expected {
+                return Err(EstimationError::Count { quantity, found, expected });
+            }
+        }
+        let n = observation.dof;
+        let beta = estimate.beta();
+        let residual = observation.residual(&beta);
+        let load = &observation.regressor * of_links(observation, &beta);
+        let means = |values: &[f64]| samples.block_means(values, n);
+        let (position, velocity) = (means(&samples.states.q), means(&samples.states.qd));
+        let step_s = samples.block as f64 / samples.rate_hz;
+        let rows = |joint: usize| (joint..observation.used.len()).step_by(n);
+        let traces = (0..n).map(|joint| {
+            let rows: Vec<usize> = rows(joint).filter(|&row| observation.used[row]).collect();
+            let of = |values: &[f64]| rows.iter().map(|&row| values[row]).collect::<Vec<f64>>();
+            JointTrace {
+                times: rows.iter().map(|&row| (row / n) as f64 * step_s).collect(),
+                residual: of(residual.as_slice()),
+                velocity: of(&velocity),
+                load: of(load.as_slice()),
+                position: of(&position),
+            }
+        });
+        let traces: Vec<JointTrace> = traces.collect();
+        let mut whiteness: Vec<Option<Whiteness>> = (0..n)
+            .map(|joint| {
+                let known: Vec<Option<f64>> =
+                    rows(joint).map(|row| observation.used[row].then_some(residual[row])).collect();
+                Whiteness::of(&known, step_s)
+            })
+            .collect();
+        let p: Vec<f64> = whiteness.iter().flatten().map(|of| of.p_adjusted).collect();
+        for (of, adjusted) in whiteness.iter_mut().flatten().zip(holm_adjusted(&p)) {
+            of.p_adjusted = adjusted;
+        }
+        let kinds: Vec<JointKind> = robot.joints().iter().map(|joint| joint.kind).collect();
+        let tests = Tests::new(observation, &residual)?;
+        let (mut trends, mut tested) = (Vec::new(), Vec::new());
+        for against in Against::ALL {
+            // The averaged period has no beginning and no end.
+            if against == Against::Time && observation.periodic {
+                continue;
+            }
+            let mut all = Vec::new();
+            for (joint, trace) in traces.iter().enumerate() {
+                let rows: Vec<usize> = rows(joint).filter(|&row| observation.used[row]).collect();
+                for shape in ResidualShape::ALL.into_iter().filter(|shape| shape.against() == against) {
+                    all.extend(tests.trend(joint, kinds[joint], &rows, trace, shape));
+                }
+            }
+            tested.push((against, all.len()));
+            trends.extend(found(all, n));
+        }
+        trends.sort_by(|a, b| b.share.total_cmp(&a.share));
+        Ok(Self { trends, tested, whiteness, traces })
+    }
+
+    /// Sentences on what the residual follows of a variable, the largest share first; one that says so where it follows nothing.
+    #[must_use]
+    pub fn sentences(&self, against: Against, joints: &[String]) -> Vec<String> {
+        let Some((_, tests)) = self.tested.iter().find(|(tested, _)| *tested == against) else {
+            return vec!["Periods were averaged: nothing is said of a drift over the record.".to_owned()];
+        };
+        let of = self.trends.iter().filter(|trend| trend.shape.against() == against);
+        let all: Vec<String> = of.map(|trend| trend.sentence(&joints[trend.joint])).collect();
+        if !all.is_empty() {
+            return all;
+        }
+        let name = against.name();
+        vec![format!("No joint's residual follows {name}, at 5 % over all {tests} joints and shapes that were tried.")]
+    }
+
+    /// Sentences on the autocorrelation, joint by joint.
+    #[must_use]
+    pub fn whiteness_sentences(&self, joints: &[String]) -> Vec<String> {
+        let of = joints.iter().zip(&self.whiteness);
+        of.filter_map(|(joint, of)| of.as_ref().map(|of| of.sentence(joint))).collect()
+    }
+}
+
+/// Of each joint the least probable, where its adjusted p-value is below the level.
+fn found(mut all: Vec<Trend>, joints: usize) -> Vec<Trend> {
+    let p: Vec<f64> = all.iter().map(|trend| trend.p_adjusted).collect();
+    for (trend, adjusted) in all.iter_mut().zip(holm_adjusted(&p)) {
+        trend.p_adjusted = adjusted;
+    }
+    let of = |joint: usize| {
+        let own = all.iter().filter(|trend| trend.joint == joint && trend.p_adjusted < LEVEL);
+        own.max_by(|a, b| a.share.total_cmp(&b.share)).cloned()
+    };
+    (0..joints).filter_map(of).collect()
+}
+
+/// The part of β that is of links.
+fn of_links(observation: &Observation, beta: &DVector<f64>) -> DVector<f64> {
+    DVector::from_fn(beta.len(), |row, _| {
+        let id = observation.base.parameters[observation.base.kept[row]];
+        if id.kind.link_place().is_some() { beta[row] } else { 0.0 }
+    })
+}
+
+/// What all tests of one residual share.
+struct Tests<'a> {
+    observation: &'a Observation,
+    /// One over the RMS of each joint's residual, squared; zero where a joint has none.
+    weights: Vec<f64>,
+    /// (WᵀPW)⁻¹.
+    inverse: DMatrix<f64>,
+    /// r̃.
+    residual: DVector<f64>,
+    noise: NoiseModel,
+}
+
+impl<'a> Tests<'a> {
+    fn new(observation: &'a Observation, residual: &DVector<f64>) -> Result<Self, EstimationError> {
+        let n = observation.dof;
+        let equations = Factorisation::new(observation)?;
+        let covariance = equations.residual_covariance(&LinearFit::ordinary(&equations)?.fit.solution().clone());
+        let of = |joint: usize| {
+            let variance: f64 = covariance[(joint, joint)];
+            if variance > 0.0 { variance.recip() } else { 0.0 }
+        };
+        let weights: Vec<f64> = (0..n).map(of).collect();
+        let shown = DMatrix::from_diagonal(&DVector::from_fn(n, |joint, _| {
+            if weights[joint] > 0.0 { weights[joint].recip() } else { 1.0 }
+        }));
+        let inverse = equations.weighted(&crate::linalg::BlockWhitening::new(&shown)?)?.inverse_information();
+        let mut tests = Self {
+            observation,
+            weights,
+            inverse,
+            residual: residual.clone(),
+            noise: residual_noise(observation, residual),
+        };
+        tests.residual = tests.beside_the_model(residual);
+        tests.noise = residual_noise(observation, &tests.residual);
+        Ok(tests)
+    }
+
+    fn weighted(&self, x: &DVector<f64>) -> DVector<f64> {
+        let n = self.observation.dof;
+        DVector::from_fn(x.len(), |row, _| x[row] * self.weights[row % n])
+    }
+
+    /// `x − W (WᵀPW)⁻¹ WᵀP x`, twice, since the normal equations lose digits.
+    fn beside_the_model(&self, x: &DVector<f64>) -> DVector<f64> {
+        let w = &self.observation.regressor;
+        let once = |x: &DVector<f64>| x - w * (&self.inverse * w.tr_mul(&self.weighted(x)));
+        once(&once(x))
+    }
+
+    /// One shape in one joint; `None` where the model has it or the joint shows nothing of it.
+    fn trend(
+        &self,
+        joint: usize,
+        kind: JointKind,
+        rows: &[usize],
+        trace: &JointTrace,
+        shape: ResidualShape,
+    ) -> Option<Trend> {
+        let (first, last) = (*trace.times.first()?, *trace.times.last()?);
+        let length = (last - first).max(f64::MIN_POSITIVE);
+        let power = |values: &[f64]| values.iter().map(|v| v * v).sum::<f64>();
+        let speed_rms = (power(&trace.velocity) / rows.len() as f64).sqrt();
+        let mut x = DVector::zeros(self.residual.len());
+        for (k, &row) in rows.iter().enumerate() {
+            x[row] = shape.at(&Point {
+                time: (trace.times[k] - first) / length - 0.5,
+                velocity: trace.velocity[k],
+                speed_rms,
+                load: trace.load[k],
+                position: trace.position[k],
+            });
+        }
+        let size = x.norm();
+        let beside = self.beside_the_model(&x);
+        if size <= 0.0 || self.weights[joint] <= 0.0 || beside.norm() <= IN_THE_MODEL * size {
+            return None;
+        }
+        let z = self.weighted(&beside);
+        let information = z.dot(&beside);
+        let slope = z.dot(&self.residual) / information;
+        let columns = DMatrix::from_column_slice(z.len(), 1, z.as_slice());
+        let variance = z.dot(&self.noise.apply(&columns).column(0));
+        let (std, freedom) = (variance.max(0.0).sqrt() / information, self.noise.degrees_of_freedom());
+        let t = student_quantile(0.5 + 0.5 * 0.95, freedom);
+        let p_adjusted = student_p_value(slope / std, freedom);
+        if !p_adjusted.is_finite() {
+            return None;
+        }
+        let own: Vec<f64> = rows.iter().map(|&row| self.residual[row]).collect();
+        let left: Vec<f64> = rows.iter().map(|&row| self.residual[row] - slope * beside[row]).collect();
+        let share = 1.0 - power(&left) / power(&own).max(f64::MIN_POSITIVE);
+        let unit = shape.unit(kind);
+        Some(Trend { joint, shape, slope, ci95: [slope - t * std, slope + t * std], unit, p_adjusted, share })
+    }
+}
+
+/// Three digits.
+fn three(value: f64) -> String {
+    let size = value.abs();
+    if (1e-3..1e4).contains(&size) {
+        let digits = (2 - libm::floor(libm::log10(size)) as i32).clamp(0, 6) as usize;
+        format!("{value:.digits$}")
+    } else {
+        format!("{value:.2e}")
+    }
+}
