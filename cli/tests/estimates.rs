@@ -292,8 +292,15 @@ fn select_reports_the_terms_that_the_simulated_arm_has() {
     armid(["validate", &out, &recording]).success();
     let text = stdout(&armid(["identify", &recording, choice]).success());
     assert!(text.contains("terms that the data decide") && text.contains("not supported"), "{text}");
-    let refused = stderr(&armid(["identify", &recording, "--select=rigid+load"]).code(2));
-    assert!(refused.contains("load"), "{refused}");
+    // Friction of the load is tested beside them and is no column; averaged periods say nothing of a warming gear.
+    let choice = "--select=rigid+rotor+friction+load+warming";
+    let estimate = json(&armid(["identify", &recording, choice, "--json"]).success());
+    assert_eq!(estimate["columns"], "rigid+rotor+friction");
+    let terms = estimate["selection"]["terms"].as_array().unwrap();
+    let verdict = |name: &str| terms.iter().find(|term| term["term"] == name).expect("a term")["verdict"].clone();
+    assert_eq!([verdict("load"), verdict("warming")], ["not-supported", "not-excited"], "{terms:?}");
+    let refused = stderr(&armid(["identify", &recording, "--select=rigid+lod"]).code(2));
+    assert!(refused.contains("\"rigid+lod\""), "{refused}");
     let both = stderr(&armid(["identify", &recording, "--select", "--columns", "rigid"]).code(2));
     assert!(both.contains("--columns"), "{both}");
 }

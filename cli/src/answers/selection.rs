@@ -39,7 +39,40 @@ pub(crate) fn selection_text(selection: &Selection) -> String {
         number(selection.effective_equations.round()),
         selection.equations,
     );
-    format!("terms that the data decide: {}\n{}{}\n", selection.columns, table.render(2), paragraph(&sentence, 2))
+    let mut text =
+        format!("terms that the data decide: {}\n{}{}", selection.columns, table.render(2), paragraph(&sentence, 2));
+    for sentence in remarks(selection) {
+        text += &paragraph(&sentence, 2);
+    }
+    text + "\n"
+}
+
+/// What the table does not say: terms between which nothing is decided, and terms that are no columns.
+fn remarks(selection: &Selection) -> Vec<String> {
+    let supported = || selection.terms.iter().filter(|term| term.verdict == Verdict::Supported);
+    let mut all: Vec<String> = supported()
+        .filter(|term| !term.alike.is_empty())
+        .map(|term| {
+            format!(
+                "Not decided is which of these there is: {}, or {} in its place.",
+                term.term,
+                term.alike.join(" or ")
+            )
+        })
+        .collect();
+    for term in supported().filter(|term| selection.beyond_motion.iter().any(|of| of.term == term.term)) {
+        let own = selection.beyond_motion.iter().filter(|of| of.term == term.term);
+        let own = own.map(|of| {
+            let [low, high] = of.ci95;
+            format!("{} {} ({} to {})", of.parameter, number(of.value), number(low), number(high))
+        });
+        all.push(format!(
+            "The data support \"{}\", which depends on more than the motion and is no column of the estimate, whose error it is: {}.",
+            term.term,
+            own.collect::<Vec<_>>().join(", ")
+        ));
+    }
+    all
 }
 
 fn row(term: &TermEvidence) -> Vec<String> {

@@ -45,11 +45,13 @@ Examples:
 /// What `--select` without a list means.
 const ALL_TERMS: &str = "all";
 
-/// Reads the terms to select from.
+/// Reads the terms to select from; those that are no columns, since they depend on more than the motion, are tested beside the others.
 fn candidates(text: &str) -> Result<Columns, Error> {
     if text == ALL_TERMS {
-        let terms = Term::ALL.iter().copied().filter(|term| term.entry().needs.is_motion());
-        return Ok(terms.fold(Columns::RIGID, Columns::with));
+        return Ok(Term::ALL.iter().copied().fold(Columns::RIGID, Columns::with));
+    }
+    if let Some(columns) = Columns::parse(text) {
+        return Ok(columns);
     }
     columns(text).map_err(|fault| Error::new(format!("--select={text}: {fault}")))
 }
@@ -87,8 +89,8 @@ pub(crate) struct Arguments {
     /// Short for --columns rigid
     #[arg(long, conflicts_with = "columns")]
     no_friction: bool,
-    /// Estimate with the torque terms that the data decide, among all that a motion can show or among =COLUMNS: by F-test, BIC and
-    /// torque that is not fitted
+    /// Estimate with the torque terms that the data decide, among all or among =COLUMNS: by F-test, BIC and torque that is not
+    /// fitted. Friction that depends on load or warming is tested beside them and is no column of the estimate
     #[arg(long, value_name = "COLUMNS", num_args = 0..=1, require_equals = true, default_missing_value = ALL_TERMS,
         conflicts_with_all = ["columns", "no_friction", "of_two"])]
     select: Option<String>,

@@ -2,6 +2,8 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::beyond_motion::BeyondMotion;
+
 /// Whether the data decide for a term.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "kebab-case")]
@@ -58,6 +60,9 @@ pub struct TermEvidence {
     pub bic: Option<f64>,
     /// Torque that was not fitted; `None` where a part of the recording does not determine the parameters.
     pub held_out: Option<HeldOutChange>,
+    /// Terms that could stand for it, or for which it could: the data do not decide between them and this one.
+    #[serde(default)]
+    pub alike: Vec<String>,
 }
 
 /// The test of all coefficients of a term together.
@@ -87,6 +92,9 @@ pub struct Selection {
     pub equations: usize,
     /// Every candidate, in the order of the list of terms.
     pub terms: Vec<TermEvidence>,
+    /// Coefficients of supported terms that depend on more than the motion, which are no columns.
+    #[serde(default)]
+    pub beyond_motion: Vec<BeyondMotion>,
 }
 
 /// JSON has no infinite number.

@@ -18,6 +18,9 @@
 //! take away. Lags that are estimated from a short record miss part of a long correlation: with noise that remembers nine tenths of itself, 95
 //! independent equations for 36 parameters, 2 of 10 recordings reported such a term.
 //!
+//! What is left is exchanged, term by term, for what was left out ([`exchange`]), so that no term is reported for which another could stand
+//! as well without its name beside it. Terms that depend on load or temperature are tested beside the set ([`beyond_motion`]).
+//!
 //! Fails where the model errs in another way: a torque that no candidate has goes to the candidate that resembles it most. What
 //! held-out torque of the same motion supports is a prediction, not yet a law of friction.
 //!
@@ -25,12 +28,17 @@
 //! 'effective' number of independent observations in an autocorrelated time series", Supplement to the Journal of the Royal Statistical
 //! Society 8(2), 1946; N. R. Draper, H. Smith, "Applied Regression Analysis", Wiley, 1998, chapter 15, for backward elimination.
 
+mod beyond_motion;
+#[cfg(test)]
+mod beyond_motion_tests;
 mod evidence;
+mod exchange;
 mod prediction_error;
 mod restriction;
 mod search;
 #[cfg(test)]
 mod tests;
 
+pub use beyond_motion::BeyondMotion;
 pub use evidence::{FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict};
 pub use search::select;

@@ -12,9 +12,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::evidence::{HeldOutChange, HeldOutData};
 use super::restriction::Restriction;
-use crate::estimation::{EstimationError, Factorisation, Identification, Observation};
+use crate::estimation::{EstimationError, Factorisation, Observation};
 use crate::linalg::{BlockWhitening, LeastSquares};
-use crate::signal::Samples;
 use crate::statistics::t_interval;
 
 /// Parts of the recording of which each in turn is predicted.
@@ -43,25 +42,21 @@ pub(super) struct Predictions {
 }
 
 impl Predictions {
-    /// On held-out samples where there are some, else on folds of the recording; `None` where a part of it does not determine the
+    /// On held-out equations where there are some, else on folds of the recording; `None` where a part of it does not determine the
     /// parameters.
     ///
     /// # Errors
-    /// [`EstimationError`] where held-out samples are not of this robot.
+    /// [`EstimationError`] where held-out equations are not those of this base.
     pub(super) fn new(
-        identification: &Identification<'_>,
         observation: &Observation,
         (weights, fit): (&BlockWhitening, &LeastSquares),
-        held_out: &[Samples],
+        held_out: &[Observation],
     ) -> Result<Option<Self>, EstimationError> {
         let folds: Option<Vec<Fold>> = if held_out.is_empty() {
             (0..FOLDS).map(|fold| folded(observation, weights, fold)).collect()
         } else {
-            let of = |samples: &Samples| {
-                let unseen = identification.unseen(samples)?;
-                Fold::of(fit, weights, &unseen)
-            };
-            Some(held_out.iter().map(of).collect::<Result<_, EstimationError>>()?)
+            let of = held_out.iter().map(|unseen| Fold::of(fit, weights, unseen));
+            Some(of.collect::<Result<_, EstimationError>>()?)
         };
         let data = if held_out.is_empty() { HeldOutData::Folds } else { HeldOutData::Recording };
         Ok(folds.map(|folds| Self { data, folds }))

@@ -2,6 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::beyond_motion::{Beside, BeyondMotion};
 use super::evidence::{Selection, TermEvidence, Verdict};
 use super::prediction_error::Predictions;
 use super::restriction::Restriction;
@@ -9,8 +10,10 @@ use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::{
     EstimationError, EstimationProblem, Factorisation, Identification, Observation, Termination, residual_noise,
 };
+use crate::model::term::Term;
 use crate::model::{Columns, ParameterKind};
 use crate::signal::Samples;
+use crate::statistics::student_quantile;
 
 /// Probability that the terms of an arm without any are reported.
 const LEVEL: f64 = 0.05;
@@ -29,61 +32,162 @@ pub fn select<'a>(
     candidates: Columns,
 ) -> Result<Selection, EstimationError> {
     let words = words_of(candidates);
-    let level = LEVEL / words.len().max(1) as f64;
-    let mut columns = candidates;
-    let mut left_out: Vec<TermEvidence> = Vec::new();
-    loop {
-        let identification = of(columns)?;
-        let step = match Step::new(&identification, samples, held_out) {
-            Ok(step) => step,
-            // The motion does not distinguish a term from the others: it is the first to go.
-            Err(EstimationError::NotExcited { parameter, .. }) if !words_of(columns).is_empty() => {
-                let word = term_of(&identification, &parameter).unwrap_or_else(|| words_of(columns)[0]);
-                left_out.push(untested(word));
-                columns = without(columns, word);
-                continue;
+    let search = Search { of, samples, held_out, level: LEVEL / words.len().max(1) as f64 };
+    let motion = candidates.terms().filter(|term| term.entry().needs.is_motion());
+    let mut columns = motion.fold(Columns::RIGID, Columns::with);
+    let (mut left_out, mut seen) = (Vec::new(), Vec::new());
+    let (set, exchanges) = loop {
+        let set = search.eliminated(columns, &mut left_out)?;
+        seen.push(set.columns);
+        let exchanges = search.exchanges(&set, &mut left_out)?;
+        match exchanges.better {
+            Some(better) if !seen.contains(&better) => {
+                // What comes in is tested again, and what goes out beside it.
+                left_out.retain(|term: &TermEvidence| !words_of(better).contains(&term.term.as_str()));
+                let gone = words_of(set.columns).into_iter().filter(|word| !words_of(better).contains(word));
+                left_out.extend(gone.map(untested));
+                columns = better;
             }
-            Err(EstimationError::TooFewEquations { .. }) if !words_of(columns).is_empty() => {
-                let all = words_of(columns);
-                let word = all[all.len() - 1];
-                left_out.push(untested(word));
-                columns = without(columns, word);
-                continue;
-            }
-            Err(error) => return Err(error),
-        };
-        let evidence: Vec<TermEvidence> =
-            words_of(columns).into_iter().map(|word| step.evidence(&identification, word, level)).collect();
-        let unsupported = evidence.iter().filter(|term| term.verdict != Verdict::Supported);
-        match unsupported.max_by(|a, b| weakness(a).total_cmp(&weakness(b))) {
-            Some(worst) => {
-                columns = without(columns, &worst.term);
-                left_out.push(worst.clone());
-            }
-            None => {
-                let mut terms = evidence;
-                terms.append(&mut left_out);
-                terms.sort_by_key(|term| words.iter().position(|word| *word == term.term));
-                return Ok(Selection {
-                    columns: columns.to_string(),
-                    level,
-                    effective_equations: step.effective,
-                    equations: step.observation.equations(),
-                    terms,
-                });
+            _ => break (set, exchanges),
+        }
+    };
+    let Kept { identification, step, mut terms, columns } = set;
+    terms.append(&mut left_out);
+    let mut beyond = Vec::new();
+    let rest: Vec<_> = words.iter().filter(|word| terms.iter().all(|term| term.term != **word)).collect();
+    for word in rest {
+        let (evidence, mut found) = search.beyond_motion(&identification, &step, word)?;
+        terms.push(evidence);
+        beyond.append(&mut found);
+    }
+    for term in &mut terms {
+        term.alike = exchanges.alike_to(&term.term);
+    }
+    terms.sort_by_key(|term| words.iter().position(|word| *word == term.term));
+    Ok(Selection {
+        columns: columns.to_string(),
+        level: search.level,
+        effective_equations: step.effective,
+        equations: step.observation.equations(),
+        terms,
+        beyond_motion: beyond,
+    })
+}
+
+/// What all steps share.
+pub(super) struct Search<'s, F> {
+    of: F,
+    samples: &'s Samples,
+    held_out: &'s [Samples],
+    level: f64,
+}
+
+/// A set of which every term is supported.
+pub(super) struct Kept<'a> {
+    pub(super) columns: Columns,
+    identification: Identification<'a>,
+    pub(super) step: Step,
+    terms: Vec<TermEvidence>,
+}
+
+impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'_, F> {
+    /// Leaves out the least supported term until all are supported.
+    fn eliminated(&self, mut columns: Columns, left_out: &mut Vec<TermEvidence>) -> Result<Kept<'a>, EstimationError> {
+        loop {
+            let identification = (self.of)(columns)?;
+            let step = match Step::new(&identification, self.samples, self.held_out) {
+                Ok(step) => step,
+                // The motion does not distinguish a term from the others: it is the first to go.
+                Err(EstimationError::NotExcited { parameter, .. }) if !words_of(columns).is_empty() => {
+                    let word = term_of(&identification, &parameter).unwrap_or_else(|| words_of(columns)[0]);
+                    left_out.push(untested(word));
+                    columns = without(columns, word);
+                    continue;
+                }
+                Err(EstimationError::TooFewEquations { .. }) if !words_of(columns).is_empty() => {
+                    let all = words_of(columns);
+                    let word = all[all.len() - 1];
+                    left_out.push(untested(word));
+                    columns = without(columns, word);
+                    continue;
+                }
+                Err(error) => return Err(error),
+            };
+            let terms: Vec<TermEvidence> =
+                words_of(columns).into_iter().map(|word| step.evidence(word, self.level)).collect();
+            let unsupported = terms.iter().filter(|term| term.verdict != Verdict::Supported);
+            match unsupported.max_by(|a, b| weakness(a).total_cmp(&weakness(b))) {
+                Some(worst) => {
+                    columns = without(columns, &worst.term);
+                    left_out.push(worst.clone());
+                }
+                None => return Ok(Kept { columns, identification, step, terms }),
             }
         }
+    }
+
+    /// A set with the terms of a word beside it, tested for that word; `None` where the motion does not distinguish them.
+    pub(super) fn beside(&self, columns: Columns, word: &str) -> Result<Option<TermEvidence>, EstimationError> {
+        match Step::new(&(self.of)(with_word(columns, word))?, self.samples, self.held_out) {
+            Ok(step) => Ok(Some(step.evidence(word, self.level))),
+            Err(EstimationError::NotExcited { .. } | EstimationError::TooFewEquations { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// N_e ln of the sum of weighted squares and b ln N_e of a set, by the weights of another; `None` where the motion does not distinguish
+    /// its columns.
+    pub(super) fn criterion(&self, columns: Columns, by: &Step) -> Result<Option<f64>, EstimationError> {
+        let identification = (self.of)(columns)?;
+        let Some(weights) = &by.linear.weights else { return Ok(None) };
+        let fitted = identification.observation(self.samples).and_then(|observation| {
+            let fit = Factorisation::new(&observation)?.weighted(weights)?;
+            let residual = observation.residual(fit.solution());
+            let column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
+            Ok((weights.clone().whiten(&column, &observation.used)?.norm_squared(), fit.solution().len()))
+        });
+        match fitted {
+            Ok((sum, b)) => Ok(Some(by.effective * libm::log(sum) + b as f64 * libm::log(by.effective))),
+            Err(EstimationError::NotExcited { .. } | EstimationError::TooFewEquations { .. }) => Ok(None),
+            Err(error) => Err(error),
+        }
+    }
+
+    /// The evidence for a term that is no column, and its coefficients where it is supported.
+    fn beyond_motion(
+        &self,
+        identification: &Identification<'a>,
+        step: &Step,
+        word: &str,
+    ) -> Result<(TermEvidence, Vec<BeyondMotion>), EstimationError> {
+        let robot = identification.problem(&step.observation, self.samples).robot;
+        let beta = step.linear.fit.solution();
+        let beside = robot.and_then(|robot| Beside::of(word, robot, &step.observation, beta.as_slice()));
+        let Some(beside) = beside else { return Ok((untested(word), Vec::new())) };
+        let held_out: &[Samples] = if beside.is_of_one_record() { &[] } else { self.held_out };
+        let unseen = held_out.iter().map(|samples| Ok(beside.extended(&identification.unseen(samples)?, samples)));
+        let unseen = unseen.collect::<Result<Vec<_>, EstimationError>>()?;
+        let observation = beside.extended(&step.observation, self.samples);
+        let extended = match Step::of(identification, observation, self.samples, &unseen) {
+            Ok(extended) => extended,
+            Err(EstimationError::NotExcited { .. }) => return Ok((untested(word), Vec::new())),
+            Err(error) => return Err(error),
+        };
+        let evidence = extended.evidence(word, self.level);
+        let supported = evidence.verdict == Verdict::Supported;
+        let found = if supported { extended.last_coefficients(word, beta.len()) } else { Vec::new() };
+        Ok((evidence, found))
     }
 }
 
 /// One set of terms, fitted.
-struct Step {
+pub(super) struct Step {
     observation: Observation,
     linear: LinearFit,
     /// Covariance of β̂ and what it is known to.
     covariance: DMatrix<f64>,
     freedom: f64,
-    effective: f64,
+    pub(super) effective: f64,
     predictions: Option<Predictions>,
 }
 
@@ -94,6 +198,17 @@ impl Step {
         held_out: &[Samples],
     ) -> Result<Self, EstimationError> {
         let observation = identification.observation(samples)?;
+        let unseen = held_out.iter().map(|samples| identification.unseen(samples));
+        Self::of(identification, observation, samples, &unseen.collect::<Result<Vec<_>, EstimationError>>()?)
+    }
+
+    /// The same for equations and held-out ones that are there.
+    fn of(
+        identification: &Identification<'_>,
+        observation: Observation,
+        samples: &Samples,
+        unseen: &[Observation],
+    ) -> Result<Self, EstimationError> {
         let (linear, estimate) = {
             let equations = Factorisation::new(&observation)?;
             let problem = identification.problem(&observation, samples).with_factorisation(&equations);
@@ -103,7 +218,7 @@ impl Step {
             (linear, estimate)
         };
         let predictions = match &linear.weights {
-            Some(weights) => Predictions::new(identification, &observation, (weights, &linear.fit), held_out)?,
+            Some(weights) => Predictions::new(&observation, (weights, &linear.fit), unseen)?,
             None => None,
         };
         Ok(Self {
@@ -116,8 +231,21 @@ impl Step {
         })
     }
 
-    fn evidence(&self, identification: &Identification<'_>, word: &str, level: f64) -> TermEvidence {
-        let base = identification.base();
+    /// The coefficients behind the first `own`.
+    fn last_coefficients(&self, word: &str, own: usize) -> Vec<BeyondMotion> {
+        let t = student_quantile(0.975, self.freedom);
+        let solution = self.linear.fit.solution();
+        let names = self.observation.base.names().into_iter().zip(&self.observation.parameter_units);
+        let coefficient = |(at, (parameter, unit)): (usize, (String, &String))| {
+            let (value, std) = (solution[at], self.covariance[(at, at)].max(0.0).sqrt());
+            let ci95 = [value - t * std, value + t * std];
+            BeyondMotion { term: word.to_owned(), parameter, value, ci95, unit: unit.clone() }
+        };
+        names.enumerate().skip(own).map(coefficient).collect()
+    }
+
+    fn evidence(&self, word: &str, level: f64) -> TermEvidence {
+        let base = &self.observation.base;
         let is_term = |c: usize| is_of(base.parameters[c].kind, word);
         let std = self.covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
         let restriction = Restriction::of(base, is_term, &std);
@@ -150,6 +278,7 @@ impl Step {
             aic: Some(aic),
             bic: Some(bic),
             held_out,
+            alike: Vec::new(),
         }
     }
 }
@@ -186,11 +315,12 @@ fn untested(word: &str) -> TermEvidence {
         aic: None,
         bic: None,
         held_out: None,
+        alike: Vec::new(),
     }
 }
 
 /// The words of the terms of these columns, each once.
-fn words_of(columns: Columns) -> Vec<&'static str> {
+pub(super) fn words_of(columns: Columns) -> Vec<&'static str> {
     let mut words = Vec::new();
     for term in columns.terms() {
         if !words.contains(&term.entry().name) {
@@ -205,9 +335,14 @@ fn is_of(kind: ParameterKind, word: &str) -> bool {
 }
 
 /// The columns without the terms of a word.
-fn without(columns: Columns, word: &str) -> Columns {
+pub(super) fn without(columns: Columns, word: &str) -> Columns {
     let gone: Vec<_> = columns.terms().filter(|term| term.entry().name == word).collect();
     gone.into_iter().fold(columns, Columns::without)
+}
+
+/// The columns with the terms of a word.
+pub(super) fn with_word(columns: Columns, word: &str) -> Columns {
+    Term::ALL.iter().copied().filter(|term| term.entry().name == word).fold(columns, Columns::with)
 }
 
 /// The word of the term whose parameter has this name.
