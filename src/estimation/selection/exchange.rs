@@ -60,7 +60,9 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
         let mut earlier = None;
         for word in words_of(set.columns) {
             let less = without(set.columns, word);
-            for term in left_out.iter() {
+            // What errs on torque that was not fitted stays out, however well it fits.
+            let errs = |term: &TermEvidence| term.held_out.is_some_and(|change| change.with >= change.without);
+            for term in left_out.iter().filter(|term| !errs(term)) {
                 let exchanged = with_word(less, &term.term);
                 let Some(other) = self.criterion(exchanged, &set.step)? else { continue };
                 let difference = other - own;
