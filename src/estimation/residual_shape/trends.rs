@@ -4,8 +4,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::shape::{Against, Point, ResidualShape};
 use super::whiteness::{Whiteness, probability};
-use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::{Estimate, EstimationError, Factorisation, Observation, residual_noise};
+use crate::linalg::BlockWhitening;
 use crate::model::{JointKind, Robot};
 use crate::signal::{NoiseModel, Samples};
 use crate::statistics::{holm_adjusted, student_p_value, student_quantile};
@@ -214,7 +214,7 @@ impl<'a> Tests<'a> {
     fn new(observation: &'a Observation, residual: &DVector<f64>) -> Result<Self, EstimationError> {
         let n = observation.dof;
         let equations = Factorisation::new(observation)?;
-        let covariance = equations.residual_covariance(&LinearFit::ordinary(&equations)?.fit.solution().clone());
+        let covariance = equations.residual_covariance(equations.least_squares()?.solution());
         let of = |joint: usize| {
             let variance: f64 = covariance[(joint, joint)];
             if variance > 0.0 { variance.recip() } else { 0.0 }
@@ -223,7 +223,7 @@ impl<'a> Tests<'a> {
         let shown = DMatrix::from_diagonal(&DVector::from_fn(n, |joint, _| {
             if weights[joint] > 0.0 { weights[joint].recip() } else { 1.0 }
         }));
-        let inverse = equations.weighted(&crate::linalg::BlockWhitening::new(&shown)?)?.inverse_information();
+        let inverse = equations.weighted(&BlockWhitening::new(&shown)?)?.inverse_information();
         let mut tests = Self {
             observation,
             weights,

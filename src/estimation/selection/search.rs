@@ -48,7 +48,7 @@ pub fn select<'a>(
                 left_out.extend(gone.map(untested));
                 columns = better;
             }
-            _ => break (set, exchanges),
+            Some(_) | None => break (set, exchanges),
         }
     };
     let Kept { identification, step, mut terms, columns } = set;
