@@ -86,23 +86,26 @@ impl ResidualTrends {
     /// Tests the residual of `estimate` on the equations that it was made from, with the states of `samples`.
     ///
     /// # Errors
-    /// [`EstimationError::Count`] where observation, samples and estimate are not of each other, and as [`Factorisation::weighted`].
+    /// [`EstimationError::Count`] or [`EstimationError::UnknownParameter`] where observation, samples and estimate are not of each other,
+    /// and as [`Factorisation::weighted`].
     pub fn new(
         robot: &Robot,
         observation: &Observation,
         samples: &Samples,
         estimate: &Estimate,
     ) -> Result<Self, EstimationError> {
-        for (quantity, found, expected) in [
-            ("blocks of the samples", samples.blocks(), observation.samples()),
-            ("parameters of the estimate", estimate.base.len(), observation.base.rank()),
-        ] {
-            if found != expected {
-                return Err(EstimationError::Count { quantity, found, expected });
-            }
+        let (found, expected) = (samples.blocks(), observation.samples());
+        if found != expected {
+            return Err(EstimationError::Count { quantity: "blocks of the samples", found, expected });
         }
         let n = observation.dof;
-        let beta = estimate.beta();
+        let names = observation.base.names();
+        if let Some(other) = estimate.base.iter().find(|parameter| !names.contains(&parameter.name)) {
+            return Err(EstimationError::UnknownParameter { parameter: other.name.clone() });
+        }
+        // An estimator may leave parameters out: they are zero.
+        let value = |name: &String| estimate.base.iter().find(|parameter| parameter.name == *name);
+        let beta = DVector::from_fn(names.len(), |j, _| value(&names[j]).map_or(0.0, |parameter| parameter.value));
         let residual = observation.residual(&beta);
         let load = &observation.regressor * of_links(observation, &beta);
         let means = |values: &[f64]| samples.block_means(values, n);
