@@ -151,7 +151,7 @@ impl ResidualTrends {
                 }
             }
             tested.push((against, all.len()));
-            trends.extend(found(all, n));
+            trends.extend(strongest(all, n));
         }
         trends.sort_by(|a, b| b.share.total_cmp(&a.share));
         Ok(Self { trends, tested, whiteness, traces })
@@ -181,7 +181,7 @@ impl ResidualTrends {
 }
 
 /// Of each joint the least probable, where its adjusted p-value is below the level.
-fn found(mut all: Vec<Trend>, joints: usize) -> Vec<Trend> {
+fn strongest(mut all: Vec<Trend>, joints: usize) -> Vec<Trend> {
     let p: Vec<f64> = all.iter().map(|trend| trend.p_adjusted).collect();
     for (trend, adjusted) in all.iter_mut().zip(holm_adjusted(&p)) {
         trend.p_adjusted = adjusted;
