@@ -15,24 +15,10 @@
 //! torque `τ` is followed with an error of about `(τ − J q̈) / Kp`, less what the integral takes.
 
 use super::motor_load::MotorLoad;
-use crate::model::{Robot, ServoTuning};
+use crate::model::ServoTuning;
 
 /// Highest natural frequency of the derivative over the rate of the servo, rad.
 const FASTEST: f64 = 0.3;
-
-/// The pose at which gains are placed: every joint a quarter of its range above the middle of it, 45° where it has no
-/// limits. An arm with its elbow half bent, neither folded nor stretched; n, rad (m).
-#[must_use]
-pub fn gain_pose(robot: &Robot) -> Vec<f64> {
-    robot
-        .joints()
-        .iter()
-        .map(|joint| {
-            let (low, high) = joint.limits.position;
-            if (high - low).is_finite() { low + 0.75 * (high - low) } else { std::f64::consts::FRAC_PI_4 }
-        })
-        .collect()
-}
 
 /// The controllers of all motors, in motor coordinates after the gear.
 #[derive(Clone, Debug)]
@@ -171,11 +157,6 @@ mod tests {
         close(kp, 0.1 * omega * omega + omega);
         close(kd, 2.0 * 0.8 * 0.1 * (kp / 0.1).sqrt());
         close(of(true, &load(1e-4, 0.0, 5.0)).0, 1e-4 * 300.0 * 300.0);
-    }
-
-    #[test]
-    fn analytic_gain_pose_is_three_quarters_up_the_range() {
-        assert!((gain_pose(&crate::experiment::hinges::single())[0] - 1.5).abs() < 1e-15);
     }
 
     #[test]

@@ -2,11 +2,24 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::controller::gain_pose;
 use super::{ServoError, Transmission};
 use crate::dynamics::Dynamics;
 use crate::model::term::{COULOMB, VISCOUS};
 use crate::model::{Robot, StandardParameters};
+
+/// The pose at which gains are placed: every joint a quarter of its range above the middle of it, 45° where it has no
+/// limits. An arm with its elbow half bent, neither folded nor stretched; n, rad (m).
+#[must_use]
+pub fn gain_pose(robot: &Robot) -> Vec<f64> {
+    robot
+        .joints()
+        .iter()
+        .map(|joint| {
+            let (low, high) = joint.limits.position;
+            if (high - low).is_finite() { low + 0.75 * (high - low) } else { std::f64::consts::FRAC_PI_4 }
+        })
+        .collect()
+}
 
 /// Inertia and friction that the motors see while the others stand still, in motor coordinates after the gear; n each.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,9 +62,14 @@ impl MotorLoad {
 
 #[cfg(test)]
 mod tests {
-    use super::MotorLoad;
+    use super::{MotorLoad, gain_pose};
     use crate::experiment::hinges;
     use crate::model::term::{COULOMB, VISCOUS};
+
+    #[test]
+    fn analytic_gain_pose_is_three_quarters_up_the_range() {
+        assert!((gain_pose(&hinges::single())[0] - 1.5).abs() < 1e-15);
+    }
 
     #[test]
     fn analytic_friction_goes_through_a_coupling_as_inertia_does() {
