@@ -255,11 +255,11 @@ fn corrections_of_units_sides_and_signs_can_be_typed_as_they_are_printed() {
         |q: &[f64]| -> Vec<f64> { (0..6).map(|k| GEARS[k] * (q[k] + if k == 5 { q[4] } else { 0.0 })).collect() };
     type Written<'a> = (&'a str, &'a dyn Fn(&Row) -> (Vec<f64>, Vec<f64>), &'a str);
     let cases: [Written<'_>; 2] = [
-        ("motors", &|row| (motors(&row.1), row.2.clone()), "t=t, q=a[1-6] motor, current=i[1-6]"),
+        ("motors", &|row| (motors(&row.1), row.2.clone()), "t=t, q=a1/a2/a3/a4/a5/a6 motor, current=i1/i2/i3/i4/i5/i6"),
         (
             "milliampere",
             &|row| (row.1.clone(), row.2.iter().map(|i| 1e3 * i).collect()),
-            "t=t, q=a[1-6], current=i[1-6] mA",
+            "t=t, q=a1/a2/a3/a4/a5/a6, current=i1/i2/i3/i4/i5/i6 mA",
         ),
     ];
     for (name, written, wanted) in cases {
