@@ -42,11 +42,11 @@ impl Request {
             StudyPlans::One(plan) => Ok(plan),
             StudyPlans::OnRobots(plans) => {
                 let robots: Vec<&str> = plans.iter().map(|plan| plan.robot.as_str()).collect();
-                let (study, first) = (&self.study, robots.first().copied().unwrap_or_default());
+                let (study, first, folder) = (&self.study, &plans[0].robot, plans[0].robot_folder());
                 let message =
                     format!("{study} is a study on the robots {}, expected one of them here", robots.join(", "));
                 Err(Error::mismatch(message).help(format!(
-                    "`armid study {} --robot {first}` with a folder DIR/{first} by -o, and so for the others; \
+                    "`armid study {} --robot {first}` with -o DIR/{folder}, and so for the others; \
                      `armid study {study} --resume -o DIR` sets them side by side when all are there",
                     arguments.replace("STUDY", study)
                 )))
