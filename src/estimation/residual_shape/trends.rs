@@ -7,7 +7,7 @@ use super::whiteness::{Whiteness, probability};
 use crate::estimation::{Estimate, EstimationError, Factorisation, Observation, residual_noise};
 use crate::linalg::BlockWhitening;
 use crate::model::{JointKind, Robot};
-use crate::signal::{NoiseModel, Samples};
+use crate::signal::Samples;
 use crate::statistics::{holm_adjusted, student_p_value, student_quantile};
 
 /// Part of a shape below which nothing of it is left beside the model: rounding of the projection.
@@ -210,7 +210,6 @@ struct Tests<'a> {
     inverse: DMatrix<f64>,
     /// r̃.
     residual: DVector<f64>,
-    noise: NoiseModel,
 }
 
 impl<'a> Tests<'a> {
@@ -227,15 +226,8 @@ impl<'a> Tests<'a> {
             if weights[joint] > 0.0 { weights[joint].recip() } else { 1.0 }
         }));
         let inverse = equations.weighted(&BlockWhitening::new(&shown)?)?.inverse_information();
-        let mut tests = Self {
-            observation,
-            weights,
-            inverse,
-            residual: residual.clone(),
-            noise: residual_noise(observation, residual),
-        };
+        let mut tests = Self { observation, weights, inverse, residual: residual.clone() };
         tests.residual = tests.beside_the_model(residual);
-        tests.noise = residual_noise(observation, &tests.residual);
         Ok(tests)
     }
 
@@ -282,9 +274,11 @@ impl<'a> Tests<'a> {
         let z = self.weighted(&beside);
         let information = z.dot(&beside);
         let slope = z.dot(&self.residual) / information;
+        // A shape that is in the residual is no noise: slow ones would pass for a long correlation.
+        let noise = residual_noise(self.observation, &(&self.residual - &beside * slope));
         let columns = DMatrix::from_column_slice(z.len(), 1, z.as_slice());
-        let variance = z.dot(&self.noise.apply(&columns).column(0));
-        let (std, freedom) = (variance.max(0.0).sqrt() / information, self.noise.degrees_of_freedom());
+        let variance = z.dot(&noise.apply(&columns).column(0));
+        let (std, freedom) = (variance.max(0.0).sqrt() / information, noise.degrees_of_freedom());
         let t = student_quantile(0.5 + 0.5 * 0.95, freedom);
         let p_adjusted = student_p_value(slope / std, freedom);
         if !p_adjusted.is_finite() {
