@@ -300,7 +300,7 @@ fn faults_of_a_list_of_robots_name_line_found_and_expected() {
         (
             "robots = [\"planar-2r\"]",
             "robots = [\"puma-560\"]",
-            &["study.toml:60:12", "puma-560", "planar-2r, arms/bench.toml"],
+            &["study.toml:53:12", "puma-560", "planar-2r, arms/bench.toml"],
         ),
         (
             "compare_with = [\"d-optimal\"]",

@@ -9,13 +9,11 @@
 
 use nalgebra::DMatrix;
 
+use super::instruments::COLUMNS;
 use super::{EstimationError, EstimationProblem, Instruments, Observation};
 use crate::linalg::LeastSquares;
 use crate::linalg::product::add_product;
 use crate::signal::NoiseModel;
-
-/// Columns that are worked on at once: an even number, since transforms take two.
-pub(super) const COLUMNS: usize = 8;
 
 /// RMS and neighbour correlation of the residual that noise alone would leave, n each.
 pub(super) struct ExpectedResidual {

@@ -15,7 +15,8 @@
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::declared;
-use super::expected_residual::{COLUMNS, ExpectedResidual};
+use super::expected_residual::ExpectedResidual;
+use super::instruments::COLUMNS;
 use super::residual::{ResidualScale, neighbour_correlation};
 use super::restated::poorly_determined;
 use super::{

@@ -12,6 +12,9 @@ use super::{EstimationError, Observation};
 use crate::linalg::BlockWhitening;
 use crate::linalg::product::transposed_product;
 
+/// Columns that are worked on at once: an even number, since transforms take two.
+pub(super) const COLUMNS: usize = 8;
+
 /// B, by which a linear estimate is `β̂ = A⁻¹ Bᵀ y` to first order in the noise.
 #[derive(Clone, Copy, Debug)]
 pub enum Instruments<'a> {

@@ -6,7 +6,7 @@ use super::blocks::BlockedEquations;
 use super::features::{self, Functions};
 use super::joint::JointResidual;
 use super::sizes;
-use crate::estimation::expected_residual::COLUMNS;
+use crate::estimation::instruments::COLUMNS;
 use crate::estimation::{EstimationError, Instruments, Observation};
 use crate::linalg::product;
 use crate::signal::{NoiseModel, Samples};
