@@ -246,10 +246,10 @@ fn identity_each_robot_has_the_study_of_a_plan_with_it_alone_and_all_stand_side_
 
     // What asks for one study says which there are.
     let plan =
-        armid_in(at, &["study", "plan", "both", "--until", "ratio(condition, d-optimal).prediction < 5 %"]).code(2);
+        armid_in(at, ["study", "plan", "both", "--until", "ratio(condition, d-optimal).prediction < 5 %"]).code(2);
     let text = fault(&plan);
     assert!(text.contains("holds a study on several robots") && text.contains("both/planar-2r"), "{text}");
-    let over = armid_in(at, &["study", "study.toml", "-o", "alone/planar-2r"]).code(2);
+    let over = armid_in(at, ["study", "study.toml", "-o", "alone/planar-2r"]).code(2);
     assert!(fault(&over).contains("holds a study on one robot"), "{}", fault(&over));
 }
 

@@ -46,6 +46,11 @@ fn assert_near(found: &Inertia, expected: [f64; 10]) {
     }
 }
 
+/// A rounded angle of a URDF.
+fn as_written(angle: &str) -> f64 {
+    angle.parse().unwrap()
+}
+
 #[test]
 fn analytic_fixed_links_become_one() {
     let model = parse(TREE).unwrap();
@@ -136,7 +141,7 @@ fn analytic_torque_of_an_axis_that_a_rounded_angle_tilts() {
     let read = parse(text).unwrap();
     let written = parse_urdf_as_written(text, &ChainEnds::default()).unwrap();
     let found = TorqueDifference::new((&written.robot, &written.parameters), (&read.robot, &read.parameters), 4000);
-    let most = 4.0 * 9.81 * 0.5 * libm::sin(3.1416 - std::f64::consts::PI);
+    let most = 4.0 * 9.81 * 0.5 * libm::sin(as_written("3.1416") - std::f64::consts::PI);
     assert!((found.largest[0] / most - 1.0).abs() < 1e-3, "{} {most}", found.largest[0]);
     assert!((found.rms[0] / (most / 2.0_f64.sqrt()) - 1.0).abs() < 0.03, "{}", found.rms[0]);
 }
@@ -167,11 +172,11 @@ fn identity_rounded_right_angles_give_the_robot_of_exact_ones() {
     assert!(rounded.remarks[0].ends_with("joint \"j2\" by 7.3e-6, \"j4\" by 7.3e-6 rad"), "{:?}", rounded.remarks);
     let names: Vec<&str> = rounded.snapped.iter().map(|joint| joint.name.as_str()).collect();
     assert_eq!(names, ["j2", "j4"]);
-    assert!((rounded.snapped[0].angle_rad - (3.1416 - std::f64::consts::PI)).abs() < 1e-15);
+    assert!((rounded.snapped[0].angle_rad - (as_written("3.1416") - std::f64::consts::PI)).abs() < 1e-15);
     // As it is written it is the angle of the file.
     let written = parse_urdf_as_written(&arm("1.5708 0 3.1416", "0 0 1", ""), &ChainEnds::default()).unwrap();
     assert!(written.snapped.is_empty() && written.remarks.is_empty());
-    assert!((written.robot.joints()[1].before.rotation[(2, 2)] - libm::cos(1.5708)).abs() < 1e-15);
+    assert!((written.robot.joints()[1].before.rotation[(2, 2)] - libm::cos(as_written("1.5708"))).abs() < 1e-15);
     // Further away an angle is what it says.
     let tilted = parse(&arm("1.571 0 3.1416", "0 0 1", "")).unwrap();
     assert!((tilted.robot.joints()[1].before.rotation[(2, 2)] - libm::cos(1.571)).abs() < 1e-15);
