@@ -180,3 +180,10 @@ fn analytic_autocorrelation_and_statistic_by_hand() {
     assert!(found.p_adjusted < 1e-6 && !found.is_white());
     assert!(super::Whiteness::of(&series[..9], 0.1).is_none());
 }
+
+#[test]
+fn a_probability_is_never_written_as_zero() {
+    for (p, text) in [(0.123, "p = 0.12"), (0.0031, "p = 0.003"), (2.2e-4, "p = 2e-4"), (1e-9, "p < 1e-6")] {
+        assert_eq!(super::whiteness::probability(p), text);
+    }
+}

@@ -81,12 +81,14 @@ impl Whiteness {
     }
 }
 
-/// `p = 0.012`, `p < 1e-6`.
+/// `p = 0.12`, `p = 0.003`, `p = 2e-4`, `p < 1e-6`.
 pub(super) fn probability(p: f64) -> String {
     if p < LEAST {
         "p < 1e-6".to_owned()
     } else if p < 0.001 {
         format!("p = {p:.0e}")
+    } else if p < 0.01 {
+        format!("p = {p:.3}")
     } else {
         format!("p = {p:.2}")
     }
