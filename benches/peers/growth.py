@@ -90,14 +90,16 @@ def page(found, machine):
            "chains of more or fewer joints are random, with columns of links, rotors and friction; six joints where joints do not vary.", "",
            "; ".join(f"{key}: {value if not isinstance(value, list) else ', '.join(value)}" for key, value in machine.items()) + ".", ""]
     words = dict(part.split("\n", 1) for part in (HERE / "growth_words.md").read_text().split("\n## ")[1:])
-    for name, (title, x, unit, _, scale) in FIGURES.items():
+    for name, (title, x, unit, slope, scale) in FIGURES.items():
         out += [f"## {title}", "", f"![{title}]({name}.svg)", ""]
         lines = found[name]
         sizes = sorted({size for points in lines.values() for size in points})
-        out += [f"| {x} | " + " | ".join(str(size) for size in sizes) + " | power |", "|---" * (len(sizes) + 2) + "|"]
+        last = [] if slope is None else ["power"]
+        out += [f"| {' | '.join([x, *map(str, sizes), *last])} |", "|---" * (len(sizes) + 1 + len(last)) + "|"]
         for series, points in lines.items():
             cells = [f"{points[size] / scale:.3g}" if size in points else "" for size in sizes]
-            out.append(f"| {series}, {unit} | " + " | ".join(cells) + f" | {power(points):.1f} |")
+            last = [] if slope is None else [f"{power(points):.1f}"]
+            out.append(f"| {' | '.join([f'{series}, {unit}', *cells, *last])} |")
         out += ["", words[name].strip(), ""]
     return "\n".join(out)
 
