@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use super::residual_shape::{Against, probability};
+
 /// Something that does not stop an estimator and must not be overlooked; carries the number that was measured.
 ///
 /// ```
@@ -40,6 +42,22 @@ pub enum Finding {
         /// Their ratio.
         ratio: f64,
         /// Unit of both.
+        unit: String,
+    },
+    /// A joint's own equations leave more torque than noise explains, whatever the parameters of the other joints: at 5 % over
+    /// all joints, by an F test against the scatter over periods and one of each group of functions.
+    LackOfFit {
+        /// Joint, from one.
+        joint: usize,
+        /// RMS of what is left beyond noise, means over blocks of a 360th of the record.
+        beyond_noise_rms: f64,
+        /// RMS of the noise of such a mean.
+        noise_rms: f64,
+        /// p-value, adjusted over all tests and joints.
+        p_adjusted: f64,
+        /// Where most of it is.
+        most: Option<MisfitPart>,
+        /// Unit of the RMS values.
         unit: String,
     },
     /// Neighbouring residuals of a joint are more correlated than the noise.
@@ -135,6 +153,19 @@ pub enum Finding {
     },
 }
 
+/// The fifth of a record, by size of a joint's speed or load, in which its fit is worst.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct MisfitPart {
+    /// Speed or load, whichever the misfit is less even over.
+    pub against: Against,
+    /// From and to, of its size.
+    pub range: [f64; 2],
+    /// Unit of the range.
+    pub range_unit: String,
+    /// RMS of what is left beyond noise there, in the unit of the finding.
+    pub rms: f64,
+}
+
 impl Finding {
     /// Advice.
     #[must_use]
@@ -147,6 +178,10 @@ impl Finding {
             Self::ResidualAboveNoise { .. } => {
                 "the model misses something: friction law, torque constant, flexibility, or too narrow a filter; the \
                  intervals hold what the residual shows of it"
+            }
+            Self::LackOfFit { .. } => {
+                "look at the figures of the residual (`armid report`) for a law that the model lacks; the intervals hold what \
+                 the residual shows of it"
             }
             Self::ResidualCorrelated { .. } => "check the residual over time and over velocity for what is missing",
             Self::FewPeriods { .. } => "record at least 4 periods",
@@ -191,6 +226,17 @@ impl fmt::Display for Finding {
                 "joint {joint}: residual {residual_rms:.3e} {unit} is {ratio:.1} times the {expected_rms:.3e} {unit} \
                  expected of noise"
             ),
+            Self::LackOfFit { joint, beyond_noise_rms, noise_rms, p_adjusted, most, unit } => {
+                write!(
+                    f,
+                    "joint {joint}: its own fit leaves {beyond_noise_rms:.2e} {unit} beside {noise_rms:.2e} {unit} of noise \
+                     ({})",
+                    probability(*p_adjusted)
+                )?;
+                let Some(MisfitPart { against, range: [from, to], range_unit, rms }) = most else { return Ok(()) };
+                let variable = against.name();
+                write!(f, "; most at a {variable} of {from:.3} to {to:.3} {range_unit}: {rms:.2e} {unit}")
+            }
             Self::ResidualCorrelated { joint, correlation, expected } => write!(
                 f,
                 "joint {joint}: neighbouring residuals correlate by {correlation:.2}, the noise by {expected:.2}"

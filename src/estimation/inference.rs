@@ -112,10 +112,11 @@ impl Inference<'_> {
                 covariance = self.covariance(&equations, &seen)?.1;
                 (freedom, interval_basis) = (seen.degrees_of_freedom(), IntervalBasis::Residual);
             }
-            found = self.discrepancy(&equations, kept)?;
-            if let Some(discrepancy) = &found {
-                covariance += discrepancy;
+            if let Some((discrepancy, of_joints)) = self.discrepancy(&equations, kept)? {
+                covariance += &discrepancy;
                 interval_basis = IntervalBasis::Discrepancy;
+                beyond.extend(of_joints);
+                found = Some(discrepancy);
             }
             beyond.extend(misfit);
         }
@@ -177,18 +178,19 @@ impl Inference<'_> {
         Ok(Inferred { estimate, discrepancy: found })
     }
 
-    /// cov β̂ of what the equations `kept` show that the model lacks.
+    /// cov β̂ of what the equations `kept` show that the model lacks, and the joints that show it.
     fn discrepancy(
         &self,
         equations: &Factorisation<'_>,
         kept: &Observation,
-    ) -> Result<Option<DMatrix<f64>>, EstimationError> {
+    ) -> Result<Option<(DMatrix<f64>, Vec<Finding>)>, EstimationError> {
         let Some(samples) = self.problem.samples else { return Ok(None) };
         let observation = self.problem.observation;
         let of_kept = (!std::ptr::eq(kept, observation)).then(|| Factorisation::new(kept)).transpose()?;
         let Some(found) = of_kept.as_ref().unwrap_or(equations).discrepancy(samples)? else { return Ok(None) };
         let functions = found.products(observation, self.instruments)?;
-        Ok(Some(self.fit.sandwich(&(functions + self.products(equations, &found.white())?))))
+        let covariance = self.fit.sandwich(&(functions + self.products(equations, &found.white())?));
+        Ok(Some((covariance, found.findings().to_vec())))
     }
 
     /// cov β̂ for one noise, and that noise as it was believed.

@@ -67,7 +67,7 @@ pub use essential::EssentialParameters;
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::Estimator;
 pub use factorisation::Factorisation;
-pub use finding::Finding;
+pub use finding::{Finding, MisfitPart};
 pub use identification::Identification;
 pub use inference::{Inference, solve};
 pub use instruments::Instruments;

@@ -18,21 +18,22 @@ const SHOWN: usize = 3;
 const fn rank(finding: &Finding) -> usize {
     match finding {
         Finding::ResidualAboveNoise { .. } => 0,
-        Finding::NegativeDrive { .. } => 1,
-        Finding::InconsistentLink { .. } => 2,
-        Finding::LargeCondition { .. } => 3,
-        Finding::PoorlyDetermined { .. } => 4,
-        Finding::ResidualCorrelated { .. } => 5,
-        Finding::FewPeriods { .. } => 6,
-        Finding::NoiseFromResidual => 7,
-        Finding::Outliers { .. } => 8,
-        Finding::HeldBack { .. } => 9,
-        Finding::NearlyDependent { .. } => 10,
-        Finding::BeyondShape { .. } => 11,
-        Finding::LeftOut { .. } => 12,
-        Finding::MotionTakenAsExact => 13,
-        Finding::DurbinWuHausman { .. } => 14,
-        Finding::HiddenFromPositions { .. } => 15,
+        Finding::LackOfFit { .. } => 1,
+        Finding::NegativeDrive { .. } => 2,
+        Finding::InconsistentLink { .. } => 3,
+        Finding::LargeCondition { .. } => 4,
+        Finding::PoorlyDetermined { .. } => 5,
+        Finding::ResidualCorrelated { .. } => 6,
+        Finding::FewPeriods { .. } => 7,
+        Finding::NoiseFromResidual => 8,
+        Finding::Outliers { .. } => 9,
+        Finding::HeldBack { .. } => 10,
+        Finding::NearlyDependent { .. } => 11,
+        Finding::BeyondShape { .. } => 12,
+        Finding::LeftOut { .. } => 13,
+        Finding::MotionTakenAsExact => 14,
+        Finding::DurbinWuHausman { .. } => 15,
+        Finding::HiddenFromPositions { .. } => 16,
     }
 }
 
@@ -69,6 +70,19 @@ fn summary(found: &[&Finding]) -> Option<String> {
                 _ => None,
             });
             format!("the residual is above what noise explains at joints {}", list(joints.collect()))
+        }
+        Finding::LackOfFit { .. } => {
+            let joints = found.iter().filter_map(|finding| match finding {
+                Finding::LackOfFit { joint, beyond_noise_rms, unit, most, .. } => {
+                    let at = most.as_ref().map(|most| {
+                        let (variable, [from, to], of) = (most.against.name(), most.range, &most.range_unit);
+                        format!(", most at a {variable} of {from:.2} to {to:.2} {of}")
+                    });
+                    Some(format!("{joint} ({beyond_noise_rms:.1e} {unit}{})", at.unwrap_or_default()))
+                }
+                _ => None,
+            });
+            format!("own fits leave torque beyond noise at joints {}", list(joints.collect()))
         }
         Finding::ResidualCorrelated { .. } => {
             let joints = found.iter().filter_map(|finding| match finding {

@@ -4,10 +4,11 @@ use nalgebra::DMatrix;
 
 use super::blocks::BlockedEquations;
 use super::features::{self, Functions};
-use super::joint::JointResidual;
+use super::joint::{Chances, JointResidual};
+use super::misfit::{self, JointMisfit};
 use super::sizes;
 use crate::estimation::instruments::COLUMNS;
-use crate::estimation::{EstimationError, Instruments, Observation};
+use crate::estimation::{EstimationError, Finding, Instruments, Observation};
 use crate::linalg::product;
 use crate::signal::{NoiseModel, Samples};
 
@@ -18,6 +19,7 @@ pub(in crate::estimation) struct Discrepancy {
     joints: Vec<JointDiscrepancy>,
     /// Variance of one equation of what repeats and looks like noise, n × n, diagonal, (N·m)².
     white: DMatrix<f64>,
+    findings: Vec<Finding>,
 }
 
 /// The discrepancy of one joint, as far as functions go.
@@ -46,10 +48,24 @@ impl Discrepancy {
             .enumerate()
             .filter_map(|(joint, functions)| Some((joint, JointResidual::new(&blocks, noise, joint, functions)?)))
             .collect();
-        let more: Vec<bool> = residuals.iter().map(|(_, residual)| residual.shows_more_than_noise()).collect();
+        let chances: Vec<Chances> = residuals.iter().map(|(_, residual)| residual.chances()).collect();
+        let more: Vec<bool> = chances.iter().map(|chances| chances.show_more_than_noise()).collect();
         if !more.contains(&true) {
             return None;
         }
+        let misfits: Vec<JointMisfit<'_>> = residuals
+            .iter()
+            .zip(&chances)
+            .map(|(&(joint, ref residual), chances)| JointMisfit {
+                joint,
+                residual,
+                p: chances.adjusted(),
+                speed: &blocks.qd.as_slice()[joint * blocks.count..(joint + 1) * blocks.count],
+                load: &functions[joint].load,
+                unit: &observation.units[joint],
+            })
+            .collect();
+        let findings = misfit::findings(&misfits);
         let reduced: Vec<_> =
             residuals.iter().zip(&more).map(|((_, residual), &more)| residual.reduced(more)).collect();
         let (sizes, shared) = sizes::restricted_likelihood(&reduced);
@@ -65,7 +81,12 @@ impl Discrepancy {
             JointDiscrepancy { joint, functions: DMatrix::from_columns(&columns) }
         });
         let joints = joints.collect();
-        Some(Self { blocks, joints, white })
+        Some(Self { blocks, joints, white, findings })
+    }
+
+    /// Joints whose own fit leaves more than chance explains, at 5 % over all joints.
+    pub(in crate::estimation) fn findings(&self) -> &[Finding] {
+        &self.findings
     }
 
     /// What of it repeats and looks like noise, as a noise that is white in time.

@@ -36,6 +36,8 @@ pub(super) struct Functions {
     pub(super) shared: [DMatrix<f64>; SHARED],
     /// The mean of the squares over a group's rows, summed over its columns, is 1.
     pub(super) own: Vec<DMatrix<f64>>,
+    /// What the joint's links take of the torque, of each block.
+    pub(super) load: Vec<f64>,
 }
 
 /// The functions of one joint.
@@ -75,7 +77,7 @@ pub(super) fn of_joint(blocks: &BlockedEquations, observation: &Observation, joi
             group.unscale_mut(scale);
         }
     }
-    Functions { shared, own }
+    Functions { shared, own, load }
 }
 
 /// Products of bumps over grids of some variables.

@@ -25,6 +25,8 @@ const GROUP: f64 = 0.002;
 const INDEPENDENT: f64 = 1e-6;
 /// Least variance of noise at any frequency, as a part of that of white noise of the same power.
 const LEAST_SPECTRUM: f64 = 0.05;
+/// Where F is exceeded with less than this, groups are not looked at.
+const CERTAIN: f64 = 1e-9;
 /// Directions of a group whose square is below this part of its largest are not looked at.
 const LEAST_DIRECTION: f64 = 0.02;
 
@@ -40,6 +42,31 @@ pub(super) struct JointResidual {
     scatter_freedom: f64,
     /// Variance of the noise of one block, (N·m)².
     unit: f64,
+    /// Which blocks are used.
+    used: Vec<bool>,
+}
+
+/// How probable it is that noise alone leaves a residual as large.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Chances {
+    /// By F.
+    whole: f64,
+    /// The least of the groups of functions.
+    group: f64,
+    /// How many groups there are.
+    groups: usize,
+}
+
+impl Chances {
+    /// Whether either is less than what the intervals take for chance.
+    pub(super) fn show_more_than_noise(self) -> bool {
+        self.whole < LACK_OF_FIT || self.group < GROUP
+    }
+
+    /// That of all tests together, by Bonferroni.
+    pub(super) fn adjusted(self) -> f64 {
+        (self.whole.min(self.group) * (self.groups + 1) as f64).min(1.0)
+    }
 }
 
 impl JointResidual {
@@ -56,8 +83,9 @@ impl JointResidual {
         let whitening = Whitening::new(&lags, blocks.count, unit)?;
         let white = |columns: &DMatrix<f64>| whitening.apply(columns, &weight);
         let basis = orthonormal(white(&blocks.regressor(joint)));
-        let used = weight.iter().filter(|weight| **weight > 0.0).count();
-        let freedom = used.checked_sub(basis.ncols()).filter(|freedom| *freedom > 8)?;
+        let used: Vec<bool> = weight.iter().map(|weight| *weight > 0.0).collect();
+        let freedom =
+            used.iter().filter(|used| **used).count().checked_sub(basis.ncols()).filter(|freedom| *freedom > 8)?;
         let left = |columns: DMatrix<f64>| {
             let inside = product(&basis, &transpose_product(&basis, &columns));
             columns - inside
@@ -77,6 +105,7 @@ impl JointResidual {
             freedom: freedom as f64,
             scatter_freedom: noise.degrees_of_freedom(),
             unit,
+            used,
         })
     }
 
@@ -85,13 +114,23 @@ impl JointResidual {
         self.unit
     }
 
-    /// Whether F, or that of a group, is larger than chance explains.
-    pub(super) fn shows_more_than_noise(&self) -> bool {
-        let square = self.residual.norm_squared();
-        if f_tail(square / self.freedom, self.freedom, self.scatter_freedom) < LACK_OF_FIT {
-            return true;
+    /// How probable it is that noise alone leaves as much.
+    pub(super) fn chances(&self) -> Chances {
+        let whole = f_tail(self.residual.norm_squared() / self.freedom, self.freedom, self.scatter_freedom);
+        if whole < CERTAIN {
+            return Chances { whole, group: 1.0, groups: 0 };
         }
-        self.groups.iter().chain(&self.shared).any(|group| self.chance(group) < GROUP)
+        let groups = self.groups.iter().chain(&self.shared);
+        let count = groups.clone().count();
+        Chances { whole, group: groups.map(|group| self.chance(group)).fold(1.0, f64::min), groups: count }
+    }
+
+    /// Square of each block's residual, in units of the noise, so that they sum to that of all degrees of freedom; `None` where
+    /// a block is not used.
+    pub(super) fn squares(&self) -> Vec<Option<f64>> {
+        let used = self.used.iter().filter(|used| **used).count() as f64;
+        let square = |r: &f64| r * r * used / self.freedom;
+        self.residual.iter().zip(&self.used).map(|(r, used)| used.then(|| square(r))).collect()
     }
 
     /// Probability that chance exceeds the square of the residual along a group's functions.

@@ -23,6 +23,7 @@ mod arm;
 mod blocks;
 mod features;
 mod joint;
+mod misfit;
 mod sizes;
 
 pub(super) use arm::Discrepancy;

@@ -19,3 +19,4 @@ mod whiteness;
 pub use shape::{Against, ResidualShape};
 pub use trends::{JointTrace, ResidualTrends, Trend};
 pub use whiteness::Whiteness;
+pub(super) use whiteness::probability;

@@ -3,7 +3,7 @@
 use crate::model::JointKind;
 
 /// What a residual is held against.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Against {
     /// Time since the beginning.

@@ -82,7 +82,7 @@ impl Whiteness {
 }
 
 /// `p = 0.12`, `p = 0.003`, `p = 2e-4`, `p < 1e-6`.
-pub(super) fn probability(p: f64) -> String {
+pub(in crate::estimation) fn probability(p: f64) -> String {
     if p < LEAST {
         "p < 1e-6".to_owned()
     } else if p < 0.001 {

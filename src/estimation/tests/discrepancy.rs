@@ -4,7 +4,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::coverage::Coverage;
 use super::setting::{a460_samples, white};
-use crate::estimation::{EstimationProblem, EstimatorKind, IntervalBasis, Observation};
+use crate::estimation::{Against, EstimationProblem, EstimatorKind, Finding, IntervalBasis, Observation};
 use crate::seed::Seed;
 use crate::signal::NoiseModel;
 
@@ -48,15 +48,18 @@ fn analytic_noise_alone_rarely_shows_a_discrepancy_and_intervals_hold() {
     // The stated chance of a false alarm is, by joint, at most 2 % of its F and 0.2 % of each of ten groups: below 22 % of six
     // joints. 100 recordings exceed 37 by chance in one of a thousand cases.
     let (arm, seed) = (Arm::new(0.0), Seed::new(71));
-    let (mut alarms, mut coverage) = (0, Coverage::new(arm.beta.len()));
+    let (mut alarms, mut named, mut coverage) = (0, 0, Coverage::new(arm.beta.len()));
     for run in 0..100 {
         let observation = arm.observed(seed, run);
         let problem = EstimationProblem::new(&observation).with_samples(&arm.samples);
         let estimate = EstimatorKind::Wls.estimator().estimate(&problem).unwrap();
         alarms += usize::from(estimate.interval_basis == IntervalBasis::Discrepancy);
+        named += usize::from(estimate.findings.iter().any(|finding| matches!(finding, Finding::LackOfFit { .. })));
         coverage.add(&estimate, &arm.beta);
     }
     assert!(alarms <= 37, "{alarms} false alarms in 100");
+    // A finding that names a joint has at most 5 % over all joints; 13 are exceeded by chance in one of a thousand cases.
+    assert!(named <= 13, "{named} findings in 100");
     assert!((0.93..=0.98).contains(&coverage.pooled()), "pooled {}", coverage.pooled());
 }
 
@@ -80,6 +83,46 @@ fn analytic_intervals_hold_what_the_model_lacks() {
     }
     assert!(with.pooled() > 0.9, "{} with, {} without", with.pooled(), without.pooled());
     assert!(without.pooled() < with.pooled() - 0.05, "{} with, {} without", with.pooled(), without.pooled());
+}
+
+#[test]
+fn analytic_a_misfit_is_found_in_its_joint_with_its_size_and_speed() {
+    // Friction near rest in the third joint alone, ten times the noise.
+    let arm = Arm::new(0.0);
+    let joint = 2;
+    let rows: Vec<usize> = (0..200).map(|k| 6 * k + joint).collect();
+    let speed = |row: usize| arm.samples.states.qd[row];
+    let friction = |v: f64| 3.0 * v.signum() * libm::exp(-(v / 0.1).powi(2));
+    let added = DVector::from_iterator(200, rows.iter().map(|&row| friction(speed(row))));
+    // What no parameter of the joint's own equations explains, by a decomposition of them.
+    let own = arm.exact.regressor.select_rows(&rows);
+    let projection = &own * own.clone().pseudo_inverse(1e-9).unwrap();
+    let freedom = 200.0 - own.rank(1e-9) as f64;
+    let left = |torque: &DVector<f64>| (torque - &projection * torque).norm_squared() / freedom;
+    let mut observation = arm.observed(Seed::new(75), 0);
+    for (&row, added) in rows.iter().zip(&added) {
+        observation.y[row] += added;
+    }
+    let problem = EstimationProblem::new(&observation).with_samples(&arm.samples);
+    let estimate = EstimatorKind::Wls.estimator().estimate(&problem).unwrap();
+    let found: Vec<_> =
+        estimate.findings.iter().filter(|finding| matches!(finding, Finding::LackOfFit { .. })).collect();
+    let [Finding::LackOfFit { joint: named, beyond_noise_rms, most: Some(most), unit, .. }] = found[..] else {
+        panic!("{found:?}")
+    };
+    assert_eq!((*named, unit.as_str(), most.range_unit.as_str()), (joint + 1, "N·m", "rad/s"));
+    let torque = DVector::from_iterator(200, rows.iter().map(|&row| observation.y[row]));
+    let expected = (left(&torque) - arm.covariance[(joint, joint)]).sqrt();
+    assert!((beyond_noise_rms / expected - 1.0).abs() < 1e-6, "{beyond_noise_rms} {expected}");
+    // It is what was added but for noise, whose part in the square has a standard deviation of an eighth.
+    let exact = left(&added);
+    assert!((beyond_noise_rms.powi(2) / exact - 1.0).abs() < 3.0 / 8.0, "{beyond_noise_rms} {exact}");
+    let mut speeds: Vec<f64> = rows.iter().map(|&row| speed(row).abs()).collect();
+    speeds.sort_by(f64::total_cmp);
+    assert_eq!((most.against, most.range), (Against::Speed, [speeds[0], speeds[39]]));
+    assert!(most.rms > 1.5 * beyond_noise_rms, "{most:?} {beyond_noise_rms}");
+    let text = found[0].to_string();
+    assert!(text.contains("joint 3: its own fit leaves") && text.contains("most at a speed of 0.00"), "{text}");
 }
 
 /// Estimators whose intervals come from a residual of their own.
