@@ -3,20 +3,21 @@
 use nalgebra::DVector;
 
 use super::claim::{Claim, Quantity, Verdict};
+use super::fitted_model::{Fits, FittedModel};
 use super::table_two_comparison::{MAX_LINK_MASS, TableLine, compare_with_table_two};
-use crate::base::{BaseMotion, BaseReduction, Method, reduce, reduce_with_base};
+use crate::base::{BaseMotion, Method, reduce_with_base};
 use crate::dynamics::Dynamics;
-use crate::estimation::{EstimationProblem, EstimatorKind, Observation};
+use crate::estimation::EstimatorKind;
 use crate::excitation::CriterionKind;
 use crate::experiment::{Arm, Sensing};
 use crate::model::{Columns, ParameterId, ParameterKind};
-use crate::regressor::JointTorqueRegressor;
 use crate::seed::RunNoise;
 use crate::signal::Samples;
-use crate::statistics::{Interval, mean, quantile, rank_correlation, root_mean_square, t_interval};
+use crate::statistics::{
+    Interval, mean, quantile, rank_correlation, rank_correlation_interval, root_mean_square, t_interval,
+};
 use crate::study::{
     DesignMethod, FamilyScore, Findings, Metric, MotionKind, StudyDesign, StudyError, StudySetup, Truth,
-    feasible_ranges,
 };
 
 /// Makes an arm with these sensors for one run.
@@ -39,19 +40,17 @@ pub fn evaluate_claims(
     findings: &Findings,
     arm_factory: ArmFactory<'_>,
 ) -> Result<(Vec<Claim>, Vec<TableLine>), StudyError> {
-    let base = reduce(&setup.robot, Columns::RIGID, Method::Structural, setup.plan.seed)?;
     let evaluation = ClaimEvaluation {
-        regressor: JointTorqueRegressor::new(&setup.robot, Columns::RIGID),
-        feasible: feasible_ranges(&setup.robot, &base, MAX_LINK_MASS),
-        base,
+        rigid: FittedModel::new(setup, Columns::RIGID)?,
+        whole: FittedModel::new(setup, setup.regressor.columns())?,
         setup,
         arm_factory,
     };
-    let rigid = evaluation.rigid_fits(designs);
-    let table = evaluation.table(truth, designs, &rigid);
+    let fits = evaluation.fits(designs);
+    let table = evaluation.table(truth, designs, &fits);
     let claims = vec![
         criterion_claim(setup, findings),
-        evaluation.validity_claim(designs, &rigid),
+        evaluation.validity_claim(designs, &fits),
         evaluation.printed_claim(&table),
         iterations_claim(setup, designs),
         evaluation.position_claim(designs),
@@ -63,9 +62,10 @@ pub fn evaluate_claims(
 
 struct ClaimEvaluation<'a> {
     setup: &'a StudySetup,
-    regressor: JointTorqueRegressor,
-    base: BaseReduction,
-    feasible: Vec<Interval>,
+    /// The rigid columns alone, as in `radkhah2007`.
+    rigid: FittedModel,
+    /// The columns of the plan.
+    whole: FittedModel,
     arm_factory: ArmFactory<'a>,
 }
 
@@ -75,70 +75,88 @@ impl ClaimEvaluation<'_> {
         self.setup.samples(&design.trajectory, &mut *arm).ok()
     }
 
-    /// Weighted least squares of the rigid columns alone, as `radkhah2007` did: design → run → β̂.
-    fn rigid_fits(&self, designs: &[StudyDesign]) -> Vec<Vec<DVector<f64>>> {
+    /// Design → run → what is identified.
+    fn fits(&self, designs: &[StudyDesign]) -> Vec<Vec<Fits>> {
         use rayon::prelude::*;
-        let fit = |index: usize, design: &StudyDesign, run: u64| -> Option<DVector<f64>> {
+        let fits = |index: usize, design: &StudyDesign, run: u64| -> Option<Fits> {
             let samples = self.samples(design, index, &Sensing::default(), run)?;
-            let observation = Observation::new(&self.setup.robot, &self.regressor, &self.base, &samples).ok()?;
-            Some(EstimatorKind::Wls.estimator().estimate(&EstimationProblem::new(&observation)).ok()?.beta())
+            let [rigid, whole] = [&self.rigid, &self.whole].map(|model| model.fit(self.setup, &samples));
+            Some(Fits { rigid: rigid?, whole: whole? })
         };
         designs
             .par_iter()
             .enumerate()
             .map(|(index, design)| {
                 let table_one = self.setup.plan.designs[design.family].method == DesignMethod::TableOne;
-                (0..if table_one { RUNS } else { 1 }).filter_map(|run| fit(index, design, run)).collect()
+                (0..if table_one { RUNS } else { 1 }).filter_map(|run| fits(index, design, run)).collect()
             })
             .collect()
     }
 
-    fn invalid(&self, beta: &DVector<f64>) -> usize {
-        beta.iter().zip(&self.feasible).filter(|(value, range)| !range.contains(**value)).count()
-    }
-
-    fn table(&self, truth: &Truth, designs: &[StudyDesign], rigid: &[Vec<DVector<f64>>]) -> Vec<TableLine> {
+    fn table(&self, truth: &Truth, designs: &[StudyDesign], fits: &[Vec<Fits>]) -> Vec<TableLine> {
         let table_one = designs.iter().position(|d| self.setup.plan.designs[d.family].method == DesignMethod::TableOne);
-        let fits = table_one.map_or(&[][..], |index| &rigid[index]);
-        let beta = self.base.beta(&truth.vector(&self.setup.robot, Columns::RIGID));
-        compare_with_table_two(&self.base, &self.base.expressions(&self.setup.robot), &beta, fits, &self.feasible)
+        let of_table = table_one.map_or(&[][..], |index| &fits[index]);
+        let rigid: Vec<DVector<f64>> = of_table.iter().map(|fits| fits.rigid.clone()).collect();
+        let FittedModel { base, feasible, .. } = &self.rigid;
+        let beta = base.beta(&truth.vector(&self.setup.robot, Columns::RIGID));
+        compare_with_table_two(base, &base.expressions(&self.setup.robot), &beta, &rigid, feasible)
     }
 
-    fn validity_claim(&self, designs: &[StudyDesign], rigid: &[Vec<DVector<f64>>]) -> Claim {
-        let (condition, count): (Vec<f64>, Vec<f64>) = designs
+    fn validity_claim(&self, designs: &[StudyDesign], fits: &[Vec<Fits>]) -> Claim {
+        // Of each design with a fit: its condition number, whether nobody selected it, invalid values by either model.
+        let counts: Vec<(f64, bool, [f64; 2])> = designs
             .iter()
-            .zip(rigid)
-            .filter_map(|(design, fits)| Some((design.certificate.condition, self.invalid(fits.first()?) as f64)))
-            .unzip();
-        let n = condition.len();
-        let rho = rank_correlation(&condition, &count);
-        // Fisher's z with the variance of Bonett & Wright (2000) for Spearman's coefficient.
-        let interval = rho.filter(|r| n > 3 && r.abs() < 1.0).map(|r| {
-            let half = 1.96 * ((1.0 + 0.5 * r * r) / (n as f64 - 3.0)).sqrt();
-            Interval { low: libm::tanh(libm::atanh(r) - half), high: libm::tanh(libm::atanh(r) + half) }
-        });
-        let verdict = match interval {
-            Some(i) if i.low > 0.0 => Verdict::Holds,
-            Some(i) if i.high < 0.0 => Verdict::DoesNotHold,
-            _ => Verdict::Undecided,
-        };
-        let mut quantities = vec![Quantity::new(
-            "invalid values of 36, mean over designs (rigid columns, no friction)",
-            mean(&count),
-            n,
-        )];
-        if let Some(rho) = rho {
-            quantities.push(
-                Quantity::new("rank correlation of the number of invalid values with the condition number", rho, n)
+            .zip(fits)
+            .filter_map(|(design, fits)| {
+                let first = fits.first()?;
+                let invalid = [self.rigid.invalid(&first.rigid), self.whole.invalid(&first.whole)];
+                let plan = &self.setup.plan.designs[design.family];
+                // The best of several draws was selected by its criterion.
+                let unselected = plan.method == DesignMethod::Random && plan.evaluations == 1;
+                Some((design.certificate.condition, unselected, invalid.map(|count| count as f64)))
+            })
+            .collect();
+        let mut quantities = Vec::new();
+        let mut decisive = None;
+        let models = [("rigid columns, no friction", &self.rigid), ("all columns", &self.whole)];
+        for (model, (columns, of)) in models.into_iter().enumerate() {
+            for unselected in [true, false] {
+                let rows = counts.iter().filter(|(_, random, _)| *random || !unselected);
+                let (condition, count): (Vec<f64>, Vec<f64>) = rows.map(|row| (row.0, row.2[model])).unzip();
+                let which = if unselected { "designs that no criterion selected" } else { "all designs" };
+                let values = of.base.rank();
+                let name = format!("{columns}; {which}");
+                quantities.push(Quantity::new(
+                    format!("invalid values of {values}, mean ({name})"),
+                    mean(&count),
+                    count.len(),
+                ));
+                let Some(rho) = rank_correlation(&condition, &count) else { continue };
+                let interval = rank_correlation_interval(rho, condition.len(), 0.95);
+                if model == 0 && unselected {
+                    decisive = interval;
+                }
+                quantities.push(
+                    Quantity::new(
+                        format!("rank correlation of the number of invalid values with the condition number ({name})"),
+                        rho,
+                        condition.len(),
+                    )
                     .with_interval(interval),
-            );
+                );
+            }
         }
         Claim {
             claim: "The number of invalid values grows with the condition number (section IV.C).".to_owned(),
-            verdict,
+            verdict: match decisive {
+                Some(i) if i.low > 0.0 => Verdict::Holds,
+                Some(i) if i.high < 0.0 => Verdict::DoesNotHold,
+                _ => Verdict::Undecided,
+            },
             rule: format!(
-                "A value is invalid where no links of at most {MAX_LINK_MASS} kg inside their shapes can have it. It \
-                 holds where the interval of Spearman's rank correlation over designs lies above zero."
+                "A value is invalid where no links of at most {MAX_LINK_MASS} kg inside their shapes can have it, rotors and \
+                 friction of any size above zero. It holds where the interval of Spearman's rank correlation lies above zero, \
+                 over designs that no criterion selected, by the rigid columns as in `radkhah2007`."
             ),
             quantities,
         }
@@ -205,9 +223,9 @@ impl ClaimEvaluation<'_> {
         // The same, but the combinations that hold them are kept: the loss goes into the parameter that stands for them.
         let mut regrouped = without.clone();
         let phi = setup.nominal.vector(&setup.robot, Columns::RIGID);
-        let lost = self.base.beta(&phi) - self.base.beta(&without.vector(&setup.robot, Columns::RIGID));
-        for (i, &column) in self.base.kept.iter().enumerate() {
-            let id = self.base.parameters[column];
+        let lost = self.rigid.base.beta(&phi) - self.rigid.base.beta(&without.vector(&setup.robot, Columns::RIGID));
+        for (i, &column) in self.rigid.base.kept.iter().enumerate() {
+            let id = self.rigid.base.parameters[column];
             regrouped.set(id, regrouped.get(id) + lost[i]);
         }
         let random = setup.validation().states(MotionKind::Random);
@@ -254,8 +272,8 @@ impl ClaimEvaluation<'_> {
     fn moving_base_claim(&self) -> Result<Claim, StudyError> {
         let (robot, seed) = (&self.setup.robot, self.setup.plan.seed);
         let moving = reduce_with_base(robot, Columns::RIGID, BaseMotion::Free, Method::Structural, seed)?;
-        let hidden = self.base.parameters.len() - self.base.rank();
-        let gained = moving.rank() - self.base.rank();
+        let hidden = self.rigid.base.parameters.len() - self.rigid.base.rank();
+        let gained = moving.rank() - self.rigid.base.rank();
         Ok(Claim {
             claim: "On a mobile base the 9 unidentifiable parameters of axis 1 might be identified too (section IV.C)."
                 .to_owned(),
@@ -268,12 +286,16 @@ impl ClaimEvaluation<'_> {
                    against a fixed base. All nine would raise it by nine."
                 .to_owned(),
             quantities: vec![
-                Quantity::new("rank with a fixed base", self.base.rank() as f64, self.base.parameters.len()),
-                Quantity::new("rank with a moving base", moving.rank() as f64, self.base.parameters.len()),
+                Quantity::new(
+                    "rank with a fixed base",
+                    self.rigid.base.rank() as f64,
+                    self.rigid.base.parameters.len(),
+                ),
+                Quantity::new("rank with a moving base", moving.rank() as f64, self.rigid.base.parameters.len()),
                 Quantity::new(
                     "parameters without a column of their own, fixed base",
                     hidden as f64,
-                    self.base.parameters.len(),
+                    self.rigid.base.parameters.len(),
                 ),
             ],
         })

@@ -15,6 +15,7 @@
 
 mod claim;
 mod claim_evaluation;
+mod fitted_model;
 mod reproduction;
 pub mod table_one;
 mod table_two;
