@@ -305,3 +305,36 @@ fn identity_a_prior_adds_information_and_must_be_of_the_same_robot_and_columns()
     std::fs::write(&estimate, changed).unwrap();
     assert!(refused("crs-a460", "d-optimal", "rigid").contains("SHA-256"));
 }
+
+#[test]
+fn what_the_robot_file_declares_has_an_experiment_that_shows_it() {
+    let folder = temporary();
+    let robot = path(folder.path(), "arm/robot.toml");
+    std::fs::create_dir(folder.path().join("arm")).unwrap();
+    let models = Path::new(env!("CARGO_MANIFEST_DIR")).join("../models/planar-2r");
+    for file in std::fs::read_dir(models).unwrap() {
+        let file = file.unwrap();
+        std::fs::copy(file.path(), folder.path().join("arm").join(file.file_name())).unwrap();
+    }
+    let plain = std::fs::read_to_string(&robot).unwrap();
+    let arguments =
+        ["design", &robot, "--criterion", "d-optimal", "--period", "3", "--starts", "1", "--evaluations", "20"];
+    let out = ["-o", &path(folder.path(), "T.toml")];
+    let found = json(&armid(arguments.iter().chain(&out).chain(&["--json"])).success());
+    assert_eq!(found["separating_experiments"], Value::Array(Vec::new()));
+    std::fs::write(&robot, format!("{plain}\n[uncertainty]\ntorque_constant = 0.03\ncurrent_lag_s = 0.0005\n"))
+        .unwrap();
+    let text = stdout(&armid(arguments.iter().chain(&out)).success());
+    assert!(
+        text.contains("torque_constant (declared 0.03)") && text.contains("current_lag_s (declared 5.000e-4)"),
+        "{text}"
+    );
+    // What is proposed can be typed.
+    let proposed =
+        text.lines().map(str::trim).find(|line| line.starts_with("armid design") && line.contains("--period 6"));
+    let words: Vec<&str> = proposed.unwrap().split(' ').skip(1).collect();
+    let to = path(folder.path(), "S.toml");
+    let words = words.iter().map(|word| if *word == "S.toml" { to.as_str() } else { word });
+    armid(words.chain(["--starts", "1", "--evaluations", "20"])).success();
+    assert!(Path::new(&to).is_file());
+}

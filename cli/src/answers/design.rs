@@ -11,6 +11,7 @@ use armid_io::robot::HeldShapes;
 use serde_json::{Value, json};
 
 use crate::answers::clearance::ClearanceAnswer;
+use crate::answers::separating::SeparatingExperiment;
 use crate::terminal::{Align, Destination, Table, number};
 
 /// How a start ended, in words.
@@ -132,6 +133,8 @@ pub(crate) struct DesignAnswer<'a> {
     pub(crate) shapes: &'a HeldShapes,
     /// Mass (kg) and centre (m) of the heaviest load that it is made for.
     pub(crate) payload: Option<(f64, [f64; 3])>,
+    /// Experiments that show what this one cannot, of what the robot file declares.
+    pub(crate) separating: Vec<SeparatingExperiment>,
     /// What it adds to the information so far, where there is any.
     pub(crate) gain: Option<Gain>,
 }
@@ -231,8 +234,9 @@ impl DesignAnswer<'_> {
             "prior": self.gain.as_ref().map(Gain::json),
             "history": best.history,
         });
-        // One key more than the macro has room for.
+        // Keys more than the macro has room for.
         answer["bias_susceptibility"] = json!(certificate.bias_susceptibility);
+        answer["separating_experiments"] = self.separating.iter().map(SeparatingExperiment::json).collect();
         answer
     }
 
@@ -315,6 +319,10 @@ impl DesignAnswer<'_> {
                 .map_or("", |id| id.kind.unit(self.problem.robot().joints()[id.index].kind));
             let std = number(weak.deviation);
             let _ = writeln!(text, "  {:>8} {share:5.1} %, std {std} {unit}{relative}", weak.name);
+        }
+        if !self.separating.is_empty() {
+            text.push_str("\n  what the robot file declares leaves no trace in the residual; what shows it:\n");
+            text.extend(self.separating.iter().map(SeparatingExperiment::text));
         }
         if let Some(gain) = &self.gain {
             text.push_str(&gain.text());

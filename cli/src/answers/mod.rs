@@ -12,6 +12,7 @@ pub(crate) mod payload;
 pub(crate) mod robots;
 pub(crate) mod run;
 pub(crate) mod selection;
+pub(crate) mod separating;
 pub(crate) mod snapping;
 pub(crate) mod source;
 pub(crate) mod study;

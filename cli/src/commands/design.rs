@@ -24,6 +24,7 @@ use miette::Result;
 use rayon::prelude::*;
 
 use crate::answers::design::{DesignAnswer, Gain};
+use crate::answers::separating::SeparatingExperiment;
 use crate::arguments::{LimitArguments, MeshArguments, PayloadArguments, RobotArguments, columns, one_of};
 use crate::interrupt;
 use crate::terminal::{Answer, Console, Destination, Ending, progress, report_folder};
@@ -159,6 +160,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         remarks: &loaded.remarks,
         shapes: &shapes,
         payload: arguments.payload.load()?.map(|load| (load.mass, arguments.payload.centre())),
+        separating: SeparatingExperiment::of(
+            problem.robot().uncertainty(),
+            &arguments.robot.robot,
+            best.trajectory.period_s(),
+        ),
         gain: Gain::of(&problem, best, arguments.prior.len()).map_err(|error| impossible(&error))?,
     };
     console.show(&Answer { text: done.text(console.verbose()), json: done.json(interrupted && !feasible) })?;
