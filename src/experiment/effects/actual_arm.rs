@@ -2,11 +2,16 @@
 
 use super::EffectKind as Kind;
 use super::Effects;
-use super::drive_friction::DriveFriction;
+use super::cable::Strands;
+use super::drive_friction::{DriveFriction, is_displaced};
 use super::eccentricity::Eccentricity;
 use super::elasticity::Spring;
+use super::transmission_error::TransmissionError;
 use super::warming::Warming;
-use super::{base_tilt, coloured_noise, draw, kinematics, sample_clock, tool};
+use super::{
+    base_tilt, cable, coloured_noise, direction_friction, draw, kinematics, position_friction, presliding,
+    sample_clock, tool,
+};
 use crate::dynamics::Dynamics;
 use crate::experiment::gain_pose;
 use crate::model::term::{
@@ -37,7 +42,9 @@ const STIFFNESS: f64 = 0.5;
 /// assert_eq!(plain.parameters(), &truth);
 /// ```
 /// Where a drive is elastic, the plant's parameters have no rotor inertia and no drive friction of that joint: the servo
-/// turns the rotor. Terms that depend on the transmitted torque or on temperature are the servo's everywhere.
+/// turns the rotor. Terms that depend on the transmitted torque or on temperature are the servo's everywhere, and so is Coulomb
+/// friction that follows displacement. Where gears without springs have a transmission error, the plant's coordinates are
+/// those of the motors.
 #[derive(Clone, Debug)]
 pub struct ActualArm {
     pub(super) effects: Effects,
@@ -81,8 +88,12 @@ impl ActualArm {
         }
         let mut drives = truth.drives.clone();
         drives.iter_mut().for_each(|drive| add_terms(effects, drive));
+        direction_friction::add(&mut drives, effects.magnitude(Kind::DirectionFriction), seed);
+        position_friction::add(&mut drives, effects.magnitude(Kind::PositionFriction), seed);
+        cable::add(&mut drives, &ratings(&actual), effects.magnitude(Kind::Cable));
+        let is_displaced = |term| effects.has(Kind::Presliding) && is_displaced(term);
         for (own, drive) in parameters.drives.iter_mut().zip(&drives) {
-            *own = drive.only(|term| term.entry().needs.is_motion());
+            *own = drive.only(|term| term.entry().needs.is_motion() && !is_displaced(term));
         }
         let mut arm = Self {
             effects: effects.clone(),
@@ -117,12 +128,20 @@ impl ActualArm {
 
     /// Torque rating of each motor, N·m: the joint's, or what its largest current gives.
     pub(super) fn ratings(&self) -> Vec<f64> {
-        let rating = |joint: &crate::model::Joint| {
-            let drive = &joint.drive;
-            let by_current = drive.current_limit * drive.torque_per_ampere();
-            if joint.limits.torque.is_finite() { joint.limits.torque } else { by_current }
-        };
-        self.robot.joints().iter().map(rating).collect()
+        ratings(&self.robot)
+    }
+
+    /// The error of each drive's gear.
+    pub(super) fn transmission_errors(&self) -> Vec<TransmissionError> {
+        let amplitude = 1e-3 * self.effects.magnitude(Kind::TransmissionError);
+        TransmissionError::of_motors(&turning(&self.robot), amplitude, self.effects.seed())
+    }
+
+    /// What bends along each joint that starts at rest at `start`; empty without cables.
+    pub(super) fn cables(&self, start: &[f64]) -> Vec<Strands> {
+        let share = self.effects.magnitude(Kind::Cable);
+        let strands = |(rating, &start): (f64, &f64)| Strands::new(rating, share, start);
+        if share > 0.0 { self.ratings().into_iter().zip(start).map(strands).collect() } else { Vec::new() }
     }
 
     /// What the drive of each joint carries at the joint, and at the motor.
@@ -131,7 +150,8 @@ impl ActualArm {
             let (joint, drive) = (&self.robot.joints()[i], &self.drives[i]);
             let (viscous, coulomb) = if at_motor { (MOTOR_VISCOUS, MOTOR_COULOMB) } else { (VISCOUS, COULOMB) };
             let warming = Warming::new(drive[viscous], drive[coulomb], joint.limits.velocity);
-            DriveFriction::new(joint, drive, at_motor, warming)
+            let distance = 1e-3 * self.effects.magnitude(Kind::Presliding);
+            DriveFriction::new(joint, drive, at_motor, warming, distance)
         };
         let n = self.drives.len();
         ((0..n).map(|i| of(i, false)).collect(), (0..n).map(|i| of(i, true)).collect())
@@ -155,6 +175,9 @@ impl ActualArm {
             Kind::Elasticity,
             Kind::Hysteresis,
             Kind::Backlash,
+            Kind::TransmissionError,
+            Kind::Presliding,
+            Kind::Cable,
             Kind::TorqueRipple,
             Kind::Cogging,
             Kind::TorqueConstant,
@@ -209,8 +232,9 @@ impl ActualArm {
             return 1;
         }
         let elastic = self.couplings.iter().any(|coupling| *coupling != Coupling::Rigid);
-        let rippled = self.effects.has(Kind::TorqueRipple) || self.effects.has(Kind::Cogging);
-        let least = if elastic || rippled { FINE_PARTS } else { 1 };
+        let by_position = [Kind::TorqueRipple, Kind::Cogging, Kind::TransmissionError, Kind::Presliding, Kind::Cable];
+        let fine = elastic || by_position.into_iter().any(|kind| self.effects.has(kind));
+        let least = if fine { FINE_PARTS } else { 1 };
         // Friction beyond the plant's is held over a part.
         let whole = StandardParameters { links: self.parameters.links.clone(), drives: self.drives.clone() };
         let (mobility, ratings) = (self.mobility(&whole), self.ratings());
@@ -218,22 +242,29 @@ impl ActualArm {
         let rate = (0..self.drives.len())
             .map(|i| (joints[i].held_slope(ratings[i]) + motors[i].held_slope(ratings[i])) * mobility[i])
             .fold(0.0, f64::max);
-        let needed = (rate / self.robot.servo().rate_hz / STIFFNESS).ceil().clamp(1.0, MOST_PARTS) as usize;
-        needed.max(least)
+        // Friction that follows displacement is a spring, of the rotor alone where that has another to its link.
+        let swing = (0..self.drives.len())
+            .map(|i| {
+                let alone = matches!(self.couplings[i], Coupling::TwoMasses(_));
+                let mobility = if alone { 1.0 / self.drives[i][ROTOR] } else { mobility[i] };
+                ((joints[i].stiffness() + motors[i].stiffness()) * mobility).sqrt()
+            })
+            .fold(0.0, f64::max);
+        let rate_hz = self.robot.servo().rate_hz;
+        let parts = (rate / rate_hz / STIFFNESS).max(swing / rate_hz / presliding::RESOLVED);
+        (parts.ceil().clamp(1.0, MOST_PARTS) as usize).max(least)
     }
 
     /// Eccentricity of each joint's encoder and gear, and the factor of its encoder's and its converter's step.
     pub(in crate::experiment) fn sensors(&self, rate_hz: f64) -> ActualSensors {
         let magnitude = |kind| self.effects.magnitude(kind);
         let joints = self.robot.joints();
-        let turning: Vec<(f64, bool)> =
-            joints.iter().map(|joint| (joint.drive.gear, joint.kind == JointKind::Revolute)).collect();
         let seed = self.effects.seed();
         let (motor, joint) = (1e-3 * magnitude(Kind::MotorEccentricity), 1e-3 * magnitude(Kind::JointEccentricity));
         let offset = magnitude(Kind::AdcOffset);
         let signs = draw::signs(seed, "converter offsets", joints.len());
         ActualSensors {
-            eccentricity: Eccentricity::of_joints(&turning, motor, joint, seed),
+            eccentricity: Eccentricity::of_joints(&turning(&self.robot), motor, joint, seed),
             encoder_step: magnitude(Kind::EncoderStep).max(1.0),
             converter_step: magnitude(Kind::AdcStep).max(1.0),
             offset: joints.iter().zip(signs).map(|(joint, sign)| sign * offset * range(joint)).collect(),
@@ -279,6 +310,21 @@ fn add_terms(effects: &Effects, drive: &mut DriveParameters) {
             }
         }
     }
+}
+
+/// Torque rating of each motor of a robot, N·m.
+fn ratings(robot: &Robot) -> Vec<f64> {
+    let rating = |joint: &crate::model::Joint| {
+        let drive = &joint.drive;
+        let by_current = drive.current_limit * drive.torque_per_ampere();
+        if joint.limits.torque.is_finite() { joint.limits.torque } else { by_current }
+    };
+    robot.joints().iter().map(rating).collect()
+}
+
+/// Gear of each joint, and whether it is revolute.
+fn turning(robot: &Robot) -> Vec<(f64, bool)> {
+    robot.joints().iter().map(|joint| (joint.drive.gear, joint.kind == JointKind::Revolute)).collect()
 }
 
 /// Full scale of a converter; that of the current limit where there is none.

@@ -1,17 +1,20 @@
 //! Everything that happens between the set points of the servo and the torques on the plant, in one run.
 //!
 //! ```text
-//! set point ─ delay ─ lag ─ K (1 ± e) ─ ripple, cogging ─ rotor ─ spring, gap, loop ─ − excess friction ─→ plant
+//! set point ─ delay ─ lag ─ K (1 ± e) ─ ripple, cogging ─ rotor ─ error, spring, gap, loop ─ − excess friction, cable ─→ plant
 //!                                                          └── where the encoder is
 //! ```
 
 use super::EffectKind as Kind;
 use super::actual_arm::{ActualArm, Coupling};
+use super::cable::Strands;
 use super::current_loop::CurrentLoop;
 use super::drive_friction::DriveFriction;
 use super::elasticity::{MotorSide, Spring};
 use super::ripple::Ripple;
 use super::torque_constant;
+use super::transmission_error::TransmissionError;
+use super::uneven_links::UnevenLinks;
 use crate::dynamics::Dynamics;
 use crate::experiment::Transmission;
 use crate::model::term::ROTOR;
@@ -31,8 +34,12 @@ pub(in crate::experiment) struct ActualDrives {
     motors: Vec<DriveFriction>,
     coupled: Vec<bool>,
     sides: Vec<Side>,
+    /// Of each joint; empty without cables.
+    cables: Vec<Strands>,
     /// The links alone, where the torque that they take is asked for.
     links: Option<Box<Dynamics>>,
+    /// Where gears without springs have errors.
+    uneven: Option<Box<UnevenLinks>>,
     q_motor: Vec<f64>,
     qd_motor: Vec<f64>,
     last_qd: Vec<f64>,
@@ -42,6 +49,8 @@ pub(in crate::experiment) struct ActualDrives {
     /// What the links take of each joint and of each motor, N·m.
     load: Vec<f64>,
     load_motor: Vec<f64>,
+    /// On the joints beside what goes through the motors, N·m.
+    extra: Vec<f64>,
 }
 
 #[derive(Clone, Copy, Debug)]
@@ -70,22 +79,33 @@ impl ActualDrives {
         let ratings = arm.ratings();
         let geared: Vec<(f64, f64)> =
             arm.robot().joints().iter().zip(&ratings).map(|(joint, &rating)| (joint.drive.gear, rating)).collect();
-        let (joints, motors) = arm.frictions();
+        let mut errors = arm.transmission_errors();
         let coupled: Vec<bool> = (0..n).map(|i| arm.robot().is_coupled(i)).collect();
         let h = 1.0 / (arm.robot().servo().rate_hz * arm.parts as f64);
         let mut q_motor = vec![0.0; n];
         transmission.motor_motion(start, &mut q_motor);
+        let (mut joints, mut motors) = arm.frictions();
         let side = |(i, coupling): (usize, &Coupling)| match *coupling {
             Coupling::Rigid => Side::Rigid,
             Coupling::QuasiStatic(spring) => Side::QuasiStatic(spring, 0.0),
             Coupling::TwoMasses(spring) => {
                 let friction = if coupled[i] { &motors[i] } else { &joints[i] };
                 let slope = friction.slope(ratings[i]);
-                Side::TwoMasses(MotorSide::new(spring, arm.drives[i][ROTOR], slope, h, q_motor[i]))
+                let motor = MotorSide::new(spring, arm.drives[i][ROTOR], slope, h, q_motor[i]);
+                Side::TwoMasses(motor.with_error(std::mem::take(&mut errors[i])))
             }
         };
         let sides: Vec<Side> = arm.couplings.iter().enumerate().map(side).collect();
-        let asked = arm.needs_load() || sides.iter().any(|s| matches!(s, Side::QuasiStatic(..)));
+        for i in 0..n {
+            joints[i].rest_at(start[i]);
+            motors[i].rest_at(q_motor[i]);
+            if let Side::TwoMasses(motor) = &sides[i] {
+                let friction = if coupled[i] { &mut motors[i] } else { &mut joints[i] };
+                friction.rest_at(motor.q);
+            }
+        }
+        let is_uneven = errors.iter().any(|error| *error != TransmissionError::default());
+        let asked = is_uneven || arm.needs_load() || sides.iter().any(|s| matches!(s, Side::QuasiStatic(..)));
         Self {
             parts: arm.parts,
             h,
@@ -101,6 +121,8 @@ impl ActualDrives {
             motors,
             coupled,
             sides,
+            cables: arm.cables(start),
+            uneven: is_uneven.then(|| Box::new(UnevenLinks::new(errors))),
             links: asked.then(|| Box::new(Dynamics::new(arm.robot(), &arm.parameters().links_alone()))),
             qd_motor: vec![0.0; n],
             last_qd: vec![0.0; n],
@@ -109,6 +131,7 @@ impl ActualDrives {
             torque: vec![0.0; n],
             load: vec![0.0; n],
             load_motor: vec![0.0; n],
+            extra: vec![0.0; n],
             q_motor,
         }
     }
@@ -161,11 +184,17 @@ impl ActualDrives {
         }
         self.transmission.joint_torque(&self.torque, tau);
         for i in 0..tau.len() {
+            let middle = q[i] + 0.5 * h * qd[i];
             let inside = matches!(self.sides[i], Side::TwoMasses(_)) && !self.coupled[i];
             if !inside {
                 tau[i] -= self.joints[i].held(q[i], qd[i], self.load[i]);
+                tau[i] -= self.joints[i].slide(middle);
                 self.joints[i].turn(qd[i], h);
             }
+            if let Some(strands) = self.cables.get_mut(i) {
+                tau[i] -= strands.torque(middle);
+            }
+            tau[i] += self.extra[i];
         }
         self.last_qd.copy_from_slice(qd);
     }
@@ -177,7 +206,8 @@ impl ActualDrives {
         match &mut self.sides[i] {
             Side::TwoMasses(motor) => {
                 let at = motor.q;
-                let spring = motor.step(h, torque, (q, qd), |v| friction.whole(at, v, load));
+                let sliding = friction.slide(at + 0.5 * h * motor.qd);
+                let spring = motor.step(h, torque - sliding, (q, qd), |v| friction.whole(at, v, load));
                 friction.turn(motor.qd, h);
                 self.load_motor[i] = spring;
                 spring
@@ -188,8 +218,9 @@ impl ActualDrives {
                 }
                 if self.coupled[i] {
                     let held = friction.held(q, qd, load);
+                    let sliding = friction.slide(q + 0.5 * h * qd);
                     friction.turn(qd, h);
-                    torque - held
+                    torque - held - sliding
                 } else {
                     torque
                 }
@@ -203,7 +234,13 @@ impl ActualDrives {
         for i in 0..qd.len() {
             self.qdd[i] = (qd[i] - self.last_qd[i]) / self.h;
         }
-        links.inverse(q, qd, &self.qdd, &mut self.load);
+        match &mut self.uneven {
+            None => links.inverse(q, qd, &self.qdd, &mut self.load),
+            Some(uneven) => {
+                let motion = [q, qd, &self.qdd];
+                uneven.load(links, &self.transmission, motion, self.h, &mut self.load, &mut self.extra);
+            }
+        }
         self.transmission.motor_torque(&self.load, &mut self.mean);
         for i in 0..qd.len() {
             // A spring that is integrated has its own torque.

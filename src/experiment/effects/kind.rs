@@ -67,6 +67,15 @@ effects! {
     /// Coulomb friction that grows with the torque that goes through the gear.
     LoadFriction: "load-friction", "", 0.05, 0.15, 0.5,
         "Coulomb friction per transmitted torque";
+    /// Coulomb friction that differs between the two directions.
+    DirectionFriction: "direction-friction", "", 0.2, 0.45, 0.9,
+        "half the difference of Coulomb friction in both directions, as a share of its mean";
+    /// Coulomb friction that depends on position.
+    PositionFriction: "position-friction", "", 0.1, 0.3, 0.9,
+        "amplitude of Coulomb friction over a turn of the joint, as a share of it";
+    /// Coulomb friction that follows displacement before it slides.
+    Presliding: "presliding", "mrad", 0.1, 0.5, 10.0,
+        "displacement in which friction comes nearer to sliding by the factor e";
     /// Viscous friction that falls as the gear warms up.
     Warming: "warming", "", 0.2, 0.6, 0.95,
         "share of viscous friction that a warm gear has lost";
@@ -79,6 +88,9 @@ effects! {
     /// A gap between the flanks, on the spring of elasticity (its realistic one where it is off).
     Backlash: "backlash", "mrad", 0.3, 1.5, 20.0,
         "gap that a motor crosses before it moves its link the other way";
+    /// Harmonic drives whose links lead and lag their motors twice and once in a turn of the wave generator.
+    TransmissionError: "transmission-error", "mrad", 0.15, 0.5, 1.0,
+        "amplitude of the link's lead twice a motor turn; half as much once";
     /// Motor torque that varies with the motor's angle, in proportion to the current.
     TorqueRipple: "torque-ripple", "", 0.02, 0.08, 0.5,
         "amplitude as a share of the torque, twice and six times a motor turn";
@@ -97,6 +109,9 @@ effects! {
     /// A tool at the flange that the model does not have.
     Tool: "tool", "kg", 0.2, 1.0, 10.0,
         "mass, centred 60 mm before and 20 mm beside the flange";
+    /// A hose or a bundle of cables along each joint.
+    Cable: "cable", "", 0.01, 0.05, 0.5,
+        "torque a radian from rest, as a share of the rating";
     /// A base that does not stand level.
     BaseTilt: "base-tilt", "deg", 0.5, 3.0, 30.0,
         "angle between the base's axis and the plumb line";

@@ -2,18 +2,18 @@
 //!
 //! | where it acts | effects |
 //! |---|---|
-//! | friction of the joints | Stribeck, load, warming |
-//! | between motor and link | elasticity, hysteresis, backlash |
+//! | friction of the joints | Stribeck, load, direction, position, presliding, warming |
+//! | between motor and link | elasticity, hysteresis, backlash, transmission error |
 //! | torque of the motors | ripple, cogging, torque constant, current lag, current delay |
-//! | what the plant is made of | tool, base tilt, kinematics |
+//! | what the plant is made of | tool, cable, base tilt, kinematics |
 //! | sensors and clock | encoder step, eccentricities, jitter, dropped samples, converter offset and step, coloured noise |
 //!
 //! They live around a [`Plant`](super::Plant), not in an engine, so that every engine has them alike: an [`ActualArm`]
 //! changes what the plant is built from, and a [`Servo`](super::Servo) with it changes torques, encoders and samples.
-//! Effects on friction are coefficients of [torque terms](crate::model::term) that the truth has and the identification
-//! model lacks; only their sizes stand here. Load, temperature and springs need more than one step of the plant in a
-//! servo step; how many follows from their stiffness. Without any effect the servo's numbers are unchanged, to the last
-//! bit.
+//! Effects on friction and the spring of a cable are coefficients of [torque terms](crate::model::term) that the truth has and
+//! the identification model lacks; only their sizes stand here. Load, temperature, displacement and springs need more than one
+//! step of the plant in a servo step; how many follows from their stiffness. Without any effect the servo's numbers are
+//! unchanged, to the last bit.
 //!
 //! What belongs to one arm (signs, phases) is drawn from the seed of its effects; what belongs to one run (jitter, losses,
 //! noise) from the servo's seed and run.
@@ -21,8 +21,10 @@
 mod actual_arm;
 mod backlash;
 mod base_tilt;
+mod cable;
 mod coloured_noise;
 mod current_loop;
+mod direction_friction;
 mod draw;
 mod drive_friction;
 mod drives;
@@ -33,11 +35,15 @@ mod hysteresis;
 mod kind;
 mod kinematics;
 mod level;
+mod position_friction;
+mod presliding;
 mod ripple;
 mod sample_clock;
 mod selection;
 mod tool;
 mod torque_constant;
+mod transmission_error;
+mod uneven_links;
 mod warming;
 
 pub use actual_arm::ActualArm;
