@@ -21,19 +21,31 @@ pub(super) fn section(input: &ReportInput, sensitivity: &EffectSensitivity) -> R
         sensitivity.entries.iter().filter(|entry| entry.estimator == estimator && entry.runs > 0).collect()
     };
     let mut section = Section::new("Effect sensitivity")
-        .text("Every effect alone, on otherwise the same arm, with the same designs and the same random numbers. The true parameters are those of the arm without the effect. An error ratio of 1 means that the effect is lost in the noise of the measurement.");
+        .text("Every effect alone, or several at once, on otherwise the same arm, with the same designs and the same random numbers. The true parameters are those of the arm without the effect. An error ratio of 1 means that the effect is lost in the noise of the measurement.");
     if let (true, Some(family)) = (plan.designs.len() > 1, family) {
         section = section.text(format!("Shown are the designs of the family {family}."));
     }
     // The estimator that figures show comes first.
     for estimator in input.result.plan.identification.estimators.iter().rev() {
-        section = section.figure(&glance(sensitivity, &of(estimator), estimator))?;
+        section = section.figure(&glance(input, sensitivity, &of(estimator), estimator))?;
     }
     let estimator = shown_estimator(input);
     Ok(section
         .figure(&biases(input, &of(estimator), estimator))?
         .table(predictions(sensitivity))
         .table(worst(input, sensitivity)))
+}
+
+/// The level of a condition: that of its effect, or of all of its effects where they have one.
+fn level_of(input: &ReportInput, entry: &SensitivityEntry) -> Option<Level> {
+    let of_all = || {
+        let conditions = &input.result.conditions;
+        let result = conditions.iter().find(|result| result.condition.name == entry.condition)?;
+        let mut levels = result.condition.effects.iter().map(|(kind, magnitude)| kind.level(magnitude));
+        let first = levels.next()??;
+        levels.all(|level| level == Some(first)).then_some(first)
+    };
+    if entry.effect.is_some() { entry.level } else { of_all() }
 }
 
 /// The effects, each once, those that raise the prediction error most at their first level first.
@@ -50,16 +62,19 @@ fn effects<'a>(shown: &[&'a SensitivityEntry]) -> Vec<&'a str> {
 }
 
 /// One row per effect: the error of prediction and of each kind of parameter at each level.
-fn glance(sensitivity: &EffectSensitivity, shown: &[&SensitivityEntry], estimator: &str) -> HeatFigure {
+fn glance(
+    input: &ReportInput,
+    sensitivity: &EffectSensitivity,
+    shown: &[&SensitivityEntry],
+    estimator: &str,
+) -> HeatFigure {
     let rows = effects(shown);
     let find = |effect: &str, level: Option<Level>| {
-        shown.iter().find(|entry| match level {
-            Some(_) => entry.effect.as_deref() == Some(effect) && entry.level == level,
-            None => entry.level.is_none() && entry.effect.as_deref().unwrap_or(&entry.condition) == effect,
-        })
+        let named = |entry: &&&SensitivityEntry| entry.effect.as_deref().unwrap_or(&entry.condition) == effect;
+        shown.iter().filter(named).find(|entry| level_of(input, entry) == level)
     };
     let mut levels: Vec<Option<Level>> = Level::ALL.into_iter().map(Some).chain([None]).collect();
-    levels.retain(|&level| shown.iter().any(|entry| entry.level == level));
+    levels.retain(|&level| shown.iter().any(|entry| level_of(input, entry) == level));
     let names: Vec<String> =
         std::iter::once("prediction").chain(sensitivity.kinds.iter().map(String::as_str)).map(str::to_owned).collect();
     let values = rows.iter().flat_map(|effect| {
@@ -75,7 +90,7 @@ fn glance(sensitivity: &EffectSensitivity, shown: &[&SensitivityEntry], estimato
     HeatFigure {
         heading: Heading::new(format!("atlas-{estimator}"), "Error increase per unmodelled effect")
             .subtitle(format!("how many times the error without the effect, estimator {estimator}"))
-            .caption("Rows: one effect alone, the largest increase of the prediction error at the top. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a run that gave no estimate."),
+            .caption("Rows: one effect alone, or several by the name of their condition, the largest increase of the prediction error at the top. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a level that was not run, or a run that gave no estimate."),
         values: values.collect(),
         rows: rows.into_iter().map(str::to_owned).collect(),
         columns: levels.iter().flat_map(|_| names.clone()).collect(),
