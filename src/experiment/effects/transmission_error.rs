@@ -49,10 +49,10 @@ impl TransmissionError {
     /// Of motors with these (gear, whether the joint is revolute) and an amplitude in rad.
     pub(super) fn of_motors(motors: &[(f64, bool)], amplitude: f64, seed: Seed) -> Vec<Self> {
         let phases = draw::phases(seed, "transmission error", 2 * motors.len());
-        let of = |(i, &(gear, turns)): (usize, &(f64, bool))| Self {
-            gear,
-            amplitude: if turns { amplitude } else { 0.0 },
-            phase: [phases[2 * i], phases[2 * i + 1]],
+        let of = |(i, &(gear, turns)): (usize, &(f64, bool))| {
+            // One without an error is the default, whatever its gear.
+            let phase = [phases[2 * i], phases[2 * i + 1]];
+            if turns && amplitude > 0.0 { Self { gear, amplitude, phase } } else { Self::default() }
         };
         motors.iter().enumerate().map(of).collect()
     }
@@ -87,6 +87,20 @@ impl TransmissionError {
 #[cfg(test)]
 mod tests {
     use super::*;
+
+    /// An arm without it keeps its bits: nothing of what it needs is made.
+    #[test]
+    fn identity_without_an_amplitude_or_a_turn_there_is_no_error() {
+        let none = TransmissionError::default();
+        assert!(
+            TransmissionError::of_motors(&[(100.0, true), (50.0, true)], 0.0, Seed::new(2)).iter().all(|e| *e == none)
+        );
+        let [linear, turning] = TransmissionError::of_motors(&[(100.0, false), (100.0, true)], 1e-4, Seed::new(2))[..]
+        else {
+            panic!("two")
+        };
+        assert!(linear == none && turning != none);
+    }
 
     #[test]
     fn analytic_two_waves_and_one_in_a_turn_of_the_motor() {
