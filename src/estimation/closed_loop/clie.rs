@@ -11,7 +11,7 @@
 //! any start that is at hand, and where the sum of squares has several minima: it finds the one beside its start.
 //!
 //! Sources: E. Walter, L. Pronzato, *Identification of Parametric Models from Experimental Data*, Springer, 1997, for output
-//! errors with sensitivities; J. Leboutet et al., "Inertial parameter identification in robotics: a survey", Applied Sciences
+//! errors with sensitivities; Q. Leboutet et al., "Inertial parameter identification in robotics: a survey", Applied Sciences
 //! 11(9), 2021, for the input error of a robot's closed loop.
 
 use super::torque_error::{TorqueSlope, estimate};

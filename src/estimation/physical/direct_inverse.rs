@@ -8,7 +8,7 @@
 //! the last equations, cut to what is consistent. Where the search does not come to rest, the result is the consistent set by
 //! the last equations, and the [`Termination`](crate::estimation::Termination) says so.
 //!
-//! Source: J. Leboutet, J. Roux, A. Janot, J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a
+//! Source: Q. Leboutet, J. Roux, A. Janot, J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a
 //! survey", Applied Sciences 11(9), 2021, for the estimators that combine the two.
 
 use super::fit::estimate_by_search;

@@ -7,7 +7,7 @@
 //! has a mass matrix, until both agree. Without the errors of the measured motion in it, as `iv`; what `iv` assumes is assumed.
 //! Intervals are those of the unconstrained solution of the last instruments, cut to what is consistent.
 //!
-//! Source: J. Leboutet, J. Roux, A. Janot, J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a
+//! Source: Q. Leboutet, J. Roux, A. Janot, J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a
 //! survey", Applied Sciences 11(9), 2021, for the estimators that combine the two.
 
 use super::inference::{as_fit, restate};
