@@ -53,6 +53,8 @@ pub enum Finding {
         beyond_noise_rms: f64,
         /// RMS of the noise of such a mean.
         noise_rms: f64,
+        /// RMS of the joint's torque.
+        torque_rms: f64,
         /// p-value, adjusted over all tests and joints.
         p_adjusted: f64,
         /// Where most of it is.
@@ -180,8 +182,8 @@ impl Finding {
                  intervals hold what the residual shows of it"
             }
             Self::LackOfFit { .. } => {
-                "look at the figures of the residual (`armid report`) for a law that the model lacks; the intervals hold what \
-                 the residual shows of it"
+                "look at the figures of the residual (`armid report`) for a law that the model lacks; thousandths of the torque \
+                 may be the encoders' counts, which repeat with the motion. The intervals hold what the residual shows of it"
             }
             Self::ResidualCorrelated { .. } => "check the residual over time and over velocity for what is missing",
             Self::FewPeriods { .. } => "record at least 4 periods",
@@ -226,11 +228,12 @@ impl fmt::Display for Finding {
                 "joint {joint}: residual {residual_rms:.3e} {unit} is {ratio:.1} times the {expected_rms:.3e} {unit} \
                  expected of noise"
             ),
-            Self::LackOfFit { joint, beyond_noise_rms, noise_rms, p_adjusted, most, unit } => {
+            Self::LackOfFit { joint, beyond_noise_rms, noise_rms, torque_rms, p_adjusted, most, unit } => {
                 write!(
                     f,
-                    "joint {joint}: its own fit leaves {beyond_noise_rms:.2e} {unit} beside {noise_rms:.2e} {unit} of noise \
-                     ({})",
+                    "joint {joint}: its own fit leaves {beyond_noise_rms:.2e} {unit}, {:.2} % of its torque, beside \
+                     {noise_rms:.2e} {unit} of noise ({})",
+                    100.0 * beyond_noise_rms / torque_rms,
                     probability(*p_adjusted)
                 )?;
                 let Some(MisfitPart { against, range: [from, to], range_unit, rms }) = most else { return Ok(()) };

@@ -73,12 +73,14 @@ fn summary(found: &[&Finding]) -> Option<String> {
         }
         Finding::LackOfFit { .. } => {
             let joints = found.iter().filter_map(|finding| match finding {
-                Finding::LackOfFit { joint, beyond_noise_rms, unit, most, .. } => {
+                Finding::LackOfFit { joint, beyond_noise_rms, torque_rms, unit, most, .. } => {
                     let at = most.as_ref().map(|most| {
                         let (variable, [from, to], of) = (most.against.name(), most.range, &most.range_unit);
                         format!(", most at a {variable} of {from:.2} to {to:.2} {of}")
                     });
-                    Some(format!("{joint} ({beyond_noise_rms:.1e} {unit}{})", at.unwrap_or_default()))
+                    let share = 100.0 * beyond_noise_rms / torque_rms;
+                    let at = at.unwrap_or_default();
+                    Some(format!("{joint} ({beyond_noise_rms:.1e} {unit}, {share:.2} % of its torque{at})"))
                 }
                 _ => None,
             });

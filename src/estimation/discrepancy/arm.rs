@@ -11,6 +11,7 @@ use crate::estimation::instruments::COLUMNS;
 use crate::estimation::{EstimationError, Finding, Instruments, Observation};
 use crate::linalg::product;
 use crate::signal::{NoiseModel, Samples};
+use crate::statistics::root_mean_square;
 
 /// The discrepancy of all joints, where one of them shows any.
 #[derive(Clone, Debug)]
@@ -62,6 +63,7 @@ impl Discrepancy {
                 p: chances.adjusted(),
                 speed: &blocks.qd.as_slice()[joint * blocks.count..(joint + 1) * blocks.count],
                 load: &functions[joint].load,
+                torque_rms: root_mean_square(blocks.torque(joint).as_slice()),
                 unit: &observation.units[joint],
             })
             .collect();

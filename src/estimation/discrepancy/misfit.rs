@@ -26,6 +26,8 @@ pub(super) struct JointMisfit<'a> {
     pub(super) speed: &'a [f64],
     /// What its links take of the torque, of each block.
     pub(super) load: &'a [f64],
+    /// RMS of its torque.
+    pub(super) torque_rms: f64,
     /// Of the torque.
     pub(super) unit: &'a str,
 }
@@ -53,6 +55,7 @@ impl JointMisfit<'_> {
             joint: self.joint + 1,
             beyond_noise_rms: beyond(mean(&used)),
             noise_rms: noise.sqrt(),
+            torque_rms: self.torque_rms,
             p_adjusted,
             most: most.map(|(against, unit, part)| MisfitPart {
                 against,

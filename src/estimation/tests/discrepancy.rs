@@ -107,11 +107,13 @@ fn analytic_a_misfit_is_found_in_its_joint_with_its_size_and_speed() {
     let estimate = EstimatorKind::Wls.estimator().estimate(&problem).unwrap();
     let found: Vec<_> =
         estimate.findings.iter().filter(|finding| matches!(finding, Finding::LackOfFit { .. })).collect();
-    let [Finding::LackOfFit { joint: named, beyond_noise_rms, most: Some(most), unit, .. }] = found[..] else {
+    let [Finding::LackOfFit { joint: named, beyond_noise_rms, torque_rms, most: Some(most), unit, .. }] = found[..]
+    else {
         panic!("{found:?}")
     };
     assert_eq!((*named, unit.as_str(), most.range_unit.as_str()), (joint + 1, "N·m", "rad/s"));
     let torque = DVector::from_iterator(200, rows.iter().map(|&row| observation.y[row]));
+    assert!((torque_rms / (torque.norm_squared() / 200.0).sqrt() - 1.0).abs() < 1e-9, "{torque_rms}");
     let expected = (left(&torque) - arm.covariance[(joint, joint)]).sqrt();
     assert!((beyond_noise_rms / expected - 1.0).abs() < 1e-6, "{beyond_noise_rms} {expected}");
     // It is what was added but for noise, whose part in the square has a standard deviation of an eighth.
