@@ -295,7 +295,9 @@ fn analytic_intervals_hold_the_truth_on_a_noisy_recording_of_the_a460() {
         let found = arm.estimate(kind, &recording, &samples);
         // The integral of this servo takes up every offset.
         let hidden = found.findings.iter().find_map(|finding| match finding {
-            Finding::HiddenFromPositions { combinations, parameters } => Some((*combinations, parameters.clone())),
+            Finding::HiddenFromPositions { combinations, parameters, nominal: false } => {
+                Some((*combinations, parameters.clone()))
+            }
             _ => None,
         });
         let offsets: Vec<String> = (1..=6).map(|joint| format!("Fo{joint}")).collect();
@@ -307,6 +309,19 @@ fn analytic_intervals_hold_the_truth_on_a_noisy_recording_of_the_a460() {
     }
     // 58 intervals whose errors are related.
     assert!(seen.iter().all(|(_, share, _, termination)| *share > 0.85 && termination.was_successful()), "{seen:?}");
+}
+
+#[test]
+fn combinations_that_keep_nominal_values_are_said_to() {
+    // Torque of the wrong sign: no arm has the parameters that least squares finds.
+    let arm = Arm::new("planar-2r");
+    let recording = arm.record(&slow(&arm.robot), Sensing::ideal(), 0);
+    let mut samples = process(&recording, &arm.robot, &Processing::default()).unwrap();
+    samples.tau.iter_mut().for_each(|tau| *tau = -*tau);
+    let found = arm.estimate(EstimatorKind::Cloe, &recording, &samples);
+    let hidden = found.findings.iter().find(|finding| matches!(finding, Finding::HiddenFromPositions { .. })).unwrap();
+    assert!(matches!(hidden, Finding::HiddenFromPositions { nominal: true, .. }), "{hidden}");
+    assert!(hidden.to_string().contains("nominal values") && hidden.advice().contains("do not use"), "{hidden}");
 }
 
 #[test]

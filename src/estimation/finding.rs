@@ -145,6 +145,8 @@ pub enum Finding {
         combinations: usize,
         /// Parameters that they move.
         parameters: Vec<String>,
+        /// Whether they keep nominal values, since an arm with those of weighted least squares could not be simulated.
+        nominal: bool,
     },
     /// A drive parameter that cannot be negative is.
     NegativeDrive {
@@ -206,7 +208,13 @@ impl Finding {
                 "instruments are needed, unless the model misses something: compare with `wls`"
             }
             Self::DurbinWuHausman { .. } => "instruments are not needed here: `wls` has the shorter intervals",
-            Self::HiddenFromPositions { .. } => "their values and intervals are those of `wls`, by measured torque",
+            Self::HiddenFromPositions { nominal: false, .. } => {
+                "their values and intervals are those of `wls`, by measured torque"
+            }
+            Self::HiddenFromPositions { nominal: true, .. } => {
+                "do not use their values, nor their intervals, whose widths alone are those of `wls`: look for what makes an arm \
+                 with the parameters of `wls` run away, a sign or a unit first"
+            }
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
                 "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
             }
@@ -289,10 +297,15 @@ impl fmt::Display for Finding {
                     "no errors of the motion are seen to bias"
                 }
             ),
-            Self::HiddenFromPositions { combinations, parameters } => write!(
+            Self::HiddenFromPositions { combinations, parameters, nominal } => write!(
                 f,
-                "positions under this servo do not show {combinations} combinations of parameters, of {}",
-                parameters.join(", ")
+                "positions under this servo do not show {combinations} combinations of parameters, of {}{}",
+                parameters.join(", "),
+                if *nominal {
+                    "; they keep nominal values, since an arm with those of `wls` cannot be simulated"
+                } else {
+                    ""
+                }
             ),
             Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
         }

@@ -8,7 +8,8 @@
 //! the estimate is compared with the measured one all the same, and findings say where it does not fit.
 //!
 //! Combinations that positions do not show, such as the offsets that an integral in the servo takes up, keep the value and the
-//! interval that weighted least squares gives them by torque; a finding names them.
+//! interval that weighted least squares gives them by torque; a finding names them. Where an arm with the parameters of weighted least
+//! squares cannot be simulated the search begins with nominal ones, which these combinations keep, and the finding says so.
 //!
 //! Assumes servo, reference and start known and the model complete. Fails where the encoders' zeros are off by more than the servo's errors, and where the motion runs away from every
 //! start at hand; it finds the minimum beside its start.
@@ -67,6 +68,7 @@ impl Estimator for ClosedLoopOutputError {
             Ok(Linearised { residual: trial.position_error(&motion), jacobian: slopes.q })
         };
         let start = first_simulable(&[torque.fit.solution().clone(), trial.nominal()], linearise)?;
+        let is_nominal = start.0 != *torque.fit.solution();
         let by_torque = torque.estimate(self.name(), &problem, &torque.fit, Termination::Direct)?.covariance_matrix();
         let round = |at: (DVector<f64>, Linearised)| {
             let weights = residual_weights(&positions, &at)?;
@@ -109,7 +111,7 @@ impl Estimator for ClosedLoopOutputError {
         .estimate()?;
         estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
         estimate.interval_basis = IntervalBasis::Residual;
-        estimate.findings.extend(hidden.finding(observation));
+        estimate.findings.extend(hidden.finding(observation, is_nominal));
         Ok(estimate.with_covariance(&(of_positions.covariance_matrix() + hidden.covariance())))
     }
 

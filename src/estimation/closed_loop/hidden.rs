@@ -57,13 +57,13 @@ impl Hidden {
     }
 
     /// What is to be said of them, where there are any: the parameters that they move by more than a thousandth of what torque
-    /// leaves open.
-    pub(super) fn finding(&self, observation: &Observation) -> Option<Finding> {
+    /// leaves open; `nominal` where they keep nominal values.
+    pub(super) fn finding(&self, observation: &Observation, nominal: bool) -> Option<Finding> {
         let (directions, l, names) = (self.directions(), self.scale.l(), observation.base.names());
         let is_theirs = |j: &usize| 1e3 * directions.row(*j).norm() > l.row(*j).norm();
         let parameters = (0..l.nrows()).filter(is_theirs).map(|j| names[j].clone()).collect();
         let combinations = self.z.ncols();
-        (combinations > 0).then_some(Finding::HiddenFromPositions { combinations, parameters })
+        (combinations > 0).then_some(Finding::HiddenFromPositions { combinations, parameters, nominal })
     }
 
     /// T V.
