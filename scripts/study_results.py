@@ -1,0 +1,228 @@
+"""Selections from the results of a study, by names: what the expressions in `numbers.json` may say (see `readme-numbers`).
+
+A `Ratio` is a list of value, low and high, or of the value alone, so that it fills one `#` or a `#[]`; `.value`, `.low`, `.high`, `.p`
+(adjusted) and `.better` (a name or None) are its parts. Estimator and condition, where not said, are the last estimator of the plan and
+the only condition or the one called `none`.
+"""
+import json
+import math
+import pathlib
+import re
+import statistics
+import subprocess
+import sys
+import tempfile
+
+# Order of `values` and `intervals` of a family in summary.json (src/study/metric.rs).
+METRICS = ["prediction", "prediction-of-rating", "log-volume", "reference", "si", "measured", "slow", "point-to-point", "static"]
+NUMBER = r"(?<![\w.])[−+-]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[−-]?\d+)?"
+
+
+def number(text):
+    """A number as it is printed; its unit in the last place is what `unit_of` says."""
+    return float(text.replace("−", "-").replace(",", ""))
+
+
+def numbers(text):
+    return [number(match) for match in re.findall(NUMBER, text)]
+
+
+def geometric(values):
+    return math.exp(statistics.fmean(map(math.log, values)))
+
+
+class Ratio(list):
+    def __init__(self, value, interval=None, p=None, better=None):
+        super().__init__([value] + ([interval["low"], interval["high"]] if interval else []))
+        self.value, self.p, self.better = value, p, better
+        self.low, self.high = (interval["low"], interval["high"]) if interval else (None, None)
+
+    def inverse(self, logarithmic=False):
+        turn = (lambda x: -x) if logarithmic else (lambda x: 1 / x)
+        interval = {"low": turn(self.high), "high": turn(self.low)} if self.low is not None else None
+        return Ratio(turn(self.value), interval, self.p, self.better)
+
+
+def share_in(cell, group):
+    """The number after a name in a cell such as "friction of shoulder 92, upper arm 6"."""
+    return numbers(re.search(re.escape(group) + r" (\S+?)(?:,|$)", cell)[1])[0]
+
+
+def one(found, what):
+    found = list(found)
+    if len(found) != 1:
+        raise LookupError(f"{what}: found {len(found)}, expected one")
+    return found[0]
+
+
+class Results:
+    """One folder that `armid study` wrote."""
+
+    def __init__(self, folder, python=sys.executable):
+        self.folder, self.python = pathlib.Path(folder), python
+        self.summary = json.loads((self.folder / "summary.json").read_text())
+        self.printed = {}
+        if "plan" in self.summary:
+            plan = self.plan = self.summary["plan"]
+            self.name, self.estimators = plan["name"], plan["identification"]["estimators"]
+            self.families = [family["name"] for family in plan["design"]]
+            self.conditions = [c["condition"]["name"] for c in self.summary["conditions"]]
+        else:  # of several robots
+            self.name, self.estimators, self.conditions = self.summary["name"], self.summary["estimators"], self.summary["conditions"]
+        self.compared = None
+
+    def words(self):
+        """The names that an expression may use."""
+        return {name: getattr(self, name) for name in dir(self) if not name.startswith("_")}
+
+    def findings(self, condition=None):
+        name = condition or ("none" if "none" in self.conditions else one(self.conditions, "conditions"))
+        return one((c for c in self.summary["conditions"] if c["condition"]["name"] == name), f"condition {name}")["findings"]
+
+    def over(self, first, second="d-optimal", metric="prediction", condition=None, estimator=None):
+        """The error of one family over that of another, as `comparisons` has it."""
+        if self.compared is None:
+            self.compared = {(c["condition"]["name"], x["metric"], x["estimator"], x["first"], x["second"]): x
+                             for c in self.summary["conditions"] for x in c["findings"]["comparisons"]}
+        where = (condition or ("none" if "none" in self.conditions else one(self.conditions, "conditions")), metric, estimator or self.estimators[-1])
+        turned = (*where, first, second) not in self.compared
+        x = self.compared[(*where, second, first) if turned else (*where, first, second)]
+        ratio = Ratio(x["difference"], x["interval"], x["p_adjusted"], x["better"])
+        return ratio.inverse(metric == "log-volume") if turned else ratio
+
+    def better_under(self, first, second="d-optimal", metric="prediction", conditions=None):
+        """Names of the conditions under which the first family is called better than the second."""
+        return [c for c in conditions or self.conditions if self.over(first, second, metric, c).better == first]
+
+    def undecided_under(self, first, second="d-optimal", metric="prediction", conditions=None):
+        return [c for c in conditions or self.conditions if self.over(first, second, metric, c).better is None]
+
+    def family(self, name, condition=None, estimator=None):
+        """Scores of one family."""
+        wanted = (name, estimator or self.estimators[-1])
+        return one((f for f in self.findings(condition)["families"] if (f["family"], f["estimator"]) == wanted), f"family {wanted}")
+
+    def value(self, name, metric="prediction", condition=None, estimator=None):
+        """Geometric mean of a family's error over its designs, with its interval."""
+        family, place = self.family(name, condition, estimator), METRICS.index(metric)
+        return Ratio(family["values"][place], family["intervals"][place])
+
+    def parameter(self, name, family, condition=None, estimator=None):
+        """`bias` (with its interval), `std`, `stated_std`, `rmse`, `coverage` and so on of one parameter."""
+        place = [p["name"] for p in self.summary["parameters"]].index(name)
+        return self.family(family, condition, estimator)["parameters"][place]
+
+    def over_arms(self, first, second="d-optimal", metric="prediction", condition=None, estimator=None):
+        """The ratio with drawn arms as units: a `Ratio` with `.range`, `.first_better` and `.share` (interval of the share of such arms)."""
+        pairs = {(x["first"], x["second"]): x for x in self.findings(condition)["over_truths"]
+                 if (x["metric"], x["estimator"]) == (metric, estimator or self.estimators[-1])}
+        turned = (first, second) not in pairs
+        x = pairs[(second, first) if turned else (first, second)]
+        ratio = Ratio(x["ratio"], x["interval"])
+        ends = [x["range"]["low"], x["range"]["high"]]
+        if turned:
+            ratio, ends = ratio.inverse(), [1 / ends[1], 1 / ends[0]]
+        ratio.range, ratio.first_better = ends, x["truths"] - x["first_better"] if turned else x["first_better"]
+        ratio.share = [x["share_interval"]["low"], x["share_interval"]["high"]]
+        return ratio
+
+    def foretold(self, value, metric="prediction", condition=None, estimator=None):
+        """Rank correlation of a value of the designs with their error."""
+        x = one((x for x in self.findings(condition)["foretelling"]
+                 if (x["value"], x["metric"], x["estimator"]) == (value, metric, estimator or self.estimators[-1])), f"foretelling by {value}")
+        return Ratio(x["rank_correlation"], x["interval"])
+
+    def estimator_over(self, estimator, family, metric="prediction", condition=None):
+        """The error of an estimator over that of the reference, on the same recordings."""
+        x = one((x for x in self.findings(condition)["estimator_comparisons"]
+                 if (x["metric"], x["estimator"], x["family"]) == (metric, estimator, family)), f"comparison of {estimator}")
+        return Ratio(x["ratio"], x["interval"])
+
+    def coverages(self, condition=None, estimator=None, families=None):
+        """Coverage of stated intervals, in %, by family."""
+        return {f["family"]: 100 * f["coverage"] for f in self.findings(condition)["families"]
+                if f["estimator"] == (estimator or self.estimators[-1]) and (families is None or f["family"] in families)}
+
+    def designs(self, family):
+        """Designs of one family, by start: `certificate`, `evaluations`, `termination`."""
+        place = self.families.index(family)
+        return [d for d in self.summary["designs"] if d["family"] == place]
+
+    def median_errors(self, family, condition=None):
+        """Median over runs of the torque prediction error of each design of a family, N·m, last estimator."""
+        errors = self.findings(condition)["design_prediction"][len(self.estimators) - 1]
+        return [errors[k]["median"] for k, d in enumerate(self.summary["designs"]) if d["family"] == self.families.index(family)]
+
+    def atlas(self, effect, level, estimator=None):
+        """The entry of one effect: `prediction_ratio` as a `Ratio`, the bias of each parameter in stated deviations by name, and so on."""
+        x = one((x for x in self.summary["atlas"]["entries"]
+                 if (x["effect"], x["level"], x["estimator"]) == (effect, level, estimator or self.estimators[-1])), f"{effect} {level}")
+        names = [p["name"] for p in self.summary["parameters"]]
+        return {**x, "prediction": Ratio(x["prediction_ratio"], x["prediction_interval"]),
+                "kinds": dict(zip(self.summary["atlas"]["kinds"], x["kind_ratios"])),
+                "in_std": {n: Ratio(p["in_std"], p["in_std_interval"]) for n, p in zip(names, x["parameters"])},
+                "worst": [names[k] for k in x["worst"]]}
+
+    def quantity(self, name):
+        """A quantity of the claims about the paper, by its name."""
+        x = one((q for claim in self.summary["paper"]["claims"] for q in claim["quantities"] if q["name"] == name), f"quantity {name}")
+        ratio = Ratio(x["value"], x["interval"])
+        ratio.samples = x["samples"]
+        return ratio
+
+    def on_robot(self, robot, first, second="d-optimal", metric="prediction", condition="none"):
+        """Of a study on several robots: the comparison on one of them."""
+        place = [r["robot"] for r in self.summary["robots"]].index(robot)
+        if self.compared is None:
+            self.compared = {(x["condition"], x["metric"], x["estimator"], x["first"], x["second"]): x for x in self.summary["comparisons"]}
+        where = (condition, metric, self.estimators[-1])
+        turned = (*where, first, second) not in self.compared
+        x = self.compared[(*where, second, first) if turned else (*where, first, second)]["robots"][place]
+        ratio = Ratio(x["difference"], x["interval"], x["p_adjusted"], x["better"])
+        return ratio.inverse() if turned else ratio
+
+    def better_on(self, robot, first, second="d-optimal", metric="prediction"):
+        """Of a study on several robots: names of the conditions under which the first family is called better than the second on that robot."""
+        return [c for c in self.conditions if self.on_robot(robot, first, second, metric, c).better == first]
+
+    def agreement(self, metric):
+        """Of a study on several robots: how many comparisons the robots agree on, by word."""
+        return one((x for x in self.summary["agreements"] if (x["metric"], x["estimator"]) == (metric, self.estimators[-1])), metric)
+
+    def script(self, path, row, column, *arguments, place=0):
+        """A cell of the Markdown tables that a script of the repository prints of these results; `row` is its first cell or cells, `place`
+        which of several tables that have that column."""
+        row = (row,) if isinstance(row, str) else tuple(row)
+        for header, rows in [table for table in self.tables(path, *arguments) if column in table[0]][place:]:
+            if column in header:
+                for cells in rows:
+                    if tuple(cells[:len(row)]) == row:
+                        return cells[header.index(column)]
+        raise LookupError(f"{path} printed no column \"{column}\" with a row {row}")
+
+    def text(self, path, *arguments):
+        """What a script of the repository prints of these results."""
+        if (path, arguments) not in self.printed:
+            root = pathlib.Path(__file__).resolve().parents[1]
+            command = [self.python, str(root / path), str(self.folder.resolve()), *arguments]
+            # Some draw figures where they stand, too.
+            with tempfile.TemporaryDirectory() as elsewhere:
+                run = subprocess.run(command, capture_output=True, text=True, cwd=elsewhere)
+            if run.returncode:
+                raise RuntimeError(f"{path}: {run.stderr.strip().splitlines()[-1:]}")
+            self.printed[path, arguments] = run.stdout
+        return self.printed[path, arguments]
+
+    def tables(self, path, *arguments):
+        """Of every table that a script prints: its header's cells, and the cells of its rows."""
+        out, header = [], None
+        for line in self.text(path, *arguments).splitlines():
+            cells = [cell.strip() for cell in line.strip().strip("|").split(" | ")] if line.startswith("|") else None
+            if cells is None:
+                header = None
+            elif header is None:
+                header = cells
+                out.append((header, []))
+            elif not line.startswith("|--") and not line.startswith("| --"):
+                out[-1][1].append(cells)
+        return out
