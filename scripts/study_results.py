@@ -15,7 +15,7 @@ import tempfile
 
 # Order of `values` and `intervals` of a family in summary.json (src/study/metric.rs).
 METRICS = ["prediction", "prediction-of-rating", "log-volume", "reference", "si", "measured", "slow", "point-to-point", "static"]
-NUMBER = r"(?<![\w.])[−+-]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[−-]?\d+)?"
+NUMBER = r"(?<![\w.])[−+-]?\d+(?:,\d{3})*(?:\.\d+)?(?:e[−+-]?\d+)?"
 
 
 def number(text):
@@ -191,13 +191,13 @@ class Results:
 
     def script(self, path, row, column, *arguments, place=0):
         """A cell of the Markdown tables that a script of the repository prints of these results; `row` is its first cell or cells, `place`
-        which of several tables that have that column."""
+        which of several tables that have that column, which may be its number."""
         row = (row,) if isinstance(row, str) else tuple(row)
-        for header, rows in [table for table in self.tables(path, *arguments) if column in table[0]][place:]:
+        for header, rows in [table for table in self.tables(path, *arguments) if isinstance(column, int) or column in table[0]][place:]:
             if column in header:
                 for cells in rows:
                     if tuple(cells[:len(row)]) == row:
-                        return cells[header.index(column)]
+                        return cells[column if isinstance(column, int) else header.index(column)]
         raise LookupError(f"{path} printed no column \"{column}\" with a row {row}")
 
     def text(self, path, *arguments):
