@@ -194,7 +194,7 @@ class Results:
         which of several tables that have that column, which may be its number."""
         row = (row,) if isinstance(row, str) else tuple(row)
         for header, rows in [table for table in self.tables(path, *arguments) if isinstance(column, int) or column in table[0]][place:]:
-            if column in header:
+            if isinstance(column, int) or column in header:
                 for cells in rows:
                     if tuple(cells[:len(row)]) == row:
                         return cells[column if isinstance(column, int) else header.index(column)]
