@@ -112,11 +112,11 @@ impl Inference<'_> {
                 covariance = self.covariance(&equations, &seen)?.1;
                 (freedom, interval_basis) = (seen.degrees_of_freedom(), IntervalBasis::Residual);
             }
-            if let Some((discrepancy, of_joints)) = self.discrepancy(&equations, kept)? {
-                covariance += &discrepancy;
+            if let Some(shown) = self.discrepancy(&equations, kept)? {
+                covariance += &shown.covariance;
                 interval_basis = IntervalBasis::Discrepancy;
-                beyond.extend(of_joints);
-                found = Some(discrepancy);
+                beyond.extend(shown.findings);
+                found = Some(shown.covariance);
             }
             beyond.extend(misfit);
         }
@@ -179,18 +179,14 @@ impl Inference<'_> {
     }
 
     /// cov β̂ of what the equations `kept` show that the model lacks, and the joints that show it.
-    fn discrepancy(
-        &self,
-        equations: &Factorisation<'_>,
-        kept: &Observation,
-    ) -> Result<Option<(DMatrix<f64>, Vec<Finding>)>, EstimationError> {
+    fn discrepancy(&self, equations: &Factorisation<'_>, kept: &Observation) -> Result<Option<Shown>, EstimationError> {
         let Some(samples) = self.problem.samples else { return Ok(None) };
         let observation = self.problem.observation;
         let of_kept = (!std::ptr::eq(kept, observation)).then(|| Factorisation::new(kept)).transpose()?;
         let Some(found) = of_kept.as_ref().unwrap_or(equations).discrepancy(samples)? else { return Ok(None) };
         let functions = found.products(observation, self.instruments)?;
         let covariance = self.fit.sandwich(&(functions + self.products(equations, &found.white())?));
-        Ok(Some((covariance, found.findings().to_vec())))
+        Ok(Some(Shown { covariance, findings: found.findings().to_vec() }))
     }
 
     /// cov β̂ for one noise, and that noise as it was believed.
@@ -280,6 +276,14 @@ impl Inference<'_> {
         }
         findings
     }
+}
+
+/// What the equations show that the model lacks.
+struct Shown {
+    /// Its part of cov β̂.
+    covariance: DMatrix<f64>,
+    /// Joints that show it.
+    findings: Vec<Finding>,
 }
 
 /// An estimate, and the part of its covariance that is a discrepancy.
