@@ -10,8 +10,8 @@ const NAMED: usize = 3;
 
 /// Paragraphs of the answer box; none where the study compares nothing.
 pub(super) fn answer(input: &ReportInput) -> Vec<String> {
-    let mut paragraphs = families(input);
-    paragraphs.extend(effects(input));
+    let mut paragraphs = effects(input);
+    paragraphs.extend(families(input));
     paragraphs.extend(claims(input));
     paragraphs
 }
@@ -148,30 +148,37 @@ fn best_family(part: &ConditionResult, estimator: &str) -> Option<String> {
     valued.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, family)| family.clone())
 }
 
-/// The effects that raise the error most, where one family is performed under several.
-fn effects(input: &ReportInput) -> Option<String> {
-    let sensitivity = input.result.effect_sensitivity.as_ref()?;
-    if input.result.plan.designs.len() > 1 {
-        return None;
+/// The effects that raise the error most, family by family; none where families are compared with one under every condition.
+fn effects(input: &ReportInput) -> Vec<String> {
+    let (plan, Some(sensitivity)) = (&input.result.plan, input.result.effect_sensitivity.as_ref()) else {
+        return Vec::new();
+    };
+    if !plan.compare_with.is_empty() && plan.designs.len() > 1 {
+        return Vec::new();
     }
     let estimator = shown_estimator(input);
-    let mut found: Vec<(&str, f64)> = sensitivity
-        .entries
-        .iter()
-        .filter(|entry| entry.estimator == estimator)
-        .filter_map(|entry| Some((entry.condition.as_str(), entry.prediction_ratio?)))
-        .collect();
-    found.sort_by(|(_, a), (_, b)| b.total_cmp(a));
-    let named: Vec<String> =
-        found.iter().take(NAMED).map(|(name, ratio)| format!("{name} ({ratio:.0} times)")).collect();
-    let small = found.iter().filter(|(_, ratio)| *ratio < 1.1).count();
-    (!named.is_empty()).then(|| {
-        format!(
-            "**The torque prediction error grows most under {}.** Under {small} of {} conditions it grows by less than a tenth.",
-            named.join(", "),
-            found.len()
-        )
-    })
+    let of_family = |family: &str| {
+        let mut found: Vec<(&str, f64)> = sensitivity
+            .entries
+            .iter()
+            .filter(|entry| entry.estimator == estimator && entry.family == family)
+            .filter_map(|entry| Some((entry.condition.as_str(), entry.prediction_ratio?)))
+            .collect();
+        found.sort_by(|(_, a), (_, b)| b.total_cmp(a));
+        let named: Vec<String> =
+            found.iter().take(NAMED).map(|(name, ratio)| format!("{name} ({ratio:.0} times)")).collect();
+        let small = found.iter().filter(|(_, ratio)| *ratio < 1.1).count();
+        let with = if plan.designs.len() > 1 { format!(" with {family}") } else { String::new() };
+        (!named.is_empty()).then(|| {
+            format!(
+                "**The torque prediction error grows most under {}{with}.** Under {small} of {} conditions it grows by less \
+                 than a tenth.",
+                named.join(", "),
+                found.len()
+            )
+        })
+    };
+    plan.designs.iter().filter_map(|design| of_family(&design.name)).collect()
 }
 
 /// How many claims of the source paper hold, by verdict.
