@@ -226,3 +226,24 @@ class Results:
             elif not line.startswith("|--") and not line.startswith("| --"):
                 out[-1][1].append(cells)
         return out
+
+    def paired(self, first, second):
+        """Torque prediction error of one family over that of another, paired by start, with the 95 % t interval over designs: a median over
+        runs for each design, and thus of one run its error. For pairs that `comparisons` has not."""
+        logs = [math.log(a / b) for a, b in zip(self.median_errors(first), self.median_errors(second))]
+        free, middle = len(logs) - 1, statistics.fmean(logs)
+        # The quantile by bisection of the distribution, whose density is integrated by Simpson's rule.
+        scale = math.exp(math.lgamma((free + 1) / 2) - math.lgamma(free / 2)) / math.sqrt(free * math.pi)
+        density = lambda x: scale * (1 + x * x / free) ** (-(free + 1) / 2)
+        inside = lambda t: t / 1500 * sum((1 if k in (0, 1000) else 4 if k % 2 else 2) * density(t * k / 1000) for k in range(1001))
+        low, high = 0.0, 50.0
+        for _ in range(50):
+            low, high = ((low + high) / 2, high) if inside((low + high) / 2) < 0.95 else (low, (low + high) / 2)
+        half = low * statistics.stdev(logs) / math.sqrt(len(logs))
+        return Ratio(math.exp(middle), {"low": math.exp(middle - half), "high": math.exp(middle + half)})
+
+    def shares_of_variance(self, metric="prediction", without=()):
+        """Of a grid: the share of criterion, family of trajectories and harmonics in the variance of the logarithms of the means, in %."""
+        of = {tuple(name.split()): math.log(self.value(name, metric).value) for name in self.families if name.split()[0] not in without}
+        means = [{level: statistics.fmean(v for key, v in of.items() if key[k] == level) for level in {key[k] for key in of}} for k in range(3)]
+        return [100 * statistics.pvariance([means[k][key[k]] for key in of]) / statistics.pvariance(of.values()) for k in range(3)]
