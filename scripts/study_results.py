@@ -247,3 +247,14 @@ class Results:
         of = {tuple(name.split()): math.log(self.value(name, metric).value) for name in self.families if name.split()[0] not in without}
         means = [{level: statistics.fmean(v for key, v in of.items() if key[k] == level) for level in {key[k] for key in of}} for k in range(3)]
         return [100 * statistics.pvariance([means[k][key[k]] for key in of]) / statistics.pvariance(of.values()) for k in range(3)]
+
+    def paired_runs(self, column, first, second, condition="none"):
+        """Ratio of geometric means of a column of `runs.parquet` over designs that share their start, with the 95 % t interval of its logarithm."""
+        script = ("import sys, json, numpy, pyarrow.parquet as p; from scipy import stats\n"
+                  "rows = p.read_table(sys.argv[1], filters=[('condition', '=', sys.argv[3])]).to_pylist()\n"
+                  "a, b = (numpy.log([r[sys.argv[2]] for r in sorted(rows, key=lambda r: r['design']) if r['family'] == f]) for f in sys.argv[4:])\n"
+                  "t = stats.ttest_1samp(a - b, 0.0); print(json.dumps(numpy.exp([(a - b).mean(), *t.confidence_interval(0.95)]).tolist()))")
+        run = subprocess.run([self.python, "-c", script, str(self.folder / "runs.parquet"), column, condition, first, second],
+                             capture_output=True, text=True, check=True)
+        value, low, high = json.loads(run.stdout)
+        return Ratio(value, {"low": low, "high": high})
