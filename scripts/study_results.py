@@ -258,3 +258,14 @@ class Results:
                              capture_output=True, text=True, check=True)
         value, low, high = json.loads(run.stdout)
         return Ratio(value, {"low": low, "high": high})
+
+    def of_design(self, effect, level="realistic", family=None, estimator=None):
+        """As `atlas`, of one design of several (the first, where none is said), a combination of effects by its condition's name; `bias` in units, `coverage` in %."""
+        wanted = (family or self.families[0], estimator or self.estimators[-1])
+        x = one((x for x in self.summary["atlas"]["entries"] if (x["family"], x["estimator"]) == wanted
+                 and ((x["effect"], x["level"]) == (effect, level) or x["effect"] is None and x["condition"] == effect)), f"{effect} {level}")
+        named = [(p["name"], p["reference_unit"], q) for p, q in zip(self.summary["parameters"], x["parameters"])]
+        scaled = lambda q, key, unit: Ratio(unit * q[key], {end: unit * q[key + "_interval"][end] for end in ("low", "high")})
+        return {**x, "prediction": Ratio(x["prediction_ratio"], x["prediction_interval"]), "kinds": dict(zip(self.summary["atlas"]["kinds"], x["kind_ratios"])),
+                "in_std": {n: scaled(q, "in_std", 1) for n, _, q in named}, "bias": {n: scaled(q, "in_units", u) for n, u, q in named},
+                "coverage": 100 * self.family(wanted[0], x["condition"], wanted[1])["coverage"]}
