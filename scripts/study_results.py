@@ -260,7 +260,7 @@ class Results:
         return Ratio(value, {"low": low, "high": high})
 
     def of_design(self, effect, level="realistic", family=None, estimator=None):
-        """As `atlas`, of one design of several (the first, where none is said), a combination of effects by its condition's name; `bias` in units, `coverage` in %."""
+        """As `atlas`, of one of several designs (the first unless said); a combination goes by its condition. `bias` in units, `coverage` in %."""
         wanted = (family or self.families[0], estimator or self.estimators[-1])
         x = one((x for x in self.summary["atlas"]["entries"] if (x["family"], x["estimator"]) == wanted
                  and ((x["effect"], x["level"]) == (effect, level) or x["effect"] is None and x["condition"] == effect)), f"{effect} {level}")
