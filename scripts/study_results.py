@@ -269,3 +269,19 @@ class Results:
         return {**x, "prediction": Ratio(x["prediction_ratio"], x["prediction_interval"]), "kinds": dict(zip(self.summary["atlas"]["kinds"], x["kind_ratios"])),
                 "in_std": {n: scaled(q, "in_std", 1) for n, _, q in named}, "bias": {n: scaled(q, "in_units", u) for n, u, q in named},
                 "coverage": 100 * self.family(wanted[0], x["condition"], wanted[1])["coverage"]}
+
+    def first_cells(self, path, column, place=0):
+        """First cells of the rows of a table that a script prints of these results."""
+        return [cells[0] for cells in [rows for header, rows in self.tables(path) if column in header][place]]
+
+    def ranks(self, column, place=0):
+        """By estimator, a column of a table of `experiments/09-estimators/ranking` as a `Ratio`, `better` where it is bold. `place`: 0 torque prediction,
+        1 measured torque, 2 parameters, 3 intervals (held, biased, without an estimate), which alone have the reference's row."""
+        path, out = "experiments/09-estimators/ranking", {}
+        for first in self.first_cells(path, column, place):
+            cell, name = self.script(path, first, column, place=place), first.strip("`")
+            if name != self.estimators[-1] or place == 3:
+                value, *ends = numbers(cell)
+                interval = {"low": ends[0], "high": ends[1]} if ends else None
+                out[name] = Ratio(value, interval, better=name if "**" in cell else None)
+        return out
