@@ -60,8 +60,11 @@ class Results:
 
     def __init__(self, folder, python=sys.executable):
         self.folder, self.python = pathlib.Path(folder), python
-        self.summary = json.loads((self.folder / "summary.json").read_text())
         self.printed = {}
+        if not (self.folder / "summary.json").exists():  # of no study: files that `read` reads
+            self.name, self.summary = self.folder.name, None
+            return
+        self.summary = json.loads((self.folder / "summary.json").read_text())
         if "plan" in self.summary:
             plan = self.plan = self.summary["plan"]
             self.name, self.estimators = plan["name"], plan["identification"]["estimators"]
@@ -285,3 +288,11 @@ class Results:
                 interval = {"low": ends[0], "high": ends[1]} if ends else None
                 out[name] = Ratio(value, interval, better=name if "**" in cell else None)
         return out
+
+    def read(self, file):
+        """A file of the folder: JSON; lines of JSON; of Markdown, a dictionary from the first cell of each row of its tables to the others."""
+        text = (self.folder / file).read_text()
+        if file.endswith(".md"):
+            rows = [[cell.strip() for cell in line.strip().strip("|").split(" | ")] for line in text.splitlines() if line.startswith("|")]
+            return {first.strip("` "): rest for first, *rest in rows}
+        return [json.loads(line) for line in text.splitlines()] if file.endswith(".jsonl") else json.loads(text)
