@@ -38,8 +38,9 @@ def checked(readme):
 
 class ReadmeNumbers(unittest.TestCase):
     def test_every_readme_has_the_numbers_of_its_study(self):
-        run = subprocess.run([sys.executable, CHECKER, "--stored"], capture_output=True, text=True)
-        self.assertEqual(run.returncode, 0, run.stderr)
+        for more in [[], [CHECKER.parents[1] / "benches/peers/README.md"]]:
+            run = subprocess.run([sys.executable, CHECKER, "--stored", *more], capture_output=True, text=True)
+            self.assertEqual(run.returncode, 0, run.stderr)
 
     def test_right_numbers_pass_and_all_are_counted(self):
         run = checked(README)
