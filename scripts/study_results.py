@@ -61,7 +61,7 @@ class Results:
     def __init__(self, folder, python=sys.executable):
         self.folder, self.python = pathlib.Path(folder), python
         self.printed = {}
-        if not (self.folder / "summary.json").exists():  # of no study: files that `read` reads
+        if self.folder.is_dir() and not (self.folder / "summary.json").exists():  # of no study: files that `read` reads
             self.name, self.summary = self.folder.name, None
             return
         self.summary = json.loads((self.folder / "summary.json").read_text())
