@@ -290,9 +290,13 @@ class Results:
         return out
 
     def read(self, file):
-        """A file of the folder: JSON; lines of JSON; of Markdown, a dictionary from the first cell of each row of its tables to the others."""
+        """A file of the folder: JSON; lines of JSON; a dictionary from the first cell of each row to the others of a CSV file and of tables in
+        Markdown, and from what stands before a colon to what follows of a text."""
         text = (self.folder / file).read_text()
         if file.endswith(".md"):
             rows = [[cell.strip() for cell in line.strip().strip("|").split(" | ")] for line in text.splitlines() if line.startswith("|")]
             return {first.strip("` "): rest for first, *rest in rows}
+        if file.endswith((".csv", ".txt")):
+            mark = "," if file.endswith(".csv") else ": "
+            return {line.split(mark)[0]: line.split(mark)[1:] for line in text.splitlines()}
         return [json.loads(line) for line in text.splitlines()] if file.endswith(".jsonl") else json.loads(text)
