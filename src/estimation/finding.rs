@@ -148,6 +148,13 @@ pub enum Finding {
         /// Whether they keep nominal values, since an arm with those of weighted least squares could not be simulated.
         nominal: bool,
     },
+    /// The search began by multiple shooting, since the motion of weighted least squares, or of the nominal set, runs away.
+    MultipleShooting {
+        /// Intervals of the motion.
+        intervals: usize,
+        /// Largest gap between two of them at its end, over the spread of that number along the motion.
+        gap: f64,
+    },
     /// A drive parameter that cannot be negative is.
     NegativeDrive {
         /// Its name.
@@ -214,6 +221,10 @@ impl Finding {
             Self::HiddenFromPositions { nominal: true, .. } => {
                 "do not use their values, nor their intervals, whose widths alone are those of `wls`: look for what makes an arm \
                  with the parameters of `wls` run away, a sign or a unit first"
+            }
+            Self::MultipleShooting { .. } => {
+                "the estimate is that of the whole motion all the same; an arm with the parameters of `wls` runs away: look for a \
+                 sign, a unit or a torque constant first"
             }
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
                 "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
@@ -306,6 +317,10 @@ impl fmt::Display for Finding {
                 } else {
                     ""
                 }
+            ),
+            Self::MultipleShooting { intervals, gap } => write!(
+                f,
+                "the search began by multiple shooting over {intervals} intervals, whose gaps it closed to {gap:.0e} of the motion"
             ),
             Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
         }

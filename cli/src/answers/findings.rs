@@ -34,6 +34,7 @@ const fn rank(finding: &Finding) -> usize {
         Finding::MotionTakenAsExact => 14,
         Finding::DurbinWuHausman { .. } => 15,
         Finding::HiddenFromPositions { .. } => 16,
+        Finding::MultipleShooting { .. } => 17,
     }
 }
 
@@ -123,7 +124,8 @@ fn summary(found: &[&Finding]) -> Option<String> {
         | Finding::NearlyDependent { .. }
         | Finding::MotionTakenAsExact
         | Finding::DurbinWuHausman { .. }
-        | Finding::HiddenFromPositions { .. } => return None,
+        | Finding::HiddenFromPositions { .. }
+        | Finding::MultipleShooting { .. } => return None,
     })
 }
 

@@ -9,7 +9,8 @@
 //!
 //! Combinations that positions do not show, such as the offsets that an integral in the servo takes up, keep the value and the
 //! interval that weighted least squares gives them by torque; a finding names them. Where an arm with the parameters of weighted least
-//! squares cannot be simulated the search begins with nominal ones, which these combinations keep, and the finding says so.
+//! squares runs away the search begins by multiple shooting, in intervals too short for that; where it cannot be simulated at all it
+//! begins with nominal parameters, which these combinations keep. Findings say both.
 //!
 //! Assumes servo, reference and start known and the model complete. Fails where the encoders' zeros are off by more than the servo's errors, and where the motion runs away from every
 //! start at hand; it finds the minimum beside its start.
@@ -19,8 +20,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::descent::{Descent, Linearised, first_simulable};
+use super::descent::{Descent, Linearised};
 use super::hidden::Hidden;
+use super::shooting::Output;
+use super::starting_point::{Descended, descend};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, IntervalBasis};
@@ -67,8 +70,6 @@ impl Estimator for ClosedLoopOutputError {
             let (motion, slopes) = trial.slopes(beta)?;
             Ok(Linearised { residual: trial.position_error(&motion), jacobian: slopes.q })
         };
-        let start = first_simulable(&[torque.fit.solution().clone(), trial.nominal()], linearise)?;
-        let is_nominal = start.0 != *torque.fit.solution();
         let by_torque = torque.estimate(self.name(), &problem, &torque.fit, Termination::Direct)?.covariance_matrix();
         let round = |at: (DVector<f64>, Linearised)| {
             let weights = residual_weights(&positions, &at)?;
@@ -79,8 +80,10 @@ impl Estimator for ClosedLoopOutputError {
             let around = descent.solve(&rest.linearised, 0.0)?;
             Ok::<_, EstimationError>((rest, around, weights, hidden))
         };
-        let (first, ..) = round(start)?;
-        let (rest, fit, weights, hidden) = round((first.beta, first.linearised))?;
+        let output = Some(Output::Positions);
+        let Descended { rest, is_nominal, finding, .. } =
+            descend(&trial, torque.fit.solution(), output, &linearise, |start| Ok((round(start)?.0, ())))?;
+        let (rest, fit, weights, hidden) = round((rest.beta, rest.linearised))?;
         let b = rest.beta.len();
         let at_rest = |information: DMatrix<f64>| {
             let factors = [information, DMatrix::identity(b, b)];
@@ -112,6 +115,7 @@ impl Estimator for ClosedLoopOutputError {
         estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
         estimate.interval_basis = IntervalBasis::Residual;
         estimate.findings.extend(hidden.finding(observation, is_nominal));
+        estimate.findings.extend(finding);
         Ok(estimate.with_covariance(&(of_positions.covariance_matrix() + hidden.covariance())))
     }
 

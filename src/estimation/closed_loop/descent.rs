@@ -52,27 +52,8 @@ pub(super) type Linearise<'a> = dyn Fn(&DVector<f64>) -> Result<Linearised, Esti
 pub(in crate::estimation) type Onto<'a> = dyn Fn(&LeastSquares) -> Result<DVector<f64>, EstimationError> + 'a;
 
 /// Whether the trial point is at fault: another one may do.
-fn is_rejected(error: &EstimationError) -> bool {
+pub(super) fn is_rejected(error: &EstimationError) -> bool {
     matches!(error, EstimationError::ClosedLoop { reason, .. } if reason.is_of_parameters())
-}
-
-/// What `of` gives at the first of these points that can be simulated.
-///
-/// # Errors
-/// That of the last point, where none can.
-pub(super) fn first_simulable<T>(
-    starts: &[DVector<f64>],
-    of: impl Fn(&DVector<f64>) -> Result<T, EstimationError>,
-) -> Result<(DVector<f64>, T), EstimationError> {
-    let mut last = EstimationError::NotDefinite;
-    for start in starts {
-        match of(start) {
-            Ok(found) => return Ok((start.clone(), found)),
-            Err(error) if is_rejected(&error) => last = error,
-            Err(error) => return Err(error),
-        }
-    }
-    Err(last)
 }
 
 /// What is minimised.

@@ -6,8 +6,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::descent::{AT_REST, AT_REST_IN_A_SET, Onto, first_simulable};
+use super::descent::{AT_REST, AT_REST_IN_A_SET, Onto};
 use super::endogeneity::durbin_wu_hausman;
+use super::starting_point::{StartingPoint, starting_point};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, IntervalBasis};
@@ -58,7 +59,8 @@ impl InstrumentalFit {
             Some(onto) => onto(&linear.fit)?,
             None => linear.fit.solution().clone(),
         };
-        let (mut beta, mut motion) = first_simulable(&[first, trial.nominal()], |beta| trial.motion(beta))?;
+        let StartingPoint { mut beta, found: mut motion, .. } =
+            starting_point(&trial, &first, None, |beta| trial.motion(beta))?;
         let mut iterations = 0;
         let (white_z, fit, termination) = loop {
             iterations += 1;

@@ -2,11 +2,14 @@
 
 use nalgebra::DMatrix;
 
-use super::descent::{Descent, Linearised, Onto, Rest, first_simulable};
+use super::descent::{Descent, Linearised, Onto, Rest};
+use super::shooting::Output;
+use super::starting_point::{Descended, descend};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
 use crate::estimation::factorisation::Factorisation;
+use crate::estimation::finding::Finding;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
@@ -39,6 +42,8 @@ pub(in crate::estimation) struct TorqueSearch {
     /// Their weights.
     pub(in crate::estimation) weights: BlockWhitening,
     pub(in crate::estimation) rest: Rest,
+    /// What is to be said of where the search began.
+    pub(super) finding: Option<Finding>,
 }
 
 /// The estimate where `min ‖y − τ_s(β)‖_Σ`.
@@ -47,15 +52,17 @@ pub(super) fn estimate(
     problem: &EstimationProblem<'_>,
     slope: TorqueSlope,
 ) -> Result<Estimate, EstimationError> {
-    let TorqueSearch { around, weights, rest } = search(estimator, problem, slope, None)?;
+    let TorqueSearch { around, weights, rest, finding } = search(estimator, problem, slope, None)?;
     let equations = Factorisation::new(&around)?;
     let linear = LinearFit::with_weights(&equations, weights)?;
     let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
-    linear.estimate(estimator, &problem, &rest.fit(linear.fit.clone())?, rest.termination)
+    let mut estimate = linear.estimate(estimator, &problem, &rest.fit(linear.fit.clone())?, rest.termination)?;
+    estimate.findings.extend(finding);
+    Ok(estimate)
 }
 
-/// `min ‖y − τ_s(β)‖_Σ`, over a set where there is one, from the weighted linear fit, or from the nominal set where that cannot be
-/// simulated.
+/// `min ‖y − τ_s(β)‖_Σ`, over a set where there is one, from the weighted linear fit, or from what [`starting_point`] finds where
+/// that cannot be simulated.
 pub(in crate::estimation) fn search(
     estimator: &'static str,
     problem: &EstimationProblem<'_>,
@@ -84,19 +91,24 @@ pub(in crate::estimation) fn search(
         Some(onto) => onto(&linear.fit)?,
         None => linear.fit.solution().clone(),
     };
-    let start = first_simulable(&[first, trial.nominal()], linearise)?;
-    let weights = match &linear.weights {
-        // The noise that was measured.
-        Some(weights) if observation.noise.is_some() => weights.clone(),
-        // The residual of the simulated torque, which errors of the measured motion are not in.
-        _ => {
-            let around = start.1.equations(observation, &start.0);
-            let around = Factorisation::new(&around)?;
-            around.residual_weights(around.least_squares()?.solution())?
-        }
+    // Intervals would end outside of a set.
+    let output = onto.is_none().then_some(Output::Torque);
+    let held = DMatrix::zeros(0, first.len());
+    let follow = |start: (nalgebra::DVector<f64>, Linearised)| {
+        let weights = match &linear.weights {
+            // The noise that was measured.
+            Some(weights) if observation.noise.is_some() => weights.clone(),
+            // The residual of the simulated torque, which errors of the measured motion are not in.
+            _ => {
+                let around = start.1.equations(observation, &start.0);
+                let around = Factorisation::new(&around)?;
+                around.residual_weights(around.least_squares()?.solution())?
+            }
+        };
+        let descent = Descent { observation, weights: &weights, rise: slope.rise(), held: held.clone(), onto };
+        Ok((descent.follow(start, &linearise)?, weights))
     };
-    let held = DMatrix::zeros(0, start.0.len());
-    let rest = Descent { observation, weights: &weights, rise: slope.rise(), held, onto }.follow(start, &linearise)?;
+    let Descended { rest, beside: weights, finding, .. } = descend(&trial, &first, output, &linearise, follow)?;
     let around = rest.linearised.equations(observation, &rest.beta);
-    Ok(TorqueSearch { around, weights, rest })
+    Ok(TorqueSearch { around, weights, rest, finding })
 }

@@ -8,11 +8,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::error::ClosedLoopError;
-use super::simulation::{ClosedLoop, ClosedLoopMotion, ClosedLoopSlopes};
+use super::simulation::{
+    ClosedLoop, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode, ClosedLoopSlopes,
+};
 use crate::estimation::complete;
 use crate::estimation::error::EstimationError;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
+use crate::linalg::product;
 use crate::model::{ParameterId, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;
@@ -40,6 +43,16 @@ impl<'a> Trial<'a> {
         })
     }
 
+    /// The equations.
+    pub(super) fn observation(&self) -> &'a Observation {
+        self.observation
+    }
+
+    /// The loop in intervals, where it can begin in any state.
+    pub(super) fn in_intervals(&self) -> Option<&'a dyn ClosedLoopIntervals> {
+        self.closed_loop.in_intervals()
+    }
+
     /// β of the nominal set.
     pub(super) fn nominal(&self) -> DVector<f64> {
         let nominal = self.closed_loop.nominal().vector(self.robot, self.observation.columns);
@@ -54,15 +67,42 @@ impl<'a> Trial<'a> {
 
     /// The motion at β, and its derivatives by β.
     pub(super) fn slopes(&self, beta: &DVector<f64>) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), EstimationError> {
-        let base = &self.observation.base;
-        // ∂φ/∂β = Kᵀ(KKᵀ)⁻¹ moves torque as the kept parameters alone do.
-        let by: Vec<ParameterId> = base.kept.iter().map(|&j| base.parameters[j]).collect();
-        let found = self.closed_loop.slopes(&self.parameters(beta)?, &by, self.samples.block);
+        let found = self.closed_loop.slopes(&self.parameters(beta)?, &self.by(), self.samples.block);
         let (motion, mut slopes) = found.map_err(|reason| self.failed(reason))?;
         for matrix in [&mut slopes.q, &mut slopes.tau] {
             self.blank(matrix);
         }
         Ok((self.checked(motion)?, slopes))
+    }
+
+    /// Nodes so many blocks apart along the measured motion, where motors exert the torque that β makes of it.
+    pub(super) fn nodes(
+        &self,
+        intervals: &dyn ClosedLoopIntervals,
+        beta: &DVector<f64>,
+        apart: usize,
+    ) -> Vec<ClosedLoopNode> {
+        let states = &self.samples.states;
+        let w = self.regressor.stack_means(states, &self.observation.base.kept, 1);
+        let tau = product(&w, &DMatrix::from_column_slice(beta.len(), 1, beta.as_slice()));
+        intervals.nodes(states, tau.as_slice(), self.samples.block, apart)
+    }
+
+    /// The intervals from these nodes at β.
+    pub(super) fn intervals(
+        &self,
+        intervals: &dyn ClosedLoopIntervals,
+        beta: &DVector<f64>,
+        nodes: &[ClosedLoopNode],
+    ) -> Result<Vec<ClosedLoopInterval>, EstimationError> {
+        let found = intervals.intervals(&self.parameters(beta)?, &self.by(), self.samples.block, nodes);
+        found.map_err(|reason| self.failed(reason))
+    }
+
+    /// Parameters by which derivatives are taken: ∂φ/∂β = Kᵀ(KKᵀ)⁻¹ moves torque as the kept ones alone do.
+    fn by(&self) -> Vec<ParameterId> {
+        let base = &self.observation.base;
+        base.kept.iter().map(|&j| base.parameters[j]).collect()
     }
 
     /// Z: the regressor along a simulated motion, (n·M) × b; zero in rows that are no equation.

@@ -34,7 +34,7 @@ impl Estimator for ConsistentDirectInverse {
 
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
         let onto = |fit: &LeastSquares| Ok(consistent(problem, fit, 1.0, Prior::None)?.beta);
-        let TorqueSearch { around, weights, rest } =
+        let TorqueSearch { around, weights, rest, .. } =
             torque_search(self.name(), problem, TorqueSlope::Regressor, Some(&onto))?;
         let equations = Factorisation::new(&around)?;
         let linear = LinearFit::with_weights(&equations, weights)?;

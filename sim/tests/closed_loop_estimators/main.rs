@@ -1,107 +1,22 @@
 //! Estimators that simulate, on recordings of the simulated arm under its servo.
 #![allow(clippy::unwrap_used, reason = "a test panics")]
 
-use std::sync::Arc;
+mod arm;
+mod shooting;
 
-use armid::base::{BaseReduction, Method, reduce};
+use armid::base::{Method, reduce};
 use armid::estimation::{
-    ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Observation,
-    Termination, closed_loop_of, complete,
+    ClosedLoopError, Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Observation, Termination,
+    closed_loop_of, complete,
 };
-use armid::experiment::{ExperimentPlan, Phase, Recording, Sensing, Servo, record};
-use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
-use armid::model::{Columns, ParameterId, Robot, StandardParameters, bundled};
-use armid::regressor::JointTorqueRegressor;
+use armid::experiment::{ExperimentPlan, Phase, Recording, Sensing};
+use armid::model::format::parse_robot;
+use armid::model::{ParameterId, Robot, bundled};
 use armid::seed::Seed;
-use armid::signal::{Processing, Samples, process};
-use armid::study::radkhah2007::table_one;
-use armid::study::truth_text;
-use armid::trajectory::FourierTrajectory;
-use armid_sim::{AnalyticPlant, closed_loop};
-use nalgebra::DVector;
+use armid::signal::{Processing, process};
+use armid_sim::closed_loop;
 
-const COLUMNS: Columns = Columns::RIGID_ROTOR_FRICTION;
-
-/// An arm, what is known of it, and what is true.
-struct Arm {
-    robot: Robot,
-    nominal: StandardParameters,
-    truth: StandardParameters,
-    regressor: JointTorqueRegressor,
-    base: BaseReduction,
-}
-
-impl Arm {
-    fn new(name: &str) -> Self {
-        let entry = bundled().iter().find(|entry| entry.name == name).unwrap();
-        let robot = parse_robot(entry.robot).unwrap();
-        Self {
-            nominal: parse_nominal(entry.nominal, &robot).unwrap().parameters,
-            truth: parse_parameters(truth_text(name).unwrap(), &robot, true).unwrap().parameters,
-            regressor: JointTorqueRegressor::new(&robot, COLUMNS),
-            base: reduce(&robot, COLUMNS, Method::Structural, Seed::new(1)).unwrap(),
-            robot,
-        }
-    }
-
-    fn beta(&self) -> DVector<f64> {
-        self.base.beta(&self.truth.vector(&self.robot, COLUMNS))
-    }
-
-    fn record(&self, plan: &ExperimentPlan, sensing: Sensing, run: u64) -> Recording {
-        let plant = AnalyticPlant::new(&self.robot, &self.truth).unwrap();
-        let servo = Servo::new(&self.robot, &self.nominal, plant).unwrap();
-        record(&mut servo.with_sensing(sensing).with_seed(Seed::new(5), run), plan).unwrap().0
-    }
-
-    fn closed_loop(&self, recording: &Recording) -> Arc<dyn ClosedLoop> {
-        closed_loop_of(Some(closed_loop), &self.robot, Some(&self.nominal), &[Some(recording)]).unwrap()
-    }
-
-    fn estimate(&self, kind: EstimatorKind, recording: &Recording, samples: &Samples) -> Estimate {
-        let observation = Observation::new(&self.robot, &self.regressor, &self.base, samples).unwrap();
-        let known = self.closed_loop(recording);
-        let problem = EstimationProblem::new(&observation)
-            .with_robot(&self.robot)
-            .with_samples(samples)
-            .with_nominal(&self.nominal)
-            .with_closed_loop(Ok(&*known));
-        kind.estimator().estimate(&problem).unwrap()
-    }
-
-    fn error(&self, estimate: &Estimate) -> f64 {
-        (estimate.beta() - self.beta()).norm() / self.beta().norm()
-    }
-}
-
-/// `radkhah2007`'s motion at a part of its speed and another period, about the middle of an arm's range.
-fn gentle(robot: &Robot, period_s: f64, part: f64) -> FourierTrajectory {
-    let table = table_one::corrected();
-    let joints = robot.joints().iter().zip(&table.joints).map(|(joint, series)| {
-        let (low, high) = joint.limits.position;
-        let mut series = series.clone();
-        series.name.clone_from(&joint.name);
-        series.q0 = if (high - low).is_finite() { 0.5 * (low + high) } else { 0.0 };
-        series.a.iter_mut().chain(&mut series.b).for_each(|amplitude| *amplitude *= part);
-        series
-    });
-    FourierTrajectory { period_s, joints: joints.collect() }
-}
-
-/// A short experiment.
-fn short(robot: &Robot) -> ExperimentPlan {
-    ExperimentPlan {
-        settle_s: 0.1,
-        ramp_s: 0.4,
-        rate_hz: 500.0,
-        ..ExperimentPlan::new(gentle(robot, 1.0, 0.8)).with_periods(3)
-    }
-}
-
-/// A slower one, along which processing finds velocity and acceleration well.
-fn slow(robot: &Robot) -> ExperimentPlan {
-    ExperimentPlan { settle_s: 0.1, ramp_s: 1.0, ..ExperimentPlan::new(gentle(robot, 5.0, 0.8)).with_periods(3) }
-}
+use arm::{Arm, COLUMNS, gentle, short, slow};
 
 #[test]
 fn identity_the_loop_moves_as_the_recorded_arm_does() {
