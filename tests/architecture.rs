@@ -302,6 +302,28 @@ fn files_of_a_module_form_no_circle_but_registries() {
 }
 
 #[test]
+fn an_estimator_states_its_equation_its_assumptions_when_it_fails_and_its_source() {
+    let (mut estimators, mut faults) = (0, Vec::new());
+    for (path, _) in library_files(&root().join("src/estimation")) {
+        let text = read(&path);
+        // The list of estimators only hands on to them.
+        if !text.contains("impl Estimator for") || path.ends_with("kind.rs") {
+            continue;
+        }
+        estimators += 1;
+        let lines: Vec<&str> = text.lines().filter_map(|line| line.strip_prefix("//!")).collect();
+        let description = lines.join("\n");
+        for part in ["```text", "Assumes", "Fails", "Source"] {
+            if !description.contains(part) {
+                faults.push(format!("{}: the description of the module has no \"{part}\"", shown(&path)));
+            }
+        }
+    }
+    assert!(estimators >= 31, "found {estimators} files with an estimator");
+    assert_none(&faults);
+}
+
+#[test]
 fn the_reader_of_sources_sees_what_it_should() {
     let source = Source::read(
         r##"

@@ -12,7 +12,11 @@
 //! widened to hold the value where it moved out. Those of the small model alone would take the zeros for known and be too
 //! short.
 //!
-//! References: M. Gautier, W. Khalil, "Exciting trajectories for the identification of base inertial parameters of robots",
+//! Assumes what `wls` does, and that a parameter within its noise may be taken for zero wherever the estimate is used. Fails where
+//! parameters are hidden together: of two that only act as a sum one is left out and the other takes its part, which predicts the
+//! recorded motion and not another one.
+//!
+//! Sources: M. Gautier, W. Khalil, "Exciting trajectories for the identification of base inertial parameters of robots",
 //! International Journal of Robotics Research 11(4), 1992; A. Janot et al., "A generic instrumental variable approach for
 //! industrial robot identification", IEEE Trans. Control Systems Technology 22(1), 2014, for the F test.
 

@@ -3,12 +3,13 @@
 //! ```text
 //! β̂ = (WᵀPW + k D)⁻¹ WᵀP y        D = diag(WᵀPW)        k = b σ̂² / (β₀ᵀ D β₀), β₀ and σ̂² of weighted least squares
 //! ```
-//! P is that of `wls`. With D in place of 1 the answer does not depend on the units of the parameters. k is the choice of Hoerl,
-//! Kennard and Baldwin, from the data alone; exact equations give k = 0. For poorly conditioned equations: less scatter for
-//! some bias. Standard deviations are roots of the mean squared error, `cov + bias biasᵀ` with the bias `−k (WᵀPW + kD)⁻¹ D β̂` at
-//! the estimate. Where zero is far from the truth in the weak directions, bias outweighs what is won.
+//! Assumes what `wls` does, whose P this is. With D in place of 1 the answer does not depend on the units of the parameters.
+//! k is the choice of Hoerl, Kennard and Baldwin, from the data alone; exact equations give k = 0. For poorly conditioned
+//! equations: less scatter for some bias. Standard deviations are roots of the mean squared error, `cov + bias biasᵀ` with the bias
+//! `−k (WᵀPW + kD)⁻¹ D β̂` at the estimate. Fails where zero is far from the truth in the weak directions: bias then outweighs
+//! what is won.
 //!
-//! References: A. E. Hoerl, R. W. Kennard, "Ridge regression", Technometrics 12(1), 1970; A. E. Hoerl, R. W. Kennard, K. F.
+//! Sources: A. E. Hoerl, R. W. Kennard, "Ridge regression", Technometrics 12(1), 1970; A. E. Hoerl, R. W. Kennard, K. F.
 //! Baldwin, "Ridge regression: some simulations", Communications in Statistics 4(2), 1975, for k.
 
 use nalgebra::{DMatrix, DVector};

@@ -12,8 +12,8 @@
 //! squares runs away the search begins by multiple shooting, in intervals too short for that; where it cannot be simulated at all it
 //! begins with nominal parameters, which these combinations keep. Findings say both.
 //!
-//! Assumes servo, reference and start known and the model complete. Fails where the encoders' zeros are off by more than the servo's errors, and where the motion runs away from every
-//! start at hand; it finds the minimum beside its start.
+//! Assumes servo, reference and start known and the model complete. Fails where the encoders' zeros are off by more than the
+//! servo's errors, and where the motion runs away from every start at hand; it finds the minimum beside its start.
 //!
 //! Sources: E. Walter, L. Pronzato, *Identification of Parametric Models from Experimental Data*, Springer, 1997; Q. Leboutet et
 //! al., "Inertial parameter identification in robotics: a survey", Applied Sciences 11(9), 2021.

@@ -7,12 +7,12 @@
 //! ```
 //! The true motion is estimated beside the parameters, so their bias by noisy states goes, and a sample counts by what its own
 //! motion makes of that noise. Olsen and Swevers keep the motion a Fourier series over a period; here the band of the processed
-//! positions does that, through G ([`super::noise`]), and errors of neighbouring samples are taken as unrelated. Where no
-//! scatter over periods was measured the estimate is that of `wls`, and a finding says so. Slopes are taken over a standard deviation of the
-//! motion's noise, so that Coulomb friction has some. Fails where errors of the motion are not small beside its curvature, or are
-//! not noise.
+//! positions does that, through G ([`super::noise`]). Assumes normal noise of known covariance, unrelated between neighbouring
+//! samples. Where no scatter over periods was measured the estimate is that of `wls`, and a finding says so. Slopes are taken over
+//! a standard deviation of the motion's noise, so that Coulomb friction has some. Fails where errors of the motion are not small
+//! beside its curvature, or are not noise.
 //!
-//! Reference: M. M. Olsen, J. Swevers, W. Verdonck, "Maximum likelihood identification of a dynamic robot model:
+//! Source: M. M. Olsen, J. Swevers, W. Verdonck, "Maximum likelihood identification of a dynamic robot model:
 //! implementation issues", International Journal of Robotics Research 21(2), 2002.
 
 use nalgebra::{DMatrix, DVector};

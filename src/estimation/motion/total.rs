@@ -5,13 +5,13 @@
 //! [ A  m ]       [ C  0 ]                A = WᵀPW, m = WᵀPy, s = yᵀPy, P = Σ⁻¹
 //! [ mᵀ s ] v = λ [ 0  E ] v, λ least     C = E Σ_k ΔW_kᵀ P ΔW_k, E equations            β̂ = (A − λC)⁻¹ m
 //! ```
-//! C follows from the noise of positions through derivatives and regressor ([`super::noise`]): columns of acceleration have much
-//! of it, offsets none. λ is 1 or so where the noise of both sides is known as it is. Removes, to first order, the bias
-//! that errors of the motion give least squares. Assumes that these errors are those of noise: a delay or an elastic link are
-//! none. Where no scatter over periods was measured, nothing is known of either noise: the estimate is that of `wls`, and a finding says
-//! so.
+//! C follows from the noise of positions through derivatives and regressor ([`super::noise`]): columns of acceleration have much of
+//! it, offsets none. λ is 1 or so where the noise of both sides is known as it is. Removes, to first order, the bias that errors of
+//! the motion give least squares. Assumes that these errors are noise of the measured size. Fails where they are none (a delay, an
+//! elastic link), and where they are not small: what is left out is of second order. Where no scatter over periods was measured,
+//! nothing is known of either noise: the estimate is that of `wls`, and a finding says so.
 //!
-//! Reference: S. Van Huffel, J. Vandewalle, "Analysis and properties of the generalized total least squares problem AX ≈ B
+//! Source: S. Van Huffel, J. Vandewalle, "Analysis and properties of the generalized total least squares problem AX ≈ B
 //! when some or all columns in A are subject to error", SIAM J. Matrix Analysis and Applications 10(3), 1989.
 
 use nalgebra::{DMatrix, DVector};

@@ -8,7 +8,10 @@
 //! dynamics is stiff by the square of the condition number, so it is integrated by linearly implicit steps of Euler. Numbers
 //! of a recording enter by A, with the square of the condition number: at 1e6 and more, half of the digits are gone.
 //!
-//! Reference: M. Atencia, G. Joya, F. Sandoval, "Hopfield neural networks for parametric identification of dynamical systems",
+//! Assumes what `wls` does, at whose solution it rests. Fails where that solution lies beyond α: states then rest at their bounds;
+//! and by rounding as above, of parameters that the motion hardly shows first.
+//!
+//! Source: M. Atencia, G. Joya, F. Sandoval, "Hopfield neural networks for parametric identification of dynamical systems",
 //! Neural Processing Letters 21(2), 2005.
 
 use nalgebra::{DMatrix, DVector};

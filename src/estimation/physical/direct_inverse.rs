@@ -4,9 +4,10 @@
 //! min_φ ‖y − τ_s(K φ)‖_Σ        over consistent φ        ∂τ_s/∂β ≈ Z as for `didim`
 //! ```
 //! Each step goes to the consistent set that explains the linear equations around the last one best, so that the arm can be
-//! simulated after every step that is not too long. What `didim` assumes is assumed. Intervals are those of the unconstrained solution of
-//! the last equations, cut to what is consistent. Where the search does not come to rest, the result is the consistent set by
-//! the last equations, and the [`Termination`](crate::estimation::Termination) says so.
+//! simulated after every step that is not too long. Assumes what `didim` does, and links that are rigid bodies. Fails where `didim`
+//! does, and where a model that lacks torque is held at the boundary. Intervals are those of the unconstrained solution of the last
+//! equations, cut to what is consistent. Where the search does not come to rest, the result is the consistent set by the last
+//! equations, and the [`Termination`](crate::estimation::Termination) says so.
 //!
 //! Source: Q. Leboutet, J. Roux, A. Janot, J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a
 //! survey", Applied Sciences 11(9), 2021, for the estimators that combine the two.

@@ -4,10 +4,11 @@
 //! min_φ ‖y − W K φ‖²/(2σ̂²) + Σ_links ( tr(P₀⁻¹ P) − ln det P ) + Σ_drives ( x/x₀ − ln x )
 //! ```
 //! The distance is the Bregman divergence of −ln det, up to a constant: it does not depend on frames or on units of length and
-//! mass, and is infinite where the set is not consistent. It counts in nats beside the equations' own likelihood; σ̂² is the variance
-//! of their residual. Needs a nominal set. A prior that is wrong pulls what the motion hardly shows.
+//! mass, and is infinite where the set is not consistent. It counts in nats beside the equations' own likelihood; σ̂² is the
+//! variance of their residual. Assumes what `pc-ols` does, and a nominal set near the arm. Fails by a prior that is wrong: it pulls
+//! what the motion hardly shows, and the intervals do not know.
 //!
-//! Reference: T. Lee, P. M. Wensing, F. C. Park, "Geometric robot dynamic identification: a convex programming approach",
+//! Source: T. Lee, P. M. Wensing, F. C. Park, "Geometric robot dynamic identification: a convex programming approach",
 //! IEEE Trans. Robotics 36(2), 2020, section IV.
 
 use super::fit::{PRIOR_IN_SI, near_nominal};

@@ -3,10 +3,10 @@
 //! ```text
 //! min_φ ‖y − W K φ‖²/(2σ̂²) + |φ − φ₀|²/(2s²)        over consistent φ        s² the mean square of φ₀
 //! ```
-//! For comparison: a kilogram weighs as much as a kilogram metre squared, so a prior's masses hold and its inertias do not. Needs
-//! a nominal set. A prior that is wrong pulls what the motion hardly shows.
+//! For comparison: a kilogram weighs as much as a kilogram metre squared, so a prior's masses hold and its inertias do not. Assumes
+//! what `pc-ols` does, and a nominal set near the arm. Fails by a prior that is wrong: it pulls what the motion hardly shows.
 //!
-//! Reference: T. Lee, P. M. Wensing, F. C. Park, "Geometric robot dynamic identification: a convex programming approach",
+//! Source: T. Lee, P. M. Wensing, F. C. Park, "Geometric robot dynamic identification: a convex programming approach",
 //! IEEE Trans. Robotics 36(2), 2020, section IV.
 
 use super::fit::{PRIOR_IN_SI, near_nominal};

@@ -3,9 +3,10 @@
 //! ```text
 //! min_φ ‖ZᵀΣ⁻¹ (y − W K φ)‖²        over consistent φ, in the metric of (ZᵀΣ⁻¹Z)⁻¹        Z as for `iv`, at K φ
 //! ```
-//! The set nearest to the solution by instruments, by the covariance of that solution; the arm is simulated at the set, which always
-//! has a mass matrix, until both agree. Without the errors of the measured motion in it, as `iv`; what `iv` assumes is assumed.
-//! Intervals are those of the unconstrained solution of the last instruments, cut to what is consistent.
+//! The set nearest to the solution by instruments, by the covariance of that solution; the arm is simulated at the set, which
+//! always has a mass matrix, until both agree. Without the errors of the measured motion in it, as `iv`. Assumes what `iv` does,
+//! and links that are rigid bodies. Fails where `iv` does, and where a model that lacks torque is held at the boundary. Intervals
+//! are those of the unconstrained solution of the last instruments, cut to what is consistent.
 //!
 //! Source: Q. Leboutet, J. Roux, A. Janot, J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a
 //! survey", Applied Sciences 11(9), 2021, for the estimators that combine the two.

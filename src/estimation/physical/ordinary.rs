@@ -3,8 +3,16 @@
 //! ```text
 //! min_φ ‖y − W K φ‖²        over consistent φ
 //! ```
-//! Its optimum is that of the semidefinite program (Sousa and Cortesão, 2014), found along a barrier's path. Where the ordinary
+//! Its optimum is that of the semidefinite program, found along a barrier's path. Where the ordinary
 //! solution is consistent, it is that.
+//!
+//! Assumes what `ols` does, and links that are rigid bodies. Fails where torque that the model lacks pushes the equations out of
+//! what bodies can have: the estimate then lies on the boundary, and [`Finding::HeldBack`](crate::estimation::Finding::HeldBack)
+//! says how far from its equations. Which of the consistent sets with the same base parameters it names says nothing of the arm.
+//!
+//! Sources: C. D. Sousa, R. Cortesão, "Physical feasibility of robot base inertial parameter identification: a linear matrix inequality
+//! approach", International Journal of Robotics Research 33(6), 2014; P. M. Wensing, S. Kim, J.-J. Slotine, "Linear matrix inequalities for
+//! physically consistent inertial parameter identification", IEEE Robotics and Automation Letters 3(1), 2018, for pseudo-inertias.
 
 use super::fit::{STATED_IN_SI, ordinary};
 use crate::estimation::consistent_set::Prior;

@@ -3,11 +3,11 @@
 //! ```text
 //! min_φ ‖y − W K φ‖²/(2σ̂²) + ½ Σ_links tr((P₀⁻¹ΔP)²) + ½ Σ_drives (Δx/x₀)²        over consistent φ
 //! ```
-//! The metric of positive definite matrices, taken at the prior alone: the entropic distance to second order, quadratic. Does
-//! not depend on frames or units of length and mass. Needs a nominal set. A prior that is wrong pulls what the motion hardly
-//! shows.
+//! The metric of positive definite matrices, taken at the prior alone: the entropic distance to second order, quadratic. Does not
+//! depend on frames or units of length and mass. Assumes what `pc-ols` does, and a nominal set near the arm. Fails by a prior that
+//! is wrong: it pulls what the motion hardly shows.
 //!
-//! Reference: T. Lee, P. M. Wensing, F. C. Park, "Geometric robot dynamic identification: a convex programming approach",
+//! Source: T. Lee, P. M. Wensing, F. C. Park, "Geometric robot dynamic identification: a convex programming approach",
 //! IEEE Trans. Robotics 36(2), 2020, section IV.
 
 use super::fit::{PRIOR_IN_SI, near_nominal};

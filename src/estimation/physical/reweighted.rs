@@ -5,6 +5,13 @@
 //! ```
 //! Weights follow from the residual of the consistent solution, which follows from the weights, until the torque rests.
 //! Intervals are those of the unconstrained solution of the last weights, cut to what is consistent.
+//!
+//! Assumes what `irls-huber` does, and links that are rigid bodies. Fails by leverage points as that, and where the model lacks so
+//! much torque that the boundary holds the estimate: equations that are right then look wrong, and lose weight.
+//!
+//! Sources: P. J. Huber, E. M. Ronchetti, *Robust Statistics*, 2nd ed., Wiley, 2009, ch. 7; Q. Leboutet, J. Roux, A. Janot,
+//! J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a survey", Applied Sciences 11(9), 2021, for the
+//! estimators that combine the two.
 
 use super::fit::STATED_IN_SI;
 use super::inference::restate;

@@ -6,7 +6,11 @@
 //! ```
 //! For a linear measurement second differences vanish.
 //!
-//! Reference: M. Nørgaard, N. K. Poulsen, O. Ravn, "New developments in state estimation for nonlinear systems", Automatica
+//! Assumes what `wls` does, and parameters that stand still or drift more slowly than the walk ([`super::walk`]) allows. Fails as
+//! `ukf`: each sample takes a Cholesky factor of P, which poor conditioning makes indefinite, and differences of points only find
+//! again the H that is known.
+//!
+//! Source: M. Nørgaard, N. K. Poulsen, O. Ravn, "New developments in state estimation for nonlinear systems", Automatica
 //! 36(11), 2000.
 
 use nalgebra::{DMatrix, DVector};

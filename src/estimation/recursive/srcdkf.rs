@@ -5,7 +5,10 @@
 //! ```
 //! Points as for `cdkf`.
 //!
-//! Reference: R. van der Merwe, *Sigma-Point Kalman Filters for Probabilistic Inference in Dynamic State-Space Models*, thesis,
+//! Assumes what `wls` does, and parameters that stand still or drift more slowly than the walk ([`super::walk`]) allows. Fails as
+//! `srukf`, where rounding leaves S Sᵀ − U Uᵀ indefinite, and by wrong samples and noisy states as `wls`.
+//!
+//! Source: R. van der Merwe, *Sigma-Point Kalman Filters for Probabilistic Inference in Dynamic State-Space Models*, thesis,
 //! OHSU, 2004, section 3.3.
 
 use nalgebra::{DMatrix, DVector};

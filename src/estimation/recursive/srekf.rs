@@ -5,7 +5,11 @@
 //! [ 1  H S ]       [ S_z    0 ]
 //! [ 0   S  ] Θ  =  [ K S_z  S']        Θ orthogonal, P = S Sᵀ        γ ← γ + K S_z S_z⁻¹ (z − H γ)
 //! ```
-//! Reference: P. Kaminski, A. Bryson, S. Schmidt, "Discrete square root filtering: a survey of current techniques", IEEE
+//!
+//! Assumes what `wls` does, and parameters that stand still or drift more slowly than the walk ([`super::walk`]) allows. Fails as
+//! `wls` by wrong samples and noisy states; by rounding at the square of the condition number at which `ekf` does.
+//!
+//! Source: P. Kaminski, A. Bryson, S. Schmidt, "Discrete square root filtering: a survey of current techniques", IEEE
 //! Trans. Automatic Control 16(6), 1971.
 
 use nalgebra::{DMatrix, DVector};

@@ -5,7 +5,11 @@
 //! ```
 //! Points and weights as for `ukf`.
 //!
-//! Reference: R. van der Merwe, E. A. Wan, "The square-root unscented Kalman filter for state and parameter-estimation",
+//! Assumes what `wls` does, and parameters that stand still or drift more slowly than the walk ([`super::walk`]) allows. Fails
+//! where rounding leaves S Sᵀ − U Uᵀ indefinite: the filter ends at that sample and says so. Wrong samples and noisy states bias it
+//! as they do `wls`.
+//!
+//! Source: R. van der Merwe, E. A. Wan, "The square-root unscented Kalman filter for state and parameter-estimation",
 //! Proc. IEEE ICASSP, 2001.
 
 use nalgebra::{DMatrix, DVector};

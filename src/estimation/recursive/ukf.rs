@@ -5,7 +5,11 @@
 //! ```
 //! α = 1, κ = 0: no weight is negative. For a linear measurement the points give its mean and covariance exactly.
 //!
-//! Reference: S. J. Julier, J. K. Uhlmann, "Unscented filtering and nonlinear estimation", Proceedings of the IEEE 92(3), 2004.
+//! Assumes what `wls` does, and parameters that stand still or drift more slowly than the walk ([`super::walk`]) allows. Fails as
+//! `ekf` by poor conditioning, since each sample takes a Cholesky factor of P, and costs 2b + 1 evaluations for what one gives:
+//! points repay where a measurement is not linear, and this one is.
+//!
+//! Source: S. J. Julier, J. K. Uhlmann, "Unscented filtering and nonlinear estimation", Proceedings of the IEEE 92(3), 2004.
 
 use nalgebra::{DMatrix, DVector};
 

@@ -3,11 +3,11 @@
 //! ```text
 //! min Σ_r ρ((y_r − w_r β)/s_i)        ω(u) = 1/(1 + (u/2.385)²)
 //! ```
-//! Not convex: the answer is the minimum next to weighted least squares, from which the iteration starts. Influence falls as
-//! 1/u and never reaches zero. An equation whose *row* is far from all others (a leverage point) draws the start to
-//! itself and keeps its weight: use `mm`.
+//! Not convex: the answer is the minimum next to weighted least squares, from which the iteration starts. Influence falls as 1/u
+//! and never reaches zero. Assumes that wrong equations are wrong in torque, and few. Fails by an equation whose *row* is far from
+//! all others (a leverage point): it draws the start to itself and keeps its weight: use `mm`.
 //!
-//! Reference: constant for 95 % efficiency: P. W. Holland, R. E. Welsch, "Robust regression using iteratively reweighted
+//! Source: constant for 95 % efficiency: P. W. Holland, R. E. Welsch, "Robust regression using iteratively reweighted
 //! least-squares", Communications in Statistics A 6(9), 1977.
 
 use super::inference;

@@ -3,10 +3,10 @@
 //! ```text
 //! min Σ_r ρ((y_r − w_r β)/s_i)        ω(u) = min(1, 1.345/|u|)
 //! ```
-//! Convex for given scales: one answer. Assumes that wrong equations are wrong in torque; noise normal but for them. A single
-//! equation whose *row* is far from all others (a leverage point) moves it without bound: use `mm`.
+//! Convex for given scales: one answer. Assumes that wrong equations are wrong in torque; noise normal but for them. Fails by a
+//! single equation whose *row* is far from all others (a leverage point), which moves it without bound: use `mm`.
 //!
-//! Reference: P. J. Huber, "Robust estimation of a location parameter", Annals of Mathematical Statistics 35(1), 1964; constant
+//! Source: P. J. Huber, "Robust estimation of a location parameter", Annals of Mathematical Statistics 35(1), 1964; constant
 //! for 95 % efficiency: P. W. Holland, R. E. Welsch, Communications in Statistics A 6(9), 1977.
 
 use super::inference;

@@ -5,11 +5,11 @@
 //! 2. s_i = M-scale of joint i's residuals at β_S, kept
 //! 3. Σ_r ψ((y_r − w_r β̂)/s_i) w_r/s_i = 0 from β_S          ψ Tukey's with 4.685: 95 % efficient where noise is normal
 //! ```
-//! For recordings with wrong states as well as wrong torques: slips of a clock, an encoder that jumps, a collision. Fails
-//! where the wrong equations agree with each other better than the right ones do, or where without them the motion does not show
-//! a parameter. Costs some hundred least-squares fits.
+//! For recordings with wrong states as well as wrong torques: slips of a clock, an encoder that jumps, a collision. Assumes that
+//! fewer than half of the equations are wrong. Fails where the wrong equations agree with each other better than the right ones do,
+//! or where without them the motion does not show a parameter. Costs some hundred least-squares fits.
 //!
-//! Reference: V. J. Yohai, "High breakdown-point and high efficiency robust estimates for regression", Annals of Statistics 15(2),
+//! Source: V. J. Yohai, "High breakdown-point and high efficiency robust estimates for regression", Annals of Statistics 15(2),
 //! 1987.
 
 use super::inference;

@@ -3,11 +3,11 @@
 //! ```text
 //! min Σ_r ρ((y_r − w_r β)/s_i)        ω(u) = (1 − (u/4.685)²)² up to 4.685, 0 beyond
 //! ```
-//! Not convex: the answer is the minimum next to weighted least squares, from which the iteration starts. Equations that are far off in
-//! torque lose all influence. One whose *row* is far from all others (a leverage point) draws the start to itself and
-//! keeps its weight: use `mm`.
+//! Not convex: the answer is the minimum next to weighted least squares, from which the iteration starts. Equations that are far
+//! off in torque lose all influence. Assumes that wrong equations are wrong in torque, and few. Fails by one whose *row* is far
+//! from all others (a leverage point): it draws the start to itself and keeps its weight: use `mm`.
 //!
-//! Reference: A. E. Beaton, J. W. Tukey, "The fitting of power series, meaning polynomials, illustrated on band-spectroscopic
+//! Source: A. E. Beaton, J. W. Tukey, "The fitting of power series, meaning polynomials, illustrated on band-spectroscopic
 //! data", Technometrics 16(2), 1974; constant for 95 % efficiency: Holland and Welsch (1977).
 
 use super::inference;
