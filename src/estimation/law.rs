@@ -2,7 +2,8 @@
 
 use std::fmt;
 
-/// A law that an estimator obeys unless it declares an exception; [`crate::conformance::estimator_laws`] checks it.
+/// A law that an estimator obeys unless it declares an exception; [`crate::conformance::estimator_laws`] checks it. `NOTATION.md` has
+/// the table of laws and estimators.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
 pub enum EstimatorLaw {
     /// From exact equations it returns the true base parameters.
@@ -91,4 +92,27 @@ impl LawException {
         },
         Self::PARAMETER_UNITS,
     ];
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::estimation::{Estimator, EstimatorKind};
+
+    #[test]
+    fn the_table_of_the_notation_shows_the_declared_exceptions() {
+        let text = include_str!("../../NOTATION.md");
+        let rows = text.lines().map(|line| line.trim_matches('|').split('|').map(str::trim).collect::<Vec<&str>>());
+        // Estimators, a cell for each law, the reason.
+        let rows: Vec<Vec<&str>> = rows.filter(|cells| cells.len() == EstimatorLaw::ALL.len() + 2).collect();
+        for kind in EstimatorKind::ALL {
+            let name = format!("`{}`", kind.name());
+            let found = rows.iter().find(|cells| cells[0].split(", ").any(|cell| cell == name));
+            let cells = found.unwrap_or_else(|| panic!("no row for {name}"));
+            for (law, cell) in EstimatorLaw::ALL.iter().zip(&cells[1..]) {
+                let excepted = kind.exceptions().iter().any(|exception| exception.law == *law);
+                assert_eq!(*cell, if excepted { "no" } else { "yes" }, "{name}: {law}");
+            }
+        }
+    }
 }
