@@ -189,6 +189,8 @@ fn sensors_act_alike_in_every_engine() {
         EffectKind::ColouredNoise,
         EffectKind::EncoderNoise,
         EffectKind::TorqueNoise,
+        EffectKind::TorqueSpikes,
+        EffectKind::ClockSlips,
     ];
     alike(&kinds, 6e-3);
     // Counts turn over at other moments in another engine: with coarse ones only the size of what they do is the same.

@@ -3,7 +3,7 @@
 
 use std::sync::Arc;
 
-use super::effects::SampleClock;
+use super::effects::{ClockSlips, SampleClock};
 use super::{
     CommandTable, DivergenceError, Ending, JointLoop, Layout, Phase, PlantError, RawSample, Rest, Sink, Tracking,
 };
@@ -48,6 +48,7 @@ pub struct Cycle {
     runaway: Vec<f64>,
     joints: JointLoop,
     clock: Option<SampleClock>,
+    slips: Option<ClockSlips>,
     tracking: Tracking,
     step: usize,
     sample: usize,
@@ -63,11 +64,12 @@ pub(super) struct CycleSpec<'a> {
     pub(super) per_sample: usize,
     pub(super) joints: JointLoop,
     pub(super) clock: Option<SampleClock>,
+    pub(super) slips: Option<ClockSlips>,
 }
 
 impl Cycle {
     pub(super) fn new(spec: CycleSpec<'_>) -> Self {
-        let CycleSpec { robot, layout, table, rate_hz, per_sample, joints, clock } = spec;
+        let CycleSpec { robot, layout, table, rate_hz, per_sample, joints, clock, slips } = spec;
         Self {
             layout,
             table,
@@ -77,6 +79,7 @@ impl Cycle {
             runaway: robot.joints().iter().map(|joint| 10.0 * joint.limits.velocity).collect(),
             joints,
             clock,
+            slips,
             tracking: Tracking::new(robot.dof()),
             step: 0,
             sample: 0,
@@ -154,6 +157,10 @@ impl Cycle {
             self.joints.sense_late(late_s, lost);
             observer(&TrueState { index, t, phase, q, qd, tau: self.joints.tau() });
             let (q, effort, voltage) = self.joints.reported();
+            let [q, effort, voltage] = match &mut self.slips {
+                None => [q, effort, voltage],
+                Some(slips) => slips.written([q, effort, voltage]),
+            };
             let sample = RawSample { index, t, phase, q, effort, voltage, command };
             if sink.sample(&sample).ends() {
                 return self.end(Ending::Stopped { t, phase, rest: Rest::Simulated });

@@ -11,7 +11,7 @@
 
 use rand_distr::{Distribution, StandardNormal};
 
-use super::effects::{ActualSensors, Eccentricity, Memory};
+use super::effects::{ActualSensors, Eccentricity, Memory, Spikes};
 use crate::model::Robot;
 use crate::seed::{RunNoise, Stream};
 
@@ -67,6 +67,7 @@ pub(super) struct Sensors {
     voltage_stream: Stream,
     position_stream: Stream,
     current_stream: Stream,
+    spike_stream: Stream,
     /// 1, or −1 in a run with opposite noise.
     sign: f64,
     /// How late the sample is taken, in servo steps, −½ to ½.
@@ -92,6 +93,7 @@ struct Ammeter {
     codes: f64,
     offset: f64,
     memory: Option<Memory>,
+    spikes: Option<Spikes>,
 }
 
 impl Sensors {
@@ -114,6 +116,7 @@ impl Sensors {
                 codes: if joint.drive.adc_bits > 0 { f64::from(1_u32 << (joint.drive.adc_bits - 1)) } else { 0.0 },
                 offset: 0.0,
                 memory: None,
+                spikes: None,
             }
         });
         let drives = || robot.joints().iter().map(|joint| &joint.drive);
@@ -129,6 +132,7 @@ impl Sensors {
             voltage_stream: run.stream("voltage noise"),
             position_stream: run.stream("position noise"),
             current_stream: run.stream("current noise"),
+            spike_stream: run.stream("torque spikes"),
             sign: run.sign(),
             late: 0.0,
         }
@@ -150,6 +154,7 @@ impl Sensors {
             meter.offset = actual.offset[i];
             meter.memory = Some(actual.memory);
             meter.noise = libm::hypot(meter.noise, actual.current_noise[i]);
+            meter.spikes = Some(actual.spikes[i]);
         }
         self
     }
@@ -182,6 +187,9 @@ impl Sensors {
             }
             if meter.offset != 0.0 {
                 current += meter.offset;
+            }
+            if let Some(spike) = meter.spikes.and_then(|spikes| spikes.reading(&mut self.spike_stream, self.sign)) {
+                current = spike;
             }
             measured[i] = if meter.lsb == 0.0 {
                 current

@@ -222,6 +222,7 @@ impl<P: Plant> Servo<P> {
                     Some(actual) => joints.with_effects(actual, table.row(0)),
                 },
                 clock: actual.and_then(|actual| actual.clock(run)),
+                slips: actual.and_then(|actual| actual.clock_slips(plan.rate_hz, run)),
             })
         };
         Ok(runs.iter().map(cycle).collect())

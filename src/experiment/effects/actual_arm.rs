@@ -3,9 +3,11 @@
 use super::EffectKind as Kind;
 use super::Effects;
 use super::cable::Strands;
+use super::clock_slips::ClockSlips;
 use super::drive_friction::{DriveFriction, is_displaced};
 use super::eccentricity::Eccentricity;
 use super::elasticity::Spring;
+use super::spikes::Spikes;
 use super::transmission_error::TransmissionError;
 use super::warming::Warming;
 use super::{
@@ -280,7 +282,17 @@ impl ActualArm {
                 .iter()
                 .map(|joint| magnitude(Kind::TorqueNoise) / joint.drive.torque_per_ampere().abs())
                 .collect(),
+            spikes: joints
+                .iter()
+                .map(|joint| Spikes { share: magnitude(Kind::TorqueSpikes), range: range(joint) })
+                .collect(),
         }
+    }
+
+    /// The slips of one run's clock, where it slips.
+    pub(in crate::experiment) fn clock_slips(&self, rate_hz: f64, run: RunNoise) -> Option<ClockSlips> {
+        let share = self.effects.magnitude(Kind::ClockSlips);
+        (share > 0.0).then(|| ClockSlips::new(share, rate_hz, run))
     }
 
     /// The clock of one run's samples, where it is not ideal.
@@ -356,4 +368,6 @@ pub(in crate::experiment) struct ActualSensors {
     pub(in crate::experiment) position_noise: Vec<f64>,
     /// White noise of each current that comes to what the sensors have, A.
     pub(in crate::experiment) current_noise: Vec<f64>,
+    /// Readings of each current that are wrong.
+    pub(in crate::experiment) spikes: Vec<Spikes>,
 }

@@ -133,6 +133,9 @@ effects! {
     /// Samples that get lost; the one before stands in their place.
     DroppedSamples: "dropped-samples", "", 0.001, 0.02, 0.5,
         "share of samples that repeat the one before";
+    /// Stretches of samples that were measured earlier than their stamps say.
+    ClockSlips: "clock-slips", "", 0.001, 0.01, 0.5,
+        "share of samples, in slips of 50 ms, that were measured 20 ms before their stamps";
     /// Current converters whose zero is not zero.
     AdcOffset: "adc-offset", "", 0.001, 0.01, 0.1,
         "offset as a share of the converter's range";
@@ -148,6 +151,9 @@ effects! {
     /// White noise of the currents beside the robot file's.
     TorqueNoise: "torque-noise", "N·m", 0.05, 0.2, 10.0,
         "standard deviation of each motor's torque at its joint by what is added to its current";
+    /// Readings of currents that have nothing to do with them.
+    TorqueSpikes: "torque-spikes", "", 0.001, 0.01, 0.5,
+        "share of readings of each current that are anything within the converter's range";
 }
 
 impl EffectKind {

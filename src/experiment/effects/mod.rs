@@ -6,7 +6,7 @@
 //! | between motor and link | elasticity, hysteresis, backlash, transmission error |
 //! | torque of the motors | ripple, cogging, torque constant, current lag, current delay |
 //! | what the plant is made of | tool, cable, base tilt, kinematics |
-//! | sensors and clock | encoder step, eccentricities, jitter, dropped samples, converter offset and step, coloured noise |
+//! | sensors and clock | encoder step, eccentricities, jitter, dropped samples, clock slips, converter offset and step, coloured noise, white noise, spikes |
 //!
 //! They live around a [`Plant`](super::Plant), not in an engine, so that every engine has them alike: an [`ActualArm`]
 //! changes what the plant is built from, and a [`Servo`](super::Servo) with it changes torques, encoders and samples.
@@ -22,6 +22,7 @@ mod actual_arm;
 mod backlash;
 mod base_tilt;
 mod cable;
+mod clock_slips;
 mod coloured_noise;
 mod current_loop;
 mod direction_friction;
@@ -40,6 +41,7 @@ mod presliding;
 mod ripple;
 mod sample_clock;
 mod selection;
+mod spikes;
 mod tool;
 mod torque_constant;
 mod transmission_error;
@@ -48,6 +50,7 @@ mod warming;
 
 pub use actual_arm::ActualArm;
 pub(super) use actual_arm::ActualSensors;
+pub(super) use clock_slips::ClockSlips;
 pub(super) use coloured_noise::Memory;
 pub(super) use drives::ActualDrives;
 pub(super) use eccentricity::Eccentricity;
@@ -56,3 +59,4 @@ pub use kind::{EffectEntry, EffectKind};
 pub use level::Level;
 pub(super) use sample_clock::SampleClock;
 pub use selection::Effects;
+pub(super) use spikes::Spikes;
