@@ -52,6 +52,7 @@ const MOTION_STATES: usize = 500;
 pub struct Identification<'a> {
     robot: &'a Robot,
     nominal: Option<&'a StandardParameters>,
+    start: Option<&'a StandardParameters>,
     closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>,
     regressor: JointTorqueRegressor,
     base: BaseReduction,
@@ -93,7 +94,7 @@ impl<'a> Identification<'a> {
     }
 
     fn of(robot: &'a Robot, regressor: JointTorqueRegressor, base: BaseReduction) -> Self {
-        Self { robot, nominal: None, closed_loop: Err(ClosedLoopError::NotGiven), regressor, base }
+        Self { robot, nominal: None, start: None, closed_loop: Err(ClosedLoopError::NotGiven), regressor, base }
     }
 
     /// With the closed loop in which the samples were recorded, or what is not known of it, for estimators that simulate.
@@ -106,6 +107,12 @@ impl<'a> Identification<'a> {
     #[must_use]
     pub fn with_nominal(self, nominal: &'a StandardParameters) -> Self {
         Self { nominal: Some(nominal), ..self }
+    }
+
+    /// With the parameters that estimators which simulate the arm begin with, in place of the weighted linear fit.
+    #[must_use]
+    pub fn with_start(self, start: &'a StandardParameters) -> Self {
+        Self { start: Some(start), ..self }
     }
 
     /// The base parameters.
@@ -150,7 +157,8 @@ impl<'a> Identification<'a> {
 
     pub(super) fn problem<'b>(&'b self, observation: &'b Observation, samples: &'b Samples) -> EstimationProblem<'b> {
         let problem = EstimationProblem::new(observation).with_robot(self.robot).with_samples(samples);
-        EstimationProblem { nominal: self.nominal, closed_loop: self.closed_loop.as_deref(), ..problem }
+        let closed_loop = self.closed_loop.as_deref();
+        EstimationProblem { nominal: self.nominal, start: self.start, closed_loop, ..problem }
     }
 
     /// Compares what an estimate predicts with samples that it was not made from.

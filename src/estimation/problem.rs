@@ -30,6 +30,9 @@ pub struct EstimationProblem<'a> {
     pub samples: Option<&'a Samples>,
     /// What an experimenter would have guessed.
     pub nominal: Option<&'a StandardParameters>,
+    /// Where estimators that simulate the arm begin, in place of the weighted linear fit; no other begins anywhere but with the
+    /// equations.
+    pub start: Option<&'a StandardParameters>,
     /// The arm under its known servo along the motion of the samples, or what is not known of it.
     pub closed_loop: Result<&'a dyn ClosedLoop, &'a ClosedLoopError>,
     /// The factorisation of the equations, which several estimators may share.
@@ -41,7 +44,7 @@ impl<'a> EstimationProblem<'a> {
     #[must_use]
     pub const fn new(observation: &'a Observation) -> Self {
         let closed_loop = Err(&ClosedLoopError::NotGiven);
-        Self { observation, robot: None, samples: None, nominal: None, closed_loop, factorisation: None }
+        Self { observation, robot: None, samples: None, nominal: None, start: None, closed_loop, factorisation: None }
     }
 
     /// With the robot.

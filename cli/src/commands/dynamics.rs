@@ -4,7 +4,6 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use armid::dynamics::{Dynamics, States};
-use armid::model::format::parse_parameter_map;
 use armid::model::{Columns, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
 use armid_io::table::{Third, parse_states};
@@ -12,7 +11,7 @@ use armid_io::{Error, LoadedRobot, Text};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::arguments::{RobotArguments, columns, one_of};
+use crate::arguments::{RobotArguments, columns, one_of, read_parameter_map};
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
@@ -105,8 +104,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 
 fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<StandardParameters> {
     if let Some(path) = &arguments.parameters {
-        let text = Text::read(path)?;
-        return Ok(parse_parameter_map(&text.content, &loaded.robot).map_err(|error| Error::of_format(&text, &error))?);
+        return Ok(read_parameter_map(path, &loaded.robot)?);
     }
     loaded.own.clone().ok_or_else(|| {
         let message = format!(

@@ -15,7 +15,7 @@ use super::drive_gains;
 use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::EstimateAnswer;
 use crate::answers::selection::{selection_json, selection_text};
-use crate::arguments::{KnownLoadArguments, LogArguments, columns, one_of};
+use crate::arguments::{KnownLoadArguments, LogArguments, columns, one_of, read_parameter_map};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = r#"A log is a recording of `armid run`, an MCAP of ROS 2 joint states, a table of any shape, or a
@@ -98,6 +98,10 @@ pub(crate) struct Arguments {
     /// another tool
     #[arg(long, value_name = "PART|LOG", help_heading = "Logs")]
     held_out: Option<String>,
+    /// Parameters that the estimators which simulate the arm begin with, in place of the weighted linear fit: name → value,
+    /// TOML or JSON
+    #[arg(long, value_name = "P", conflicts_with = "of_two")]
+    start: Option<PathBuf>,
     #[command(flatten)]
     log: LogArguments,
 }
@@ -145,6 +149,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         inputs.held_out_log = Some(other.display().to_string());
         let (others, _) = arguments.log.process(&[other], Some(&inputs), HeldOut::Nothing, None)?;
         prepared.hold_out(&others);
+    }
+    if let Some(path) = &arguments.start {
+        prepared.start = Some(read_parameter_map(path, &prepared.robot.robot)?);
     }
     let selection = among.map(|among| prepared.select(among)).transpose()?;
     if let Some(selection) = &selection {

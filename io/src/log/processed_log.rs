@@ -5,7 +5,7 @@ use armid::estimation::{
     ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Observation, ResidualTrends,
     Selection, TorqueResidual, TorqueSeries, Validation, closed_loop_of, select,
 };
-use armid::model::{Columns, EffortInterface};
+use armid::model::{Columns, EffortInterface, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
 use armid::signal::Samples;
 use serde::Serialize;
@@ -36,6 +36,8 @@ pub struct ProcessedLog {
     pub settings: LogSettings,
     /// What makes the closed loop of the recordings, for estimators that simulate; none unless it is set.
     pub closed_loops: Option<ClosedLoopFactory>,
+    /// Where estimators that simulate begin, in place of the weighted linear fit.
+    pub start: Option<StandardParameters>,
 }
 
 /// What was found in a log, and how much of it is used.
@@ -144,6 +146,9 @@ impl ProcessedLog {
         let robot = &self.robot;
         let known = closed_loop_of(self.closed_loops, &robot.robot, robot.guess(), &recordings);
         identification = identification.with_closed_loop(known);
+        if let Some(start) = &self.start {
+            identification = identification.with_start(start);
+        }
         let estimators: Vec<_> = estimators.iter().map(|kind| kind.estimator()).collect();
         identification.estimate_by(&self.samples, &estimators).map_err(named)
     }

@@ -53,6 +53,7 @@ impl Log {
             logs: vec![log],
             settings: settings.clone(),
             closed_loops: None,
+            start: None,
             robot,
         })
     }

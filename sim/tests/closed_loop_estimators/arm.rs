@@ -55,6 +55,16 @@ impl Arm {
     }
 
     pub(crate) fn estimate(&self, kind: EstimatorKind, recording: &Recording, samples: &Samples) -> Estimate {
+        self.estimate_from(None, kind, recording, samples)
+    }
+
+    pub(crate) fn estimate_from(
+        &self,
+        start: Option<&StandardParameters>,
+        kind: EstimatorKind,
+        recording: &Recording,
+        samples: &Samples,
+    ) -> Estimate {
         let observation = Observation::new(&self.robot, &self.regressor, &self.base, samples).unwrap();
         let known = self.closed_loop(recording);
         let problem = EstimationProblem::new(&observation)
@@ -62,7 +72,7 @@ impl Arm {
             .with_samples(samples)
             .with_nominal(&self.nominal)
             .with_closed_loop(Ok(&*known));
-        kind.estimator().estimate(&problem).unwrap()
+        kind.estimator().estimate(&EstimationProblem { start, ..problem }).unwrap()
     }
 
     pub(crate) fn error(&self, estimate: &Estimate) -> f64 {

@@ -11,12 +11,33 @@ use armid::estimation::{
 };
 use armid::experiment::{ExperimentPlan, Phase, Recording, Sensing};
 use armid::model::format::parse_robot;
-use armid::model::{ParameterId, Robot, bundled};
+use armid::model::{ParameterId, Robot, StandardParameters, bundled};
 use armid::seed::Seed;
 use armid::signal::{Processing, process};
 use armid_sim::closed_loop;
 
 use arm::{Arm, COLUMNS, gentle, short, slow};
+
+#[test]
+fn identity_a_start_beside_the_truth_ends_where_the_weighted_fit_does() {
+    // One minimum near both: where a search begins is of no matter, and how many steps it takes is.
+    let arm = Arm::new("planar-2r");
+    let recording = arm.record(&slow(&arm.robot), Sensing::default(), 0);
+    let samples = process(&recording, &arm.robot, &Processing::default()).unwrap();
+    let beside = arm.truth.vector(&arm.robot, COLUMNS) * 1.15;
+    let start = StandardParameters::from_vector(&arm.robot, COLUMNS, beside.as_slice());
+    for kind in [EstimatorKind::Didim, EstimatorKind::Clie] {
+        let [from_fit, from_start] =
+            [None, Some(&start)].map(|start| arm.estimate_from(start, kind, &recording, &samples));
+        let steps = |estimate: &Estimate| match estimate.termination {
+            Termination::Converged { iterations, .. } => iterations,
+            other => panic!("{}: {other:?}", kind.name()),
+        };
+        assert!(steps(&from_start) > steps(&from_fit), "{}", kind.name());
+        let apart = (from_start.beta() - from_fit.beta()).norm() / arm.beta().norm();
+        assert!(apart < 1e-6, "{}: {apart:e}", kind.name());
+    }
+}
 
 #[test]
 fn identity_the_loop_moves_as_the_recorded_arm_does() {

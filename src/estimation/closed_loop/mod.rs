@@ -7,7 +7,8 @@
 //! ```
 //! A [`ClosedLoop`] simulates; β becomes a full set of standard parameters by the smallest change of the nominal set
 //! ([`crate::estimation::complete`]), since the motion depends on β alone. A trial whose mass matrix is not positive definite, or
-//! whose motion runs away, is a rejected step.
+//! whose motion runs away, is a rejected step. A search begins at weighted least squares, unless the problem holds a
+//! [start](crate::estimation::EstimationProblem::start).
 
 mod clie;
 mod cloe;

@@ -29,7 +29,7 @@ pub(super) struct Descended<W> {
     pub(super) finding: Option<Finding>,
 }
 
-/// The first of these that can be simulated: weighted least squares, what multiple shooting by `output` makes of it, the nominal
+/// The first of these that can be simulated: the start that the problem holds, or weighted least squares; what multiple shooting by `output` makes of it, the nominal
 /// set, and what it makes of that. No multiple shooting without `output`.
 ///
 /// # Errors
@@ -41,7 +41,7 @@ pub(super) fn starting_point<T>(
     simulate: impl Fn(&DVector<f64>) -> Result<T, EstimationError>,
 ) -> Result<StartingPoint<T>, EstimationError> {
     let mut last = EstimationError::NotDefinite;
-    for (is_nominal, from) in [(false, by_torque.clone()), (true, trial.nominal())] {
+    for (is_nominal, from) in [false, true].into_iter().zip(trial.beginnings(by_torque.clone())) {
         let mut at = |beta: &DVector<f64>, finding: Option<Finding>| match simulate(beta) {
             Ok(found) => Ok(Some(StartingPoint { beta: beta.clone(), found, is_nominal, finding })),
             Err(error) if is_rejected(&error) => {
@@ -79,7 +79,8 @@ pub(super) fn descend<W>(
     if first.rest.termination.was_successful() || first.finding.is_some() {
         return Ok(first);
     }
-    let Some((beta, finding)) = shoot(trial, by_torque, output)? else { return Ok(first) };
+    let [from, _] = trial.beginnings(by_torque.clone());
+    let Some((beta, finding)) = shoot(trial, &from, output)? else { return Ok(first) };
     let linearised = match linearise(&beta) {
         Ok(linearised) => linearised,
         Err(error) if is_rejected(&error) => return Ok(first),

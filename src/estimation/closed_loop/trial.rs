@@ -27,6 +27,7 @@ pub(super) struct Trial<'a> {
     robot: &'a Robot,
     samples: &'a Samples,
     closed_loop: &'a dyn ClosedLoop,
+    start: Option<&'a StandardParameters>,
     regressor: JointTorqueRegressor,
 }
 
@@ -39,6 +40,7 @@ impl<'a> Trial<'a> {
             robot,
             samples: problem.samples_for(estimator)?,
             closed_loop: problem.closed_loop_for(estimator)?,
+            start: problem.start,
             regressor: JointTorqueRegressor::new(robot, problem.observation.columns),
         })
     }
@@ -53,10 +55,11 @@ impl<'a> Trial<'a> {
         self.closed_loop.in_intervals()
     }
 
-    /// β of the nominal set.
-    pub(super) fn nominal(&self) -> DVector<f64> {
-        let nominal = self.closed_loop.nominal().vector(self.robot, self.observation.columns);
-        self.observation.base.beta(&nominal)
+    /// Where a search begins: at the start that was given, else at `fit`; at the nominal set where that cannot be simulated.
+    pub(super) fn beginnings(&self, fit: DVector<f64>) -> [DVector<f64>; 2] {
+        let beta =
+            |set: &StandardParameters| self.observation.base.beta(&set.vector(self.robot, self.observation.columns));
+        [self.start.map_or(fit, beta), beta(self.closed_loop.nominal())]
     }
 
     /// The motion at β.
