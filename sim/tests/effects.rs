@@ -190,7 +190,6 @@ fn sensors_act_alike_in_every_engine() {
         EffectKind::EncoderNoise,
         EffectKind::TorqueNoise,
         EffectKind::TorqueSpikes,
-        EffectKind::ClockSlips,
     ];
     alike(&kinds, 6e-3);
     // Counts turn over at other moments in another engine: with coarse ones only the size of what they do is the same.
@@ -201,6 +200,28 @@ fn sensors_act_alike_in_every_engine() {
             assert!((ratio - 1.0).abs() < 0.3, "{} {}: {ratio}", kind.name(), engine.name());
         }
     }
+}
+
+#[test]
+fn identity_a_clock_slips_alike_in_every_engine_and_brings_samples_of_20_ms_before() {
+    // Two seconds have few slips at either level.
+    let slips = Effects::none().with(EffectKind::ClockSlips, 0.3);
+    let slipped = |engine| {
+        let (with, without) =
+            (perform(engine, &slips, &Sensing::ideal()), perform(engine, &Effects::none(), &Sensing::ideal()));
+        let (n, first) = (with.dof, with.samples(Phase::RampIn).start);
+        let early = (20.0 * 1e-3 * with.rate_hz).round() as usize;
+        let samples = first..with.q.len() / n;
+        let found: Vec<bool> = samples.map(|k| with.q[k * n..(k + 1) * n] != without.q[k * n..(k + 1) * n]).collect();
+        for (k, slips) in found.iter().enumerate().map(|(k, slips)| (first + k, *slips)) {
+            let from = if slips { k - early } else { k };
+            assert_eq!(with.q[k * n..(k + 1) * n], without.q[from * n..(from + 1) * n], "{} {k}", engine.name());
+            assert_eq!(with.effort[k * n..(k + 1) * n], without.effort[from * n..(from + 1) * n]);
+        }
+        found
+    };
+    let all = Engine::ALL.map(slipped);
+    assert!(all[0].iter().any(|slips| *slips) && all.iter().all(|found| *found == all[0]));
 }
 
 #[test]
