@@ -40,6 +40,15 @@ def of(name):
 
 NATIVE = "Pinocchio's headers, native C++"
 CASADI = "CasADi's C"
+# One recording of 10 s at 1 kHz: `estimators.py`.
+ESTIMATORS = [
+    Row("DIDIM of 10 s at 1 kHz", "s", of("didim"), bound=1.0),
+    Row("the same", "s", of("didim"), "NumPy, forward dynamics too", of("numpy didim"), bound=0.01),
+    Row("the same", "s", of("didim"), "NumPy + Pinocchio's library, ABA", of("pinocchio didim")),
+    Row("CLOE of 10 s at 1 kHz", "s", of("cloe"), bound=10.0),
+    Row("all nine linear estimators of one recording", "s", of("linear"), "the dearest of them, `mm`", of("dearest"), bound=1.5),
+    Row("the same without `mm`", "s", of("linear without mm"), "the dearest of these", of("dearest without mm"), bound=1.5),
+]
 ROWS = [
     Row("regressor, 60 columns, scalar", "ns", of("regressor"), NATIVE, of("native regressor"), "0.30", 0.25),
     Row("the same", "ns", of("regressor"), "Pinocchio's library, from Python", of("library regressor"), "0.21"),
@@ -68,6 +77,7 @@ ROWS = [
     Row("excitation, 150 iterations, least of 3 starts", "s", of("design"), "SciPy + Pinocchio",
         of("slsqp"), "66 to 78 times", 150.0, times=True),
     Row("the same, to the peer's value", "s", of("to value"), "SciPy + Pinocchio", of("slsqp to value"), "93 to 149 times", times=True),
+    *ESTIMATORS,
 ]
 
 
@@ -77,9 +87,9 @@ def number(value):
     return f"{value:.0f}" if value >= 100 else f"{value:.3g}"
 
 
-def markdown(found):
+def markdown(found, rows=ROWS):
     lines = ["| item | armid | peer | | before | after | bound | |", "|---|---|---|---|---|---|---|---|"]
-    for row in filter(lambda row: row.known(found), ROWS):
+    for row in filter(lambda row: row.known(found), rows):
         a = row.answer(found)
         peer = "" if a["peer"] is None else f"{number(a['peer'])} {a['unit']}"
         after = f"{number(a['own'])} {a['unit']}" if a["ratio"] is None else number(a["ratio"]) + (" times" if row.times else "")

@@ -23,6 +23,7 @@ for name in ("OPENBLAS_NUM_THREADS", "OMP_NUM_THREADS"):
     os.environ[name] = "1"
 
 import casadi
+import estimators
 import excitation
 import generated
 import identification
@@ -42,6 +43,7 @@ GROUPS = {
     "fits": {"armid": ["identification", "reduction"]},
     "study": {"armid-cli": []},
     "design": {"armid-cli": []},
+    "estimators": {"armid-cli": []},
 }
 
 
@@ -203,6 +205,8 @@ def main():
             found |= study_run(programs, quiet, min(turns, 3), folder)
         if "design" in only:
             found |= designs(programs, folder)
+        if "estimators" in only:
+            found |= estimators.measure(programs["armid"], quiet, min(turns, 3), folder)
     versions = {"pinocchio": pin.__version__, "casadi": casadi.__version__, "numpy": np.__version__, "scipy": scipy.__version__,
                 "mujoco": "3.17.0"}
     table = markdown(found)
