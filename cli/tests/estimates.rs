@@ -116,6 +116,32 @@ fn a_csv_with_a_wrong_header_is_shown_with_line_and_column() {
 }
 
 #[test]
+fn estimators_that_simulate_begin_where_they_are_told_and_others_do_not_care() {
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "3");
+    let from = |start: &[&str]| {
+        let asked = ["identify", recording.as_str(), "--estimator", "wls,iv", "--json"];
+        json(&armid(asked.iter().copied().chain(start.iter().copied())).success())
+    };
+    let fit = from(&[]);
+    // The full set that weighted least squares gives, a fifth larger.
+    let larger = |parameter: &Value| {
+        let value = 1.2 * parameter["value"].as_f64().expect("a number");
+        (parameter["name"].as_str().expect("a name").to_owned(), Value::from(value))
+    };
+    let set: serde_json::Map<String, Value> =
+        fit[0]["standard"].as_array().expect("a list").iter().map(larger).collect();
+    let start = write(folder.path(), "start.json", &Value::from(set).to_string());
+    let begun = from(&["--start", &start]);
+    assert_eq!(fit[0]["base"], begun[0]["base"]);
+    let (found, expected) = (value(&begun[1], "Fc1"), value(&fit[1], "Fc1"));
+    assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
+    let wrong = write(folder.path(), "wrong.json", "{\"zz1\": 1}");
+    let fault = stderr(&armid(["identify", &recording, "--start", &wrong]).code(2));
+    assert!(fault.contains("zz1"), "{fault}");
+}
+
+#[test]
 fn estimators_that_simulate_know_the_servo_or_say_what_is_missing() {
     let folder = temporary();
     let recording = record(folder.path(), "R.mcap", "3");
