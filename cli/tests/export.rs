@@ -97,6 +97,22 @@ fn bare(base: &serde_json::Value) -> Vec<serde_json::Value> {
 }
 
 #[test]
+fn an_estimate_whose_search_did_not_end_is_said_to_be_one() {
+    let folder = temporary();
+    let estimate = estimate(folder.path());
+    let text = std::fs::read_to_string(&estimate).unwrap();
+    let mut found: serde_json::Value = serde_json::from_str(&text).unwrap();
+    found["termination"] = serde_json::json!({ "kind": "iteration-limit", "iterations": 40, "last_step": 0.1 });
+    let unfinished = write(folder.path(), "unfinished.json", &found.to_string());
+    for to in ["urdf", "c"] {
+        let out = path(folder.path(), to);
+        let done = armid(["export", &unfinished, "--to", to, "-o", &out]).code(1);
+        assert!(stderr(&done).contains("stopped after 40 iterations"), "{}", stderr(&done));
+        assert!(Path::new(&out).exists());
+    }
+}
+
+#[test]
 fn an_estimate_of_another_robot_is_refused() {
     let folder = temporary();
     let estimate = estimate(folder.path());

@@ -31,6 +31,17 @@ pub enum EstimationError {
         /// The least fraction that counts.
         least: f64,
     },
+    /// A base parameter acts in rows that are no equation.
+    #[error(
+        "base parameter {parameter} is not shown by the equations: its column is {share:.0e} there of what it is in the rows that are \
+         left out; use rows nearer to reversals of its joint, or leave its term out"
+    )]
+    OutsideOfEquations {
+        /// Its name.
+        parameter: String,
+        /// Largest entry of its column in the equations, over that in all rows.
+        share: f64,
+    },
     /// Two inputs that belong together differ in size.
     #[error("{quantity}: {found}, expected {expected}")]
     Count {

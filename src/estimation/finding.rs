@@ -3,6 +3,7 @@
 use std::fmt;
 
 use super::residual_shape::{Against, probability};
+use super::termination::Termination;
 
 /// Something that does not stop an estimator and must not be overlooked; carries the number that was measured.
 ///
@@ -138,6 +139,9 @@ pub enum Finding {
         limit: f64,
         /// Its degrees of freedom.
         freedom: usize,
+        /// Largest change of a parameter by the instruments, over its standard deviation; not known of estimates of earlier versions.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        largest_change: Option<f64>,
     },
     /// Combinations of parameters that the motion of a closed loop does not show.
     HiddenFromPositions {
@@ -154,6 +158,11 @@ pub enum Finding {
         intervals: usize,
         /// Largest gap between two of them at its end, over the spread of that number along the motion.
         gap: f64,
+    },
+    /// The iteration did not come to its result: the values are those of its last step.
+    Unfinished {
+        /// How it ended.
+        termination: Termination,
     },
     /// A drive parameter that cannot be negative is.
     NegativeDrive {
@@ -211,6 +220,11 @@ impl Finding {
             Self::BeyondShape { .. } => {
                 "make the shape in the robot file hold the whole link, or correct its nominal body"
             }
+            Self::DurbinWuHausman { statistic, limit, largest_change: Some(change), .. }
+                if *statistic > *limit && *change < 1.0 =>
+            {
+                "`wls` will do: its bias is below what is known of every parameter"
+            }
             Self::DurbinWuHausman { statistic, limit, .. } if *statistic > *limit => {
                 "instruments are needed, unless the model misses something: compare with `wls`"
             }
@@ -221,6 +235,9 @@ impl Finding {
             Self::HiddenFromPositions { nominal: true, .. } => {
                 "do not use their values, nor their intervals, whose widths alone are those of `wls`: look for what makes an arm \
                  with the parameters of `wls` run away, a sign or a unit first"
+            }
+            Self::Unfinished { .. } => {
+                "do not use these values: take another estimator, or leave out terms that the data hardly show"
             }
             Self::MultipleShooting { .. } => {
                 "the estimate is that of the whole motion all the same; an arm with the parameters of `wls` runs away: look for a \
@@ -298,16 +315,24 @@ impl fmt::Display for Finding {
             Self::BeyondShape { link } => {
                 write!(f, "the nominal body of link {link} reaches beyond its shape, which does not bound the estimate")
             }
-            Self::DurbinWuHausman { statistic, limit, freedom } => write!(
-                f,
-                "Durbin–Wu–Hausman: {statistic:.1} of {freedom} degrees of freedom, 95 % limit {limit:.1}: {} weighted least \
-                 squares",
-                if statistic > limit {
-                    "errors of the motion bias"
-                } else {
-                    "no errors of the motion are seen to bias"
+            Self::DurbinWuHausman { statistic, limit, freedom, largest_change } => {
+                write!(
+                    f,
+                    "Durbin–Wu–Hausman: {statistic:.1} of {freedom} degrees of freedom, 95 % limit {limit:.1}: {} weighted least \
+                     squares",
+                    if statistic > limit {
+                        "errors of the motion bias"
+                    } else {
+                        "no errors of the motion are seen to bias"
+                    }
+                )?;
+                match largest_change {
+                    Some(change) => {
+                        write!(f, "; instruments move no parameter by more than {change:.2} standard deviations")
+                    }
+                    None => Ok(()),
                 }
-            ),
+            }
             Self::HiddenFromPositions { combinations, parameters, nominal } => write!(
                 f,
                 "positions under this servo do not show {combinations} combinations of parameters, of {}{}",
@@ -318,6 +343,7 @@ impl fmt::Display for Finding {
                     ""
                 }
             ),
+            Self::Unfinished { termination } => write!(f, "the search {termination}"),
             Self::MultipleShooting { intervals, gap } => write!(
                 f,
                 "the search began by multiple shooting over {intervals} intervals, whose gaps it closed to {gap:.0e} of the motion"

@@ -262,6 +262,9 @@ impl Inference<'_> {
 
     fn findings(&self, base: &[BaseEstimate]) -> Vec<Finding> {
         let mut findings = poorly_determined(base);
+        if !self.termination.was_successful() {
+            findings.push(Finding::Unfinished { termination: self.termination });
+        }
         let condition_scaled = self.fit.condition_scaled();
         if condition_scaled > LARGE_CONDITION {
             findings.push(Finding::LargeCondition { condition_scaled });

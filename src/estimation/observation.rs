@@ -13,6 +13,10 @@ use crate::provenance::Provenance;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::{NoiseModel, Samples};
 
+/// Largest entry of a column in the equations, over that in all rows, below which they do not show its parameter: what is fitted to
+/// traces of it says nothing of the rows in which it acts.
+const LEAST_SHARE: f64 = 1e-3;
+
 /// `y = W_b β + ε` over M blocks of samples of n joints: row `k n + i` is joint i, mean over block k.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Observation {
@@ -51,7 +55,8 @@ impl Observation {
     ///
     /// # Errors
     /// [`EstimationError::Count`] or [`EstimationError::OtherParameters`] where robot, regressor, reduction and samples do
-    /// not belong together; [`EstimationError::TooFewEquations`] where there are fewer equations than parameters.
+    /// not belong together; [`EstimationError::TooFewEquations`] where there are fewer equations than parameters;
+    /// [`EstimationError::OutsideOfEquations`] where a parameter acts in rows alone that are none.
     pub fn new(
         robot: &Robot,
         regressor: &JointTorqueRegressor,
@@ -62,7 +67,14 @@ impl Observation {
         if samples.dof() == robot.dof() && equations < b {
             return Err(EstimationError::TooFewEquations { equations, parameters: b });
         }
-        Self::of_any_length(robot, regressor, base, samples)
+        let (own, whole) = Self::stacked(robot, regressor, base, samples)?;
+        for (j, (column, whole)) in own.regressor.column_iter().zip(whole).enumerate() {
+            let share = column.amax() / whole;
+            if share < LEAST_SHARE {
+                return Err(EstimationError::OutsideOfEquations { parameter: base.names()[j].clone(), share });
+            }
+        }
+        Ok(own)
     }
 
     /// The same for equations that are predicted, of which there may be few.
@@ -72,6 +84,16 @@ impl Observation {
         base: &BaseReduction,
         samples: &Samples,
     ) -> Result<Self, EstimationError> {
+        Ok(Self::stacked(robot, regressor, base, samples)?.0)
+    }
+
+    /// The equations, and the largest entry of each column over all rows, equations or not.
+    fn stacked(
+        robot: &Robot,
+        regressor: &JointTorqueRegressor,
+        base: &BaseReduction,
+        samples: &Samples,
+    ) -> Result<(Self, Vec<f64>), EstimationError> {
         let n = robot.dof();
         for (quantity, found) in
             [("joints of the regressor", regressor.rows()), ("joints of the samples", samples.dof())]
@@ -89,12 +111,13 @@ impl Observation {
             return Err(EstimationError::Count { quantity: "marks of used equations", found, expected });
         }
         let mut w = regressor.stack_means(&samples.states, &base.kept, samples.block);
+        let whole = w.column_iter().map(|column| column.amax()).collect();
         let mut y = DVector::from_vec(samples.block_means(&samples.tau, n));
         for (row, _) in samples.used.iter().enumerate().filter(|(_, used)| !**used) {
             w.row_mut(row).fill(0.0);
             y[row] = 0.0;
         }
-        Ok(Self {
+        let own = Self {
             regressor: w,
             y,
             used: samples.used.clone(),
@@ -109,7 +132,8 @@ impl Observation {
             periodic: samples.period_s.is_some(),
             periods: samples.periods,
             provenance: samples.provenance.clone(),
-        })
+        };
+        Ok((own, whole))
     }
 
     /// Number of blocks M.

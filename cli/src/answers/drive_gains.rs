@@ -156,13 +156,16 @@ impl DriveGainsAnswer<'_> {
         }
         text += "\nwhat a wrong constant moves: per cent of a parameter for each per cent of the joint's constant\n";
         text += &self.moves_table();
+        let wrong = self.taken().wrong();
         match (self.corrected(), self.of_mapping) {
+            (Some(_), _) if wrong.is_empty() => {}
             (Some(lines), true) => {
                 let _ = writeln!(text, "\n→ in --map, beside the currents: {lines}");
             }
             (Some(lines), false) => {
                 text += "\n→ in the table [joint.drive] of each joint in robot.toml:\n";
-                lines.lines().for_each(|line| text += &format!("  {line}\n"));
+                let of_wrong = lines.lines().enumerate().filter(|(joint, _)| wrong.contains(joint));
+                of_wrong.for_each(|(_, line)| text += &format!("  {line}\n"));
             }
             (None, _) => {
                 text += "\n→ put the load further from the axes, take a heavier one, or a motion of `armid design ROBOT --payload KG`\n";

@@ -17,24 +17,25 @@ const SHOWN: usize = 3;
 /// How important a kind is; the least comes first.
 const fn rank(finding: &Finding) -> usize {
     match finding {
-        Finding::ResidualAboveNoise { .. } => 0,
-        Finding::LackOfFit { .. } => 1,
-        Finding::NegativeDrive { .. } => 2,
-        Finding::InconsistentLink { .. } => 3,
-        Finding::LargeCondition { .. } => 4,
-        Finding::PoorlyDetermined { .. } => 5,
-        Finding::ResidualCorrelated { .. } => 6,
-        Finding::FewPeriods { .. } => 7,
-        Finding::NoiseFromResidual => 8,
-        Finding::Outliers { .. } => 9,
-        Finding::HeldBack { .. } => 10,
-        Finding::NearlyDependent { .. } => 11,
-        Finding::BeyondShape { .. } => 12,
-        Finding::LeftOut { .. } => 13,
-        Finding::MotionTakenAsExact => 14,
-        Finding::DurbinWuHausman { .. } => 15,
-        Finding::HiddenFromPositions { .. } => 16,
-        Finding::MultipleShooting { .. } => 17,
+        Finding::Unfinished { .. } => 0,
+        Finding::ResidualAboveNoise { .. } => 1,
+        Finding::LackOfFit { .. } => 2,
+        Finding::NegativeDrive { .. } => 3,
+        Finding::InconsistentLink { .. } => 4,
+        Finding::LargeCondition { .. } => 5,
+        Finding::PoorlyDetermined { .. } => 6,
+        Finding::ResidualCorrelated { .. } => 7,
+        Finding::FewPeriods { .. } => 8,
+        Finding::NoiseFromResidual => 9,
+        Finding::Outliers { .. } => 10,
+        Finding::HeldBack { .. } => 11,
+        Finding::NearlyDependent { .. } => 12,
+        Finding::BeyondShape { .. } => 13,
+        Finding::LeftOut { .. } => 14,
+        Finding::MotionTakenAsExact => 15,
+        Finding::DurbinWuHausman { .. } => 16,
+        Finding::HiddenFromPositions { .. } => 17,
+        Finding::MultipleShooting { .. } => 18,
     }
 }
 
@@ -125,7 +126,8 @@ fn summary(found: &[&Finding]) -> Option<String> {
         | Finding::MotionTakenAsExact
         | Finding::DurbinWuHausman { .. }
         | Finding::HiddenFromPositions { .. }
-        | Finding::MultipleShooting { .. } => return None,
+        | Finding::MultipleShooting { .. }
+        | Finding::Unfinished { .. } => return None,
     })
 }
 

@@ -110,6 +110,10 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         }
         _ => arguments.chain.load(arguments.robot.as_deref().unwrap_or(&estimate.robot))?,
     };
+    let searched = estimate.termination.was_successful();
+    if !searched {
+        console.note(format!("the estimate is not what was sought: its search {}", estimate.termination));
+    }
     let destination = destination(&loaded, arguments.to, console)?;
     let base = base_of(&text, &estimate, &loaded)?;
     let format = match arguments.to {
@@ -118,7 +122,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let source = SourceAnswer::new(&text.name, &estimate, &base, &loaded, language)?;
             console.deliver(&destination, &source.text)?;
             console.show(&source.answer(&destination))?;
-            return Ok(if source.is_sound() { Ending::Done } else { Ending::Negative });
+            return Ok(if searched && source.is_sound() { Ending::Done } else { Ending::Negative });
         }
     };
     let set = consistent(&text, &estimate, &base, &loaded)?;
@@ -126,7 +130,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let reloaded = Reloaded::compare(format, &written, &loaded, &set.parameters)?;
     console.deliver(&destination, &written)?;
     let snapping = Snapping::of(&loaded, &set.parameters)?;
-    let sound = set.is_within() && set.termination.was_successful() && reloaded.is_sound();
+    let sound = searched && set.is_within() && set.termination.was_successful() && reloaded.is_sound();
     let joints = loaded.robot.joints().iter().map(|joint| joint.name.clone()).collect();
     let remarks = loaded.remarks.iter().cloned().chain(remarks).collect();
     let done = Done { estimate: &estimate, format, set, reloaded, snapping, remarks, joints, destination };

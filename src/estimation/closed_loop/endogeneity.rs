@@ -24,13 +24,14 @@ use crate::statistics::chi_squared_quantile;
 const SHARED: f64 = 1e-9;
 
 /// The test with weighted Z, W and y and the weighted sum of squares of the linear fit; `None` where instruments and regressor
-/// are the same, or too few equations are left.
+/// are the same, or too few equations are left. `largest_change` is handed on.
 pub(super) fn durbin_wu_hausman(
     z: &DMatrix<f64>,
     w: &DMatrix<f64>,
     y: &DMatrix<f64>,
     restricted: f64,
     equations: usize,
+    largest_change: f64,
 ) -> Option<Finding> {
     let b = w.ncols();
     let mut factor = RowFactor::new(2 * b + 1);
@@ -70,7 +71,7 @@ pub(super) fn durbin_wu_hausman(
     }
     let statistic = (restricted - free).max(0.0) / (free / left as f64);
     let limit = chi_squared_quantile(0.95, freedom as f64);
-    Some(Finding::DurbinWuHausman { statistic, limit, freedom })
+    Some(Finding::DurbinWuHausman { statistic, limit, freedom, largest_change: Some(largest_change) })
 }
 
 #[cfg(test)]
@@ -95,8 +96,8 @@ mod tests {
     fn test((z, w, y): &(DMatrix<f64>, DMatrix<f64>, DMatrix<f64>)) -> (f64, f64, usize) {
         let fit = LeastSquares::solve(w, &y.column(0).into_owned()).unwrap();
         let rss = (y.column(0) - w * fit.solution()).norm_squared();
-        match durbin_wu_hausman(z, w, y, rss, 300) {
-            Some(Finding::DurbinWuHausman { statistic, limit, freedom }) => (statistic, limit, freedom),
+        match durbin_wu_hausman(z, w, y, rss, 300, 0.0) {
+            Some(Finding::DurbinWuHausman { statistic, limit, freedom, .. }) => (statistic, limit, freedom),
             other => panic!("{other:?}"),
         }
     }
@@ -142,6 +143,6 @@ mod tests {
         assert!(harmless < 22, "{harmless}");
         // Nothing to test.
         let (z, _, y) = case(0, 0.0);
-        assert!(durbin_wu_hausman(&z, &z, &y, 1.0, 300).is_none());
+        assert!(durbin_wu_hausman(&z, &z, &y, 1.0, 300, 0.0).is_none());
     }
 }

@@ -122,7 +122,9 @@ impl InstrumentalFit {
         let residual = column(&observation.residual(&self.linear));
         let restricted = self.weights.clone().whiten(&residual, &observation.used)?.norm_squared();
         let (z, w, y) = (&self.white_z, &self.white_w, &self.white_y);
-        estimate.findings.extend(durbin_wu_hausman(z, w, y, restricted, observation.equations()));
+        let changes = estimate.base.iter().zip(&self.linear).map(|(p, linear)| ((p.value - linear) / p.std).abs());
+        let largest = changes.fold(0.0, f64::max);
+        estimate.findings.extend(durbin_wu_hausman(z, w, y, restricted, observation.equations(), largest));
         Ok(estimate)
     }
 }

@@ -98,7 +98,10 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
             let step = match Step::new(&identification, self.samples, self.held_out) {
                 Ok(step) => step,
                 // The motion does not distinguish a term from the others: it is the first to go.
-                Err(EstimationError::NotExcited { parameter, .. }) if !words_of(columns).is_empty() => {
+                Err(
+                    EstimationError::NotExcited { parameter, .. }
+                    | EstimationError::OutsideOfEquations { parameter, .. },
+                ) if !words_of(columns).is_empty() => {
                     let word = term_of(&identification, &parameter).unwrap_or_else(|| words_of(columns)[0]);
                     left_out.push(untested(word));
                     columns = without(columns, word);
@@ -130,7 +133,11 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
     pub(super) fn beside(&self, columns: Columns, word: &str) -> Result<Option<TermEvidence>, EstimationError> {
         match Step::new(&(self.of)(with_word(columns, word))?, self.samples, self.held_out) {
             Ok(step) => Ok(Some(step.evidence(word, self.level))),
-            Err(EstimationError::NotExcited { .. } | EstimationError::TooFewEquations { .. }) => Ok(None),
+            Err(
+                EstimationError::NotExcited { .. }
+                | EstimationError::OutsideOfEquations { .. }
+                | EstimationError::TooFewEquations { .. },
+            ) => Ok(None),
             Err(error) => Err(error),
         }
     }
@@ -148,7 +155,11 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
         });
         match fitted {
             Ok((sum, b)) => Ok(Some(by.effective * libm::log(sum) + b as f64 * libm::log(by.effective))),
-            Err(EstimationError::NotExcited { .. } | EstimationError::TooFewEquations { .. }) => Ok(None),
+            Err(
+                EstimationError::NotExcited { .. }
+                | EstimationError::OutsideOfEquations { .. }
+                | EstimationError::TooFewEquations { .. },
+            ) => Ok(None),
             Err(error) => Err(error),
         }
     }
@@ -170,7 +181,9 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
         let observation = beside.extended(&step.observation, self.samples);
         let extended = match Step::of(identification, observation, self.samples, &unseen) {
             Ok(extended) => extended,
-            Err(EstimationError::NotExcited { .. }) => return Ok((untested(word), Vec::new())),
+            Err(EstimationError::NotExcited { .. } | EstimationError::OutsideOfEquations { .. }) => {
+                return Ok((untested(word), Vec::new()));
+            }
             Err(error) => return Err(error),
         };
         let evidence = extended.evidence(word, self.level);

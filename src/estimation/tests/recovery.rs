@@ -7,10 +7,11 @@ use crate::base::{Method, reduce};
 use crate::conformance::{StiffLoop, chains};
 use crate::dynamics::{Dynamics, States};
 use crate::estimation::{
-    Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Identification, Observation, complete,
-    predict, validate,
+    Estimate, EstimationError, EstimationProblem, EstimatorKind, Finding, Identification, Inference, Instruments,
+    IntervalBasis, Observation, Termination, complete, predict, residual_noise, validate,
 };
 use crate::model::Columns;
+use crate::model::term::STRIBECK;
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::{NoiseModel, Samples};
@@ -258,4 +259,53 @@ fn a_parameter_that_is_not_excited_is_named() {
         Observation::new(&robot, &regressor, &base, &few),
         Err(EstimationError::TooFewEquations { equations: 30, parameters: 58 })
     ));
+}
+
+#[test]
+fn a_parameter_that_acts_where_no_equation_is_is_named() {
+    // Friction of Stribeck acts at a standstill; equations within 0.3 rad/s of it, three times its speed, are left out.
+    let (robot, ..) = a460();
+    let columns = Columns::RIGID_ROTOR_FRICTION.with(STRIBECK);
+    let regressor = JointTorqueRegressor::new(&robot, columns);
+    let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
+    let (.., mut samples) = a460_samples(500);
+    assert!(Observation::new(&robot, &regressor, &base, &samples).is_ok());
+    for (row, used) in samples.used.iter_mut().enumerate() {
+        *used = samples.states.qd[row].abs() > 0.3;
+    }
+    let found = Observation::new(&robot, &regressor, &base, &samples);
+    assert!(
+        matches!(&found, Err(EstimationError::OutsideOfEquations { parameter, share }) if parameter.starts_with("Fs") && *share < 1e-3),
+        "{found:?}"
+    );
+}
+
+#[test]
+fn what_an_iteration_did_not_come_to_is_a_finding() {
+    let (_, _, regressor, base, samples) = a460_samples(100);
+    let (robot, _) = a460();
+    let observation = Observation::new(&robot, &regressor, &base, &samples).unwrap();
+    let problem = EstimationProblem::new(&observation);
+    let equations = problem.factorised().unwrap();
+    let fit = equations.least_squares().unwrap();
+    let noise = residual_noise(&observation, &observation.residual(fit.solution()));
+    let of = |termination| {
+        let estimator = "ols";
+        let (instruments, basis) = (Instruments::Regressor, IntervalBasis::Residual);
+        Inference { estimator, problem: &problem, fit: &fit, instruments, noise: &noise, basis, termination }
+            .estimate()
+            .unwrap()
+    };
+    let is_said = |termination| {
+        let findings = of(termination).findings;
+        findings
+            .iter()
+            .any(|finding| matches!(finding, Finding::Unfinished { .. }) && finding.advice().contains("do not use"))
+    };
+    assert!(!is_said(Termination::Direct) && !is_said(Termination::Converged { iterations: 3, last_step: 0.0 }));
+    assert!(is_said(Termination::IterationLimit { iterations: 50, last_step: 0.1 }));
+    assert!(
+        is_said(Termination::Unsimulable { iterations: 2 })
+            && is_said(Termination::Stalled { iterations: 2, last_step: 0.1 })
+    );
 }
