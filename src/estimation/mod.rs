@@ -93,7 +93,9 @@ pub use residual::{residual_noise, scatter_noise};
 pub use residual_shape::{Against, JointTrace, ResidualShape, ResidualTrends, Trend, Whiteness};
 pub use ridge::RidgeRegression;
 pub use robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey};
-pub use selection::{BeyondMotion, FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, select};
+pub use selection::{
+    BeyondMotion, FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, candidate_terms, select,
+};
 pub use termination::Termination;
 pub use torque_residual::{DEFAULT_BANDWIDTH_HZ, RowShares, TorqueResidual, TorqueSeries};
 pub use weighted::WeightedLeastSquares;

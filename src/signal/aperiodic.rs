@@ -175,6 +175,7 @@ pub fn process_aperiodic(
     Ok(Samples {
         used,
         states,
+        link_q: None,
         tau,
         units: effort_units(robot),
         block,

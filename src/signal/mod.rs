@@ -22,6 +22,7 @@ mod differences;
 mod error;
 mod fourier_transform;
 mod harmonics;
+mod jerk;
 mod lag_products;
 mod noise;
 mod noise_spectrum;

@@ -60,6 +60,7 @@ pub fn process_periods(
     Ok(Samples {
         used: used_blocks(&states, block, processing.reversal_fraction),
         states,
+        link_q: None,
         tau: low_pass.apply(&average, &transform),
         units: effort_units(robot),
         block,

@@ -20,6 +20,10 @@ use crate::provenance::Provenance;
 pub struct Samples {
     /// Positions, velocities, accelerations, N × n each.
     pub states: States,
+    /// Joint coordinates as measured behind the transmissions, N × n, rad (m), where `states` are those of the motors; `None` where
+    /// there is one encoder for each joint.
+    #[serde(default)]
+    pub link_q: Option<Vec<f64>>,
     /// Joint torque, N × n row-major, N·m (N for a prismatic joint).
     pub tau: Vec<f64>,
     /// Unit of each joint's torque.
@@ -78,6 +82,7 @@ impl Samples {
             ("states.q", self.states.q.len(), samples * n),
             ("states.qd", self.states.qd.len(), samples * n),
             ("states.qdd", self.states.qdd.len(), samples * n),
+            ("link_q", self.link_q.as_ref().map_or(samples * n, Vec::len), samples * n),
             ("tau", self.tau.len(), samples * n),
             ("units", self.units.len(), n),
             ("used", self.used.len(), self.blocks() * n),
@@ -164,6 +169,7 @@ impl Samples {
                 return Err(SignalError::Blocks { found: part.block, first: all.block });
             }
             all.keep_whole_blocks();
+            all.link_q = all.link_q.zip(part.link_q).map(|(all, part)| [all, part].concat());
             all.states.q.extend(part.states.q);
             all.states.qd.extend(part.states.qd);
             all.states.qdd.extend(part.states.qdd);
@@ -200,10 +206,22 @@ impl Samples {
         self
     }
 
+    /// The same with the positions of the links, which are those of other samples: of the same record, processed with the encoders behind the
+    /// transmissions in the place of the motors'.
+    ///
+    /// # Panics
+    /// If they are not as many.
+    #[must_use]
+    pub fn with_link_positions(self, links: &Self) -> Self {
+        assert_eq!(links.states.q.len(), self.states.q.len(), "a position of each link beside that of its motor");
+        Self { link_q: Some(links.states.q.clone()), ..self }
+    }
+
     /// Leaves out the samples behind the last whole block.
     fn keep_whole_blocks(&mut self) {
         let values = self.blocks() * self.block * self.dof();
-        for table in [&mut self.states.q, &mut self.states.qd, &mut self.states.qdd, &mut self.tau] {
+        let tables = [&mut self.states.q, &mut self.states.qd, &mut self.states.qdd, &mut self.tau];
+        for table in tables.into_iter().chain(&mut self.link_q) {
             table.truncate(values);
         }
     }
@@ -220,6 +238,7 @@ impl Samples {
             position_band_hz: vec![0.5 * rate_hz; states.dof],
             used: vec![true; tau.len()],
             states,
+            link_q: None,
             tau,
             units,
             block: 1,

@@ -16,3 +16,4 @@ pub(crate) mod separating;
 pub(crate) mod snapping;
 pub(crate) mod source;
 pub(crate) mod study;
+pub(crate) mod transmission;

@@ -64,7 +64,8 @@ fn remarks(selection: &Selection) -> Vec<String> {
         let own = selection.beyond_motion.iter().filter(|of| of.term == term.term);
         let own = own.map(|of| {
             let [low, high] = of.ci95;
-            format!("{} {} ({} to {})", of.parameter, number(of.value), number(low), number(high))
+            let unit = if of.unit == "1" { String::new() } else { format!(" {}", of.unit) };
+            format!("{} {} ({} to {}){unit}", of.parameter, number(of.value), number(low), number(high))
         });
         all.push(format!(
             "The data support \"{}\", which depends on more than the motion and is no column of the estimate, whose error it is: {}.",

@@ -2,9 +2,8 @@
 
 use std::path::PathBuf;
 
-use armid::estimation::EstimatorKind;
+use armid::estimation::{EstimatorKind, candidate_terms};
 use armid::model::Columns;
-use armid::model::term::Term;
 use armid_io::log::HeldOut;
 use armid_io::output::pretty;
 use armid_io::{Error, output};
@@ -15,6 +14,7 @@ use super::drive_gains;
 use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::EstimateAnswer;
 use crate::answers::selection::{selection_json, selection_text};
+use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, one_of, read_parameter_map};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
@@ -35,6 +35,7 @@ Examples:
   armid identify pos.csv cur.csv --robot arm.toml --rate 1000 --map "q=pos:j[1-6], current=cur:j[1-6]"
   armid identify bag --robot arm.urdf --map "topic=/arm/joint_states, q=joint[1-6], tau=joint[1-6] motor"
   armid identify a.csv b.csv --robot crs-a460 --held-out c.csv -o E.json
+  armid identify log.csv --robot arm.toml --map "t=t, q=motor_[1-6] motor, q_link=link_[1-6], tau=torque_[1-6]"
   armid identify R.mcap --select -o E.json
   armid identify R.mcap --select=rigid+rotor+friction+stribeck --held-out other.mcap
   armid identify --payload --without empty.csv --with loaded.csv --robot arm.urdf -o P.json
@@ -48,9 +49,9 @@ const ALL_TERMS: &str = "all";
 /// Reads the terms to select from; those that are no columns, since they depend on more than the motion, are tested beside the others.
 fn candidates(text: &str) -> Result<Columns, Error> {
     if text == ALL_TERMS {
-        return Ok(Term::ALL.iter().copied().fold(Columns::RIGID, Columns::with));
+        return Ok(candidate_terms().into_iter().fold(Columns::RIGID, Columns::with));
     }
-    if let Some(columns) = Columns::parse(text) {
+    if let Some(columns) = Columns::parse_among(text, &candidate_terms()) {
         return Ok(columns);
     }
     columns(text).map_err(|fault| Error::new(format!("--select={text}: {fault}")))
@@ -90,7 +91,8 @@ pub(crate) struct Arguments {
     #[arg(long, conflicts_with = "columns")]
     no_friction: bool,
     /// Estimate with the torque terms that the data decide, among all or among =COLUMNS: by F-test, BIC and torque that is not
-    /// fitted. Friction that depends on load or warming is tested beside them and is no column of the estimate
+    /// fitted. Friction that depends on load or warming, and a lag of the currents, are tested beside them and are no columns of the
+    /// estimate
     #[arg(long, value_name = "COLUMNS", num_args = 0..=1, require_equals = true, default_missing_value = ALL_TERMS,
         conflicts_with_all = ["columns", "no_friction", "of_two"])]
     select: Option<String>,
@@ -161,8 +163,15 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let suspicions = prepared.suspicions(columns)?;
     let answers = estimates.iter().map(|estimate| EstimateAnswer::new(estimate, &prepared, &inputs, &suspicions));
     let answers = answers.collect::<Result<Vec<_>, _>>()?;
+    let transmissions = match estimates.first() {
+        Some(first) => prepared.transmissions(first, "the estimate")?,
+        None => None,
+    };
     let of = |answer: &EstimateAnswer<'_>| {
         let mut json = answer.json();
+        if let Some(transmissions) = &transmissions {
+            json["transmissions"] = json!(transmissions);
+        }
         if let Some(selection) = &selection {
             json["selection"] = selection_json(selection);
         }
@@ -181,6 +190,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     let terms = selection.as_ref().map(selection_text).unwrap_or_default();
     let text = answers.iter().map(|answer| answer.text(console.verbose())).fold(terms, |all, text| all + &text);
+    let text = text + &transmissions.as_deref().map(transmission_text).unwrap_or_default();
     console.show(&Answer { text, json })?;
     let sound = estimates.iter().all(|estimate| estimate.termination.was_successful());
     Ok(if sound && suspicions.is_empty() { Ending::Done } else { Ending::Negative })

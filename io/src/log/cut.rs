@@ -50,8 +50,10 @@ impl Log {
             let onto = |table: &[f64], way| resample(&t, &table[rows.clone()], n, rate_hz, count, way);
             even.q.extend(onto(&self.q, Interpolation::Cubic));
             even.effort.extend(onto(&self.effort, Interpolation::Lines));
-            if let (Some(to), Some(from)) = (&mut even.qd, &self.qd) {
-                to.extend(onto(from, Interpolation::Cubic));
+            for (to, from) in [(&mut even.qd, &self.qd), (&mut even.link_q, &self.link_q)] {
+                if let (Some(to), Some(from)) = (to, from) {
+                    to.extend(onto(from, Interpolation::Cubic));
+                }
             }
             if !self.excluded.is_empty() {
                 let marks: Vec<f64> = self.excluded.iter().map(|&mark| f64::from(u8::from(mark))).collect();
@@ -70,6 +72,7 @@ impl Log {
         let mut log = Self {
             q: Vec::new(),
             qd: self.qd.as_ref().map(|_| Vec::new()),
+            link_q: self.link_q.as_ref().map(|_| Vec::new()),
             effort: Vec::new(),
             excluded: Vec::new(),
             segments: Vec::new(),
@@ -92,8 +95,10 @@ impl Log {
                 let rows = (before + first) * n..(before + end) * n;
                 log.q.extend_from_slice(&self.q[rows.clone()]);
                 log.effort.extend_from_slice(&self.effort[rows.clone()]);
-                if let (Some(to), Some(from)) = (&mut log.qd, &self.qd) {
-                    to.extend_from_slice(&from[rows.clone()]);
+                for (to, from) in [(&mut log.qd, &self.qd), (&mut log.link_q, &self.link_q)] {
+                    if let (Some(to), Some(from)) = (to, from) {
+                        to.extend_from_slice(&from[rows.clone()]);
+                    }
                 }
                 if !self.excluded.is_empty() {
                     log.excluded.extend_from_slice(&self.excluded[rows]);

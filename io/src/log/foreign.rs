@@ -27,6 +27,8 @@ struct Plan {
     /// Velocities: in any case, or where every message has them.
     qd: Option<(Column, bool)>,
     effort: Column,
+    /// Positions behind the transmissions, as joints of their own.
+    link: Option<Column>,
     /// What the robot calls the joints; `None` where the mapping puts them in order.
     joints: Option<Vec<String>>,
     remarks: Vec<String>,
@@ -36,7 +38,10 @@ struct Plan {
 pub(super) fn log(name: &str, messages: &[Message], reading: &StateReading<'_>) -> Result<Log, Error> {
     let plan = Plan::of(name, messages, reading)?;
     let dof = plan.q.joints.len();
-    let columns = || [&plan.q, &plan.effort].into_iter().chain(plan.qd.as_ref().map(|(column, _)| column));
+    let columns = || {
+        let more = plan.qd.as_ref().map(|(column, _)| column).into_iter().chain(&plan.link);
+        [&plan.q, &plan.effort].into_iter().chain(more)
+    };
     let needed: BTreeSet<&String> = columns().flat_map(|column| &column.joints).collect();
     let rows = StateRows::of(name, messages, needed.into_iter().cloned().collect())?;
     let qd = match &plan.qd {
@@ -75,6 +80,10 @@ pub(super) fn log(name: &str, messages: &[Message], reading: &StateReading<'_>) 
         rate_hz: None,
         q: plan.q.scaled(rows.values(&plan.q.joints, |state: &JointState| &state.position)?)?,
         qd,
+        link_q: match &plan.link {
+            Some(link) => Some(link.scaled(rows.values(&link.joints, |state: &JointState| &state.position)?)?),
+            None => None,
+        },
         effort: plan.effort.scaled(rows.values(&plan.effort.joints, |state: &JointState| &state.effort)?)?,
         effort_unit: is_mapped.then_some(effort_unit),
         conversion,
@@ -112,6 +121,7 @@ impl Plan {
         let of = |quantity| Column { map: ColumnMap::new(quantity, ""), joints: in_log.clone() };
         Ok(Self {
             q: of(Quantity::Position),
+            link: None,
             qd: Some((of(Quantity::Velocity), false)),
             effort: of(effort),
             joints: Some(joints),
@@ -152,14 +162,14 @@ impl Plan {
             Some(torque) => torque,
             None => needed(of(Quantity::Current)?, "tau or current")?,
         };
-        let qd = of(Quantity::Velocity)?;
-        for column in [&effort].into_iter().chain(&qd) {
+        let (qd, link) = (of(Quantity::Velocity)?, of(Quantity::LinkPosition)?);
+        for column in [&effort].into_iter().chain(&qd).chain(&link) {
             let (key, count, dof) = (column.map.quantity.key(), column.joints.len(), q.joints.len());
             if count != dof {
                 return Err(Error::new(format!("{key} names {count} joints, expected {dof}, as many as q")));
             }
         }
-        Ok(Self { q, qd: qd.map(|column| (column, true)), effort, joints: None, remarks: Vec::new() })
+        Ok(Self { q, qd: qd.map(|column| (column, true)), effort, link, joints: None, remarks: Vec::new() })
     }
 }
 

@@ -206,8 +206,9 @@ fn by_headings(tables: &[ForeignTable], has_rate: bool) -> Result<Vec<Found>, Er
         (None, Some(count)) => return Err(fault(&format!("current{}", count + 1))),
         (None, None) => return Err(fault("tau1")),
     }
-    // Velocities of some joints are of no use.
-    all.retain(|found| found.quantity != Quantity::Velocity || found.columns.len() == dof);
+    // Velocities of some joints are of no use, nor are positions of some links.
+    let extra = |quantity| matches!(quantity, Quantity::Velocity | Quantity::LinkPosition);
+    all.retain(|found| !extra(found.quantity) || found.columns.len() == dof);
     Ok(all)
 }
 
@@ -257,6 +258,7 @@ impl Reader<'_> {
             rate_hz: self.rate_hz,
             q: self.values(position, dof)?,
             qd: velocity.map(|velocity| self.values(velocity, dof)).transpose()?,
+            link_q: self.get(Quantity::LinkPosition).map(|link| self.values(link, dof)).transpose()?,
             effort: self.values(effort, dof)?,
             effort_unit: Some(effort_unit),
             conversion,

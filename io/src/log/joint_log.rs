@@ -43,6 +43,8 @@ pub struct Log {
     pub q: Vec<f64>,
     /// Measured velocities, rad/s (m/s); N × n, where the file has them.
     pub qd: Option<Vec<f64>>,
+    /// Measured positions behind the transmissions, rad (m); N × n, where the file has them beside those of the motors.
+    pub link_q: Option<Vec<f64>>,
     /// Efforts, A or N·m (N); N × n.
     pub effort: Vec<f64>,
     /// Which samples give no equation of which joint, N × n; empty where all do.

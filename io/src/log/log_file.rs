@@ -8,7 +8,7 @@
 //! q = "positions:joint_[1-6] deg motor gear=100"
 //! tau = "currents:joint_[1-6] motor gear=100"
 //! ```
-//! Keys `t`, `q`, `qd`, `current` and `tau` are those of a [`Mapping`].
+//! Keys `t`, `q`, `qd`, `current`, `tau` and `q_link` are those of a [`Mapping`].
 
 use std::path::{Path, PathBuf};
 
@@ -38,6 +38,7 @@ struct Table {
     qd: Option<String>,
     current: Option<String>,
     tau: Option<String>,
+    q_link: Option<String>,
 }
 
 /// What a `[log]` table says.
@@ -72,7 +73,7 @@ impl LogFile {
         if table.files.as_ref().is_empty() {
             return Err(Error::new("files is empty, expected at least one").at(text, table.files.span(), "here"));
         }
-        let values = [&table.t, &table.q, &table.qd, &table.current, &table.tau];
+        let values = [&table.t, &table.q, &table.qd, &table.current, &table.tau, &table.q_link];
         let entries: Vec<(&str, &str)> = Quantity::ALL
             .into_iter()
             .zip(values)

@@ -1,9 +1,10 @@
 //! Logs that have become samples, and what is done with them.
 
+use armid::calibration::{TransmissionStiffness, transmission_stiffness};
 use armid::diagnosis::{Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
     ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Observation, ResidualTrends,
-    Selection, TorqueResidual, TorqueSeries, Validation, closed_loop_of, select,
+    Selection, TorqueResidual, TorqueSeries, Validation, closed_loop_of, predict, select,
 };
 use armid::model::{Columns, EffortInterface, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
@@ -160,6 +161,23 @@ impl ProcessedLog {
     pub fn select(&self, candidates: Columns) -> Result<Selection, Error> {
         let found = select(|columns| self.identification(columns), &self.samples, &self.held_out, candidates);
         found.map_err(|error| self.unestimated(&error))
+    }
+
+    /// The stiffness of every transmission, by what an estimate predicts; `None` where the logs hold no positions of the links. `name` is what errors
+    /// call the estimate.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn transmissions(&self, estimate: &Estimate, name: &str) -> Result<Option<Vec<TransmissionStiffness>>, Error> {
+        if self.samples.link_q.is_none() {
+            return Ok(None);
+        }
+        let robot = &self.robot.robot;
+        let regressor = JointTorqueRegressor::new(robot, self.columns_of(estimate, name)?);
+        let modelled = predict(estimate, &regressor, &self.samples.states)
+            .map_err(|error| Error::mismatch(format!("{name}: {error}")))?;
+        let found = transmission_stiffness(robot, &self.samples, &modelled);
+        found.map(Some).map_err(|error| Error::new(format!("{}: {error}", self.name())))
     }
 
     /// The torque constants by which the currents of these logs became torques, N·m/A, n: those of a mapping, or the robot's.

@@ -176,8 +176,12 @@ fn aperiodic(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples
     };
     let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
     let thinned = (4.0 * processing.cutoff_hz(0.0)).min(log.rate_hz);
-    process_aperiodic(&record, robot, unit, thinned, processing)
-        .map_err(|error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log)))
+    let fault = |error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log));
+    let samples = process_aperiodic(&record, robot, unit, thinned, processing).map_err(fault)?;
+    let Some(link_q) = &log.link_q else { return Ok(samples) };
+    let record = AperiodicRecord { q: link_q, qd: None, ..record };
+    let of_links = process_aperiodic(&record, robot, unit, thinned, processing).map_err(fault)?;
+    Ok(samples.with_link_positions(&of_links))
 }
 
 fn periodic(
@@ -250,8 +254,14 @@ fn average(log: &Log, robot: &Robot, settings: &LogSettings, starts: &[usize], c
     let (q, effort) = (pick(&log.q), pick(&log.effort));
     let record = PeriodicRecord { dof: n, rate_hz: log.rate_hz, period_samples: count, q: &q, effort: &effort };
     let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
-    let mut samples = process_periods(&record, robot, unit, 0.0, &settings.processing)
-        .map_err(|error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log)))?;
+    let process = |record: &PeriodicRecord<'_>| {
+        process_periods(record, robot, unit, 0.0, &settings.processing)
+            .map_err(|error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log)))
+    };
+    let mut samples = process(&record)?;
+    if let Some(link_q) = log.link_q.as_deref().map(pick) {
+        samples = samples.with_link_positions(&process(&PeriodicRecord { q: &link_q, ..record })?);
+    }
     if !log.excluded.is_empty() {
         // What was at fault in one period is in the average.
         let block = samples.block;

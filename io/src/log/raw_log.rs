@@ -23,6 +23,7 @@ pub(super) struct RawLog {
     pub(super) rate_hz: Option<f64>,
     pub(super) q: Vec<f64>,
     pub(super) qd: Option<Vec<f64>>,
+    pub(super) link_q: Option<Vec<f64>>,
     pub(super) effort: Vec<f64>,
     pub(super) effort_unit: Option<EffortInterface>,
     pub(super) conversion: Conversion,
@@ -67,6 +68,7 @@ impl RawLog {
             };
             (self.q, self.effort) = (pick(&self.q), pick(&self.effort));
             self.qd = self.qd.as_deref().map(pick);
+            self.link_q = self.link_q.as_deref().map(pick);
         }
         let (faults, excluded) = channels::look(&self.q, &self.effort, n);
         let rate_hz = stamps.timing.rate_hz;
@@ -74,6 +76,7 @@ impl RawLog {
             rate_hz,
             q: Vec::new(),
             qd: self.qd.as_ref().map(|_| Vec::new()),
+            link_q: self.link_q.as_ref().map(|_| Vec::new()),
             effort: Vec::new(),
             excluded: Vec::new(),
             segments: Vec::new(),
@@ -101,8 +104,10 @@ impl RawLog {
                 }
             };
             log.q.extend(onto(&self.q, Interpolation::Cubic));
-            if let (Some(all), Some(qd)) = (&mut log.qd, &self.qd) {
-                all.extend(onto(qd, Interpolation::Cubic));
+            for (all, own) in [(&mut log.qd, &self.qd), (&mut log.link_q, &self.link_q)] {
+                if let (Some(all), Some(own)) = (all, own) {
+                    all.extend(onto(own, Interpolation::Cubic));
+                }
             }
             log.effort.extend(onto(&self.effort, Interpolation::Lines));
             if !excluded.is_empty() {
@@ -120,6 +125,7 @@ impl RawLog {
         let span = row * self.dof..(row + 1) * self.dof;
         let stamp = self.rate_hz.is_some() || self.t.get(row).is_some_and(|t| t.is_finite());
         let finite = |table: &[f64]| table[span.clone()].iter().all(|x| x.is_finite());
-        stamp && finite(&self.q) && finite(&self.effort) && self.qd.as_deref().is_none_or(finite)
+        let more = [&self.qd, &self.link_q];
+        stamp && finite(&self.q) && finite(&self.effort) && more.iter().all(|own| own.as_deref().is_none_or(finite))
     }
 }

@@ -80,6 +80,7 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         segments: vec![Segment { start_s: 0.0, samples: states.len() }],
         q,
         qd: None,
+        link_q: None,
         effort,
         excluded: Vec::new(),
         robot: Some(robot),

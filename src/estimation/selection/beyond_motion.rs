@@ -1,11 +1,12 @@
 //! Terms whose law depends on more than the motion, tested beside a set of terms that is estimated.
 //!
 //! ```text
-//! load       x_k = |τ_l,k| tanh(q̇_k/v_s)    τ_l = W_links β̂ of the set itself        is its coefficient zero?
-//! warming    x_k = (t_k/T) q̇_k              t_k since the beginning of the record, T its length
+//! load         x_k = |τ_l,k| tanh(q̇_k/v_s)    τ_l = W_links β̂ of the set itself        is its coefficient zero?
+//! warming      x_k = (t_k/T) q̇_k              t_k since the beginning of the record, T its length
+//! current-lag  x_k = d(W β)/dt                 with the β that is estimated beside it ([`current_lag`](super::current_lag))
 //! ```
-//! Neither is a column of `--columns`: the first multiplies parameters that are estimated beside it, the second a temperature that no
-//! recording has. As a *test* that the term is absent both are sound: without it, the error of τ_l is of second order in what is
+//! None is a column of `--columns`: the first and the last multiply parameters that are estimated beside them, the second a temperature that no
+//! recording has. As a *test* that the term is absent all are sound: without it, the error of τ_l is of second order in what is
 //! tested, and friction that changes with temperature changes over a record that is long against nothing but its own length.
 //! The coefficient of `load` is that of one step of an iteration, that of `warming` the change of viscous friction from the beginning to the
 //! end. Periods that were averaged have no beginning: nothing of a warming gear shows in them.
@@ -14,8 +15,9 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use crate::base::Category;
-use crate::estimation::Observation;
-use crate::model::term::{Term, WARM_VISCOUS};
+use super::current_lag::LaggedTorque;
+use crate::estimation::{EstimationError, Observation};
+use crate::model::term::{CURRENT_LAG, Term, WARM_VISCOUS};
 use crate::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;
@@ -51,29 +53,44 @@ enum Law {
     Load(Box<JointTorqueRegressor>),
     /// Time times velocity, of these joints.
     Warming(Vec<usize>),
+    /// The change of the estimated torque with time.
+    CurrentLag(Box<LaggedTorque>),
 }
 
 impl Beside {
     /// The columns of the terms of a word, the torque that the links take being that of `beta` on the base of `observation`; `None` where the
     /// data do not carry them.
-    pub(super) fn of(word: &str, robot: &Robot, observation: &Observation, beta: &[f64]) -> Option<Self> {
-        let terms: Vec<Term> = Term::ALL.iter().copied().filter(|term| term.entry().name == word).collect();
-        let (law, parameters) = if terms.iter().any(|term| term.entry().needs.load) {
+    ///
+    /// # Errors
+    /// [`EstimationError`] where the equations with a lag have no answer.
+    pub(super) fn of(
+        word: &str,
+        robot: &Robot,
+        (observation, samples): (&Observation, &Samples),
+        beta: &[f64],
+    ) -> Result<Option<Self>, EstimationError> {
+        let terms: Vec<Term> = candidate_terms().into_iter().filter(|term| term.entry().name == word).collect();
+        let of_motors = |term: Term| -> Vec<ParameterId> {
+            let motors = (0..robot.dof()).filter(|&index| term.is_at(robot, index));
+            motors.map(|index| ParameterId { kind: ParameterKind::Term(term), index }).collect()
+        };
+        let (law, parameters) = if terms.contains(&CURRENT_LAG) {
+            let Some(lagged) = LaggedTorque::at_rest(robot, observation, samples, beta)? else { return Ok(None) };
+            (Law::CurrentLag(Box::new(lagged)), of_motors(CURRENT_LAG))
+        } else if terms.iter().any(|term| term.entry().needs.load) {
             let columns = terms.into_iter().fold(Columns::RIGID, Columns::with);
             let regressor = JointTorqueRegressor::with_load(robot, columns, &links(robot, observation, beta));
             let parameters = regressor.parameters()[10 * robot.dof()..].to_vec();
             (Law::Load(Box::new(regressor)), parameters)
         } else {
             if observation.periodic {
-                return None;
+                return Ok(None);
             }
-            let joints: Vec<usize> = (0..robot.dof()).filter(|&joint| WARM_VISCOUS.is_at(robot, joint)).collect();
-            let id = |&index: &usize| ParameterId { kind: ParameterKind::Term(WARM_VISCOUS), index };
-            let parameters = joints.iter().map(id).collect();
-            (Law::Warming(joints), parameters)
+            let parameters = of_motors(WARM_VISCOUS);
+            (Law::Warming(parameters.iter().map(|id| id.index).collect()), parameters)
         };
         let unit = |id: &ParameterId| id.kind.unit(robot.joints()[id.index].kind).to_owned();
-        Some(Self { units: parameters.iter().map(unit).collect(), parameters, law })
+        Ok(Some(Self { units: parameters.iter().map(unit).collect(), parameters, law }))
     }
 
     /// Whether they depend on when a record began, so that another one says nothing of them.
@@ -84,13 +101,26 @@ impl Beside {
     /// These equations with the columns behind their own.
     pub(super) fn extended(&self, observation: &Observation, samples: &Samples) -> Observation {
         let (rows, b, added) = (observation.y.len(), observation.base.rank(), self.parameters.len());
-        let mut columns = self.columns(samples);
-        for (row, _) in observation.used.iter().enumerate().filter(|(_, used)| !**used) {
-            columns.row_mut(row).fill(0.0);
-        }
         let mut regressor = DMatrix::zeros(rows, b + added);
+        let mut y = observation.y.clone();
         regressor.columns_mut(0, b).copy_from(&observation.regressor);
+        let columns = match &self.law {
+            Law::Load(load) => {
+                let last: Vec<usize> = (load.cols() - added..load.cols()).collect();
+                load.stack_means(&samples.states, &last, samples.block)
+            }
+            Law::Warming(joints) => warming(joints, samples),
+            Law::CurrentLag(lagged) => {
+                let rates = lagged.rates(samples);
+                lagged.add_change(&rates, &mut regressor, &mut y);
+                lagged.columns(&rates)
+            }
+        };
         regressor.columns_mut(b, added).copy_from(&columns);
+        for (row, _) in observation.used.iter().enumerate().filter(|(_, used)| !**used) {
+            regressor.row_mut(row).fill(0.0);
+            y[row] = 0.0;
+        }
         let mut base = observation.base.clone();
         let p = base.parameters.len();
         let mut k = DMatrix::zeros(b + added, p + added);
@@ -102,26 +132,24 @@ impl Beside {
         base.parameters.extend(&self.parameters);
         let mut parameter_units = observation.parameter_units.clone();
         parameter_units.extend(self.units.iter().cloned());
-        Observation { regressor, base, parameter_units, ..observation.clone() }
+        Observation { regressor, y, base, parameter_units, ..observation.clone() }
     }
+}
 
-    fn columns(&self, samples: &Samples) -> DMatrix<f64> {
-        match &self.law {
-            Law::Load(regressor) => {
-                let last: Vec<usize> = (regressor.cols() - self.parameters.len()..regressor.cols()).collect();
-                regressor.stack_means(&samples.states, &last, samples.block)
-            }
-            Law::Warming(joints) => {
-                let n = samples.dof();
-                let velocity = samples.block_means(&samples.states.qd, n);
-                let blocks = samples.blocks();
-                DMatrix::from_fn(n * blocks, joints.len(), |row, column| {
-                    let share = (row / n) as f64 / blocks.max(2).saturating_sub(1) as f64;
-                    if row % n == joints[column] { share * velocity[row] } else { 0.0 }
-                })
-            }
-        }
-    }
+/// The terms that can be candidates: those of the list, and the lag of the currents.
+#[must_use]
+pub fn candidate_terms() -> Vec<Term> {
+    Term::ALL.iter().copied().chain([CURRENT_LAG]).collect()
+}
+
+fn warming(joints: &[usize], samples: &Samples) -> DMatrix<f64> {
+    let n = samples.dof();
+    let velocity = samples.block_means(&samples.states.qd, n);
+    let blocks = samples.blocks();
+    DMatrix::from_fn(n * blocks, joints.len(), |row, column| {
+        let share = (row / n) as f64 / blocks.max(2).saturating_sub(1) as f64;
+        if row % n == joints[column] { share * velocity[row] } else { 0.0 }
+    })
 }
 
 /// Links with the torque of β on a base: its representatives have its values, all other parameters are zero.

@@ -95,6 +95,9 @@ pub struct Selection {
     /// Coefficients of supported terms that depend on more than the motion, which are no columns.
     #[serde(default)]
     pub beyond_motion: Vec<BeyondMotion>,
+    /// Base parameters of the selected set estimated together with each of those terms, which is named with them.
+    #[serde(default)]
+    pub parameters_beside: Vec<BeyondMotion>,
 }
 
 /// JSON has no infinite number.

@@ -19,7 +19,7 @@
 //! independent equations for 36 parameters, 2 of 10 recordings reported such a term.
 //!
 //! What is left is exchanged, term by term, for what was left out ([`exchange`]), so that no term is reported for which another could stand
-//! as well without its name beside it. Terms that depend on load or temperature are tested beside the set ([`beyond_motion`]).
+//! as well without its name beside it. Terms that depend on load or temperature, and the lag of the currents, are tested beside the set ([`beyond_motion`]).
 //!
 //! Fails where the model errs in another way: a torque that no candidate has goes to the candidate that resembles it most. What
 //! held-out torque of the same motion supports is a prediction, not yet a law of friction.
@@ -31,6 +31,9 @@
 mod beyond_motion;
 #[cfg(test)]
 mod beyond_motion_tests;
+mod current_lag;
+#[cfg(test)]
+mod current_lag_tests;
 mod evidence;
 mod exchange;
 mod prediction_error;
@@ -39,6 +42,6 @@ mod search;
 #[cfg(test)]
 mod tests;
 
-pub use beyond_motion::BeyondMotion;
+pub use beyond_motion::{BeyondMotion, candidate_terms};
 pub use evidence::{FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict};
 pub use search::select;

@@ -1,5 +1,7 @@
 //! Backward elimination.
 
+use std::ops::Range;
+
 use nalgebra::{DMatrix, DVector};
 
 use super::beyond_motion::{Beside, BeyondMotion};
@@ -53,12 +55,13 @@ pub fn select<'a>(
     };
     let Kept { identification, step, mut terms, columns } = set;
     terms.append(&mut left_out);
-    let mut beyond = Vec::new();
+    let (mut beyond, mut beside) = (Vec::new(), Vec::new());
     let rest: Vec<_> = words.iter().filter(|word| terms.iter().all(|term| term.term != **word)).collect();
     for word in rest {
-        let (evidence, mut found) = search.beyond_motion(&identification, &step, word)?;
-        terms.push(evidence);
-        beyond.append(&mut found);
+        let mut tested = search.beyond_motion(&identification, &step, word)?;
+        terms.push(tested.evidence);
+        beyond.append(&mut tested.found);
+        beside.append(&mut tested.beside);
     }
     for term in &mut terms {
         term.alike = exchanges.alike_to(&term.term);
@@ -71,6 +74,7 @@ pub fn select<'a>(
         equations: step.observation.equations(),
         terms,
         beyond_motion: beyond,
+        parameters_beside: beside,
     })
 }
 
@@ -170,11 +174,18 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
         identification: &Identification<'a>,
         step: &Step,
         word: &str,
-    ) -> Result<(TermEvidence, Vec<BeyondMotion>), EstimationError> {
+    ) -> Result<Tested, EstimationError> {
         let robot = identification.problem(&step.observation, self.samples).robot;
         let beta = step.linear.fit.solution();
-        let beside = robot.and_then(|robot| Beside::of(word, robot, &step.observation, beta.as_slice()));
-        let Some(beside) = beside else { return Ok((untested(word), Vec::new())) };
+        let beside = match robot {
+            Some(robot) => Beside::of(word, robot, (&step.observation, self.samples), beta.as_slice()),
+            None => Ok(None),
+        };
+        let beside = match beside {
+            Ok(Some(beside)) => beside,
+            Ok(None) | Err(EstimationError::NotExcited { .. }) => return Ok(Tested::not(word)),
+            Err(error) => return Err(error),
+        };
         let held_out: &[Samples] = if beside.is_of_one_record() { &[] } else { self.held_out };
         let unseen = held_out.iter().map(|samples| Ok(beside.extended(&identification.unseen(samples)?, samples)));
         let unseen = unseen.collect::<Result<Vec<_>, EstimationError>>()?;
@@ -182,14 +193,32 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
         let extended = match Step::of(identification, observation, self.samples, &unseen) {
             Ok(extended) => extended,
             Err(EstimationError::NotExcited { .. } | EstimationError::OutsideOfEquations { .. }) => {
-                return Ok((untested(word), Vec::new()));
+                return Ok(Tested::not(word));
             }
             Err(error) => return Err(error),
         };
         let evidence = extended.evidence(word, self.level);
-        let supported = evidence.verdict == Verdict::Supported;
-        let found = if supported { extended.last_coefficients(word, beta.len()) } else { Vec::new() };
-        Ok((evidence, found))
+        let all = extended.observation.base.rank();
+        let [found, beside] = match evidence.verdict {
+            Verdict::Supported => [beta.len()..all, 0..beta.len()].map(|range| extended.coefficients(word, range)),
+            Verdict::Undecided | Verdict::NotSupported | Verdict::NotExcited => [Vec::new(), Vec::new()],
+        };
+        Ok(Tested { evidence, found, beside })
+    }
+}
+
+/// A term that is no column, tested beside a set.
+struct Tested {
+    evidence: TermEvidence,
+    /// Its coefficients, where it is supported.
+    found: Vec<BeyondMotion>,
+    /// Those of the set with it, where it is supported.
+    beside: Vec<BeyondMotion>,
+}
+
+impl Tested {
+    fn not(word: &str) -> Self {
+        Self { evidence: untested(word), found: Vec::new(), beside: Vec::new() }
     }
 }
 
@@ -244,8 +273,8 @@ impl Step {
         })
     }
 
-    /// The coefficients behind the first `own`.
-    fn last_coefficients(&self, word: &str, own: usize) -> Vec<BeyondMotion> {
+    /// Coefficients, as those found with the term of this word.
+    fn coefficients(&self, word: &str, range: Range<usize>) -> Vec<BeyondMotion> {
         let t = student_quantile(0.975, self.freedom);
         let solution = self.linear.fit.solution();
         let names = self.observation.base.names().into_iter().zip(&self.observation.parameter_units);
@@ -254,7 +283,7 @@ impl Step {
             let ci95 = [value - t * std, value + t * std];
             BeyondMotion { term: word.to_owned(), parameter, value, ci95, unit: unit.clone() }
         };
-        names.enumerate().skip(own).map(coefficient).collect()
+        names.enumerate().skip(range.start).take(range.len()).map(coefficient).collect()
     }
 
     fn evidence(&self, word: &str, level: f64) -> TermEvidence {

@@ -129,16 +129,18 @@ pub struct Needs {
     pub load: bool,
     /// The temperature of the gear.
     pub warmth: bool,
+    /// The change of the whole torque with time.
+    pub rate: bool,
 }
 
 impl Needs {
     /// The motion alone.
-    pub const MOTION: Self = Self { load: false, warmth: false };
+    pub const MOTION: Self = Self { load: false, warmth: false, rate: false };
 
     /// Whether the motion alone is enough.
     #[must_use]
     pub const fn is_motion(self) -> bool {
-        !self.load && !self.warmth
+        !self.load && !self.warmth && !self.rate
     }
 }
 

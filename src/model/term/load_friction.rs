@@ -30,7 +30,7 @@ impl LoadFriction {
         dissipation: Dissipation::Always,
         structure: Structure::Function { family: "load", odd: true },
         prior: Prior { key: "load_friction", of: PriorOf::Value, default: Some(0.5) },
-        needs: Needs { load: true, warmth: false },
+        needs: Needs { load: true, ..Needs::MOTION },
         shapes: &[ShapeParameter::COULOMB_VELOCITY],
         ..CoulombFriction::ENTRY
     };

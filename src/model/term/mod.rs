@@ -12,6 +12,7 @@
 
 mod coulomb;
 mod coulomb_direction;
+mod current_lag;
 mod entry;
 mod handle;
 mod input;
@@ -35,6 +36,7 @@ mod warm_viscous;
 
 pub use coulomb::CoulombFriction;
 pub use coulomb_direction::CoulombDirection;
+pub use current_lag::{CURRENT_LAG, CurrentLag};
 pub use entry::{
     ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
 };

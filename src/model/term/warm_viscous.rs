@@ -27,7 +27,7 @@ impl WarmViscousFriction {
         dissipation: Dissipation::Beside("Fv"),
         structure: Structure::Function { family: "warmth", odd: true },
         prior: Prior { key: "warm_viscous_nm_s_rad", of: PriorOf::Unit, default: Some(1.0) },
-        needs: Needs { load: false, warmth: true },
+        needs: Needs { warmth: true, ..Needs::MOTION },
         ..ViscousFriction::ENTRY
     };
 }

@@ -15,11 +15,14 @@ pub enum Quantity {
     Current,
     /// Torques (forces).
     Torque,
+    /// Joint coordinates behind the transmissions, where the positions are those of the motors.
+    LinkPosition,
 }
 
 impl Quantity {
     /// Every quantity.
-    pub const ALL: [Self; 5] = [Self::Time, Self::Position, Self::Velocity, Self::Current, Self::Torque];
+    pub const ALL: [Self; 6] =
+        [Self::Time, Self::Position, Self::Velocity, Self::Current, Self::Torque, Self::LinkPosition];
 
     /// Its key in a mapping.
     #[must_use]
@@ -30,6 +33,7 @@ impl Quantity {
             Self::Velocity => "qd",
             Self::Current => "current",
             Self::Torque => "tau",
+            Self::LinkPosition => "q_link",
         }
     }
 
@@ -38,7 +42,7 @@ impl Quantity {
     pub const fn units(self) -> &'static [Unit] {
         match self {
             Self::Time => &[Unit::S, Unit::Ms, Unit::Us, Unit::Ns],
-            Self::Position => &[Unit::Rad, Unit::Deg, Unit::Mrad, Unit::Rev, Unit::M, Unit::Mm],
+            Self::Position | Self::LinkPosition => &[Unit::Rad, Unit::Deg, Unit::Mrad, Unit::Rev, Unit::M, Unit::Mm],
             Self::Velocity => &[Unit::RadPerS, Unit::DegPerS, Unit::RevPerMin, Unit::MPerS, Unit::MmPerS],
             Self::Current => &[Unit::A, Unit::Ma, Unit::Percent],
             Self::Torque => &[Unit::Nm, Unit::MilliNm, Unit::N, Unit::Percent],
@@ -53,6 +57,7 @@ impl Quantity {
             Self::Velocity => &["qd", "dq", "vel", "velocity", "joint_vel", "joint_velocity"],
             Self::Current => &["current", "cur", "joint_current", "motor_current"],
             Self::Torque => &["tau", "torque", "joint_torque"],
+            Self::LinkPosition => &["q_link", "link_pos", "link_position"],
         }
     }
 }
