@@ -73,14 +73,15 @@ fn simulated_lags_and_delays_of_the_currents_are_found_and_none_where_there_is_n
         assert_eq!(found.len(), 2);
         for one in found {
             let [low, high] = one.ci95;
-            assert!(low < time && time < high && high - low < 0.3 * time, "{one:?} {time}");
+            assert!(low < time && time < high && high - low < 0.3 * time, "{one:?} {time} {}", selection.columns);
         }
         // The other parameters, by the torque that they make along the motion.
         let columns = Columns::parse(&selection.columns).unwrap();
         let identification = Identification::new(&robot, columns).unwrap();
         let estimate = identification.estimate(&samples, EstimatorKind::Wls.estimator()).unwrap();
         let exact = identification.base().beta(&truth.vector(&robot, columns));
-        let w = identification.base().select_columns(&JointTorqueRegressor::new(&robot, columns).stack(&samples.states));
+        let w =
+            identification.base().select_columns(&JointTorqueRegressor::new(&robot, columns).stack(&samples.states));
         let error = |beta: DVector<f64>| (&w * (beta - &exact)).norm();
         let beside = selection.parameters_beside.iter().filter(|one| one.term == "current-lag").map(|one| one.value);
         let (with, without) = (error(DVector::from_iterator(exact.len(), beside)), error(estimate.beta()));

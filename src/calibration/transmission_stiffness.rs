@@ -112,9 +112,10 @@ pub fn transmission_stiffness(
             expected: "one for each joint and sample beside that of its motor",
         });
     };
-    for (quantity, found) in
-        [("joints of the samples", samples.dof()), ("modelled torques of a sample", modelled.len() / samples.len().max(1))]
-    {
+    for (quantity, found) in [
+        ("joints of the samples", samples.dof()),
+        ("modelled torques of a sample", modelled.len() / samples.len().max(1)),
+    ] {
         if found != n {
             return Err(CalibrationError::Unfit {
                 quantity,

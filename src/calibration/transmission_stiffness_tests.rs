@@ -91,13 +91,8 @@ fn recorded(
     }
     let exact = Samples::exact(states, tau, vec!["N·m".to_owned(); n], COUNT as f64 / PERIOD_S);
     let blocks = COUNT / 4;
-    let samples = Samples {
-        link_q: Some(link_q),
-        block: 4,
-        used: vec![true; blocks * n],
-        period_s: Some(PERIOD_S),
-        ..exact
-    };
+    let samples =
+        Samples { link_q: Some(link_q), block: 4, used: vec![true; blocks * n], period_s: Some(PERIOD_S), ..exact };
     (samples, modelled)
 }
 
@@ -131,7 +126,8 @@ fn analytic_stiffness_is_found_between_noisy_encoders_coupled_or_not() {
             let Some(stiffness) = found.stiffness else { continue };
             assert!((stiffness.value / truth - 1.0).abs() < 0.25, "{seed} {found:?} {truth}");
             let rotor = found.rotor.unwrap();
-            (inside, all) = (inside + usize::from(stiffness.covers(*truth)) + usize::from(rotor.covers(ROTOR)), all + 2);
+            (inside, all) =
+                (inside + usize::from(stiffness.covers(*truth)) + usize::from(rotor.covers(ROTOR)), all + 2);
         }
     }
     // 95 % of 50 or more, less three standard deviations.
@@ -191,7 +187,8 @@ fn analytic_a_constant_inertia_without_gravity_is_like_a_rotor() {
         samples.states.qd[2 * k] = 0.0;
         samples.states.qdd[2 * k] = 0.0;
     }
-    let rigid: Vec<f64> = (0..2 * COUNT).map(|at| if at % 2 == 1 { 0.26 * samples.states.qdd[at] } else { 0.0 }).collect();
+    let rigid: Vec<f64> =
+        (0..2 * COUNT).map(|at| if at % 2 == 1 { 0.26 * samples.states.qdd[at] } else { 0.0 }).collect();
     let found: Vec<TransmissionStiffness> = transmission_stiffness(&robot, &samples, &rigid).unwrap();
     assert_eq!(found[1].verdict, StiffnessVerdict::LikeRotor);
     assert!(found[1].stiffness.is_none() && found[1].wind_up_rms > 0.0);

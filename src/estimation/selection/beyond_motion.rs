@@ -14,8 +14,8 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use crate::base::Category;
 use super::current_lag::LaggedTorque;
+use crate::base::Category;
 use crate::estimation::{EstimationError, Observation};
 use crate::model::term::{CURRENT_LAG, Term, WARM_VISCOUS};
 use crate::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};

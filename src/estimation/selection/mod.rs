@@ -20,6 +20,7 @@
 //!
 //! What is left is exchanged, term by term, for what was left out ([`exchange`]), so that no term is reported for which another could stand
 //! as well without its name beside it. Terms that depend on load or temperature, and the lag of the currents, are tested beside the set ([`beyond_motion`]).
+//! Where the lag shows, all terms are selected again with it beside every set: a term that stood for part of it would take that part from it.
 //!
 //! Fails where the model errs in another way: a torque that no candidate has goes to the candidate that resembles it most. What
 //! held-out torque of the same motion supports is a prediction, not yet a law of friction.
@@ -39,6 +40,7 @@ mod exchange;
 mod prediction_error;
 mod restriction;
 mod search;
+mod step;
 #[cfg(test)]
 mod tests;
 

@@ -1,21 +1,15 @@
 //! Backward elimination.
 
-use std::ops::Range;
-
-use nalgebra::{DMatrix, DVector};
+use nalgebra::DMatrix;
 
 use super::beyond_motion::{Beside, BeyondMotion};
 use super::evidence::{Selection, TermEvidence, Verdict};
-use super::prediction_error::Predictions;
-use super::restriction::Restriction;
+use super::step::{Step, untested};
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::{
-    EstimationError, EstimationProblem, Factorisation, Identification, Observation, Termination, residual_noise,
-};
-use crate::model::term::Term;
-use crate::model::{Columns, ParameterKind};
+use crate::estimation::{EstimationError, Factorisation, Identification, Observation};
+use crate::model::Columns;
+use crate::model::term::{CURRENT_LAG, Term};
 use crate::signal::Samples;
-use crate::statistics::student_quantile;
 
 /// Probability that the terms of an arm without any are reported.
 const LEVEL: f64 = 0.05;
@@ -34,56 +28,33 @@ pub fn select<'a>(
     candidates: Columns,
 ) -> Result<Selection, EstimationError> {
     let words = words_of(candidates);
-    let search = Search { of, samples, held_out, level: LEVEL / words.len().max(1) as f64 };
-    let motion = candidates.terms().filter(|term| term.entry().needs.is_motion());
-    let mut columns = motion.fold(Columns::RIGID, Columns::with);
-    let (mut left_out, mut seen) = (Vec::new(), Vec::new());
-    let (set, exchanges) = loop {
-        let set = search.eliminated(columns, &mut left_out)?;
-        seen.push(set.columns);
-        let exchanges = search.exchanges(&set, &mut left_out)?;
-        match exchanges.better {
-            Some(better) if !seen.contains(&better) => {
-                // What comes in is tested again, and what goes out beside it.
-                left_out.retain(|term: &TermEvidence| !words_of(better).contains(&term.term.as_str()));
-                let gone = words_of(set.columns).into_iter().filter(|word| !words_of(better).contains(word));
-                left_out.extend(gone.map(untested));
-                columns = better;
-            }
-            Some(_) | None => break (set, exchanges),
-        }
+    let level = LEVEL / words.len().max(1) as f64;
+    let motion = candidates.terms().filter(|term| term.entry().needs.is_motion()).fold(Columns::RIGID, Columns::with);
+    let search = |lagged| Search { of: &of, samples, held_out, level, lagged };
+    let plain = search(false).selection(motion, &words)?;
+    let shows = |selection: &Selection, verdicts: &[Verdict]| {
+        let lag = selection.terms.iter().find(|term| term.term == CURRENT_LAG.entry().name);
+        lag.is_some_and(|lag| verdicts.contains(&lag.verdict))
     };
-    let Kept { identification, step, mut terms, columns } = set;
-    terms.append(&mut left_out);
-    let (mut beyond, mut beside) = (Vec::new(), Vec::new());
-    let rest: Vec<_> = words.iter().filter(|word| terms.iter().all(|term| term.term != **word)).collect();
-    for word in rest {
-        let mut tested = search.beyond_motion(&identification, &step, word)?;
-        terms.push(tested.evidence);
-        beyond.append(&mut tested.found);
-        beside.append(&mut tested.beside);
+    if !shows(&plain, &[Verdict::Supported, Verdict::Undecided]) {
+        return Ok(plain);
     }
-    for term in &mut terms {
-        term.alike = exchanges.alike_to(&term.term);
+    // A term that stood for part of the lag is not to stay in the set, nor to take its part from it.
+    match search(true).selection(motion, &words) {
+        Ok(lagged) if shows(&lagged, &[Verdict::Supported]) => Ok(lagged),
+        Ok(_) | Err(EstimationError::NotExcited { .. } | EstimationError::TooFewEquations { .. }) => Ok(plain),
+        Err(error) => Err(error),
     }
-    terms.sort_by_key(|term| words.iter().position(|word| *word == term.term));
-    Ok(Selection {
-        columns: columns.to_string(),
-        level: search.level,
-        effective_equations: step.effective,
-        equations: step.observation.equations(),
-        terms,
-        beyond_motion: beyond,
-        parameters_beside: beside,
-    })
 }
 
 /// What all steps share.
 pub(super) struct Search<'s, F> {
-    of: F,
+    of: &'s F,
     samples: &'s Samples,
     held_out: &'s [Samples],
     level: f64,
+    /// Whether every set has the lag of the currents beside it.
+    lagged: bool,
 }
 
 /// A set of which every term is supported.
@@ -95,17 +66,82 @@ pub(super) struct Kept<'a> {
 }
 
 impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'_, F> {
+    /// The set that is selected from all these terms, and what is said of every word.
+    fn selection(&self, mut columns: Columns, words: &[&'static str]) -> Result<Selection, EstimationError> {
+        let (mut left_out, mut seen) = (Vec::new(), Vec::new());
+        let (set, exchanges) = loop {
+            let set = self.eliminated(columns, &mut left_out)?;
+            seen.push(set.columns);
+            let exchanges = self.exchanges(&set, &mut left_out)?;
+            match exchanges.better {
+                Some(better) if !seen.contains(&better) => {
+                    // What comes in is tested again, and what goes out beside it.
+                    left_out.retain(|term: &TermEvidence| !words_of(better).contains(&term.term.as_str()));
+                    let gone = words_of(set.columns).into_iter().filter(|word| !words_of(better).contains(word));
+                    left_out.extend(gone.map(untested));
+                    columns = better;
+                }
+                Some(_) | None => break (set, exchanges),
+            }
+        };
+        let Kept { identification, step, mut terms, columns } = set;
+        terms.append(&mut left_out);
+        let (mut beyond_motion, mut parameters_beside) = (Vec::new(), Vec::new());
+        let rest: Vec<_> = words.iter().filter(|word| terms.iter().all(|term| term.term != **word)).collect();
+        for word in rest {
+            let mut tested = self.beyond_motion(&identification, &step, word)?;
+            terms.push(tested.evidence);
+            beyond_motion.append(&mut tested.found);
+            parameters_beside.append(&mut tested.beside);
+        }
+        for term in &mut terms {
+            term.alike = exchanges.alike_to(&term.term);
+        }
+        terms.sort_by_key(|term| words.iter().position(|word| *word == term.term));
+        Ok(Selection {
+            columns: columns.to_string(),
+            level: self.level,
+            effective_equations: step.effective,
+            equations: step.observation.equations(),
+            terms,
+            beyond_motion,
+            parameters_beside,
+        })
+    }
+
+    /// The equations of a set, and those that are held out; with the lag of the currents where all sets have it.
+    fn equations(&self, of: &Identification<'a>) -> Result<(Observation, Vec<Observation>), EstimationError> {
+        let observation = of.observation(self.samples)?;
+        let unseen = self.held_out.iter().map(|samples| of.unseen(samples)).collect::<Result<Vec<_>, _>>()?;
+        let Some(robot) = of.problem(&observation, self.samples).robot.filter(|_| self.lagged) else {
+            return Ok((observation, unseen));
+        };
+        let beta = LinearFit::weighted(&Factorisation::new(&observation)?)?.fit.solution().clone();
+        let word = CURRENT_LAG.entry().name;
+        let Some(lag) = Beside::of(word, robot, (&observation, self.samples), beta.as_slice())? else {
+            let parameter = CURRENT_LAG.symbol().to_owned();
+            return Err(EstimationError::NotExcited { parameter, independent: 0.0, least: 0.0 });
+        };
+        let unseen = unseen.iter().zip(self.held_out).map(|(unseen, samples)| lag.extended(unseen, samples));
+        Ok((lag.extended(&observation, self.samples), unseen.collect()))
+    }
+
+    fn step(&self, identification: &Identification<'a>) -> Result<Step, EstimationError> {
+        let (observation, unseen) = self.equations(identification)?;
+        Step::of(identification, observation, self.samples, &unseen)
+    }
+
     /// Leaves out the least supported term until all are supported.
     fn eliminated(&self, mut columns: Columns, left_out: &mut Vec<TermEvidence>) -> Result<Kept<'a>, EstimationError> {
         loop {
             let identification = (self.of)(columns)?;
-            let step = match Step::new(&identification, self.samples, self.held_out) {
+            let step = match self.step(&identification) {
                 Ok(step) => step,
                 // The motion does not distinguish a term from the others: it is the first to go.
                 Err(
                     EstimationError::NotExcited { parameter, .. }
                     | EstimationError::OutsideOfEquations { parameter, .. },
-                ) if !words_of(columns).is_empty() => {
+                ) if !words_of(columns).is_empty() && !parameter.starts_with(CURRENT_LAG.symbol()) => {
                     let word = term_of(&identification, &parameter).unwrap_or_else(|| words_of(columns)[0]);
                     left_out.push(untested(word));
                     columns = without(columns, word);
@@ -135,7 +171,7 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
 
     /// A set with the terms of a word beside it, tested for that word; `None` where the motion does not distinguish them.
     pub(super) fn beside(&self, columns: Columns, word: &str) -> Result<Option<TermEvidence>, EstimationError> {
-        match Step::new(&(self.of)(with_word(columns, word))?, self.samples, self.held_out) {
+        match self.step(&(self.of)(with_word(columns, word))?) {
             Ok(step) => Ok(Some(step.evidence(word, self.level))),
             Err(
                 EstimationError::NotExcited { .. }
@@ -151,7 +187,7 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
     pub(super) fn criterion(&self, columns: Columns, by: &Step) -> Result<Option<f64>, EstimationError> {
         let identification = (self.of)(columns)?;
         let Some(weights) = &by.linear.weights else { return Ok(None) };
-        let fitted = identification.observation(self.samples).and_then(|observation| {
+        let fitted = self.equations(&identification).and_then(|(observation, _)| {
             let fit = Factorisation::new(&observation)?.weighted(weights)?;
             let residual = observation.residual(fit.solution());
             let column = DMatrix::from_column_slice(residual.len(), 1, residual.as_slice());
@@ -175,6 +211,9 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
         step: &Step,
         word: &str,
     ) -> Result<Tested, EstimationError> {
+        if self.lagged && word == CURRENT_LAG.entry().name {
+            return Ok(Tested::of(step, word, self.level));
+        }
         let robot = identification.problem(&step.observation, self.samples).robot;
         let beta = step.linear.fit.solution();
         let beside = match robot {
@@ -186,24 +225,17 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
             Ok(None) | Err(EstimationError::NotExcited { .. }) => return Ok(Tested::not(word)),
             Err(error) => return Err(error),
         };
-        let held_out: &[Samples] = if beside.is_of_one_record() { &[] } else { self.held_out };
-        let unseen = held_out.iter().map(|samples| Ok(beside.extended(&identification.unseen(samples)?, samples)));
-        let unseen = unseen.collect::<Result<Vec<_>, EstimationError>>()?;
+        let unseen = if beside.is_of_one_record() { Vec::new() } else { self.equations(identification)?.1 };
+        let unseen = unseen.iter().zip(self.held_out).map(|(unseen, samples)| beside.extended(unseen, samples));
+        let unseen: Vec<Observation> = unseen.collect();
         let observation = beside.extended(&step.observation, self.samples);
-        let extended = match Step::of(identification, observation, self.samples, &unseen) {
-            Ok(extended) => extended,
+        match Step::of(identification, observation, self.samples, &unseen) {
+            Ok(extended) => Ok(Tested::of(&extended, word, self.level)),
             Err(EstimationError::NotExcited { .. } | EstimationError::OutsideOfEquations { .. }) => {
-                return Ok(Tested::not(word));
+                Ok(Tested::not(word))
             }
-            Err(error) => return Err(error),
-        };
-        let evidence = extended.evidence(word, self.level);
-        let all = extended.observation.base.rank();
-        let [found, beside] = match evidence.verdict {
-            Verdict::Supported => [beta.len()..all, 0..beta.len()].map(|range| extended.coefficients(word, range)),
-            Verdict::Undecided | Verdict::NotSupported | Verdict::NotExcited => [Vec::new(), Vec::new()],
-        };
-        Ok(Tested { evidence, found, beside })
+            Err(error) => Err(error),
+        }
     }
 }
 
@@ -217,111 +249,18 @@ struct Tested {
 }
 
 impl Tested {
+    /// By a step that has its columns.
+    fn of(step: &Step, word: &str, level: f64) -> Self {
+        let evidence = step.evidence(word, level);
+        let [found, beside] = match evidence.verdict {
+            Verdict::Supported => step.coefficients(word),
+            Verdict::Undecided | Verdict::NotSupported | Verdict::NotExcited => [Vec::new(), Vec::new()],
+        };
+        Self { evidence, found, beside }
+    }
+
     fn not(word: &str) -> Self {
         Self { evidence: untested(word), found: Vec::new(), beside: Vec::new() }
-    }
-}
-
-/// One set of terms, fitted.
-pub(super) struct Step {
-    observation: Observation,
-    linear: LinearFit,
-    /// Covariance of β̂ and what it is known to.
-    covariance: DMatrix<f64>,
-    freedom: f64,
-    pub(super) effective: f64,
-    predictions: Option<Predictions>,
-}
-
-impl Step {
-    fn new(
-        identification: &Identification<'_>,
-        samples: &Samples,
-        held_out: &[Samples],
-    ) -> Result<Self, EstimationError> {
-        let observation = identification.observation(samples)?;
-        let unseen = held_out.iter().map(|samples| identification.unseen(samples));
-        Self::of(identification, observation, samples, &unseen.collect::<Result<Vec<_>, EstimationError>>()?)
-    }
-
-    /// The same for equations and held-out ones that are there.
-    fn of(
-        identification: &Identification<'_>,
-        observation: Observation,
-        samples: &Samples,
-        unseen: &[Observation],
-    ) -> Result<Self, EstimationError> {
-        let (linear, estimate) = {
-            let equations = Factorisation::new(&observation)?;
-            let problem = identification.problem(&observation, samples).with_factorisation(&equations);
-            let problem = EstimationProblem { nominal: None, ..problem };
-            let linear = LinearFit::weighted(&equations)?;
-            let estimate = linear.estimate("wls", &problem, &linear.fit, Termination::Direct)?;
-            (linear, estimate)
-        };
-        let predictions = match &linear.weights {
-            Some(weights) => Predictions::new(&observation, (weights, &linear.fit), unseen)?,
-            None => None,
-        };
-        Ok(Self {
-            covariance: estimate.covariance_matrix(),
-            freedom: estimate.degrees_of_freedom,
-            effective: effective_equations(&observation, linear.fit.solution()),
-            predictions,
-            linear,
-            observation,
-        })
-    }
-
-    /// Coefficients, as those found with the term of this word.
-    fn coefficients(&self, word: &str, range: Range<usize>) -> Vec<BeyondMotion> {
-        let t = student_quantile(0.975, self.freedom);
-        let solution = self.linear.fit.solution();
-        let names = self.observation.base.names().into_iter().zip(&self.observation.parameter_units);
-        let coefficient = |(at, (parameter, unit)): (usize, (String, &String))| {
-            let (value, std) = (solution[at], self.covariance[(at, at)].max(0.0).sqrt());
-            let ci95 = [value - t * std, value + t * std];
-            BeyondMotion { term: word.to_owned(), parameter, value, ci95, unit: unit.clone() }
-        };
-        names.enumerate().skip(range.start).take(range.len()).map(coefficient).collect()
-    }
-
-    fn evidence(&self, word: &str, level: f64) -> TermEvidence {
-        let base = &self.observation.base;
-        let is_term = |c: usize| is_of(base.parameters[c].kind, word);
-        let std = self.covariance.diagonal().map(|v| v.max(f64::MIN_POSITIVE).sqrt());
-        let restriction = Restriction::of(base, is_term, &std);
-        let coefficients = restriction.len();
-        if coefficients == 0 {
-            return untested(word);
-        }
-        let Some(wald) = restriction.wald(self.linear.fit.solution(), &self.covariance) else { return untested(word) };
-        let (r, count) = (coefficients as f64, self.effective);
-        let f = restriction.test(wald, self.freedom);
-        // Twice the logarithm of the ratio of likelihoods, for a variance that is known or that of the residual.
-        let left = 1.0 - base.rank() as f64 / self.observation.equations() as f64;
-        let likelihood = match self.freedom.is_finite() {
-            true => count * libm::log1p(wald / (count * left.max(f64::EPSILON))),
-            false => wald,
-        };
-        let (aic, bic) = (2.0 * r - likelihood, r * libm::log(count) - likelihood);
-        let held_out = self.predictions.as_ref().and_then(|predictions| predictions.change(&restriction));
-        let predicts = held_out.is_some_and(|change| change.with < change.without);
-        let verdict = match (f.p_value <= level, bic < 0.0 && predicts) {
-            (true, true) => Verdict::Supported,
-            (true, false) => Verdict::Undecided,
-            (false, _) => Verdict::NotSupported,
-        };
-        TermEvidence {
-            term: word.to_owned(),
-            verdict,
-            coefficients,
-            f: Some(f),
-            aic: Some(aic),
-            bic: Some(bic),
-            held_out,
-            alike: Vec::new(),
-        }
     }
 }
 
@@ -334,33 +273,6 @@ fn weakness(term: &TermEvidence) -> f64 {
     }
 }
 
-/// N_e = `Σ_i M_i / max(1, 1 + 2 Σ_l ρ_i(l))` of the residual's correlation in time: as many independent equations determine
-/// a mean as well.
-pub(super) fn effective_equations(observation: &Observation, beta: &DVector<f64>) -> f64 {
-    let noise = residual_noise(observation, &observation.residual(beta));
-    let n = observation.dof;
-    (0..n)
-        .map(|i| {
-            let equations = observation.used.iter().skip(i).step_by(n).filter(|used| **used).count() as f64;
-            let related: f64 = (1..=noise.length()).map(|l| noise.correlation(i, l)).sum();
-            equations / (1.0 + 2.0 * related).max(1.0)
-        })
-        .sum()
-}
-
-fn untested(word: &str) -> TermEvidence {
-    TermEvidence {
-        term: word.to_owned(),
-        verdict: Verdict::NotExcited,
-        coefficients: 0,
-        f: None,
-        aic: None,
-        bic: None,
-        held_out: None,
-        alike: Vec::new(),
-    }
-}
-
 /// The words of the terms of these columns, each once.
 pub(super) fn words_of(columns: Columns) -> Vec<&'static str> {
     let mut words = Vec::new();
@@ -370,10 +282,6 @@ pub(super) fn words_of(columns: Columns) -> Vec<&'static str> {
         }
     }
     words
-}
-
-fn is_of(kind: ParameterKind, word: &str) -> bool {
-    kind.term().is_some_and(|term| term.entry().name == word)
 }
 
 /// The columns without the terms of a word.

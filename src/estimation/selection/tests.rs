@@ -5,8 +5,8 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::evidence::{HeldOutData, Selection, TermEvidence, Verdict};
 use super::restriction::Restriction;
-use super::search::effective_equations;
 use super::select;
+use super::step::effective_equations;
 use crate::base::{BaseReduction, Method};
 use crate::conformance::chains::random_robot;
 use crate::dynamics::{Dynamics, States};
