@@ -34,6 +34,7 @@ impl Arm for Exact {
             q: Vec::new(),
             effort: Vec::new(),
             voltage: Vec::new(),
+            link_q: Vec::new(),
             provenance: Provenance::new(self.robot.name(), "", None),
         });
         let (command, mut dynamics) = (Command::new(plan, &layout), Dynamics::new(&self.robot, &self.parameters));
@@ -43,7 +44,7 @@ impl Arm for Exact {
             // A driver would send the command here, and read positions and efforts.
             command.evaluate(t, &mut q, &mut qd, &mut qdd);
             dynamics.inverse(&q, &qd, &qdd, &mut tau);
-            let sample = RawSample { index, t, phase, q: &q, effort: &tau, voltage: &[], command: &q };
+            let sample = RawSample { index, t, phase, q: &q, effort: &tau, voltage: &[], link_q: &[], command: &q };
             if sink.sample(&sample).ends() {
                 return Ok(Ending::Stopped { t, phase, rest: Rest::Simulated });
             }

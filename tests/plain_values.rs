@@ -48,6 +48,7 @@ fn recording() -> Recording {
         q: vec![0.1, 0.2, 0.30000000000000004],
         effort: vec![1.0, -1.0, 0.5],
         voltage: Vec::new(),
+        link_q: Vec::new(),
         provenance: Provenance::new("swing", "name = \"swing\"\n", None),
     }
 }

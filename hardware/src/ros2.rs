@@ -129,7 +129,16 @@ struct Way<'a> {
 impl Way<'_> {
     fn receive(&mut self, t: f64, q: &[f64], effort: &[f64], command: &[f64]) -> Flow {
         self.t = t;
-        self.sink.unrecorded(&RawSample { index: 0, t, phase: Phase::Settle, q, effort, voltage: &[], command })
+        self.sink.unrecorded(&RawSample {
+            index: 0,
+            t,
+            phase: Phase::Settle,
+            q,
+            effort,
+            voltage: &[],
+            link_q: &[],
+            command,
+        })
     }
 }
 

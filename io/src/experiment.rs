@@ -57,6 +57,7 @@ struct SensingTable {
     current_noise: Option<bool>,
     converters: Option<bool>,
     voltage: Option<bool>,
+    link_step: Option<Spanned<f64>>,
     position_noise: Option<Spanned<Vec<f64>>>,
 }
 
@@ -165,6 +166,14 @@ fn sensing(table: Option<SensingTable>, text: &Text, dof: usize) -> Result<Sensi
     sensing.current_noise = table.current_noise.unwrap_or(sensing.current_noise);
     sensing.converters = table.converters.unwrap_or(sensing.converters);
     sensing.voltage = table.voltage.unwrap_or(sensing.voltage);
+    if let Some(step) = table.link_step {
+        let value = *step.get_ref();
+        if !(value.is_finite() && value >= 0.0) {
+            let message = format!("link_step is {value}, expected a number not below zero, rad (m)");
+            return Err(Error::new(message).at(text, step.span(), "here"));
+        }
+        sensing.link_step = Some(value);
+    }
     if let Some(noise) = table.position_noise {
         let values = noise.get_ref();
         if values.len() != dof || values.iter().any(|&value| !(value.is_finite() && value >= 0.0)) {

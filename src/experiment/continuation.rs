@@ -102,8 +102,8 @@ impl Continuation {
             let t = kept.t[k];
             command.evaluate(t, &mut q, &mut qd, &mut qdd);
             let phase = self.layout.phase(k);
-            let (effort, voltage) = (kept.effort(k), kept.voltage(k));
-            let sample = RawSample { index: k, t, phase, q: kept.q(k), effort, voltage, command: &q };
+            let (effort, voltage, link_q) = (kept.effort(k), kept.voltage(k), kept.link_q(k));
+            let sample = RawSample { index: k, t, phase, q: kept.q(k), effort, voltage, link_q, command: &q };
             let flow = sink.sample(&sample);
             if flow.ends() {
                 return flow;

@@ -156,12 +156,12 @@ impl Cycle {
             let (late_s, lost) = self.clock.as_mut().map_or((0.0, false), |clock| (clock.lateness(), clock.loses()));
             self.joints.sense_late(late_s, lost);
             observer(&TrueState { index, t, phase, q, qd, tau: self.joints.tau() });
-            let (q, effort, voltage) = self.joints.reported();
-            let [q, effort, voltage] = match &mut self.slips {
-                None => [q, effort, voltage],
-                Some(slips) => slips.written([q, effort, voltage]),
+            let tables = self.joints.reported();
+            let [q, effort, voltage, link_q] = match &mut self.slips {
+                None => tables,
+                Some(slips) => slips.written(tables),
             };
-            let sample = RawSample { index, t, phase, q, effort, voltage, command };
+            let sample = RawSample { index, t, phase, q, effort, voltage, link_q, command };
             if sink.sample(&sample).ends() {
                 return self.end(Ending::Stopped { t, phase, rest: Rest::Simulated });
             }

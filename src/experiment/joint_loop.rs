@@ -51,6 +51,9 @@ pub struct JointLoop {
     q: Vec<f64>,
     reported: Vec<f64>,
     voltage: Vec<f64>,
+    /// Coordinates and velocities of the links at the last step, and what their encoders say of them.
+    links: [Vec<f64>; 2],
+    link_q: Vec<f64>,
 }
 
 fn drives(robot: &Robot) -> Vec<Drive> {
@@ -100,6 +103,8 @@ impl JointLoop {
             q: zero(),
             reported: zero(),
             voltage: zero(),
+            links: [zero(), zero()],
+            link_q: zero(),
         }
     }
 
@@ -172,6 +177,10 @@ impl JointLoop {
         self.transmission.motor_motion(q, &mut self.q_motor);
         self.transmission.motor_motion(qd, &mut self.qd_motor);
         self.transmission.motor_motion(command, &mut self.command_motor);
+        if self.sensors.has_links() {
+            self.links[0].copy_from_slice(q);
+            self.links[1].copy_from_slice(qd);
+        }
         if let Some(drives) = &self.drives {
             drives.positions(&mut self.q_motor);
             drives.speeds(&mut self.qd_motor);
@@ -246,15 +255,23 @@ impl JointLoop {
                 self.transmission.joint_torque(&self.torque_motor, &mut self.reported);
             }
         }
+        if self.sensors.has_links() {
+            let [q, qd] = &self.links;
+            let at: Vec<f64> = q.iter().zip(qd).map(|(q, qd)| q + late_s * qd).collect();
+            self.sensors.links(&at, &mut self.link_q);
+        }
         if self.sensors.has_voltage() {
             self.motors.voltages(&self.before, &self.current, &self.qd_motor, &mut self.voltage);
             self.sensors.voltages(&mut self.voltage);
         }
     }
 
-    /// The last sample: positions, rad (m), efforts in the robot's unit, and voltages, V, where they are reported; n each.
-    pub(super) fn reported(&self) -> (&[f64], &[f64], &[f64]) {
-        (&self.q, &self.reported, if self.sensors.has_voltage() { &self.voltage } else { &[] })
+    /// The last sample: positions, rad (m), efforts in the robot's unit, and where they are reported voltages, V, and positions of the
+    /// links, rad (m); n each.
+    pub(super) fn reported(&self) -> [&[f64]; 4] {
+        let voltage = if self.sensors.has_voltage() { &self.voltage[..] } else { &[] };
+        let link_q = if self.sensors.has_links() { &self.link_q[..] } else { &[] };
+        [&self.q, &self.reported, voltage, link_q]
     }
 }
 

@@ -17,6 +17,8 @@ pub struct RawSample<'a> {
     pub effort: &'a [f64],
     /// Voltages at the motors' terminals, V; empty where the interface gives none.
     pub voltage: &'a [f64],
+    /// Positions behind the transmissions, rad (m); empty where no encoder is there.
+    pub link_q: &'a [f64],
     /// Commanded joint coordinates, rad (m).
     pub command: &'a [f64],
 }

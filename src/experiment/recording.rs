@@ -45,6 +45,9 @@ pub struct Recording {
     pub effort: Vec<f64>,
     /// Voltages at the motors' terminals, V; N × n, or empty where the interface gives none.
     pub voltage: Vec<f64>,
+    /// Joint coordinates by encoders behind the transmissions, rad (m); N × n, or empty where there are none.
+    #[serde(default)]
+    pub link_q: Vec<f64>,
     /// What produced it.
     pub provenance: Provenance,
 }
@@ -79,8 +82,10 @@ impl Recording {
         if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
             return Err(format!("{what} has {found} entries, expected {expected} for {samples} samples of {n} joints"));
         }
-        if !self.voltage.is_empty() && self.voltage.len() != samples * n {
-            return Err(format!("voltage has {} entries, expected none or {}", self.voltage.len(), samples * n));
+        for (what, found) in [("voltage", self.voltage.len()), ("link_q", self.link_q.len())] {
+            if found != 0 && found != samples * n {
+                return Err(format!("{what} has {found} entries, expected none or {}", samples * n));
+            }
         }
         if !(self.rate_hz.is_finite() && self.rate_hz > 0.0) || self.period_samples == 0 {
             let (rate, period) = (self.rate_hz, self.period_samples);
@@ -131,6 +136,12 @@ impl Recording {
         self.voltage.get(k * self.dof..(k + 1) * self.dof).unwrap_or_default()
     }
 
+    /// Positions behind the transmissions of sample `k`, n, or none.
+    #[must_use]
+    pub fn link_q(&self, k: usize) -> &[f64] {
+        self.link_q.get(k * self.dof..(k + 1) * self.dof).unwrap_or_default()
+    }
+
     /// The same recording without its samples.
     #[must_use]
     pub fn without_samples(&self) -> Self {
@@ -146,6 +157,7 @@ impl Recording {
         self.q.truncate(samples * n);
         self.effort.truncate(samples * n);
         self.voltage.truncate(samples * n);
+        self.link_q.truncate(samples * n);
     }
 
     /// Leaves out every recorded period that holds one of these samples, as if it had not been performed. Returns which
@@ -159,8 +171,10 @@ impl Recording {
             let rows = period.start * n..period.end * n;
             self.q.drain(rows.clone());
             self.effort.drain(rows.clone());
-            if !self.voltage.is_empty() {
-                self.voltage.drain(rows);
+            for table in [&mut self.voltage, &mut self.link_q] {
+                if !table.is_empty() {
+                    table.drain(rows.clone());
+                }
             }
             // Time goes on without a step.
             self.t.truncate(self.t.len() - period.len());
@@ -180,6 +194,7 @@ impl Recording {
         self.q.extend_from_slice(sample.q);
         self.effort.extend_from_slice(sample.effort);
         self.voltage.extend_from_slice(sample.voltage);
+        self.link_q.extend_from_slice(sample.link_q);
     }
 
     /// The samples of a phase that were really taken.

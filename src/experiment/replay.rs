@@ -57,6 +57,7 @@ impl Arm for Replay {
                 q: recording.q(k),
                 effort: recording.effort(k),
                 voltage: recording.voltage(k),
+                link_q: recording.link_q(k),
                 command: &command,
             };
             if sink.sample(&sample).ends() {

@@ -32,6 +32,8 @@ pub struct Sensing {
     pub current_noise: bool,
     /// Current converters have the range and the bits of the robot's drives.
     pub converters: bool,
+    /// Steps of encoders at the links, behind the transmissions, rad (m): 0 for exact ones, `None` where there are none.
+    pub link_step: Option<f64>,
     /// The controller reports the voltage at the motors' terminals, where the robot file has every motor's circuit.
     pub voltage: bool,
 }
@@ -39,7 +41,14 @@ pub struct Sensing {
 impl Default for Sensing {
     /// What the robot file says; no position noise.
     fn default() -> Self {
-        Self { encoders: true, position_noise: Vec::new(), current_noise: true, converters: true, voltage: false }
+        Self {
+            encoders: true,
+            position_noise: Vec::new(),
+            current_noise: true,
+            converters: true,
+            link_step: None,
+            voltage: false,
+        }
     }
 }
 
@@ -47,13 +56,27 @@ impl Sensing {
     /// Sensors that read exactly what is there.
     #[must_use]
     pub const fn ideal() -> Self {
-        Self { encoders: false, position_noise: Vec::new(), current_noise: false, converters: false, voltage: false }
+        Self {
+            encoders: false,
+            position_noise: Vec::new(),
+            current_noise: false,
+            converters: false,
+            link_step: None,
+            voltage: false,
+        }
     }
 
     /// Encoders that count, currents without fault.
     #[must_use]
     pub const fn noise_free() -> Self {
-        Self { encoders: true, position_noise: Vec::new(), current_noise: false, converters: false, voltage: false }
+        Self {
+            encoders: true,
+            position_noise: Vec::new(),
+            current_noise: false,
+            converters: false,
+            link_step: None,
+            voltage: false,
+        }
     }
 }
 
@@ -65,6 +88,8 @@ pub(super) struct Sensors {
     /// Noise of each voltage, V; empty where none is reported.
     volts: Vec<f64>,
     voltage_stream: Stream,
+    /// Step of the encoders at the links, rad (m), and where each zero lies between two of its lines; `None` where there are none.
+    links: Option<(f64, Vec<f64>)>,
     position_stream: Stream,
     current_stream: Stream,
     spike_stream: Stream,
@@ -125,10 +150,14 @@ impl Sensors {
         } else {
             Vec::new()
         };
+        let mut link_stream = run.stream("link encoder grid");
+        let mut between_lines = || run.sign() * (link_stream.random::<f64>() - 0.5);
+        let links = sensing.link_step.map(|step| (step, robot.joints().iter().map(|_| between_lines()).collect()));
         Self {
             encoders: encoders.collect(),
             meters: meters.collect(),
             volts,
+            links,
             voltage_stream: run.stream("voltage noise"),
             position_stream: run.stream("position noise"),
             current_stream: run.stream("current noise"),
@@ -171,6 +200,19 @@ impl Sensors {
             }
             measured[i] =
                 if encoder.counts == 0.0 { q } else { nearest(q * encoder.counts + encoder.grid) * encoder.step };
+        }
+    }
+
+    /// Whether links have encoders of their own.
+    pub(super) fn has_links(&self) -> bool {
+        self.links.is_some()
+    }
+
+    /// Joint coordinates as the encoders at the links give them, rad (m), n.
+    pub(super) fn links(&self, q: &[f64], measured: &mut [f64]) {
+        let Some((step, grids)) = &self.links else { return };
+        for ((measured, q), grid) in measured.iter_mut().zip(q).zip(grids) {
+            *measured = if *step > 0.0 { nearest(q / step + grid) * step } else { *q };
         }
     }
 

@@ -183,6 +183,7 @@ impl<P: Plant> Servo<P> {
             q: Vec::new(),
             effort: Vec::new(),
             voltage: Vec::new(),
+            link_q: Vec::new(),
             provenance: Provenance::new(self.robot.name(), &self.robot_text, Some(seed)),
         })
     }

@@ -187,6 +187,7 @@ pub fn process_aperiodic(
         noise: None,
         derivatives: Derivatives::Differences,
         position_band_hz: vec![cutoff_hz; n],
+        position_floor: Vec::new(),
         torque_band_hz: same.then_some(cutoff_hz),
         provenance: None,
     })

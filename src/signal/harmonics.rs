@@ -84,9 +84,39 @@ impl HarmonicSeries {
     /// samples, and the power at the end of its own spectrum; see [`Bandwidth::NoiseFloor`].
     #[must_use]
     pub fn last_above_noise(&self, variance: f64, samples: usize) -> usize {
+        let floor = self.floor(variance, samples);
+        let power = self.smoothed_power();
+        let furthest = self.highest() * 8 / 9;
+        (1..=furthest).rev().find(|&h| power[h] > 2.0 * floor).unwrap_or(0)
+    }
+
+    /// Power of a line that is noise: that of white noise of variance `variance` per sample, for N samples, and not less than the mean
+    /// of the last eighth of the lines.
+    #[must_use]
+    pub fn floor(&self, variance: f64, samples: usize) -> f64 {
         let end = &self.lines[self.lines.len() - self.highest() / 8..];
         let power = end.iter().map(Complex::norm_sqr).sum::<f64>() / end.len().max(1) as f64;
-        let floor = (4.0 * variance / samples as f64).max(power);
+        (4.0 * variance / samples as f64).max(power)
+    }
+
+    /// Share of each line's power that is signal beside noise of power `floor`: 1 − floor/power, not below zero. A line times its share is what is
+    /// expected of the signal, given the line (Wiener).
+    #[must_use]
+    pub fn signal_shares(&self, floor: f64) -> Vec<f64> {
+        let share = |power: f64| if power > floor { 1.0 - floor / power } else { 0.0 };
+        self.smoothed_power().into_iter().enumerate().map(|(h, p)| if h == 0 { 1.0 } else { share(p) }).collect()
+    }
+
+    /// The same series with every line times its factor; lines beyond the factors are left out.
+    #[must_use]
+    pub fn weighted(mut self, factors: &[f64]) -> Self {
+        self.lines.truncate(factors.len());
+        self.lines.iter_mut().zip(factors).for_each(|(line, factor)| *line *= *factor);
+        self
+    }
+
+    /// Mean power of the lines from 7/8 h to 9/8 h, of each h; of those that there are at the end.
+    fn smoothed_power(&self) -> Vec<f64> {
         let mut cumulated = Vec::with_capacity(self.lines.len());
         let mut sum = 0.0;
         for line in &self.lines {
@@ -94,13 +124,11 @@ impl HarmonicSeries {
             sum += line.norm_sqr();
         }
         cumulated.push(sum);
-        // Mean power of the lines from h − w to h + w.
         let mean = |h: usize| {
-            let w = h / 8;
-            (cumulated[h + w + 1] - cumulated[h - w]) / (2 * w + 1) as f64
+            let (first, end) = (h - h / 8, (h + h / 8 + 1).min(self.lines.len()));
+            (cumulated[end] - cumulated[first]) / (end - first) as f64
         };
-        let furthest = self.highest() * 8 / 9;
-        (1..=furthest).rev().find(|&h| mean(h) > 2.0 * floor).unwrap_or(0)
+        (0..self.lines.len()).map(mean).collect()
     }
 
     /// Value, first and second derivative at time `t` (s).

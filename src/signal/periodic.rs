@@ -34,16 +34,16 @@ pub fn process_periods(
     let len = average.len();
     let block = block(len, processing.samples_per_period, highest_hz * average.period_s)?;
     let transform = FourierTransform::new(len);
-    let (states, position_band_hz, filter) = match processing.derivatives {
+    let (states, position_band_hz, position_floor, filter) = match processing.derivatives {
         Derivatives::Fourier => {
-            let (states, bands) = fourier_states(&average, &transform, robot, highest_hz, processing.bandwidth);
+            let (states, bands, floors) = fourier_states(&average, &transform, robot, highest_hz, processing.bandwidth);
             let highest = bands.iter().copied().fold(0.0, f64::max);
-            (states, bands, LowPass::Harmonics((highest * average.period_s).round() as usize))
+            (states, bands, floors, LowPass::Harmonics((highest * average.period_s).round() as usize))
         }
         Derivatives::Differences => {
             let cutoff_hz = processing.cutoff_hz(highest_hz);
             let filter = Butterworth::new(processing.filter_order, cutoff_hz, average.rate_hz)?;
-            (difference_states(&average, &filter), vec![cutoff_hz; n], LowPass::Butterworth(filter))
+            (difference_states(&average, &filter), vec![cutoff_hz; n], Vec::new(), LowPass::Butterworth(filter))
         }
     };
     let low_pass = match processing.torque_filter {
@@ -72,6 +72,7 @@ pub fn process_periods(
         noise,
         derivatives: processing.derivatives,
         position_band_hz,
+        position_floor,
         torque_band_hz: low_pass.band_hz(spacing_hz),
         provenance: None,
     })
@@ -172,15 +173,17 @@ fn fourier_states(
     robot: &Robot,
     highest_hz: f64,
     bandwidth: Bandwidth,
-) -> (States, Vec<f64>) {
+) -> (States, Vec<f64>, Vec<f64>) {
     let n = average.dof;
     let commanded = (highest_hz * average.period_s).round() as usize;
     let mut states = States::with_len(n, average.len());
-    let mut bands = Vec::with_capacity(n);
+    let (mut bands, mut floors) = (Vec::with_capacity(n), Vec::with_capacity(n));
     for i in 0..n {
         let series = HarmonicSeries::new(transform, &column(&average.q, n, i), average.period_s);
+        let variance = position_floor(average, robot, i);
+        floors.push(series.floor(variance, average.len()));
         let last = match bandwidth {
-            Bandwidth::NoiseFloor => series.last_above_noise(position_floor(average, robot, i), average.len()),
+            Bandwidth::NoiseFloor => series.last_above_noise(variance, average.len()),
             Bandwidth::Harmonics(last) => last,
             Bandwidth::Hertz(hz) => (hz * average.period_s).floor() as usize,
         };
@@ -191,7 +194,7 @@ fn fourier_states(
         put_column(&mut states.qd, n, i, &qd);
         put_column(&mut states.qdd, n, i, &qdd);
     }
-    (states, bands)
+    (states, bands, floors)
 }
 
 /// Variance of one averaged sample of position: scatter over P, and what of the encoder's rounding repeats with the

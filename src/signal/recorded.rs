@@ -35,6 +35,11 @@ pub fn process(recording: &Recording, robot: &Robot, processing: &Processing) ->
     };
     let highest_hz = recording.trajectory.highest_hz();
     let mut samples = process_periods(&record, robot, recording.effort_unit, highest_hz, processing)?;
+    if !recording.link_q.is_empty() {
+        let record = PeriodicRecord { q: &recording.link_q[first * n..][..record.q.len()], ..record };
+        let of_links = process_periods(&record, robot, recording.effort_unit, highest_hz, processing)?;
+        samples = samples.with_link_positions(&of_links);
+    }
     samples.provenance = Some(recording.provenance.clone());
     Ok(samples)
 }

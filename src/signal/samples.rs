@@ -50,6 +50,10 @@ pub struct Samples {
     pub derivatives: Derivatives,
     /// Upper end of the band that positions were kept in, per joint, Hz.
     pub position_band_hz: Vec<f64>,
+    /// Power of a Fourier line of a position that is noise, per joint, rad² (m²); empty where it is not known. See
+    /// [`HarmonicSeries::floor`](super::HarmonicSeries::floor).
+    #[serde(default)]
+    pub position_floor: Vec<f64>,
     /// Upper end of the band that torque was kept in, Hz; `None` where it was not filtered.
     pub torque_band_hz: Option<f64>,
     /// Version, robot and seed that produced it, where the recording holds them.
@@ -87,6 +91,7 @@ impl Samples {
             ("units", self.units.len(), n),
             ("used", self.used.len(), self.blocks() * n),
             ("position_band_hz", self.position_band_hz.len(), n),
+            ("position_floor", self.position_floor.len().max(n), n),
             ("position_noise", self.position_noise.as_ref().map_or(n, Vec::len), n),
             ("rows of torque_covariance", self.torque_covariance.as_ref().map_or(n, DMatrix::nrows), n),
             ("columns of torque_covariance", self.torque_covariance.as_ref().map_or(n, DMatrix::ncols), n),
@@ -187,6 +192,7 @@ impl Samples {
         if count > 1 {
             all.periods = 1;
             (all.period_s, all.torque_covariance, all.position_noise, all.noise) = (None, None, None, None);
+            all.position_floor = Vec::new();
         }
         Ok(all)
     }
@@ -249,6 +255,7 @@ impl Samples {
             position_noise: None,
             noise: None,
             derivatives: Derivatives::Fourier,
+            position_floor: Vec::new(),
             torque_band_hz: None,
             provenance: None,
         }

@@ -54,6 +54,7 @@ impl Arm for Exact {
             q: Vec::new(),
             effort: Vec::new(),
             voltage: Vec::new(),
+            link_q: Vec::new(),
             provenance: Provenance::new(self.robot.name(), "", None),
         });
         let (command, mut dynamics) = (Command::new(plan, &layout), Dynamics::new(&self.robot, &self.truth));
@@ -64,7 +65,7 @@ impl Arm for Exact {
             command.evaluate(t, &mut q, &mut qd, &mut qdd);
             dynamics.inverse(&q, &qd, &qdd, &mut tau);
             tau.iter_mut().for_each(|tau| *tau += self.error * rng.random_range(-1.0..=1.0));
-            let sample = RawSample { index, t, phase, q: &q, effort: &tau, voltage: &[], command: &q };
+            let sample = RawSample { index, t, phase, q: &q, effort: &tau, voltage: &[], link_q: &[], command: &q };
             if sink.sample(&sample).ends() {
                 return Ok(Ending::Stopped { t, phase, rest: Rest::Simulated });
             }

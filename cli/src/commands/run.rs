@@ -36,6 +36,7 @@ EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
   encoders = true               # whole counts
   current_noise = true
   converters = true             # range and bits
+  link_step = 1e-5              # encoders behind the transmissions, by steps in rad (m); none by default
   voltage = false               # the controller reports motor voltages, where the robot file has the circuits
 
   [guard]                       # always on for arm ros2; --guard guards a simulated arm too

@@ -245,6 +245,7 @@ impl Ros2Arm {
             q: Vec::new(),
             effort: Vec::new(),
             voltage: Vec::new(),
+            link_q: Vec::new(),
             provenance: Provenance::new(self.robot.name(), &self.robot_text, None),
         }
     }
@@ -296,14 +297,23 @@ impl Listener for Relay<'_> {
     fn sample(&mut self, sample: &GridSample, command: &[f64]) -> Flow {
         let (index, t, phase) = (sample.index, sample.index as f64 / self.rate_hz, self.layout.phase(sample.index));
         self.last = (t, phase);
-        self.sink.sample(&RawSample { index, t, phase, q: &sample.q, effort: &sample.effort, voltage: &[], command })
+        self.sink.sample(&RawSample {
+            index,
+            t,
+            phase,
+            q: &sample.q,
+            effort: &sample.effort,
+            voltage: &[],
+            link_q: &[],
+            command,
+        })
     }
 
     fn standing(&mut self, t: f64, row: &JointRow, command: &[f64]) -> Flow {
         let index = if t < 0.0 { 0 } else { self.layout.samples() - 1 };
         self.last = (t, self.layout.phase(index));
         let (q, effort) = (&row.q, &row.effort);
-        self.sink.unrecorded(&RawSample { index, t, phase: self.last.1, q, effort, voltage: &[], command })
+        self.sink.unrecorded(&RawSample { index, t, phase: self.last.1, q, effort, voltage: &[], link_q: &[], command })
     }
 
     fn idle(&mut self, age_s: f64) -> Flow {

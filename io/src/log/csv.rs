@@ -1,5 +1,5 @@
 //! Recordings as CSV: `t,q1..qn,tau1..taun` in s, rad (m), N·m (N), or `t,q1..qn,current1..currentn` with A; then,
-//! where motor voltages were recorded, `voltage1..voltagen` in V.
+//! where motor voltages were recorded, `voltage1..voltagen` in V, and where links have encoders of their own, `q_link1..q_linkn` in rad (m).
 
 use std::fmt::Write;
 
@@ -32,7 +32,8 @@ pub fn write(recording: &Recording) -> String {
     let prefix = prefix(recording.effort_unit);
     let mut text = "t".to_owned();
     let voltage = (!recording.voltage.is_empty()).then_some("voltage");
-    for name in ["q", prefix].into_iter().chain(voltage) {
+    let links = (!recording.link_q.is_empty()).then_some("q_link");
+    for name in ["q", prefix].into_iter().chain(voltage).chain(links) {
         for k in 1..=recording.dof {
             let _ = write!(text, ",{name}{k}");
         }
@@ -40,8 +41,10 @@ pub fn write(recording: &Recording) -> String {
     text.push('\n');
     for k in 0..recording.len() {
         let _ = write!(text, "{}", recording.t[k]);
-        for value in recording.q(k).iter().chain(recording.effort(k)).chain(recording.voltage(k)) {
-            let _ = write!(text, ",{value}");
+        for values in [recording.q(k), recording.effort(k), recording.voltage(k), recording.link_q(k)] {
+            for value in values {
+                let _ = write!(text, ",{value}");
+            }
         }
         text.push('\n');
     }

@@ -12,7 +12,7 @@ use super::mcap_records::Records;
 use super::topics::{Message, StateReading, Topics};
 use super::{foreign, recorded};
 use crate::error::Error;
-use crate::recording::{ENDING, METADATA, STATES, VOLTAGE};
+use crate::recording::{ENDING, LINKS, METADATA, STATES, VOLTAGE};
 
 /// What a file holds.
 #[derive(Default)]
@@ -27,6 +27,8 @@ pub(super) struct Contents {
     recorded_ns: Vec<i64>,
     /// Time, ns, and motor voltages.
     pub(super) voltages: Vec<(u64, Vec<f64>)>,
+    /// Time, ns, and positions behind the transmissions.
+    pub(super) links: Vec<(u64, Vec<f64>)>,
     /// Joint states on other topics, by channel: the topic, and every message.
     others: BTreeMap<u16, (String, Vec<Message>)>,
     /// Whether its end is there.
@@ -119,7 +121,7 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
         }
     };
     let mut contents = Contents::default();
-    let (mut channels, mut voltage) = (BTreeSet::new(), None);
+    let (mut channels, mut voltage, mut links) = (BTreeSet::new(), None, None);
     let (mut schema, mut arrays) = (None, None);
     // A chunk's checksum is checked at its end: where that fails it says more than the message that was damaged.
     let mut undecodable: Option<Error> = None;
@@ -129,6 +131,9 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
             Ok(Record::Schema { header, .. }) if header.name == FloatArray::NAME => arrays = Some(header.id),
             Ok(Record::Channel(found)) if found.topic == VOLTAGE && Some(found.schema_id) == arrays => {
                 voltage = Some(found.id);
+            }
+            Ok(Record::Channel(found)) if found.topic == LINKS && Some(found.schema_id) == arrays => {
+                links = Some(found.id);
             }
             Ok(Record::Channel(found)) if found.topic == STATES => {
                 if Some(found.schema_id) != schema || found.message_encoding != "cdr" {
@@ -164,12 +169,16 @@ fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
                     }
                 }
             }
-            Ok(Record::Message { header, data }) if Some(header.channel_id) == voltage => {
-                let number = contents.voltages.len() + 1;
+            Ok(Record::Message { header, data }) if [voltage, links].contains(&Some(header.channel_id)) => {
+                let (topic, arrays) = match Some(header.channel_id) == voltage {
+                    true => (VOLTAGE, &mut contents.voltages),
+                    false => (LINKS, &mut contents.links),
+                };
+                let number = arrays.len() + 1;
                 match FloatArray::decode(&data) {
-                    Ok(values) => contents.voltages.push((header.log_time, values.data)),
+                    Ok(values) => arrays.push((header.log_time, values.data)),
                     Err(error) => {
-                        let message = format!("{name}: message {number} on {VOLTAGE}: {error}");
+                        let message = format!("{name}: message {number} on {topic}: {error}");
                         undecodable.get_or_insert_with(|| Error::new(message));
                     }
                 }

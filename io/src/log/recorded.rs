@@ -2,6 +2,7 @@
 
 use std::collections::BTreeMap;
 
+use armid::cdr::JointState;
 use armid::experiment::{PhaseSpan, Recording};
 use armid::input::size::{JOINTS, RATE_HZ};
 use armid::model::{EffortInterface, format::ChainEnds};
@@ -53,7 +54,9 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         chain: ChainEnds { base: metadata.get("base_link").cloned(), tip: metadata.get("tip_link").cloned() },
     };
     let (q, effort) = columns(name, &joints, states)?;
-    let voltage = voltages(name, dof, contents)?;
+    let samples = contents.states.as_slice();
+    let voltage = arrays(name, "motor voltages", dof, samples, &contents.voltages)?;
+    let link_q = arrays(name, "positions of links", dof, samples, &contents.links)?;
     let recording = Recording {
         robot: get("robot")?.clone(),
         robot_text: robot.text.clone(),
@@ -68,6 +71,7 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         q: q.clone(),
         effort: effort.clone(),
         voltage,
+        link_q,
         provenance,
     };
     recording.check().map_err(|fault| Error::new(format!("{name}: {fault}")))?;
@@ -92,21 +96,27 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
     })
 }
 
-/// The voltages of every sample, or none. Each stands right behind its joint state, so that a cut may have taken the
-/// last one: the sample counts all the same, and its voltages are those of the sample before.
-fn voltages(name: &str, dof: usize, contents: &Contents) -> Result<Vec<f64>, Error> {
-    if contents.voltages.is_empty() {
+/// The values of every sample, or none. Each stands right behind its joint state, so that a cut may have taken the
+/// last one: the sample counts all the same, and its values are those of the sample before.
+fn arrays(
+    name: &str,
+    what: &str,
+    dof: usize,
+    states: &[JointState],
+    found: &[(u64, Vec<f64>)],
+) -> Result<Vec<f64>, Error> {
+    if found.is_empty() {
         return Ok(Vec::new());
     }
-    let mut all = Vec::with_capacity(contents.states.len() * dof);
-    let mut rest = contents.voltages.iter().peekable();
-    for (k, state) in contents.states.iter().enumerate() {
+    let mut all = Vec::with_capacity(states.len() * dof);
+    let mut rest = found.iter().peekable();
+    for (k, state) in states.iter().enumerate() {
         match rest.next_if(|(time, _)| i128::from(*time) == i128::from(state.stamp.ns())) {
             Some((_, values)) if values.len() == dof => all.extend_from_slice(values),
-            None if k > 0 && k + 1 == contents.states.len() => all.extend_from_within(all.len() - dof..),
+            None if k > 0 && k + 1 == states.len() => all.extend_from_within(all.len() - dof..),
             found => {
                 let found = found.map_or(0, |(_, values)| values.len());
-                let message = format!("{name}: sample {k} has {found} motor voltages, expected {dof}");
+                let message = format!("{name}: sample {k} has {found} {what}, expected {dof}");
                 return Err(Error::new(message));
             }
         }

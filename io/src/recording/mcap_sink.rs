@@ -4,6 +4,7 @@
 //! |---|---|
 //! | `/joint_states` | `sensor_msgs/msg/JointState` in CDR: position rad (m), effort A or N·m (N), every sample |
 //! | `/motor_voltage` | `std_msgs/msg/Float64MultiArray` in CDR: V, in the order of the joints, every sample; only where recorded |
+//! | `/link_positions` | the same: rad (m) by encoders behind the transmissions, every sample; only where there are some |
 //! | `/joint_commands` | the commanded position, at most 100 times a second |
 //! | metadata `armid` | robot and its file, joints, rate, unit of effort, trajectory, phases, provenance, experiment |
 //! | in it, `sessions` | where the experiment was cut short and continued: the periods of each session |
@@ -30,6 +31,8 @@ use crate::output::{make_folder, name_file};
 pub(crate) const STATES: &str = "/joint_states";
 /// Topic of the motors' terminal voltages.
 pub(crate) const VOLTAGE: &str = "/motor_voltage";
+/// Topic of the positions behind the transmissions.
+pub(crate) const LINKS: &str = "/link_positions";
 /// Topic of the commands.
 const COMMANDS: &str = "/joint_commands";
 /// Name of the metadata record.
@@ -61,6 +64,8 @@ struct Open {
     states: u16,
     /// Made with the first sample that has voltages.
     voltage: Option<u16>,
+    /// Made with the first sample that has positions of the links.
+    links: Option<u16>,
     commands: u16,
     joints: Vec<String>,
     command_every: usize,
@@ -165,6 +170,7 @@ impl<'a> McapSink<'a> {
                 file: same,
                 states,
                 voltage: None,
+                links: None,
                 commands,
                 joints: recording.joints.clone(),
                 command_every: (recording.rate_hz / COMMAND_RATE_HZ).ceil().max(1.0) as usize,
@@ -256,9 +262,11 @@ impl Open {
             effort: sample.effort.to_vec(),
         };
         self.message(self.states, sample.index, stamp_ns, &state.encode()?)?;
-        if !sample.voltage.is_empty() {
-            let channel = self.voltage_channel()?;
-            self.message(channel, sample.index, stamp_ns, &FloatArray { data: sample.voltage.to_vec() }.encode()?)?;
+        for (topic, values) in [(VOLTAGE, sample.voltage), (LINKS, sample.link_q)] {
+            if !values.is_empty() {
+                let channel = self.array_channel(topic)?;
+                self.message(channel, sample.index, stamp_ns, &FloatArray { data: values.to_vec() }.encode()?)?;
+            }
         }
         if sample.index.is_multiple_of(self.command_every) {
             let command = JointState { position: sample.command.to_vec(), effort: Vec::new(), ..state };
@@ -271,13 +279,15 @@ impl Open {
         Ok(())
     }
 
-    fn voltage_channel(&mut self) -> mcap::McapResult<u16> {
-        if let Some(channel) = self.voltage {
+    /// The channel of a topic of arrays, made where it is not there yet.
+    fn array_channel(&mut self, topic: &str) -> mcap::McapResult<u16> {
+        let known = if topic == VOLTAGE { &mut self.voltage } else { &mut self.links };
+        if let Some(channel) = *known {
             return Ok(channel);
         }
         let schema = self.writer.add_schema(FloatArray::NAME, "ros2msg", FloatArray::DEFINITION.as_bytes())?;
-        let channel = self.writer.add_channel(schema, VOLTAGE, "cdr", &BTreeMap::new())?;
-        self.voltage = Some(channel);
+        let channel = self.writer.add_channel(schema, topic, "cdr", &BTreeMap::new())?;
+        *known = Some(channel);
         Ok(channel)
     }
 

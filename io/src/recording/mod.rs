@@ -14,7 +14,7 @@ mod sink_thread;
 pub use csv_sink::CsvSink;
 pub use file_sink::FileSink;
 pub use mcap_sink::McapSink;
-pub(crate) use mcap_sink::{ENDING, METADATA, STATES, VOLTAGE};
+pub(crate) use mcap_sink::{ENDING, LINKS, METADATA, STATES, VOLTAGE};
 pub use notes::Notes;
 pub use part::{check_at_rest, check_free, part_of};
 pub use sink_thread::beside;

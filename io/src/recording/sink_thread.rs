@@ -58,6 +58,7 @@ struct OwnSample {
     q: Vec<f64>,
     effort: Vec<f64>,
     voltage: Vec<f64>,
+    link_q: Vec<f64>,
     command: Vec<f64>,
 }
 
@@ -70,13 +71,14 @@ impl OwnSample {
             q: sample.q.to_vec(),
             effort: sample.effort.to_vec(),
             voltage: sample.voltage.to_vec(),
+            link_q: sample.link_q.to_vec(),
             command: sample.command.to_vec(),
         }
     }
 
     fn view(&self) -> RawSample<'_> {
-        let Self { index, t, phase, q, effort, voltage, command } = self;
-        RawSample { index: *index, t: *t, phase: *phase, q, effort, voltage, command }
+        let Self { index, t, phase, q, effort, voltage, link_q, command } = self;
+        RawSample { index: *index, t: *t, phase: *phase, q, effort, voltage, link_q, command }
     }
 }
 
@@ -134,7 +136,16 @@ mod tests {
     }
 
     fn sample(index: usize) -> RawSample<'static> {
-        RawSample { index, t: 0.0, phase: Phase::Settle, q: &[0.0], effort: &[0.0], voltage: &[], command: &[0.0] }
+        RawSample {
+            index,
+            t: 0.0,
+            phase: Phase::Settle,
+            q: &[0.0],
+            effort: &[0.0],
+            voltage: &[],
+            link_q: &[],
+            command: &[0.0],
+        }
     }
 
     #[test]

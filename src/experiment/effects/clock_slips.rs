@@ -21,7 +21,7 @@ const EARLY_S: f64 = 0.02;
 const LENGTH_S: f64 = 0.05;
 
 /// One sample as the sensors gave it: positions, efforts, voltages.
-type Reading = [Vec<f64>; 3];
+type Reading = [Vec<f64>; 4];
 
 /// The slips of one run, and the samples that they bring back.
 #[derive(Clone, Debug)]
@@ -50,7 +50,7 @@ impl ClockSlips {
     }
 
     /// What is written where the sensors give `now`; slips begin as soon as there is a sample early enough.
-    pub(in crate::experiment) fn written(&mut self, now: [&[f64]; 3]) -> [&[f64]; 3] {
+    pub(in crate::experiment) fn written(&mut self, now: [&[f64]; 4]) -> [&[f64]; 4] {
         let mut newest =
             if self.past.len() > self.early { self.past.pop_front().unwrap_or_default() } else { Reading::default() };
         for (values, now) in newest.iter_mut().zip(now) {
@@ -65,16 +65,16 @@ impl ClockSlips {
         } else {
             return self.last();
         }
-        self.past.front().map_or([&[]; 3], views)
+        self.past.front().map_or([&[]; 4], views)
     }
 
-    fn last(&self) -> [&[f64]; 3] {
-        self.past.back().map_or([&[]; 3], views)
+    fn last(&self) -> [&[f64]; 4] {
+        self.past.back().map_or([&[]; 4], views)
     }
 }
 
-fn views(reading: &Reading) -> [&[f64]; 3] {
-    [&reading[0], &reading[1], &reading[2]]
+fn views(reading: &Reading) -> [&[f64]; 4] {
+    reading.each_ref().map(Vec::as_slice)
 }
 
 #[cfg(test)]
@@ -87,8 +87,8 @@ mod tests {
         let mut slips = ClockSlips::new(share, rate_hz, Seed::new(9).of_run(2));
         let mut found = Vec::with_capacity(count);
         for k in 0..count {
-            let [q, effort, voltage] = slips.written([&[k as f64], &[-(k as f64)], &[]]);
-            assert_eq!((effort, voltage), (&[-q[0]][..], &[][..]), "positions and efforts slip together");
+            let [q, effort, voltage, link] = slips.written([&[k as f64], &[-(k as f64)], &[], &[k as f64]]);
+            assert_eq!((effort, voltage, link), (&[-q[0]][..], &[][..], q), "positions and efforts slip together");
             found.push(k - q[0] as usize);
         }
         found

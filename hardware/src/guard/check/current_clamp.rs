@@ -95,7 +95,8 @@ mod tests {
         (0..1000).map(|k| f64::from(k) * 2e-3).find(|t| {
             let effort = [of(*t) * bounds[0].effort / 0.95, 0.0];
             let (q, phase) = ([0.0; 2], Phase::Settle);
-            let sample = RawSample { index: 0, t: *t, phase, q: &q, effort: &effort, voltage: &[], command: &q };
+            let sample =
+                RawSample { index: 0, t: *t, phase, q: &q, effort: &effort, voltage: &[], link_q: &[], command: &q };
             check.sample(&sample).is_some()
         })
     }

@@ -75,7 +75,16 @@ mod tests {
         (0..200).find_map(|k| {
             let t = f64::from(k) * 2e-3;
             let (q, phase) = ([speed * t, 0.0], Phase::Settle);
-            check.sample(&RawSample { index: 0, t, phase, q: &q, effort: &[0.0; 2], voltage: &[], command: &q })
+            check.sample(&RawSample {
+                index: 0,
+                t,
+                phase,
+                q: &q,
+                effort: &[0.0; 2],
+                voltage: &[],
+                link_q: &[],
+                command: &q,
+            })
         })
     }
 

@@ -225,6 +225,7 @@ impl Stage {
                                     q: &before,
                                     effort: &effort,
                                     voltage: &[],
+                                    link_q: &[],
                                     command: &command,
                                 };
                                 self.aftermath(last_t + age, flow, &sample, sink);
@@ -252,7 +253,8 @@ impl Stage {
                 }
             }
             let index = k.saturating_sub(lead);
-            let sample = RawSample { index, t, phase, q: &q, effort: &effort, voltage: &[], command: &command };
+            let sample =
+                RawSample { index, t, phase, q: &q, effort: &effort, voltage: &[], link_q: &[], command: &command };
             let flow = if recorded.is_some() { sink.sample(&sample) } else { sink.unrecorded(&sample) };
             if flow.ends() {
                 self.aftermath(now, flow, &sample, sink);
@@ -312,6 +314,7 @@ impl Machine for Stage {
             q: Vec::new(),
             effort: Vec::new(),
             voltage: Vec::new(),
+            link_q: Vec::new(),
             provenance: Provenance::new(self.robot.name(), "", None),
         })
     }
