@@ -20,7 +20,10 @@
 //! too short) and less probable than 5 % over the number of motors. A wind-up below what the encoders resolve does not. Where ẑ is
 //! a combination of θ̈ and friction, a joint of constant inertia without gravity, `K δ` and `J θ̈` are one and the same: no motion tells them apart.
 //!
-//! Fails where a gap or a loop of hysteresis is as large as δ (K is then that of a line through it), and where δ̇ counts: a damper between motor and link goes into
+//! On the simulated A460 with springs of 2 mrad at the ratings and steps of 12 µrad at the links, five of six K are inside their intervals, within 0.3 %; the wrist's last, wound up
+//! by a third of a step, is 11 % too low: steps above the wind-up are no noise but a function of the motion.
+//!
+//! Fails there, where a gap or a loop of hysteresis is as large as δ (K is then that of a line through it), and where δ̇ counts: a damper between motor and link goes into
 //! friction and rotor.
 //!
 //! References: J. D. Sargan, "The estimation of economic relationships using instrumental variables", Econometrica 26(3), 1958; D. Staiger, J. H.

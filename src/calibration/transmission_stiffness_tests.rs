@@ -6,7 +6,7 @@ use super::{StiffnessVerdict, TransmissionStiffness, transmission_stiffness};
 use crate::conformance::chains::{ChainRecipe, planar_2r};
 use crate::dynamics::{Dynamics, States};
 use crate::experiment::Transmission;
-use crate::model::{Robot, StandardParameters};
+use crate::model::{Robot, StandardParameters, smooth_sign};
 use crate::seed::Seed;
 use crate::signal::{FourierTransform, HarmonicSeries, Samples};
 
@@ -76,7 +76,8 @@ fn recorded(
         let qdd = joints(&|m| of_motors[m].2[k]);
         let motor = |m: usize| {
             let (speed, acceleration) = (of_motors[m].1[k], of_motors[m].2[k]);
-            ROTOR * acceleration + 3.0 * speed + 4.0 * speed.signum() + 1.5 + load[k * n + m]
+            let turn = robot.joints()[m].drive.coulomb_velocity;
+            ROTOR * acceleration + 3.0 * speed + 4.0 * smooth_sign(speed, turn) + 1.5 + load[k * n + m]
         };
         let (torque, mut at_joints, mut rigid) = ((0..n).map(motor).collect::<Vec<_>>(), vec![0.0; n], vec![0.0; n]);
         transmission.joint_torque(&torque, &mut at_joints);

@@ -9,7 +9,8 @@ impl Samples {
     ///
     /// Where the noise of the positions is known, each coefficient counts by the share of its power that is signal: what is expected of q⃛, given what was
     /// measured. In a column of equations that leaves no attenuation, as noise beside it would (regression calibration; R. J. Carroll et al.,
-    /// Measurement Error in Nonlinear Models, Chapman & Hall, 2006, chapter 4): the third derivative has far more noise than the second.
+    /// Measurement Error in Nonlinear Models, Chapman & Hall, 2006, chapter 4): the third derivative has far more noise than the second. Shares of
+    /// few lines are known badly: with 150 lines above the noise 1 % of attenuation is left of 13 %, with 16 lines 15 % of 29 %.
     ///
     /// Samples do not say where one record of several ends: at such a place the differences of two instants reach across.
     ///
@@ -66,7 +67,7 @@ mod tests {
     /// A column with an error in it draws its coefficient towards zero; one that is what is expected of it, given what was measured, does not.
     #[test]
     fn analytic_what_is_expected_of_the_third_derivative_has_slope_one() {
-        let (count, period_s, std) = (1000, 5.0, 1e-4);
+        let (count, period_s, std) = (1000, 5.0, 1e-7);
         let transform = FourierTransform::new(count);
         let w = std::f64::consts::TAU / period_s;
         // Friction that reverses: amplitudes of the third derivative that do not fall.
@@ -77,7 +78,7 @@ mod tests {
                 let rate = line(h).1 * (w * h as f64).powi(order);
                 if order == 0 { rate * libm::cos(angle(h)) } else { rate * libm::sin(angle(h)) }
             };
-            (1..200).map(of).sum()
+            (1..400).map(of).sum()
         };
         let (truth, clean): (Vec<f64>, Vec<f64>) = (0..count).map(|k| (signal(k, 3), signal(k, 0))).unzip();
         let (mut slope, mut raw) = (0.0, 0.0);
@@ -116,6 +117,6 @@ mod tests {
             raw += regress(&samples.jerk());
             slope += regress(&Samples { position_floor: vec![floor], ..samples }.jerk());
         }
-        assert!((slope - 1.0).abs() < 0.03 && raw < 0.95, "{slope} {raw}");
+        assert!((slope - 1.0).abs() < 0.03 && raw < 0.9, "{slope} {raw}");
     }
 }

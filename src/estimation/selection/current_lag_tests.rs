@@ -150,12 +150,14 @@ fn analytic_lags_are_found_and_other_parameters_are_nearer_beside_them() {
         let columns = Columns::parse(&selection.columns).unwrap();
         let identification = Identification::new(&robot, columns).unwrap();
         let estimate = identification.estimate(&samples, crate::estimation::EstimatorKind::Wls.estimator()).unwrap();
-        let exact = identification.base().beta(&truth.vector(&robot, columns));
         let beside: Vec<_> = selection.parameters_beside.iter().filter(|one| one.term == "current-lag").collect();
-        assert_eq!(beside.len(), exact.len());
-        let w = identification.observation(&samples).unwrap().regressor;
-        let error = |beta: DVector<f64>| (&w * (beta - &exact)).norm() / (w.nrows() as f64).sqrt();
-        let with = error(DVector::from_iterator(exact.len(), beside.iter().map(|one| one.value)));
+        assert_eq!(beside.len(), identification.base().rank());
+        // By the torque that acts.
+        let observation = identification.observation(&samples).unwrap();
+        let acting = (0..COUNT).flat_map(|k| torque(&robot, &truth, k as f64 / RATE_HZ)).zip(&samples.used);
+        let acting = DVector::from_iterator(3 * COUNT, acting.map(|(tau, used)| if *used { tau } else { 0.0 }));
+        let error = |beta: DVector<f64>| (&observation.regressor * beta - &acting).norm();
+        let with = error(DVector::from_iterator(beside.len(), beside.iter().map(|one| one.value)));
         let without = error(estimate.beta());
         assert!(with < 0.5 * without, "{seed}: {with} {without} {}", selection.columns);
     }
