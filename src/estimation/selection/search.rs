@@ -42,7 +42,12 @@ pub fn select<'a>(
     // A term that stood for part of the lag is not to stay in the set, nor to take its part from it.
     match search(true).selection(motion, &words) {
         Ok(lagged) if shows(&lagged, &[Verdict::Supported]) => Ok(lagged),
-        Ok(_) | Err(EstimationError::NotExcited { .. } | EstimationError::TooFewEquations { .. }) => Ok(plain),
+        Ok(_)
+        | Err(
+            EstimationError::NotExcited { .. }
+            | EstimationError::OutsideOfEquations { .. }
+            | EstimationError::TooFewEquations { .. },
+        ) => Ok(plain),
         Err(error) => Err(error),
     }
 }
@@ -222,7 +227,9 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
         };
         let beside = match beside {
             Ok(Some(beside)) => beside,
-            Ok(None) | Err(EstimationError::NotExcited { .. }) => return Ok(Tested::not(word)),
+            Ok(None) | Err(EstimationError::NotExcited { .. } | EstimationError::OutsideOfEquations { .. }) => {
+                return Ok(Tested::not(word));
+            }
             Err(error) => return Err(error),
         };
         let unseen = if beside.is_of_one_record() { Vec::new() } else { self.equations(identification)?.1 };
