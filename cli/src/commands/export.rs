@@ -112,7 +112,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     };
     let searched = estimate.termination.was_successful();
     if !searched {
-        console.note(format!("the estimate is not what was sought: its search {}", estimate.termination));
+        console.alarm(&format!("the estimate is not what was sought: its search {}", estimate.termination));
     }
     let destination = destination(&loaded, arguments.to, console)?;
     let base = base_of(&text, &estimate, &loaded)?;

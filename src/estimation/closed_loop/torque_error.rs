@@ -91,8 +91,11 @@ pub(in crate::estimation) fn search(
         Some(onto) => onto(&linear.fit)?,
         None => linear.fit.solution().clone(),
     };
-    // Intervals would end outside of a set.
-    let output = onto.is_none().then_some(Output::Torque);
+    // Intervals need the exact slope, and would end outside of a set.
+    let output = match (slope, onto) {
+        (TorqueSlope::Exact, None) => Some(Output::Torque),
+        (TorqueSlope::Exact | TorqueSlope::Regressor, _) => None,
+    };
     let held = DMatrix::zeros(0, first.len());
     let follow = |start: (nalgebra::DVector<f64>, Linearised)| {
         let weights = match &linear.weights {

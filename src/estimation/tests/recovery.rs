@@ -292,7 +292,7 @@ fn what_an_iteration_did_not_come_to_is_a_finding() {
     let of = |termination| {
         let estimator = "ols";
         let (instruments, basis) = (Instruments::Regressor, IntervalBasis::Residual);
-        Inference { estimator, problem: &problem, fit: &fit, instruments, noise: &noise, basis, termination }
+        Inference { estimator, problem: &problem, fit, instruments, noise: &noise, basis, termination }
             .estimate()
             .unwrap()
     };

@@ -10,10 +10,12 @@ use super::interval::{Interval, Point, Weights};
 use super::step::step;
 use crate::estimation::error::EstimationError;
 
-/// Stages, steps of one, and the factor of the weight of gaps between them.
+/// Stages, and the factor of the weight of gaps between them.
 const STAGES: i32 = 5;
-const STEPS: usize = 30;
 const FACTOR: f64 = 100.0;
+/// Evaluations of all intervals in all stages at most, and full steps after them.
+const EVALUATIONS: usize = 150;
+const FULL_STEPS: usize = 30;
 /// Damping at the least, so that combinations that nothing depends on stay where they are, at the most, and the factor between.
 const LEAST_DAMPING: f64 = 1e-8;
 const MOST_DAMPING: f64 = 1e4;
@@ -49,58 +51,65 @@ pub(super) fn search(
     linearise: &LinearisePoint<'_>,
     is_rejected: impl Fn(&EstimationError) -> bool + Copy,
 ) -> Result<Found, EstimationError> {
-    let (mut point, mut at) = start;
-    let (outputs, spread) = (at_least_a_share(outputs, outputs.len()), spread(&point, group));
-    for stage in 0..STAGES {
-        let gap = largest_gap(&point, &at, &spread);
-        if stage > 0 && gap <= CLOSED {
-            break;
-        }
-        let sizes = if stage == 0 { &outputs * FIRST_RESIDUAL } else { residual_sizes(&at, &outputs) };
-        let gaps = gap_size(&point, &at, &spread).max(CLOSED);
-        let weights = Weights {
+    let (mut reached, mut left) = (start, EVALUATIONS);
+    let (outputs, spread) = (at_least_a_share(outputs, outputs.len()), spread(&reached.0, group));
+    let weights = |(point, at): &(Point, Vec<Interval>), stage: i32| {
+        let sizes = if stage == 0 { &outputs * FIRST_RESIDUAL } else { residual_sizes(at, &outputs) };
+        let gaps = gap_size(point, at, &spread).max(CLOSED);
+        Weights {
             outputs: sizes.map(|size| 1.0 / size),
             gap: spread.map(|spread| FACTOR.powi(stage) / (gaps * spread)),
             light_gap: spread.map(|spread| 1.0 / (FIRST_RESIDUAL * spread)),
-        };
-        let mut cost = cost(&point, &at, &weights);
-        let nothing = cost * NOTHING;
-        let mut damping = LEAST_DAMPING;
-        'stage: for _ in 0..STEPS {
-            loop {
-                let moved = step(&point, &at, &weights, damping);
-                let trial = point.moved_by(&moved);
-                match linearise(&trial) {
-                    Ok(found) => {
-                        let trial_cost = self::cost(&trial, &found, &weights);
-                        if trial_cost < cost {
-                            let gain = 1.0 - trial_cost / cost;
-                            (point, at, cost) = (trial, found, trial_cost);
-                            damping = (damping / (DAMPING_FACTOR * DAMPING_FACTOR)).max(LEAST_DAMPING);
-                            if gain < GAIN || cost <= nothing {
-                                break 'stage;
-                            }
-                            break;
-                        }
+        }
+    };
+    for stage in 0..STAGES {
+        if stage > 0 && largest_gap(&reached, &spread) <= CLOSED {
+            break;
+        }
+        let weights = weights(&reached, stage);
+        reached = descended(reached, &weights, &mut left, linearise, is_rejected)?;
+    }
+    if largest_gap(&reached, &spread) <= CLOSED {
+        let weights = weights(&reached, 1);
+        reached = full_steps(reached, &weights, &spread, linearise, is_rejected)?;
+    }
+    let gap = largest_gap(&reached, &spread);
+    Ok(Found { point: reached.0, gap })
+}
+
+/// Damped steps by these weights until they gain little, no step lowers the cost, or no evaluation is `left`.
+fn descended(
+    (mut point, mut at): (Point, Vec<Interval>),
+    weights: &Weights,
+    left: &mut usize,
+    linearise: &LinearisePoint<'_>,
+    is_rejected: impl Fn(&EstimationError) -> bool,
+) -> Result<(Point, Vec<Interval>), EstimationError> {
+    let mut cost = cost(&point, &at, weights);
+    let nothing = cost * NOTHING;
+    let mut damping = LEAST_DAMPING;
+    while *left > 0 && damping <= MOST_DAMPING {
+        *left -= 1;
+        let trial = point.moved_by(&step(&point, &at, weights, damping));
+        match linearise(&trial) {
+            Ok(found) => {
+                let trial_cost = self::cost(&trial, &found, weights);
+                if trial_cost < cost {
+                    let gain = 1.0 - trial_cost / cost;
+                    (point, at, cost) = (trial, found, trial_cost);
+                    if gain < GAIN || cost <= nothing {
+                        break;
                     }
-                    Err(error) if is_rejected(&error) => {}
-                    Err(error) => return Err(error),
-                }
-                damping *= DAMPING_FACTOR;
-                if damping > MOST_DAMPING {
-                    break 'stage;
+                    damping = (damping / (DAMPING_FACTOR * DAMPING_FACTOR)).max(LEAST_DAMPING);
+                } else {
+                    damping *= DAMPING_FACTOR;
                 }
             }
+            Err(error) if is_rejected(&error) => damping *= DAMPING_FACTOR,
+            Err(error) => return Err(error),
         }
     }
-    let weights = Weights {
-        outputs: residual_sizes(&at, &outputs).map(|size| 1.0 / size),
-        gap: spread.map(|spread| 1.0 / (CLOSED * spread)),
-        light_gap: spread.map(|spread| 1.0 / (FIRST_RESIDUAL * spread)),
-    };
-    let (point, at) = full_steps((point, at), &weights, &spread, linearise, is_rejected)?;
-    let gap = largest_gap(&point, &at, &spread);
-    Ok(Found { point, gap })
+    Ok((point, at))
 }
 
 /// Full steps while each is shorter than half of the one before: a cost that gaps weigh heavily on lets no step follow their curve.
@@ -112,7 +121,7 @@ fn full_steps(
     is_rejected: impl Fn(&EstimationError) -> bool,
 ) -> Result<(Point, Vec<Interval>), EstimationError> {
     let mut length_before = f64::INFINITY;
-    for _ in 0..STEPS {
+    for _ in 0..FULL_STEPS {
         let moved = step(&point, &at, weights, LEAST_DAMPING);
         let length = moved.nodes.iter().map(|x| x.component_div(spread).norm_squared()).sum::<f64>().sqrt();
         if length == 0.0 || length > 0.5 * length_before {
@@ -155,7 +164,7 @@ fn gaps<'a>(point: &'a Point, intervals: &'a [Interval]) -> impl Iterator<Item =
     intervals.iter().enumerate().filter_map(|(j, interval)| interval.gap(point.nodes.get(j + 1)))
 }
 
-fn largest_gap(point: &Point, intervals: &[Interval], spread: &DVector<f64>) -> f64 {
+fn largest_gap((point, intervals): &(Point, Vec<Interval>), spread: &DVector<f64>) -> f64 {
     gaps(point, intervals).fold(0.0, |most, gap| gap.component_div(spread).amax().max(most))
 }
 
