@@ -330,3 +330,24 @@ fn select_reports_the_terms_that_the_simulated_arm_has() {
     let both = stderr(&armid(["identify", &recording, "--select", "--columns", "rigid"]).code(2));
     assert!(both.contains("--columns"), "{both}");
 }
+
+#[test]
+fn the_speed_at_which_friction_falls_is_asked_for_by_name() {
+    let folder = temporary();
+    let recording = record(folder.path(), "R.mcap", "5");
+    let refused = stderr(&armid(["identify", &recording, "--stribeck-speed"]).code(2));
+    assert!(refused.contains("Stribeck"), "{refused}");
+    let (columns, out) = ("rigid+rotor+friction+stribeck", path(folder.path(), "E.json"));
+    let choice = ["identify", &recording, "--columns", columns, "--stribeck-speed"];
+    let estimate = json(&armid(choice.into_iter().chain(["-o", &out, "--json"])).success());
+    let speeds = &estimate["stribeck_speed"];
+    assert_eq!(speeds["joints"].as_array().unwrap().len(), 6, "{speeds}");
+    // The simulated arm has no such friction.
+    assert_eq!(speeds["undecided"].as_array().unwrap().len(), 6, "{speeds}");
+    assert!(speeds["joints"].as_array().unwrap().iter().all(|joint| joint["speed"].is_null()));
+    assert_eq!(speeds["corrected"], "");
+    assert_eq!(estimate["columns"], columns);
+    armid(["validate", &out, &recording]).success();
+    let text = stdout(&armid(choice).success());
+    assert!(text.contains("speeds at which friction falls") && text.contains("undecided"), "{text}");
+}

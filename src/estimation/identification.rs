@@ -6,9 +6,10 @@
 
 use std::sync::Arc;
 
+use super::stribeck_speed::stribeck_speeds;
 use super::{
     ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Observation,
-    Validation, validate,
+    StribeckSpeeds, Validation, validate,
 };
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
@@ -143,6 +144,15 @@ impl<'a> Identification<'a> {
         let equations = Factorisation::new(&observation)?;
         let problem = self.problem(&observation, samples).with_factorisation(&equations);
         estimators.iter().map(|estimator| estimator.estimate(&problem)).collect()
+    }
+
+    /// The speeds at which the friction of the joints falls that have a Stribeck column, by variable projection; `None` where no column is one.
+    /// An estimate with them is that of an identification of [`StribeckSpeeds::robot`]; its intervals take them as exact.
+    ///
+    /// # Errors
+    /// As [`Self::estimate`].
+    pub fn stribeck_speeds(&self, samples: &Samples) -> Result<Option<StribeckSpeeds>, EstimationError> {
+        stribeck_speeds(self.robot, &self.observation(samples)?, samples)
     }
 
     /// The equations of one experiment.

@@ -77,9 +77,8 @@ impl LinearFit {
         .estimate()
     }
 
-    /// Sum of the squares of the (weighted) residual of the solution, over the degrees of freedom: 1 or so by weights that are
-    /// the noise.
-    pub(super) fn residual_variance(&self, observation: &Observation) -> Result<f64, EstimationError> {
+    /// Sum of the squares of the (weighted) residual of the solution.
+    pub(super) fn misfit(&self, observation: &Observation) -> Result<f64, EstimationError> {
         let residual = observation.residual(self.fit.solution());
         let white = match &self.weights {
             Some(weights) => {
@@ -88,7 +87,12 @@ impl LinearFit {
             }
             None => residual,
         };
+        Ok(white.norm_squared())
+    }
+
+    /// The same over the degrees of freedom: 1 or so by weights that are the noise.
+    pub(super) fn residual_variance(&self, observation: &Observation) -> Result<f64, EstimationError> {
         let freedom = observation.equations().saturating_sub(self.fit.solution().len()).max(1);
-        Ok(white.norm_squared() / freedom as f64)
+        Ok(self.misfit(observation)? / freedom as f64)
     }
 }

@@ -47,6 +47,8 @@ mod restated;
 mod ridge;
 mod robust;
 mod selection;
+mod stribeck_columns;
+mod stribeck_speed;
 mod termination;
 mod torque_residual;
 mod unit_equations;
@@ -96,6 +98,7 @@ pub use robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey
 pub use selection::{
     BeyondMotion, FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, candidate_terms, select,
 };
+pub use stribeck_speed::{SpeedValue, StribeckSpeed, StribeckSpeeds};
 pub use termination::Termination;
 pub use torque_residual::{DEFAULT_BANDWIDTH_HZ, RowShares, TorqueResidual, TorqueSeries};
 pub use weighted::WeightedLeastSquares;

@@ -5,7 +5,7 @@ use std::borrow::Cow;
 use nalgebra::{DMatrix, DVector};
 
 use super::EstimationError;
-use crate::base::BaseReduction;
+use crate::base::{BaseReduction, Category};
 use crate::linalg::LeastSquaresError;
 use crate::linalg::product::add_product;
 use crate::model::{Columns, ParameterId, Robot};
@@ -161,6 +161,26 @@ impl Observation {
             kept.y[row] = 0.0;
         }
         Cow::Owned(kept)
+    }
+
+    /// These equations with further columns (n·M × as many) behind their own, each of a parameter and unit.
+    pub(super) fn with_columns(&self, columns: &DMatrix<f64>, ids: &[ParameterId], units: &[String]) -> Self {
+        let (rows, b, added) = (self.y.len(), self.base.rank(), ids.len());
+        let mut regressor = DMatrix::zeros(rows, b + added);
+        regressor.columns_mut(0, b).copy_from(&self.regressor);
+        regressor.columns_mut(b, added).copy_from(columns);
+        let mut base = self.base.clone();
+        let p = base.parameters.len();
+        let mut k = DMatrix::zeros(b + added, p + added);
+        k.view_mut((0, 0), (b, p)).copy_from(&base.k);
+        k.view_mut((b, p), (added, added)).fill_with_identity();
+        base.k = k;
+        base.kept.extend(p..p + added);
+        base.categories.extend(std::iter::repeat_n(Category::Identifiable, added));
+        base.parameters.extend(ids);
+        let mut parameter_units = self.parameter_units.clone();
+        parameter_units.extend(units.iter().cloned());
+        Self { regressor, base, parameter_units, ..self.clone() }
     }
 
     /// `y − W_b β`, n·M; zero in rows that are no equation.

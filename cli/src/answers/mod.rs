@@ -15,5 +15,6 @@ pub(crate) mod selection;
 pub(crate) mod separating;
 pub(crate) mod snapping;
 pub(crate) mod source;
+pub(crate) mod stribeck_speed;
 pub(crate) mod study;
 pub(crate) mod transmission;

@@ -2,11 +2,11 @@
 
 use std::path::PathBuf;
 
-use armid::estimation::{EstimatorKind, candidate_terms};
+use armid::estimation::{EstimatorKind, StribeckSpeeds, candidate_terms};
 use armid::model::Columns;
 use armid_io::log::HeldOut;
 use armid_io::output::pretty;
-use armid_io::{Error, output};
+use armid_io::{Error, ProcessedLog, output};
 use miette::Result;
 use serde_json::{Value, json};
 
@@ -14,6 +14,7 @@ use super::drive_gains;
 use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::EstimateAnswer;
 use crate::answers::selection::{selection_json, selection_text};
+use crate::answers::stribeck_speed::{speeds_json, speeds_text};
 use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, one_of, read_parameter_map};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
@@ -38,6 +39,7 @@ Examples:
   armid identify log.csv --robot arm.toml --map "t=t, q=motor_[1-6] motor, q_link=link_[1-6], tau=torque_[1-6]"
   armid identify R.mcap --select -o E.json
   armid identify R.mcap --select=rigid+rotor+friction+stribeck --held-out other.mcap
+  armid identify R.mcap --columns rigid+rotor+friction+stribeck --stribeck-speed
   armid identify --payload --without empty.csv --with loaded.csv --robot arm.urdf -o P.json
   armid identify --payload --without E.json --with loaded.csv
   armid identify --drive-gains --without A.mcap --with B.mcap --payload-mass 1 --payload-centre 0,0,0.06
@@ -96,6 +98,10 @@ pub(crate) struct Arguments {
     #[arg(long, value_name = "COLUMNS", num_args = 0..=1, require_equals = true, default_missing_value = ALL_TERMS,
         conflicts_with_all = ["columns", "no_friction", "of_two"])]
     select: Option<String>,
+    /// Find the speed at which the friction of each joint falls that has a Stribeck column, and estimate with these speeds in place of those
+    /// of the robot file
+    #[arg(long, conflicts_with_all = ["select", "no_friction", "of_two"])]
+    stribeck_speed: bool,
     /// What is held out and only predicted: a part such as 30%, none, or another log; by default the last fifth of a log of
     /// another tool
     #[arg(long, value_name = "PART|LOG", help_heading = "Logs")]
@@ -159,6 +165,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if let Some(selection) = &selection {
         columns = candidates(&selection.columns)?;
     }
+    let speeds = if arguments.stribeck_speed { Some(stribeck_speeds(&mut prepared, columns)?) } else { None };
     let estimates = prepared.identify_by(columns, &arguments.estimator)?;
     let suspicions = prepared.suspicions(columns)?;
     let answers = estimates.iter().map(|estimate| EstimateAnswer::new(estimate, &prepared, &inputs, &suspicions));
@@ -175,6 +182,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         if let Some(selection) = &selection {
             json["selection"] = selection_json(selection);
         }
+        if let Some(speeds) = &speeds {
+            json["stribeck_speed"] = speeds_json(speeds, &prepared.robot.robot);
+        }
         json
     };
     let json = match answers.as_slice() {
@@ -188,12 +198,24 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         output::write_text(path, &pretty(&json))?;
         console.note(format!("wrote {}", path.display()));
     }
-    let terms = selection.as_ref().map(selection_text).unwrap_or_default();
+    let mut terms = selection.as_ref().map(selection_text).unwrap_or_default();
+    terms += &speeds.as_ref().map(|speeds| speeds_text(speeds, &prepared.robot.robot)).unwrap_or_default();
     let text = answers.iter().map(|answer| answer.text(console.verbose())).fold(terms, |all, text| all + &text);
     let text = text + &transmissions.as_deref().map(transmission_text).unwrap_or_default();
     console.show(&Answer { text, json })?;
-    let sound = estimates.iter().all(|estimate| estimate.termination.was_successful());
+    let sound = estimates.iter().all(|estimate| estimate.termination.was_successful())
+        && speeds.is_none_or(|speeds| speeds.termination.was_successful());
     Ok(if sound && suspicions.is_empty() { Ending::Done } else { Ending::Negative })
+}
+
+/// The speeds at which friction falls, which become those of the robot.
+fn stribeck_speeds(prepared: &mut ProcessedLog, columns: Columns) -> Result<StribeckSpeeds, Error> {
+    let Some(speeds) = prepared.stribeck_speeds(columns)? else {
+        let message = format!("--columns is {columns}, expected one of Stribeck friction for --stribeck-speed");
+        return Err(Error::new(message).help("--columns rigid+rotor+friction+stribeck"));
+    };
+    prepared.robot.robot = speeds.robot(&prepared.robot.robot);
+    Ok(speeds)
 }
 
 fn list() -> Answer {

@@ -4,7 +4,7 @@ use armid::calibration::{TransmissionStiffness, transmission_stiffness};
 use armid::diagnosis::{Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
     ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Observation, ResidualTrends,
-    Selection, TorqueResidual, TorqueSeries, Validation, closed_loop_of, predict, select,
+    Selection, StribeckSpeeds, TorqueResidual, TorqueSeries, Validation, closed_loop_of, predict, select,
 };
 use armid::model::{Columns, EffortInterface, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
@@ -178,6 +178,15 @@ impl ProcessedLog {
             .map_err(|error| Error::mismatch(format!("{name}: {error}")))?;
         let found = transmission_stiffness(robot, &self.samples, &modelled);
         found.map(Some).map_err(|error| Error::new(format!("{}: {error}", self.name())))
+    }
+
+    /// The speeds at which the friction of joints falls, by the Stribeck columns among these; `None` where there are none.
+    ///
+    /// # Errors
+    /// As [`Self::identify`].
+    pub fn stribeck_speeds(&self, columns: Columns) -> Result<Option<StribeckSpeeds>, Error> {
+        let found = self.identification(columns).and_then(|of| of.stribeck_speeds(&self.samples));
+        found.map_err(|error| self.unestimated(&error))
     }
 
     /// The torque constants by which the currents of these logs became torques, N·m/A, n: those of a mapping, or the robot's.

@@ -15,7 +15,6 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::current_lag::LaggedTorque;
-use crate::base::Category;
 use crate::estimation::{EstimationError, Observation};
 use crate::model::term::{CURRENT_LAG, Term, WARM_VISCOUS};
 use crate::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
@@ -100,39 +99,25 @@ impl Beside {
 
     /// These equations with the columns behind their own.
     pub(super) fn extended(&self, observation: &Observation, samples: &Samples) -> Observation {
-        let (rows, b, added) = (observation.y.len(), observation.base.rank(), self.parameters.len());
-        let mut regressor = DMatrix::zeros(rows, b + added);
-        let mut y = observation.y.clone();
-        regressor.columns_mut(0, b).copy_from(&observation.regressor);
-        let columns = match &self.law {
+        let mut own = observation.clone();
+        let mut columns = match &self.law {
             Law::Load(load) => {
-                let last: Vec<usize> = (load.cols() - added..load.cols()).collect();
+                let last: Vec<usize> = (load.cols() - self.parameters.len()..load.cols()).collect();
                 load.stack_means(&samples.states, &last, samples.block)
             }
             Law::Warming(joints) => warming(joints, samples),
             Law::CurrentLag(lagged) => {
                 let rates = lagged.rates(samples);
-                lagged.add_change(&rates, &mut regressor, &mut y);
+                lagged.add_change(&rates, &mut own.regressor, &mut own.y);
                 lagged.columns(&rates)
             }
         };
-        regressor.columns_mut(b, added).copy_from(&columns);
         for (row, _) in observation.used.iter().enumerate().filter(|(_, used)| !**used) {
-            regressor.row_mut(row).fill(0.0);
-            y[row] = 0.0;
+            own.regressor.row_mut(row).fill(0.0);
+            own.y[row] = 0.0;
+            columns.row_mut(row).fill(0.0);
         }
-        let mut base = observation.base.clone();
-        let p = base.parameters.len();
-        let mut k = DMatrix::zeros(b + added, p + added);
-        k.view_mut((0, 0), (b, p)).copy_from(&base.k);
-        k.view_mut((b, p), (added, added)).fill_with_identity();
-        base.k = k;
-        base.kept.extend(p..p + added);
-        base.categories.extend(std::iter::repeat_n(Category::Identifiable, added));
-        base.parameters.extend(&self.parameters);
-        let mut parameter_units = observation.parameter_units.clone();
-        parameter_units.extend(self.units.iter().cloned());
-        Observation { regressor, y, base, parameter_units, ..observation.clone() }
+        own.with_columns(&columns, &self.parameters, &self.units)
     }
 }
 

@@ -12,5 +12,6 @@ mod physical;
 mod recovery;
 mod robust;
 mod setting;
+mod stribeck_speed;
 
 pub(super) use setting::synthetic;
