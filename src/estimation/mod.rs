@@ -48,6 +48,7 @@ mod ridge;
 mod robust;
 mod selection;
 mod stribeck_columns;
+mod stribeck_search;
 mod stribeck_speed;
 mod termination;
 mod torque_residual;
@@ -98,7 +99,8 @@ pub use robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey
 pub use selection::{
     BeyondMotion, FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, candidate_terms, select,
 };
-pub use stribeck_speed::{SpeedValue, StribeckSpeed, StribeckSpeeds};
+pub use stribeck_search::SpeedValue;
+pub use stribeck_speed::{StribeckSpeed, StribeckSpeeds};
 pub use termination::Termination;
 pub use torque_residual::{DEFAULT_BANDWIDTH_HZ, RowShares, TorqueResidual, TorqueSeries};
 pub use weighted::WeightedLeastSquares;

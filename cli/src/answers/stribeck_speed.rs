@@ -91,8 +91,8 @@ pub(crate) fn speeds_text(speeds: &StribeckSpeeds, robot: &Robot) -> String {
     if !undecided.is_empty() {
         text += &paragraph(
             &format!(
-                "Not decided by these data, the speed of the robot file stays: {}. The friction does not fall, or where the joint is \
-                 slower than the equations are (`--reversal-fraction`).",
+                "Not decided by these data, the speed of the robot file stays: {}. Their friction does not fall, or it does where a joint is \
+                 slower than at any equation (`--reversal-fraction 0` keeps those).",
                 undecided.join(", ")
             ),
             2,
