@@ -31,6 +31,9 @@ pub struct SpeedValue {
     pub ci95: [f64; 2],
 }
 
+/// A speed, and the amplitude beside it.
+pub(super) type SpeedAndAmplitude = [SpeedValue; 2];
+
 /// The minimum of ρ over the speeds that are sought.
 pub(super) struct Search<'a> {
     observation: &'a Observation,
@@ -161,7 +164,7 @@ impl<'a> Search<'a> {
     }
 
     /// The estimate of (β, ln v) at these speeds, and of each joint that is sought its speed and amplitude.
-    pub(super) fn values(&self, speeds: &[f64]) -> Result<(Estimate, Vec<Option<[SpeedValue; 2]>>), EstimationError> {
+    pub(super) fn values(&self, speeds: &[f64]) -> Result<(Estimate, Vec<Option<SpeedAndAmplitude>>), EstimationError> {
         let Some(weights) = &self.weights else { return Err(EstimationError::NotDefinite) };
         let observation = self.columns.at(self.observation, speeds);
         let equations = Factorisation::new(&observation)?;

@@ -25,7 +25,7 @@
 //! problems", BIT 15, 1975, for the derivative that leaves out how β moves.
 
 use super::stribeck_columns::StribeckColumns;
-use super::stribeck_search::{Search, SpeedValue};
+use super::stribeck_search::{Search, SpeedAndAmplitude, SpeedValue};
 use super::{EstimationError, Observation, Termination};
 use crate::model::Robot;
 use crate::model::term::Stribeck;
@@ -115,7 +115,7 @@ pub(super) fn stribeck_speeds(
         }
         let equations = observation.equations().max(1) as f64;
         let weighted_rms = [search.misfit(&kept)?, search.misfit(&speeds)?].map(|rho| (rho / equations).sqrt());
-        let joint = |(i, value): (usize, &Option<[SpeedValue; 2]>)| StribeckSpeed {
+        let joint = |(i, value): (usize, &Option<SpeedAndAmplitude>)| StribeckSpeed {
             joint: columns.joints[i].joint + 1,
             stated: stated[i],
             speed: value.map(|[speed, _]| speed),
