@@ -123,22 +123,16 @@ fn errors(arm: &Arm, found: &Estimate) -> Vec<(String, f64)> {
 
 #[test]
 fn analytic_a_motion_that_runs_away_is_found_in_intervals() {
-    // Torque in a unit that is too large: the servo of an arm so heavy does not hold it, or lets it swing.
+    // Torque in a unit that is too large: the servo of an arm so heavy does not hold it.
     let arm = Arm::new("planar-2r");
     let recording = arm.record(&slow(&arm.robot), Sensing::default(), 0);
-    for scale in [30.0, 100.0] {
-        let mut samples = process(&recording, &arm.robot, &Processing::default()).unwrap();
-        samples.tau.iter_mut().for_each(|tau| *tau *= scale);
-        let found = arm.estimate(EstimatorKind::Cloe, &recording, &samples);
-        let shooting = found.findings.iter().find(|finding| matches!(finding, Finding::MultipleShooting { .. }));
-        let errors = errors(&arm, &found);
-        assert!(
-            shooting.is_some_and(|finding| finding.to_string().contains("over 10 intervals")),
-            "{:?}",
-            found.findings
-        );
-        assert!(found.termination.was_successful(), "{:?}", found.termination);
-        // Eleven parameters by positions alone, none of which the unit of torque is in.
-        assert!(errors.len() == 11 && errors.iter().all(|(_, error)| error.abs() < 3.0), "{errors:?}");
-    }
+    let mut samples = process(&recording, &arm.robot, &Processing::default()).unwrap();
+    samples.tau.iter_mut().for_each(|tau| *tau *= 100.0);
+    let found = arm.estimate(EstimatorKind::Cloe, &recording, &samples);
+    let shooting = found.findings.iter().find(|finding| matches!(finding, Finding::MultipleShooting { .. }));
+    assert!(shooting.is_some_and(|finding| finding.to_string().contains("over 10 intervals")), "{:?}", found.findings);
+    assert!(found.termination.was_successful(), "{:?}", found.termination);
+    // Eleven parameters by positions alone, none of which the unit of torque is in.
+    let errors = errors(&arm, &found);
+    assert!(errors.len() == 11 && errors.iter().all(|(_, error)| error.abs() < 3.0), "{errors:?}");
 }

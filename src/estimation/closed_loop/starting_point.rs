@@ -7,6 +7,7 @@ use super::shooting::{Output, shoot};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::finding::Finding;
+use crate::estimation::termination::Termination;
 
 /// A point that can be simulated.
 pub(super) struct StartingPoint<T> {
@@ -63,7 +64,7 @@ pub(super) fn starting_point<T>(
     Err(last)
 }
 
-/// Follows steps from a starting point; where they do not come to rest, from what multiple shooting makes of weighted least squares
+/// Follows steps from a starting point; where they end because the motion of every further one runs away, from what multiple shooting makes of weighted least squares
 /// too, if they do from there. `follow` gives the rest and what else is known there.
 pub(super) fn descend<W>(
     trial: &Trial<'_>,
@@ -76,7 +77,8 @@ pub(super) fn descend<W>(
     let (rest, beside) = follow((beta, found))?;
     let first = Descended { rest, beside, is_nominal, finding };
     let Some(output) = output else { return Ok(first) };
-    if first.rest.termination.was_successful() || first.finding.is_some() {
+    let ran_away = matches!(first.rest.termination, Termination::Unsimulable { .. });
+    if !ran_away || first.finding.is_some() {
         return Ok(first);
     }
     let [from, _] = trial.beginnings(by_torque.clone());
