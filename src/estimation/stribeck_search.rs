@@ -3,7 +3,7 @@
 
 use super::linear_fit::LinearFit;
 use super::stribeck_columns::{JointColumns, StribeckColumns};
-use super::{Estimate, EstimationError, EstimationProblem, Factorisation, Observation, Termination};
+use super::{EstimationError, EstimationProblem, Factorisation, Observation, Termination};
 use crate::linalg::BlockWhitening;
 use crate::signal::Samples;
 use crate::statistics::student_quantile;
@@ -31,8 +31,13 @@ pub struct SpeedValue {
     pub ci95: [f64; 2],
 }
 
-/// A speed, and the amplitude beside it.
-pub(super) type SpeedAndAmplitude = [SpeedValue; 2];
+/// What the equations say of speeds.
+pub(super) struct FoundSpeeds {
+    /// Speed and amplitude of each joint that is sought.
+    pub(super) values: Vec<Option<[SpeedValue; 2]>>,
+    /// Independent samples behind their standard deviations.
+    pub(super) degrees_of_freedom: f64,
+}
 
 /// The minimum of ρ over the speeds that are sought.
 pub(super) struct Search<'a> {
@@ -163,8 +168,8 @@ impl<'a> Search<'a> {
         Ok(Termination::IterationLimit { iterations: *iterations, last_step })
     }
 
-    /// The estimate of (β, ln v) at these speeds, and of each joint that is sought its speed and amplitude.
-    pub(super) fn values(&self, speeds: &[f64]) -> Result<(Estimate, Vec<Option<SpeedAndAmplitude>>), EstimationError> {
+    /// Speed and amplitude of each joint that is sought, by the estimate of (β, ln v) at these speeds.
+    pub(super) fn values(&self, speeds: &[f64]) -> Result<FoundSpeeds, EstimationError> {
         let Some(weights) = &self.weights else { return Err(EstimationError::NotDefinite) };
         let observation = self.columns.at(self.observation, speeds);
         let equations = Factorisation::new(&observation)?;
@@ -184,7 +189,7 @@ impl<'a> Search<'a> {
             let amplitude = SpeedValue { value: amplitude.value, std: amplitude.std, ci95: amplitude.ci95 };
             Some([speed, amplitude])
         };
-        let found = self.columns.joints.iter().enumerate().map(value).collect();
-        Ok((estimate, found))
+        let values = self.columns.joints.iter().enumerate().map(value).collect();
+        Ok(FoundSpeeds { values, degrees_of_freedom: estimate.degrees_of_freedom })
     }
 }
