@@ -13,9 +13,9 @@ use crate::estimation::error::EstimationError;
 /// Stages, and the factor of the weight of gaps between them.
 const STAGES: i32 = 5;
 const FACTOR: f64 = 100.0;
-/// Evaluations of all intervals in all stages at most, and full steps after them.
+/// Steps of a stage at most, as of the full ones after them; evaluations of all intervals in all stages.
+const STEPS: usize = 30;
 const EVALUATIONS: usize = 150;
-const FULL_STEPS: usize = 30;
 /// Damping at the least, so that combinations that nothing depends on stay where they are, at the most, and the factor between.
 const LEAST_DAMPING: f64 = 1e-8;
 const MOST_DAMPING: f64 = 1e4;
@@ -69,10 +69,8 @@ pub(super) fn search(
         let weights = weights(&reached, stage);
         reached = descended(reached, &weights, &mut left, linearise, is_rejected)?;
     }
-    if largest_gap(&reached, &spread) <= CLOSED {
-        let weights = weights(&reached, 1);
-        reached = full_steps(reached, &weights, &spread, linearise, is_rejected)?;
-    }
+    let weights = Weights { gap: spread.map(|spread| 1.0 / (CLOSED * spread)), ..weights(&reached, 1) };
+    let reached = full_steps(reached, &weights, &spread, linearise, is_rejected)?;
     let gap = largest_gap(&reached, &spread);
     Ok(Found { point: reached.0, gap })
 }
@@ -87,8 +85,8 @@ fn descended(
 ) -> Result<(Point, Vec<Interval>), EstimationError> {
     let mut cost = cost(&point, &at, weights);
     let nothing = cost * NOTHING;
-    let mut damping = LEAST_DAMPING;
-    while *left > 0 && damping <= MOST_DAMPING {
+    let (mut damping, mut steps) = (LEAST_DAMPING, 0);
+    while *left > 0 && damping <= MOST_DAMPING && steps < STEPS {
         *left -= 1;
         let trial = point.moved_by(&step(&point, &at, weights, damping));
         match linearise(&trial) {
@@ -97,6 +95,7 @@ fn descended(
                 if trial_cost < cost {
                     let gain = 1.0 - trial_cost / cost;
                     (point, at, cost) = (trial, found, trial_cost);
+                    steps += 1;
                     if gain < GAIN || cost <= nothing {
                         break;
                     }
@@ -121,7 +120,7 @@ fn full_steps(
     is_rejected: impl Fn(&EstimationError) -> bool,
 ) -> Result<(Point, Vec<Interval>), EstimationError> {
     let mut length_before = f64::INFINITY;
-    for _ in 0..FULL_STEPS {
+    for _ in 0..STEPS {
         let moved = step(&point, &at, weights, LEAST_DAMPING);
         let length = moved.nodes.iter().map(|x| x.component_div(spread).norm_squared()).sum::<f64>().sqrt();
         if length == 0.0 || length > 0.5 * length_before {
