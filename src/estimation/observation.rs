@@ -67,10 +67,11 @@ impl Observation {
         if samples.dof() == robot.dof() && equations < b {
             return Err(EstimationError::TooFewEquations { equations, parameters: b });
         }
-        let (own, whole) = Self::stacked(robot, regressor, base, samples)?;
-        for (j, (column, whole)) in own.regressor.column_iter().zip(whole).enumerate() {
-            let share = column.amax() / whole;
-            if share < LEAST_SHARE {
+        let (own, left_out) = Self::stacked(robot, regressor, base, samples)?;
+        for (j, (column, left_out)) in own.regressor.column_iter().zip(left_out).enumerate() {
+            // Mostly the first entries decide.
+            if left_out > 0.0 && !column.iter().any(|entry| entry.abs() >= LEAST_SHARE * left_out) {
+                let share = column.amax() / left_out;
                 return Err(EstimationError::OutsideOfEquations { parameter: base.names()[j].clone(), share });
             }
         }
@@ -87,7 +88,7 @@ impl Observation {
         Ok(Self::stacked(robot, regressor, base, samples)?.0)
     }
 
-    /// The equations, and the largest entry of each column over all rows, equations or not.
+    /// The equations, and the largest entry of each column in the rows that are none.
     fn stacked(
         robot: &Robot,
         regressor: &JointTorqueRegressor,
@@ -111,10 +112,12 @@ impl Observation {
             return Err(EstimationError::Count { quantity: "marks of used equations", found, expected });
         }
         let mut w = regressor.stack_means(&samples.states, &base.kept, samples.block);
-        let whole = w.column_iter().map(|column| column.amax()).collect();
+        let mut left_out = vec![0.0_f64; w.ncols()];
         let mut y = DVector::from_vec(samples.block_means(&samples.tau, n));
         for (row, _) in samples.used.iter().enumerate().filter(|(_, used)| !**used) {
-            w.row_mut(row).fill(0.0);
+            for (largest, entry) in left_out.iter_mut().zip(w.row_mut(row).iter_mut()) {
+                *largest = largest.max(std::mem::take(entry).abs());
+            }
             y[row] = 0.0;
         }
         let own = Self {
@@ -133,7 +136,7 @@ impl Observation {
             periods: samples.periods,
             provenance: samples.provenance.clone(),
         };
-        Ok((own, whole))
+        Ok((own, left_out))
     }
 
     /// Number of blocks M.
