@@ -151,6 +151,10 @@ impl Ros2Arm {
         let origin = Instant::now();
         let samples = (run.motion.duration_s() * run.rate_hz - 1e-6).ceil() as usize;
         let mut grid = Resampler::new(run.start_ns, run.rate_hz, samples);
+        // Where the end was asked for while the arm stood, nothing goes out.
+        if let Some(end) = self.act_on(|| listener.idle(0.0), run) {
+            return Ok(end);
+        }
         self.go_on(run)?;
         let mut settled = Vec::new();
         let (mut looked, mut complete) = (Instant::now(), None::<Instant>);

@@ -11,6 +11,7 @@ use ros2_client::Publisher;
 
 use super::connection::Connection;
 use super::follow::{Followed, Listener};
+use super::node::{Asked, Patience};
 use super::{GridSample, JointMap, JointRow, LinkError, LinkSettings, PlanMotion, StampFindings};
 use crate::guard::{LOOK_MS, REACTION_MS, Trip};
 use crate::message::{FollowFeedback, Text};
@@ -50,6 +51,7 @@ pub struct Ros2Arm {
     pub(super) rate_hz: f64,
     pub(super) latest: Option<(JointRow, Instant)>,
     pub(super) state: Option<String>,
+    asked: Asked,
     pub(super) findings: StampFindings,
 }
 
@@ -60,10 +62,23 @@ impl Ros2Arm {
     /// [`LinkError`] where a setting is impossible, there is no answer, or the joints are not those of the robot file;
     /// [`LinkError::Interference`] where more than one robot answers, or another client commands it.
     pub(crate) fn connect(settings: &LinkSettings, robot: &Robot, robot_text: &str) -> Result<Self, LinkError> {
+        Self::find(settings, robot, robot_text, || false)
+    }
+
+    /// The same, unless the operator asks for the end.
+    ///
+    /// # Errors
+    /// Those of [`Self::connect`], and [`LinkError::Interrupted`].
+    pub(crate) fn find(
+        settings: &LinkSettings,
+        robot: &Robot,
+        robot_text: &str,
+        asked: Asked,
+    ) -> Result<Self, LinkError> {
         let names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
         let line = Connection::open(settings, "armid")?;
-        line.wait(settings)?;
+        line.wait(settings, asked)?;
         let mut arm = Self {
             line,
             rescue: None,
@@ -74,6 +89,7 @@ impl Ros2Arm {
             rate_hz: 0.0,
             latest: None,
             state: None,
+            asked,
             findings: StampFindings::default(),
         };
         arm.rate_hz = arm.measure_rate()?;
@@ -84,24 +100,23 @@ impl Ros2Arm {
     /// Waits for what others have to say before anything moves: everybody who is on the network has been found after a
     /// while, and the robot's state has arrived where it is published, even if only once and long ago.
     fn await_others(&mut self) -> Result<(), LinkError> {
-        let began = Instant::now();
+        let settings = self.settings.clone();
+        let patience = Patience::new(&settings, self.asked);
         loop {
             self.hear_state();
             if let Some(found) = self.line.interference(&self.settings) {
                 return Err(LinkError::Interference(found));
             }
-            if let Err(stranger @ LinkError::Interference(_)) = self.line.sender.poll() {
-                return Err(stranger);
-            }
+            // What is said of goals counts at the end: until then it may be what was said long ago.
+            let polled = self.line.sender.poll();
             let says = self.line.says_its_state(&self.settings);
-            if began.elapsed() > FOUND && (self.state.is_some() || !says) {
-                return Ok(());
+            if patience.elapsed() > FOUND && (self.state.is_some() || !says) {
+                return match polled {
+                    Err(stranger @ LinkError::Interference(_)) => Err(stranger),
+                    _ => Ok(()),
+                };
             }
-            if began.elapsed() > self.settings.patience() {
-                let what = format!("a state on {}", self.settings.full(&self.settings.robot_state));
-                let (waited_s, domain) = (self.settings.patience_s, self.settings.domain);
-                return Err(LinkError::Silence { what, waited_s, domain });
-            }
+            patience.left(|| format!("a state on {}", settings.full(&settings.robot_state)))?;
             std::thread::sleep(Duration::from_millis(5));
         }
     }
@@ -118,9 +133,9 @@ impl Ros2Arm {
 
     /// The median rate of the joint states by their stamps, Hz.
     fn measure_rate(&mut self) -> Result<f64, LinkError> {
-        let topic = self.settings.full(&self.settings.joint_states);
+        let settings = self.settings.clone();
+        let patience = Patience::new(&settings, self.asked);
         let mut steps = Vec::with_capacity(RATE_MESSAGES);
-        let began = Instant::now();
         while steps.len() < RATE_MESSAGES {
             let last = self.latest.as_ref().map(|(row, _)| row.stamp_ns);
             if self.receive(Duration::from_millis(5))? {
@@ -130,13 +145,8 @@ impl Ros2Arm {
                 {
                     steps.push(stamp - last);
                 }
-            } else if began.elapsed() > self.settings.patience() {
-                let (waited_s, domain) = (self.settings.patience_s, self.settings.domain);
-                return Err(LinkError::Silence {
-                    what: format!("{RATE_MESSAGES} messages on {topic}"),
-                    waited_s,
-                    domain,
-                });
+            } else {
+                patience.left(|| format!("{RATE_MESSAGES} messages on {}", settings.full(&settings.joint_states)))?;
             }
         }
         steps.sort_unstable();
@@ -169,16 +179,13 @@ impl Ros2Arm {
     /// [`LinkError`] where none comes in time, or its joints are not those of the robot file.
     pub(crate) fn reading(&mut self) -> Result<Reading, LinkError> {
         self.latest = None;
-        let began = Instant::now();
+        let settings = self.settings.clone();
+        let patience = Patience::new(&settings, self.asked);
         while self.receive(Duration::ZERO)? || self.latest.is_none() {
             if self.latest.is_none() {
                 self.receive(Duration::from_millis(5))?;
             }
-            if began.elapsed() > self.settings.patience() {
-                let what = self.settings.full(&self.settings.joint_states);
-                let (waited_s, domain) = (self.settings.patience_s, self.settings.domain);
-                return Err(LinkError::Silence { what, waited_s, domain });
-            }
+            patience.left(|| settings.full(&settings.joint_states))?;
         }
         let (row, at) = self.latest.clone().expect("the loop ends with one");
         Ok(Reading { row, age_s: at.elapsed().as_secs_f64(), rate_hz: self.rate_hz, state: self.state.clone() })
@@ -278,6 +285,8 @@ pub(crate) fn ending(followed: Followed, t: f64, phase: Phase) -> Ending {
         | LinkError::Middleware { .. }
         | LinkError::Cdr(_)
         | LinkError::Silence { .. }
+        | LinkError::Interrupted
+        | LinkError::Network(_)
         | LinkError::Joints { .. }
         | LinkError::Length { .. } => (Trip::Link, REACTION_MS),
     };
