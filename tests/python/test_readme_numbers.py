@@ -42,6 +42,23 @@ class ReadmeNumbers(unittest.TestCase):
             run = subprocess.run([sys.executable, CHECKER, "--stored", *more], capture_output=True, text=True)
             self.assertEqual(run.returncode, 0, run.stderr)
 
+    def test_the_front_figure_shows_the_numbers_of_the_tables(self):
+        root = CHECKER.parents[1]
+        entries = json.loads((root / "experiments/06-model-error/numbers.json").read_text())["entries"]
+        figure = json.loads((root / "reports/gallery/readme/criteria.json").read_text())
+        names = {None: "none", "torque-constant": "torque constants", "stribeck": "Stribeck"}
+        for robot, results in zip(figure, ["06-ten-times", "06-two-robots"], strict=True):
+            [table] = [e for e in entries if e.get("results") == results and e.get("table", "").startswith("| condition |")]
+            for ratio in robot["ratios"]:
+                with self.subTest(robot=robot["robot"], **{k: ratio[k] for k in ("effect", "criterion")}):
+                    effect, error = ratio["effect"], ratio["error"]
+                    column = [f"'{ratio['criterion']}', condition=row))" in cell for cell in table["cells"]].index(True)
+                    value = table["values"][names.get(effect, (effect or "").replace("-", " "))][column]
+                    better = ratio["criterion"] if value[0] < 1 else robot["reference"]
+                    interval = error["interval"]
+                    self.assertEqual([error["difference"], interval["low"], interval["high"]], value[:3])
+                    self.assertEqual(error["better"], better if value[3] else None)
+
     def test_right_numbers_pass_and_all_are_counted(self):
         run = checked(README)
         self.assertEqual(run.returncode, 0, run.stderr)
