@@ -53,6 +53,22 @@ class ReadmeNumbers(unittest.TestCase):
             run = subprocess.run([sys.executable, SCRIPTS / "readme-numbers", "--stored", *more], capture_output=True, text=True)
             self.assertEqual(run.returncode, 0, run.stderr)
 
+    def test_the_front_figure_shows_the_numbers_of_the_table(self):
+        [table, *_] = json.loads((SCRIPTS.parent / "experiments/06-model-error/numbers.json").read_text())["entries"]
+        figure = json.loads((SCRIPTS.parent / "reports/gallery/readme/criteria.json").read_text())
+        names = {None: "none", "torque-constant": "torque constants", "stribeck": "Stribeck"}
+        first_cells = {row: first for first, row in table["rows"].items()}
+        for robot, call in zip(figure, ["(over(", "on_robot('puma-560', "], strict=True):
+            for ratio in robot["ratios"]:
+                with self.subTest(robot=robot["robot"], **{k: ratio[k] for k in ("effect", "criterion")}):
+                    effect, error = ratio["effect"], ratio["error"]
+                    column = [f"{call}'{ratio['criterion']}', condition=row))" in cell for cell in table["cells"]].index(True)
+                    value = table["values"][first_cells[names.get(effect, (effect or "").replace("-", " "))]][column]
+                    better = ratio["criterion"] if value[0] < 1 else robot["reference"]
+                    interval = error["interval"]
+                    self.assertEqual([error["difference"], interval["low"], interval["high"]], value[:3])
+                    self.assertEqual(error["better"], better if value[3] else None)
+
     def test_right_numbers_pass_and_all_of_tables_are_counted(self):
         run = checked()
         self.assertEqual(run.returncode, 0, run.stderr)
