@@ -115,7 +115,7 @@ impl GroupStyle {
         let index = match name.to_lowercase().as_str() {
             "condition" | "condition number" | "wls" => 0,
             "d-optimal" | "d-optimality" | "ols" => 1,
-            "condition-scaled" | "scaled condition number" => 2,
+            "condition-scaled" | "column-normalised condition number" => 2,
             "random" | "best of random draws" | "best of n random draws" => 3,
             "a-optimal" | "a-optimality" => 4,
             "e-optimal" | "e-optimality" => 5,

@@ -14,7 +14,12 @@ type Value = (&'static str, &'static str, fn(&StudyDesign) -> f64, bool);
 /// Title, axis, value and whether the axis is logarithmic.
 const VALUES: [Value; 3] = [
     ("Condition number", "condition number", |d| d.certificate.condition_all, true),
-    ("Scaled condition number", "condition number, unit columns", |d| d.certificate.condition_scaled_all, true),
+    (
+        "Column-normalised condition number",
+        "condition number, columns of length 1",
+        |d| d.certificate.condition_scaled_all,
+        true,
+    ),
     ("D-optimality", "ln det of the information per row", |d| d.certificate.log_det_information_all, false),
 ];
 
@@ -67,7 +72,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         input,
         &groups,
         Heading::new("error-by-criterion", "Torque prediction error by criterion")
-            .subtitle("all designs and runs of each family")
+            .subtitle("all designs and runs of each criterion")
             .caption("RMSE on validation trajectories, all joints. Box: quartiles and median; whiskers: 5 % and 95 % quantiles over runs."),
         Axis::log("prediction RMSE", "N·m"),
         |family| family.prediction_spread,
@@ -76,7 +81,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         input,
         &groups,
         Heading::new("parameter-error-by-criterion", "Parameter error by criterion")
-            .subtitle("all designs and runs of each family, in the declared reference units")
+            .subtitle("all designs and runs of each criterion, in the declared reference units")
             .caption("RMS over the base parameters of the error in reference units. Box: quartiles and median; whiskers: 5 % and 95 % quantiles over runs."),
         Axis::log("parameter RMSE", "reference units"),
         |family| family.reference_spread,
@@ -84,7 +89,23 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     Section::new("Criteria and errors").figure(&prediction)?.figure(&parameters)?.figure(&scatter)
 }
 
-/// One box per family and estimator.
+/// The name of a group of designs as it is written in prose.
+pub(super) fn criterion_in_words(name: &str) -> String {
+    match name {
+        "condition" => "condition number".to_owned(),
+        "condition-scaled" => "column-normalised condition number".to_owned(),
+        _ if name.ends_with("-optimal") => capitalised(name),
+        _ => name.to_owned(),
+    }
+}
+
+/// `text` with a capital at its beginning.
+pub(super) fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().into_iter().flat_map(char::to_uppercase).chain(rest).collect()
+}
+
+/// One box per criterion and estimator.
 fn boxes(
     input: &ReportInput,
     groups: &[Group],
