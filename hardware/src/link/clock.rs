@@ -8,7 +8,8 @@
 //! lost    min w over [t − ½ s, t] − min w over [t − 1½ s, t − 1 s] > 20 ms
 //! ```
 //! A robot controller that stands still sends nothing, and its clock may stand too: what is missing from the stamps across
-//! a silence is not counted as lost. The guard judges silences by themselves (`stale-state`).
+//! a silence is not counted as lost, unless states come in a burst after it. The guard judges silences by themselves
+//! (`stale-state`).
 
 use std::collections::VecDeque;
 
@@ -27,7 +28,9 @@ const INTERVAL_S: f64 = 0.5;
 /// Time after which clocks that are apart are found so, s.
 pub(crate) const FOUND_S: f64 = OVER_S + INTERVAL_S + 2.0 * MARK_S;
 /// A silence: an arrival so many times later than the stamps explain, and so many seconds.
-const SILENCE: (f64, f64) = (3.0, 0.005);
+const SILENCE: (f64, f64) = (2.0, 0.001);
+/// A burst: an arrival sooner than this part of what the stamps say.
+const BURST: f64 = 0.5;
 
 /// Compares stamps with arrivals.
 #[derive(Clone, Debug, Default)]
@@ -43,6 +46,8 @@ pub(crate) struct ClockWatch {
     marks: VecDeque<(f64, f64)>,
     /// Time missing from the stamps across silences, s.
     stood_s: f64,
+    /// Part of the last silence that a burst may still show to have been none, s.
+    open_s: f64,
     /// Minima of the transport time without that, from when on.
     minima: VecDeque<(f64, f64)>,
 }
@@ -72,7 +77,13 @@ impl ClockWatch {
         let transport_s = arrival_s - (stamp_ns - first.0) as f64 * 1e-9;
         let (step_s, wait_s) = ((stamp_ns - last.0).max(0) as f64 * 1e-9, arrival_s - last.1);
         if wait_s > SILENCE.0 * step_s + SILENCE.1 {
-            self.stood_s += wait_s - step_s;
+            self.open_s = wait_s - step_s;
+            self.stood_s += self.open_s;
+        } else if wait_s < BURST * step_s {
+            let back_s = (step_s - wait_s).min(self.open_s);
+            (self.open_s, self.stood_s) = (self.open_s - back_s, self.stood_s - back_s);
+        } else {
+            self.open_s = 0.0;
         }
         if self.least.is_none() {
             self.agree_from_s = arrival_s;
@@ -177,6 +188,8 @@ mod tests {
         assert_eq!(apart(|t| t, |t| if (1.0..1.4).contains(&t) { 0.04 } else { 0.0 }), None);
         assert_eq!(apart(|t| t, |t| if (1.0..1.3).contains(&t) { 1.3 - t } else { 0.0 }), None);
         // A controller that stands still for 0.1 s, twice: its clock stands as well.
+        // And one that does so for 8 ms, ten times a second.
+        assert_eq!(apart(|t| t - 0.008 * (10.0 * t).floor() - (t % 0.1).min(0.008), |_| 0.0), None);
         let stands = |t: f64| t - (t - 1.0).clamp(0.0, 0.1) - (t - 2.0).clamp(0.0, 0.1);
         assert_eq!(apart(stands, |_| 0.0), None);
     }
