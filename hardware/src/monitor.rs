@@ -59,7 +59,8 @@ impl Monitor {
     /// [`LinkError`] where a setting is impossible or the network refuses.
     pub fn open(settings: &LinkSettings, robot: &Robot) -> Result<Self, LinkError> {
         let names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
-        let map = JointMap::new(&names, settings)?;
+        let mut map = JointMap::new(&names, settings)?;
+        map.pass_over_others();
         let mut endpoint = Endpoint::join(settings, "armid_monitor")?;
         let (text, qos) = (("std_msgs", "String"), settings.monitor_qos());
         let topic = settings.full(&settings.joint_states);
@@ -106,7 +107,8 @@ impl Monitor {
         while let Some(left) = until.checked_duration_since(Instant::now()).filter(|left| !left.is_zero()) {
             let Some(received) = self.states.next(left) else { break };
             match received.message.and_then(|message| self.map.row(&message).map_err(|error| error.to_string())) {
-                Ok(row) => {
+                Ok(None) => continue,
+                Ok(Some(row)) => {
                     self.see(row.stamp_ns, received.at);
                     self.arrivals.push_back(received.at);
                     self.snapshot.row = Some(row);

@@ -1,6 +1,8 @@
 //! A real robot over ROS 2, reached only through the guard.
 
-use armid::experiment::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Sink};
+use armid::experiment::{
+    Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawSample, ReceivedState, Recording, Sink,
+};
 use armid::model::Robot;
 
 use crate::guard::{Approach, Approached, Confirmation, GuardRecord, GuardSettings, Guarded, Machine, Mode, Survey};
@@ -101,6 +103,7 @@ impl Machine for Ros2Arm {
         Ok(Survey {
             joints,
             q: reading.row.q.clone(),
+            effort: reading.row.effort.clone(),
             rate_hz: reading.rate_hz,
             homed: ready.filter(|ready| *ready),
             ready,
@@ -152,6 +155,10 @@ impl Listener for Way<'_> {
 
     fn standing(&mut self, t: f64, row: &JointRow, command: &[f64]) -> Flow {
         self.receive(t, &row.q, &row.effort, command)
+    }
+
+    fn received(&mut self, state: &ReceivedState<'_>) -> Flow {
+        self.sink.received(state)
     }
 
     fn idle(&mut self, age_s: f64) -> Flow {

@@ -7,6 +7,7 @@ use super::plan_error::PlanError;
 use super::plan_mismatch::PlanMismatchError;
 use super::plant::PlantError;
 use super::raw_sample::RawSample;
+use super::received_state::ReceivedState;
 use super::recording::Recording;
 use super::trip::{Rest, SafeAction, TripReport};
 
@@ -46,6 +47,13 @@ pub trait Sink {
     fn unrecorded(&mut self, sample: &RawSample<'_>) -> Flow {
         let _ = sample;
         self.idle(0.0)
+    }
+
+    /// Receives each joint state of an arm in real time as it arrives, before the samples that follow from it, and returns
+    /// whether to go on. Nothing records it; a guard judges it by the local clock as well.
+    fn received(&mut self, state: &ReceivedState<'_>) -> Flow {
+        let _ = state;
+        Flow::Continue
     }
 
     /// Is called where no sample has come for `age_s` by the local monotonic clock, and returns whether to go on. An arm in

@@ -7,6 +7,11 @@ BOTH = (HANDED, STREAMED)
 # What another client on the network can cause, whichever sign armid notices first.
 # States of two robots at once look like anything.
 OTHERS = ("interference", "robot-stopped", "link", "stale-state", "position-jump", "following-error", "overspeed", "soft-limit")
+# A motion whose pieces come late leaves its path, unless armid is interrupted before.
+LATE = ("", "following-error", "position-jump", "robot-stopped", "unexpected-stop", "no-acceptance", "link", "overspeed")
+LATE_GOALS = {"size": (0.05, 0.49), "interrupted_s": 0.6, "before_s": 0.9}
+# A clock that has lost time looks like states that are late.
+SLOW = ("robot-stopped", "stale-state")
 
 
 @dataclass(frozen=True)
@@ -33,6 +38,12 @@ class Row:
     unharmed: bool = False
     # How a run before it, with the same controller, ends at the moment.
     before: str = ""
+    # Smallest and largest size of the controller's fault.
+    size: tuple = ()
+    # From the fault to the request at most, s of the robot's clock, where that is not the trip's bound.
+    within_s: float = 0.0
+    # armid is interrupted at a random moment so long after the fault, s.
+    interrupted_s: float = 0.0
 
 
 def controller(name, *trips, modes=BOTH, bounded=True, **more):
@@ -52,6 +63,13 @@ ROWS = {
     "nan": controller("nan", "not-finite"),
     "clock": controller("clock", "robot-stopped"),
     "strange-state": controller("strange-state", "robot-stopped"),
+    # A clock that is stepped, or runs at another rate. 20 ms of gain show within a state; a loss is one once it has lasted.
+    "clock-ahead": controller("clock", "robot-stopped", size=(0.05, 0.45)),
+    "clock-back": controller("clock", *SLOW, bounded=False, size=(-0.45, -0.05), within_s=0.8, before_s=0.9),
+    "rate-0.9": controller("rate", *SLOW, bounded=False, size=(0.9, 0.9), within_s=0.9, before_s=1.0),
+    "rate-1.05": controller("rate", "robot-stopped", bounded=False, size=(1.05, 1.05), within_s=0.55, before_s=0.7),
+    "rate-1.3": controller("rate", "robot-stopped", bounded=False, size=(1.3, 1.3), within_s=0.15),
+    "rate-2": controller("rate", "robot-stopped", bounded=False, size=(2.0, 2.0), within_s=0.1),
     # Only an action answers, and has results.
     "late-answer": controller("late-answer", "no-acceptance", modes=(HANDED,), before_s=1.0),
     "lost-result": controller("lost-result", "no-result", modes=(HANDED,), bounded=False),
@@ -71,6 +89,9 @@ ROWS = {
     "first-run": Row(unharmed=True),
     # The end is asked for while the robot is looked for, which is found at about that moment.
     "search": Row(),
+    # A goal that was sent before the cancel is carried out after it.
+    "late-execution": controller("late-execution", *LATE, modes=(HANDED,), bounded=False, **LATE_GOALS),
+    "lost-goal": controller("lost-goal", *LATE, modes=(HANDED,), bounded=False, **LATE_GOALS),
     # What happens to armid.
     "stop-continue": Row(("stale-state", "link", "command-age")),
     "interrupt": Row(),

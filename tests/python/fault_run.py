@@ -18,8 +18,8 @@ from pathlib import Path
 from fault_rows import HANDED, ROWS, STREAMED, Row
 from robot_log import ROOT, Log, Unfit, lateness_ms, moved
 
-# The waist and the shoulder stay apart, so that their positions can be distinguished. A tenth of the speed is performed: for it no
-# earlier run is asked.
+# The waist and the shoulder stay apart, so that their positions can be distinguished. The file's motion is performed at a tenth
+# of its speed, for which no earlier run is asked. At full speed the file is as slow as that, and wider.
 JOINTS = [
     ("waist", [4.0, -2.0], [1.5, 2.5], 0.45),
     ("shoulder", [2.5, 1.5], [-1.5, 2.0], -0.45),
@@ -28,13 +28,16 @@ JOINTS = [
     ("wrist_pitch", [-4.5, 4.0], [3.0, 3.5], 0.3),
     ("tool_roll", [4.0, -4.5], [4.5, -3.0], 0.2),
 ]
+# Part of those speeds that the limits allow at full speed.
+WIDE = 0.35
 PERIOD_S, SETTLE_S, RAMP_S, LEAD_S = 2.0, 0.2, 0.5, 0.3
 RATE_HZ = 500
 HORIZON_S = 0.5
 # The approach to the beginning of the ramp takes a second; the experiment follows it by the lead.
 MOTION_S = 1.0 + LEAD_S + SETTLE_S + RAMP_S + PERIOD_S + RAMP_S
-# From a request to rest at this speed: the watchdog of set-points and braking.
-BRAKING_S = 0.2
+# From a request to rest: the watchdog of set-points and braking, and the longest piece, at a tenth of the speed and at all of it.
+BRAKING_S = {10: 0.2, 100: 0.5}
+LONGEST_S = {10: HORIZON_S, 100: 0.9}
 # Slack of a bound for the step in which it ends.
 STEP_S = 0.05
 # One at a time records what is sent again.
@@ -53,17 +56,27 @@ class Found:
         self.confirmed = confirmed
 
 
-def start_pose():
+def series(options):
+    """Period of the file and its joints: name, a, b (rad/s), q0."""
+    if options.speed == 10:
+        return PERIOD_S / 10, JOINTS
+    return PERIOD_S, [(n, [WIDE * x for x in a], [WIDE * x for x in b], q) for n, a, b, q in JOINTS]
+
+
+def start_pose(options):
     """Close to where the motion begins: q(0) of the Fourier series, q0 − Σ b_l / (ω l); speed and period cancel."""
-    omega = 2 * math.pi / (PERIOD_S / 10)
-    return [q0 - sum(b_l / (omega * (l + 1)) for l, b_l in enumerate(b)) for _, _, b, q0 in JOINTS]
+    period_s, joints = series(options)
+    omega = 2 * math.pi / period_s
+    return [q0 - sum(b_l / (omega * (l + 1)) for l, b_l in enumerate(b)) for _, _, b, q0 in joints]
 
 
-def experiment(folder, name, domain, options, mode, served, part=10):
-    """The motion takes `PERIOD_S` at one part in so many of its speed."""
-    slower = lambda rates: [rate * part / 10 for rate in rates]  # noqa: E731
-    rows = [f'[[joint]]\nname = "{n}"\na = {slower(a)}\nb = {slower(b)}\nq0 = {q}\n' for n, a, b, q in JOINTS]
-    (folder / "T.toml").write_text(f"period_s = {PERIOD_S / part}\nharmonics = 2\n" + "".join(rows), encoding="utf-8")
+def experiment(folder, name, domain, options, mode, served, first=False):
+    """A plan of the motion; with `first`, of one that takes `PERIOD_S` at all of its speed, which a first run comes to."""
+    period_s, joints = series(options)
+    slower = PERIOD_S / period_s if first else 1.0
+    rates = lambda values: [value / slower for value in values]  # noqa: E731
+    rows = [f'[[joint]]\nname = "{n}"\na = {rates(a)}\nb = {rates(b)}\nq0 = {q}\n' for n, a, b, q in joints]
+    (folder / "T.toml").write_text(f"period_s = {slower * period_s}\nharmonics = 2\n" + "".join(rows), encoding="utf-8")
     text = f"""robot = "crs-a460"
 trajectory = "T.toml"
 rate_hz = {RATE_HZ}
@@ -178,6 +191,8 @@ class Run:
         self.recording = folder / "R.mcap"
         self.struck_s = None
         self.space = None
+        # A speed of its own, and the recording of the step below.
+        self.speed, self.earlier = None, options.earlier
         self.helpers = []
 
     def inside(self, others=False):
@@ -190,11 +205,11 @@ class Run:
             self.space = subprocess.Popen([*self.options.space, "sleep", "600"])
             await_space(self.space, self.options)
         self.theirs = experiment(self.folder, "theirs.toml", self.domain, self.options, self.mode, self.name != "no-listener")
-        part = 1 if self.name == "first-run" else 10
-        self.ours = experiment(self.folder, "ours.toml", self.domain, self.options, self.mode, True, part)
+        first = self.name == "first-run"
+        self.ours = experiment(self.folder, "ours.toml", self.domain, self.options, self.mode, True, first)
         self.packets = recorded_packets(self) if self.name.startswith("replay") else None
         more = ["--refusals", str(1 + self.number % 10)] if self.name == "refused-goals" else self.row.controller
-        self.controller = None if self.name == "search" else self.start(self.log, start_pose(), more)
+        self.controller = None if self.name == "search" else self.start(self.log, start_pose(self.options), more)
         if self.name == "disk-full":
             disk = self.folder / "disk"
             disk.mkdir()
@@ -207,7 +222,8 @@ class Run:
         command += ["--rate", str(RATE_HZ), "--log", log.path, "--json", "--seed", str(self.number)]
         command += ["--duration", "90", "--pose=" + ",".join(str(q) for q in pose), *more]
         if self.row.fault:
-            command += ["--fault", f"{self.row.fault}@motion+{self.at_s:.4f}"]
+            size = f":{random.Random(self.number).uniform(*self.row.size):.4f}" if self.row.size else ""
+            command += ["--fault", f"{self.row.fault}{size}@motion+{self.at_s:.4f}"]
         return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def close(self):
@@ -229,7 +245,8 @@ class Run:
 
     def command(self, recording):
         command = [*self.inside(), self.options.armid, "run", self.ours, "--arm", "ros2", "--yes-the-estop-works"]
-        return [*command, *(["--first-run"] if self.name == "first-run" else ["--speed", "10%"]), "--json", "-o", recording]
+        speed = ["--first-run"] if self.name == "first-run" else ["--speed", f"{self.speed or self.options.speed}%"]
+        return [*command, *speed, "--json", "-o", recording]
 
     def perform_before(self):
         """The run before: it ends at the moment, as the row says."""
@@ -258,11 +275,14 @@ class Run:
         if self.row.before:
             self.perform_before()
         command = self.command(self.recording)
+        if self.earlier:
+            command += ["--earlier", self.earlier]
         if self.name == "panic":
             # States count from the lead before the approach.
             command += ["--panic-after", str(round((LEAD_S + self.at_s) * RATE_HZ))]
+        by_controller = self.row.fault and not self.row.interrupted_s
         alone = ("disk-full", "panic", "no-replacement", "refused-goals", "first-run")
-        outside = self.name and not self.row.fault and not self.row.before and self.name not in alone
+        outside = self.name and not by_controller and not self.row.before and self.name not in alone
         master, slave = pty.openpty() if self.name in ("terminal", "suspend") else (None, None)
         output, errors = (self.folder / "said.json").open("w+"), (self.folder / "errors.txt").open("w+")
         # Its own session, so that signals of a terminal are its own; the answer goes into a file, as no terminal outlives it.
@@ -301,11 +321,15 @@ class Run:
         if self.name == "search":
             self.interrupt_search(process)
             return
-        self.wait_for_moment(process)
+        chance = random.Random(self.number + 0.5)
+        if not self.wait_for_moment(process, chance.uniform(0.0, self.row.interrupted_s)):
+            return
         self.struck_s = self.log.now()
         send = lambda s: os.kill(process.pid, s)  # noqa: E731
-        chance = random.Random(self.number)
-        if self.name == "stop-continue":
+        if self.row.interrupted_s:
+            with contextlib.suppress(ProcessLookupError):
+                send(signal.SIGINT)
+        elif self.name == "stop-continue":
             send(signal.SIGSTOP)
             time.sleep(0.2)
             send(signal.SIGCONT)
@@ -349,9 +373,12 @@ class Run:
                 raise Broken(f"the foreign program did nothing: {foreign.stderr.read()[-300:]}")
             self.struck_s = self.log.now()
 
-    def wait_for_moment(self, process):
+    def wait_for_moment(self, process, later_s=0.0):
+        """Whether the moment came before a fault of the controller had ended armid."""
         deadline, began = time.monotonic() + 40, None
-        while began is None or self.log.now() < began + self.at_s:
+        while began is None or self.log.now() < began + self.at_s + later_s:
+            if process.poll() is not None and self.row.fault:
+                return False
             if process.poll() is not None or time.monotonic() > deadline:
                 said = [self.folder / name for name in ("said.json", "errors.txt")]
                 said = [path.read_text(encoding="utf-8") if path.exists() else "" for path in said]
@@ -359,6 +386,7 @@ class Run:
                 raise Broken(f"before anything happened: {outcome(done)}")
             began = self.log.began()
             time.sleep(0.003)
+        return True
 
     def interrupt_search(self, process):
         """The robot appears in the second before the signal, or just after it."""
@@ -366,13 +394,13 @@ class Run:
         time.sleep(1.0)
         early = chance.uniform(-0.2, 1.0)
         if early >= 0.0:
-            self.controller = self.start(self.log, start_pose())
+            self.controller = self.start(self.log, start_pose(self.options))
             time.sleep(early)
         process.send_signal(chance.choice([signal.SIGINT, signal.SIGTERM, signal.SIGHUP]))
         asked = time.monotonic()
         if early < 0.0:
             time.sleep(-early)
-            self.controller = self.start(self.log, start_pose())
+            self.controller = self.start(self.log, start_pose(self.options))
         with contextlib.suppress(subprocess.TimeoutExpired):
             process.wait(timeout=20)
         self.search_s = time.monotonic() - asked
@@ -433,8 +461,9 @@ class Run:
         rest = said["rest"]
         confirmed = rest is not None and rest["outcome"] == "confirmed"
         name = said["trip"]["name"] if said["trip"] else "interrupted"
-        if rest is None or name not in (self.row.trips or ("interrupted",)):
-            raise Broken(f"{outcome(done)}, expected {' or '.join(self.row.trips) or 'an interrupted run'}")
+        expected = [trip or "interrupted" for trip in self.row.trips or ("",)]
+        if rest is None or name not in expected:
+            raise Broken(f"{outcome(done)}, expected {' or '.join(expected)}")
         status = 3 if not confirmed else 1 if said["trip"] else 130
         if done.returncode != status:
             raise Broken(f"{outcome(done)}, expected exit {status}")
@@ -471,7 +500,7 @@ class Run:
 
     def by_itself(self, times):
         """Nothing could confirm it: the arm rests within the horizon of its last piece, or when its watchdog says so."""
-        bound_s = HORIZON_S + STEP_S + self.row.found_s
+        bound_s = LONGEST_S[self.options.speed] + STEP_S + self.row.found_s
         last = max((t for t in times if t >= self.struck_s), default=self.struck_s)
         if last > self.struck_s + bound_s:
             raise Broken(f"still moving {last - self.struck_s:.2f} s after, expected {bound_s} s at most")
@@ -489,14 +518,20 @@ class Run:
         bound_ms = (found.bound_ms or 10.0) + adds_up + slack_ms
         if self.row.bounded and found.request_ms is not None and found.request_ms > bound_ms:
             raise Broken(f"asked {found.request_ms:.0f} ms after the fault, expected {bound_ms:.0f} ms at most")
+        within_ms = 1e3 * self.row.within_s + slack_ms
+        if self.row.within_s and found.request_ms is not None and found.request_ms > within_ms:
+            raise Broken(f"asked {found.request_ms:.0f} ms after the fault, expected {within_ms:.0f} ms at most")
         # A motion whose result is lost goes on to its end, and that is no fault of it.
         if found.rest_ms is None or self.name == "lost-result":
             return
-        after_s = BRAKING_S if self.mode == STREAMED else HORIZON_S
+        after_s = (BRAKING_S if self.mode == STREAMED else LONGEST_S)[self.options.speed]
         if self.name == "late-answer":
             # It takes the next piece in silence.
             after_s += HORIZON_S
-        rest_ms = bound_ms + 1e3 * (after_s + STEP_S + self.row.found_s)
+        if self.row.interrupted_s:
+            # Until it is interrupted it goes on, and what is late by then comes late.
+            after_s += self.row.interrupted_s + self.row.size[1] + HORIZON_S
+        rest_ms = max(bound_ms, within_ms) + 1e3 * (after_s + STEP_S + self.row.found_s)
         if found.rest_ms > rest_ms:
             raise Broken(f"at rest {found.rest_ms:.0f} ms after the fault, expected {rest_ms:.0f} ms at most")
 

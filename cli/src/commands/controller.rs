@@ -25,7 +25,7 @@ set-points on the topic commands; it reports joint_states, and its own state as 
 robot_state. Where a stream ends while the arm moves, it comes to rest after 20 ms and the
 motors are off after 100 ms. Names and domain: [ros2] of an experiment.
 
---fault NAME@SECONDS injects a fault, so many seconds after the start, or after the beginning of
+--fault NAME@SECONDS injects a fault, of the size S or R where it has one (NAME:S@SECONDS), so many seconds after the start, or after the beginning of
 the first motion (NAME@motion+SECONDS):
   freeze       the controller hangs; the brakes close
   drop         98 of 100 joint states are lost
@@ -40,7 +40,11 @@ the first motion (NAME@motion+SECONDS):
   lost-result  how a motion ended is never reported
   strange-state  the reported state is an unknown text
   oscillation  the first joint's current swings between its limit and zero
-  clock        the clock by which joint states are stamped jumps back by 2 s
+  clock:S      the robot's clock is stepped by S seconds (-2)
+  rate:R       the robot, its clock and its motions are R times as fast as real time (2)
+  gripper      joint states name a gripper's joint as well
+  late-execution:S  every goal is taken S seconds late (0.4)
+  lost-goal:S  the next goal, and those behind it, come S seconds late (0.4)
 
 Examples:
   armid controller crs-a460 --arm analytic

@@ -81,6 +81,7 @@ pub struct Commander {
     outcome: Option<Outcome>,
     began_s: Option<f64>,
     replacement: Replacement,
+    start_tolerance: f64,
 }
 
 impl Commander {
@@ -89,12 +90,28 @@ impl Commander {
     pub fn new(limits: Vec<JointLimits>, watchdog: Watchdog, dt: f64, q: &[f64]) -> Self {
         let qd = vec![0.0; q.len()];
         let (q, replacement) = (q.to_vec(), Replacement::default());
-        Self { limits, watchdog, dt, q, qd, doing: Activity::Hold, outcome: None, began_s: None, replacement }
+        Self {
+            limits,
+            watchdog,
+            dt,
+            q,
+            qd,
+            doing: Activity::Hold,
+            outcome: None,
+            began_s: None,
+            replacement,
+            start_tolerance: START_TOLERANCE,
+        }
     }
 
     /// Treats a motion that comes while another is under way so.
     pub fn set_replacement(&mut self, replacement: Replacement) {
         self.replacement = replacement;
+    }
+
+    /// Joins a motion in its midst however far that is, as `joint_trajectory_controller` does.
+    pub fn join_anywhere(&mut self) {
+        self.start_tolerance = f64::INFINITY;
     }
 
     /// How it treats a motion that comes while another is under way.
@@ -186,12 +203,13 @@ impl Commander {
         }
         let mut q = vec![0.0; self.q.len()];
         spline.at(now.max(0.0), &mut q, &mut vec![0.0; self.q.len()]);
-        match (0..q.len()).find(|&j| (q[j] - self.q[j]).abs() > START_TOLERANCE) {
+        let tolerance = self.start_tolerance;
+        match (0..q.len()).find(|&j| (q[j] - self.q[j]).abs() > tolerance) {
             None => Ok(spline),
             Some(j) => {
                 let (name, found, expected) = (&self.limits[j].name, q[j], self.q[j]);
                 Err(format!(
-                    "joint \"{name}\": it is at {found:.4} now, expected {expected:.4} within {START_TOLERANCE}, where the arm is"
+                    "joint \"{name}\": it is at {found:.4} now, expected {expected:.4} within {tolerance}, where the arm is"
                 ))
             }
         }

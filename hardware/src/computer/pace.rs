@@ -52,6 +52,11 @@ impl Pace {
         self.due += self.step;
     }
 
+    /// From now on a step of `step_s` takes that time divided by `rate`.
+    pub(crate) fn set_rate(&mut self, step_s: f64, rate: f64) {
+        self.step = Duration::from_secs_f64(step_s / rate);
+    }
+
     pub(crate) fn deadlines(&self) -> Deadlines {
         self.deadlines
     }

@@ -56,7 +56,7 @@ impl Reporter {
     ) -> JointState {
         let (q, effort) = joints.sense();
         let (mut position, mut effort) = (q.to_vec(), effort.to_vec());
-        let velocity = position.iter().zip(&self.last_q).map(|(q, last)| (q - last) / self.span_s).collect();
+        let velocity: Vec<f64> = position.iter().zip(&self.last_q).map(|(q, last)| (q - last) / self.span_s).collect();
         self.last_q.copy_from_slice(&position);
         self.count += 1;
         let drive = &robot.joints()[0].drive;
@@ -75,7 +75,15 @@ impl Reporter {
             _ => {}
         }
         let name = robot.joints().iter().map(|joint| joint.name.clone()).collect();
-        JointState { header: Header { stamp, frame_id: String::new() }, name, position, velocity, effort }
+        let mut state =
+            JointState { header: Header { stamp, frame_id: String::new() }, name, position, velocity, effort };
+        if fault == Some(FaultKind::Gripper) {
+            state.name.insert(0, "gripper".to_owned());
+            for list in [&mut state.position, &mut state.velocity, &mut state.effort] {
+                list.insert(0, 0.02);
+            }
+        }
+        state
     }
 
     /// Sends a state that was taken at `t`, unless a fault loses or delays it. Returns a remark for the log.

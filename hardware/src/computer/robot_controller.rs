@@ -13,8 +13,6 @@ use crate::message::{JointState, Time};
 const FOLLOWING_LIMIT: f64 = 0.2;
 /// How far the encoder jumps in [`FaultKind::Jump`], rad (m).
 const JUMP: f64 = 0.3;
-/// How far the clock jumps in [`FaultKind::Clock`], ns.
-const CLOCK_JUMP_NS: i64 = -2_000_000_000;
 
 /// Why there is no such controller.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -198,9 +196,14 @@ impl<P: Plant> RobotController<P> {
         self.steps as f64 * self.joints.dt()
     }
 
+    /// The robot's clock when the controller started, ns: later in life another, where the clock is stepped.
+    fn epoch_ns(&self) -> i64 {
+        let step_s = self.size_of(FaultKind::Clock).unwrap_or(0.0);
+        self.epoch_ns + (step_s * 1e9).round() as i64
+    }
+
     fn stamp_ns(&self) -> i64 {
-        let jump_ns = if self.struck() == Some(FaultKind::Clock) { CLOCK_JUMP_NS } else { 0 };
-        self.epoch_ns + self.steps as i64 * self.dt_ns + jump_ns
+        self.epoch_ns() + self.steps as i64 * self.dt_ns
     }
 
     /// Its state in words, as it goes out on the topic `robot_state`.
@@ -224,7 +227,7 @@ impl<P: Plant> RobotController<P> {
             return Err("frozen".to_owned());
         }
         let t = self.t();
-        let start_s = if spline.start_ns == 0 { t } else { (spline.start_ns - self.epoch_ns) as f64 * 1e-9 };
+        let start_s = if spline.start_ns == 0 { t } else { (spline.start_ns - self.epoch_ns()) as f64 * 1e-9 };
         let taken =
             if self.homed { self.commander.follow(spline, start_s, t) } else { Err("the arm is not homed".to_owned()) };
         self.note(&match &taken {
@@ -291,6 +294,11 @@ impl<P: Plant> RobotController<P> {
         self.fault.filter(|_| self.struck).map(|fault| fault.kind)
     }
 
+    /// Size of the fault of this kind, where it has struck.
+    pub(super) fn size_of(&self, kind: FaultKind) -> Option<f64> {
+        self.fault.filter(|fault| self.struck && fault.kind == kind).map(|fault| fault.size)
+    }
+
     fn strike(&mut self, output: &mut Vec<Output>) {
         let Some(fault) = self.fault.filter(|_| !self.struck) else { return };
         let since =
@@ -311,6 +319,7 @@ impl<P: Plant> RobotController<P> {
                 self.disable("estop");
             }
             FaultKind::Die => output.push(Output::Die),
+            FaultKind::LateExecution | FaultKind::LostGoal => self.commander.join_anywhere(),
             _ => {}
         }
     }

@@ -83,9 +83,26 @@ pub fn serve<P: Plant>(
     let mut output = Vec::new();
     let (mut steps, mut orders, mut last_state) = (0_u64, 0_u64, String::new());
     let mut late: VecDeque<(f64, Event)> = VecDeque::new();
+    let (mut goals, mut lost): (VecDeque<(f64, Order)>, bool) = (VecDeque::new(), false);
     loop {
+        let mut due = Vec::new();
         for order in wire.orders.try_iter() {
             orders += 1;
+            let is_goal = matches!(order, Order::Goal(..));
+            let lost_s = controller.size_of(FaultKind::LostGoal).filter(|_| is_goal && !lost);
+            lost |= lost_s.is_some();
+            let late_s = controller.size_of(FaultKind::LateExecution).or(lost_s);
+            // Goals keep their order: one behind a goal that is late waits for it.
+            let before_s = goals.back().map(|(due_s, _)| *due_s);
+            match late_s.map(|late_s| controller.t() + late_s).or(before_s).filter(|_| is_goal) {
+                Some(due_s) => goals.push_back((before_s.map_or(due_s, |before_s| due_s.max(before_s)), order)),
+                None => due.push(order),
+            }
+        }
+        while goals.front().is_some_and(|(due_s, _)| *due_s <= controller.t()) {
+            due.extend(goals.pop_front().map(|(_, order)| order));
+        }
+        for order in due {
             if let Some(answer) = execute(controller, order) {
                 let due_s =
                     if controller.struck() == Some(FaultKind::LateAnswer) { controller.t() + LATE_S } else { 0.0 };
@@ -94,6 +111,9 @@ pub fn serve<P: Plant>(
         }
         while late.front().is_some_and(|(due_s, _)| *due_s <= controller.t()) {
             late.drain(..1).for_each(|(_, answer)| send(&wire, answer));
+        }
+        if let Some(rate) = controller.size_of(FaultKind::Rate) {
+            pace.set_rate(controller.dt(), rate);
         }
         let mut feedback = None;
         output.clear();

@@ -1,6 +1,8 @@
 //! The guard around an arm.
 
-use armid::experiment::{Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Sink, TripReport};
+use armid::experiment::{
+    Arm, ArmError, Ending, ExperimentPlan, Flow, Phase, RawSample, ReceivedState, Recording, Sink, TripReport,
+};
 use armid::model::Robot;
 
 use super::state::TELL_EVERY_S;
@@ -190,6 +192,12 @@ impl Sink for Watched<'_> {
         self.judge(sample);
         self.tell_now_and_then();
         let flow = self.sink.unrecorded(sample);
+        self.answer(flow)
+    }
+
+    fn received(&mut self, state: &ReceivedState<'_>) -> Flow {
+        self.watch.received(state);
+        let flow = self.sink.received(state);
         self.answer(flow)
     }
 

@@ -41,6 +41,6 @@ pub use record::{ApproachRecord, GuardRecord, Passed};
 pub use settings::{GuardSettings, SettingError};
 pub use state::{Activity, GuardState, Observer};
 pub use table::table;
-pub(crate) use trip::OVERSPEED_WINDOW_S;
+pub(crate) use trip::{ARRIVAL_WINDOW_S, OVERSPEED_WINDOW_S};
 pub use trip::{LOOK_MS, REACTION_MS, Trip};
 pub use watch::Watch;

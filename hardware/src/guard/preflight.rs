@@ -16,6 +16,8 @@ pub enum Preflight {
     SoftLimits,
     /// The robot's joints have the names of the robot file.
     JointNames,
+    /// Every position and effort is a number.
+    Finite,
     /// States come at the rate of the plan, at least.
     Rate,
     /// The arm stands within its hard limits, so that the start pose can be reached.
@@ -28,11 +30,12 @@ pub enum Preflight {
 
 impl Preflight {
     /// All, in order.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 9] = [
         Self::Settings,
         Self::Plan,
         Self::SoftLimits,
         Self::JointNames,
+        Self::Finite,
         Self::Rate,
         Self::StartPose,
         Self::EmergencyStop,
@@ -47,6 +50,7 @@ impl Preflight {
             Self::Plan => "plan",
             Self::SoftLimits => "soft-limits",
             Self::JointNames => "joint-names",
+            Self::Finite => "finite",
             Self::Rate => "rate",
             Self::StartPose => "start-pose",
             Self::EmergencyStop => "emergency-stop",
@@ -70,6 +74,8 @@ pub struct Survey {
     pub joints: Vec<String>,
     /// Its positions, rad (m), in the order of the robot file.
     pub q: Vec<f64>,
+    /// Its efforts, in the same order.
+    pub effort: Vec<f64>,
     /// States per second that were seen, Hz.
     pub rate_hz: f64,
     /// Whether it is homed; `None` where its interface does not report it.
@@ -148,6 +154,14 @@ pub(super) fn of_survey(
         return Err(Preflight::JointNames.refuse(found, Expectation::Joint((*missing).to_owned())));
     }
     passed.push(Preflight::JointNames.passed(wanted.join(", ")));
+    for (what, values) in [("position", &survey.q), ("effort", &survey.effort)] {
+        if let Some(j) = values.iter().position(|value| !value.is_finite()) {
+            let found = format!("{what} {} of joint \"{}\"", values[j], bounds[j].name);
+            let expected = "a number (ros2_control reports NaN where the hardware has no such interface)";
+            return Err(Preflight::Finite.refuse(found, Expectation::State(expected)));
+        }
+    }
+    passed.push(Preflight::Finite.passed("every position and effort is a number"));
     // A tenth of slack: the rate is counted over a short look.
     if survey.rate_hz < 0.9 * plan.rate_hz {
         let found = format!("{:.0}", survey.rate_hz);

@@ -29,7 +29,7 @@ pub enum Trip {
     CommandAge,
     /// A set-point is further from the one before than the joint can move.
     CommandStep,
-    /// The robot controller ended the motion: emergency stop, abort, drives off.
+    /// The robot controller ended the motion (emergency stop, abort, drives off), or its clock and ours ran apart.
     RobotStopped,
     /// Another client commands the arm, or a second robot answers to its names.
     Interference,
@@ -49,6 +49,8 @@ pub enum Trip {
 pub const REACTION_MS: f64 = 10.0;
 /// Time over which a joint's speed is measured, s.
 pub(crate) const OVERSPEED_WINDOW_S: f64 = 0.02;
+/// The same by the local clock, whose arrivals are less even, s.
+pub(crate) const ARRIVAL_WINDOW_S: f64 = 0.2;
 /// Time between two looks at who else is on the network, and at the middleware's threads, ms.
 pub const LOOK_MS: f64 = 100.0;
 /// Time that the robot controller has to say whether it takes a motion, ms.
@@ -125,7 +127,9 @@ impl Trip {
             Self::StaleState => "no state has come for too long, or one was too long on its way",
             Self::CommandAge => "a set-point is sent too late",
             Self::CommandStep => "a set-point is further from the one before than the joint can move",
-            Self::RobotStopped => "the robot controller ended the motion: emergency stop, abort, drives off",
+            Self::RobotStopped => {
+                "the robot controller ended the motion (emergency stop, abort, drives off), or its clock and ours ran apart"
+            }
             Self::Interference => "another client commands the arm, or a second robot answers to its names",
             Self::NoAcceptance => "the robot controller does not report whether it accepts a motion",
             Self::NoResult => "the robot controller does not report how a motion has ended",

@@ -1,6 +1,6 @@
 //! All checks of one run; a trip is latched.
 
-use armid::experiment::{RawSample, Rest, SafeAction, TripReport};
+use armid::experiment::{RawSample, ReceivedState, Rest, SafeAction, TripReport};
 use armid::model::Robot;
 
 use super::check::{self, Check};
@@ -38,6 +38,11 @@ impl Watch {
     /// Judges a sample.
     pub fn sample(&mut self, sample: &RawSample<'_>) -> Option<&TripReport> {
         self.judge(|check| check.sample(sample))
+    }
+
+    /// Judges a joint state as it arrives.
+    pub fn received(&mut self, state: &ReceivedState<'_>) -> Option<&TripReport> {
+        self.judge(|check| check.received(state))
     }
 
     /// Judges a silence of `age_s`.

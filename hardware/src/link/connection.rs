@@ -81,8 +81,8 @@ impl Connection {
     /// Other participants that must not be there: a second robot, or another client that commands this one.
     pub(crate) fn interference(&self, settings: &LinkSettings) -> Option<String> {
         let named = |name: &str| settings.full(name);
-        let mut most =
-            vec![(Peer::Writer, format!("rt{}", named(&settings.joint_states)), 1, "report joint states on")];
+        // A gripper reports its joints on the same topic: who reports the arm's is told from the messages.
+        let mut most = Vec::new();
         if !settings.robot_state.is_empty() {
             most.push((Peer::Writer, format!("rt{}", named(&settings.robot_state)), 1, "say the robot's state on"));
         }

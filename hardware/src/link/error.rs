@@ -27,7 +27,7 @@ pub enum LinkError {
     #[error(transparent)]
     Cdr(#[from] CdrError),
     /// Nothing was received in time.
-    #[error("{what}: nothing received within {waited_s} s in ROS domain {domain}")]
+    #[error("{what}: nothing received within {waited_s} s in ROS domain {domain}{reason}")]
     Silence {
         /// What was waited for.
         what: String,
@@ -35,6 +35,8 @@ pub enum LinkError {
         waited_s: f64,
         /// In which domain.
         domain: u16,
+        /// Why, after a semicolon; empty where that is not known.
+        reason: String,
     },
     /// The operator asked for the end before anything moved.
     #[error("interrupted while the robot was looked for")]
@@ -61,6 +63,24 @@ pub enum LinkError {
         found: usize,
         /// Number of names.
         expected: usize,
+    },
+    /// Joint states come, and their stamps do not advance.
+    #[error(
+        "{topic}: {messages} messages came, all stamped {stamp_s} s; expected stamps that advance with the robot's clock"
+    )]
+    Stamps {
+        /// On which topic.
+        topic: String,
+        /// How many.
+        messages: usize,
+        /// Their stamp, s.
+        stamp_s: f64,
+    },
+    /// The robot's clock runs faster or more slowly than ours, or is stepped.
+    #[error("the robot's clock {found}, expected as much within 2 %: see what stamps its joint states")]
+    Clock {
+        /// How far it has come while ours has come how far.
+        found: String,
     },
     /// The robot controller does not take the motion.
     #[error("the robot controller refuses the motion: {reason}")]

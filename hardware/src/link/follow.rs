@@ -3,7 +3,7 @@
 use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::time::{Duration, Instant};
 
-use armid::experiment::{Flow, Rest, SafeAction};
+use armid::experiment::{Flow, ReceivedState, Rest, SafeAction};
 
 use super::pieces::{Piece, piece};
 use super::stamps::Stamp;
@@ -18,6 +18,9 @@ pub(crate) trait Listener {
     /// Takes a joint state `t` seconds after the beginning of the motion where the grid has no tick for it: the arm
     /// stands where the motion will begin, or has ended.
     fn standing(&mut self, t: f64, row: &JointRow, command: &[f64]) -> Flow;
+
+    /// Takes a joint state as it arrives.
+    fn received(&mut self, state: &ReceivedState<'_>) -> Flow;
 
     /// Takes that no joint state has come for `age_s`.
     fn idle(&mut self, age_s: f64) -> Flow;
@@ -119,6 +122,7 @@ impl Ros2Arm {
         // The motion begins a whole number of messages ahead, so that stamps without jitter lie on the grid.
         let lead = (self.settings.lead_s * self.rate_hz).ceil() / self.rate_hz;
         let newest = self.newest();
+        self.line.sender.begin();
         let stamp_ns = self.latest.as_ref().map_or(0, |(row, _)| row.stamp_ns);
         let mut run = Run::new(motion, stamp_ns + (lead * 1e9).round() as i64, rate_hz);
         let end = newest.and_then(|_| {
@@ -135,8 +139,9 @@ impl Ros2Arm {
     }
 
     fn watch(&mut self, run: &mut Run<'_>, listener: &mut dyn Listener) -> Result<End, LinkError> {
-        let mut stamps = StampWatch::new(1.0 / self.rate_hz);
+        let mut stamps = StampWatch::new(1.0 / self.rate_hz).with_clock(self.clock.clone());
         let end = self.watch_stamped(run, listener, &mut stamps);
+        self.clock = stamps.clock().clone();
         self.findings = stamps.findings().clone();
         end
     }
@@ -148,7 +153,6 @@ impl Ros2Arm {
         watch: &mut StampWatch,
     ) -> Result<End, LinkError> {
         let (_, mut alive) = self.newest()?;
-        let origin = Instant::now();
         let samples = (run.motion.duration_s() * run.rate_hz - 1e-6).ceil() as usize;
         let mut grid = Resampler::new(run.start_ns, run.rate_hz, samples);
         // Where the end was asked for while the arm stood, nothing goes out.
@@ -191,32 +195,45 @@ impl Ros2Arm {
                 let age_s = alive.elapsed().as_secs_f64();
                 if age_s > self.settings.patience_s {
                     let what = self.settings.full(&self.settings.joint_states);
-                    return Err(LinkError::Silence { what, waited_s: age_s, domain: self.settings.domain });
+                    return Err(self.line.endpoint.silence(what, None));
                 }
                 if let Some(end) = self.act_on(|| listener.idle(age_s), run) {
                     return Ok(end);
                 }
                 continue;
             };
-            let message =
-                received.message.map_err(|reason| LinkError::Middleware { what: "joint state".to_owned(), reason })?;
-            let row = self.map.row(&message)?;
-            let stamp = watch.see(row.stamp_ns, received.at.duration_since(origin).as_secs_f64());
+            let at = received.at;
+            let Some(row) = self.row(received)? else {
+                // States of other joints are no states of the arm.
+                if let Some(end) = self.act_on(|| listener.idle(alive.elapsed().as_secs_f64()), run) {
+                    return Ok(end);
+                }
+                continue;
+            };
+            let arrival_s = at.duration_since(self.opened).as_secs_f64();
+            let stamp = watch.see(row.stamp_ns, arrival_s);
             // A message that says nothing new is as good as none, and one that was long on its way is as old as that.
             let age_s = match stamp {
                 Stamp::Fresh => {
-                    self.latest = Some((row.clone(), received.at));
-                    alive = received.at;
+                    self.latest = Some((row.clone(), at));
+                    alive = at;
                     watch.lateness_s()
                 }
                 Stamp::Stale => alive.elapsed().as_secs_f64().max(watch.lateness_s()),
                 Stamp::Jumped(by) => {
                     // The motion has gone on meanwhile: its time does, by the clock that there is now.
                     let before_s = self.motion_time(run);
-                    self.latest = Some((row, received.at));
+                    self.latest = Some((row, at));
                     run.start_ns += ((self.motion_time(run) - before_s) * 1e9).round() as i64;
                     let reason = format!("its clock jumped by {by:.3} s; samples after it have no place in time");
                     return Err(LinkError::Aborted { reason });
+                }
+                Stamp::Drifted(by_s) => {
+                    self.latest = Some((row, at));
+                    // A motion under way need not follow a step of the clock: it may end as much later by that clock.
+                    run.start_ns += (by_s.max(0.0) * 1e9).round() as i64;
+                    let found = format!("advanced by {:.3} s while ours advanced by 1 s", 1.0 + by_s);
+                    return Err(LinkError::Clock { found });
                 }
             };
             if (stamp == Stamp::Stale || age_s * self.rate_hz > 1.0)
@@ -227,8 +244,13 @@ impl Ros2Arm {
             if stamp == Stamp::Stale {
                 continue;
             }
+            let (stamp_s, lateness_s) = (row.stamp_ns as f64 * 1e-9, watch.lateness_s());
+            let state = ReceivedState { stamp_s, arrival_s, lateness_s, q: &row.q };
+            if let Some(end) = self.act_on(|| listener.received(&state), run) {
+                return Ok(end);
+            }
             if self.line.sender.streams()
-                && let Some(end) = self.stream(run, row.stamp_ns, received.at, listener)?
+                && let Some(end) = self.stream(run, row.stamp_ns, at, listener)?
             {
                 return Ok(end);
             }
@@ -289,11 +311,12 @@ impl Ros2Arm {
         };
         run.piece = Some((now_s, next.full_until_s, next.rest_s));
         run.whole_sent = next.is_last;
-        self.line.sender.hand_over(JointTrajectory {
+        let trajectory = JointTrajectory {
             header: Header { stamp: Time::from_ns(run.start_ns)?, frame_id: String::new() },
             joint_names: self.map.names().to_vec(),
             points: next.points,
-        })
+        };
+        self.line.sender.hand_over(trajectory, next.rest_s)
     }
 
     /// Streams the set-point that is due one message after the one with the stamp `stamp_ns`.

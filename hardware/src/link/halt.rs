@@ -11,6 +11,9 @@
 //! What counts as an answer: the robot controller carries the cancel out or has ended the motion; it says that the drives
 //! are off; nothing that was handed over can move the arm any more, because its end is past; or, where there is no answer,
 //! the arm stands although its motion would have moved it.
+//!
+//! A cancel covers the goals that were taken before it. A goal without an answer can still be carried out, so it counts as
+//! under way until its end is past. A goal that is taken meanwhile is cancelled anew.
 
 use std::time::{Duration, Instant};
 
@@ -44,6 +47,8 @@ struct Halt {
     action: SafeAction,
     watch: RestWatch,
     answered: bool,
+    /// Number of goals that were taken: another one is not covered by the answer.
+    taken: usize,
     off: bool,
     /// When the newest state arrived.
     alive: Instant,
@@ -65,8 +70,9 @@ impl Ros2Arm {
         let hold = measured.filter(|q| q.iter().all(|q| q.is_finite())).unwrap_or_else(|| run.command(now_s).to_vec());
         let watch = RestWatch::new(&self.robot, newest_ns);
         let (asked, reopened) = ((0, None), None);
+        let (answered, off, hold) = (false, false, (hold, now_s));
         let mut halt =
-            Halt { action, watch, answered: false, off: false, alive: began, asked, reopened, hold: (hold, now_s) };
+            Halt { action, watch, answered, taken: self.line.sender.taken(), off, alive: began, asked, reopened, hold };
         // Nothing is outstanding where set-points just end.
         let outstanding_ns = if self.line.sender.streams() { newest_ns } else { run.stamp_ns(run.rest_s()) };
         loop {
@@ -77,20 +83,32 @@ impl Ros2Arm {
             self.ask(&mut halt, run);
             self.listen(&mut halt, run);
             if let Some(since_ns) = halt.watch.at_rest_since(halt.off)
-                && (halt.answered || halt.off || since_ns >= outstanding_ns || self.holds_by_topic(&halt))
+                && (self.is_covered(&halt, run, since_ns)
+                    || halt.off
+                    || since_ns >= outstanding_ns
+                    || self.holds_by_topic(&halt))
             {
                 return Rest::Confirmed { after_ms: 1e3 * began.elapsed().as_secs_f64() };
             }
         }
+        let open = self.line.sender.unanswered_until_s().is_some();
         let missing = if halt.alive.elapsed() > SILENCE {
             "no joint state has come since"
         } else if halt.watch.at_rest_since(halt.off).is_none() {
             "the arm was not seen at rest"
+        } else if open {
+            "the robot controller does not say whether it takes the last motion"
         } else {
             "the robot controller does not answer"
         };
         let reason = format!("{} repeated for {:.1} s, {missing}", action.name(), began.elapsed().as_secs_f64());
         Rest::NotConfirmed { reason }
+    }
+
+    /// Whether a cancel is carried out and no goal without an answer can move the arm after `since_ns`.
+    fn is_covered(&self, halt: &Halt, run: &Run<'_>, since_ns: i64) -> bool {
+        let open_s = self.line.sender.unanswered_until_s();
+        halt.answered && open_s.is_none_or(|until_s| since_ns >= run.stamp_ns(until_s))
     }
 
     /// Whether a topic, which never answers, has plainly taken the hold.
@@ -154,15 +172,21 @@ impl Ros2Arm {
             halt.off |= self.settings.off_states.iter().any(|off| word.starts_with(off.as_str()));
             self.state = Some(word);
         }
-        if over && !halt.answered {
+        if halt.taken != self.line.sender.taken() {
+            halt.taken = self.line.sender.taken();
+            (halt.answered, halt.asked) = (false, (0, None));
+            for connection in std::iter::once(&mut self.line).chain(&mut self.rescue) {
+                connection.sender.forget_cancels();
+            }
+        } else if over && !halt.answered {
             halt.answered = true;
             halt.watch.restart(self.latest.as_ref().map_or(i64::MIN, |(row, _)| row.stamp_ns));
         }
         for state in received {
-            let Ok(row) = state.message.map_err(|_| ()).and_then(|message| self.map.row(&message).map_err(|_| ()))
-            else {
+            let Some(row) = state.message.ok().and_then(|message| self.map.positions(&message)) else { continue };
+            if self.is_another(state.from) {
                 continue;
-            };
+            }
             let planned = run.command(run.since_start(row.stamp_ns)).to_vec();
             halt.watch.see(&row, &planned);
             halt.alive = state.at;

@@ -21,6 +21,8 @@ pub struct JointRow {
 pub struct JointMap {
     names: Vec<String>,
     others: Vec<String>,
+    /// Whether joints that nobody named are passed over.
+    open: bool,
     /// The names of the message before, and the place of each joint in it.
     last: Option<(Vec<String>, Vec<usize>)>,
 }
@@ -40,7 +42,12 @@ impl JointMap {
         if let Some(twice) = duplicate(&names) {
             return Err(fault(format!("\"{twice}\" twice"), "a name for each joint"));
         }
-        Ok(Self { names, others: settings.other_joints.clone(), last: None })
+        Ok(Self { names, others: settings.other_joints.clone(), open: false, last: None })
+    }
+
+    /// From now on joints that nobody named are passed over: a gripper that starts later is no other robot.
+    pub fn pass_over_others(&mut self) {
+        self.open = true;
     }
 
     /// The robot's names of the joints, in the order of the robot file.
@@ -49,12 +56,15 @@ impl JointMap {
         &self.names
     }
 
-    /// The message in the order of the robot file.
+    /// The message in the order of the robot file; none where it is about no joint of the arm, as a gripper's own.
     ///
     /// # Errors
     /// [`LinkError::Joints`] where a joint is missing, unknown or named twice; [`LinkError::Length`] where a list has
     /// not one value for each name.
-    pub fn row(&mut self, state: &JointState) -> Result<JointRow, LinkError> {
+    pub fn row(&mut self, state: &JointState) -> Result<Option<JointRow>, LinkError> {
+        if !state.name.is_empty() && !state.name.iter().any(|name| self.names.contains(name)) {
+            return Ok(None);
+        }
         let places = match self.last.take() {
             Some((names, places)) if names == state.name => places,
             _ => self.places(&state.name)?,
@@ -74,7 +84,15 @@ impl JointMap {
         };
         let (q, qd, effort) = (take(&state.position), take(&state.velocity), take(&state.effort));
         self.last = Some((state.name.clone(), places));
-        Ok(JointRow { stamp_ns: state.header.stamp.ns(), q, qd, effort })
+        Ok(Some(JointRow { stamp_ns: state.header.stamp.ns(), q, qd, effort }))
+    }
+
+    /// The positions alone, of a message that need not be right in anything else.
+    pub(crate) fn positions(&self, state: &JointState) -> Option<JointRow> {
+        let place = |name| state.name.iter().position(|found| found == name);
+        let q = self.names.iter().map(|name| state.position.get(place(name)?).copied());
+        let q = q.collect::<Option<Vec<f64>>>().filter(|_| duplicate(&state.name).is_none())?;
+        Some(JointRow { stamp_ns: state.header.stamp.ns(), q, ..JointRow::default() })
     }
 
     /// Where each joint stands among `found`.
@@ -86,8 +104,11 @@ impl JointMap {
         if let Some(twice) = duplicate(found) {
             return Err(fault(format!("joint \"{twice}\" is there twice")));
         }
-        if let Some(stranger) = found.iter().find(|name| !self.names.contains(name) && !self.others.contains(name)) {
-            return Err(fault(format!("joint \"{stranger}\" is unknown")));
+        let known = |name: &String| self.open || self.names.contains(name) || self.others.contains(name);
+        if let Some(stranger) = found.iter().find(|name| !known(name)) {
+            return Err(fault(format!(
+                "joint \"{stranger}\" is unknown; other_joints in [ros2] names those of no part of the arm"
+            )));
         }
         let place = |name: &String| {
             found.iter().position(|other| other == name).ok_or_else(|| fault(format!("joint \"{name}\" is missing")))
@@ -130,7 +151,7 @@ mod tests {
         for (names, position) in
             [(vec!["waist", "j2"], vec![1.0, 2.0]), (vec!["j2", "gripper", "waist"], vec![2.0, 9.0, 1.0])]
         {
-            let row = map.row(&state(&names, &position)).unwrap();
+            let row = map.row(&state(&names, &position)).unwrap().unwrap();
             assert_eq!((row.q, row.effort, row.stamp_ns), (vec![1.0, 2.0], vec![-1.0, -2.0], 2_000_000_005));
             assert!(row.qd.is_empty());
         }
@@ -149,8 +170,18 @@ mod tests {
             let message = map.row(&state(&names, &vec![0.0; names.len()])).unwrap_err().to_string();
             assert!(message.contains(word), "{message}");
         }
+        // A gripper's own message is not about the arm, and later it may be in the arm's as well.
+        assert_eq!(map.row(&state(&["c"], &[0.5])), Ok(None));
+        let (both, twice) = (state(&["c", "a", "b"], &[9.0, 1.0, 2.0]), state(&["a", "b", "b"], &[1.0, 2.0, 3.0]));
+        assert_eq!(map.positions(&both).unwrap().q, [1.0, 2.0]);
+        assert!(map.positions(&twice).is_none() && map.positions(&state(&["a"], &[1.0])).is_none());
+        let mut later = map.clone();
+        later.pass_over_others();
+        assert_eq!(later.row(&both).unwrap().unwrap().q, [1.0, 2.0]);
+        assert!(later.row(&twice).is_err() && later.row(&state(&["a", "c"], &[1.0, 9.0])).is_err());
         let mut short = state(&["a", "b"], &[1.0, 2.0]);
         short.effort.pop();
+        assert_eq!(map.positions(&short).unwrap().q, [1.0, 2.0]);
         assert_eq!(map.row(&short), Err(LinkError::Length { quantity: "effort", found: 1, expected: 2 }));
         let renamed = |from: &str, to: &str| LinkSettings {
             joint_names: [(from.to_owned(), to.to_owned())].into(),

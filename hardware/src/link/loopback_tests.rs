@@ -18,7 +18,7 @@ use armid::trajectory::{FourierJoint, FourierTrajectory};
 use super::{Endpoint, LinkError, LinkSettings, Mode, Ros2Arm, look};
 use crate::computer::{Fault, Replacement, RobotController, ServeOptions, Watchdog, serve};
 use crate::guard::Machine;
-use crate::message::Text;
+use crate::message::{Float64MultiArray, Header, JointState, Text, Time};
 
 /// One flywheel of 1 kg·m² for each joint.
 #[derive(Clone)]
@@ -194,6 +194,121 @@ fn a_clock_that_jumps_back_is_a_trip_and_the_arm_is_seen_at_rest() {
         let trip = tripped(&settings(mode), with_fault("clock@motion+0.6"));
         assert!(trip.trip == "robot-stopped" && trip.reason.contains("clock jumped by -1.99"), "{trip}");
         assert!(matches!(trip.rest, Rest::Confirmed { .. }), "{trip}");
+    }
+}
+
+#[test]
+fn a_clock_that_is_stepped_or_runs_fast_is_a_trip_and_the_arm_is_seen_at_rest() {
+    for (fault, mode) in [("clock:0.1", Mode::Trajectory), ("clock:0.1", Mode::Stream), ("rate:1.3", Mode::Trajectory)]
+    {
+        let trip = tripped(&settings(mode), move |controller| {
+            controller.with_fault(Some(Fault::parse(&format!("{fault}@motion+0.6")).unwrap()))
+        });
+        assert!(trip.trip == "robot-stopped" && trip.reason.contains("the robot's clock advanced"), "{trip}");
+        assert!(matches!(trip.rest, Rest::Confirmed { .. }), "{trip}");
+    }
+}
+
+#[test]
+fn a_clock_that_runs_fast_from_the_beginning_is_refused() {
+    let settings = settings(Mode::Trajectory);
+    let _controller = Robotics::start(&settings, Some("rate:1.3@0"));
+    let refused = Ros2Arm::connect(&settings, &planar_2r(), "").err().expect("a refusal").to_string();
+    assert!(refused.contains("the robot's clock advanced by"), "{refused}");
+}
+
+/// A goal that was under way to the robot controller when the arm was to stop comes 0.4 s late.
+#[test]
+fn a_goal_that_is_taken_after_the_cancel_moves_nothing_once_rest_is_confirmed() {
+    for fault in ["late-execution:0.4@motion+0.1", "lost-goal:0.4@motion+0.1"] {
+        let settings = settings(Mode::Trajectory);
+        let _controller = Robotics::start(&settings, Some(fault));
+        let robot = planar_2r();
+        let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+        let mut sink = Until { recorder: Recorder::default(), until: 0.3, flow: Flow::Stop };
+        let ending = arm.perform(&plan(&robot), &mut sink).unwrap();
+        assert!(matches!(ending, Ending::Stopped { rest: Rest::Confirmed { .. }, .. }), "{fault}: {ending:?}");
+        let first = arm.reading().unwrap().row.q;
+        std::thread::sleep(std::time::Duration::from_millis(800));
+        let second = arm.reading().unwrap().row.q;
+        assert!(first.iter().zip(&second).all(|(a, b)| (a - b).abs() < 1e-3), "{fault}: {first:?} {second:?}");
+    }
+}
+
+#[test]
+fn a_gripper_that_starts_in_the_midst_is_no_loss_of_states() {
+    for mode in [Mode::Trajectory, Mode::Stream] {
+        let settings = settings(mode);
+        let _controller = Robotics::start(&settings, Some("gripper@motion+0.6"));
+        let robot = planar_2r();
+        let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+        assert_eq!(record(&mut arm, &plan(&robot)).unwrap().1, Ending::Completed);
+    }
+}
+
+/// Another node that publishes joint states 50 times a second, until it is dropped.
+struct Publishes(Arc<AtomicBool>, Option<JoinHandle<()>>);
+
+impl Publishes {
+    /// States of these joints, stamped by their number or not at all; `reliable` or best-effort. It takes set-points as well.
+    fn start(settings: &LinkSettings, joints: &'static [&'static str], stamped: bool, reliable: bool) -> Self {
+        let stop = Arc::new(AtomicBool::new(false));
+        let (asked, settings) = (Arc::clone(&stop), LinkSettings { reliable, ..settings.clone() });
+        let thread = std::thread::spawn(move || {
+            let mut endpoint = Endpoint::join(&settings, "publishes").unwrap();
+            let topic = settings.full(&settings.joint_states);
+            let states = endpoint.publisher(&topic, ("sensor_msgs", "JointState"), &settings.state_qos()).unwrap();
+            let commands = settings.full(&settings.commands);
+            let kind = ("std_msgs", "Float64MultiArray");
+            let taken = endpoint.subscription::<Float64MultiArray>(&commands, kind, &settings.command_qos()).unwrap();
+            for k in 0.. {
+                let stamp = Time::from_ns(if stamped { k * 20_000_000 } else { 0 }).unwrap();
+                let name: Vec<String> = joints.iter().map(|&joint| joint.to_owned()).collect();
+                let (position, effort) = (vec![0.0; name.len()], vec![0.0; name.len()]);
+                let header = Header { stamp, frame_id: String::new() };
+                states.publish(JointState { header, name, position, velocity: Vec::new(), effort }).unwrap();
+                std::thread::sleep(std::time::Duration::from_millis(20));
+                if asked.load(Ordering::Relaxed) {
+                    break;
+                }
+            }
+            drop(taken);
+        });
+        Self(stop, Some(thread))
+    }
+}
+
+impl Drop for Publishes {
+    fn drop(&mut self) {
+        self.0.store(true, Ordering::Relaxed);
+        if let Some(thread) = self.1.take() {
+            let _ = thread.join();
+        }
+    }
+}
+
+#[test]
+fn a_gripper_that_reports_its_own_joint_on_the_same_topic_is_no_second_robot() {
+    let settings = settings(Mode::Trajectory);
+    let _controller = Robotics::start(&settings, None);
+    let _gripper = Publishes::start(&settings, &["gripper"], true, true);
+    let robot = planar_2r();
+    let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+    assert_eq!(record(&mut arm, &plan(&robot)).unwrap().1, Ending::Completed);
+}
+
+#[test]
+fn stamps_that_stand_still_and_states_that_cannot_come_are_named() {
+    let joints: &[&str] = &["shoulder", "elbow"];
+    for (stamped, reliable, words) in
+        [(false, true, "messages came, all stamped 0 s"), (true, false, "set reliable = false in [ros2]")]
+    {
+        let settings = LinkSettings { robot_state: String::new(), patience_s: 4.0, ..settings(Mode::Stream) };
+        let _robot = Publishes::start(&settings, joints, stamped, reliable);
+        let began = std::time::Instant::now();
+        let refused = look(&settings, &planar_2r()).unwrap_err().to_string();
+        assert!(refused.contains(words), "{refused}");
+        assert!(began.elapsed().as_secs_f64() < 2.0 * settings.patience_s);
     }
 }
 

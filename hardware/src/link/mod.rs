@@ -6,9 +6,10 @@
 //!  action, topic or set-points ←── Motion                 (StampFindings)
 //! ```
 //! The time of a sample is the stamp in its header, by the robot's clock; how long nothing was received is measured by the
-//! local monotonic clock. The two are never compared: the motion begins at a stamp of the robot's clock that the link
-//! chooses and sends along.
+//! local monotonic clock. The motion begins at a stamp of the robot's clock that the link chooses and sends along. How fast
+//! the robot's clock runs is watched by ours (`clock.rs`).
 
+mod clock;
 mod connection;
 mod error;
 mod follow;

@@ -5,8 +5,10 @@ use std::net::{IpAddr, Ipv4Addr};
 use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
+use ros2_client::gid::Gid;
 use ros2_client::qos::QosProfile;
 use ros2_client::{Context, Message, MessageTypeName, Name, Node, NodeName, NodeOptions, Publisher, Subscription};
+use rustdds::policy;
 use rustdds::{DomainParticipant, DomainParticipantBuilder, GUID, RTPSEntity};
 
 use super::{LinkError, LinkSettings, Network, network};
@@ -37,7 +39,8 @@ impl<'a> Patience<'a> {
         if self.elapsed() <= self.settings.patience() {
             return Ok(());
         }
-        Err(LinkError::Silence { what: what(), waited_s: self.settings.patience_s, domain: self.settings.domain })
+        let (waited_s, domain) = (self.settings.patience_s, self.settings.domain);
+        Err(LinkError::Silence { what: what(), waited_s, domain, reason: String::new() })
     }
 }
 
@@ -167,12 +170,52 @@ impl Endpoint {
             patience.left(|| what.to_owned())?;
             std::thread::sleep(Duration::from_millis(10));
         }
-        Ok(())
+        let mismatch = topics.iter().find_map(|(peer, topic)| self.mismatch(*peer, topic));
+        mismatch.map_or(Ok(()), |reason| Err(self.silence(what.to_owned(), Some(reason))))
+    }
+
+    /// That nothing came within the patience, and why.
+    pub(crate) fn silence(&self, what: String, reason: Option<&str>) -> LinkError {
+        let reason = reason.map_or_else(String::new, |reason| format!("; {reason}"));
+        LinkError::Silence { what, waited_s: self.settings.patience_s, domain: self.settings.domain, reason }
     }
 
     /// Whether all of these others have been seen.
     pub(crate) fn has(&self, topics: &[(Peer, String)]) -> bool {
         topics.iter().all(|(peer, topic)| self.count(*peer, topic) > 0)
+    }
+
+    /// Whether somebody who sent something is still there.
+    pub(crate) fn has_writer(&self, writer: Gid) -> bool {
+        let all = self.participant.discovered_writers();
+        all.iter().any(|found| Gid::from(found.writer_proxy.remote_writer_guid) == writer)
+    }
+
+    /// Why no message of a DDS topic passes between us and the others who write or read it, where every one of them offers
+    /// less than our reader asks for, or asks for more than our writer offers.
+    fn mismatch(&self, peer: Peer, topic: &str) -> Option<&'static str> {
+        let (own, reliable) = (self.participant.guid().prefix, self.settings.reliable);
+        let (fits, reason): (Vec<bool>, _) = match peer {
+            Peer::Writer => {
+                let all = self.participant.discovered_writers();
+                let there = all.iter().filter(|found| found.publication_topic_data.topic_name == topic);
+                let others = there.filter(|found| found.writer_proxy.remote_writer_guid.prefix != own);
+                let offered = others.map(|found| found.publication_topic_data.reliability);
+                let fits = offered.map(|offered| !reliable || offered != Some(policy::Reliability::BestEffort));
+                let reason =
+                    "it is published best-effort, and this side asks for reliable: set reliable = false in [ros2]";
+                (fits.collect(), reason)
+            }
+            Peer::Reader => {
+                let all = self.participant.discovered_readers();
+                let there = all.iter().filter(|found| found.subscription_topic_data.topic_name() == topic);
+                let others = there.filter(|found| found.reader_proxy.remote_reader_guid.prefix != own);
+                let asked = others.map(|found| found.subscription_topic_data.qos().durability());
+                let fits = asked.map(|asked| asked.is_none_or(|asked| asked == policy::Durability::Volatile));
+                (fits.collect(), "its reader asks for transient-local messages, expected volatile")
+            }
+        };
+        (!fits.is_empty() && !fits.contains(&true)).then_some(reason)
     }
 
     /// How many others write or read a DDS topic.

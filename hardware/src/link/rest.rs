@@ -10,10 +10,12 @@ use super::JointRow;
 pub(crate) const WINDOW_S: f64 = 0.2;
 /// Fewest states that show it: two that are alike may be the two ends of a swing.
 const LEAST_STATES: usize = 3;
-/// A joint that moves no faster than this over the window stands: 0.5 deg/s, a servo that settles after braking.
+/// What a joint that stands moves within the window, as a speed: 0.5 deg/s, a servo that settles and noise.
 const REST_RAD_S: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// The same for a prismatic joint, m/s.
 const REST_M_S: f64 = 1e-3;
+/// Part of that at which a joint may drift, by the line through the window: an arm that sinks does not stand.
+const DRIFT: f64 = 0.2;
 /// A command that moved so much more than a joint that stands may shows that the joint no longer follows it.
 const IGNORED: f64 = 5.0;
 
@@ -28,6 +30,7 @@ struct ObservedState {
 ///
 /// ```text
 /// max q_j − min q_j ≤ v_rest · WINDOW_S        for every joint, all finite
+/// |slope of the line through q_j| ≤ DRIFT · v_rest
 /// ```
 pub(crate) struct RestWatch {
     since_ns: i64,
@@ -68,7 +71,8 @@ impl RestWatch {
         let whole = self.window.len() >= LEAST_STATES && last.stamp_ns - first.stamp_ns >= (WINDOW_S * 1e9) as i64;
         let stands = (0..self.range.len()).all(|j| {
             let spread = self.spread(j, |seen| &seen.q);
-            spread <= self.range[j] || (off && spread == f64::INFINITY)
+            (spread <= self.range[j] && self.drift(j).abs() <= DRIFT * self.range[j] / WINDOW_S)
+                || (off && spread == f64::INFINITY)
         });
         (whole && stands).then_some(first.stamp_ns)
     }
@@ -77,6 +81,21 @@ impl RestWatch {
     pub(crate) fn ignores_its_motion(&self) -> bool {
         self.at_rest_since(false).is_some()
             && (0..self.range.len()).any(|j| self.spread(j, |seen| &seen.planned) > IGNORED * self.range[j])
+    }
+
+    /// Slope of the line of least squares through one joint's positions, rad/s (m/s).
+    fn drift(&self, j: usize) -> f64 {
+        let first = &self.window[0];
+        let points = || {
+            let point = |seen: &ObservedState| ((seen.stamp_ns - first.stamp_ns) as f64 * 1e-9, seen.q[j] - first.q[j]);
+            self.window.iter().map(point)
+        };
+        let n = self.window.len() as f64;
+        let (t, q) = points().fold((0.0, 0.0), |(t, q), point| (t + point.0 / n, q + point.1 / n));
+        let (above, below) = points().fold((0.0, 0.0), |(above, below), point| {
+            (above + (point.0 - t) * (point.1 - q), below + (point.0 - t) * (point.0 - t))
+        });
+        above / below
     }
 
     /// Range of one joint over the window; not finite where a value is not.
@@ -122,11 +141,18 @@ mod tests {
     }
 
     #[test]
-    fn analytic_the_line_is_half_a_degree_a_second() {
-        for (deg_s, stands) in [(0.45, true), (0.55, false), (10.0, false)] {
+    fn analytic_the_line_is_a_tenth_of_a_degree_a_second_of_drift_and_a_tenth_of_a_degree_of_noise() {
+        for (deg_s, stands) in [(0.0, true), (0.09, true), (-0.11, false), (0.4, false), (10.0, false)] {
             let mut seen = fresh(0.0);
             watch(&mut seen, (0.01, 0.5), |t| f64::to_radians(deg_s) * t, |_| 0.0);
             assert_eq!(seen.at_rest_since(false).is_some(), stands, "{deg_s}");
+        }
+        for (deg, stands) in [(0.045, true), (0.055, false)] {
+            let mut seen = fresh(0.0);
+            // A servo that hunts at 100 Hz.
+            let hunts = |t: f64| f64::to_radians(deg) * (2.0 * std::f64::consts::PI * 100.0 * t + 0.5).sin();
+            watch(&mut seen, (0.01, 0.5), hunts, |_| 0.0);
+            assert_eq!(seen.at_rest_since(false).is_some(), stands, "{deg}");
         }
     }
 

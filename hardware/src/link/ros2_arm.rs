@@ -3,24 +3,31 @@
 use std::time::{Duration, Instant};
 
 use armid::experiment::{
-    Arm, ArmError, Ending, ExperimentPlan, Flow, Layout, Phase, RawSample, Recording, SafeAction, Sink, TripReport,
+    Arm, ArmError, Ending, ExperimentPlan, Flow, Layout, Phase, RawSample, ReceivedState, Recording, SafeAction, Sink,
+    TripReport,
 };
 use armid::model::Robot;
 use armid::provenance::Provenance;
 use ros2_client::Publisher;
+use ros2_client::gid::Gid;
 
+use super::clock::{ClockWatch, FOUND_S};
 use super::connection::Connection;
 use super::follow::{Followed, Listener};
 use super::node::{Asked, Patience};
+use super::states::Received;
 use super::{GridSample, JointMap, JointRow, LinkError, LinkSettings, PlanMotion, StampFindings};
 use crate::guard::{LOOK_MS, REACTION_MS, Trip};
-use crate::message::{FollowFeedback, Text};
+use crate::message::{FollowFeedback, JointState, Text};
 
 /// Messages by which the robot's rate is measured before anything moves.
 const RATE_MESSAGES: usize = 25;
 
 /// How long it takes until everybody on the network has been found.
 const FOUND: Duration = Duration::from_millis(1000);
+
+/// How long the robot's clock has to run as ours does before anything moves: a machine that has just begun may be late.
+const CLOCK: Duration = Duration::from_secs(6);
 
 /// What the robot said last.
 #[derive(Clone, Debug, PartialEq)]
@@ -48,6 +55,11 @@ pub struct Ros2Arm {
     pub(super) robot: Robot,
     robot_text: String,
     pub(super) map: JointMap,
+    /// When the link was opened: arrivals count from here.
+    pub(super) opened: Instant,
+    pub(super) clock: ClockWatch,
+    /// Who reports the arm's joints.
+    pub(super) source: Option<Gid>,
     pub(super) rate_hz: f64,
     pub(super) latest: Option<(JointRow, Instant)>,
     pub(super) state: Option<String>,
@@ -86,6 +98,9 @@ impl Ros2Arm {
             robot: robot.clone(),
             robot_text: robot_text.to_owned(),
             map,
+            opened: Instant::now(),
+            clock: ClockWatch::default(),
+            source: None,
             rate_hz: 0.0,
             latest: None,
             state: None,
@@ -94,29 +109,41 @@ impl Ros2Arm {
         };
         arm.rate_hz = arm.measure_rate()?;
         arm.await_others()?;
+        arm.map.pass_over_others();
         Ok(arm)
     }
 
     /// Waits for what others have to say before anything moves: everybody who is on the network has been found after a
-    /// while, and the robot's state has arrived where it is published, even if only once and long ago.
+    /// while, the robot's state has arrived where it is published, even if only once and long ago, and its clock runs as ours
+    /// does.
     fn await_others(&mut self) -> Result<(), LinkError> {
         let settings = self.settings.clone();
         let patience = Patience::new(&settings, self.asked);
         loop {
-            self.hear_state();
+            while self.receive(Duration::ZERO)? {}
             if let Some(found) = self.line.interference(&self.settings) {
                 return Err(LinkError::Interference(found));
             }
             // What is said of goals counts at the end: until then it may be what was said long ago.
             let polled = self.line.sender.poll();
             let says = self.line.says_its_state(&self.settings);
-            if patience.elapsed() > FOUND && (self.state.is_some() || !says) {
+            let (said, alike) = (self.state.is_some() || !says, self.clock.agree_s() > FOUND_S);
+            if patience.elapsed() > FOUND && said && alike {
                 return match polled {
                     Err(stranger @ LinkError::Interference(_)) => Err(stranger),
                     _ => Ok(()),
                 };
             }
-            patience.left(|| format!("a state on {}", settings.full(&settings.robot_state)))?;
+            if !alike && patience.elapsed() > CLOCK {
+                let (robots_s, ours_s) = self.clock.progress();
+                let found = format!("advanced by {robots_s:.2} s while ours advanced by {ours_s:.2} s");
+                return Err(LinkError::Clock { found });
+            }
+            if !said {
+                patience.left(|| format!("a state on {}", settings.full(&settings.robot_state)))?;
+            } else if (self.asked)() {
+                return Err(LinkError::Interrupted);
+            }
             std::thread::sleep(Duration::from_millis(5));
         }
     }
@@ -134,19 +161,28 @@ impl Ros2Arm {
     /// The median rate of the joint states by their stamps, Hz.
     fn measure_rate(&mut self) -> Result<f64, LinkError> {
         let settings = self.settings.clone();
+        let topic = settings.full(&settings.joint_states);
         let patience = Patience::new(&settings, self.asked);
         let mut steps = Vec::with_capacity(RATE_MESSAGES);
+        let mut messages = 0;
         while steps.len() < RATE_MESSAGES {
             let last = self.latest.as_ref().map(|(row, _)| row.stamp_ns);
             if self.receive(Duration::from_millis(5))? {
+                messages += 1;
                 let stamp = self.latest.as_ref().map(|(row, _)| row.stamp_ns);
                 if let (Some(last), Some(stamp)) = (last, stamp)
                     && stamp > last
                 {
                     steps.push(stamp - last);
                 }
-            } else {
-                patience.left(|| format!("{RATE_MESSAGES} messages on {}", settings.full(&settings.joint_states)))?;
+            }
+            if let Err(silence) = patience.left(|| format!("{RATE_MESSAGES} messages on {topic}")) {
+                return Err(match (last, messages, steps.len(), silence) {
+                    (Some(stamp), RATE_MESSAGES.., 0, LinkError::Silence { .. }) => {
+                        LinkError::Stamps { topic, messages, stamp_s: stamp as f64 * 1e-9 }
+                    }
+                    (_, _, _, silence) => silence,
+                });
             }
         }
         steps.sort_unstable();
@@ -157,10 +193,40 @@ impl Ros2Arm {
     fn receive(&mut self, patience: Duration) -> Result<bool, LinkError> {
         self.hear_state();
         let Some(received) = self.line.states.next(patience) else { return Ok(false) };
+        let at = received.at;
+        if let Some(row) = self.row(received)? {
+            // Whether the clocks agree is asked before anything moves.
+            let _ = self.clock.see(row.stamp_ns, at.duration_since(self.opened).as_secs_f64());
+            self.latest = Some((row, at));
+        }
+        Ok(true)
+    }
+
+    /// What a message says of the arm's joints; none where it is about others.
+    ///
+    /// # Errors
+    /// [`LinkError`] where it cannot be read or its joints are wrong; [`LinkError::Interference`] where a second robot
+    /// reports joints with the same names.
+    pub(super) fn row(&mut self, received: Received<JointState>) -> Result<Option<JointRow>, LinkError> {
         let message =
             received.message.map_err(|reason| LinkError::Middleware { what: "joint state".to_owned(), reason })?;
-        self.latest = Some((self.map.row(&message)?, received.at));
-        Ok(true)
+        let row = self.map.row(&message)?;
+        if row.is_some() && self.is_another(received.from) {
+            let topic = self.settings.full(&self.settings.joint_states);
+            let what = format!("2 others report joint states of the arm on {topic}, expected 1");
+            return Err(LinkError::Interference(what));
+        }
+        Ok(row)
+    }
+
+    /// Whether joint states of the arm come from another publisher than before, which is still there.
+    pub(super) fn is_another(&mut self, from: Gid) -> bool {
+        let source = *self.source.get_or_insert(from);
+        let another = source != from && self.line.endpoint.has_writer(source);
+        if !another {
+            self.source = Some(from);
+        }
+        another
     }
 
     /// Takes every reported state of the robot controller.
@@ -274,7 +340,9 @@ pub(crate) fn ending(followed: Followed, t: f64, phase: Phase) -> Ending {
         Followed::Failed(error, rest) => (error, rest),
     };
     let (trip, bound_ms) = match &error {
-        LinkError::Aborted { .. } | LinkError::Refused { .. } => (Trip::RobotStopped, REACTION_MS),
+        LinkError::Aborted { .. } | LinkError::Refused { .. } | LinkError::Clock { .. } => {
+            (Trip::RobotStopped, REACTION_MS)
+        }
         LinkError::Interference(_) => (Trip::Interference, LOOK_MS + REACTION_MS),
         LinkError::NoAcceptance { bound_ms, .. } => (Trip::NoAcceptance, bound_ms + REACTION_MS),
         LinkError::NoResult { bound_ms, .. } => (Trip::NoResult, bound_ms + REACTION_MS),
@@ -287,10 +355,13 @@ pub(crate) fn ending(followed: Followed, t: f64, phase: Phase) -> Ending {
         | LinkError::Silence { .. }
         | LinkError::Interrupted
         | LinkError::Network(_)
+        | LinkError::Stamps { .. }
         | LinkError::Joints { .. }
         | LinkError::Length { .. } => (Trip::Link, REACTION_MS),
     };
-    let (trip, action, reason) = (trip.name(), SafeAction::Cancel, error.to_string());
+    // The trip's name says it already.
+    let reason = if let LinkError::Interference(found) = error { found } else { error.to_string() };
+    let (trip, action) = (trip.name(), SafeAction::Cancel);
     Ending::Tripped { t, phase, trip: Box::new(TripReport { trip, action, bound_ms, reason, rest }) }
 }
 
@@ -323,6 +394,10 @@ impl Listener for Relay<'_> {
         self.last = (t, self.layout.phase(index));
         let (q, effort) = (&row.q, &row.effort);
         self.sink.unrecorded(&RawSample { index, t, phase: self.last.1, q, effort, voltage: &[], link_q: &[], command })
+    }
+
+    fn received(&mut self, state: &ReceivedState<'_>) -> Flow {
+        self.sink.received(state)
     }
 
     fn idle(&mut self, age_s: f64) -> Flow {

@@ -20,6 +20,15 @@ const KEPT: usize = 2;
 
 /// Every goal that this process has sent, over any connection: a first run has one for each of its speeds.
 static OURS: Mutex<Vec<GoalId>> = Mutex::new(Vec::new());
+/// A goal that was sent and has no answer.
+struct Unanswered {
+    request: RmwRequestId,
+    sent: Instant,
+    /// When its motion is over, by the motion's time, s: until then it can still be carried out.
+    rest_s: f64,
+    /// A newer goal was answered, which replaces it.
+    replaced: bool,
+}
 
 /// One goal of ours.
 struct Goal {
@@ -35,8 +44,10 @@ type Client = ActionClient<FollowGoal, FollowResult, FollowFeedback>;
 struct Action {
     client: Client,
     goals: Vec<Goal>,
-    /// Requests that have no answer yet, oldest first, and when they went out.
-    unanswered: Vec<(RmwRequestId, Instant)>,
+    /// Goals that have no answer yet, oldest first.
+    unanswered: Vec<Unanswered>,
+    /// Number of goals that were taken.
+    taken: usize,
     cancels: Vec<RmwRequestId>,
     /// A goal of another client that is under way, by the newest list.
     stranger: Option<GoalId>,
@@ -89,7 +100,7 @@ impl Sender {
                     .create_action_client(settings.service_mapping.into(), &Endpoint::name(&name)?, &kind, policies)
                     .map_err(|error| LinkError::middleware(format!("action {name}"), &error))?;
                 let (goals, cancels, unanswered) = (Vec::new(), Vec::new(), Vec::new());
-                Way::Action(Box::new(Action { client, goals, unanswered, cancels, stranger: None }))
+                Way::Action(Box::new(Action { client, goals, unanswered, taken: 0, cancels, stranger: None }))
             }
             Mode::Topic => {
                 let topic = settings.full(&settings.trajectory);
@@ -127,9 +138,16 @@ impl Sender {
         }
     }
 
-    /// Hands a motion over, or a piece of one, which takes the place of what was handed over before. Nothing happens in
-    /// the mode `stream`.
-    pub(crate) fn hand_over(&mut self, trajectory: JointTrajectory) -> Result<(), LinkError> {
+    /// Begins another motion: whatever was handed over before is past.
+    pub(crate) fn begin(&mut self) {
+        if let Way::Action(action) = &mut self.way {
+            action.unanswered.clear();
+        }
+    }
+
+    /// Hands a motion over, or a piece of one that rests at `rest_s` of the motion's time. It replaces what was handed
+    /// over before. Nothing happens in the mode `stream`.
+    pub(crate) fn hand_over(&mut self, trajectory: JointTrajectory, rest_s: f64) -> Result<(), LinkError> {
         let cancelled = std::mem::take(&mut self.cancel).0;
         match &mut self.way {
             Way::Action(action) => {
@@ -140,7 +158,7 @@ impl Sender {
                 let sent = action.client.send_goal(FollowGoal { trajectory, ..Default::default() });
                 let (request, id) = sent.map_err(|error| LinkError::middleware("goal", &error))?;
                 OURS.lock().unwrap_or_else(PoisonError::into_inner).push(id);
-                action.unanswered.push((request, Instant::now()));
+                action.unanswered.push(Unanswered { request, sent: Instant::now(), rest_s, replaced: false });
                 action.goals.push(Goal { id, request, result_request: None, end: None });
                 let old = action.goals.len().saturating_sub(KEPT);
                 action.goals.drain(..old);
@@ -193,6 +211,26 @@ impl Sender {
         }
     }
 
+    /// When the last goal without an answer would end, by the motion's time, s. No cancel covers such a goal: the robot
+    /// controller may take it after the cancel.
+    pub(crate) fn unanswered_until_s(&self) -> Option<f64> {
+        let Way::Action(action) = &self.way else { return None };
+        action.unanswered.iter().map(|goal| goal.rest_s).reduce(f64::max)
+    }
+
+    /// How many goals were taken so far.
+    pub(crate) fn taken(&self) -> usize {
+        if let Way::Action(action) = &self.way { action.taken } else { 0 }
+    }
+
+    /// Ignores answers to the cancels sent so far: a goal was taken after them.
+    pub(crate) fn forget_cancels(&mut self) {
+        self.cancel.1 = false;
+        if let Way::Action(action) = &mut self.way {
+            action.cancels.clear();
+        }
+    }
+
     /// The last feedback about the motion under way.
     pub(crate) fn feedback(&self) -> Option<&FollowFeedback> {
         self.feedback.as_ref()
@@ -235,7 +273,8 @@ impl Sender {
             if let Some(stranger) = stranger {
                 return Err(stranger);
             }
-            let waited = action.unanswered.first().map_or(Duration::ZERO, |(_, sent)| sent.elapsed());
+            let waited = action.unanswered.iter().find(|goal| !goal.replaced);
+            let waited = waited.map_or(Duration::ZERO, |goal| goal.sent.elapsed());
             if waited > ACCEPTANCE {
                 let ms = |time: Duration| 1e3 * time.as_secs_f64();
                 return Err(LinkError::NoAcceptance { waited_ms: ms(waited), bound_ms: ms(ACCEPTANCE) });
@@ -315,9 +354,10 @@ impl Action {
         let fault = |error: &dyn std::fmt::Debug| LinkError::middleware("goal", error);
         let mut refused = false;
         while let Some((request, answer)) = self.client.goal_client().receive_response().map_err(|e| fault(&e))? {
-            // An answer to a newer goal is an answer to those that it replaces.
-            if let Some(k) = self.unanswered.iter().position(|(unanswered, _)| *unanswered == request) {
-                self.unanswered.drain(..=k);
+            self.taken += usize::from(answer.accepted);
+            if let Some(k) = self.unanswered.iter().position(|goal| goal.request == request) {
+                self.unanswered.remove(k);
+                self.unanswered[..k].iter_mut().for_each(|goal| goal.replaced = true);
                 refused |= !answer.accepted;
             }
             let Some(k) = self.goals.iter().position(|goal| goal.request == request) else { continue };

@@ -6,17 +6,15 @@
 //! reordered    −½ s ≤ Δ < 0                       dropped: a newer one was already used
 //! gap          Δ > 1.5 periods                    round(Δ/period) − 1 messages are missing
 //! clock jump   Δ < −½ s, or Δ > δ + ½ s           a clock cannot be faster than time
-//! lateness     w − w₀,  w = arrival − stamp       w₀ is the shortest transport time so far
+//! drift        the clocks are apart by more than 20 ms within a second ([`ClockWatch`])
 //! ```
-//! Two clocks never run at the same rate: w₀ grows by 1 % of the time that passes, so a drift below that is no
-//! lateness, and a constant delay is accepted after a while.
 
 use serde::{Deserialize, Serialize};
 
+use super::clock::ClockWatch;
+
 /// Largest difference between the robot's time and ours that lateness explains, s.
 const LATENESS_S: f64 = 0.5;
-/// Growth of the shortest transport time with time, s/s.
-const DRIFT: f64 = 0.01;
 
 /// What was wrong with the stamps of one experiment, as numbers for the reader.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -62,6 +60,8 @@ pub enum Stamp {
     Stale,
     /// The clock jumped by so many seconds: nothing after it can be placed on the time axis of what was before.
     Jumped(f64),
+    /// The clock gained so many seconds on ours within a second, or lost them (negative): it is no measure of time.
+    Drifted(f64),
 }
 
 /// Watches the stamps of one stream.
@@ -69,9 +69,7 @@ pub enum Stamp {
 pub struct StampWatch {
     period_s: f64,
     last: Option<(i64, f64)>,
-    /// The shortest transport time so far, as it stands at an arrival: stamp from which times count, arrival, time.
-    shortest: Option<(i64, f64, f64)>,
-    lateness_s: f64,
+    clock: ClockWatch,
     findings: StampFindings,
 }
 
@@ -79,22 +77,24 @@ impl StampWatch {
     /// Watches a stream that should have a message every `period_s` seconds.
     #[must_use]
     pub fn new(period_s: f64) -> Self {
-        Self { period_s, last: None, shortest: None, lateness_s: 0.0, findings: StampFindings::default() }
+        Self { period_s, last: None, clock: ClockWatch::default(), findings: StampFindings::default() }
+    }
+
+    /// The same watch, which knows the clocks from before.
+    pub(crate) fn with_clock(mut self, clock: ClockWatch) -> Self {
+        self.clock = clock;
+        self
+    }
+
+    /// What is known of the clocks.
+    pub(crate) fn clock(&self) -> &ClockWatch {
+        &self.clock
     }
 
     /// Transport time of the last message above the shortest, s.
     #[must_use]
     pub fn lateness_s(&self) -> f64 {
-        self.lateness_s
-    }
-
-    fn time(&mut self, stamp_ns: i64, arrival_s: f64) {
-        let (origin, before, shortest) = *self.shortest.get_or_insert((stamp_ns, arrival_s, arrival_s));
-        let way = arrival_s - (stamp_ns - origin) as f64 * 1e-9;
-        let shortest = (shortest + DRIFT * (arrival_s - before)).min(way);
-        self.shortest = Some((origin, arrival_s, shortest));
-        self.lateness_s = way - shortest;
-        self.findings.latest_s = self.findings.latest_s.max(self.lateness_s);
+        self.clock.lateness_s()
     }
 
     /// Judges a message with the stamp `stamp_ns` that arrived at `arrival_s` of a local monotonic clock.
@@ -102,10 +102,11 @@ impl StampWatch {
         let stamp = self.judge(stamp_ns, arrival_s);
         if let Stamp::Jumped(_) = stamp {
             // A transport time across a jump means nothing.
-            self.shortest = None;
+            self.clock = ClockWatch::default();
         }
-        self.time(stamp_ns, arrival_s);
-        stamp
+        let drift = self.clock.see(stamp_ns, arrival_s);
+        self.findings.latest_s = self.findings.latest_s.max(self.clock.lateness_s());
+        drift.map_or(stamp, Stamp::Drifted)
     }
 
     fn judge(&mut self, stamp_ns: i64, arrival_s: f64) -> Stamp {

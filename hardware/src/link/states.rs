@@ -6,6 +6,7 @@ use std::sync::mpsc::{Receiver, Sender, channel};
 use std::time::{Duration, Instant};
 
 use futures::StreamExt;
+use ros2_client::gid::Gid;
 use ros2_client::{Message, Subscription};
 
 use super::LinkError;
@@ -13,6 +14,8 @@ use super::LinkError;
 /// What a thread received, and when by the local monotonic clock.
 pub(crate) struct Received<M> {
     pub(crate) at: Instant,
+    /// Who sent it; zero where the message cannot be decoded.
+    pub(crate) from: Gid,
     /// The message, or why its bytes cannot be decoded.
     pub(crate) message: Result<M, String>,
 }
@@ -66,13 +69,13 @@ fn listen<M: Message + Send + 'static>(
                 None
             };
             let next = async { Some(stream.next().await) };
-            let message = match smol::future::or(next, look_up).await {
+            let (from, message) = match smol::future::or(next, look_up).await {
                 None => continue,
                 Some(None) => break,
-                Some(Some(Ok((message, _)))) => Ok(message),
-                Some(Some(Err(error))) => Err(format!("{error:?}")),
+                Some(Some(Ok((message, info)))) => (info.publisher_gid(), Ok(message)),
+                Some(Some(Err(error))) => (Gid::ZERO, Err(format!("{error:?}"))),
             };
-            if sender.send(Received { at: Instant::now(), message }).is_err() {
+            if sender.send(Received { at: Instant::now(), from, message }).is_err() {
                 break;
             }
         }

@@ -154,8 +154,13 @@ fn after_a_fault_nothing_is_commanded_outside_the_limits() {
                 let back = stamps.windows(2).filter(|pair| pair[1] - pair[0] == -2_000_000_000 + 2_000_000).count();
                 assert_eq!(back, 1);
             }
-            // What is said of motions is the wire's.
-            FaultKind::LateAnswer | FaultKind::LostResult => assert!(after.len() > 700),
+            FaultKind::Gripper => assert!(after[0].name[0] == "gripper" && after[0].position.len() == 3),
+            // What is said of motions is the wire's, and how fast it lives is the pace's.
+            FaultKind::LateAnswer
+            | FaultKind::LostResult
+            | FaultKind::Rate
+            | FaultKind::LateExecution
+            | FaultKind::LostGoal => assert!(after.len() > 700),
         }
         if off && kind != FaultKind::Freeze {
             assert!(output.iter().any(|out| matches!(out, Output::Ended(Outcome::Aborted, _))), "{kind:?}");

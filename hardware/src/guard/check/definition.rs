@@ -1,17 +1,17 @@
 //! What a check is, and the list of all.
 
-use armid::experiment::RawSample;
+use armid::experiment::{RawSample, ReceivedState};
 use armid::model::Robot;
 
 use super::{
     CommandAge, CommandStep, CurrentClamp, FollowingError, NotFinite, Overspeed, PositionJump, ReducedSpeed, SoftLimit,
     StaleState, UnexpectedStop,
 };
-use crate::guard::{GuardSettings, JointBounds, Mode, OVERSPEED_WINDOW_S, Trip};
+use crate::guard::{GuardSettings, JointBounds, Mode, Trip};
 
 /// Watches for one kind of fault. It receives what happens and answers with what it found, where that is too much.
 ///
-/// Checks have no clock: time is the samples' own, and silence is reported to them.
+/// Checks have no clock: time is the samples' own, and silences and arrivals are reported to them.
 pub trait Check: Send {
     /// Which trip it causes.
     fn trip(&self) -> Trip;
@@ -19,6 +19,12 @@ pub trait Check: Send {
     /// Takes a sample; finite unless this is the check that looks for that.
     fn sample(&mut self, sample: &RawSample<'_>) -> Option<String> {
         let _ = sample;
+        None
+    }
+
+    /// Takes a joint state as it arrives, before the samples that follow from it.
+    fn received(&mut self, state: &ReceivedState<'_>) -> Option<String> {
+        let _ = state;
         None
     }
 
@@ -52,8 +58,8 @@ pub(crate) fn all(
         Box::new(NotFinite::new(bounds)),
         Box::new(PositionJump::new(bounds, period_s)),
         Box::new(SoftLimit::new(bounds)),
-        Box::new(Overspeed::new(bounds, OVERSPEED_WINDOW_S)),
-        Box::new(ReducedSpeed::new(robot, settings.reduced_speed_mm_s, OVERSPEED_WINDOW_S)),
+        Box::new(Overspeed::new(bounds)),
+        Box::new(ReducedSpeed::new(robot, settings.reduced_speed_mm_s)),
         Box::new(FollowingError::new(bounds)),
         Box::new(CurrentClamp::new(bounds, settings.current_window_ms * 1e-3)),
         Box::new(UnexpectedStop::new(bounds, settings.stop_window_ms * 1e-3)),

@@ -1,6 +1,6 @@
 //! Positions, efforts and set-points that are not finite numbers.
 
-use armid::experiment::RawSample;
+use armid::experiment::{RawSample, ReceivedState};
 
 use super::Check;
 use crate::guard::{JointBounds, Trip};
@@ -31,6 +31,10 @@ impl Check for NotFinite {
 
     fn sample(&mut self, sample: &RawSample<'_>) -> Option<String> {
         self.look("position", sample.q).or_else(|| self.look("effort", sample.effort))
+    }
+
+    fn received(&mut self, state: &ReceivedState<'_>) -> Option<String> {
+        self.look("position", state.q)
     }
 
     fn command(&mut self, set_point: &[f64], _: f64) -> Option<String> {

@@ -1,32 +1,41 @@
 //! A point of the arm that is faster than a person beside it allows.
 
-use std::collections::VecDeque;
-
-use armid::experiment::RawSample;
+use armid::experiment::{RawSample, ReceivedState};
 use armid::model::Robot;
 
-use super::Check;
-use crate::guard::Trip;
+use super::{Check, Past};
 use crate::guard::points::{Places, furthest, names, places};
+use crate::guard::{ARRIVAL_WINDOW_S, OVERSPEED_WINDOW_S, Trip};
 
 /// Trips where the flange, or a point that the robot file names, went further in a window W than the limit allows,
-/// `|p(t) − p(t − W)| / W > v`, where a limit is set.
+/// `|p(t) − p(t − W)| / W > v`, where a limit is set. Time is that of `Overspeed`: the robot's, and the local clock's.
 pub(super) struct ReducedSpeed {
     robot: Robot,
     /// m/s; infinite where none is set.
     line: f64,
-    window_s: f64,
-    past: VecDeque<(f64, Places)>,
+    past: Past<Places>,
+    arrived: Past<Places>,
     names: Vec<String>,
     used: f64,
 }
 
 impl ReducedSpeed {
     /// `line_mm_s` of 0 sets none.
-    pub(super) fn new(robot: &Robot, line_mm_s: f64, window_s: f64) -> Self {
+    pub(super) fn new(robot: &Robot, line_mm_s: f64) -> Self {
         let line = if line_mm_s > 0.0 { 1e-3 * line_mm_s } else { f64::INFINITY };
         let (names, robot) = (names(robot), robot.clone());
-        Self { robot, line, window_s, past: VecDeque::new(), names, used: 0.0 }
+        let (past, arrived) = (Past::new(OVERSPEED_WINDOW_S), Past::new(ARRIVAL_WINDOW_S));
+        Self { robot, line, past, arrived, names, used: 0.0 }
+    }
+
+    /// Judges the way from earlier places over `span_s`; none on the first look.
+    fn look(&mut self, way: Option<((usize, f64), f64)>) -> Option<String> {
+        let ((point, way), span_s) = way?;
+        let speed = way / span_s;
+        self.used = self.used.max(speed / self.line);
+        let (found, line, name) = (1e3 * speed, 1e3 * self.line, &self.names[point]);
+        (speed > self.line)
+            .then(|| format!("point \"{name}\" moves at {found:.0} mm/s, expected at most {line:.0} mm/s"))
     }
 }
 
@@ -39,22 +48,20 @@ impl Check for ReducedSpeed {
         if self.line == f64::INFINITY {
             return None;
         }
-        // Half a microsecond for the rounding of time stamps.
-        let begin = sample.t - self.window_s + 5e-7;
-        while self.past.get(1).is_some_and(|(t, _)| *t <= begin) {
-            self.past.pop_front();
-        }
         let now = places(&self.robot, sample.q);
-        let earlier = self.past.front().filter(|(t, _)| *t <= begin);
-        let (point, speed) = earlier.map_or((0, 0.0), |(t, before)| {
-            let (point, way) = furthest(before, &now);
-            (point, way / (sample.t - t))
-        });
-        self.past.push_back((sample.t, now));
-        self.used = self.used.max(speed / self.line);
-        let (found, line, name) = (1e3 * speed, 1e3 * self.line, &self.names[point]);
-        (speed > self.line)
-            .then(|| format!("point \"{name}\" moves at {found:.0} mm/s, expected at most {line:.0} mm/s"))
+        let way = self.past.at(sample.t).map(|(t, before)| (furthest(before, &now), sample.t - t));
+        self.past.push(sample.t, now);
+        self.look(way)
+    }
+
+    fn received(&mut self, state: &ReceivedState<'_>) -> Option<String> {
+        if self.line == f64::INFINITY {
+            return None;
+        }
+        let now = places(&self.robot, state.q);
+        let way = self.arrived.at(state.arrival_s).map(|(t, before)| (furthest(before, &now), state.arrival_s - t));
+        self.arrived.push(state.arrival_s - state.lateness_s, now);
+        self.look(way)
     }
 
     fn take_used(&mut self) -> f64 {
@@ -71,7 +78,7 @@ mod tests {
 
     /// What is said of an arm whose first joint turns at `speed` rad/s, its second not at all.
     fn said(robot: &Robot, speed: f64) -> Option<String> {
-        let mut check = ReducedSpeed::new(robot, 250.0, 0.02);
+        let mut check = ReducedSpeed::new(robot, 250.0);
         (0..200).find_map(|k| {
             let t = f64::from(k) * 2e-3;
             let (q, phase) = ([speed * t, 0.0], Phase::Settle);

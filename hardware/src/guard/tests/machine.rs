@@ -29,7 +29,7 @@ fn an_arm_that_stands_elsewhere_comes_to_the_start_pose_and_only_the_experiment_
     assert!(ending.is_complete(), "{ending:?}");
     assert_eq!((sink.begun, sink.samples), (1, plan(0.5, 1000.0).layout().unwrap().samples()));
     let (passed, approach) = guarded.arm().before();
-    assert_eq!(passed.len(), 5);
+    assert_eq!(passed.len(), 6);
     // 15/8 · 2.94 rad at a tenth of 180°/s.
     assert!(approach.unwrap().duration_s > 15.0);
     // How it began is no matter of how close the experiment came to the soft limits.
@@ -119,16 +119,18 @@ fn an_arm_that_may_not_move_does_not() {
     let plan = plan(0.5, 1000.0);
     let good = Stage::new(Mode::Trajectory, &GuardSettings::default());
     let survey = crate::guard::Machine::survey(&mut good.clone()).unwrap();
-    assert_eq!(of_survey(&bounds, &plan, &survey, &confirmation()).unwrap().len(), 5);
+    assert_eq!(of_survey(&bounds, &plan, &survey, &confirmation()).unwrap().len(), 6);
     let mut other = survey.clone();
     other.joints[2] = "Elbow".to_owned();
     refused(&of_survey(&bounds, &plan, &other, &confirmation()), Preflight::JointNames);
     refused(&of_survey(&bounds, &plan, &Survey { rate_hz: 400.0, ..survey.clone() }, &confirmation()), Preflight::Rate);
-    for outside in [2.0, f64::NAN] {
+    for (outside, check) in [(2.0, Preflight::StartPose), (f64::NAN, Preflight::Finite)] {
         let mut q = survey.q.clone();
         q[1] = outside;
-        refused(&of_survey(&bounds, &plan, &Survey { q, ..survey.clone() }, &confirmation()), Preflight::StartPose);
+        refused(&of_survey(&bounds, &plan, &Survey { q, ..survey.clone() }, &confirmation()), check);
     }
+    let effort = vec![0.0, f64::NAN, 0.0, 0.0, 0.0, 0.0];
+    refused(&of_survey(&bounds, &plan, &Survey { effort, ..survey.clone() }, &confirmation()), Preflight::Finite);
     let stopped = Survey { ready: Some(false), ..survey.clone() };
     refused(&of_survey(&bounds, &plan, &stopped, &confirmation()), Preflight::EmergencyStop);
     refused(&of_survey(&bounds, &plan, &Survey { homed: Some(false), ..survey }, &confirmation()), Preflight::Homed);
