@@ -65,7 +65,7 @@ impl CriterionRatios {
         }
         let is_reference = |family: usize| plan.designs.get(family).is_some_and(|design| design.name == REFERENCE);
         Self {
-            robot: plan.robot.clone(),
+            robot: result.provenance.robot.clone(),
             reference: REFERENCE.to_owned(),
             designs: result.designs.iter().filter(|design| is_reference(design.family)).count(),
             ratios,

@@ -14,7 +14,7 @@ use crate::style::{Group, Marker};
 
 /// Ratios with intervals on a logarithmic axis; smaller is better, 1 is the reference.
 ///
-/// The axis covers every point. An interval that reaches beyond it ends in an arrow. Points that are not significantly
+/// The axis covers 0.5 to 2 and every point. An interval that reaches beyond it ends in an arrow. Points that are not significantly
 /// different from 1 are hollow. The figure is 640 px wide: shown at 390 px, its smallest text is still 9.7 px high.
 ///
 /// ```
@@ -23,7 +23,7 @@ use crate::style::{Group, Marker};
 /// let figure = RatioFigure {
 ///     heading: Heading::new("criteria", "D-optimal designs predict torque best"),
 ///     label: "error relative to D-optimal".into(),
-///     worse: "worse".into(),
+///     reference: "D-optimal".into(),
 ///     groups: Group::assign(["condition number"]),
 ///     rows: vec!["exact model".into()],
 ///     panels: vec![RatioPanel { title: "CRS A460".into(), subtitle: String::new(), cells: vec![vec![Some(ratio)]] }],
@@ -36,8 +36,8 @@ pub struct RatioFigure {
     pub heading: Heading,
     /// Label of the axis.
     pub label: String,
-    /// Words for ratios above 1.
-    pub worse: String,
+    /// What ratios are relative to.
+    pub reference: String,
     /// The groups, at most 2: discs and squares.
     pub groups: Vec<Group>,
     /// Names of the rows; the first is bold.
@@ -86,7 +86,7 @@ impl RatioFigure {
         check.count("the list of groups", self.groups.len(), MARKS.len())?;
         check.count("the list of rows", self.rows.len(), 24)?;
         check.count("the list of panels", self.panels.len(), 3)?;
-        let mut points = vec![1.0];
+        let mut points = vec![0.5, 2.0];
         for panel in &self.panels {
             let name = format!("panel \"{}\"", panel.title);
             check.length(&name, panel.cells.len(), self.rows.len())?;
@@ -100,7 +100,7 @@ impl RatioFigure {
                 }
             }
         }
-        check.count("the list of marks", points.len() - 1, 24)?;
+        check.count("the list of marks", points.len() - 2, 24)?;
         Span::covering(Scale::Log, points.into_iter(), 0.08).ok_or_else(|| check.empty("every ratio"))
     }
 
@@ -169,7 +169,10 @@ impl RatioFigure {
             canvas.line((x(1.0), from), (x(1.0), to), Ink::new(Colour::TEXT, 1.8));
         }
         canvas.text("better", (x(1.0) - 6.0, area.bottom + 38.0), TEXT, Colour::TEXT, Align::End);
-        canvas.text(&self.worse, (x(1.0) + 6.0, area.bottom + 38.0), TEXT, Colour::TEXT, Align::Start);
+        let long = format!("worse than {}", self.reference);
+        let fits = x(1.0) + 6.0 + TEXT.width(&long) <= area.right + 0.5 * GAP;
+        let worse = if fits { &long } else { "worse" };
+        canvas.text(worse, (x(1.0) + 6.0, area.bottom + 38.0), TEXT, Colour::TEXT, Align::Start);
         for (row, cells) in panel.cells.iter().enumerate() {
             for (lane, (cell, group)) in cells.iter().zip(&self.groups).enumerate() {
                 let Some(Ratio { interval, is_significant }) = cell else { continue };
@@ -226,7 +229,7 @@ mod tests {
         RatioFigure {
             heading: Heading::new("ratios", "Title"),
             label: "error".into(),
-            worse: "worse".into(),
+            reference: "b".into(),
             groups: Group::assign(["a"]),
             rows: (0..rows).map(|row| format!("row {row}")).collect(),
             panels: vec![RatioPanel { title: "robot".into(), subtitle: String::new(), cells: vec![vec![ratio]; rows] }],

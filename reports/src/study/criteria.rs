@@ -14,12 +14,7 @@ type Value = (&'static str, &'static str, fn(&StudyDesign) -> f64, bool);
 /// Title, axis, value and whether the axis is logarithmic.
 const VALUES: [Value; 3] = [
     ("Condition number", "condition number", |d| d.certificate.condition_all, true),
-    (
-        "Column-normalised condition number",
-        "condition number, columns of length 1",
-        |d| d.certificate.condition_scaled_all,
-        true,
-    ),
+    ("Column-normalised", "normalised condition number", |d| d.certificate.condition_scaled_all, true),
     ("D-optimality", "ln det of the information per row", |d| d.certificate.log_det_information_all, false),
 ];
 
@@ -27,7 +22,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let result = &input.result;
     let estimator = shown_estimator(input);
     let index = result.plan.identification.estimators.iter().position(|name| name == estimator).unwrap_or_default();
-    let groups = Group::assign(result.plan.designs.iter().map(|family| family.name.clone()));
+    let groups = Group::assign(result.plan.designs.iter().map(|family| criterion_in_words(&family.name)));
     let spread = &result.findings().design_prediction[index];
     let panels = VALUES
         .iter()
@@ -114,8 +109,8 @@ fn boxes(
     spread: fn(&FamilyScore) -> Option<Spread>,
 ) -> BoxFigure {
     let result = &input.result;
-    let cell = |estimator: &str, group: &Group| {
-        let family = result.findings().families.iter().find(|f| f.estimator == estimator && f.family == group.label)?;
+    let cell = |estimator: &str, name: &str| {
+        let family = result.findings().families.iter().find(|f| f.estimator == estimator && f.family == name)?;
         let s = spread(family)?;
         let (q1, q3) = (s.lower_quartile, s.upper_quartile);
         Some(Distribution::of(Quantiles { low: s.low, q1, median: s.median, q3, high: s.high }))
@@ -130,7 +125,10 @@ fn boxes(
             .identification
             .estimators
             .iter()
-            .map(|name| BoxRow { label: name.clone(), cells: groups.iter().map(|group| cell(name, group)).collect() })
+            .map(|name| BoxRow {
+                label: name.clone(),
+                cells: result.plan.designs.iter().map(|design| cell(name, &design.name)).collect(),
+            })
             .collect(),
         levels: Vec::new(),
     }

@@ -2,7 +2,7 @@
 
 use armid::study::CriterionRatios;
 
-use super::criteria::criterion_in_words;
+use super::criteria::{capitalised, criterion_in_words};
 use crate::{Group, Heading, Interval, Ratio, RatioFigure, RatioPanel};
 
 /// Effects that are shown: with the exact model six rows, which for two criteria on two robots are 24 marks.
@@ -55,7 +55,7 @@ pub fn criteria_figure(robots: &[CriterionRatios]) -> RatioFigure {
                 "Torque prediction error on random motions relative to {reference} designs; left of 1 is better. Hollow: adjusted p is at least 0.05."
             )),
         label: format!("torque error relative to {reference} designs"),
-        worse: format!("worse than {reference}"),
+        reference,
         groups: Group::assign(names),
         rows: effects.into_iter().map(effect_in_words).collect(),
         panels,
@@ -69,7 +69,7 @@ fn found(robot: &CriterionRatios, effect: Option<&str>, criterion: &str) -> Opti
     Some(Ratio { interval, is_significant: ratio.error.better.is_some() })
 }
 
-/// What the marks show: which criterion has the smallest error in most rows, and whether in all.
+/// What the marks show: whether any is significant, which criterion has the smallest error in most rows, and whether in all.
 fn title(criteria: &[String], reference: &str, panels: &[RatioPanel]) -> String {
     let mut wins = vec![0; criteria.len() + 1];
     let rows = panels.iter().flat_map(|panel| &panel.cells);
@@ -82,8 +82,10 @@ fn title(criteria: &[String], reference: &str, panels: &[RatioPanel]) -> String 
     let most = wins.iter().copied().max().unwrap_or(0);
     let best = wins.iter().position(|&count| count == most).and_then(|index| criteria.get(index));
     let best = best.map_or(reference, String::as_str);
-    if most == rows.count() {
-        format!("{best} designs predict torque best in every row")
+    if !rows.clone().flatten().flatten().any(|ratio| ratio.is_significant) {
+        "No difference between excitation criteria is significant".to_owned()
+    } else if most == rows.count() {
+        format!("{} designs predict torque best in every row", capitalised(best))
     } else {
         format!("No excitation criterion wins everywhere; {best} comes closest")
     }
