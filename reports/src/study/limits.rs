@@ -2,7 +2,7 @@
 
 use armid::study::{LimitExample, ReportInput};
 
-use super::criteria::criterion_in_words;
+use super::criteria::{capitalised, criterion_in_words};
 use crate::{Cell, Column, DocumentError, Heading, Section, Table, TimeSeriesFigure, limits_figure};
 
 /// Designs that are drawn: of a grid the first few.
@@ -59,8 +59,9 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
 fn figure(example: &LimitExample, input: &ReportInput) -> Option<TimeSeriesFigure> {
     let joints: Vec<String> = input.result.joints.iter().map(|joint| joint.name.clone()).collect();
     let name = format!("limits-{}", stem(&example.family));
-    let heading = Heading::new(name, format!("Limits that a {} design uses", criterion_in_words(&example.family)))
-        .subtitle(format!("design {} of the study", example.design));
+    let heading =
+        Heading::new(name, format!("{} design: use of each limit", capitalised(&criterion_in_words(&example.family))))
+            .subtitle(format!("design {} of the study", example.design));
     limits_figure(example, &joints, heading)
 }
 
