@@ -109,6 +109,11 @@ impl<'a> Run<'a> {
         self.start_ns
     }
 
+    /// Whether anything was handed over.
+    pub(super) const fn is_handed_over(&self) -> bool {
+        self.piece.is_some()
+    }
+
     /// Time of the motion at which everything that was handed over has come to rest by itself, s.
     pub(super) fn rest_s(&self) -> f64 {
         self.piece.map_or(0.0, |(_, _, rest_s)| rest_s)
