@@ -91,7 +91,7 @@ ROWS = {
     "search": Row(),
     # A goal that was sent before the cancel is carried out after it.
     "late-execution": controller("late-execution", *LATE, modes=(HANDED,), bounded=False, **LATE_GOALS),
-    "lost-goal": controller("lost-goal", *LATE, modes=(HANDED,), bounded=False, **LATE_GOALS),
+    "lost-goal": controller("lost-goal", *LATE, modes=(HANDED,), bounded=False, **{**LATE_GOALS, "interrupted_s": 0.2}),
     # What happens to armid.
     "stop-continue": Row(("stale-state", "link", "command-age")),
     "interrupt": Row(),

@@ -26,7 +26,7 @@ use super::{LinkError, Ros2Arm};
 use crate::message::{Header, JointTrajectory, Time, TrajectoryPoint};
 
 /// How long the arm may take to come to rest once nothing moves it any more.
-const TO_REST_S: f64 = 2.0;
+const TO_REST_S: f64 = 3.0;
 /// Least rate of the robot's clock, in parts of ours, that is waited for: a slower one counts as running at this rate.
 const SLOWEST: f64 = 0.1;
 /// How soon a request is made again, and how often so before it is made more seldom.

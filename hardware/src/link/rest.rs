@@ -14,8 +14,9 @@ const LEAST_STATES: usize = 3;
 const REST_RAD_S: f64 = 0.5 * std::f64::consts::PI / 180.0;
 /// The same for a prismatic joint, m/s.
 const REST_M_S: f64 = 1e-3;
-/// Part of that at which a joint may drift, by the line through the window: an arm that sinks does not stand.
-const DRIFT: f64 = 0.2;
+/// Part of that at which a joint may drift, by the line through the window: an arm that sinks does not stand. A servo without
+/// an integral part creeps after braking: the simulated A460 by up to 0.37 deg/s for two seconds.
+const DRIFT: f64 = 0.6;
 /// A command that moved so much more than a joint that stands may shows that the joint no longer follows it.
 const IGNORED: f64 = 5.0;
 
@@ -141,8 +142,8 @@ mod tests {
     }
 
     #[test]
-    fn analytic_the_line_is_a_tenth_of_a_degree_a_second_of_drift_and_a_tenth_of_a_degree_of_noise() {
-        for (deg_s, stands) in [(0.0, true), (0.09, true), (-0.11, false), (0.4, false), (10.0, false)] {
+    fn analytic_the_line_is_three_tenths_of_a_degree_a_second_of_drift() {
+        for (deg_s, stands) in [(0.0, true), (0.29, true), (-0.31, false), (0.4, false), (10.0, false)] {
             let mut seen = fresh(0.0);
             watch(&mut seen, (0.01, 0.5), |t| f64::to_radians(deg_s) * t, |_| 0.0);
             assert_eq!(seen.at_rest_since(false).is_some(), stands, "{deg_s}");
