@@ -246,7 +246,8 @@ class Run:
     def command(self, recording):
         command = [*self.inside(), self.options.armid, "run", self.ours, "--arm", "ros2", "--yes-the-estop-works"]
         speed = ["--first-run"] if self.name == "first-run" else ["--speed", f"{self.speed or self.options.speed}%"]
-        return [*command, *speed, "--json", "-o", recording]
+        earlier = ["--earlier", self.earlier] if self.earlier and self.name != "first-run" else []
+        return [*command, *speed, *earlier, "--json", "-o", recording]
 
     def perform_before(self):
         """The run before: it ends at the moment, as the row says."""
@@ -269,14 +270,12 @@ class Run:
         if process.returncode != status:
             raise Broken(f"the run before: exit {process.returncode}, expected {status}: {said.decode()[-600:]}")
         # What was killed may have handed a piece over.
-        time.sleep(HORIZON_S)
+        time.sleep(LONGEST_S[self.options.speed])
 
     def perform(self):
         if self.row.before:
             self.perform_before()
         command = self.command(self.recording)
-        if self.earlier:
-            command += ["--earlier", self.earlier]
         if self.name == "panic":
             # States count from the lead before the approach.
             command += ["--panic-after", str(round((LEAD_S + self.at_s) * RATE_HZ))]
