@@ -70,6 +70,20 @@ pub(crate) fn asked() -> bool {
     ASKED.load(Ordering::SeqCst)
 }
 
+/// The end was asked for before anything moved, and what was broken off.
+#[derive(Debug)]
+pub(crate) struct Interrupted(pub(crate) String);
+
+impl std::fmt::Display for Interrupted {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        write!(f, "interrupted, and nothing has moved: {}", self.0)
+    }
+}
+
+impl std::error::Error for Interrupted {}
+
+impl miette::Diagnostic for Interrupted {}
+
 /// An arm moves while this value exists: signals ask to stop, and none ends the process.
 #[must_use]
 pub(crate) struct Moving(());

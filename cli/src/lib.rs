@@ -2,7 +2,7 @@
 //! computed, the library computes.
 
 use crate::commands::CommandLine;
-use crate::terminal::Console;
+use crate::terminal::{Console, Ending};
 
 mod answers;
 mod arguments;
@@ -28,6 +28,10 @@ pub fn main() -> ExitCode {
     let outcome = interrupt::watch().and_then(|()| commands::carry_out(line.command, &console));
     match outcome {
         Ok(ending) => ending.exit_code(),
+        Err(report) if report.is::<interrupt::Interrupted>() => {
+            console.alarm(&report.to_string());
+            Ending::Interrupted.exit_code()
+        }
         Err(report) => {
             console.fault(&report, next_step);
             ExitCode::from(2)

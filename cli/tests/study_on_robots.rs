@@ -218,6 +218,26 @@ fn identity_each_robot_has_the_study_of_a_plan_with_it_alone_and_all_stand_side_
     succeeds(at, &["report", "both", "-o", "again"]);
     assert!(std::fs::read(at.join("again/report.html")).unwrap() == both["report/report.html"]);
 
+    // The figure over both, from the studies and again from the numbers beside it, which are those of the page.
+    succeeds(at, &["report", "both/planar-2r", "both/arms-bench.toml", "--figure", "criteria", "-o", "figure"]);
+    succeeds(at, &["report", "figure/criteria.json", "--figure", "criteria", "-o", "redrawn"]);
+    assert!(files(&at.join("figure")) == files(&at.join("redrawn")));
+    let robots: Value = serde_json::from_slice(&std::fs::read(at.join("figure/criteria.json")).unwrap()).unwrap();
+    for (condition, name) in ["none", "load friction"].iter().enumerate() {
+        let is_row =
+            |row: &&Value| row["condition"] == *name && row["first"] == "condition" && row["metric"] == "prediction";
+        let row = rows.iter().filter(is_row).find(|row| row["estimator"] == "wls").unwrap();
+        for (robot, expected) in row["robots"].as_array().unwrap().iter().enumerate() {
+            assert_eq!(robots[robot]["ratios"][condition]["error"], *expected);
+        }
+    }
+    let wrong = armid_in(at, ["report", "study.toml", "--figure", "criteria", "-o", "wrong"]).code(2);
+    assert!(
+        fault(&wrong).contains("study.toml:2:") && fault(&wrong).contains("--figure criteria"),
+        "{}",
+        fault(&wrong)
+    );
+
     // Robot by robot, one of them in parts, and then side by side without performing anything again.
     succeeds(at, &["study", "study.toml", "--robot", "planar-2r", "-o", "split/planar-2r"]);
     for k in ["1/2", "2/2"] {
@@ -251,6 +271,14 @@ fn identity_each_robot_has_the_study_of_a_plan_with_it_alone_and_all_stand_side_
     assert!(text.contains("holds a study on several robots") && text.contains("both/planar-2r"), "{text}");
     let over = armid_in(at, ["study", "study.toml", "-o", "alone/planar-2r"]).code(2);
     assert!(fault(&over).contains("holds a study on one robot"), "{}", fault(&over));
+}
+
+#[test]
+fn frozen_the_front_figure_is_drawn_from_the_numbers_beside_it() {
+    let gallery = Path::new(env!("CARGO_MANIFEST_DIR")).join("../reports/gallery/readme");
+    let (folder, stored) = (temporary(), gallery.join("criteria.json"));
+    succeeds(folder.path(), &["report", stored.to_str().unwrap(), "--figure", "criteria", "-o", "."]);
+    assert!(files(folder.path()) == files(&gallery));
 }
 
 #[test]

@@ -17,20 +17,23 @@ pub struct GuardedRos2 {
     guarded: Guarded<Approached<Ros2Arm>>,
 }
 
-/// Finds the robot on the network and puts the guard around it. Nothing has moved yet.
+/// Finds the robot on the network and puts the guard around it, unless `asked` says that the operator asks for the end.
+/// Nothing has moved yet.
 ///
 /// There is no other way to a [`Ros2Arm`], and none to a [`Confirmation`] but the operator's confirmation.
 ///
 /// # Errors
-/// [`LinkError`] where a setting is impossible, there is no answer, or the joints are not those of the robot file.
+/// [`LinkError`] where a setting is impossible, there is no answer, or the joints are not those of the robot file;
+/// [`LinkError::Interrupted`] where the end was asked for.
 pub fn guarded_ros2(
     settings: &LinkSettings,
     guard: &GuardSettings,
     robot: &Robot,
     robot_text: &str,
     confirmation: Confirmation,
+    asked: fn() -> bool,
 ) -> Result<GuardedRos2, LinkError> {
-    let mut arm = Ros2Arm::connect(settings, robot, robot_text)?;
+    let mut arm = Ros2Arm::find(settings, robot, robot_text, asked)?;
     let status_publisher = arm.status_publisher(&settings.full(GUARD_STATE))?;
     let disables = arm.can_disable();
     let mode = match settings.mode {

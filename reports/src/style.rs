@@ -115,7 +115,7 @@ impl GroupStyle {
         let index = match name.to_lowercase().as_str() {
             "condition" | "condition number" | "wls" => 0,
             "d-optimal" | "d-optimality" | "ols" => 1,
-            "condition-scaled" | "scaled condition number" => 2,
+            "condition-scaled" | "column-normalised condition number" => 2,
             "random" | "best of random draws" | "best of n random draws" => 3,
             "a-optimal" | "a-optimality" => 4,
             "e-optimal" | "e-optimality" => 5,
@@ -131,29 +131,10 @@ impl GroupStyle {
         Some(Self::nth(index))
     }
 
-    /// The same style with another marker.
-    #[must_use]
-    pub fn with_marker(self, marker: Marker) -> Self {
-        Self { marker, ..self }
-    }
-
-    /// The same style with another stroke.
-    #[must_use]
-    pub fn with_dash(self, dash: Dash) -> Self {
-        Self { dash, ..self }
-    }
-
     /// The same style with lines `width_px` wide.
     #[must_use]
     pub fn with_width(self, width_px: f64) -> Self {
         Self { width_px, ..self }
-    }
-
-    /// Colour as `#RRGGBB`, for text and tables that refer to the group.
-    #[must_use]
-    pub fn colour_hex(&self) -> String {
-        let Colour(red, green, blue) = self.colour;
-        format!("#{red:02X}{green:02X}{blue:02X}")
     }
 }
 

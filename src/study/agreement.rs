@@ -1,18 +1,18 @@
-//! Whether several robots say the same of two families of designs.
+//! Whether several robots agree on two criteria.
 
-/// Whether several robots say the same of two families of designs.
+/// Whether several robots agree on two criteria.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum Agreement {
-    /// On every robot the same family is better.
+    /// On every robot the same criterion is better.
     Same,
-    /// On one robot the one family is better, on another the other.
+    /// On one robot one criterion is better, on another the other.
     Reversed,
-    /// One family is better on some robots; on the others it is undecided.
+    /// One criterion is better on some robots; on the others the difference is not significant.
     InPart,
     /// Neither is better on any robot.
     Undecided,
-    /// One robot alone has both families.
+    /// Only one robot has both criteria.
     OneRobot,
 }
 
@@ -25,14 +25,14 @@ impl Agreement {
     pub const fn words(self) -> &'static str {
         match self {
             Self::Same => "the same on every robot",
-            Self::Reversed => "turned round",
-            Self::InPart => "decided on some robots",
-            Self::Undecided => "undecided on every robot",
-            Self::OneRobot => "compared on one robot alone",
+            Self::Reversed => "reversed",
+            Self::InPart => "significant on some robots",
+            Self::Undecided => "not significant on any robot",
+            Self::OneRobot => "on one robot only",
         }
     }
 
-    /// What the robots that have both families say: the better one on each, `None` where it is undecided.
+    /// What the robots that have both families say: the better one on each, `None` if not significant.
     #[must_use]
     pub fn of(better: &[Option<&str>]) -> Self {
         if better.len() < 2 {

@@ -139,7 +139,7 @@ impl RobotResult {
 
 impl RobotDifference {
     /// The difference with the family `second` behind, where the comparison has it in front.
-    fn of(c: &Comparison, is_turned: bool) -> Self {
+    pub(super) fn of(c: &Comparison, is_turned: bool) -> Self {
         let value = |x: f64| match (is_turned, c.metric.is_logarithmic()) {
             (false, _) => x,
             (true, false) => 1.0 / x,

@@ -37,6 +37,10 @@ class Row:
     unseen: bool = False
     # Further arguments of the controller.
     controller: tuple = ()
+    # The run ends as if nothing had happened.
+    unharmed: bool = False
+    # How a run before it, with the same controller, ends at the moment.
+    before: str = ""
     # Smallest and largest size of the controller's fault.
     size: tuple = ()
     # From the fault to the request at most, s of the robot's clock, where that is not the trip's bound.
@@ -78,6 +82,17 @@ ROWS = {
     "no-replacement": Row(("following-error", "unexpected-stop"), (TOPIC,), controller=("--replacement", "refused")),
     # A position that is not a number asks for `disable`: nothing subscribes to it.
     "no-listener": controller("nan", "not-finite", bounded=False, unseen=True),
+    # The first goals are refused, one to ten of them; then they would be taken.
+    "refused-goals": Row(("robot-stopped",), (HANDED,)),
+    # One controller for several runs, whichever way the one before has ended. A stream that ends while the arm moves switches the
+    # drives off, so that no second one follows.
+    "after-completed": Row(unharmed=True, before="completed"),
+    "after-tripped": Row(modes=(HANDED,), unharmed=True, before="tripped"),
+    "after-interrupted": Row(unharmed=True, before="interrupted"),
+    "after-killed": Row(modes=(HANDED,), unharmed=True, before="killed"),
+    "first-run": Row(unharmed=True),
+    # The end is asked for while the robot is looked for, which is found at about that moment.
+    "search": Row(),
     # A goal that was sent before the cancel is carried out after it.
     "late-execution": controller("late-execution", *LATE, modes=(HANDED,), bounded=False, **LATE_GOALS),
     "lost-goal": controller("lost-goal", *LATE, modes=(HANDED,), bounded=False, **{**LATE_GOALS, "interrupted_s": 0.2}),
@@ -97,6 +112,9 @@ ROWS = {
     "net-0.3": Row(("stale-state", "link")),
     "net-1": Row(("stale-state", "link")),
     "net-5": Row(("stale-state", "link"), unseen=True),
+    # Packets of a client that has been there, sent again: from another machine, where they must do nothing, and from this one.
+    "replay": Row(unharmed=True),
+    "replay-inside": Row(OTHERS, (HANDED,), found_s=2.0, before_s=2.5, unseen=True),
     # Another client.
     "foreign-cancel": Row(OTHERS, (HANDED,), found_s=1.0, before_s=1.5),
     "foreign-goal": Row(OTHERS, (HANDED,), found_s=1.0, before_s=1.5),

@@ -11,6 +11,7 @@ import random
 import signal
 import subprocess
 import termios
+import threading
 import time
 from pathlib import Path
 
@@ -39,6 +40,8 @@ BRAKING_S = {10: 0.2, 100: 0.5}
 LONGEST_S = {10: HORIZON_S, 100: 0.9}
 # Slack of a bound for the step in which it ends.
 STEP_S = 0.05
+# One at a time records what is sent again.
+RECORDING = threading.Lock()
 
 
 class Broken(Exception):
@@ -67,10 +70,13 @@ def start_pose(options):
     return [q0 - sum(b_l / (omega * (l + 1)) for l, b_l in enumerate(b)) for _, _, b, q0 in joints]
 
 
-def experiment(folder, name, domain, options, mode, served):
+def experiment(folder, name, domain, options, mode, served, first=False):
+    """A plan of the motion; with `first`, of one that takes `PERIOD_S` at all of its speed, which a first run comes to."""
     period_s, joints = series(options)
-    rows = [f'[[joint]]\nname = "{n}"\na = {a}\nb = {b}\nq0 = {q}\n' for n, a, b, q in joints]
-    (folder / "T.toml").write_text(f"period_s = {period_s}\nharmonics = 2\n" + "".join(rows), encoding="utf-8")
+    slower = PERIOD_S / period_s if first else 1.0
+    rates = lambda values: [value / slower for value in values]  # noqa: E731
+    rows = [f'[[joint]]\nname = "{n}"\na = {rates(a)}\nb = {rates(b)}\nq0 = {q}\n' for n, a, b, q in joints]
+    (folder / "T.toml").write_text(f"period_s = {slower * period_s}\nharmonics = 2\n" + "".join(rows), encoding="utf-8")
     text = f"""robot = "crs-a460"
 trajectory = "T.toml"
 rate_hz = {RATE_HZ}
@@ -121,6 +127,57 @@ def interrupt_thread(pid):
     raise Broken("no thread of the middleware")
 
 
+def await_space(process, options):
+    """Waits until a process has a network of its own, and switches its loopback on."""
+    own = os.readlink("/proc/self/ns/net")
+    for _ in range(200):
+        with contextlib.suppress(OSError):
+            if os.readlink(f"/proc/{process.pid}/ns/net") != own:
+                break
+        time.sleep(0.01)
+    subprocess.run([*options.enter, f"--target={process.pid}", "ip", "link", "set", "lo", "up"], check=True)
+
+
+def recorded_packets(run):
+    """A file of what a client says to a robot: recorded once, in a network where the two are alone."""
+    path = run.folder / "packets.json"
+    with RECORDING:
+        if hasattr(run.options, "packets"):
+            path.write_text(run.options.packets, encoding="utf-8")
+            return path
+        space = subprocess.Popen([*run.options.space, "sleep", "600"])
+        processes = [space]
+        try:
+            await_space(space, run.options)
+            inside = [*run.options.others, *run.options.enter, f"--target={space.pid}"]
+            armid, tools = [*inside, run.options.armid], [*inside, run.options.python]
+            start = lambda command: processes.append(  # noqa: E731
+                subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.DEVNULL, text=True)
+            )
+            start([*armid, "controller", "crs-a460", "--experiment", run.ours, "--quiet"])
+            start([*tools, ROOT / "tests/python/replay.py", "record", str(run.domain), path])
+            recorder = processes[-1]
+            recorder.stdout.readline()
+            # Which hears of a state, and ends by it.
+            start([*armid, "run", run.ours, "--arm", "ros2", "--yes-the-estop-works", "--speed", "10%", "-o", path.with_suffix(".mcap")])
+            for row in ("foreign-state", "foreign-goal"):
+                start([*tools, ROOT / "tests/python/foreign.py", row, str(run.domain)])
+                if not processes[-1].stdout.readline():
+                    raise Broken(f"{row}: nothing was said that could be sent again")
+                time.sleep(1.0)
+                # It says no farewell, so that nothing that is sent again takes back what it has said.
+                processes[-1].kill()
+            recorder.terminate()
+            if recorder.wait(timeout=10) != 0:
+                raise Broken("nothing was recorded to be sent again")
+        finally:
+            for process in reversed(processes):
+                process.kill()
+                process.wait()
+        run.options.packets = path.read_text(encoding="utf-8")
+    return path
+
+
 class Run:
     """One controller and one armid, with what is to happen between them."""
 
@@ -146,18 +203,13 @@ class Run:
     def open(self):
         if self.options.space:
             self.space = subprocess.Popen([*self.options.space, "sleep", "600"])
-            # The namespace is there once the loopback can be switched on.
-            up = [*self.options.enter, f"--target={self.space.pid}", "ip", "link", "set", "lo", "up"]
-            own = os.readlink("/proc/self/ns/net")
-            for _ in range(200):
-                with contextlib.suppress(OSError):
-                    if os.readlink(f"/proc/{self.space.pid}/ns/net") != own:
-                        break
-                time.sleep(0.01)
-            subprocess.run(up, check=True)
+            await_space(self.space, self.options)
         self.theirs = experiment(self.folder, "theirs.toml", self.domain, self.options, self.mode, self.name != "no-listener")
-        self.ours = experiment(self.folder, "ours.toml", self.domain, self.options, self.mode, True)
-        self.controller = self.start(self.log, start_pose(self.options), self.row.controller)
+        first = self.name == "first-run"
+        self.ours = experiment(self.folder, "ours.toml", self.domain, self.options, self.mode, True, first)
+        self.packets = recorded_packets(self) if self.name.startswith("replay") else None
+        more = ["--refusals", str(1 + self.number % 10)] if self.name == "refused-goals" else self.row.controller
+        self.controller = None if self.name == "search" else self.start(self.log, start_pose(self.options), more)
         if self.name == "disk-full":
             disk = self.folder / "disk"
             disk.mkdir()
@@ -175,9 +227,11 @@ class Run:
         return subprocess.Popen(command, stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def close(self):
-        for process in [*self.helpers, self.controller]:
+        for process in [*self.helpers, *filter(None, [self.controller])]:
             if "controller" in process.args and process.poll() is None:
                 process.send_signal(signal.SIGINT)
+            elif "sleep" in process.args or "send" in process.args:
+                process.kill()
             try:
                 process.communicate(timeout=20)
             except subprocess.TimeoutExpired:
@@ -189,16 +243,46 @@ class Run:
         if self.name == "disk-full":
             subprocess.run(["umount", self.folder / "disk"], check=False)
 
-    def perform(self):
+    def command(self, recording):
         command = [*self.inside(), self.options.armid, "run", self.ours, "--arm", "ros2", "--yes-the-estop-works"]
-        command += ["--speed", f"{self.speed or self.options.speed}%", "--json", "-o", self.recording]
+        speed = ["--first-run"] if self.name == "first-run" else ["--speed", f"{self.speed or self.options.speed}%"]
+        return [*command, *speed, "--json", "-o", recording]
+
+    def perform_before(self):
+        """The run before: it ends at the moment, as the row says."""
+        process = subprocess.Popen(
+            self.command(self.folder / "before.mcap"), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT
+        )
+        try:
+            if self.row.before != "completed":
+                self.wait_for_moment(process)
+            if self.row.before == "tripped":
+                process.send_signal(signal.SIGSTOP)
+                time.sleep(0.2)
+                process.send_signal(signal.SIGCONT)
+            elif self.row.before != "completed":
+                process.send_signal(signal.SIGKILL if self.row.before == "killed" else signal.SIGINT)
+            said, _ = process.communicate(timeout=60)
+        finally:
+            process.kill()
+        status = {"completed": 0, "tripped": 1, "interrupted": 130, "killed": -signal.SIGKILL}[self.row.before]
+        if process.returncode != status:
+            raise Broken(f"the run before: exit {process.returncode}, expected {status}: {said.decode()[-600:]}")
+        # What was killed may have handed a piece over.
+        time.sleep(HORIZON_S)
+
+    def perform(self):
+        if self.row.before:
+            self.perform_before()
+        command = self.command(self.recording)
         if self.earlier:
             command += ["--earlier", self.earlier]
         if self.name == "panic":
             # States count from the lead before the approach.
             command += ["--panic-after", str(round((LEAD_S + self.at_s) * RATE_HZ))]
         by_controller = self.row.fault and not self.row.interrupted_s
-        outside = self.name and not by_controller and self.name not in ("disk-full", "panic", "no-replacement")
+        alone = ("disk-full", "panic", "no-replacement", "refused-goals", "first-run")
+        outside = self.name and not by_controller and not self.row.before and self.name not in alone
         master, slave = pty.openpty() if self.name in ("terminal", "suspend") else (None, None)
         output, errors = (self.folder / "said.json").open("w+"), (self.folder / "errors.txt").open("w+")
         # Its own session, so that signals of a terminal are its own; the answer goes into a file, as no terminal outlives it.
@@ -234,17 +318,12 @@ class Run:
 
     def happen(self, process, master):
         """Waits for the moment, and lets it happen."""
-        deadline, began, chance = time.monotonic() + 40, None, random.Random(self.number + 0.5)
-        at_s = self.at_s + chance.uniform(0.0, self.row.interrupted_s)
-        while began is None or self.log.now() < began + at_s:
-            if process.poll() is not None and self.row.fault:
-                return
-            if process.poll() is not None or time.monotonic() > deadline:
-                said = [(self.folder / name).read_text(encoding="utf-8") for name in ("said.json", "errors.txt")]
-                done = subprocess.CompletedProcess(process.args, process.poll(), *said)
-                raise Broken(f"before anything happened: {outcome(done)}")
-            began = self.log.began()
-            time.sleep(0.003)
+        if self.name == "search":
+            self.interrupt_search(process)
+            return
+        chance = random.Random(self.number + 0.5)
+        if not self.wait_for_moment(process, chance.uniform(0.0, self.row.interrupted_s)):
+            return
         self.struck_s = self.log.now()
         send = lambda s: os.kill(process.pid, s)  # noqa: E731
         if self.row.interrupted_s:
@@ -280,6 +359,8 @@ class Run:
             link("down")
             time.sleep(float(self.name[4:]))
             link("up")
+        elif self.name.startswith("replay"):
+            self.replay()
         elif self.name == "second-controller":
             self.second = Log(self.folder / "second.csv")
             self.helpers.append(self.start(self.second, [0.0] * len(JOINTS), others=True))
@@ -292,14 +373,77 @@ class Run:
                 raise Broken(f"the foreign program did nothing: {foreign.stderr.read()[-300:]}")
             self.struck_s = self.log.now()
 
+    def wait_for_moment(self, process, later_s=0.0):
+        """Whether the moment came before a fault of the controller had ended armid."""
+        deadline, began = time.monotonic() + 40, None
+        while began is None or self.log.now() < began + self.at_s + later_s:
+            if process.poll() is not None and self.row.fault:
+                return False
+            if process.poll() is not None or time.monotonic() > deadline:
+                said = [self.folder / name for name in ("said.json", "errors.txt")]
+                said = [path.read_text(encoding="utf-8") if path.exists() else "" for path in said]
+                done = subprocess.CompletedProcess(process.args, process.poll(), *said)
+                raise Broken(f"before anything happened: {outcome(done)}")
+            began = self.log.began()
+            time.sleep(0.003)
+        return True
+
+    def interrupt_search(self, process):
+        """The robot appears in the second before the signal, or just after it."""
+        chance = random.Random(self.number)
+        time.sleep(1.0)
+        early = chance.uniform(-0.2, 1.0)
+        if early >= 0.0:
+            self.controller = self.start(self.log, start_pose(self.options))
+            time.sleep(early)
+        process.send_signal(chance.choice([signal.SIGINT, signal.SIGTERM, signal.SIGHUP]))
+        asked = time.monotonic()
+        if early < 0.0:
+            time.sleep(-early)
+            self.controller = self.start(self.log, start_pose(self.options))
+        with contextlib.suppress(subprocess.TimeoutExpired):
+            process.wait(timeout=20)
+        self.search_s = time.monotonic() - asked
+
+    def replay(self):
+        """Sends again what another client has said to this robot, or to one like it, from here or from another machine."""
+        host, target = "127.0.0.1", self.space.pid
+        if self.name == "replay":
+            other = subprocess.Popen([*self.options.space, "sleep", "600"])
+            self.helpers.append(other)
+            await_space(other, self.options)
+            host, target = "10.99.0.1", other.pid
+            ends = [f"armid-{self.space.pid}", f"armid-{other.pid}"]
+            subprocess.run(["ip", "link", "add", ends[0], "type", "veth", "peer", "name", ends[1]], check=True)
+            for end, place, address in zip(ends, (self.space.pid, target), (host, "10.99.0.2")):
+                subprocess.run(["ip", "link", "set", end, "netns", str(place)], check=True)
+                there = [*self.options.enter, f"--target={place}", "ip"]
+                subprocess.run([*there, "address", "add", f"{address}/24", "dev", end], check=True)
+                subprocess.run([*there, "link", "set", end, "up"], check=True)
+        tool = [self.options.python, ROOT / "tests/python/replay.py", "send", str(self.domain), self.packets, host]
+        sender = subprocess.Popen(
+            [*self.options.others, *self.options.enter, f"--target={target}", *tool], stdout=subprocess.PIPE, text=True
+        )
+        self.helpers.append(sender)
+        if not sender.stdout.readline():
+            raise Broken("nothing was sent again")
+        self.struck_s = self.log.now()
+
     def judge(self, done):
         """What the run showed, or how it is broken."""
         rows = self.log.rows()
         times = moved(rows)
-        if not self.name:
+        if not self.name or self.row.unharmed:
             if done.returncode != 0:
-                raise Broken(f"without a fault: {outcome(done)}")
-            return Found()
+                raise Broken(f"expected the run to complete: {outcome(done)}")
+            return Found("completed")
+        if self.name in ("search", "refused-goals") and times:
+            raise Broken(f"commanded to move at t = {times[0]} s, expected nothing to move")
+        if self.name == "search":
+            taken = [row["event"] for row in rows if "motion taken" in row["event"]]
+            if done.returncode != 130 or self.search_s > 1.0 or taken or "nothing has moved" not in done.stderr:
+                raise Broken(f"{outcome(done)} {self.search_s:.1f} s after the signal, {taken}, expected exit 130 within 1 s")
+            return Found("interrupted", confirmed=True)
         if self.name == "kill":
             self.by_itself(times)
             return Found("–", rest_ms=self.rest_ms(times))

@@ -94,6 +94,8 @@ class Peer:
         self.motion = None
         self.received = []
         self.sent = 0
+        # Others that act in every cycle of the controller; when the arm was last seen to move.
+        self.servers, self.moved_at = [], None
         self.open = True
         self.domain = Domain(domain, LOOPBACK)
         self.participant = DomainParticipant(domain)
@@ -123,6 +125,8 @@ class Peer:
             if k % 5 == 0:
                 self.listen(stamp_ns)
             q, v, a = self.now(stamp_ns)
+            if np.abs(q - self.pose).max() > 1e-12:
+                self.pose, self.moved_at = q, time.monotonic()
             tau = self.arm.torque(q, v, a) + self.viscous * v + self.coulomb * np.tanh(v / self.scale) + self.offset
             current = tau / self.per_ampere + self.noise * self.random.standard_normal(6)
             seen = np.round(q / self.step) * self.step
@@ -141,6 +145,8 @@ class Peer:
                 time.sleep(ahead)
 
     def listen(self, stamp_ns):
+        for serve in self.servers:
+            serve(stamp_ns)
         for message in self.trajectories.take(4):
             if not isinstance(message, JointTrajectory_):
                 continue

@@ -19,7 +19,7 @@ pub(crate) fn answer(summary: &RobotsSummary, page: &Path) -> Result<Answer, Err
     }
     let robots: Vec<&str> = summary.robots.iter().map(|robot| robot.robot.as_str()).collect();
     let text = format!(
-        "{}\n\nComparisons of two families under one condition, on {}:\n\n{}\nreport: {}\n",
+        "{}\n\nComparisons of two criteria in one scenario, on {}:\n\n{}\nreport: {}\n",
         summary.question,
         robots.join(", "),
         table.render(0),

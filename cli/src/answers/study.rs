@@ -51,7 +51,7 @@ fn statuses(part: &ConditionResult) -> String {
     counts.collect::<Vec<_>>().join(", ")
 }
 
-/// The two families of the question, by every metric.
+/// The two criteria of the question, by every metric.
 fn headline(text: &mut String, findings: &Findings, estimator: &str) {
     let pair = findings.comparisons.iter().filter(|c| {
         c.estimator == estimator
@@ -62,7 +62,8 @@ fn headline(text: &mut String, findings: &Findings, estimator: &str) {
         let unit = c.unit.map_or_else(String::new, |unit| format!(" over {}", unit.words()));
         let interval = c.interval.map_or_else(String::new, |i| format!(" [{:.3}, {:.3}]{unit}", i.low, i.high));
         let p = c.p_adjusted.map_or_else(String::new, |p| format!(" (adjusted p {})", number(p)));
-        let verdict = c.better.as_ref().map_or_else(|| "undecided".to_owned(), |better| format!("{better} is better"));
+        let verdict =
+            c.better.as_ref().map_or_else(|| "not significant".to_owned(), |better| format!("{better} is better"));
         let _ = writeln!(
             text,
             "{}, {} {sign} {}: {:.3}{interval}, {verdict}{p}",
@@ -100,7 +101,7 @@ fn over_truths(text: &mut String, findings: &Findings, estimator: &str) {
 
 fn families(result: &StudyResult) -> Table {
     let mut table = Table::new(&[
-        ("family", Align::Left),
+        ("criterion", Align::Left),
         ("estimator", Align::Left),
         ("designs", Align::Right),
         ("runs", Align::Right),
@@ -122,7 +123,7 @@ fn families(result: &StudyResult) -> Table {
     table
 }
 
-/// Every family on each kind of motion.
+/// Every criterion on each kind of motion.
 fn motions(result: &StudyResult) -> Table {
     let mut columns = vec![("prediction RMSE, N·m", Align::Left), ("estimator", Align::Left)];
     columns.extend(MotionKind::ALL.map(|kind| (kind.title(), Align::Right)));

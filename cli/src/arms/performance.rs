@@ -9,9 +9,10 @@ use armid_hardware::guard::{GuardRecord, Guarded, Mode};
 use armid_hardware::guarded_ros2;
 use armid_hardware::link::StampFindings;
 use armid_io::{Error, Log};
-use miette::Result;
+use miette::{Report, Result};
 
 use super::{ArmKind, Experiment, Simulation};
+use crate::interrupt::{self, Interrupted};
 
 /// An experiment's end, how well a simulated servo followed its command, and what guard and link saw.
 pub(crate) struct Performed {
@@ -83,7 +84,13 @@ pub(crate) fn perform(
                 return Err(Error::new("arm ros2 moves a real arm, and no operator confirmed it").into());
             };
             let (robot, text) = (&experiment.planned.robot.robot, experiment.planned.robot.text.content.as_ref());
-            let mut arm = guarded_ros2(&experiment.ros2, &experiment.guard, robot, text, confirmation)
+            // An error here means that nothing has moved.
+            let fault = |error: &dyn std::fmt::Display| match fault(error) {
+                error if interrupt::asked() => Report::from(Interrupted(error.to_string())),
+                error => error.into(),
+            };
+            let (link, guard) = (&experiment.ros2, &experiment.guard);
+            let mut arm = guarded_ros2(link, guard, robot, text, confirmation, interrupt::asked)
                 .map_err(|error| fault(&error))?;
             let ending = arm.perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;
             let (guard, stamps) = (Some(arm.record()), Some(arm.findings().clone()));

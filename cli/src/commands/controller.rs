@@ -77,6 +77,9 @@ pub(crate) struct Arguments {
     /// How a running motion is replaced by another, as in versions of joint_trajectory_controller
     #[arg(long, default_value = "at-once", value_parser = one_of(&Replacement::ALL, Replacement::name))]
     replacement: Replacement,
+    /// Refuse the first goals, so many of them
+    #[arg(long, value_name = "N", default_value_t = 0)]
+    refusals: u64,
     /// Fault to inject, and when
     #[arg(long, value_name = "NAME@SECONDS", value_parser = ControllerFault::parse)]
     fault: Option<ControllerFault>,
@@ -132,7 +135,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         number(rate),
     ));
     real_time::advise(console);
-    let options = ServeOptions { link, log: arguments.log.clone(), duration_s: arguments.duration };
+    let options =
+        ServeOptions { link, log: arguments.log.clone(), duration_s: arguments.duration, refusals: arguments.refusals };
     let mut go_on = |progress: &Progress| {
         if console.talks() {
             let _ = write!(std::io::stderr(), "\r{:<100}", line(progress));

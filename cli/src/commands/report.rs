@@ -2,14 +2,15 @@
 
 use std::path::{Path, PathBuf};
 
+use armid::study::CriterionRatios;
 use armid_io::Error;
-use armid_io::study::{read_robots, read_study};
+use armid_io::study::{read_ratios, read_robots, read_study};
 use miette::Result;
 use serde_json::json;
 
 use crate::answers::{comparison, estimate_page};
 use crate::arguments::ChainArguments;
-use crate::study::{write_report, write_robots_report};
+use crate::study::{write_criteria, write_report, write_robots_report};
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
@@ -23,13 +24,15 @@ Examples:
   armid report reports/01-criteria -o /tmp/page
   armid report E.json -o page
   armid report E.json --robot lab/robot.toml -o page
-  armid report --compare simulated measured -o page";
+  armid report --compare simulated measured -o page
+  armid report reports/06-ten-times reports/06-two-robots/puma-560 --figure criteria -o figure
+  armid report reports/gallery/readme/criteria.json --figure criteria -o figure";
 
 /// Draw the page of an estimate, or regenerate the report of a stored study
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// Folders that `armid study` wrote, or files of `armid identify`
+    /// Folders that `armid study` wrote, files of `armid identify`, or with --figure its numbers
     #[arg(required_unless_present = "compare", value_name = "DIR|FILE")]
     folders: Vec<PathBuf>,
     /// Compare two estimates: JSON files of `armid identify`, or folders with estimate.json and validation.json
@@ -38,14 +41,38 @@ pub(crate) struct Arguments {
     /// The robot of the estimates, where its file is no longer where they say
     #[arg(long, conflicts_with = "compare")]
     robot: Option<String>,
+    /// Draw one figure over several studies, a panel for each, and store its numbers beside it
+    #[arg(long, conflicts_with_all = ["compare", "robot"])]
+    figure: Option<Figure>,
     #[command(flatten)]
     chain: ChainArguments,
+}
+
+/// A figure over several studies.
+#[derive(Clone, Copy, Debug, clap::ValueEnum)]
+enum Figure {
+    /// Condition number and I-optimality relative to D-optimality, by unmodelled effect
+    Criteria,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if let Some([first, second]) = arguments.compare.as_deref() {
         let folder = console.output().map_or_else(|| PathBuf::from("reports/comparison"), Path::to_path_buf);
         console.show(&comparison::report(first, second, &folder)?)?;
+        return Ok(Ending::Done);
+    }
+    if let Some(Figure::Criteria) = arguments.figure {
+        let mut robots = Vec::new();
+        for path in &arguments.folders {
+            if path.is_dir() {
+                robots.push(CriterionRatios::of(&read_study(path)?.result));
+            } else {
+                robots.extend(read_ratios(path)?);
+            }
+        }
+        let figure = write_criteria(console.output().unwrap_or(Path::new("reports/figure")), &robots)?;
+        let figure = figure.display().to_string();
+        console.show(&Answer { text: format!("{figure}\n"), json: json!({ "figure": figure }) })?;
         return Ok(Ending::Done);
     }
     let mut pages = Vec::new();

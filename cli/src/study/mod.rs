@@ -15,5 +15,5 @@ pub(crate) use forecast::{Forecast, sample_plan};
 pub(crate) use part::{Part, Shard, Stage};
 pub(crate) use performance::Performance;
 pub(crate) use prepared::Prepared;
-pub(crate) use report::{write_report, write_robots_report};
+pub(crate) use report::{write_criteria, write_report, write_robots_report};
 pub(crate) use words::in_words;

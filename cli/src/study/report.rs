@@ -2,10 +2,11 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::study::{ReportInput, RobotsSummary};
+use armid::study::{CriterionRatios, ReportInput, RobotsSummary};
 use armid_io::Error;
 use armid_io::output::write_text;
-use armid_reports::{Document, DocumentError, robots_document, study_document};
+use armid_io::study::write_ratios;
+use armid_reports::{Document, DocumentError, Figure, criteria_figure, robots_document, study_document};
 
 /// Draws the report of a study; returns the page.
 pub(crate) fn write_report(folder: &Path, input: &ReportInput) -> Result<PathBuf, Error> {
@@ -15,6 +16,15 @@ pub(crate) fn write_report(folder: &Path, input: &ReportInput) -> Result<PathBuf
 /// Draws the page of one study on several robots; returns it.
 pub(crate) fn write_robots_report(folder: &Path, summary: &RobotsSummary) -> Result<PathBuf, Error> {
     write_document(folder, &robots_document(summary).map_err(cannot_be_drawn)?)
+}
+
+/// Draws criteria under single effects on several robots, and stores the numbers beside the figure; returns the figure.
+pub(crate) fn write_criteria(folder: &Path, robots: &[CriterionRatios]) -> Result<PathBuf, Error> {
+    let figure = criteria_figure(robots);
+    let path = folder.join(format!("{}.svg", figure.name()));
+    write_text(&path, &figure.svg().map_err(DocumentError::from).map_err(cannot_be_drawn)?)?;
+    write_ratios(&path.with_extension("json"), robots)?;
+    Ok(path)
 }
 
 fn write_document(folder: &Path, document: &Document) -> Result<PathBuf, Error> {

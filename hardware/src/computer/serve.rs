@@ -21,6 +21,8 @@ pub struct ServeOptions {
     pub log: Option<PathBuf>,
     /// How long, by the robot's clock; for ever where there is none, s.
     pub duration_s: Option<f64>,
+    /// How many goals are refused before the first is taken.
+    pub refusals: u64,
 }
 
 /// Why the robot controller stopped.
@@ -74,7 +76,8 @@ pub fn serve<P: Plant>(
     let names = options.log.as_ref().map(|path| path.display().to_string()).unwrap_or_default();
     let log_fault = |reason| ServeError::Log { path: names.clone(), reason };
     let mut log = StepLog::create(options.log.as_deref(), controller.robot().dof()).map_err(log_fault)?;
-    let wire = Wire::open(&options.link, controller.limits().to_vec(), controller.replacement())?;
+    let (limits, replacement) = (controller.limits().to_vec(), controller.replacement());
+    let wire = Wire::open(&options.link, limits, replacement, options.refusals)?;
     let mut pace = Pace::new(controller.dt());
     let every = (WORDS_S / controller.dt()).round().max(1.0) as u64;
     let mut output = Vec::new();

@@ -9,7 +9,7 @@ use ros2_client::action::{
 };
 use ros2_client::action_msgs::{CancelGoalResponse, CancelGoalResponseEnum, GoalStatus, GoalStatusArray};
 use ros2_client::builtin_interfaces;
-use ros2_client::qos::Durability;
+use ros2_client::qos::{Durability, History};
 use ros2_client::request_id::RmwRequestId;
 use ros2_client::{ActionTypeName, Publisher, Subscription};
 
@@ -60,6 +60,7 @@ impl Wire {
         settings: &LinkSettings,
         limits: Vec<JointLimits>,
         replacement: Replacement,
+        refusals: u64,
     ) -> Result<Self, LinkError> {
         let names: Vec<String> = limits.iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
@@ -73,7 +74,11 @@ impl Wire {
             result_service: qos.clone(),
             cancel_service: qos.clone(),
             feedback_publisher: reports.clone(),
-            status_publisher: reports.clone().durability(Durability::TransientLocal),
+            // As in rcl: who joins later receives the newest list.
+            status_publisher: reports
+                .clone()
+                .durability(Durability::TransientLocal)
+                .history(History::KeepLast { depth: 1 }),
         };
         let kind = ActionTypeName::new("control_msgs", "FollowJointTrajectory");
         let server = endpoint
@@ -110,6 +115,7 @@ impl Wire {
             results: Vec::new(),
             under_way: None,
             replacement,
+            refusals,
             count: 0,
         };
         std::thread::Builder::new()
@@ -144,6 +150,7 @@ struct Thread {
     results: Vec<(RmwRequestId, GoalId)>,
     under_way: Option<u64>,
     replacement: Replacement,
+    refusals: u64,
     count: u64,
 }
 
@@ -236,7 +243,11 @@ impl Thread {
     fn listen(&mut self) -> Result<(), std::sync::mpsc::SendError<Order>> {
         while let Ok(Some((request, goal))) = self.server.receive_goal() {
             self.count += 1;
-            let motion = Spline::new(&goal.goal.trajectory, &self.map, &self.limits);
+            let motion = if self.count > self.refusals {
+                Spline::new(&goal.goal.trajectory, &self.map, &self.limits)
+            } else {
+                Err(Unfit { code: FollowResult::INVALID_GOAL, reason: "one of the first goals".to_owned() })
+            };
             let status = GoalStatusEnum::Accepted;
             self.goals.insert(self.count, Goal { id: goal.goal_id, request, status, end: None });
             self.orders.send(Order::Goal(self.count, motion))?;

@@ -3,7 +3,7 @@
 use ros2_client::Publisher;
 use ros2_client::qos::Durability;
 
-use super::node::Peer;
+use super::node::{Asked, Peer};
 use super::sender::Sender;
 use super::states::Inbox;
 use super::{Endpoint, LinkError, LinkSettings, Mode};
@@ -48,10 +48,10 @@ impl Connection {
     }
 
     /// Waits until a robot reports joints and accepts motions.
-    pub(crate) fn wait(&self, settings: &LinkSettings) -> Result<(), LinkError> {
+    pub(crate) fn wait(&self, settings: &LinkSettings, asked: Asked) -> Result<(), LinkError> {
         let topic = settings.full(&settings.joint_states);
-        self.endpoint.wait(&topic, &[(Peer::Writer, format!("rt{topic}"))])?;
-        self.sender.wait(&self.endpoint, settings)
+        self.endpoint.wait(&topic, &[(Peer::Writer, format!("rt{topic}"))], asked)?;
+        self.sender.wait(&self.endpoint, settings, asked)
     }
 
     /// The next state of the robot controller, if one has come.

@@ -38,6 +38,12 @@ pub enum LinkError {
         /// Why, after a semicolon; empty where that is not known.
         reason: String,
     },
+    /// The operator asked for the end before anything moved.
+    #[error("interrupted while the robot was looked for")]
+    Interrupted,
+    /// An address that this machine does not have, or networks that this system cannot tell apart.
+    #[error("ros2.network: {0}")]
+    Network(String),
     /// The names in a joint state are not those of the robot.
     #[error("joint state: {fault}: found {found:?}, expected {expected:?} in any order")]
     Joints {

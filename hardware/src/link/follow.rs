@@ -109,6 +109,11 @@ impl<'a> Run<'a> {
         self.start_ns
     }
 
+    /// Whether anything was handed over.
+    pub(super) const fn is_handed_over(&self) -> bool {
+        self.piece.is_some()
+    }
+
     /// Time of the motion at which everything that was handed over has come to rest by itself, s.
     pub(super) fn rest_s(&self) -> f64 {
         self.piece.map_or(0.0, |(_, _, rest_s)| rest_s)
@@ -155,6 +160,10 @@ impl Ros2Arm {
         let (_, mut alive) = self.newest()?;
         let samples = (run.motion.duration_s() * run.rate_hz - 1e-6).ceil() as usize;
         let mut grid = Resampler::new(run.start_ns, run.rate_hz, samples);
+        // Where the end was asked for while the arm stood, nothing goes out.
+        if let Some(end) = self.act_on(|| listener.idle(0.0), run) {
+            return Ok(end);
+        }
         self.go_on(run)?;
         let mut settled = Vec::new();
         let (mut looked, mut complete) = (Instant::now(), None::<Instant>);

@@ -73,8 +73,9 @@ impl Ros2Arm {
         let (answered, off, hold) = (false, false, (hold, now_s));
         let mut halt =
             Halt { action, watch, answered, taken: self.line.sender.taken(), off, alive: began, asked, reopened, hold };
-        // Nothing is outstanding where set-points just end.
-        let outstanding_ns = if self.line.sender.streams() { newest_ns } else { run.stamp_ns(run.rest_s()) };
+        // Nothing is outstanding where set-points just end, or before the first piece.
+        let outstanding_ns =
+            if self.line.sender.streams() || !run.is_handed_over() { newest_ns } else { run.stamp_ns(run.rest_s()) };
         loop {
             let (ours_s, robots_s) = (began.elapsed().as_secs_f64(), self.motion_time(run) - now_s);
             if ours_s.min(robots_s.max(SLOWEST * ours_s)) > insist_s {
@@ -124,6 +125,12 @@ impl Ros2Arm {
 
     /// Makes the request where it is due, and opens a fresh participant where the old one is of no use.
     fn ask(&mut self, halt: &mut Halt, run: &Run<'_>) {
+        let sender = &self.line.sender;
+        let by_topic = !sender.streams() && !sender.tells_the_end();
+        if by_topic && halt.action == SafeAction::Cancel && !run.is_handed_over() {
+            // The request is a motion itself there: where none went out, this one does not either.
+            return;
+        }
         let (count, last) = halt.asked;
         let every = if count < OFTEN { SOON } else { SELDOM };
         if last.is_some_and(|last| last.elapsed() < every) {

@@ -15,7 +15,7 @@ use armid::model::{Robot, StandardParameters};
 use armid::seed::Seed;
 use armid::trajectory::{FourierJoint, FourierTrajectory};
 
-use super::{Endpoint, LinkSettings, Mode, Ros2Arm, look};
+use super::{Endpoint, LinkError, LinkSettings, Mode, Ros2Arm, look};
 use crate::computer::{Fault, Replacement, RobotController, ServeOptions, Watchdog, serve};
 use crate::guard::Machine;
 use crate::message::{Float64MultiArray, Header, JointState, Text, Time};
@@ -531,6 +531,21 @@ impl Sink for Silent {
 }
 
 #[test]
+fn where_the_end_was_asked_for_before_the_motion_nothing_goes_out() {
+    for mode in Mode::ALL {
+        let settings = settings(mode);
+        let _controller = Robotics::start(&settings, None);
+        let robot = planar_2r();
+        let mut arm = Ros2Arm::connect(&settings, &robot, "").unwrap();
+        let before = arm.reading().unwrap();
+        let ending = arm.perform(&plan(&robot), &mut Silent(-1.0)).unwrap();
+        assert!(matches!(ending, Ending::Stopped { rest: Rest::Confirmed { .. }, .. }), "{mode:?}: {ending:?}");
+        let after = arm.reading().unwrap();
+        assert_eq!((after.state, after.row.q), (before.state, before.row.q), "{mode:?}");
+    }
+}
+
+#[test]
 fn a_second_robot_in_the_domain_is_refused() {
     let settings = settings(Mode::Trajectory);
     let _controller = [Robotics::start(&settings, None), Robotics::start(&settings, None)];
@@ -600,4 +615,6 @@ fn nobody_there_is_told_with_the_domain() {
     let settings = LinkSettings { patience_s: 0.3, ..settings(Mode::Trajectory) };
     let message = look(&settings, &planar_2r()).unwrap_err().to_string();
     assert!(message.contains("/joint_states") && message.contains(&settings.domain.to_string()), "{message}");
+    let settings = LinkSettings { patience_s: 600.0, ..settings };
+    assert_eq!(Ros2Arm::find(&settings, &planar_2r(), "", || true).err(), Some(LinkError::Interrupted));
 }

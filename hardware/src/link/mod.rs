@@ -18,6 +18,7 @@ mod joint_map;
 #[cfg(test)]
 mod loopback_tests;
 mod motion;
+mod network;
 mod node;
 mod pieces;
 mod resample;

@@ -11,7 +11,38 @@ use ros2_client::{Context, Message, MessageTypeName, Name, Node, NodeName, NodeO
 use rustdds::policy;
 use rustdds::{DomainParticipant, DomainParticipantBuilder, GUID, RTPSEntity};
 
-use super::{LinkError, LinkSettings, Network};
+use super::{LinkError, LinkSettings, Network, network};
+
+/// Whether the operator has asked for the end.
+pub(crate) type Asked = fn() -> bool;
+
+/// Waits for `what`: an error once `settings` have no patience left, or the operator has asked for the end.
+pub(crate) struct Patience<'a> {
+    began: Instant,
+    settings: &'a LinkSettings,
+    asked: Asked,
+}
+
+impl<'a> Patience<'a> {
+    pub(crate) fn new(settings: &'a LinkSettings, asked: Asked) -> Self {
+        Self { began: Instant::now(), settings, asked }
+    }
+
+    pub(crate) fn elapsed(&self) -> Duration {
+        self.began.elapsed()
+    }
+
+    pub(crate) fn left(&self, what: impl FnOnce() -> String) -> Result<(), LinkError> {
+        if (self.asked)() {
+            return Err(LinkError::Interrupted);
+        }
+        if self.elapsed() <= self.settings.patience() {
+            return Ok(());
+        }
+        let (waited_s, domain) = (self.settings.patience_s, self.settings.domain);
+        Err(LinkError::Silence { what: what(), waited_s, domain, reason: String::new() })
+    }
+}
 
 /// A node of a ROS domain.
 pub struct Endpoint {
@@ -22,7 +53,7 @@ pub struct Endpoint {
     threads: BTreeSet<u32>,
 }
 
-/// One at a time, so that the threads that are new belong to who has just joined.
+/// One at a time, so that the threads and sockets that are new belong to who has just joined.
 static JOINING: Mutex<()> = Mutex::new(());
 
 /// Numbers of the middleware's threads in this process; none where the system does not list them.
@@ -42,7 +73,11 @@ pub(crate) enum Peer {
     Reader,
 }
 
-fn context(settings: &LinkSettings) -> Result<Context, LinkError> {
+/// Joins a domain; the middleware's threads that serve it.
+fn context(settings: &LinkSettings) -> Result<(Context, BTreeSet<u32>), LinkError> {
+    let _alone = JOINING.lock().unwrap_or_else(PoisonError::into_inner);
+    let allowed = network::allowed(&settings.network)?;
+    let (threads, sockets) = (middleware_threads(), network::sockets());
     let builder = DomainParticipantBuilder::new(settings.domain);
     let builder = match &settings.network {
         Network::Loopback => builder.with_only_networks([IpAddr::V4(Ipv4Addr::LOCALHOST)]),
@@ -50,7 +85,11 @@ fn context(settings: &LinkSettings) -> Result<Context, LinkError> {
         Network::Any => builder,
     };
     let open = || Context::from_domain_participant(builder.build()?);
-    open().map_err(|error| LinkError::middleware(format!("ROS domain {}", settings.domain), &error))
+    let context = open().map_err(|error| LinkError::middleware(format!("ROS domain {}", settings.domain), &error))?;
+    if let Some(allowed) = allowed {
+        network::keep_out(&allowed, &sockets)?;
+    }
+    Ok((context, middleware_threads().difference(&threads).copied().collect()))
 }
 
 impl Endpoint {
@@ -63,11 +102,7 @@ impl Endpoint {
         let fault = |error: &dyn std::fmt::Debug| LinkError::middleware(format!("node {name}"), error);
         let options = NodeOptions::new().enable_rosout(false).start_parameter_services(false);
         let named = NodeName::new("/", name).map_err(|error| fault(&error))?;
-        let alone = JOINING.lock().unwrap_or_else(PoisonError::into_inner);
-        let before = middleware_threads();
-        let context = context(settings)?;
-        let threads = middleware_threads().difference(&before).copied().collect();
-        drop(alone);
+        let (context, threads) = context(settings)?;
         let participant = context.domain_participant();
         let mut node = context.new_node(named, options).map_err(|error| fault(&error))?;
         let spinner = node.spinner().map_err(|error| fault(&error))?;
@@ -129,18 +164,14 @@ impl Endpoint {
     }
 
     /// Waits until another participant writes or reads every one of these DDS topics; the error names them by `what`.
-    pub(crate) fn wait(&self, what: &str, topics: &[(Peer, String)]) -> Result<(), LinkError> {
-        let began = Instant::now();
-        loop {
-            if self.has(topics) {
-                let mismatch = topics.iter().find_map(|(peer, topic)| self.mismatch(*peer, topic));
-                return mismatch.map_or(Ok(()), |reason| Err(self.silence(what.to_owned(), Some(reason))));
-            }
-            if began.elapsed() > self.settings.patience() {
-                return Err(self.silence(what.to_owned(), None));
-            }
+    pub(crate) fn wait(&self, what: &str, topics: &[(Peer, String)], asked: Asked) -> Result<(), LinkError> {
+        let patience = Patience::new(&self.settings, asked);
+        while !self.has(topics) {
+            patience.left(|| what.to_owned())?;
             std::thread::sleep(Duration::from_millis(10));
         }
+        let mismatch = topics.iter().find_map(|(peer, topic)| self.mismatch(*peer, topic));
+        mismatch.map_or(Ok(()), |reason| Err(self.silence(what.to_owned(), Some(reason))))
     }
 
     /// That nothing came within the patience, and why.
@@ -212,7 +243,7 @@ impl Endpoint {
 /// # Errors
 /// [`LinkError`] where the network refuses.
 pub fn peers(settings: &LinkSettings, listen: Duration) -> Result<Vec<String>, LinkError> {
-    let context = context(settings)?;
+    let (context, _) = context(settings)?;
     let participant = context.domain_participant();
     std::thread::sleep(listen);
     let own = participant.guid().prefix;

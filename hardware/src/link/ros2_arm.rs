@@ -14,6 +14,7 @@ use ros2_client::gid::Gid;
 use super::clock::{ClockWatch, FOUND_S};
 use super::connection::Connection;
 use super::follow::{Followed, Listener};
+use super::node::{Asked, Patience};
 use super::states::Received;
 use super::{GridSample, JointMap, JointRow, LinkError, LinkSettings, PlanMotion, StampFindings};
 use crate::guard::{LOOK_MS, REACTION_MS, Trip};
@@ -62,6 +63,7 @@ pub struct Ros2Arm {
     pub(super) rate_hz: f64,
     pub(super) latest: Option<(JointRow, Instant)>,
     pub(super) state: Option<String>,
+    asked: Asked,
     pub(super) findings: StampFindings,
 }
 
@@ -72,10 +74,23 @@ impl Ros2Arm {
     /// [`LinkError`] where a setting is impossible, there is no answer, or the joints are not those of the robot file;
     /// [`LinkError::Interference`] where more than one robot answers, or another client commands it.
     pub(crate) fn connect(settings: &LinkSettings, robot: &Robot, robot_text: &str) -> Result<Self, LinkError> {
+        Self::find(settings, robot, robot_text, || false)
+    }
+
+    /// The same, unless the operator asks for the end.
+    ///
+    /// # Errors
+    /// Those of [`Self::connect`], and [`LinkError::Interrupted`].
+    pub(crate) fn find(
+        settings: &LinkSettings,
+        robot: &Robot,
+        robot_text: &str,
+        asked: Asked,
+    ) -> Result<Self, LinkError> {
         let names: Vec<String> = robot.joints().iter().map(|joint| joint.name.clone()).collect();
         let map = JointMap::new(&names, settings)?;
         let line = Connection::open(settings, "armid")?;
-        line.wait(settings)?;
+        line.wait(settings, asked)?;
         let mut arm = Self {
             line,
             rescue: None,
@@ -89,6 +104,7 @@ impl Ros2Arm {
             rate_hz: 0.0,
             latest: None,
             state: None,
+            asked,
             findings: StampFindings::default(),
         };
         arm.rate_hz = arm.measure_rate()?;
@@ -101,28 +117,32 @@ impl Ros2Arm {
     /// while, the robot's state has arrived where it is published, even if only once and long ago, and its clock runs as ours
     /// does.
     fn await_others(&mut self) -> Result<(), LinkError> {
-        let began = Instant::now();
+        let settings = self.settings.clone();
+        let patience = Patience::new(&settings, self.asked);
         loop {
             while self.receive(Duration::ZERO)? {}
             if let Some(found) = self.line.interference(&self.settings) {
                 return Err(LinkError::Interference(found));
             }
-            if let Err(stranger @ LinkError::Interference(_)) = self.line.sender.poll() {
-                return Err(stranger);
-            }
+            // What is said of goals counts at the end: until then it may be what was said long ago.
+            let polled = self.line.sender.poll();
             let says = self.line.says_its_state(&self.settings);
             let (said, alike) = (self.state.is_some() || !says, self.clock.agree_s() > FOUND_S);
-            if began.elapsed() > FOUND && said && alike {
-                return Ok(());
+            if patience.elapsed() > FOUND && said && alike {
+                return match polled {
+                    Err(stranger @ LinkError::Interference(_)) => Err(stranger),
+                    _ => Ok(()),
+                };
             }
-            if !alike && began.elapsed() > CLOCK {
+            if !alike && patience.elapsed() > CLOCK {
                 let (robots_s, ours_s) = self.clock.progress();
                 let found = format!("advanced by {robots_s:.2} s while ours advanced by {ours_s:.2} s");
                 return Err(LinkError::Clock { found });
             }
-            if !said && began.elapsed() > self.settings.patience() {
-                let what = format!("a state on {}", self.settings.full(&self.settings.robot_state));
-                return Err(self.line.endpoint.silence(what, None));
+            if !said {
+                patience.left(|| format!("a state on {}", settings.full(&settings.robot_state)))?;
+            } else if (self.asked)() {
+                return Err(LinkError::Interrupted);
             }
             std::thread::sleep(Duration::from_millis(5));
         }
@@ -140,9 +160,11 @@ impl Ros2Arm {
 
     /// The median rate of the joint states by their stamps, Hz.
     fn measure_rate(&mut self) -> Result<f64, LinkError> {
-        let topic = self.settings.full(&self.settings.joint_states);
+        let settings = self.settings.clone();
+        let topic = settings.full(&settings.joint_states);
+        let patience = Patience::new(&settings, self.asked);
         let mut steps = Vec::with_capacity(RATE_MESSAGES);
-        let (began, mut messages) = (Instant::now(), 0);
+        let mut messages = 0;
         while steps.len() < RATE_MESSAGES {
             let last = self.latest.as_ref().map(|(row, _)| row.stamp_ns);
             if self.receive(Duration::from_millis(5))? {
@@ -154,11 +176,13 @@ impl Ros2Arm {
                     steps.push(stamp - last);
                 }
             }
-            if began.elapsed() > self.settings.patience() {
-                if let (Some(stamp), RATE_MESSAGES.., 0) = (last, messages, steps.len()) {
-                    return Err(LinkError::Stamps { topic, messages, stamp_s: stamp as f64 * 1e-9 });
-                }
-                return Err(self.line.endpoint.silence(format!("{RATE_MESSAGES} messages on {topic}"), None));
+            if let Err(silence) = patience.left(|| format!("{RATE_MESSAGES} messages on {topic}")) {
+                return Err(match (last, messages, steps.len(), silence) {
+                    (Some(stamp), RATE_MESSAGES.., 0, LinkError::Silence { .. }) => {
+                        LinkError::Stamps { topic, messages, stamp_s: stamp as f64 * 1e-9 }
+                    }
+                    (_, _, _, silence) => silence,
+                });
             }
         }
         steps.sort_unstable();
@@ -221,14 +245,13 @@ impl Ros2Arm {
     /// [`LinkError`] where none comes in time, or its joints are not those of the robot file.
     pub(crate) fn reading(&mut self) -> Result<Reading, LinkError> {
         self.latest = None;
-        let began = Instant::now();
+        let settings = self.settings.clone();
+        let patience = Patience::new(&settings, self.asked);
         while self.receive(Duration::ZERO)? || self.latest.is_none() {
             if self.latest.is_none() {
                 self.receive(Duration::from_millis(5))?;
             }
-            if began.elapsed() > self.settings.patience() {
-                return Err(self.line.endpoint.silence(self.settings.full(&self.settings.joint_states), None));
-            }
+            patience.left(|| settings.full(&settings.joint_states))?;
         }
         let (row, at) = self.latest.clone().expect("the loop ends with one");
         Ok(Reading { row, age_s: at.elapsed().as_secs_f64(), rate_hz: self.rate_hz, state: self.state.clone() })
@@ -330,6 +353,8 @@ pub(crate) fn ending(followed: Followed, t: f64, phase: Phase) -> Ending {
         | LinkError::Middleware { .. }
         | LinkError::Cdr(_)
         | LinkError::Silence { .. }
+        | LinkError::Interrupted
+        | LinkError::Network(_)
         | LinkError::Stamps { .. }
         | LinkError::Joints { .. }
         | LinkError::Length { .. } => (Trip::Link, REACTION_MS),

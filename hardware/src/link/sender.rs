@@ -1,5 +1,6 @@
 //! How a motion is sent, and what the robot controller answers.
 
+use std::sync::{Mutex, PoisonError};
 use std::time::{Duration, Instant};
 
 use ros2_client::action::{ActionClient, ActionClientQosPolicies, GoalId, GoalStatusEnum};
@@ -8,7 +9,7 @@ use ros2_client::qos::Durability;
 use ros2_client::request_id::RmwRequestId;
 use ros2_client::{ActionTypeName, Publisher};
 
-use super::node::Peer;
+use super::node::{Asked, Peer};
 use super::{Endpoint, LinkError, LinkSettings, Mode};
 use crate::message::{Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointTrajectory};
 
@@ -17,6 +18,8 @@ pub(crate) const ACCEPTANCE: Duration = Duration::from_millis(500);
 /// Goals whose end is still of interest: the newest, and the one that it replaces.
 const KEPT: usize = 2;
 
+/// Every goal that this process has sent, over any connection: a first run has one for each of its speeds.
+static OURS: Mutex<Vec<GoalId>> = Mutex::new(Vec::new());
 /// A goal that was sent and has no answer.
 struct Unanswered {
     request: RmwRequestId,
@@ -45,9 +48,9 @@ struct Action {
     unanswered: Vec<Unanswered>,
     /// Number of goals that were taken.
     taken: usize,
-    /// Every goal that this program has ever sent, to distinguish ours from others.
-    ours: Vec<GoalId>,
     cancels: Vec<RmwRequestId>,
+    /// A goal of another client that is under way, by the newest list.
+    stranger: Option<GoalId>,
 }
 
 enum Way {
@@ -96,8 +99,8 @@ impl Sender {
                     .node()
                     .create_action_client(settings.service_mapping.into(), &Endpoint::name(&name)?, &kind, policies)
                     .map_err(|error| LinkError::middleware(format!("action {name}"), &error))?;
-                let (goals, ours, cancels, unanswered) = (Vec::new(), Vec::new(), Vec::new(), Vec::new());
-                Way::Action(Box::new(Action { client, goals, unanswered, taken: 0, ours, cancels }))
+                let (goals, cancels, unanswered) = (Vec::new(), Vec::new(), Vec::new());
+                Way::Action(Box::new(Action { client, goals, unanswered, taken: 0, cancels, stranger: None }))
             }
             Mode::Topic => {
                 let topic = settings.full(&settings.trajectory);
@@ -117,10 +120,10 @@ impl Sender {
     }
 
     /// Waits for a subscriber.
-    pub(crate) fn wait(&self, endpoint: &Endpoint, settings: &LinkSettings) -> Result<(), LinkError> {
+    pub(crate) fn wait(&self, endpoint: &Endpoint, settings: &LinkSettings, asked: Asked) -> Result<(), LinkError> {
         let listener = |name: &str| {
             let full = settings.full(name);
-            endpoint.wait(&format!("a listener to {full}"), &[(Peer::Reader, format!("rt{full}"))])
+            endpoint.wait(&format!("a listener to {full}"), &[(Peer::Reader, format!("rt{full}"))], asked)
         };
         match &self.way {
             Way::Action(_) => {
@@ -128,7 +131,7 @@ impl Sender {
                 let full = settings.full(&settings.action);
                 let request = |part: &str| (Peer::Reader, format!("rq{full}/_action/{part}Request"));
                 let topics = ["send_goal", "cancel_goal", "get_result"].map(request);
-                endpoint.wait(&format!("the action {full}"), &topics)
+                endpoint.wait(&format!("the action {full}"), &topics, asked)
             }
             Way::Topic(_) => listener(&settings.trajectory),
             Way::Stream(_) => listener(&settings.commands),
@@ -154,7 +157,7 @@ impl Sender {
                 }
                 let sent = action.client.send_goal(FollowGoal { trajectory, ..Default::default() });
                 let (request, id) = sent.map_err(|error| LinkError::middleware("goal", &error))?;
-                action.ours.push(id);
+                OURS.lock().unwrap_or_else(PoisonError::into_inner).push(id);
                 action.unanswered.push(Unanswered { request, sent: Instant::now(), rest_s, replaced: false });
                 action.goals.push(Goal { id, request, result_request: None, end: None });
                 let old = action.goals.len().saturating_sub(KEPT);
@@ -236,7 +239,7 @@ impl Sender {
     /// What the robot controller has said about the motion under way.
     ///
     /// That our own next piece ends the one before, in any way and however late (`ros2_controllers` issue 1519), is
-    /// no fault: the newest goal counts.
+    /// no fault: the newest goal counts. A goal that is refused is a fault, whichever it is.
     ///
     /// # Errors
     /// [`LinkError::Refused`] and [`LinkError::Aborted`] where it aborts the motion or another client cancels it,
@@ -255,16 +258,16 @@ impl Sender {
         *carried_out |= action.read_cancels()?;
         let refused = action.read_acceptances()?;
         action.read_results()?;
-        let Some(newest) = action.goals.last() else {
-            let standing = Standing { over: *carried_out, ..Standing::default() };
-            return stranger.filter(|_| !*asked).map_or(Ok(standing), Err);
-        };
-        if refused {
+        if refused && !*asked {
             let reason = "it does not accept the goal; where it replaces no motion under way, horizon_s = 0 hands the \
                           motion over whole"
                 .to_owned();
             return Err(LinkError::Refused { reason });
         }
+        let Some(newest) = action.goals.last() else {
+            let standing = Standing { over: *carried_out, ..Standing::default() };
+            return stranger.filter(|_| !*asked).map_or(Ok(standing), Err);
+        };
         let accepted = newest.result_request.is_some();
         if !*asked {
             if let Some(stranger) = stranger {
@@ -295,24 +298,35 @@ impl Sender {
 impl Action {
     /// A running goal of another client, or a cancel of ours that we did not ask for: of the goal before the newest as
     /// well, whose next piece may have come while the arm braked for it.
+    ///
+    /// Who runs is what the newest list says: one who has just joined may receive older ones first. A cancel is looked for in
+    /// all of them, which is why the subscription keeps more than one: the list after it says that the goal has ended, as it
+    /// does of a goal that was replaced.
     fn read_statuses(&mut self) -> Result<Option<LinkError>, LinkError> {
         use GoalStatusEnum::{Accepted, Canceling, Executing};
-        let mut found = None;
+        let mut cancelled = false;
         let fault = |error: &dyn std::fmt::Debug| LinkError::middleware("action status", error);
         while let Some(statuses) = self.client.receive_status().map_err(|error| fault(&error))? {
-            let under_way =
-                statuses.status_list.iter().filter(|s| matches!(s.status, Accepted | Executing | Canceling));
-            for status in under_way {
+            let ours = OURS.lock().unwrap_or_else(PoisonError::into_inner);
+            self.stranger = None;
+            for status in statuses.status_list {
                 let id = status.goal_info.goal_id;
-                if !self.ours.iter().rev().any(|ours| *ours == id) {
-                    let what = format!("the robot controller follows a goal of another client ({id:?})");
-                    found = Some(LinkError::Interference(what));
-                } else if status.status == Canceling && self.goals.iter().any(|goal| goal.id == id) {
-                    found = Some(LinkError::Interference("another client cancels the motion".to_owned()));
+                if !matches!(status.status, Accepted | Executing | Canceling) {
+                    continue;
                 }
+                if !ours.iter().rev().any(|ours| *ours == id) {
+                    self.stranger = Some(id);
+                }
+                cancelled |= status.status == Canceling && self.goals.iter().any(|goal| goal.id == id);
             }
         }
-        Ok(found)
+        Ok(match self.stranger {
+            _ if cancelled => Some(LinkError::Interference("another client cancels the motion".to_owned())),
+            Some(id) => {
+                Some(LinkError::Interference(format!("the robot controller follows a goal of another client ({id:?})")))
+            }
+            None => None,
+        })
     }
 
     /// Whether a cancel of ours is being carried out, or found nothing left to cancel.
@@ -335,7 +349,7 @@ impl Action {
         Ok(carried_out)
     }
 
-    /// Takes what is said of goals: whether the newest is refused. One that is taken is asked for its result.
+    /// Takes what is said of goals: whether one is refused. One that is taken is asked for its result.
     fn read_acceptances(&mut self) -> Result<bool, LinkError> {
         let fault = |error: &dyn std::fmt::Debug| LinkError::middleware("goal", error);
         let mut refused = false;
@@ -344,13 +358,14 @@ impl Action {
             if let Some(k) = self.unanswered.iter().position(|goal| goal.request == request) {
                 self.unanswered.remove(k);
                 self.unanswered[..k].iter_mut().for_each(|goal| goal.replaced = true);
+                refused |= !answer.accepted;
             }
             let Some(k) = self.goals.iter().position(|goal| goal.request == request) else { continue };
             if answer.accepted {
                 let asked = self.client.request_result(self.goals[k].id).map_err(|error| fault(&error))?;
                 self.goals[k].result_request = Some(asked);
             } else {
-                refused |= k + 1 == self.goals.len();
+                refused = true;
                 self.goals.remove(k);
             }
         }

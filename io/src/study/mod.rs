@@ -1,5 +1,6 @@
 //! Studies on disk: the plan, the work as it gets done, and the results.
 
+mod criterion_ratios;
 mod finished_work;
 mod journal;
 mod journal_text;
@@ -12,6 +13,7 @@ mod robots;
 mod row_files;
 mod store;
 
+pub use criterion_ratios::{read_ratios, write_ratios};
 pub use finished_work::{FinishedWork, MadeDesign};
 pub use journal::Journal;
 pub use journal_text::parse_journal;

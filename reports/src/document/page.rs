@@ -96,8 +96,6 @@ fn render_block(block: &Block, counters: &mut Counters) -> Markup {
         Block::Links(links) => {
             html! { ul { @for (text, address) in links { li { a href=(printable(address)) { (marked(text)) } } } } }
         }
-        Block::Listing(text) => html! { pre { code { (printable(text)) } } },
-        Block::Subheading(text) => html! { h3 { (marked(text)) } },
         Block::Figure(figure) => {
             counters.figures += 1;
             render_figure(figure, counters.figures)

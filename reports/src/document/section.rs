@@ -50,10 +50,6 @@ pub enum Block {
     List(Vec<String>),
     /// A bulleted list of links: what each is called, and its address relative to the page.
     Links(Vec<(String, String)>),
-    /// Text as it would stand in a terminal or a file: a command, a formula per line.
-    Listing(String),
-    /// A smaller heading inside the section.
-    Subheading(String),
     /// A figure.
     Figure(RenderedFigure),
     /// A table.
@@ -118,18 +114,6 @@ impl Section {
     #[must_use]
     pub fn links<I: IntoIterator<Item = (S, S)>, S: Into<String>>(self, links: I) -> Self {
         self.block(Block::Links(links.into_iter().map(|(text, address)| (text.into(), address.into())).collect()))
-    }
-
-    /// Adds preformatted text.
-    #[must_use]
-    pub fn listing(self, text: impl Into<String>) -> Self {
-        self.block(Block::Listing(text.into()))
-    }
-
-    /// Adds a smaller heading.
-    #[must_use]
-    pub fn subheading(self, text: impl Into<String>) -> Self {
-        self.block(Block::Subheading(text.into()))
     }
 
     /// Adds a table.

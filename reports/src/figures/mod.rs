@@ -6,6 +6,7 @@ mod convergence;
 mod figure;
 mod heat;
 mod interval;
+mod ratios;
 mod scatter;
 mod time_series;
 
@@ -15,5 +16,6 @@ pub use convergence::{ConvergenceFigure, ConvergencePanel, Curve};
 pub use figure::Figure;
 pub use heat::{ColourMap, HeatFigure};
 pub use interval::{CoverageFigure, CoverageRow, Interval, IntervalFigure, IntervalRow};
+pub use ratios::{Ratio, RatioFigure, RatioPanel};
 pub use scatter::{Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
 pub use time_series::{Limit, Line, TimePanel, TimeSeriesFigure};

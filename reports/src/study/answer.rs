@@ -1,8 +1,8 @@
-//! The answer of a study, from its own plan and results: one sentence first, then the details that limit it.
+//! The answer of a study from its own plan and results: one sentence first, then what limits it.
 
 use armid::study::{Comparison, ConditionResult, Metric, ReportInput};
 
-use super::overview::sentence;
+use super::criteria::{capitalised, criterion_in_words};
 use super::selection::shown_estimator;
 
 /// So many effects are named.
@@ -11,22 +11,22 @@ const NAMED: usize = 3;
 /// Paragraphs of the answer box; none where the study compares nothing.
 pub(super) fn answer(input: &ReportInput) -> Vec<String> {
     let mut paragraphs = effects(input);
-    paragraphs.extend(families(input));
+    paragraphs.extend(criteria(input));
     paragraphs.extend(claims(input));
     paragraphs
 }
 
-/// What families of designs achieve, where there are several.
-fn families(input: &ReportInput) -> Vec<String> {
+/// What the criteria achieve, if there are several.
+fn criteria(input: &ReportInput) -> Vec<String> {
     let parts = &input.result.conditions;
     let estimator = shown_estimator(input);
     match (&parts[..], &input.result.plan.compare_with[..]) {
         ([only], _) => ranking(only, estimator),
-        ([_, ..], [reference]) => over_conditions(parts, reference, estimator),
+        ([_, ..], [reference]) => over_scenarios(parts, reference, estimator),
         ([first, ..], _) => {
             let mut paragraphs = ranking(first, estimator);
             if let Some(found) = paragraphs.first_mut() {
-                *found = format!("Under condition \"{}\": {found}", first.condition.name);
+                *found = format!("In scenario \"{}\": {found}", first.condition.name);
             }
             paragraphs
         }
@@ -34,7 +34,7 @@ fn families(input: &ReportInput) -> Vec<String> {
     }
 }
 
-/// The family with the smallest error, and the others against it.
+/// The criterion with the smallest torque error, the others relative to it, and the scores that rank them differently.
 fn ranking(part: &ConditionResult, estimator: &str) -> Vec<String> {
     let Some(best) = best_family(part, estimator) else { return Vec::new() };
     let of = |metric: Metric| -> Vec<&Comparison> {
@@ -46,44 +46,59 @@ fn ranking(part: &ConditionResult, estimator: &str) -> Vec<String> {
     if against.is_empty() {
         return Vec::new();
     }
-    let (decided, undecided): (Vec<&Comparison>, Vec<&Comparison>) = against.iter().partition(|c| c.better.is_some());
-    let ratio = |c: &Comparison| {
-        let other = if c.first == best { &c.second } else { &c.first };
-        let value = |x: f64| if c.first == best { 1.0 / x } else { x };
+    let name = criterion_in_words(&best);
+    let relative = |c: &Comparison| {
+        let is_first = c.first == best;
+        let value = |x: f64| match (is_first, c.metric.is_logarithmic()) {
+            (false, _) => x,
+            (true, false) => 1.0 / x,
+            (true, true) => -x,
+        };
         let interval = c.interval.map_or_else(String::new, |i| {
             let (a, b) = (value(i.low), value(i.high));
             format!(" [{:.2}, {:.2}]", a.min(b), a.max(b))
         });
+        let other = criterion_in_words(if is_first { &c.second } else { &c.first });
         format!("{other} {:.2}{interval}", value(c.difference))
     };
-    let list = |all: &[&Comparison]| all.iter().map(|c| ratio(c)).collect::<Vec<_>>().join(", ");
-    let mut first = format!("**{best} predicts torque best**; error of the others over its own: {}.", list(&decided));
-    if decided.is_empty() {
-        first = format!(
-            "**{best} has the smallest torque prediction error, and none of the others is shown to be worse.**"
-        );
-    }
-    if !undecided.is_empty() {
-        first += &format!(" Undecided: {}.", list(&undecided));
-    }
-    let mut paragraphs = vec![first];
-    let others: Vec<Metric> = Metric::ALL.into_iter().filter(|&metric| metric != Metric::Prediction).collect();
-    let contrary: Vec<String> = others
-        .iter()
-        .flat_map(|&metric| of(metric))
-        .filter(|c| c.better.as_ref().is_some_and(|better| *better != best))
-        .map(sentence)
-        .collect();
-    paragraphs.push(if contrary.is_empty() {
-        "No other metric shows a family that is better than it.".to_owned()
+    let list = |all: &[&Comparison]| all.iter().map(|c| relative(c)).collect::<Vec<_>>().join(", ");
+    let (worse, open): (Vec<&Comparison>, Vec<&Comparison>) = against.iter().partition(|c| c.better.is_some());
+    let first = if worse.is_empty() {
+        format!(
+            "**No difference in torque error is significant.** The smallest error is that of {name} designs; relative to it: {}.",
+            list(&open)
+        )
     } else {
-        format!("The metrics disagree. {}", contrary.join(" "))
-    });
-    paragraphs
+        let best = capitalised(&name);
+        if open.is_empty() {
+            format!("**{best} designs predict torque best.** Torque errors relative to theirs: {}.", list(&worse))
+        } else {
+            format!(
+                "**{best} designs have the smallest torque error.** Relative to theirs: {}. Not significantly different: {}.",
+                list(&worse),
+                list(&open)
+            )
+        }
+    };
+    let contrary: Vec<String> = Metric::ALL
+        .into_iter()
+        .filter(|&metric| metric != Metric::Prediction)
+        .filter_map(|metric| {
+            let better = of(metric).into_iter().filter(|c| c.better.as_ref().is_some_and(|better| *better != best));
+            let better: Vec<&Comparison> = better.collect();
+            (!better.is_empty()).then(|| format!("{} ({})", list(&better), metric.title()))
+        })
+        .collect();
+    let second = if contrary.is_empty() {
+        "In no other score are other designs significantly better.".to_owned()
+    } else {
+        format!("Significantly better than {name} designs in other scores: {}.", contrary.join("; "))
+    };
+    vec![first, second]
 }
 
-/// How often each family is better and worse than one, over all conditions.
-fn over_conditions(parts: &[ConditionResult], reference: &str, estimator: &str) -> Vec<String> {
+/// How often each criterion is better and worse than one, over all scenarios.
+fn over_scenarios(parts: &[ConditionResult], reference: &str, estimator: &str) -> Vec<String> {
     let mut best: Vec<(String, usize)> = Vec::new();
     for family in parts.iter().filter_map(|part| best_family(part, estimator)) {
         match best.iter_mut().find(|(name, _)| *name == family) {
@@ -92,26 +107,25 @@ fn over_conditions(parts: &[ConditionResult], reference: &str, estimator: &str) 
         }
     }
     best.sort_by_key(|(_, count)| std::cmp::Reverse(*count));
-    if best.is_empty() {
-        return Vec::new();
-    }
-    let shares: Vec<String> = best.iter().map(|(family, count)| format!("{family} under {count}")).collect();
-    let mut paragraphs = vec![format!(
-        "**No family is best under all of the {} conditions**; the smallest torque prediction error has {}.",
-        parts.len(),
-        shares.join(", ")
-    )];
-    if let [(only, _)] = &best[..] {
-        paragraphs[0] =
-            format!("**{only} has the smallest torque prediction error under all {} conditions.**", parts.len());
-    }
-    for metric in [Metric::Prediction, Metric::Measured, Metric::Reference] {
-        paragraphs.extend(tally(parts, reference, metric, estimator));
-    }
-    paragraphs
+    let shares: Vec<String> =
+        best.iter().map(|(family, count)| format!("{} in {count}", criterion_in_words(family))).collect();
+    let all = parts.len();
+    let first = match &best[..] {
+        [] => return Vec::new(),
+        [(only, _)] => format!(
+            "**{} designs predict torque best in all {all} scenarios.**",
+            capitalised(&criterion_in_words(only))
+        ),
+        [..] => format!(
+            "**No criterion predicts torque best in all {all} scenarios.** The smallest error: {}.",
+            shares.join(", ")
+        ),
+    };
+    let scores = [Metric::Prediction, Metric::Measured, Metric::Reference];
+    std::iter::once(first).chain(scores.iter().filter_map(|&score| tally(parts, reference, score, estimator))).collect()
 }
 
-/// Under how many conditions each family is better or worse than one by a metric.
+/// In how many scenarios each criterion is significantly better or worse than one in a score.
 fn tally(parts: &[ConditionResult], reference: &str, metric: Metric, estimator: &str) -> Option<String> {
     let mut counts: Vec<(String, [usize; 3])> = Vec::new();
     for part in parts {
@@ -135,11 +149,20 @@ fn tally(parts: &[ConditionResult], reference: &str, metric: Metric, estimator: 
     }
     let words: Vec<String> = counts
         .iter()
-        .map(|(family, [better, worse, open])| {
-            format!("{family} better under {better}, worse under {worse}, undecided under {open}")
+        .map(|(family, found)| {
+            let words = ["better", "worse", "not significant"].into_iter().zip(found).filter(|(_, count)| **count > 0);
+            let words: Vec<String> = words.map(|(word, count)| format!("{word} in {count}")).collect();
+            format!("{} {}", criterion_in_words(family), words.join(", "))
         })
         .collect();
-    (!words.is_empty()).then(|| format!("Against {reference}, by {}: {}.", metric.title(), words.join("; ")))
+    (!words.is_empty()).then(|| {
+        format!(
+            "{} against {}, number of scenarios: {}.",
+            capitalised(metric.title()),
+            criterion_in_words(reference),
+            words.join("; ")
+        )
+    })
 }
 
 fn best_family(part: &ConditionResult, estimator: &str) -> Option<String> {
@@ -148,7 +171,7 @@ fn best_family(part: &ConditionResult, estimator: &str) -> Option<String> {
     valued.min_by(|(a, _), (b, _)| a.total_cmp(b)).map(|(_, family)| family.clone())
 }
 
-/// The effects that raise the error most, family by family; none where families are compared with one under every condition.
+/// The effects that raise the error most, criterion by criterion; none if the plan compares criteria with one of them.
 fn effects(input: &ReportInput) -> Vec<String> {
     let (plan, Some(sensitivity)) = (&input.result.plan, input.result.effect_sensitivity.as_ref()) else {
         return Vec::new();
@@ -168,11 +191,14 @@ fn effects(input: &ReportInput) -> Vec<String> {
         let named: Vec<String> =
             found.iter().take(NAMED).map(|(name, ratio)| format!("{name} ({ratio:.0} times)")).collect();
         let small = found.iter().filter(|(_, ratio)| *ratio < 1.1).count();
-        let with = if plan.designs.len() > 1 { format!(" with {family}") } else { String::new() };
+        let with = if plan.designs.len() > 1 {
+            format!(" with {} designs", criterion_in_words(family))
+        } else {
+            String::new()
+        };
         (!named.is_empty()).then(|| {
             format!(
-                "**The torque prediction error grows most under {}{with}.** Under {small} of {} conditions it grows by less \
-                 than a tenth.",
+                "**The torque error grows most under {}{with}.** In {small} of {} scenarios it grows by less than a tenth.",
                 named.join(", "),
                 found.len()
             )
@@ -193,5 +219,5 @@ fn claims(input: &ReportInput) -> Option<String> {
         }
     }
     let listed: Vec<String> = counts.iter().map(|(verdict, count)| format!("{verdict}: {count}")).collect();
-    Some(format!("**Of {} claims of Radkhah et al. (2007)** – {}.", found.claims.len(), listed.join(", ")))
+    Some(format!("**{} claims of Radkhah et al. (2007).** {}.", found.claims.len(), listed.join(", ")))
 }

@@ -1,7 +1,8 @@
-//! Do the differences between families hold under every condition, and on every arm?
+//! Do the differences between criteria hold in every scenario, and on every arm?
 
-use armid::study::{Comparison, ConditionResult, Metric, ReportInput, TruthComparison};
+use armid::study::{Comparison, ConditionResult, Metric, ReportInput};
 
+use super::criteria::criterion_in_words;
 use super::selection::shown_estimator;
 use crate::{
     Axis, Cell, Column, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow, Level, Section, Table,
@@ -34,16 +35,16 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
         return Ok(None);
     }
     let estimator = shown_estimator(input);
-    let mut section = Section::new("Does it hold elsewhere?");
+    let mut section = Section::new("Does it hold in other scenarios?");
     if compared {
         section = section
-            .text("Every run of every design is performed under every condition with the same noise.")
+            .text("Every run of every design is performed in every scenario with the same noise.")
             .figure(&by_condition(parts, estimator))?
             .table(comparisons(parts, estimator));
     }
     if drawn && parts.len() <= MOST {
         section = section
-            .text("Every truth is another arm that can exist; all designs are performed on the same ones, and the truths are the units of the intervals.")
+            .text("Each arm has other parameters that are physically possible. All designs are performed on the same arms, which are the units of the intervals.")
             .figure(&over_truths(parts, estimator, input.result.drawn_truths.len()))?
             .table(truths(parts, estimator));
     }
@@ -57,8 +58,8 @@ fn beside_one_family(input: &ReportInput) -> Result<Option<Section>, DocumentErr
     if input.result.findings().comparisons.is_empty() {
         return Ok(None);
     }
-    let mut section = Section::new("Does it hold elsewhere?")
-        .text("Every run of every design is performed under every condition with the same noise.");
+    let mut section = Section::new("Does it hold in other scenarios?")
+        .text("Every run of every design is performed in every scenario with the same noise.");
     for metric in SHOWN {
         let figure = against(parts, reference, metric, estimator);
         if figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some)) {
@@ -100,18 +101,19 @@ fn against(parts: &[ConditionResult], reference: &str, metric: Metric, estimator
         Metric::PointToPoint => "point-to-point-motions",
         Metric::Static => "static-poses",
     };
+    let in_words = criterion_in_words(reference);
     IntervalFigure {
         heading: Heading::new(
             format!("{name}-by-condition"),
-            format!("Each criterion against {reference}, condition by condition"),
+            format!("Each criterion relative to {in_words}, by scenario"),
         )
         .subtitle(format!("{}, estimator {estimator}", metric.title()))
         .caption(format!(
-            "Ratio of geometric means over designs with its 95 % t interval ({}); left of 1 the family is better than {reference}.",
+            "Ratio of geometric means over designs with its 95 % t interval ({}); left of 1 is better than {in_words}.",
             unit_words(parts, estimator, metric, |c| [c.first.as_str(), c.second.as_str()].contains(&reference))
         )),
-        value: Axis::log(format!("ratio to {reference}"), ""),
-        groups: Group::assign(others.iter().map(|&family| family.to_owned())),
+        value: Axis::log(format!("error relative to {in_words}"), ""),
+        groups: Group::assign(others.iter().map(|family| criterion_in_words(family))),
         rows: parts
             .iter()
             .map(|part| IntervalRow {
@@ -124,40 +126,43 @@ fn against(parts: &[ConditionResult], reference: &str, metric: Metric, estimator
     }
 }
 
-fn groups(parts: &[ConditionResult]) -> Vec<Group> {
-    Group::assign(parts.iter().map(|part| part.condition.name.clone()))
-}
-
-/// Names of two families, as a row shows them.
+/// Names of two criteria, as a row shows them.
 fn pair(first: &str, second: &str) -> String {
-    format!("{first} / {second}")
+    format!("{} / {}", criterion_in_words(first), criterion_in_words(second))
 }
 
 fn by_condition(parts: &[ConditionResult], estimator: &str) -> IntervalFigure {
-    let of = |part: &ConditionResult| -> Vec<Comparison> {
+    let heading = Heading::new("differences-by-condition", "Differences between criteria in every scenario")
+        .subtitle(format!("torque prediction RMSE, first over second, estimator {estimator}"))
+        .caption(format!(
+            "Ratio of geometric means over designs with its 95 % t interval ({}); left of 1 the first is better.",
+            unit_words(parts, estimator, Metric::Prediction, |_| true)
+        ));
+    of_pairs(heading, parts, |part| {
         let all = part.findings.comparisons.iter();
-        all.filter(|c| c.estimator == estimator && c.metric == Metric::Prediction).cloned().collect()
-    };
-    let columns: Vec<Vec<Comparison>> = parts.iter().map(of).collect();
-    let rows = columns.first().into_iter().flatten().map(|row| IntervalRow {
-        label: pair(&row.first, &row.second),
-        cells: columns
-            .iter()
-            .map(|column| {
-                let found = column.iter().find(|c| c.first == row.first && c.second == row.second)?;
-                found.interval.map(|i| around(found.difference, i.low, i.high))
-            })
-            .collect(),
+        all.filter(|c| c.estimator == estimator && c.metric == Metric::Prediction)
+            .map(|c| (pair(&c.first, &c.second), c.interval.map(|i| around(c.difference, i.low, i.high))))
+            .collect()
+    })
+}
+
+/// A row for each pair of criteria, a group for each scenario; `column` gives the pairs of one scenario.
+fn of_pairs(
+    heading: Heading,
+    parts: &[ConditionResult],
+    column: impl Fn(&ConditionResult) -> Vec<(String, Option<Interval>)>,
+) -> IntervalFigure {
+    let columns: Vec<Vec<(String, Option<Interval>)>> = parts.iter().map(column).collect();
+    let cell =
+        |column: &Vec<(String, Option<Interval>)>, label: &String| column.iter().find(|(name, _)| name == label)?.1;
+    let rows = columns.first().into_iter().flatten().map(|(label, _)| IntervalRow {
+        label: label.clone(),
+        cells: columns.iter().map(|column| cell(column, label)).collect(),
     });
     IntervalFigure {
-        heading: Heading::new("differences-by-condition", "The differences between families under every condition")
-            .subtitle(format!("torque prediction RMSE, first over second, estimator {estimator}"))
-            .caption(format!(
-                "Ratio of geometric means over designs with its 95 % t interval ({}); left of 1 the first family is better.",
-                unit_words(parts, estimator, Metric::Prediction, |_| true)
-            )),
+        heading,
         value: Axis::log("ratio of prediction RMSE", ""),
-        groups: groups(parts),
+        groups: Group::assign(parts.iter().map(|part| part.condition.name.clone())),
         rows: rows.collect(),
         levels: vec![Level::new(1.0, "no difference")],
         band: None,
@@ -190,9 +195,9 @@ fn around(point: f64, low: f64, high: f64) -> Interval {
 
 fn comparisons(parts: &[ConditionResult], estimator: &str) -> Table {
     let mut table = Table::new(
-        "Differences between families under every condition, first over second (log volume: first minus second), with 95 % intervals, what is repeated independently, and the p-value as Holm adjusts it within a condition.",
+        "Differences between criteria in every scenario, first over second (log volume: first minus second), with 95 % intervals, what is repeated independently, and the p-value as Holm adjusts it within a scenario.",
         vec![
-            Column::text("condition"),
+            Column::text("scenario"),
             Column::text("metric"),
             Column::text("first"),
             Column::text("second"),
@@ -224,38 +229,22 @@ fn comparisons(parts: &[ConditionResult], estimator: &str) -> Table {
 }
 
 fn over_truths(parts: &[ConditionResult], estimator: &str, count: usize) -> IntervalFigure {
-    let of = |part: &ConditionResult| -> Vec<TruthComparison> {
+    let heading = Heading::new("differences-over-truths", "Differences between criteria over random arms")
+        .subtitle(format!("torque prediction RMSE, first over second, {count} arms, estimator {estimator}"))
+        .caption("Geometric mean of the ratio over arms with its 95 % t interval; left of 1 the first is better.");
+    of_pairs(heading, parts, |part| {
         let all = part.findings.over_truths.iter();
-        all.filter(|c| c.estimator == estimator && c.metric == Metric::Prediction).cloned().collect()
-    };
-    let columns: Vec<Vec<TruthComparison>> = parts.iter().map(of).collect();
-    let rows = columns.first().into_iter().flatten().map(|row| IntervalRow {
-        label: pair(&row.first, &row.second),
-        cells: columns
-            .iter()
-            .map(|column| {
-                let found = column.iter().find(|c| c.first == row.first && c.second == row.second)?;
-                found.interval.map(|i| around(found.ratio, i.low, i.high))
-            })
-            .collect(),
-    });
-    IntervalFigure {
-        heading: Heading::new("differences-over-truths", "The differences between families over random arms")
-            .subtitle(format!("torque prediction RMSE, first over second, {count} truths, estimator {estimator}"))
-            .caption("Geometric mean of the ratio over truths with its 95 % t interval; left of 1 the first family is better."),
-        value: Axis::log("ratio of prediction RMSE", ""),
-        groups: groups(parts),
-        rows: rows.collect(),
-        levels: vec![Level::new(1.0, "no difference")],
-        band: None,
-    }
+        all.filter(|c| c.estimator == estimator && c.metric == Metric::Prediction)
+            .map(|c| (pair(&c.first, &c.second), c.interval.map(|i| around(c.ratio, i.low, i.high))))
+            .collect()
+    })
 }
 
 fn truths(parts: &[ConditionResult], estimator: &str) -> Table {
     let mut table = Table::new(
-        "Differences between families over random truths, first over second: geometric mean with its 95 % interval, the range over truths, and for how many of them the first is better.",
+        "Differences between criteria over random arms, first over second: geometric mean with its 95 % interval, the range over arms, and for how many of them the first is better.",
         vec![
-            Column::text("condition"),
+            Column::text("scenario"),
             Column::text("metric"),
             Column::text("first"),
             Column::text("second"),
@@ -265,7 +254,7 @@ fn truths(parts: &[ConditionResult], estimator: &str) -> Table {
             Column::number("smallest", ""),
             Column::number("largest", ""),
             Column::number("first better", ""),
-            Column::number("truths", ""),
+            Column::number("arms", ""),
         ],
     );
     for part in parts {

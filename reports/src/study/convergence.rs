@@ -3,6 +3,7 @@
 use armid::excitation::CriterionKind;
 use armid::study::{ReportInput, StudyDesign};
 
+use super::criteria::criterion_in_words;
 use crate::design::{convergence_panel, value_axis};
 use crate::{ConvergenceFigure, ConvergencePanel, Curve, DocumentError, GroupStyle, Heading, Section};
 
@@ -43,5 +44,5 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
 fn curve(input: &ReportInput, design: &StudyDesign) -> Curve {
     let family = &input.result.plan.designs[design.family].name;
     let style = GroupStyle::of(family).unwrap_or_else(|| GroupStyle::nth(design.family));
-    crate::design::curve(family, style, &design.history)
+    crate::design::curve(&criterion_in_words(family), style, &design.history)
 }

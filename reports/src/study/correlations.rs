@@ -1,4 +1,4 @@
-//! What a design's own value foretells: its rank correlation with the error by every metric.
+//! Do criterion values predict the error? The rank correlation of a design's own values with its error in every score.
 
 use armid::study::{CriterionCorrelation, DesignMethod, Metric, ReportInput, StudyPlan};
 
@@ -10,7 +10,7 @@ pub(super) fn section(input: &ReportInput) -> Option<Section> {
     if found.iter().all(|correlation| correlation.rank_correlation.is_none()) {
         return None;
     }
-    let section = Section::new("What a design's own value foretells").text(
+    let section = Section::new("Do criterion values predict the error?").text(
         "Spearman's rank correlation over designs of each value with the median over a design's runs of each error, with its 95 % interval by Fisher's transform (standard error of Bonett and Wright, designs taken as independent). Every value is oriented so that smaller is better: a useful one has a correlation near 1.",
     );
     Some(section.text(caution(&input.result.plan)).table(matrix(found)))

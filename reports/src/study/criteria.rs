@@ -14,7 +14,7 @@ type Value = (&'static str, &'static str, fn(&StudyDesign) -> f64, bool);
 /// Title, axis, value and whether the axis is logarithmic.
 const VALUES: [Value; 3] = [
     ("Condition number", "condition number", |d| d.certificate.condition_all, true),
-    ("Scaled condition number", "condition number, unit columns", |d| d.certificate.condition_scaled_all, true),
+    ("Column-normalised", "normalised condition number", |d| d.certificate.condition_scaled_all, true),
     ("D-optimality", "ln det of the information per row", |d| d.certificate.log_det_information_all, false),
 ];
 
@@ -22,7 +22,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let result = &input.result;
     let estimator = shown_estimator(input);
     let index = result.plan.identification.estimators.iter().position(|name| name == estimator).unwrap_or_default();
-    let groups = Group::assign(result.plan.designs.iter().map(|family| family.name.clone()));
+    let groups = Group::assign(result.plan.designs.iter().map(|family| criterion_in_words(&family.name)));
     let spread = &result.findings().design_prediction[index];
     let panels = VALUES
         .iter()
@@ -67,7 +67,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         input,
         &groups,
         Heading::new("error-by-criterion", "Torque prediction error by criterion")
-            .subtitle("all designs and runs of each family")
+            .subtitle("all designs and runs of each criterion")
             .caption("RMSE on validation trajectories, all joints. Box: quartiles and median; whiskers: 5 % and 95 % quantiles over runs."),
         Axis::log("prediction RMSE", "N·m"),
         |family| family.prediction_spread,
@@ -76,7 +76,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         input,
         &groups,
         Heading::new("parameter-error-by-criterion", "Parameter error by criterion")
-            .subtitle("all designs and runs of each family, in the declared reference units")
+            .subtitle("all designs and runs of each criterion, in the declared reference units")
             .caption("RMS over the base parameters of the error in reference units. Box: quartiles and median; whiskers: 5 % and 95 % quantiles over runs."),
         Axis::log("parameter RMSE", "reference units"),
         |family| family.reference_spread,
@@ -84,7 +84,23 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     Section::new("Criteria and errors").figure(&prediction)?.figure(&parameters)?.figure(&scatter)
 }
 
-/// One box per family and estimator.
+/// The name of a group of designs as it is written in prose.
+pub(super) fn criterion_in_words(name: &str) -> String {
+    match name {
+        "condition" => "condition number".to_owned(),
+        "condition-scaled" => "column-normalised condition number".to_owned(),
+        _ if name.ends_with("-optimal") => capitalised(name),
+        _ => name.to_owned(),
+    }
+}
+
+/// `text` with a capital at its beginning.
+pub(super) fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().into_iter().flat_map(char::to_uppercase).chain(rest).collect()
+}
+
+/// One box per criterion and estimator.
 fn boxes(
     input: &ReportInput,
     groups: &[Group],
@@ -93,8 +109,8 @@ fn boxes(
     spread: fn(&FamilyScore) -> Option<Spread>,
 ) -> BoxFigure {
     let result = &input.result;
-    let cell = |estimator: &str, group: &Group| {
-        let family = result.findings().families.iter().find(|f| f.estimator == estimator && f.family == group.label)?;
+    let cell = |estimator: &str, name: &str| {
+        let family = result.findings().families.iter().find(|f| f.estimator == estimator && f.family == name)?;
         let s = spread(family)?;
         let (q1, q3) = (s.lower_quartile, s.upper_quartile);
         Some(Distribution::of(Quantiles { low: s.low, q1, median: s.median, q3, high: s.high }))
@@ -109,7 +125,10 @@ fn boxes(
             .identification
             .estimators
             .iter()
-            .map(|name| BoxRow { label: name.clone(), cells: groups.iter().map(|group| cell(name, group)).collect() })
+            .map(|name| BoxRow {
+                label: name.clone(),
+                cells: result.plan.designs.iter().map(|design| cell(name, &design.name)).collect(),
+            })
             .collect(),
         levels: Vec::new(),
     }

@@ -3,6 +3,8 @@
 use armid::experiment::Level;
 use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry};
 
+use super::criteria::criterion_in_words;
+use super::criteria_on_robots::effect_in_words;
 use super::selection::shown_estimator;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
@@ -23,7 +25,7 @@ pub(super) fn section(input: &ReportInput, sensitivity: &EffectSensitivity) -> R
     let mut section = Section::new("Effect sensitivity")
         .text("Every effect alone, or several at once, on otherwise the same arm, with the same designs and the same random numbers. The true parameters are those of the arm without the effect. An error ratio of 1 means that the effect is lost in the noise of the measurement.");
     if let (true, Some(family)) = (plan.designs.len() > 1, family) {
-        section = section.text(format!("Shown are the designs of the family {family}."));
+        section = section.text(format!("Shown are the {} designs.", criterion_in_words(family)));
     }
     // The estimator that figures show comes first.
     for estimator in input.result.plan.identification.estimators.iter().rev() {
@@ -90,9 +92,9 @@ fn glance(
     HeatFigure {
         heading: Heading::new(format!("atlas-{estimator}"), "Error increase per unmodelled effect")
             .subtitle(format!("how many times the error without the effect, estimator {estimator}"))
-            .caption("Rows: one effect alone, or several by the name of their condition, the largest increase of the prediction error at the top. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a level that was not run, or a run that gave no estimate."),
+            .caption("Rows: one effect alone, or several by the name of their scenario, the largest increase of the prediction error at the top. Prediction: RMSE of predicted torque over the rating. Parameters: root mean square over the parameters of a kind. 1 is an effect that noise hides; grey is a level that was not run, or a run that gave no estimate."),
         values: values.collect(),
-        rows: rows.into_iter().map(str::to_owned).collect(),
+        rows: rows.into_iter().map(|effect| effect_in_words(Some(effect))).collect(),
         columns: levels.iter().flat_map(|_| names.clone()).collect(),
         groups: levels.iter().map(|level| (group(level), names.len())).collect(),
         value: Axis::log("times the error without the effect", "").including(&[1.0]),
@@ -123,7 +125,7 @@ fn biases(input: &ReportInput, shown: &[&SensitivityEntry], estimator: &str) -> 
 /// Prediction and kinds of parameters, for every estimator.
 fn predictions(sensitivity: &EffectSensitivity) -> Table {
     let mut columns = vec![
-        Column::text("condition"),
+        Column::text("scenario"),
         Column::text("estimator"),
         Column::text("what it is"),
         Column::number("runs", ""),
@@ -160,7 +162,7 @@ fn worst(input: &ReportInput, sensitivity: &EffectSensitivity) -> Table {
     let mut table = Table::new(
         "The three base parameters that each effect biases most, with 95 % intervals: in standard deviations that the estimator states, and in reference units.",
         vec![
-            Column::text("condition"),
+            Column::text("scenario"),
             Column::text("estimator"),
             Column::text("parameter"),
             Column::number("bias", "std"),

@@ -2,6 +2,7 @@
 
 use armid::study::{ConditionResult, EstimatorComparison, Metric, ReportInput};
 
+use super::criteria::criterion_in_words;
 use super::selection::shown_estimator;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
@@ -21,7 +22,8 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
         return Ok(None);
     }
     let mut section = Section::new("Estimators").text(format!(
-        "Every estimator on the same recordings of the designs of the family {family}. An error over another is a geometric mean over runs in which both gave an estimate, with the 95 % t interval over designs, or over runs where there is one design.",
+        "Every estimator on the same recordings of the {} designs. An error over another is a geometric mean over runs in which both gave an estimate, with the 95 % t interval over designs, or over runs if there is one design.",
+        criterion_in_words(family)
     ));
     for (metric, word) in SHOWN {
         if let Some(figure) = glance(input, family, metric, word) {
@@ -67,8 +69,8 @@ fn glance(input: &ReportInput, family: &str, metric: Metric, word: &str) -> Opti
     };
     Some(HeatFigure {
         heading: Heading::new(format!("estimators-{word}"), format!("Estimators by {}", metric.title()))
-            .subtitle("how many times the error of the best estimator under that condition")
-            .caption("Rows: conditions. Columns: estimators, as the plan names them. 1 is the best; grey is one that gave no estimate."),
+            .subtitle("how many times the error of the best estimator in that scenario")
+            .caption("Rows: scenarios. Columns: estimators, as the plan names them. 1 is the best; grey is one that gave no estimate."),
         rows: conditions.iter().map(|condition| condition.condition.name.clone()).collect(),
         columns: estimators.clone(),
         groups: Vec::new(),
@@ -82,13 +84,13 @@ fn glance(input: &ReportInput, family: &str, metric: Metric, word: &str) -> Opti
 /// Every estimator against the one that figures show, with its coverage and how often it failed.
 fn table(input: &ReportInput, family: &str) -> Table {
     let estimators = &input.result.plan.identification.estimators;
-    let mut columns = vec![Column::text("condition"), Column::text("estimator")];
+    let mut columns = vec![Column::text("scenario"), Column::text("estimator")];
     for (_, word) in SHOWN {
         columns.extend([Column::number(word, "ratio"), Column::number("low", ""), Column::number("high", "")]);
     }
     columns.extend([Column::number("coverage", "%"), Column::number("runs", ""), Column::number("failed", "")]);
     let caption = format!(
-        "Estimators against {}: error over its error for torque prediction, torque measured on fresh motions, and parameters in SI units; how many parameters' stated 95 % intervals hold the truth; runs with an estimate, and without.",
+        "Estimators against {}: error over its error for torque prediction, torque measured on fresh motions, and parameters in SI units; how many parameters' stated 95 % intervals cover the true value; runs with an estimate, and without.",
         shown_estimator(input)
     );
     let number = |value: Option<f64>| value.map_or(Cell::Missing, |value| Cell::number(value, 3));

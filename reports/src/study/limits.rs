@@ -2,6 +2,7 @@
 
 use armid::study::{LimitExample, ReportInput};
 
+use super::criteria::{capitalised, criterion_in_words};
 use crate::{Cell, Column, DocumentError, Heading, Section, Table, TimeSeriesFigure, limits_figure};
 
 /// Designs that are drawn: of a grid the first few.
@@ -16,9 +17,9 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         section = section.figure(&figure)?;
     }
     let mut table = Table::new(
-        "Every design: condition numbers and information of the rigid base columns and of all estimated ones; the bias susceptibility, the largest norm of the parameter error in reference units by 1 N·m RMS of any torque that the model lacks (how much torque an effect gives is not in it); and the worst use of each limit.",
+        "Every design: condition numbers and information of the rigid base columns and of all estimated ones, and the worst use of each limit. Bias susceptibility: the largest norm of the parameter error, in reference units, by 1 N·m RMS of any unmodelled torque.",
         vec![
-            Column::text("family"),
+            Column::text("criterion"),
             Column::number("start", ""),
             Column::number("evaluations", ""),
             Column::text("ended"),
@@ -58,8 +59,9 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
 fn figure(example: &LimitExample, input: &ReportInput) -> Option<TimeSeriesFigure> {
     let joints: Vec<String> = input.result.joints.iter().map(|joint| joint.name.clone()).collect();
     let name = format!("limits-{}", stem(&example.family));
-    let heading = Heading::new(name, format!("A {} design against its limits", example.family))
-        .subtitle(format!("design {} of the study", example.design));
+    let heading =
+        Heading::new(name, format!("{} design: use of each limit", capitalised(&criterion_in_words(&example.family))))
+            .subtitle(format!("design {} of the study", example.design));
     limits_figure(example, &joints, heading)
 }
 

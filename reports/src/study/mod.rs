@@ -7,6 +7,7 @@ mod conditions;
 mod convergence;
 mod correlations;
 mod criteria;
+mod criteria_on_robots;
 mod grid;
 mod limits;
 mod motions;
@@ -19,5 +20,6 @@ mod robots;
 mod rounds;
 mod selection;
 
+pub use criteria_on_robots::criteria_figure;
 pub use page::study_document;
 pub use robots::{robots_answer, robots_document};

@@ -6,15 +6,15 @@ use armid::study::{Comparison, Metric, MotionKind, ReportInput};
 use super::selection::shown_estimator;
 use crate::{Cell, Column, Section, Table};
 
-/// Families by kinds of motion, and the ratios of families by kind.
+/// Criteria by kinds of motion, and their ratios by kind.
 pub(super) fn section(input: &ReportInput) -> Section {
     let (findings, estimator) = (input.result.findings(), shown_estimator(input));
     let kinds = |unit: &str| MotionKind::ALL.map(|kind| Column::number(kind.title(), unit));
-    let mut columns = vec![Column::text("family")];
+    let mut columns = vec![Column::text("criterion")];
     columns.extend(kinds("N·m"));
     let mut values = Table::new(
         format!(
-            "Torque prediction RMSE of each family by kind of motion, estimator {estimator}: geometric mean over designs with its 95 % t interval over designs (over runs of an only design)."
+            "Torque prediction RMSE of each criterion by kind of motion, estimator {estimator}: geometric mean over designs with its 95 % t interval over designs (over runs of an only design)."
         ),
         columns,
     );
@@ -28,10 +28,10 @@ pub(super) fn section(input: &ReportInput) -> Section {
         .table(values);
     let pairs = compared(&findings.comparisons, estimator, &input.result.plan.compare_with);
     if !pairs.is_empty() {
-        let mut columns = vec![Column::text("family"), Column::text("over")];
+        let mut columns = vec![Column::text("criterion"), Column::text("over")];
         columns.extend(kinds(""));
         let mut ratios = Table::new(
-            "Error of a family over that of another by kind of motion, with 95 % intervals; below 1 the family predicts better.",
+            "Error of one criterion over that of another by kind of motion, with 95 % intervals; below 1 the first predicts better.",
             columns,
         );
         for [family, over] in pairs {

@@ -1,31 +1,17 @@
 //! What the study found, in words and two tables.
 
-use armid::study::{Comparison, Metric, ReportInput};
+use armid::study::{Metric, ReportInput};
 
 use crate::{Cell, Column, Section, Table};
 
-/// How differences between families are tested, as every page says it.
-pub(super) const TESTED: &str = "Intervals are 95 % t intervals of the mean difference of logarithms: over designs that share their start in pairs, else Welch's over the designs of either family; runs count as units of a family with one design alone. A log volume's is by bootstrap over designs and runs. A family is called better where the p-value, adjusted by Holm's method for all pairs of one metric and estimator, is below 0.05, which asks for more than that an interval leaves out no difference.";
-/// One comparison as a sentence.
-pub(super) fn sentence(c: &Comparison) -> String {
-    let unit = c.unit.map_or_else(String::new, |unit| format!(" over {}", unit.words()));
-    let interval =
-        c.interval.map_or_else(String::new, |i| format!(" (95 % interval{unit} {:.3} to {:.3})", i.low, i.high));
-    let relation = if c.metric.is_logarithmic() {
-        format!("{} minus {}", c.first, c.second)
-    } else {
-        format!("{} over {}", c.first, c.second)
-    };
-    let verdict =
-        c.better.as_ref().map_or_else(|| "no difference shown".to_owned(), |better| format!("{better} is better"));
-    format!("By {}: {relation} is {:.3}{interval}, {verdict}.", c.metric.title(), c.difference)
-}
+/// How differences between criteria are tested, as every page says it.
+pub(super) const TESTED: &str = "Intervals are 95 % t intervals of the mean difference of logarithms. The units are designs, in pairs if they share their start, by Welch if not; a criterion with one design has its runs as units. The interval of a log volume is by bootstrap over designs and runs. A difference is significant, and one criterion called better, if the p-value is below 0.05 after Holm's adjustment for all pairs of one score and estimator. That asks for more than an interval without the value of no difference.";
 
-/// The values of every family, and every pairwise difference.
+/// The values of every criterion, and every pairwise difference.
 pub(super) fn section(input: &ReportInput) -> Section {
     let findings = input.result.findings();
     let columns = vec![
-        Column::text("family"),
+        Column::text("criterion"),
         Column::text("estimator"),
         Column::number("designs", ""),
         Column::number("runs", ""),
@@ -39,7 +25,7 @@ pub(super) fn section(input: &ReportInput) -> Section {
         Column::number("coverage", "%"),
     ];
     let mut values = Table::new(
-        "What each family of designs achieves; smaller is better. Torque prediction RMSE and parameter RMSE are geometric means over designs of those over runs; the log volume of the error in reference units needs more runs than parameters; parameters in SI add unlike units as numbers, which is what a condition number bounds; measured torque is that of fresh motions of the same arm, effects and noise included, where the plan asks for them; coverage is that of the stated 95 % intervals.",
+        "What the designs of each criterion achieve; smaller is better. Prediction and parameter RMSE are geometric means over designs of those over runs. The log volume of the error, in reference units, needs more runs than parameters. Parameters in SI add unlike units as numbers, which is what a condition number bounds. Measured torque is that of fresh motions of the same arm, with effects and noise. Coverage is that of the stated 95 % intervals.",
         columns,
     );
     for family in &findings.families {
@@ -61,7 +47,7 @@ pub(super) fn section(input: &ReportInput) -> Section {
         values = values.row(row);
     }
     let mut differences = Table::new(
-        "Differences between families, first over second (log volume: first minus second), with 95 % intervals, what is repeated independently, the degrees of freedom of Student's t, and the p-value as Holm adjusts it.",
+        "Differences between criteria, first over second (log volume: first minus second), with 95 % intervals, what is repeated independently, the degrees of freedom of Student's t, and the p-value as Holm adjusts it.",
         vec![
             Column::text("metric"),
             Column::text("estimator"),
@@ -92,7 +78,7 @@ pub(super) fn section(input: &ReportInput) -> Section {
         ]);
     }
     Section::new("What was found")
-        .text("Families are ranked by achieved error, never by their own criterion: first by the torque that an estimate predicts on held-out random trajectories, then by the volume of the parameter error, then by its size in declared units. Nothing is divided by a true value, which may be zero.")
+        .text("Designs are ranked by the error that they achieve, not by the value of their criterion. The first score is the error of the torque that an estimate predicts on held-out random trajectories. No error is divided by a true value, which may be zero.")
         .table(values)
         .text(TESTED)
         .table(differences)

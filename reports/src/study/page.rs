@@ -25,7 +25,7 @@ pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
             result.designs.len(),
             runs,
             if result.conditions.len() > 1 {
-                format!(" under each of {} conditions", result.conditions.len())
+                format!(" in each of {} scenarios", result.conditions.len())
             } else {
                 String::new()
             },

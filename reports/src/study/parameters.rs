@@ -2,6 +2,7 @@
 
 use armid::study::{FamilyScore, ReportInput};
 
+use super::criteria::criterion_in_words;
 use super::selection::shown_estimator;
 use crate::{
     Axis, Band, Cell, Column, CoverageFigure, CoverageRow, DocumentError, Group, Heading, Interval, IntervalFigure,
@@ -15,9 +16,9 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         result.findings().families.iter().filter(|f| f.estimator == estimator && f.runs > 1).collect();
     let section = Section::new("Parameters");
     if families.is_empty() {
-        return Ok(section.text("No family has enough runs."));
+        return Ok(section.text("No criterion has enough runs."));
     }
-    let groups = Group::assign(families.iter().map(|f| f.family.clone()));
+    let groups = Group::assign(families.iter().map(|f| criterion_in_words(&f.family)));
     let bias = IntervalFigure {
         heading: Heading::new("bias", "Bias of the base parameters")
             .subtitle(format!("estimator {estimator}, in the declared reference units"))
@@ -44,7 +45,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         band: None,
     };
     let coverage = CoverageFigure {
-        heading: Heading::new("coverage", "How often a stated 95 % interval holds the truth")
+        heading: Heading::new("coverage", "How often a stated 95 % interval covers the true value")
             .subtitle(format!("estimator {estimator}, through the whole chain"))
             .caption("Share of runs with its 95 % Wilson interval. Averaging, derivatives and decimation are part of the chain; what is below 95 % is bias that no interval from noise can cover."),
         groups,
@@ -73,12 +74,12 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
 
 fn table(input: &ReportInput, families: &[&FamilyScore]) -> Table {
     let mut table = Table::new(
-        "Every base parameter of every family. Bound: the Cramér–Rao standard deviation at the noise-free motion, all raw samples of all periods.",
+        "Every base parameter for every criterion. Bound: the Cramér–Rao standard deviation at the noise-free motion, all raw samples of all periods.",
         vec![
             Column::text("parameter"),
             Column::text("combination"),
             Column::text("unit"),
-            Column::text("family"),
+            Column::text("criterion"),
             Column::number("true value", ""),
             Column::number("bias", ""),
             Column::number("std", ""),

@@ -2,6 +2,7 @@
 
 use armid::study::{Agreement, Metric, RobotDifference, RobotsComparison, RobotsSummary};
 
+use super::criteria::{capitalised, criterion_in_words};
 use super::overview::TESTED;
 use super::selection::GROUPS;
 use crate::{
@@ -20,7 +21,7 @@ const TOLD: [Metric; 2] = [Metric::Prediction, Metric::Measured];
 pub fn robots_document(summary: &RobotsSummary) -> Result<Document, DocumentError> {
     let robots: Vec<&str> = summary.robots.iter().map(|robot| robot.robot.as_str()).collect();
     let mut document = Document::new(&summary.question).subtitle(format!(
-        "{} on {}, {} conditions on each",
+        "{} on {}, {} scenarios on each",
         summary.name,
         robots.join(", "),
         summary.conditions.len()
@@ -51,7 +52,7 @@ pub fn robots_document(summary: &RobotsSummary) -> Result<Document, DocumentErro
     Ok(document)
 }
 
-/// The answer in paragraphs: whether what is decided on one robot is so on the others, then pair by pair.
+/// The answer in paragraphs: whether the robots agree, then pair by pair.
 #[must_use]
 pub fn robots_answer(summary: &RobotsSummary) -> Vec<String> {
     let estimator = shown_estimator(summary);
@@ -60,10 +61,10 @@ pub fn robots_answer(summary: &RobotsSummary) -> Vec<String> {
         let counts = summary.agreements.iter().find(|c| c.metric == metric && c.estimator == estimator);
         let Some(counts) = counts else { continue };
         let [same, in_part, reversed, undecided, alone] = Agreement::ALL.map(|agreement| counts.of(agreement));
-        let decided = same + in_part + reversed;
+        let significant = same + in_part + reversed;
         let mut words = format!(
-            "**By {}, of {decided} comparisons that a robot decides {same} are decided the same way on every robot, {in_part} on some robots alone and {reversed} are turned round on another.** Undecided on every robot: {undecided}.",
-            metric.title()
+            "**{}: {same} of {significant} significant comparisons agree on every robot, {reversed} are reversed.** Significant on some robots only: {in_part}. Not significant on any: {undecided}.",
+            capitalised(metric.title())
         );
         if alone > 0 {
             words += &format!(" Compared on one robot alone: {alone}.");
@@ -76,7 +77,7 @@ pub fn robots_answer(summary: &RobotsSummary) -> Vec<String> {
     paragraphs
 }
 
-/// Under how many conditions, and which, the robots agree on a pair of families by the first metric.
+/// In how many scenarios, and which, the robots agree on a pair of criteria in the first score.
 fn sentence(summary: &RobotsSummary, [first, second]: [&str; 2], estimator: &str) -> Option<String> {
     let rows = rows(summary, [first, second], Metric::Prediction, estimator);
     if rows.is_empty() {
@@ -90,22 +91,21 @@ fn sentence(summary: &RobotsSummary, [first, second]: [&str; 2], estimator: &str
             None => {}
         }
     }
-    let named = |agreement: Agreement| -> String {
+    let named = |agreement: Agreement| -> (usize, String) {
         let of = rows.iter().filter(|row| row.agreement == agreement);
         let names: Vec<&str> = of.map(|row| row.condition.as_str()).collect();
-        if names.is_empty() { "none".to_owned() } else { format!("{} ({})", names.len(), names.join("; ")) }
+        (names.len(), format!("{} in {} ({})", agreement.words(), names.len(), names.join("; ")))
     };
-    let alone = rows.iter().filter(|row| row.agreement == Agreement::OneRobot).count();
-    if alone == rows.len() {
-        return Some(format!("{first} against {second} is compared on one robot alone."));
-    }
-    Some(format!(
-        "{first} against {second}: better on every robot under {better} of {} conditions, worse on every robot under {worse}; turned round: {}; decided on some robots alone: {}; undecided on every robot: {}.",
-        rows.len(),
+    let parts = [
+        (better, format!("better on every robot in {better}")),
+        (worse, format!("worse on every robot in {worse}")),
         named(Agreement::Reversed),
         named(Agreement::InPart),
         named(Agreement::Undecided),
-    ))
+        named(Agreement::OneRobot),
+    ];
+    let parts: Vec<String> = parts.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
+    Some(format!("**{}**, {} scenarios: {}.", against(first, second), rows.len(), parts.join(", ")))
 }
 
 /// Where the page of each robot is, and what stands behind it.
@@ -136,18 +136,19 @@ fn of_pair(summary: &RobotsSummary, pair: [&str; 2]) -> Result<Section, Document
     let [first, second] = pair;
     let estimator = shown_estimator(summary);
     let rows = rows(summary, pair, Metric::Prediction, estimator);
-    let mut section = Section::new(format!("{first} against {second}"));
+    let mut section = Section::new(against(first, second));
     let figure = figure(summary, pair, &rows);
     if figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some)) {
         section = section.figure(&figure)?;
     }
-    let mut columns = vec![Column::text("condition")];
+    let mut columns = vec![Column::text("scenario")];
     columns.extend(summary.robots.iter().map(|robot| Column::number(&robot.robot, "")));
     columns.push(Column::text("robots"));
     let mut table = Table::new(
         format!(
-            "{}, {first} over {second}, with 95 % intervals, estimator {estimator}; bold where the robot's own study calls one better.",
-            Metric::Prediction.title()
+            "{}, {}, with 95 % intervals, estimator {estimator}; bold if significant in the robot's own study.",
+            Metric::Prediction.title(),
+            against(first, second)
         ),
         columns,
     );
@@ -162,16 +163,17 @@ fn figure(summary: &RobotsSummary, [first, second]: [&str; 2], rows: &[&RobotsCo
     let cell = |one: &RobotDifference| {
         one.interval.map(|i| Interval::new(one.difference, i.low.min(one.difference), i.high.max(one.difference)))
     };
+    let in_words = criterion_in_words(second);
     IntervalFigure {
         heading: Heading::new(
             format!("robots-{}-over-{}", slug(first), slug(second)),
-            format!("{first} against {second} on each robot"),
+            format!("{} on each robot", against(first, second)),
         )
         .subtitle(format!("{}, estimator {}", Metric::Prediction.title(), shown_estimator(summary)))
         .caption(format!(
-            "Ratio of geometric means over designs with its 95 % t interval; left of 1 {first} is better than {second}."
+            "Ratio of geometric means over designs with its 95 % t interval; left of 1 is better than {in_words}."
         )),
-        value: Axis::log(format!("ratio to {second}"), ""),
+        value: Axis::log(format!("error relative to {in_words}"), ""),
         groups: Group::assign(summary.robots.iter().map(|robot| robot.robot.clone())),
         rows: rows
             .iter()
@@ -188,13 +190,13 @@ fn figure(summary: &RobotsSummary, [first, second]: [&str; 2], rows: &[&RobotsCo
 /// Every comparison in every metric.
 fn every_score(summary: &RobotsSummary) -> Section {
     let mut columns =
-        vec![Column::text("condition"), Column::text("metric"), Column::text("first"), Column::text("second")];
+        vec![Column::text("scenario"), Column::text("metric"), Column::text("first"), Column::text("second")];
     columns.extend(summary.robots.iter().map(|robot| Column::number(&robot.robot, "")));
     columns.push(Column::text("robots"));
     let estimator = shown_estimator(summary);
     let mut table = Table::new(
         format!(
-            "First over second on each robot (log volume: first minus second) with 95 % intervals, estimator {estimator}; bold where the robot's own study calls one better."
+            "First over second on each robot (log volume: first minus second) with 95 % intervals, estimator {estimator}; bold if significant in the robot's own study."
         ),
         columns,
     );
@@ -203,6 +205,11 @@ fn every_score(summary: &RobotsSummary) -> Section {
         table = table.row(cells(row, names.map(Cell::text).to_vec()));
     }
     Section::new("Every score on each robot").text(TESTED).table(table)
+}
+
+/// A pair of criteria in words.
+fn against(first: &str, second: &str) -> String {
+    format!("{} against {}", capitalised(&criterion_in_words(first)), criterion_in_words(second))
 }
 
 /// What each robot says, behind what the row is about.

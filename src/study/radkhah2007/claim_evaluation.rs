@@ -334,7 +334,7 @@ fn criterion_claim(setup: &StudySetup, findings: &Findings) -> Claim {
             .to_owned(),
         verdict,
         rule: "By the torque prediction RMSE of weighted least squares on held-out trajectories: it holds \
-               where the ratio is below one with a p-value below 0.05, adjusted for all pairs of families (Holm). Experiment 01 asks with more runs and metrics."
+               where the ratio is below one with a p-value below 0.05, adjusted for all pairs of criteria (Holm). Experiment 01 asks with more runs and metrics."
             .to_owned(),
         quantities: comparison
             .map(|c| {

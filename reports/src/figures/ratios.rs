@@ -1,0 +1,251 @@
+//! Ratios to a reference in panels that share their rows, with type large enough for a telephone.
+
+use super::{Figure, Interval};
+use crate::FigureError;
+use crate::drawing::axis::{Scale, Span};
+use crate::drawing::canvas::{Align, Canvas, Ink, Rect};
+use crate::drawing::check::Check;
+use crate::drawing::colour::Colour;
+use crate::drawing::head::MARGIN;
+use crate::drawing::ticks::ticks;
+use crate::drawing::typeface::Font;
+use crate::heading::Heading;
+use crate::style::{Group, Marker};
+
+/// Ratios with intervals on a logarithmic axis; smaller is better, 1 is the reference.
+///
+/// The axis covers 0.5 to 2 and every point. An interval that reaches beyond it ends in an arrow. Points that are not significantly
+/// different from 1 are hollow. The figure is 640 px wide: shown at 390 px, its smallest text is still 9.7 px high.
+///
+/// ```
+/// use armid_reports::{Figure, Group, Heading, Interval, Ratio, RatioFigure, RatioPanel};
+/// let ratio = Ratio { interval: Interval::new(1.8, 1.5, 2.1), is_significant: true };
+/// let figure = RatioFigure {
+///     heading: Heading::new("criteria", "D-optimal designs predict torque best"),
+///     label: "error relative to D-optimal".into(),
+///     reference: "D-optimal".into(),
+///     groups: Group::assign(["condition number"]),
+///     rows: vec!["exact model".into()],
+///     panels: vec![RatioPanel { title: "CRS A460".into(), subtitle: String::new(), cells: vec![vec![Some(ratio)]] }],
+/// };
+/// assert!(figure.svg().unwrap().contains("exact model"));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct RatioFigure {
+    /// Name, title and caption.
+    pub heading: Heading,
+    /// Label of the axis.
+    pub label: String,
+    /// What ratios are relative to.
+    pub reference: String,
+    /// The groups, at most 2: discs and squares.
+    pub groups: Vec<Group>,
+    /// Names of the rows; the first is bold.
+    pub rows: Vec<String>,
+    /// The panels, from left to right. All marks together are at most 24.
+    pub panels: Vec<RatioPanel>,
+}
+
+/// One panel of ratios.
+#[derive(Clone, Debug, PartialEq)]
+pub struct RatioPanel {
+    /// Its title.
+    pub title: String,
+    /// A line under the title.
+    pub subtitle: String,
+    /// One ratio per row and group; `None` if there is none.
+    pub cells: Vec<Vec<Option<Ratio>>>,
+}
+
+/// A ratio to the reference.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Ratio {
+    /// The ratio with its interval.
+    pub interval: Interval,
+    /// Whether it differs significantly from 1.
+    pub is_significant: bool,
+}
+
+const WIDTH: f64 = 640.0;
+const TITLE: Font = Font { size: 20.0, bold: true };
+const TEXT: Font = Font { size: 16.0, bold: false };
+const BOLD: Font = Font { size: 16.0, bold: true };
+/// Width of the names of rows, gap between panels, height of a row, distance between its two lanes, px.
+const NAMES: f64 = 130.0;
+const GAP: f64 = 18.0;
+const ROW: f64 = 46.0;
+const LANE: f64 = 19.0;
+const RADIUS: f64 = 6.5;
+/// Filled and hollow marks of the two groups.
+const MARKS: [[Marker; 2]; 2] = [[Marker::Circle, Marker::OpenCircle], [Marker::Square, Marker::OpenSquare]];
+
+impl RatioFigure {
+    fn check(&self) -> Result<Span, FigureError> {
+        let check = Check::heading(&self.heading)?;
+        check.text("the label of the axis", &self.label)?;
+        check.count("the list of groups", self.groups.len(), MARKS.len())?;
+        check.count("the list of rows", self.rows.len(), 24)?;
+        check.count("the list of panels", self.panels.len(), 3)?;
+        let mut points = vec![0.5, 2.0];
+        for panel in &self.panels {
+            let name = format!("panel \"{}\"", panel.title);
+            check.length(&name, panel.cells.len(), self.rows.len())?;
+            for (cells, row) in panel.cells.iter().zip(&self.rows) {
+                let name = format!("row \"{row}\" of {name}");
+                check.length(&name, cells.len(), self.groups.len())?;
+                for Ratio { interval: Interval { point, low, high }, .. } in cells.iter().flatten() {
+                    check.all_on_axis(&name, &[*low, *point, *high], Scale::Log)?;
+                    check.ascending(&name, &[*low, *point, *high])?;
+                    points.push(*point);
+                }
+            }
+        }
+        check.count("the list of marks", points.len() - 2, 24)?;
+        Span::covering(Scale::Log, points.into_iter(), 0.08).ok_or_else(|| check.empty("every ratio"))
+    }
+
+    /// Lines of the title, lines under it, legend.
+    fn head(&self, canvas: &mut Canvas, title: &[String], subtitle: &[String]) {
+        let mut y = 22.0;
+        for line in title {
+            canvas.text(line, (MARGIN, y), TITLE, Colour::TEXT, Align::Start);
+            y += 27.0;
+        }
+        for line in subtitle {
+            canvas.text(line, (MARGIN, y), TEXT, Colour::MUTED, Align::Start);
+            y += 22.0;
+        }
+        y += 6.0;
+        let mut x = MARGIN + RADIUS;
+        for (group, [filled, _]) in self.groups.iter().zip(MARKS) {
+            canvas.marker(filled, (x, y), RADIUS, group.style.colour, 1.0);
+            canvas.text(&group.label, (x + 13.0, y), TEXT, Colour::TEXT, Align::Start);
+            x += 13.0 + TEXT.width(&group.label) + 22.0;
+        }
+        for (group, [_, hollow]) in self.groups.iter().zip(MARKS) {
+            canvas.marker(hollow, (x, y), RADIUS, group.style.colour, 1.0);
+            x += 18.0;
+        }
+        canvas.text("not significant", (x - 4.0, y), TEXT, Colour::TEXT, Align::Start);
+    }
+
+    /// Names of the rows on stripes.
+    fn names(&self, canvas: &mut Canvas, top: f64) {
+        for (index, name) in self.rows.iter().enumerate() {
+            let row = top + index as f64 * ROW;
+            if index % 2 == 1 {
+                let stripe = Rect { left: 0.0, top: row, right: WIDTH, bottom: row + ROW };
+                canvas.rectangle(&stripe, Ink::new(Colour::STRIPE, 0.0));
+            }
+            let font = if index == 0 { BOLD } else { TEXT };
+            let lines = font.wrap(name, NAMES, 2);
+            for (line, text) in lines.iter().enumerate() {
+                let y = row + 0.5 * ROW + 19.0 * (line as f64 - 0.5 * (lines.len() - 1) as f64);
+                canvas.text(text, (MARGIN, y), font, Colour::TEXT, Align::Start);
+            }
+        }
+    }
+
+    /// One panel: titles above `area`, zone and grid, numbers below, marks.
+    fn panel(&self, canvas: &mut Canvas, panel: &RatioPanel, area: &Rect, span: Span) {
+        let x = |value: f64| area.left + span.fraction(value) * area.width();
+        let middle = area.centre().0;
+        canvas.text(
+            &BOLD.fit(&panel.title, area.width()),
+            (middle, area.top - 34.0),
+            BOLD,
+            Colour::TEXT,
+            Align::Middle,
+        );
+        let subtitle = TEXT.fit(&panel.subtitle, area.width());
+        canvas.text(&subtitle, (middle, area.top - 13.0), TEXT, Colour::MUTED, Align::Middle);
+        canvas.rectangle(&Rect { right: x(1.0), ..*area }, Ink::new(Colour::BAND, 0.0));
+        for tick in ticks(&span, area.width(), 5.0, |label| TEXT.width(label)) {
+            let at = x(tick.value);
+            canvas.line((at, area.top), (at, area.bottom), Ink::new(Colour::GRID, 1.0));
+            canvas.text(&tick.label, (at, area.bottom + 14.0), TEXT, Colour::TEXT, Align::Middle);
+        }
+        for (from, to) in [(area.top, area.bottom + 5.0), (area.bottom + 28.0, area.bottom + 48.0)] {
+            canvas.line((x(1.0), from), (x(1.0), to), Ink::new(Colour::TEXT, 1.8));
+        }
+        canvas.text("better", (x(1.0) - 6.0, area.bottom + 38.0), TEXT, Colour::TEXT, Align::End);
+        let long = format!("worse than {}", self.reference);
+        let fits = x(1.0) + 6.0 + TEXT.width(&long) <= area.right + 0.5 * GAP;
+        let worse = if fits { &long } else { "worse" };
+        canvas.text(worse, (x(1.0) + 6.0, area.bottom + 38.0), TEXT, Colour::TEXT, Align::Start);
+        for (row, cells) in panel.cells.iter().enumerate() {
+            for (lane, (cell, group)) in cells.iter().zip(&self.groups).enumerate() {
+                let Some(Ratio { interval, is_significant }) = cell else { continue };
+                let lanes = 0.5 * (self.groups.len() - 1) as f64;
+                let y = area.top + (row as f64 + 0.5) * ROW + LANE * (lane as f64 - lanes);
+                let colour = group.style.colour;
+                let ends = [interval.low, interval.high].map(|end| end.clamp(span.low, span.high));
+                canvas.line((x(ends[0]), y), (x(ends[1]), y), Ink::new(colour, 2.4));
+                for (end, whole, inwards) in [(ends[0], interval.low, 9.0), (ends[1], interval.high, -9.0)] {
+                    if !span.contains(whole) {
+                        let base = x(end) + inwards;
+                        canvas.area(&[(x(end), y), (base, y - 5.0), (base, y + 5.0)], Ink::new(colour, 0.0));
+                    }
+                }
+                let mark = MARKS[lane][usize::from(!is_significant)];
+                canvas.marker(mark, (x(interval.point), y), RADIUS, colour, 1.0);
+            }
+        }
+    }
+}
+
+impl Figure for RatioFigure {
+    fn heading(&self) -> &Heading {
+        &self.heading
+    }
+
+    fn svg(&self) -> Result<String, FigureError> {
+        let span = self.check()?;
+        let title = TITLE.wrap(&self.heading.title, WIDTH - 2.0 * MARGIN, 3);
+        let subtitle = TEXT.wrap(&self.heading.subtitle, WIDTH - 2.0 * MARGIN, 2);
+        let top = 92.0 + 27.0 * title.len() as f64 + 22.0 * subtitle.len() as f64;
+        let bottom = top + self.rows.len() as f64 * ROW;
+        let mut canvas = Canvas::new(WIDTH, bottom + 80.0);
+        self.head(&mut canvas, &title, &subtitle);
+        self.names(&mut canvas, top);
+        let left = MARGIN + NAMES + 6.0;
+        let width = (WIDTH - MARGIN - left + GAP) / self.panels.len() as f64 - GAP;
+        for (index, panel) in self.panels.iter().enumerate() {
+            let left = left + index as f64 * (width + GAP);
+            self.panel(&mut canvas, panel, &Rect { left, top, right: left + width, bottom }, span);
+        }
+        let at = (0.5 * (left + WIDTH - MARGIN), bottom + 64.0);
+        canvas.text(&TEXT.fit(&self.label, WIDTH - left), at, TEXT, Colour::TEXT, Align::Middle);
+        canvas.finish(&self.heading)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::{Figure, Group, Heading, Interval, Ratio, RatioFigure, RatioPanel};
+
+    fn figure(rows: usize, interval: Interval) -> RatioFigure {
+        let ratio = Some(Ratio { interval, is_significant: false });
+        RatioFigure {
+            heading: Heading::new("ratios", "Title"),
+            label: "error".into(),
+            reference: "b".into(),
+            groups: Group::assign(["a"]),
+            rows: (0..rows).map(|row| format!("row {row}")).collect(),
+            panels: vec![RatioPanel { title: "robot".into(), subtitle: String::new(), cells: vec![vec![ratio]; rows] }],
+        }
+    }
+
+    #[test]
+    fn more_marks_than_a_reader_takes_in_are_refused() {
+        assert!(figure(24, Interval::new(2.0, 1.0, 3.0)).svg().is_ok());
+        let error = figure(25, Interval::new(2.0, 1.0, 3.0)).svg().unwrap_err();
+        assert_eq!(error.to_string(), "figure \"ratios\": the list of rows has 25 entries, expected at most 24");
+    }
+
+    #[test]
+    fn an_interval_that_leaves_the_axis_ends_in_an_arrow() {
+        let polygons = |high| figure(1, Interval::new(2.0, 1.5, high)).svg().unwrap().matches("<polygon").count();
+        assert_eq!(polygons(1e6), polygons(2.0) + 1);
+    }
+}
