@@ -8,7 +8,10 @@ BOTH = (HANDED, STREAMED)
 # States of two robots at once look like anything.
 OTHERS = ("interference", "robot-stopped", "link", "stale-state", "position-jump", "following-error", "overspeed", "soft-limit")
 # A motion whose pieces come late leaves its path, unless armid is interrupted before.
-LATE = ("", "following-error", "position-jump", "robot-stopped", "unexpected-stop", "no-acceptance", "link", "overspeed")
+LATE = (
+    "", "following-error", "position-jump", "robot-stopped", "unexpected-stop", "no-acceptance", "link", "overspeed", "soft-limit",
+    "current-clamp",
+)
 LATE_GOALS = {"size": (0.05, 0.49), "interrupted_s": 0.6, "before_s": 0.9}
 # A clock that has lost time looks like states that are late.
 SLOW = ("robot-stopped", "stale-state")
@@ -63,13 +66,14 @@ ROWS = {
     "nan": controller("nan", "not-finite"),
     "clock": controller("clock", "robot-stopped"),
     "strange-state": controller("strange-state", "robot-stopped"),
-    # A clock that is stepped, or runs at another rate. 20 ms of gain show within a state; a loss is one once it has lasted.
+    # A clock that is stepped, or runs at another rate. 20 ms of gain show within a state; a loss is one once it has lasted. Moments
+    # end where enough time is left, and a robot that stands still for some ms under load loses part of its gain.
     "clock-ahead": controller("clock", "robot-stopped", size=(0.05, 0.45)),
     "clock-back": controller("clock", *SLOW, bounded=False, size=(-0.45, -0.05), within_s=0.8, before_s=0.9),
     "rate-0.9": controller("rate", *SLOW, bounded=False, size=(0.9, 0.9), within_s=0.9, before_s=1.0),
-    "rate-1.05": controller("rate", "robot-stopped", bounded=False, size=(1.05, 1.05), within_s=0.55, before_s=0.7),
-    "rate-1.3": controller("rate", "robot-stopped", bounded=False, size=(1.3, 1.3), within_s=0.15),
-    "rate-2": controller("rate", "robot-stopped", bounded=False, size=(2.0, 2.0), within_s=0.1),
+    "rate-1.05": controller("rate", "robot-stopped", bounded=False, size=(1.05, 1.05), within_s=0.9, before_s=1.0),
+    "rate-1.3": controller("rate", "robot-stopped", bounded=False, size=(1.3, 1.3), within_s=0.25, before_s=0.4),
+    "rate-2": controller("rate", "robot-stopped", bounded=False, size=(2.0, 2.0), within_s=0.1, before_s=0.3),
     # Only an action answers, and has results.
     "late-answer": controller("late-answer", "no-acceptance", modes=(HANDED,), before_s=1.0),
     "lost-result": controller("lost-result", "no-result", modes=(HANDED,), bounded=False),

@@ -29,7 +29,7 @@ JOINTS = [
     ("tool_roll", [4.0, -4.5], [4.5, -3.0], 0.2),
 ]
 # Part of those speeds that the limits allow at full speed.
-WIDE = 0.35
+WIDE = 0.25
 PERIOD_S, SETTLE_S, RAMP_S, LEAD_S = 2.0, 0.2, 0.5, 0.3
 RATE_HZ = 500
 HORIZON_S = 0.5
