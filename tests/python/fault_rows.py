@@ -71,9 +71,9 @@ ROWS = {
     "clock-ahead": controller("clock", "robot-stopped", size=(0.05, 0.45)),
     "clock-back": controller("clock", *SLOW, bounded=False, size=(-0.45, -0.05), within_s=0.8, before_s=0.9),
     "rate-0.9": controller("rate", *SLOW, bounded=False, size=(0.9, 0.9), within_s=0.9, before_s=1.0),
-    "rate-1.05": controller("rate", "robot-stopped", bounded=False, size=(1.05, 1.05), within_s=0.9, before_s=1.0),
-    "rate-1.3": controller("rate", "robot-stopped", bounded=False, size=(1.3, 1.3), within_s=0.25, before_s=0.4),
-    "rate-2": controller("rate", "robot-stopped", bounded=False, size=(2.0, 2.0), within_s=0.1, before_s=0.3),
+    "rate-1.05": controller("rate", "robot-stopped", "current-clamp", bounded=False, size=(1.05, 1.05), within_s=0.9, before_s=1.0),
+    "rate-1.3": controller("rate", "robot-stopped", "current-clamp", bounded=False, size=(1.3, 1.3), within_s=0.25, before_s=0.4),
+    "rate-2": controller("rate", "robot-stopped", "current-clamp", bounded=False, size=(2.0, 2.0), within_s=0.1, before_s=0.3),
     # Only an action answers, and has results.
     "late-answer": controller("late-answer", "no-acceptance", modes=(HANDED,), before_s=1.0),
     "lost-result": controller("lost-result", "no-result", modes=(HANDED,), bounded=False),
