@@ -71,6 +71,11 @@ fn armid(folder: &Path, arguments: &[&str]) -> Output {
         .unwrap()
 }
 
+/// What went wrong, on one line.
+fn one_line(output: &Output) -> String {
+    String::from_utf8_lossy(&output.stderr).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
+}
+
 fn succeeds(folder: &Path, arguments: &[&str]) {
     let output = armid(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -369,7 +374,9 @@ fn a_dry_run_shows_scripts_and_lines_and_writes_nothing() {
     let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
     let lines: Vec<&str> = shown["lines"].as_array().unwrap().iter().map(|line| line.as_str().unwrap()).collect();
     assert_eq!(lines.len(), 3);
-    assert!(lines[0].starts_with("sbatch --parsable --array=0-2 --mem=1G "), "{}", lines[0]);
+    let logs = at.join("x/logs/designs-%A_%a.log").display().to_string();
+    let begin = format!("sbatch --parsable --output={logs} --array=0-2 --mem=1G ");
+    assert!(lines[0].starts_with(&begin), "{}", lines[0]);
     assert!(lines[1].contains("--dependency=afterany:$JOB1 "), "{}", lines[1]);
     assert!(lines[2].contains("--dependency=afterany:$JOB1:$JOB2 ") && !lines[2].contains("--array"), "{}", lines[2]);
     assert_eq!(shown["tasks"], serde_json::json!({ "designs": 3, "runs": 3 }));
@@ -378,6 +385,127 @@ fn a_dry_run_shows_scripts_and_lines_and_writes_nothing() {
     let none = armid(at, &["study", "status", "."]);
     assert_eq!(none.status.code(), Some(2));
     assert!(String::from_utf8_lossy(&none.stderr).contains("expected the folder of a submitted study"));
+}
+
+/// Programs of Slurm that say their name and arguments, one a line, in the file `words` of their folder.
+#[cfg(unix)]
+fn slurm_of_words(folder: &Path) -> std::path::PathBuf {
+    use std::os::unix::fs::PermissionsExt;
+    let programs = folder.join("bin");
+    std::fs::create_dir_all(&programs).unwrap();
+    for name in ["sbatch", "scancel", "squeue", "scontrol"] {
+        let program = programs.join(name);
+        let text = "#!/bin/sh\nprintf '%s\\n' \"${0##*/}\" \"$@\" >>\"${0%/*}/words\"\n\
+                    case \"${0##*/}\" in sbatch) echo 7 ;; scontrol) echo 'MaxArraySize = 1001' ;; esac\n";
+        std::fs::write(&program, text).unwrap();
+        std::fs::set_permissions(&program, std::fs::Permissions::from_mode(0o755)).unwrap();
+    }
+    programs
+}
+
+#[cfg(unix)]
+#[test]
+fn no_folder_and_no_submission_puts_words_into_a_shell_or_a_program_of_slurm() {
+    let folder = with_plan();
+    let at = folder.path();
+    let programs = slurm_of_words(at);
+    let path = std::env::join_paths(
+        std::iter::once(programs.clone()).chain(std::env::split_paths(&std::env::var_os("PATH").unwrap())),
+    )
+    .unwrap();
+    let armid = |arguments: &[&str]| {
+        let command = assert_cmd::Command::new(assert_cmd::cargo::cargo_bin!("armid"))
+            .current_dir(at)
+            .env("PATH", &path)
+            .args(arguments)
+            .output();
+        command.unwrap()
+    };
+    let submit = ["study", "submit", "study.toml", "--engine", "slurm", "--array", "2", "-o"];
+
+    // A line break would end a comment of the script, and begin a line that runs.
+    let broken = armid(&[&submit[..], &["out\ntouch pwned\n"]].concat());
+    let text = one_line(&broken);
+    assert!(broken.status.code() == Some(2) && text.contains("control characters"), "{text}");
+
+    // The tasks' output is one argument of sbatch, whatever is in the path.
+    let odd = "a 50% $(touch pwned) 'b'";
+    assert_eq!(armid(&[&submit[..], &[odd]].concat()).status.code(), Some(0));
+    let words = std::fs::read_to_string(programs.join("words")).unwrap();
+    let logs = at.join("a 50%% $(touch pwned) 'b'/logs").display().to_string();
+    assert!(words.contains(&format!("\n--output={logs}/runs-%A_%a.log\n")), "{words}");
+    let script = std::fs::read_to_string(at.join(odd).join("scripts/runs.sh")).unwrap();
+    assert!(!script.contains("--output"), "{script}");
+
+    // What a dry run prints can be pasted into a shell: it hands the same words over.
+    let shown = armid(&[&submit[..], &["c 'd' $(touch pwned)", "--dry-run", "--json", "--", "--comment=e f"]].concat());
+    let shown: serde_json::Value = serde_json::from_slice(&shown.stdout).unwrap();
+    std::fs::remove_file(programs.join("words")).unwrap();
+    let lines = shown["lines"].as_array().unwrap().iter().map(|line| line.as_str().unwrap());
+    let pasted: Vec<String> = lines.enumerate().map(|(k, line)| format!("JOB{}=$({line})\n", k + 1)).collect();
+    let mut shell = std::process::Command::new("sh");
+    assert!(shell.current_dir(at).env("PATH", &path).args(["-c", &pasted.concat()]).status().unwrap().success());
+    let words = std::fs::read_to_string(programs.join("words")).unwrap();
+    let script = at.join("c 'd' $(touch pwned)/scripts/collect.sh").display().to_string();
+    let last = format!("--dependency=afterany:7:7\n--comment=e f\n{script}\n");
+    assert!(words.ends_with(&last), "{words}");
+    assert!(!at.join("pwned").exists());
+
+    // Numbers of jobs are digits: no option of scancel comes from a file.
+    std::fs::remove_file(programs.join("words")).unwrap();
+    let stored = at.join(odd).join("submission.json");
+    let text = std::fs::read_to_string(&stored).unwrap();
+    assert!(text.contains("\"id\": \"7\""), "{text}");
+    std::fs::write(&stored, text.replacen("\"7\"", "\"--user=root\"", 1)).unwrap();
+    let refused = armid(&["study", "cancel", odd]);
+    let text = one_line(&refused);
+    assert!(
+        refused.status.code() == Some(2) && text.contains("a job's id is \"--user=root\", expected digits"),
+        "{text}"
+    );
+    assert!(!programs.join("words").exists());
+}
+
+#[test]
+fn results_of_another_study_are_never_replaced() {
+    let folder = with_plan();
+    let at = folder.path();
+    let few = with_starts().replace("starts = 8", "starts = 2");
+    std::fs::write(at.join("study.toml"), &few).unwrap();
+    succeeds(at, &["study", "study.toml", "-o", "out"]);
+    let before = files(&at.join("out"));
+    let refused = |arguments: &[&str], words: &str| {
+        let output = armid(at, arguments);
+        let text = one_line(&output);
+        assert!(output.status.code() == Some(2) && text.contains(words), "{arguments:?}: {text}");
+    };
+    // Another number of runs is another plan, and so is a plan of several robots.
+    let another = "out holds the results of another study, expected a new folder or one of the same plan";
+    refused(&["study", "study.toml", "--runs", "1", "-o", "out"], another);
+    refused(&["study", "study.toml", "--runs", "1", "--resume", "-o", "out"], another);
+    refused(&["study", "study.toml", "--runs", "1", "--shard", "1/2", "-o", "out"], another);
+    assert!(before == files(&at.join("out")));
+    // The same again replaces its own.
+    succeeds(at, &["study", "study.toml", "-o", "out"]);
+    assert!(before == files(&at.join("out")));
+
+    // Results of nobody knows which plan, and the folder of the plan itself.
+    std::fs::create_dir(at.join("foreign")).unwrap();
+    std::fs::write(at.join("foreign/summary.json"), "{}").unwrap();
+    refused(&["study", "study.toml", "-o", "foreign"], "foreign holds the results of another study");
+    refused(&["study", "study.toml", "--runs", "1", "-o", "."], ". holds another plan, study.toml");
+    assert_eq!(std::fs::read_to_string(at.join("study.toml")).unwrap(), few);
+
+    // A part stays one where parts are put together.
+    for k in ["1/2", "2/2"] {
+        succeeds(at, &["study", "study.toml", "--shard", k, "-o", &format!("part{}", &k[..1])]);
+    }
+    let parts = [files(&at.join("part1")), files(&at.join("part2"))];
+    refused(&["study", "merge", "part1", "part2", "-o", "./part1"], "the output folder part1 is one of the parts");
+    refused(&["study", "merge", "part1", "part2", "-o", "foreign"], "foreign holds the results of another study");
+    assert!(parts == [files(&at.join("part1")), files(&at.join("part2"))]);
+    succeeds(at, &["study", "merge", "part1", "part2", "-o", "merged"]);
+    assert!(before == files(&at.join("merged")));
 }
 
 /// The study of one engine with eight starts of each family, and less to do for each.
@@ -403,6 +531,10 @@ fn identity_a_study_that_ends_early_is_the_study_of_its_starts() {
     assert_eq!(looks["termination"], "narrow-enough");
     assert_eq!(looks["looks"].as_array().unwrap().len(), 1);
     assert_eq!(looks["looks"][0]["starts"], 4);
+
+    // The same again replaces its own, though what is stored is the plan of the first starts.
+    succeeds(at, &["study", "starts.toml", "--until", rule, "-o", "one"]);
+    assert!(one == files(&at.join("one")));
 
     // The plan as run says all of it.
     succeeds(at, &["study", "one/study.toml", "-o", "again"]);

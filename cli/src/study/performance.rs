@@ -13,7 +13,7 @@ use rayon::prelude::*;
 
 use armid_io::Error;
 use armid_io::output::write_text;
-use armid_io::study::{FinishedWork, Journal, MadeDesign, NumberFile, RowFiles, plan_text};
+use armid_io::study::{FinishedWork, Journal, MadeDesign, NumberFile, RowFiles, check_output, plan_text};
 
 use super::in_words;
 use super::part::{Part, Stage, designs_from};
@@ -82,8 +82,14 @@ impl Performance<'_> {
         Ok(work)
     }
 
+    /// Is the output folder free for this study?
+    pub(crate) fn check_output(&self) -> Result<(), Error> {
+        check_output(self.output, self.plan())
+    }
+
     /// Begins the journal in the output folder, or goes on with it; the plan stands beside it.
     pub(crate) fn begin(&self, work: &mut FinishedWork, resume: bool) -> Result<()> {
+        self.check_output()?;
         work.begin(self.output, resume, self.setup)?;
         write_text(&self.output.join("study.toml"), &plan_text(self.setup.plan())?)?;
         Ok(())

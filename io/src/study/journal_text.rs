@@ -49,9 +49,9 @@ impl Header {
         if self.plan_sha256 == plan_sha256 && self.armid == env!("CARGO_PKG_VERSION") && self.scores == SCORES {
             return Ok(());
         }
-        let message = "belongs to another plan, number of runs, arms or version of armid; begin anew without --resume, \
-                       or choose another folder with -o";
-        Err(Error::new(format!("{}: {message}", path.display())))
+        let message = "belongs to another plan, number of runs, arms or version of armid";
+        let help = "choose another folder with -o, or begin anew without --resume, which keeps it under another name";
+        Err(Error::new(format!("{}: {message}", path.display())).help(help))
     }
 }
 

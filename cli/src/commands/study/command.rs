@@ -20,7 +20,8 @@ A study designs trajectories, performs simulated experiments with each, estimate
 the truth. Equal plan and seed give the same bytes for any number of threads; wall times and dates are
 in timing.parquet and provenance.json alone.
 
-Ctrl-C and kill lose no finished run: --resume continues from them.
+Ctrl-C and kill lose no finished run: --resume continues from them. A folder with results of another plan
+(or another number of runs, truths or arms) is refused: choose a new one with -o.
 
 Examples:
   armid study experiments/01-criteria             the bundled study, into reports/01-criteria/

@@ -37,6 +37,11 @@ pub(super) fn merge(
     output: &Path,
     console: &Console,
 ) -> Result<Ending> {
+    let place = |folder: &Path| folder.canonicalize().ok();
+    if let Some(part) = folders.iter().find(|part| place(part).is_some_and(|part| place(output) == Some(part))) {
+        let message = format!("the output folder {} is one of the parts, expected another folder", part.display());
+        return Err(Error::mismatch(message).help("choose another folder with -o").into());
+    }
     let prepared = Prepared::new(plan, beside)?;
     let study = prepared.performance(output, Part::default(), console);
     let mut work = study.with_work_from(folders)?;

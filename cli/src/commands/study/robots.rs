@@ -4,7 +4,7 @@ use std::path::Path;
 
 use armid::study::{RobotsSummary, StudyPlan, StudyResult};
 use armid_io::Error;
-use armid_io::study::{read_study, write_robots};
+use armid_io::study::{check_robots_output, read_study, write_robots};
 use miette::Result;
 
 use crate::answers::robots as robots_answer;
@@ -19,15 +19,15 @@ pub(super) fn perform(
     (output, resume): (&Path, bool),
     console: &Console,
 ) -> Result<Ending> {
-    if output.join("runs.parquet").exists() {
-        let message = format!("{} holds a study on one robot, expected a folder without one", output.display());
-        return Err(Error::mismatch(message).help("choose another folder with -o").into());
-    }
+    check_robots_output(output, plans)?;
     // What cannot be prepared for the last robot is found before the first is performed.
     let studies = plans
         .iter()
         .map(|plan| Ok((Prepared::new(plan.clone(), beside)?, output.join(plan.robot_folder()))))
         .collect::<Result<Vec<_>>>()?;
+    for (prepared, folder) in &studies {
+        prepared.performance(folder, Part::default(), console).check_output()?;
+    }
     let mut ending = Ending::Done;
     for (prepared, folder) in &studies {
         let study = prepared.performance(folder, Part::default(), console);

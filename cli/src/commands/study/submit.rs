@@ -10,7 +10,7 @@ use miette::Result;
 
 use super::overrides::Overrides;
 use crate::arguments::one_of;
-use crate::study::cluster::{Batch, Slurm, Submission, TaskCounts, batches, submit};
+use crate::study::cluster::{Batch, Slurm, Submission, TaskCounts, batches, shell_line, submit};
 use crate::study::{Part, Prepared};
 use crate::terminal::{Answer, Console, Ending};
 
@@ -59,6 +59,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let request = arguments.overrides.request(&arguments.study)?;
     let plan = request.one("submit STUDY --engine slurm")?.clone();
     let folder = absolute(&request.output(console)?)?;
+    if folder.to_string_lossy().contains(char::is_control) {
+        let message =
+            format!("the output folder is {folder:?}, expected a path without line breaks and control characters");
+        return Err(Error::new(message).help("choose another folder with -o").into());
+    }
     let beside = request.beside;
     let text = plan_text(&plan)?;
     // What cannot be prepared here cannot be performed there.
@@ -94,6 +99,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let help = "see armid study status, end it by armid study cancel, or choose another folder with -o";
         return Err(Error::mismatch(message).help(help).into());
     }
+    study.check_output()?;
     std::fs::create_dir_all(folder.join("logs"))
         .map_err(|error| Error::new(format!("{} cannot be written: {error}", folder.display())))?;
     write_text(&folder.join("study.toml"), &text)?;
@@ -141,7 +147,7 @@ fn shown(folder: &Path, submission: &Submission, batches: &[Batch]) -> Result<An
     }
     let mut lines = Vec::new();
     let take = |line: &[String]| {
-        lines.push(line.join(" "));
+        lines.push(shell_line(line));
         Ok(format!("$JOB{}", lines.len()))
     };
     submit(folder, &mut submission.clone(), batches, take, |_| Ok(()))?;

@@ -75,7 +75,9 @@ impl Batch {
     /// The line that hands it over. It waits for the end of everything before it, however that ended: a task that failed
     /// would keep `afterok` from ever coming true, and the last job looks at what is there.
     pub(crate) fn line(&self, folder: &Path, before: &[String], options: &[String]) -> Vec<String> {
-        let mut line = vec!["sbatch".to_owned(), "--parsable".to_owned()];
+        // Not in the script: Slurm would cut a path there at a space.
+        let output = format!("--output={}", self.log_pattern(folder));
+        let mut line = vec!["sbatch".to_owned(), "--parsable".to_owned(), output];
         if let Some(array) = &self.array {
             line.push(format!("--array={}", array.text()));
         }
@@ -90,6 +92,13 @@ impl Batch {
         line
     }
 
+    /// Where its tasks print to, in Slurm's notation: `%` begins a number of the job, `%%` is one in the path.
+    fn log_pattern(&self, folder: &Path) -> String {
+        let number = if self.array.is_some() { "%A_%a" } else { "%j" };
+        let logs = folder.join("logs").display().to_string().replace('%', "%%");
+        format!("{logs}/{}-{number}.log", self.name())
+    }
+
     /// Writes the script that its tasks run.
     ///
     /// # Errors
@@ -101,15 +110,9 @@ impl Batch {
     /// The script that its tasks run. A task that is begun again goes on with what its journal holds.
     pub(crate) fn script(&self, folder: &Path, submission: &Submission) -> String {
         let name = self.name();
-        let log = folder.join("logs").join(if self.array.is_some() {
-            format!("{name}-%A_%a.log")
-        } else {
-            format!("{name}-%j.log")
-        });
         let head = format!(
-            "#!/bin/bash\n#SBATCH --job-name=armid-{name}\n#SBATCH --output={}\n#SBATCH --open-mode=append\n\
-             #SBATCH --requeue\n#SBATCH --cpus-per-task=1\nset -u\n",
-            log.display()
+            "#!/bin/bash\n#SBATCH --job-name=armid-{name}\n#SBATCH --open-mode=append\n#SBATCH --requeue\n\
+             #SBATCH --cpus-per-task=1\nset -u\n"
         );
         let armid = quoted_path(&folder.join("armid"));
         let whole = quoted_path(folder);
@@ -137,6 +140,17 @@ impl Batch {
 
 fn quoted_path(path: &Path) -> String {
     quoted(&path.display().to_string())
+}
+
+/// A line to paste into a shell. The numbers of jobs that it waits for are `$JOB1` and so on.
+pub(crate) fn shell_line(line: &[String]) -> String {
+    let is_plain = |byte: u8| byte.is_ascii_alphanumeric() || b"-_=/.,:+@%".contains(&byte);
+    let words = line.iter().map(|word| {
+        let waits = word.starts_with("--dependency=afterany:$JOB");
+        let plain = !word.is_empty() && word.bytes().all(|byte| is_plain(byte) || waits && byte == b'$');
+        if plain { word.clone() } else { quoted(word) }
+    });
+    words.collect::<Vec<_>>().join(" ")
 }
 
 /// A word that a shell takes as it is.

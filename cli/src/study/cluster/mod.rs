@@ -19,7 +19,7 @@ mod progress;
 mod slurm;
 mod submission;
 
-pub(crate) use batch::{Batch, batches, submit};
+pub(crate) use batch::{Batch, batches, shell_line, submit};
 pub(crate) use progress::{Progress, folder_of};
 pub(crate) use slurm::Slurm;
 pub(crate) use submission::{Submission, SubmittedJob, TaskCounts};

@@ -4,6 +4,8 @@ use std::process::{Command, Stdio};
 
 use armid_io::Error;
 
+use super::submission::is_job_number;
+
 /// The states in which Slurm says that a job will do no more, by `squeue`'s words; a job that it has forgotten is none.
 const ENDED: [&str; 9] =
     ["BOOT_FAIL", "CANCELLED", "COMPLETED", "DEADLINE", "FAILED", "NODE_FAIL", "OUT_OF_MEMORY", "REVOKED", "TIMEOUT"];
@@ -40,7 +42,7 @@ impl Slurm {
         let answer = answer_of(line)?;
         // `--parsable` prints the number, and a cluster's name behind a semicolon where there are several.
         let id = answer.trim().split(';').next().unwrap_or_default();
-        if id.is_empty() || !id.bytes().all(|byte| byte.is_ascii_digit()) {
+        if !is_job_number(id) {
             return Err(Error::new(format!("sbatch: found \"{}\", expected the number of a job", answer.trim())));
         }
         Ok(id.to_owned())

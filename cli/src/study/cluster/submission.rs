@@ -54,7 +54,7 @@ impl Submission {
     /// The submission in a folder.
     ///
     /// # Errors
-    /// [`Error`] where there is none, or it is no such file.
+    /// [`Error`] where there is none, it is no such file, or a job's number is none: programs of Slurm get it as an argument.
     pub(crate) fn read(folder: &Path) -> Result<Self, Error> {
         let path = folder.join(Self::NAME);
         if !path.is_file() {
@@ -63,9 +63,18 @@ impl Submission {
             return Err(Error::unknown(message).help("`armid study submit STUDY --engine slurm -o DIR` makes one"));
         }
         let text = Text::read(&path)?;
-        serde_json::from_str(&text.content).map_err(|error| {
+        let submission: Self = serde_json::from_str(&text.content).map_err(|error| {
             Error::new(format!("no submission of this version: {error}")).at_line(&text, error.line(), error.column())
-        })
+        })?;
+        match submission.jobs.iter().find(|job| !is_job_number(&job.id)) {
+            Some(SubmittedJob { id, .. }) => {
+                let written = serde_json::to_string(id).unwrap_or_default();
+                let begin = text.content.find(&written).unwrap_or(0);
+                let error = Error::new(format!("a job's id is {written}, expected digits, as sbatch gives them"));
+                Err(error.at(&text, begin..begin + written.len(), "here"))
+            }
+            None => Ok(submission),
+        }
     }
 
     /// Keeps it.
@@ -86,4 +95,9 @@ impl Submission {
     pub(crate) fn ids(&self) -> Vec<&str> {
         self.jobs.iter().map(|job| job.id.as_str()).collect()
     }
+}
+
+/// Is it the number that Slurm gives a job?
+pub(super) fn is_job_number(id: &str) -> bool {
+    !id.is_empty() && id.bytes().all(|byte| byte.is_ascii_digit())
 }
