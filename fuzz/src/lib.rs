@@ -3,7 +3,7 @@
 //! A decoder may refuse anything and must never panic, hang or ask for more memory than its input explains. Where it
 //! accepts, writing what it read and reading that again must give the same.
 
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
 use armid::cdr::{FloatArray, JointState, decode, encode};
@@ -22,7 +22,7 @@ use armid_hardware::message::{
 use armid_io::log::{parse_csv, parse_mcap};
 use armid_io::study::{LineChain, Piece, parse_journal, parse_study};
 use armid_io::table::{Third, parse_states};
-use armid_io::{Text, estimate, experiment};
+use armid_io::{Log, Text, estimate, experiment};
 use armid_reports::study_document;
 
 /// CDR: the ROS 2 messages of recordings and of the wire.
@@ -56,6 +56,17 @@ pub fn mcap(bytes: &[u8]) {
     {
         let _ = log.robot();
     }
+}
+
+/// SQLite: a bag of ROS 2, as a file, since SQLite reads nothing else.
+///
+/// # Panics
+/// Where the file cannot be written.
+pub fn sqlite(bytes: &[u8]) {
+    static PATH: LazyLock<PathBuf> =
+        LazyLock::new(|| std::env::temp_dir().join(format!("armid-fuzz-{}.db3", std::process::id())));
+    std::fs::write(PATH.as_path(), bytes).expect("a temporary file");
+    let _ = Log::read(&PATH);
 }
 
 /// TOML: robots, parameters, trajectories, studies, experiments.

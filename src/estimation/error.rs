@@ -18,6 +18,14 @@ pub enum EstimationError {
         /// Base parameters.
         parameters: usize,
     },
+    /// The equations show no base parameter: every joint stands still.
+    #[error(
+        "no base parameter acts in the {equations} equations, expected at least one; use samples in which joints move"
+    )]
+    NothingActs {
+        /// Equations.
+        equations: usize,
+    },
     /// The trajectory does not separate a base parameter from those before it.
     #[error(
         "base parameter {parameter} is not excited: {independent:.1e} of its column is independent of those before \

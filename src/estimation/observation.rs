@@ -56,6 +56,7 @@ impl Observation {
     /// # Errors
     /// [`EstimationError::Count`] or [`EstimationError::OtherParameters`] where robot, regressor, reduction and samples do
     /// not belong together; [`EstimationError::TooFewEquations`] where there are fewer equations than parameters;
+    /// [`EstimationError::NothingActs`] where there is no parameter;
     /// [`EstimationError::OutsideOfEquations`] where a parameter acts in rows alone that are none.
     pub fn new(
         robot: &Robot,
@@ -66,6 +67,9 @@ impl Observation {
         let (equations, b) = (samples.used.iter().filter(|used| **used).count(), base.rank());
         if samples.dof() == robot.dof() && equations < b {
             return Err(EstimationError::TooFewEquations { equations, parameters: b });
+        }
+        if b == 0 {
+            return Err(EstimationError::NothingActs { equations });
         }
         let (own, left_out) = Self::stacked(robot, regressor, base, samples)?;
         for (j, (column, left_out)) in own.regressor.column_iter().zip(left_out).enumerate() {

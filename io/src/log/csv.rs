@@ -71,6 +71,10 @@ mod tests {
             ("t,tau1\n0,1\n", "r.csv:1:1: heading \"q1\" is missing"),
             ("t,q1,q2,tau1\n0,1,2,3\n", "r.csv:1:1: heading \"tau2\" is missing"),
             ("t,q1,tau1\n0,1,2\n", "r.csv has 1 samples, expected at least 2"),
+            (
+                "t,q1,q2,tau1,tau2\n0,1,1,2,nan\n1,1,1,2,nan\n2,1,1,2,nan\n",
+                "r.csv has 0 samples, expected at least 2: no row has a number in \"tau2\" (tau)",
+            ),
         ] {
             assert_eq!(parse(Text::new("r.csv", text)).unwrap_err().to_string(), fault);
         }

@@ -9,6 +9,10 @@ use mcap::{McapError, McapResult, parse_record};
 
 /// Longest record beyond the length of the file itself: compressed ones may be longer than their file.
 const LONGEST_RECORD: usize = 16 << 20;
+/// Bytes that a file of any size may unpack to, and those for each of its own. Joint states with even stamps and values that never
+/// change are packed to a few hundredths; no log of an arm comes near a thousandth.
+const UNPACKED: u64 = 64 << 20;
+const UNPACKED_PER_BYTE: u64 = 1000;
 /// Bytes in front of every record: what it is, and its length.
 const FRAME: usize = 9;
 
@@ -16,6 +20,10 @@ const FRAME: usize = 9;
 pub(crate) struct Records<'a> {
     rest: &'a [u8],
     reader: LinearReader,
+    /// Bytes of the file.
+    length: u64,
+    /// Records that were read, and their bytes.
+    read: (u64, u64),
 }
 
 impl<'a> Records<'a> {
@@ -29,7 +37,8 @@ impl<'a> Records<'a> {
             .with_skip_end_magic(true)
             .with_validate_chunk_crcs(crcs)
             .with_record_length_limit(bytes.len().saturating_add(LONGEST_RECORD));
-        Ok(Self { rest: bytes, reader: LinearReader::new_with_options(options) })
+        let reader = LinearReader::new_with_options(options);
+        Ok(Self { rest: bytes, reader, length: bytes.len() as u64, read: (0, 0) })
     }
 }
 
@@ -40,6 +49,10 @@ impl Iterator for Records<'_> {
         loop {
             match self.reader.next_event()? {
                 Ok(LinearReadEvent::Record { opcode, data }) => {
+                    self.read = (self.read.0 + 1, self.read.1 + (FRAME + data.len()) as u64);
+                    if let Some(fault) = too_much(self.length, self.read) {
+                        return Some(Err(fault));
+                    }
                     return Some(parse_record(opcode, data).map(Record::into_owned));
                 }
                 Ok(LinearReadEvent::ReadRequest(wanted)) => {
@@ -52,6 +65,22 @@ impl Iterator for Records<'_> {
             }
         }
     }
+}
+
+/// Why no file of this length holds so many records, or so many bytes in them: packed, each record takes more than a byte.
+fn too_much(length: u64, (records, unpacked): (u64, u64)) -> Option<McapError> {
+    let most = UNPACKED.saturating_add(UNPACKED_PER_BYTE.saturating_mul(length));
+    let fault = if records > length {
+        format!("its {length} bytes unpack to more than {length} records, expected at most one for each byte")
+    } else if unpacked > most {
+        format!(
+            "its {length} bytes unpack to more than {most}, expected at most {UNPACKED_PER_BYTE} for each byte and \
+             {UNPACKED} besides"
+        )
+    } else {
+        return None;
+    };
+    Some(McapError::DecompressionError(fault))
 }
 
 /// The number of so many little-endian bytes at `at`, if they are there.
@@ -101,6 +130,11 @@ fn check_chunks(bytes: &[u8]) -> McapResult<()> {
 
 #[cfg(test)]
 mod tests {
+    use std::io::Cursor;
+
+    use mcap::write::PrivateRecordOptions;
+    use mcap::{Compression, WriteOptions};
+
     use super::*;
 
     /// A file with one chunk that is not compressed and holds one record of `claims` bytes, of which two are there.
@@ -119,6 +153,38 @@ mod tests {
         // Enough behind it for a record that claims too much.
         file.extend([0; 64]);
         file
+    }
+
+    /// A file whose records, private ones of these contents, are packed in one chunk.
+    fn packed<'a>(contents: impl Iterator<Item = &'a [u8]>) -> Vec<u8> {
+        let options = WriteOptions::new().compression(Some(Compression::Zstd)).chunk_size(None);
+        let mut writer = options.create(Cursor::new(Vec::new())).unwrap();
+        for content in contents {
+            writer.write_private_record(0x80, content, PrivateRecordOptions::IncludeInChunks.into()).unwrap();
+        }
+        writer.finish().unwrap();
+        writer.into_inner().into_inner()
+    }
+
+    #[test]
+    fn a_file_that_unpacks_to_the_world_is_refused() {
+        let long = vec![0; 1 << 20];
+        let (empty, long): (&[u8], &[u8]) = (&[], &long);
+        let limits = "expected at most 1000 for each byte and 67108864 besides";
+        for (content, count, words) in
+            [(empty, 1 << 20, "records, expected at most one for each byte"), (long, 400, limits)]
+        {
+            let file = packed(std::iter::repeat_n(content, count));
+            let fault = Records::new(&file, true).unwrap().find_map(Result::err).unwrap().to_string();
+            assert!(fault.contains(words), "{} bytes: {fault}", file.len());
+        }
+        // Values that differ from record to record, and long records of zeros, are read.
+        let numbers: Vec<[u8; 4]> = (0..50_000_u32).map(u32::to_le_bytes).collect();
+        let is_private = |record: &McapResult<Record<'_>>| matches!(record, Ok(Record::Unknown { .. }));
+        let numbered = packed(numbers.iter().map(<[u8; 4]>::as_slice));
+        assert_eq!(Records::new(&numbered, true).unwrap().filter(is_private).count(), numbers.len());
+        let zeros = packed(std::iter::repeat_n(long, 60));
+        assert_eq!(Records::new(&zeros, true).unwrap().filter(is_private).count(), 60);
     }
 
     #[test]

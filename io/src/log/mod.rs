@@ -37,6 +37,7 @@ mod stamps;
 mod state_rows;
 mod state_table;
 mod topics;
+mod unusable;
 
 pub use channels::{ChannelFault, ChannelState};
 pub use csv::{parse as parse_csv, write as write_csv};

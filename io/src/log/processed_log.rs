@@ -358,6 +358,10 @@ impl ProcessedLog {
                 "`armid reduce ROBOT --trajectory T.toml` shows what a motion reveals; `armid design` finds one that \
                  reveals all",
             ),
+            EstimationError::NothingActs { .. } => self.wild_sample().unwrap_or_else(|| self.no_motion()),
+            EstimationError::TooFewEquations { .. } | EstimationError::LeastSquares(_) => {
+                self.wild_sample().unwrap_or(shown)
+            }
             _ => shown,
         }
     }

@@ -6,6 +6,7 @@ use armid::signal::{Interpolation, resample};
 use super::channels;
 use super::conversion::Conversion;
 use super::joint_log::{Log, Segment};
+use super::mapping::Quantity;
 use super::origin::Origin;
 use super::stamps::{SegmentRows, Stamps};
 use crate::error::Error;
@@ -40,7 +41,10 @@ impl RawLog {
         let rows = self.q.len() / n.max(1);
         let complete: Vec<usize> = (0..rows).filter(|&row| self.is_complete(row)).collect();
         if complete.len() < 2 {
-            let message = format!("{} has {} samples, expected at least 2", self.name, complete.len());
+            let empty = self.columns_without_numbers();
+            let why =
+                if empty.is_empty() { String::new() } else { format!(": no row has a number in {}", empty.join(", ")) };
+            let message = format!("{} has {} samples, expected at least 2{why}", self.name, complete.len());
             return Err(Error::new(message));
         }
         let mut stamps = match self.rate_hz {
@@ -119,6 +123,27 @@ impl RawLog {
         }
         log.origin.timing = Some(stamps.timing);
         Ok(log)
+    }
+
+    /// Columns without a number in any row, each as its file calls it.
+    fn columns_without_numbers(&self) -> Vec<String> {
+        let mut empty = Vec::new();
+        for (quantity, names) in self.origin.read_as.iter().flat_map(|read_as| &read_as.columns) {
+            let values = match quantity {
+                Quantity::Time => Some(&self.t),
+                Quantity::Position => Some(&self.q),
+                Quantity::Velocity => self.qd.as_ref(),
+                Quantity::LinkPosition => self.link_q.as_ref(),
+                Quantity::Torque | Quantity::Current => Some(&self.effort),
+            };
+            let Some(values) = values.filter(|values| !values.is_empty()) else { continue };
+            for (column, name) in names.iter().enumerate() {
+                if !values.iter().skip(column).step_by(names.len()).any(|value| value.is_finite()) {
+                    empty.push(format!("\"{name}\" ({})", quantity.key()));
+                }
+            }
+        }
+        empty
     }
 
     fn is_complete(&self, row: usize) -> bool {
