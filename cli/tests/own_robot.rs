@@ -44,7 +44,7 @@ fn every_line_of_ones_own_robot_in_ten_minutes_is_executed() {
     own_robot::log(folder.path(), "arm.urdf", "log.csv", 0.0);
     own_robot::log(folder.path(), "arm.urdf", "other.csv", 0.9);
     let readme = include_str!("../../README.md");
-    let lines = shell_lines(readme, "## One's own robot in ten minutes");
+    let lines = shell_lines(readme, "## Your robot in ten minutes");
     assert!(lines.len() >= 6, "{lines:?}");
     for line in lines {
         let done = run(line, folder.path());
