@@ -33,8 +33,6 @@ WIDE = 0.25
 PERIOD_S, SETTLE_S, RAMP_S, LEAD_S = 2.0, 0.2, 0.5, 0.3
 RATE_HZ = 500
 HORIZON_S = 0.5
-# The approach to the beginning of the ramp takes a second; the experiment follows it by the lead.
-MOTION_S = 1.0 + LEAD_S + SETTLE_S + RAMP_S + PERIOD_S + RAMP_S
 # From a request to rest: the watchdog of set-points and braking, and the longest piece, at a tenth of the speed and at all of it.
 BRAKING_S = {10: 0.2, 100: 0.5}
 LONGEST_S = {10: HORIZON_S, 100: 0.9}
@@ -56,11 +54,17 @@ class Found:
         self.confirmed = confirmed
 
 
+def motion_s(options):
+    """The approach to the beginning of the ramp takes a second; the experiment follows it by the lead."""
+    return 1.0 + LEAD_S + SETTLE_S + options.longer * (RAMP_S + PERIOD_S + RAMP_S)
+
+
 def series(options):
     """Period of the file and its joints: name, a, b (rad/s), q0."""
+    period_s = options.longer * PERIOD_S
     if options.speed == 10:
-        return PERIOD_S / 10, JOINTS
-    return PERIOD_S, [(n, [WIDE * x for x in a], [WIDE * x for x in b], q) for n, a, b, q in JOINTS]
+        return period_s / 10, JOINTS
+    return period_s, [(n, [WIDE * x for x in a], [WIDE * x for x in b], q) for n, a, b, q in JOINTS]
 
 
 def start_pose(options):
@@ -71,9 +75,9 @@ def start_pose(options):
 
 
 def experiment(folder, name, domain, options, mode, served, first=False):
-    """A plan of the motion; with `first`, of one that takes `PERIOD_S` at all of its speed, which a first run comes to."""
+    """A plan of the motion; with `first`, of one that takes its time at all of its speed, which a first run comes to."""
     period_s, joints = series(options)
-    slower = PERIOD_S / period_s if first else 1.0
+    slower = options.longer * PERIOD_S / period_s if first else 1.0
     rates = lambda values: [value / slower for value in values]  # noqa: E731
     rows = [f'[[joint]]\nname = "{n}"\na = {rates(a)}\nb = {rates(b)}\nq0 = {q}\n' for n, a, b, q in joints]
     (folder / "T.toml").write_text(f"period_s = {slower * period_s}\nharmonics = 2\n" + "".join(rows), encoding="utf-8")
@@ -81,7 +85,7 @@ def experiment(folder, name, domain, options, mode, served, first=False):
 trajectory = "T.toml"
 rate_hz = {RATE_HZ}
 settle_s = {SETTLE_S}
-ramp_s = {RAMP_S}
+ramp_s = {options.longer * RAMP_S}
 discarded_periods = 0
 periods = 1
 
@@ -187,7 +191,7 @@ class Run:
         # A network of its own needs no domain of its own.
         self.domain = options.domain + (0 if options.space else number % options.domains)
         self.log = Log(folder / "log.csv")
-        self.second = None
+        self.controller, self.second = None, None
         self.recording = folder / "R.mcap"
         self.struck_s = None
         self.space = None
@@ -573,4 +577,4 @@ class Run:
         return 1e3 * (acted - since)
 
 
-__all__ = ["Broken", "Found", "MOTION_S", "Run", "Unfit"]
+__all__ = ["Broken", "Found", "Run", "Unfit", "motion_s"]
