@@ -62,27 +62,18 @@
 //! The library does no input or output and reads no clock.
 #![forbid(unsafe_code)]
 
-pub mod seed;
-pub mod provenance;
-mod plain;
-pub mod input;
-pub mod cdr;
-pub mod lanes;
-pub mod linalg;
-pub mod optimiser;
-pub mod statistics;
-pub mod spatial;
-pub mod model;
-pub mod trajectory;
-pub mod dynamics;
-pub mod regressor;
-pub mod base;
-pub mod codegen;
-pub mod excitation;
-pub mod experiment;
-pub mod signal;
-pub mod estimation;
-pub mod diagnosis;
-pub mod calibration;
+#[doc(inline)]
+pub use armid_estimation::{calibration, diagnosis, estimation};
+#[doc(inline)]
+pub use armid_excitation::excitation;
+#[doc(inline)]
+pub use armid_measurement::{experiment, signal};
+use armid_mechanics::plain;
+#[doc(inline)]
+pub use armid_mechanics::{
+    base, chains, codegen, dynamics, input, lanes, linalg, model, optimiser, provenance, regressor, seed, spatial,
+    statistics, trajectory,
+};
+
 pub mod study;
 pub mod conformance;

@@ -51,18 +51,34 @@ fn library_files(folder: &Path) -> Vec<(PathBuf, Source)> {
     files
 }
 
+/// Sources of the core, crate after crate: each may name those before it.
+const CORE: [&str; 5] = ["mechanics/src", "excitation/src", "measurement/src", "estimation/src", "src"];
+
+/// Sources of the other crates.
+const ABOVE_THE_CORE: [&str; 6] = ["cdr/src", "io/src", "sim/src", "hardware/src", "reports/src", "cli/src"];
+
+/// Every source file of the core that is compiled into it, with the folder of its crate.
+fn core_files() -> Vec<(PathBuf, PathBuf, Source)> {
+    let of_crate = |folder: &str| {
+        let folder = root().join(folder);
+        library_files(&folder).into_iter().map(move |(path, source)| (folder.clone(), path, source))
+    };
+    CORE.into_iter().flat_map(of_crate).collect()
+}
+
 fn shown(path: &Path) -> String {
     path.strip_prefix(root()).unwrap_or(path).display().to_string()
 }
 
-/// The modules of the core in the order in which `lib.rs` declares them.
+/// The modules of the core in the order in which each `lib.rs` declares them, crate after crate.
 fn module_order() -> Vec<String> {
-    source(&root().join("src/lib.rs")).modules.into_iter().map(|module| module.text).collect()
+    let declared = |folder: &str| source(&root().join(folder).join("lib.rs")).modules;
+    CORE.into_iter().flat_map(declared).map(|module| module.text).collect()
 }
 
-/// The module of the core that a file belongs to, and how many modules below the root it is.
-fn module_of(path: &Path) -> (String, usize) {
-    let inner = path.strip_prefix(root().join("src")).expect("a file of the core").with_extension("");
+/// The module of a crate that a file belongs to, and how many modules below the root it is.
+fn module_of(folder: &Path, path: &Path) -> (String, usize) {
+    let inner = path.strip_prefix(folder).expect("a file of the crate").with_extension("");
     let mut parts: Vec<String> = inner.iter().map(|part| part.to_string_lossy().into_owned()).collect();
     if parts.last().is_some_and(|part| part == "mod") {
         parts.pop();
@@ -76,8 +92,8 @@ fn assert_none(faults: &[String]) {
 
 #[test]
 fn modules_of_the_core_stand_in_the_order_of_the_method() {
-    let expected = "seed provenance plain input cdr lanes linalg optimiser statistics spatial model trajectory dynamics regressor base codegen excitation \
-                    experiment signal estimation diagnosis calibration study conformance";
+    let expected = "seed provenance plain input lanes linalg optimiser statistics spatial model chains trajectory dynamics regressor base codegen \
+                    excitation experiment signal estimation diagnosis calibration study conformance";
     assert_eq!(module_order().join(" "), expected);
 }
 
@@ -86,8 +102,8 @@ fn a_module_of_the_core_imports_only_from_those_above_it() {
     let order = module_order();
     let place = |name: &str| order.iter().position(|module| module == name);
     let mut faults = Vec::new();
-    for (path, source) in library_files(&root().join("src")) {
-        let (module, depth) = module_of(&path);
+    for (folder, path, source) in core_files() {
+        let (module, depth) = module_of(&folder, &path);
         if module == "lib" {
             continue;
         }
@@ -122,14 +138,19 @@ fn a_module_of_the_core_imports_only_from_those_above_it() {
 #[test]
 fn crates_depend_as_the_house_is_built() {
     // The manifest, and which of our own crates it may name.
-    let allowed: [(&str, &[&str]); 8] = [
-        ("Cargo.toml", &[]),
-        ("io/Cargo.toml", &["armid"]),
+    let allowed: [(&str, &[&str]); 13] = [
+        ("mechanics/Cargo.toml", &[]),
+        ("excitation/Cargo.toml", &["armid-mechanics"]),
+        ("measurement/Cargo.toml", &["armid-mechanics", "armid-excitation"]),
+        ("estimation/Cargo.toml", &["armid-mechanics", "armid-measurement"]),
+        ("Cargo.toml", &["armid-mechanics", "armid-excitation", "armid-measurement", "armid-estimation"]),
+        ("cdr/Cargo.toml", &[]),
+        ("io/Cargo.toml", &["armid", "armid-cdr"]),
         ("sim/Cargo.toml", &["armid"]),
-        ("hardware/Cargo.toml", &["armid"]),
+        ("hardware/Cargo.toml", &["armid", "armid-cdr"]),
         ("reports/Cargo.toml", &["armid"]),
-        ("cli/Cargo.toml", &["armid", "armid-io", "armid-sim", "armid-hardware", "armid-reports"]),
-        ("fuzz/Cargo.toml", &["armid", "armid-io", "armid-hardware", "armid-reports"]),
+        ("cli/Cargo.toml", &["armid", "armid-cdr", "armid-io", "armid-sim", "armid-hardware", "armid-reports"]),
+        ("fuzz/Cargo.toml", &["armid", "armid-cdr", "armid-io", "armid-hardware", "armid-reports"]),
         ("examples/Cargo.toml", &["armid", "armid-io", "armid-sim"]),
     ];
     let members: toml::Table = read(&root().join("Cargo.toml")).parse().expect("a manifest");
@@ -170,7 +191,7 @@ fn dependency_tables(manifest: &toml::Table) -> Vec<(String, &toml::Table)> {
 #[test]
 fn the_core_touches_neither_files_nor_clock_nor_terminal() {
     let mut faults = Vec::new();
-    for (path, source) in library_files(&root().join("src")) {
+    for (_, path, source) in core_files() {
         for name in source.names_below("std") {
             if ["fs", "env", "time", "net", "process", "io", "os", "path", "thread"].contains(&name.text.as_str()) {
                 faults.push(format!("{}:{}: std::{}", shown(&path), name.line, name.text));
@@ -182,8 +203,11 @@ fn the_core_touches_neither_files_nor_clock_nor_terminal() {
             }
         }
     }
-    let attributes = source(&root().join("src/lib.rs")).attributes;
-    assert!(attributes.iter().any(|attribute| attribute == "forbid(unsafe_code)"), "src/lib.rs: forbid(unsafe_code)");
+    for folder in CORE {
+        let attributes = source(&root().join(folder).join("lib.rs")).attributes;
+        let forbids = attributes.iter().any(|attribute| attribute == "forbid(unsafe_code)");
+        assert!(forbids, "{folder}/lib.rs: forbid(unsafe_code)");
+    }
     assert_none(&faults);
 }
 
@@ -195,7 +219,7 @@ fn transcendental_functions_come_from_one_place() {
         "atanh", "exp", "exp2", "exp_m1", "ln", "log", "log2", "log10", "ln_1p", "powf", "cbrt", "hypot", "mul_add",
     ];
     let mut faults = Vec::new();
-    for folder in ["src", "sim/src"] {
+    for folder in CORE.into_iter().chain(["sim/src"]) {
         for (path, source) in library_files(&root().join(folder)) {
             for method in source.methods.iter().filter(|method| forbidden.contains(&method.text.as_str())) {
                 faults.push(format!("{}:{}: .{}(), expected libm::…", shown(&path), method.line, method.text));
@@ -217,7 +241,7 @@ fn transcendental_functions_come_from_one_place() {
 fn no_module_is_a_drawer_for_everything() {
     let drawers = ["util", "utils", "common", "helper", "helpers", "misc", "types", "traits", "prelude"];
     let mut faults = Vec::new();
-    for folder in ["src", "io/src", "sim/src", "hardware/src", "reports/src", "cli/src"] {
+    for folder in CORE.into_iter().chain(ABOVE_THE_CORE) {
         for (path, source) in library_files(&root().join(folder)) {
             for name in drawers {
                 if path.file_stem().is_some_and(|stem| stem == name) || path.iter().any(|part| part == name) {
@@ -235,7 +259,7 @@ fn no_module_is_a_drawer_for_everything() {
 #[test]
 fn a_mod_file_holds_no_logic() {
     let mut faults = Vec::new();
-    for folder in ["src", "io/src", "sim/src", "hardware/src", "reports/src", "cli/src"] {
+    for folder in CORE.into_iter().chain(ABOVE_THE_CORE) {
         for (path, source) in library_files(&root().join(folder)) {
             if path.file_name().is_none_or(|name| name != "mod.rs") {
                 continue;
@@ -274,10 +298,10 @@ const CIRCLES: &[(&str, &[&str], &str)] = &[
 
 #[test]
 fn files_of_a_module_form_no_circle_but_registries() {
-    let files = library_files(&root().join("src"));
+    let files = core_files();
     let mut modules: BTreeMap<String, Vec<(String, &Source)>> = BTreeMap::new();
-    for (path, source) in &files {
-        let inner = path.strip_prefix(root().join("src")).expect("a file of the core").with_extension("");
+    for (folder, path, source) in &files {
+        let inner = path.strip_prefix(folder).expect("a file of the crate").with_extension("");
         let parts: Vec<&str> = inner.iter().filter_map(|part| part.to_str()).collect();
         if let [module, rest @ ..] = parts.as_slice()
             && !rest.is_empty()
@@ -294,7 +318,7 @@ fn files_of_a_module_form_no_circle_but_registries() {
             };
             if !CIRCLES.iter().any(allows) {
                 let names = circle.iter().map(String::as_str).collect::<Vec<_>>().join(", ");
-                faults.push(format!("src/{module}: {names} name each other in a circle"));
+                faults.push(format!("{module}: {names} name each other in a circle"));
             }
         }
     }
@@ -304,7 +328,7 @@ fn files_of_a_module_form_no_circle_but_registries() {
 #[test]
 fn an_estimator_states_its_equation_its_assumptions_when_it_fails_and_its_source() {
     let (mut estimators, mut faults) = (0, Vec::new());
-    for (path, _) in library_files(&root().join("src/estimation")) {
+    for (path, _) in library_files(&root().join("estimation/src/estimation")) {
         let text = read(&path);
         // The list of estimators only hands on to them.
         if !text.contains("impl Estimator for") || path.ends_with("kind.rs") {

@@ -7,7 +7,7 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::Path;
 
-use armid::cdr::{JointState, Time};
+use armid_cdr::{JointState, Time};
 use mcap::records::MessageHeader;
 use serde_json::Value;
 use support::{armid, json, stderr, temporary, write};

@@ -83,7 +83,7 @@ fn a_load_on_an_arm_of_a_urdf_is_found_within_its_intervals() {
     }
 }
 
-/// The simulated tool is a ball of 3 cm: `src/experiment/effects/tool.rs`.
+/// The simulated tool is a ball of 3 cm: `measurement/src/experiment/effects/tool.rs`.
 #[test]
 fn a_tool_on_the_a460_is_found_with_its_encoders_currents_and_converters() {
     let folder = temporary();

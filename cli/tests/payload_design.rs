@@ -8,7 +8,7 @@ use std::path::Path;
 use serde_json::Value;
 use support::{armid, json, stderr, temporary, write};
 
-/// The load that experiments put on: `src/experiment/effects/tool.rs`, 1 kg at (0.02, 0, 0.06) m.
+/// The load that experiments put on: `measurement/src/experiment/effects/tool.rs`, 1 kg at (0.02, 0, 0.06) m.
 const LOAD: [&str; 4] = ["--payload", "1.5", "--payload-centre", "0.02,0,0.06"];
 
 /// Seven revolute joints, each axis across the last, with the limits of a light arm.

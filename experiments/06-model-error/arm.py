@@ -1,6 +1,6 @@
 """The A460 of a study in numpy: base regressor, true parameters, and the random motions on which predictions are scored.
 
-Written beside the program from its documented equations (NOTATION.md, `src/seed.rs`, `src/study/validation.rs`), so that what the
+Written beside the program from its documented equations (NOTATION.md, `mechanics/src/seed.rs`, `src/study/validation.rs`), so that what the
 scripts of this folder say of states agrees with what `armid study` stored to rounding, and not by the same code.
 """
 import hashlib
@@ -106,7 +106,7 @@ class Arm:
 
 
 class Stream:
-    """ChaCha8 of `src/seed.rs`: key SHA-256(seed ‖ purpose), stream number `run`; 53-bit and ranged floats of the crate rand."""
+    """ChaCha8 of `mechanics/src/seed.rs`: key SHA-256(seed ‖ purpose), stream number `run`; 53-bit and ranged floats of the crate rand."""
 
     def __init__(self, seed, purpose, run):
         self.key = np.frombuffer(key(seed, purpose), "<u4")

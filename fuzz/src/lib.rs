@@ -6,7 +6,6 @@
 use std::path::{Path, PathBuf};
 use std::sync::LazyLock;
 
-use armid::cdr::{FloatArray, JointState, decode, encode};
 use armid::estimation::compare;
 use armid::model::format::{
     ChainEnds, FormatError, ImportedModel, embed_urdf, parse_mjcf, parse_nominal, parse_parameter_map,
@@ -16,6 +15,7 @@ use armid::model::{Hull, Robot, bundled};
 use armid::spatial::Inertia;
 use armid::study::{StudyPlan, StudySetup};
 use armid::trajectory::PeriodicTrajectory;
+use armid_cdr::{FloatArray, JointState, decode, encode};
 use armid_hardware::message::{
     Float64MultiArray, FollowFeedback, FollowGoal, FollowResult, JointState as WireState, JointTrajectory, Text as Word,
 };

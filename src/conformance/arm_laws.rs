@@ -188,3 +188,23 @@ fn refusal<A: Arm>(plan: &ExperimentPlan, make: &impl Fn() -> A) -> Result<(), L
     }
     Ok(())
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::hinges::{self, FlyWheels};
+    use crate::experiment::{Replay, Servo, record};
+    use crate::seed::Seed;
+
+    #[test]
+    fn servo_and_replay_obey_the_laws_of_arms() {
+        let plan =
+            ExperimentPlan { settle_s: 0.2, ramp_s: 0.5, periods: 2, ..ExperimentPlan::new(hinges::trajectory(2)) };
+        let robot = hinges::coupled();
+        let servo =
+            || Servo::new(&robot, &hinges::parameters(2), FlyWheels::new(2)).unwrap().with_seed(Seed::new(6), 1);
+        check(&plan, &ArmTolerance::SIMULATED, servo).unwrap();
+        let recording = record(&mut servo(), &plan).unwrap().0;
+        check(&plan, &ArmTolerance::SIMULATED, || Replay(recording.clone())).unwrap();
+    }
+}

@@ -145,7 +145,7 @@ fn singular(criterion: &dyn Criterion) -> Result<(), LawError> {
 mod tests {
     use super::*;
     use crate::excitation::CriterionKind;
-    use crate::excitation::criterion::{DOptimal, Score};
+    use crate::excitation::criterion::{DOptimal, IOptimal, Score};
 
     #[test]
     fn every_criterion_obeys_the_laws() {
@@ -165,6 +165,12 @@ mod tests {
                 check(&*criterion, invariance).unwrap_or_else(|broken| panic!("{kind:?}: {broken}"));
             }
         }
+    }
+
+    #[test]
+    fn i_optimality_obeys_the_laws_for_a_prediction_that_treats_all_parameters_alike() {
+        let gram = DMatrix::from_fn(6, 6, |i, j| if i == j { 2.0 } else { 0.5 });
+        check(&IOptimal::new(gram), Invariance::Order).unwrap();
     }
 
     /// D-optimality with one thing wrong.

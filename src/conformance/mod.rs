@@ -1,7 +1,6 @@
 //! What every implementation must satisfy, and the random robots to show it on.
 
 pub mod arm_laws;
-pub mod chains;
 pub mod estimator_laws;
 pub mod family_laws;
 pub mod criterion_laws;
@@ -10,7 +9,7 @@ pub mod plant_term_laws;
 pub mod term_laws;
 pub mod trajectory_laws;
 mod law_error;
-mod stiff_loop;
 
+pub use crate::estimation::StiffLoop;
+pub use armid_mechanics::chains;
 pub use law_error::{LawError, Requirement};
-pub use stiff_loop::StiffLoop;

@@ -193,7 +193,7 @@ fn slowing<M: PeriodicMotion + Clone>(motion: &M) -> Result<(), LawError> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::study::radkhah2007::table_one;
+    use crate::trajectory::table_one;
     use crate::trajectory::{
         BSplineJoint, BSplineTrajectory, ConstantSpeedJoint, ConstantSpeedTrajectory, Curve, FourierQuinticTrajectory,
         FourierTrajectory, Trajectory,

@@ -149,12 +149,12 @@ pub fn exact_states(dynamics: &mut Dynamics, q: &[f64], qd: &[f64], tau: &[f64])
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::excitation::fixtures;
-    use crate::study::radkhah2007::table_one;
+    use crate::conformance::chains;
+    use crate::trajectory::table_one;
 
     #[test]
     fn analytic_shares_of_limits_are_those_of_table_one() {
-        let robot = fixtures::crs_a460().with_joints(|joint| joint.limits.velocity = f64::INFINITY).unwrap();
+        let robot = chains::crs_a460().with_joints(|joint| joint.limits.velocity = f64::INFINITY).unwrap();
         let trajectory: PeriodicTrajectory = table_one::corrected().into();
         let example = LimitExample::of(&robot, None, &trajectory);
         // What has no limit has no share, and torques are unknown without parameters.

@@ -91,7 +91,6 @@ impl PointToPointMove {
 mod tests {
     use super::*;
     use crate::conformance::chains;
-    use crate::excitation::fixtures;
     use crate::model::Limits;
 
     #[test]
@@ -104,7 +103,7 @@ mod tests {
             (100.0, 1e9, 3.0, (60.0_f64 / 2.4).cbrt()),
         ] {
             let limits = Limits { velocity, acceleration, jerk, ..Limits::NONE };
-            let robot = fixtures::with_limits(&chains::planar_2r(), limits);
+            let robot = chains::with_limits(&chains::planar_2r(), limits);
             let made = PointToPointMove::within_limits(&robot, vec![0.0, 0.3], vec![1.0, 0.2], 0.8);
             assert!((made.duration_s() - duration).abs() < 1e-12 * duration, "{} {duration}", made.duration_s());
             let states = made.sample(2001);
@@ -116,7 +115,7 @@ mod tests {
 
     #[test]
     fn identity_a_move_rests_at_its_poses_and_is_the_integral_of_its_acceleration() {
-        let robot = fixtures::crs_a460();
+        let robot = chains::crs_a460();
         let (from, to) = (vec![0.1, -0.4, 0.3, 0.9, -1.0, 2.0], vec![-0.5, 0.2, 0.3, -0.6, 0.7, -1.0]);
         let made = PointToPointMove::within_limits(&robot, from.clone(), to.clone(), 0.9);
         let (count, n) = (4001, 6);

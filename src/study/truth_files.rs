@@ -29,7 +29,7 @@ mod tests {
     use crate::model::{Columns, DriveParameters, Robot, StandardParameters, bundled};
     use crate::regressor::JointTorqueRegressor;
     use crate::seed::Seed;
-    use crate::study::radkhah2007::table_one;
+    use crate::trajectory::table_one;
 
     #[test]
     fn identity_every_truth_is_physically_consistent_and_another_than_the_guess() {

@@ -176,7 +176,7 @@ fn project(x: &Vector3<f64>, capsule: &Capsule) -> Vector3<f64> {
 mod tests {
     use super::*;
     use crate::base::{Method, reduce};
-    use crate::excitation::fixtures::crs_a460;
+    use crate::conformance::chains::crs_a460;
     use crate::model::Columns;
     use crate::seed::Seed;
 

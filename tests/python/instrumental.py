@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Instrumental variables in NumPy: the numbers that src/estimation/tests/instrumental.rs holds.
+"""Instrumental variables in NumPy: the numbers that estimation/src/estimation/tests/instrumental.rs holds.
 
 One hinge without weight, 60 instants: inertia, viscous and Coulomb friction, offset. The regressor W is that of a motion with
 errors, the instruments Z are that of another one without. beta = (Z'W)^-1 Z'y, its standard deviations for white noise of a known

@@ -1,6 +1,6 @@
 """Figures of SciPy that tests compare with: f_tails.csv and f_test.csv.
 
-Arguments: the folder src of the repository.
+Arguments: the folder of the repository.
 """
 
 import sys
@@ -49,9 +49,9 @@ def f_test(path):
 
 
 def main():
-    src = Path(sys.argv[1])
-    tails(src / "statistics/f_tails.csv")
-    f_test(src / "estimation/selection/f_test.csv")
+    root = Path(sys.argv[1])
+    tails(root / "mechanics/src/statistics/f_tails.csv")
+    f_test(root / "estimation/src/estimation/selection/f_test.csv")
 
 
 main()

@@ -143,7 +143,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let Some(best) = best.or_else(|| nearest_of(&found.designs)) else {
         return Ok(Ending::Interrupted);
     };
-    console.deliver(&destination, &best.trajectory.to_certified_toml(&best.certificate))?;
+    console.deliver(&destination, &best.certificate.to_toml_with(&best.trajectory))?;
     let figures = match &destination {
         Destination::File(path) => draw(path, &problem, &found, best)?,
         Destination::StandardOutput => Vec::new(),

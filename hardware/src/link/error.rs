@@ -1,6 +1,6 @@
 //! What can go wrong on the link.
 
-use armid::cdr::CdrError;
+use armid_cdr::CdrError;
 
 /// Why the link cannot be used, or cannot be used any longer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

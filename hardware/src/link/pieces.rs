@@ -17,8 +17,8 @@
 //! It stays on the path, with no more than its speeds; `span` is the shortest of a list by which every joint keeps its
 //! acceleration limit.
 
-use armid::cdr::CdrError;
 use armid::model::Robot;
+use armid_cdr::CdrError;
 
 use super::Motion;
 use crate::message::{Time, TrajectoryPoint};

@@ -1,6 +1,6 @@
 //! The header that many messages begin with.
 
-use armid::cdr::Time;
+use armid_cdr::Time;
 use ros2_client::Message;
 use serde::{Deserialize, Serialize};
 

@@ -19,7 +19,7 @@ mod tests;
 mod text;
 mod trajectory;
 
-pub use armid::cdr::Time;
+pub use armid_cdr::Time;
 pub use array::{ArrayDimension, ArrayLayout, Float64MultiArray};
 pub use follow::{FollowFeedback, FollowGoal, FollowResult, JointComponentTolerance, JointTolerance};
 pub use header::Header;

@@ -1,4 +1,4 @@
-use armid::cdr::{CdrError, decode, encode};
+use armid_cdr::{CdrError, decode, encode};
 use proptest::collection::vec;
 use proptest::prelude::*;
 use ros2_client::Message;

@@ -2,8 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use armid::cdr::JointState;
 use armid::model::EffortInterface;
+use armid_cdr::JointState;
 
 use super::conversion::Conversion;
 use super::joint_log::Log;

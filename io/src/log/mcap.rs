@@ -5,7 +5,7 @@ use std::path::Path;
 
 use ::mcap::McapError;
 use ::mcap::records::Record;
-use armid::cdr::{FloatArray, JointState};
+use armid_cdr::{FloatArray, JointState};
 
 use super::joint_log::Log;
 use super::mcap_records::Records;

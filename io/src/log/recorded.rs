@@ -2,12 +2,12 @@
 
 use std::collections::BTreeMap;
 
-use armid::cdr::JointState;
 use armid::experiment::{PhaseSpan, Recording};
 use armid::input::size::{JOINTS, RATE_HZ};
 use armid::model::{EffortInterface, format::ChainEnds};
 use armid::provenance::Provenance;
 use armid::trajectory::PeriodicTrajectory;
+use armid_cdr::JointState;
 
 use super::conversion::Conversion;
 use super::joint_log::{Log, RecordedRobot, Segment};

@@ -10,7 +10,7 @@
 use std::collections::BTreeMap;
 use std::path::{Path, PathBuf};
 
-use armid::cdr::JointState;
+use armid_cdr::JointState;
 use rusqlite::config::DbConfig;
 use rusqlite::limits::Limit;
 use rusqlite::{Connection, ErrorCode, OpenFlags, OptionalExtension};
@@ -134,7 +134,7 @@ fn opened(path: &Path, bytes: u64, steps: u64) -> rusqlite::Result<Connection> {
 mod tests {
     use std::path::{Path, PathBuf};
 
-    use armid::cdr::{JointState, Time};
+    use armid_cdr::{JointState, Time};
     use rusqlite::Connection;
 
     use super::super::topics::StateReading;

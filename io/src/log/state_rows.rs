@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use armid::cdr::JointState;
+use armid_cdr::JointState;
 
 use super::topics::Message;
 use crate::error::Error;
@@ -188,7 +188,7 @@ fn nearest(times: &[i64], mut others: Vec<(i64, usize)>) -> (Vec<Option<usize>>,
 
 #[cfg(test)]
 mod tests {
-    use armid::cdr::{JointState, Time};
+    use armid_cdr::{JointState, Time};
 
     use super::{Message, StateRows};
 

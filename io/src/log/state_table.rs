@@ -1,6 +1,6 @@
 //! Joint states as a table.
 
-use armid::cdr::JointState;
+use armid_cdr::JointState;
 
 use crate::error::Error;
 

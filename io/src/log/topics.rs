@@ -1,7 +1,7 @@
 //! Joint states by topic, where a recording has several.
 
-use armid::cdr::JointState;
 use armid::model::Robot;
+use armid_cdr::JointState;
 
 use super::mapping::Mapping;
 use crate::error::Error;

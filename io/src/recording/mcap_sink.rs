@@ -17,9 +17,9 @@ use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
-use armid::cdr::{FloatArray, JointState, Time};
 use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
 use armid::model::EffortInterface;
+use armid_cdr::{FloatArray, JointState, Time};
 use mcap::records::{MessageHeader, Metadata};
 
 use super::part::{create, create_draft};

@@ -17,10 +17,10 @@ mod claim;
 mod claim_evaluation;
 mod fitted_model;
 mod reproduction;
-pub mod table_one;
 mod table_two;
 mod table_two_comparison;
 
+pub use crate::trajectory::table_one;
 pub use claim::{Claim, Quantity, Verdict};
 pub use claim_evaluation::{ArmFactory, evaluate_claims};
 pub use reproduction::Reproduction;

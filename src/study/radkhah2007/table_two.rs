@@ -69,3 +69,28 @@ pub fn table_two() -> Vec<TableTwoRow> {
         row("I_yz6", Iyz, 6, 0.3980),
     ]
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::base::{Method, reduce};
+    use crate::conformance::chains;
+    use crate::model::Columns;
+    use crate::seed::Seed;
+
+    #[test]
+    fn published_table_two_is_the_base_set_but_for_a_misprint() {
+        let base = reduce(&chains::crs_a460(), Columns::RIGID, Method::Structural, Seed::new(1)).unwrap();
+        let names = base.names();
+        let table = table_two();
+        assert_eq!(table.len(), 32);
+        let outside: Vec<&str> =
+            table.iter().filter(|row| !names.contains(&row.as_printed.to_string())).map(|row| row.printed).collect();
+        assert_eq!(outside, ["m4*rcy_4"]);
+        assert!(table.iter().all(|row| names.contains(&row.parameter.to_string())));
+        let missing: Vec<&String> =
+            names.iter().filter(|name| !table.iter().any(|row| row.parameter.to_string() == **name)).collect();
+        assert_eq!(missing, ["Ixx2", "Iyy4", "Ixx5", "Iyy5"]);
+        assert_eq!(table.iter().filter(|row| row.parameter != row.as_printed).count(), 1);
+    }
+}

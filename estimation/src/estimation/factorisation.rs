@@ -1,0 +1,296 @@
+//! One factorisation of a recording, from which every linear estimate follows.
+//!
+//! ```text
+//! W_k, τ_k of sample k       one row of   [ w_1k … w_nk  τ_1k … τ_nk ] = Q R̂       (joint i's equation is w_ik β = τ_ik)
+//! ```
+//! Rows of R̂ are samples too, as few as there are columns: any sum over samples of products of two equations, with any
+//! weights between the joints of a sample, is the same sum over the rows of R̂. So ordinary and weighted least squares,
+//! the covariance of a residual, the covariance of β̂ under noise that is white in time, and each repetition of an
+//! estimator that finds weights for joints by iteration cost as much as for some hundred samples. R̂ is found by
+//! reflections, block by block ([`RowFactor`]), and so is each solution from it: nothing is squared, and condition
+//! numbers of 1e8 and more do as little harm as in a QR of W itself.
+//!
+//! Samples of which some joints are no equation are a group of their own for each set of such joints. A group that is not longer
+//! than two such factors stays as it is.
+
+use std::sync::OnceLock;
+
+use nalgebra::{DMatrix, DVector};
+
+use super::discrepancy::Discrepancy;
+use super::residual::{ResidualScale, scatter_noise};
+use super::{EstimationError, Observation};
+use crate::linalg::product::add_product;
+use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
+use crate::signal::Samples;
+
+/// Groups of more samples than this many times their columns are replaced by their factor.
+const WORTH_FACTORING: usize = 2;
+
+/// The equations of an observation in as few samples as hold all that linear estimators ask.
+///
+/// ```
+/// # use armid_estimation as armid;
+/// # use armid::estimation::{EstimationError, Factorisation, Observation};
+/// # use armid::linalg::BlockWhitening;
+/// # fn fit(observation: &Observation) -> Result<(), EstimationError> {
+/// let equations = Factorisation::new(observation)?;
+/// let ordinary = equations.least_squares()?;
+/// // Feasible weighted least squares, repeated: neither step reads the recording again.
+/// let mut beta = ordinary.solution().clone();
+/// for _ in 0..5 {
+///     let weights = BlockWhitening::new(&equations.residual_covariance(&beta))?;
+///     beta = equations.weighted(&weights)?.solution().clone();
+/// }
+/// # Ok(())
+/// # }
+/// ```
+#[derive(Clone, Debug)]
+pub struct Factorisation<'a> {
+    observation: &'a Observation,
+    groups: Vec<SampleGroup>,
+    ordinary: OnceLock<Result<LeastSquares, EstimationError>>,
+    discrepancy: OnceLock<Result<Option<Discrepancy>, EstimationError>>,
+}
+
+/// Samples that have the same joints as equations.
+#[derive(Clone, Debug)]
+struct SampleGroup {
+    used: Vec<bool>,
+    /// Equations and torque, (n · samples) × (b + 1), sample by sample as in an observation.
+    rows: DMatrix<f64>,
+}
+
+impl<'a> Factorisation<'a> {
+    /// Reads an observation once: `O(M c²)` for M samples with c columns of all joints that are not zero.
+    ///
+    /// # Errors
+    /// [`EstimationError::LeastSquares`] where there are fewer rows than parameters, sizes do not fit, or a number is not
+    /// finite.
+    pub fn new(observation: &'a Observation) -> Result<Self, EstimationError> {
+        let (n, (rows, columns)) = (observation.dof, observation.regressor.shape());
+        for found in [observation.y.len(), observation.used.len()] {
+            if found != rows {
+                return Err(LeastSquaresError::Shape { found, expected: rows }.into());
+            }
+        }
+        if rows < columns {
+            return Err(LeastSquaresError::TooFewRows { rows, columns }.into());
+        }
+        if !rows.is_multiple_of(n) {
+            return Err(LeastSquaresError::Blocks { rows, size: n }.into());
+        }
+        let groups: Vec<SampleGroup> = patterns(observation)
+            .into_iter()
+            .map(|(used, samples)| SampleGroup::of(observation, used, &samples))
+            .collect();
+        // A number that is not finite is in the factor too.
+        if groups.iter().any(|group| group.rows.iter().any(|value| !value.is_finite())) {
+            let w = observation.regressor.iter().enumerate().map(|(at, &value)| (at % rows, value));
+            let mut all = w.chain(observation.y.iter().copied().enumerate());
+            let (row, value) = all.find(|(_, value)| !value.is_finite()).unwrap_or((0, f64::INFINITY));
+            return Err(LeastSquaresError::NotFinite { row, value }.into());
+        }
+        Ok(Self { observation, groups, ordinary: OnceLock::new(), discrepancy: OnceLock::new() })
+    }
+
+    /// The observation that was factored.
+    #[must_use]
+    pub const fn observation(&self) -> &'a Observation {
+        self.observation
+    }
+
+    /// Number of samples that stand for all: those of the groups' factors.
+    #[must_use]
+    pub fn samples(&self) -> usize {
+        self.groups.iter().map(|group| group.rows.nrows() / self.observation.dof).sum()
+    }
+
+    /// Ordinary least squares, found once.
+    ///
+    /// # Errors
+    /// [`EstimationError::NotExcited`] with the parameter's name.
+    pub fn least_squares(&self) -> Result<&LeastSquares, EstimationError> {
+        self.ordinary.get_or_init(|| self.solve(|group| Ok(group.rows.clone()))).as_ref().map_err(Clone::clone)
+    }
+
+    /// What the samples that the equations were made from show of a torque that the model lacks, found once for all estimators;
+    /// `None` where they show nothing, and where there is no scatter over periods to compare with. Loads are those of the weighted
+    /// fit.
+    pub(super) fn discrepancy(&self, samples: &Samples) -> Result<Option<&Discrepancy>, EstimationError> {
+        let found = self.discrepancy.get_or_init(|| {
+            let Some(noise) = scatter_noise(self.observation) else { return Ok(None) };
+            // A joint without noise has no weight; loads of the ordinary fit do as well.
+            let beta = match BlockWhitening::new(noise.covariance()) {
+                Ok(weights) => self.weighted(&weights)?.solution().clone(),
+                Err(_) => self.least_squares()?.solution().clone(),
+            };
+            Ok(Discrepancy::found(self.observation, samples, &noise, beta.as_slice()))
+        });
+        found.as_ref().map(Option::as_ref).map_err(Clone::clone)
+    }
+
+    /// Least squares weighted with the inverse of the covariance of one sample's noise.
+    ///
+    /// # Errors
+    /// As [`Self::least_squares`]; [`EstimationError::LeastSquares`] where the covariance is of another size.
+    pub fn weighted(&self, weights: &BlockWhitening) -> Result<LeastSquares, EstimationError> {
+        let mut weights = weights.clone();
+        self.solve(|group| Ok(weights.whiten(&group.rows, &group.marks())?))
+    }
+
+    /// `1/(√(M_i M_j) (1 − b/E)) Σ_k r_ik r_jk` of the residual of β (b), n × n: the covariance of one sample's noise as far
+    /// from the residual, R(0) of [`residual_noise`](super::residual_noise).
+    #[must_use]
+    pub fn residual_covariance(&self, beta: &DVector<f64>) -> DMatrix<f64> {
+        ResidualScale::of(self.observation).covariance(&self.residual_products(beta))
+    }
+
+    /// Weights by that covariance. A joint that has no equation, at rest say, has no residual: its weight is one, and nothing is
+    /// weighted with it.
+    ///
+    /// # Errors
+    /// [`EstimationError::LeastSquares`] where the covariance of the others is not positive definite.
+    pub fn residual_weights(&self, beta: &DVector<f64>) -> Result<BlockWhitening, EstimationError> {
+        let (n, mut covariance) = (self.observation.dof, self.residual_covariance(beta));
+        for i in 0..n {
+            if !self.observation.used.iter().skip(i).step_by(n).any(|&used| used) {
+                covariance.row_mut(i).fill(0.0);
+                covariance.column_mut(i).fill(0.0);
+                covariance[(i, i)] = 1.0;
+            }
+        }
+        Ok(BlockWhitening::new(&covariance)?)
+    }
+
+    /// `Σ_k r_k r_kᵀ` over all samples, n × n, for the residual of β (b).
+    #[must_use]
+    pub fn residual_products(&self, beta: &DVector<f64>) -> DMatrix<f64> {
+        let n = self.observation.dof;
+        let mut products = DMatrix::zeros(n, n);
+        for group in &self.groups {
+            let (rows, b) = (group.rows.nrows(), beta.len());
+            let mut residual = group.rows.column(b).into_owned();
+            let negative: Vec<f64> = beta.iter().map(|value| -value).collect();
+            add_product(&group.rows.as_slice()[..rows * b], &negative, rows, residual.as_mut_slice());
+            for r in residual.as_slice().chunks_exact(n) {
+                for (j, &rj) in r.iter().enumerate() {
+                    for (i, &ri) in r.iter().enumerate() {
+                        products[(i, j)] += ri * rj;
+                    }
+                }
+            }
+        }
+        products
+    }
+
+    /// `Σ_k B_kᵀ C B_k`, b × b, with `B_k = P W_k`: P is 1 or the inverse of the covariance that is weighted with, C (n × n)
+    /// the covariance of the noise of one sample, white in time.
+    ///
+    /// # Errors
+    /// [`EstimationError::LeastSquares`] where a covariance is of another size.
+    pub fn white_noise_products(
+        &self,
+        weights: Option<&BlockWhitening>,
+        covariance: &DMatrix<f64>,
+    ) -> Result<DMatrix<f64>, EstimationError> {
+        let (n, b) = (self.observation.dof, self.observation.regressor.ncols());
+        let mut sum = DMatrix::zeros(b, b);
+        for group in &self.groups {
+            let mut rows = group.rows.columns(0, b).into_owned();
+            if let Some(weights) = weights {
+                rows = weights.clone().precision(&rows, &group.marks())?;
+            }
+            let mut spread = rows.clone();
+            for sample in spread.as_mut_slice().chunks_exact_mut(n) {
+                let of: Vec<f64> = sample.to_vec();
+                for (i, out) in sample.iter_mut().enumerate() {
+                    *out = of.iter().enumerate().fold(0.0, |sum, (j, &value)| sum + covariance[(i, j)] * value);
+                }
+            }
+            sum += transpose_product(&rows, &spread);
+        }
+        Ok(sum)
+    }
+
+    fn solve(
+        &self,
+        mut equations: impl FnMut(&SampleGroup) -> Result<DMatrix<f64>, EstimationError>,
+    ) -> Result<LeastSquares, EstimationError> {
+        let (n, columns) = (self.observation.dof, self.observation.regressor.ncols() + 1);
+        let mut factor = RowFactor::new(columns);
+        for group in &self.groups {
+            let rows = equations(group)?;
+            // Joint by joint, since a joint's rows begin with the same zeros.
+            for i in (0..n).filter(|&i| group.used[i]) {
+                factor.add(rows.nrows() / n, |k, column| rows[(k * n + i, column)]);
+            }
+        }
+        LeastSquares::from_triangle(&factor.finish()).map_err(|error| self.observation.named(error))
+    }
+}
+
+impl SampleGroup {
+    fn of(observation: &Observation, used: Vec<bool>, samples: &[usize]) -> Self {
+        let (n, b, w) = (observation.dof, observation.regressor.ncols(), &observation.regressor);
+        let rows = w.nrows();
+        // The columns of all joints that are not zero, joint by joint, each with its torque last.
+        let seen = |i: usize, j: usize| samples.iter().any(|&k| w.as_slice()[j * rows + k * n + i] != 0.0);
+        let entries: Vec<(usize, usize)> = (0..n)
+            .filter(|&i| used[i])
+            .flat_map(|i| (0..b).filter(move |&j| seen(i, j)).map(move |j| (i, j)).chain([(i, b)]))
+            .collect();
+        let sources: Vec<&[f64]> = entries
+            .iter()
+            .map(
+                |&(i, j)| {
+                    if j < b { &w.as_slice()[j * rows + i..(j + 1) * rows] } else { &observation.y.as_slice()[i..] }
+                },
+            )
+            .collect();
+        let factored = samples.len() > WORTH_FACTORING * entries.len();
+        let mut rows = DMatrix::zeros(n * if factored { entries.len() } else { samples.len() }, b + 1);
+        if factored {
+            let mut factor = RowFactor::new(entries.len());
+            factor.add(samples.len(), |k, entry| sources[entry][samples[k] * n]);
+            let factor = factor.finish();
+            for (c, &(i, j)) in entries.iter().enumerate() {
+                for k in 0..=c {
+                    rows[(k * n + i, j)] = factor[(k, c)];
+                }
+            }
+        } else {
+            for (source, &(i, j)) in sources.iter().zip(&entries) {
+                for (k, &sample) in samples.iter().enumerate() {
+                    rows[(k * n + i, j)] = source[sample * n];
+                }
+            }
+        }
+        Self { used, rows }
+    }
+
+    /// Which rows are equations.
+    fn marks(&self) -> Vec<bool> {
+        self.used.iter().copied().cycle().take(self.rows.nrows()).collect()
+    }
+}
+
+/// The sets of joints that are equations of a sample, in the order in which they come, each with its samples.
+fn patterns(observation: &Observation) -> Vec<(Vec<bool>, Vec<usize>)> {
+    let mut groups: Vec<(Vec<bool>, Vec<usize>)> = Vec::new();
+    let mut last = 0;
+    for (k, used) in observation.used.chunks_exact(observation.dof).enumerate() {
+        if !used.contains(&true) {
+            continue;
+        }
+        // Neighbours mostly have the same.
+        if groups.get(last).is_none_or(|(pattern, _)| pattern != used) {
+            last = groups.iter().position(|(pattern, _)| pattern == used).unwrap_or_else(|| {
+                groups.push((used.to_vec(), Vec::new()));
+                groups.len() - 1
+            });
+        }
+        groups[last].1.push(k);
+    }
+    groups
+}

@@ -1,0 +1,355 @@
+//! Findings about an estimate: what limits its use, with the number measured and advice.
+
+use std::fmt;
+
+use super::residual_shape::{Against, probability};
+use super::termination::Termination;
+
+/// Something that does not stop an estimator and must not be overlooked; carries the number that was measured.
+///
+/// ```
+/// # use armid_estimation as armid;
+/// use armid::estimation::Finding;
+/// let finding = Finding::FewPeriods { periods: 2 };
+/// assert!(finding.to_string().contains("2 periods"));
+/// assert!(finding.advice().contains("record"));
+/// ```
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(tag = "kind", rename_all = "kebab-case")]
+pub enum Finding {
+    /// A parameter whose standard deviation is more than a third of its value: its sign is in doubt at three sigma.
+    PoorlyDetermined {
+        /// Name of the base parameter.
+        parameter: String,
+        /// Its value.
+        value: f64,
+        /// Its standard deviation.
+        std: f64,
+        /// Unit of both.
+        unit: String,
+    },
+    /// The condition number of the equations with columns of unit length is large.
+    LargeCondition {
+        /// The condition number with columns of unit length.
+        condition_scaled: f64,
+    },
+    /// The residual of a joint is much larger than the noise that scattered over periods.
+    ResidualAboveNoise {
+        /// Joint, from one.
+        joint: usize,
+        /// RMS residual.
+        residual_rms: f64,
+        /// RMS residual expected of noise alone.
+        expected_rms: f64,
+        /// Their ratio.
+        ratio: f64,
+        /// Unit of both.
+        unit: String,
+    },
+    /// A joint's own equations leave more torque than noise explains, whatever the parameters of the other joints: at 5 % over
+    /// all joints, by an F test against the scatter over periods and one of each group of functions.
+    LackOfFit {
+        /// Joint, from one.
+        joint: usize,
+        /// RMS of what is left beyond noise, means over blocks of a 360th of the record.
+        beyond_noise_rms: f64,
+        /// RMS of the noise of such a mean.
+        noise_rms: f64,
+        /// RMS of the joint's torque.
+        torque_rms: f64,
+        /// p-value, adjusted over all tests and joints.
+        p_adjusted: f64,
+        /// Where most of it is.
+        most: Option<MisfitPart>,
+        /// Unit of the RMS values.
+        unit: String,
+    },
+    /// Neighbouring residuals of a joint are more correlated than the noise.
+    ResidualCorrelated {
+        /// Joint, from one.
+        joint: usize,
+        /// Correlation of the residual with the one before.
+        correlation: f64,
+        /// Correlation of the noise with the one before.
+        expected: f64,
+    },
+    /// Few periods were repeated, so that the noise is poorly known.
+    FewPeriods {
+        /// Recorded periods.
+        periods: usize,
+    },
+    /// Nothing was repeated: the noise was taken from the residual, and model errors with it.
+    NoiseFromResidual,
+    /// Columns that no torque sensor distinguishes from the others were left out of the base.
+    NearlyDependent {
+        /// Names of the parameters that structure alone would keep.
+        parameters: Vec<String>,
+        /// The fraction of the others' columns by which theirs differ at most.
+        tolerance: f64,
+    },
+    /// The completed standard parameters of a link are physically inconsistent.
+    InconsistentLink {
+        /// Link, from one.
+        link: usize,
+        /// Smallest eigenvalue of its pseudo-inertia.
+        eigenvalue: f64,
+    },
+    /// Equations of a joint that a robust estimator hardly counts or not at all.
+    Outliers {
+        /// Joint, from one.
+        joint: usize,
+        /// How many.
+        outliers: usize,
+        /// Equations of the joint.
+        equations: usize,
+        /// Robust standard deviation of its residual; outliers are beyond five of them.
+        scale: f64,
+        /// Its unit.
+        unit: String,
+    },
+    /// A base parameter that was left out because the data do not tell it from zero.
+    LeftOut {
+        /// Its name.
+        parameter: String,
+        /// Its value where it is not left out.
+        value: f64,
+        /// The standard deviation of that.
+        std: f64,
+        /// Unit of both.
+        unit: String,
+    },
+    /// No noise of positions is known, and an estimator that would use it did without.
+    MotionTakenAsExact,
+    /// Physical consistency, or a prior, holds the estimate away from what the equations alone say.
+    HeldBack {
+        /// The distance from the unconstrained estimate, `(β̂ − β)ᵀ C⁻¹ (β̂ − β)`.
+        chi_squared: f64,
+        /// What it exceeds by chance with a probability of 5 %.
+        limit: f64,
+    },
+    /// The nominal body of a link reaches beyond the link's shape, which then bounds nothing.
+    BeyondShape {
+        /// Link, from one.
+        link: usize,
+    },
+    /// Whether errors of the measured motion bias weighted least squares.
+    DurbinWuHausman {
+        /// What was measured of them.
+        statistic: f64,
+        /// What is exceeded by chance in one of twenty cases without such a bias.
+        limit: f64,
+        /// Its degrees of freedom.
+        freedom: usize,
+        /// Largest change of a parameter by the instruments, over its standard deviation; not known of estimates of earlier versions.
+        #[serde(default, skip_serializing_if = "Option::is_none")]
+        largest_change: Option<f64>,
+    },
+    /// Combinations of parameters that the motion of a closed loop does not show.
+    HiddenFromPositions {
+        /// How many.
+        combinations: usize,
+        /// Parameters that they move.
+        parameters: Vec<String>,
+        /// Whether they keep nominal values, since an arm with those of weighted least squares could not be simulated.
+        nominal: bool,
+    },
+    /// The search began by multiple shooting, since the motion of weighted least squares, or of the nominal set, runs away.
+    MultipleShooting {
+        /// Intervals of the motion.
+        intervals: usize,
+        /// Largest gap between two of them at its end, over the spread of that number along the motion.
+        gap: f64,
+    },
+    /// The iteration did not come to its result: the values are those of its last step.
+    Unfinished {
+        /// How it ended.
+        termination: Termination,
+    },
+    /// A drive parameter that cannot be negative is.
+    NegativeDrive {
+        /// Its name.
+        parameter: String,
+        /// Its value.
+        value: f64,
+    },
+}
+
+/// The fifth of a record, by size of a joint's speed or load, in which its fit is worst.
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+pub struct MisfitPart {
+    /// Speed or load, whichever the misfit is less even over.
+    pub against: Against,
+    /// From and to, of its size.
+    pub range: [f64; 2],
+    /// Unit of the range.
+    pub range_unit: String,
+    /// RMS of what is left beyond noise there, in the unit of the finding.
+    pub rms: f64,
+}
+
+impl Finding {
+    /// Advice.
+    #[must_use]
+    pub const fn advice(&self) -> &'static str {
+        match self {
+            Self::PoorlyDetermined { .. } => {
+                "record more periods or excite this parameter more; do not interpret it alone"
+            }
+            Self::LargeCondition { .. } => "design a trajectory that excites the parameters more evenly",
+            Self::ResidualAboveNoise { .. } => {
+                "the model misses something: friction law, torque constant, flexibility, or too narrow a filter; the \
+                 intervals hold what the residual shows of it"
+            }
+            Self::LackOfFit { .. } => {
+                "look at the figures of the residual (`armid report`) for a law that the model lacks; thousandths of the torque \
+                 may be the encoders' counts, which repeat with the motion. The intervals hold what the residual shows of it"
+            }
+            Self::ResidualCorrelated { .. } => "check the residual over time and over velocity for what is missing",
+            Self::FewPeriods { .. } => "record at least 4 periods",
+            Self::NoiseFromResidual => "record a periodic motion at least 4 times to separate noise from model errors",
+            Self::NearlyDependent { .. } => {
+                "check the geometry: axes that should be parallel, perpendicular or meet may be off by a rounding of the file"
+            }
+            Self::Outliers { .. } => {
+                "look at these instants: a collision, a slip of the clock, or a law the model lacks"
+            }
+            Self::LeftOut { .. } => "excite this parameter more, if it matters; its interval is that of the full model",
+            Self::MotionTakenAsExact => "record a periodic motion at least 4 times to measure the noise of positions",
+            Self::HeldBack { .. } => {
+                "beyond the limit, equations and constraint contradict each other: look for a torque that the model lacks"
+            }
+            Self::BeyondShape { .. } => {
+                "make the shape in the robot file hold the whole link, or correct its nominal body"
+            }
+            Self::DurbinWuHausman { statistic, limit, largest_change: Some(change), .. }
+                if *statistic > *limit && *change < 1.0 =>
+            {
+                "`wls` will do: its bias is below what is known of every parameter"
+            }
+            Self::DurbinWuHausman { statistic, limit, .. } if *statistic > *limit => {
+                "instruments are needed, unless the model misses something: compare with `wls`"
+            }
+            Self::DurbinWuHausman { .. } => "instruments are not needed here: `wls` has the shorter intervals",
+            Self::HiddenFromPositions { nominal: false, .. } => {
+                "their values and intervals are those of `wls`, by measured torque"
+            }
+            Self::HiddenFromPositions { nominal: true, .. } => {
+                "do not use their values, nor their intervals, whose widths alone are those of `wls`: look for what makes an arm \
+                 with the parameters of `wls` run away, a sign or a unit first"
+            }
+            Self::Unfinished { .. } => {
+                "do not use these values: take another estimator, or leave out terms that the data hardly show"
+            }
+            Self::MultipleShooting { .. } => {
+                "the estimate is that of the whole motion all the same; an arm with the parameters of `wls` runs away: look for a \
+                 sign, a unit or a torque constant first"
+            }
+            Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
+                "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
+            }
+        }
+    }
+}
+
+impl fmt::Display for Finding {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        match self {
+            Self::PoorlyDetermined { parameter, value, std, unit } => {
+                write!(f, "{parameter} = {value:.3e} {unit} has a standard deviation of {std:.3e} {unit}")
+            }
+            Self::LargeCondition { condition_scaled } => {
+                write!(f, "condition number {condition_scaled:.0} with columns of unit length")
+            }
+            Self::ResidualAboveNoise { joint, residual_rms, expected_rms, ratio, unit } => write!(
+                f,
+                "joint {joint}: residual {residual_rms:.3e} {unit} is {ratio:.1} times the {expected_rms:.3e} {unit} \
+                 expected of noise"
+            ),
+            Self::LackOfFit { joint, beyond_noise_rms, noise_rms, torque_rms, p_adjusted, most, unit } => {
+                write!(
+                    f,
+                    "joint {joint}: its own fit leaves {beyond_noise_rms:.2e} {unit}, {:.2} % of its torque, beside \
+                     {noise_rms:.2e} {unit} of noise ({})",
+                    100.0 * beyond_noise_rms / torque_rms,
+                    probability(*p_adjusted)
+                )?;
+                let Some(MisfitPart { against, range: [from, to], range_unit, rms }) = most else { return Ok(()) };
+                let variable = against.name();
+                write!(f, "; most at a {variable} of {from:.3} to {to:.3} {range_unit}: {rms:.2e} {unit}")
+            }
+            Self::ResidualCorrelated { joint, correlation, expected } => write!(
+                f,
+                "joint {joint}: neighbouring residuals correlate by {correlation:.2}, the noise by {expected:.2}"
+            ),
+            Self::FewPeriods { periods } => write!(f, "{periods} periods are too few to estimate the noise"),
+            Self::NoiseFromResidual => write!(f, "no repeated periods: the noise is taken from the residual"),
+            Self::NearlyDependent { parameters, tolerance } => write!(
+                f,
+                "{} left out of the base: the columns differ from the others by less than {tolerance:.0e}",
+                parameters.join(", ")
+            ),
+            Self::InconsistentLink { link, eigenvalue } => {
+                write!(
+                    f,
+                    "link {link} is physically inconsistent: its pseudo-inertia has the eigenvalue {eigenvalue:.3e}"
+                )
+            }
+            Self::Outliers { joint, outliers, equations, scale, unit } => write!(
+                f,
+                "joint {joint}: {outliers} of {equations} equations are beyond 5 robust standard deviations of {scale:.3e} \
+                 {unit}"
+            ),
+            Self::LeftOut { parameter, value, std, unit } => {
+                write!(f, "{parameter} is left out: {value:.3e} ± {std:.3e} {unit} where it is not")
+            }
+            Self::MotionTakenAsExact => {
+                write!(
+                    f,
+                    "no noise of positions is known: the motion is taken as exact, as weighted least squares does"
+                )
+            }
+            Self::HeldBack { chi_squared, limit } => write!(
+                f,
+                "the estimate is held back from that of the equations alone, by a chi squared of {chi_squared:.3e}; noise \
+                 alone stays below {limit:.3e}"
+            ),
+            Self::BeyondShape { link } => {
+                write!(f, "the nominal body of link {link} reaches beyond its shape, which does not bound the estimate")
+            }
+            Self::DurbinWuHausman { statistic, limit, freedom, largest_change } => {
+                write!(
+                    f,
+                    "Durbin–Wu–Hausman: {statistic:.1} of {freedom} degrees of freedom, 95 % limit {limit:.1}: {} weighted least \
+                     squares",
+                    if statistic > limit {
+                        "errors of the motion bias"
+                    } else {
+                        "no errors of the motion are seen to bias"
+                    }
+                )?;
+                match largest_change {
+                    Some(change) => {
+                        write!(f, "; instruments move no parameter by more than {change:.2} standard deviations")
+                    }
+                    None => Ok(()),
+                }
+            }
+            Self::HiddenFromPositions { combinations, parameters, nominal } => write!(
+                f,
+                "positions under this servo do not show {combinations} combinations of parameters, of {}{}",
+                parameters.join(", "),
+                if *nominal {
+                    "; they keep nominal values, since an arm with those of `wls` cannot be simulated"
+                } else {
+                    ""
+                }
+            ),
+            Self::Unfinished { termination } => write!(f, "the search {termination}"),
+            Self::MultipleShooting { intervals, gap } => write!(
+                f,
+                "the search began by multiple shooting over {intervals} intervals, whose gaps it closed to {gap:.0e} of the motion"
+            ),
+            Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
+        }
+    }
+}

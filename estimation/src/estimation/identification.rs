@@ -1,0 +1,182 @@
+//! The method in one value: what is estimated of which robot, ready for the samples of any experiment.
+//!
+//! ```text
+//! robot, columns → Y, K        samples → W_b, y        W_b β = y + ε → β̂, cov β̂
+//! ```
+
+use std::sync::Arc;
+
+use super::stribeck_speed::stribeck_speeds;
+use super::{
+    ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Observation,
+    StribeckSpeeds, Validation, validate,
+};
+use crate::base::{BaseReduction, Method, reduce};
+use crate::dynamics::States;
+use crate::model::{Columns, Robot, StandardParameters};
+use crate::regressor::JointTorqueRegressor;
+use crate::seed::Seed;
+use crate::signal::Samples;
+
+/// States from which it is decided what a motion reveals, at most.
+const MOTION_STATES: usize = 500;
+
+/// Regressor and base parameters of a robot, which every experiment on it shares.
+///
+/// ```
+/// # use armid_estimation as armid;
+/// use armid::chains;
+/// use armid::dynamics::{Dynamics, States};
+/// use armid::estimation::{EstimatorKind, Identification};
+/// use armid::model::{Columns, DriveParameters, StandardParameters};
+/// use armid::seed::Seed;
+/// use armid::signal::Samples;
+/// let mut rng = Seed::new(1).stream("example", 0);
+/// let (robot, truth) = chains::random_robot(&mut rng, 3);
+/// // Random states, and the torque that gives them.
+/// let (mut states, mut tau) = (States::new(3), Vec::new());
+/// for _ in 0..200 {
+///     let (q, qd, qdd) = chains::random_state(&mut rng, 3);
+///     let mut one = [0.0; 3];
+///     Dynamics::new(&robot, &truth).inverse(&q, &qd, &qdd, &mut one);
+///     states.push(&q, &qd, &qdd);
+///     tau.extend(one);
+/// }
+/// let samples = Samples::exact(states, tau, vec!["N·m".to_owned(); 3], 100.0);
+///
+/// let identification = Identification::new(&robot, Columns::RIGID_ROTOR_FRICTION)?;
+/// let estimate = identification.estimate(&samples, EstimatorKind::Ols.estimator())?;
+/// let exact = identification.base().beta(&truth.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
+/// assert!((estimate.beta() - exact).amax() < 1e-6);
+/// # Ok::<(), armid::estimation::EstimationError>(())
+/// ```
+#[derive(Clone, Debug)]
+pub struct Identification<'a> {
+    robot: &'a Robot,
+    nominal: Option<&'a StandardParameters>,
+    start: Option<&'a StandardParameters>,
+    closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>,
+    regressor: JointTorqueRegressor,
+    base: BaseReduction,
+}
+
+impl<'a> Identification<'a> {
+    /// What is estimated: the base of these columns, by the structural reduction.
+    ///
+    /// # Errors
+    /// [`EstimationError::Base`] where the robot's geometry is not finite.
+    pub fn new(robot: &'a Robot, columns: Columns) -> Result<Self, EstimationError> {
+        // The structural reduction draws nothing: any seed gives the same.
+        let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
+        Ok(Self::of(robot, JointTorqueRegressor::new(robot, columns), base))
+    }
+
+    /// What is estimated where a motion does not show every parameter, a joint stands still, say: the base that the equations of
+    /// these samples reveal, at most 500 states of them, by QR.
+    ///
+    /// # Panics
+    /// If the samples are of another robot.
+    #[must_use]
+    pub fn on_motion(robot: &'a Robot, columns: Columns, samples: &Samples) -> Self {
+        let (states, n) = (&samples.states, samples.dof());
+        let mut few = States::new(n);
+        for k in (0..states.len()).step_by(states.len().div_ceil(MOTION_STATES).max(1)) {
+            few.push(states.q(k), states.qd(k), states.qdd(k));
+        }
+        let regressor = JointTorqueRegressor::new(robot, columns);
+        let mut w = regressor.stack(&few);
+        // A joint none of whose rows is an equation reveals nothing by its own torque.
+        for i in (0..n).filter(|&i| !samples.used.iter().skip(i).step_by(n).any(|used| *used)) {
+            for k in 0..few.len() {
+                w.row_mut(k * n + i).fill(0.0);
+            }
+        }
+        let base = BaseReduction::from_stack(regressor.parameters(), &w, Method::Qr);
+        Self::of(robot, regressor, base)
+    }
+
+    fn of(robot: &'a Robot, regressor: JointTorqueRegressor, base: BaseReduction) -> Self {
+        Self { robot, nominal: None, start: None, closed_loop: Err(ClosedLoopError::NotGiven), regressor, base }
+    }
+
+    /// With the closed loop in which the samples were recorded, or what is not known of it, for estimators that simulate.
+    #[must_use]
+    pub fn with_closed_loop(self, closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>) -> Self {
+        Self { closed_loop, ..self }
+    }
+
+    /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].
+    #[must_use]
+    pub fn with_nominal(self, nominal: &'a StandardParameters) -> Self {
+        Self { nominal: Some(nominal), ..self }
+    }
+
+    /// With the parameters that estimators which simulate the arm begin with, in place of the weighted linear fit.
+    #[must_use]
+    pub fn with_start(self, start: &'a StandardParameters) -> Self {
+        Self { start: Some(start), ..self }
+    }
+
+    /// The base parameters.
+    #[must_use]
+    pub const fn base(&self) -> &BaseReduction {
+        &self.base
+    }
+
+    /// Estimates them from the samples of one experiment.
+    ///
+    /// # Errors
+    /// [`EstimationError`] where the samples are of another robot or the equations have no answer.
+    pub fn estimate(&self, samples: &Samples, estimator: &dyn Estimator) -> Result<Estimate, EstimationError> {
+        let observation = self.observation(samples)?;
+        estimator.estimate(&self.problem(&observation, samples))
+    }
+
+    /// The same by several estimators, which share one factorisation of the equations.
+    ///
+    /// # Errors
+    /// [`EstimationError`] of the first estimator that has no answer.
+    pub fn estimate_by(
+        &self,
+        samples: &Samples,
+        estimators: &[&dyn Estimator],
+    ) -> Result<Vec<Estimate>, EstimationError> {
+        let observation = self.observation(samples)?;
+        let equations = Factorisation::new(&observation)?;
+        let problem = self.problem(&observation, samples).with_factorisation(&equations);
+        estimators.iter().map(|estimator| estimator.estimate(&problem)).collect()
+    }
+
+    /// The speeds at which the friction of the joints falls that have a Stribeck column, by variable projection; `None` where no column is one.
+    /// An estimate with them is that of an identification of [`StribeckSpeeds::robot`]; its intervals take them as exact.
+    ///
+    /// # Errors
+    /// As [`Self::estimate`].
+    pub fn stribeck_speeds(&self, samples: &Samples) -> Result<Option<StribeckSpeeds>, EstimationError> {
+        stribeck_speeds(self.robot, &self.observation(samples)?, samples)
+    }
+
+    /// The equations of one experiment.
+    pub(super) fn observation(&self, samples: &Samples) -> Result<Observation, EstimationError> {
+        Observation::new(self.robot, &self.regressor, &self.base, samples)
+    }
+
+    /// Equations that are only predicted.
+    pub(super) fn unseen(&self, samples: &Samples) -> Result<Observation, EstimationError> {
+        Observation::of_any_length(self.robot, &self.regressor, &self.base, samples)
+    }
+
+    pub(super) fn problem<'b>(&'b self, observation: &'b Observation, samples: &'b Samples) -> EstimationProblem<'b> {
+        let problem = EstimationProblem::new(observation).with_robot(self.robot).with_samples(samples);
+        let closed_loop = self.closed_loop.as_deref();
+        EstimationProblem { nominal: self.nominal, start: self.start, closed_loop, ..problem }
+    }
+
+    /// Compares what an estimate predicts with samples that it was not made from.
+    ///
+    /// # Errors
+    /// [`EstimationError`] where estimate, samples and robot do not belong together.
+    pub fn validate(&self, estimate: &Estimate, samples: &Samples) -> Result<Validation, EstimationError> {
+        validate(estimate, &self.regressor, samples)
+    }
+}

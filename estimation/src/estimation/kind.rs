@@ -1,0 +1,140 @@
+//! The list of estimators.
+
+use super::{
+    Adaline, CentralDifferenceKalmanFilter, ClosedLoopInputError, ClosedLoopOutputError, ConsistentDirectInverse,
+    ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted, DirectInverseIdentification,
+    EntropicPrior, EssentialParameters, Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior,
+    ExtendedKalmanFilter, HopfieldTank, InstrumentalVariables, LawException, MaximumLikelihood, MmEstimator,
+    OrdinaryLeastSquares, ParticleFilter, PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey,
+    RidgeRegression, SquareRootCentralDifferenceKalmanFilter, SquareRootExtendedKalmanFilter,
+    SquareRootUnscentedKalmanFilter, TotalLeastSquares, UnscentedKalmanFilter, WeightedLeastSquares,
+};
+
+/// Makes the enum, and everything that enumerates it, from one list.
+macro_rules! estimators {
+    ($($(#[$doc:meta])* $kind:ident => $estimator:expr,)*) => {
+        /// Every estimator, listed once.
+        ///
+        /// ```
+        /// # use armid_estimation as armid;
+        /// use armid::estimation::EstimatorKind;
+        /// assert_eq!(EstimatorKind::parse("wls"), Some(EstimatorKind::Wls));
+        /// assert!(EstimatorKind::ALL.iter().all(|kind| EstimatorKind::parse(kind.name()) == Some(*kind)));
+        /// ```
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord)]
+        pub enum EstimatorKind {
+            $($(#[$doc])* $kind,)*
+        }
+
+        impl EstimatorKind {
+            /// Every estimator.
+            pub const ALL: &'static [Self] = &[$(Self::$kind,)*];
+
+            /// The estimator itself.
+            #[must_use]
+            pub fn estimator(self) -> &'static dyn Estimator {
+                match self {
+                    $(Self::$kind => &$estimator,)*
+                }
+            }
+        }
+    };
+}
+
+estimators! {
+    /// Ordinary least squares.
+    Ols => OrdinaryLeastSquares,
+    /// Least squares weighted with the noise of each joint: `radkhah2007` eq. 6.
+    Wls => WeightedLeastSquares,
+    /// Huber's M-estimate.
+    IrlsHuber => ReweightedHuber,
+    /// Tukey's biweight M-estimate.
+    IrlsTukey => ReweightedTukey,
+    /// The M-estimate of Cauchy's distribution.
+    IrlsCauchy => ReweightedCauchy,
+    /// The MM-estimate.
+    Mm => MmEstimator,
+    /// Generalised total least squares.
+    Tls => TotalLeastSquares,
+    /// Ridge regression.
+    Ridge => RidgeRegression,
+    /// Weighted least squares of the essential parameters.
+    Essential => EssentialParameters,
+    /// Maximum likelihood of parameters and motion.
+    Ml => MaximumLikelihood,
+    /// Instrumental variables from a simulated motion.
+    Iv => InstrumentalVariables,
+    /// Direct and inverse dynamic identification.
+    Didim => DirectInverseIdentification,
+    /// The closed-loop input error.
+    Clie => ClosedLoopInputError,
+    /// The closed-loop output error.
+    Cloe => ClosedLoopOutputError,
+    /// The Kalman filter of the parameters.
+    Ekf => ExtendedKalmanFilter,
+    /// The same by square roots.
+    Srekf => SquareRootExtendedKalmanFilter,
+    /// The unscented Kalman filter.
+    Ukf => UnscentedKalmanFilter,
+    /// The same by square roots.
+    Srukf => SquareRootUnscentedKalmanFilter,
+    /// The central difference Kalman filter.
+    Cdkf => CentralDifferenceKalmanFilter,
+    /// The same by square roots.
+    Srcdkf => SquareRootCentralDifferenceKalmanFilter,
+    /// The Gaussian particle filter.
+    Pf => ParticleFilter,
+    /// One linear neuron.
+    Adaline => Adaline,
+    /// A Hopfield–Tank network.
+    HopfieldTank => HopfieldTank,
+    /// Ordinary least squares over physically consistent sets.
+    PcOls => ConsistentOrdinary,
+    /// Weighted least squares over physically consistent sets.
+    PcWls => ConsistentWeighted,
+    /// Huber's M-estimate over physically consistent sets.
+    PcIrls => ConsistentReweighted,
+    /// Instrumental variables over physically consistent sets.
+    PcIv => ConsistentInstrumental,
+    /// Direct and inverse dynamic identification over physically consistent sets.
+    PcDidim => ConsistentDirectInverse,
+    /// Least squares over physically consistent sets near a prior, by the Euclidean distance.
+    PcOlsEuclidean => EuclideanPrior,
+    /// The same by the entropic distance.
+    PcOlsEntropic => EntropicPrior,
+    /// The same by the entropic distance's curvature at the prior.
+    PcOlsPullback => PullbackPrior,
+}
+
+impl EstimatorKind {
+    /// Its name on the command line and in files.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        self.estimator().name()
+    }
+
+    /// The estimator with this name.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::ALL.iter().copied().find(|kind| kind.name() == name)
+    }
+}
+
+/// A listed estimator is the one that it names.
+impl Estimator for EstimatorKind {
+    fn name(&self) -> &'static str {
+        self.estimator().name()
+    }
+
+    fn summary(&self) -> &'static str {
+        self.estimator().summary()
+    }
+
+    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+        self.estimator().estimate(problem)
+    }
+
+    fn exceptions(&self) -> &[LawException] {
+        self.estimator().exceptions()
+    }
+}

@@ -1,0 +1,108 @@
+//! From samples to parameters with tested error bars.
+//!
+//! ```text
+//! y = W_b β + ε        cov ε = C        OLS: min ‖y − W_b β‖        WLS: min (y − W_b β)ᵀ Σ⁻¹ (y − W_b β)   (radkhah2007 eq. 6)
+//! ```
+//! [`Observation`] holds the equations, [`EstimationProblem`] adds what else an estimator may look at, and an
+//! [`Estimator`] turns it into an [`Estimate`]: base parameters with covariance, intervals, residuals, and the
+//! [`Finding`]s a reader must know. Each estimator is one file and one line in [`EstimatorKind`]; one from outside implements
+//! [`Estimator`] with [`Factorisation`] or [`solve`], [`scatter_noise`] and [`Inference`], and passes `conformance::estimator_laws`.
+//!
+//! The equations' error bars come from the noise that scattered over periods, with its correlation in time; where no
+//! period was repeated, from the residual. What the residual shows beyond that noise is in them as a discrepancy: a random
+//! function of speed, load, position, acceleration and time. No estimator sees the truth: the types that hold it come after this module.
+
+mod closed_loop;
+mod comparison;
+mod completion;
+mod consistent_set;
+mod declared;
+mod discrepancy;
+mod drive_gains;
+mod error;
+mod essential;
+mod estimate;
+mod estimator;
+mod expected_residual;
+mod factorisation;
+mod finding;
+mod identification;
+mod inference;
+mod instruments;
+mod kind;
+mod law;
+mod linear_fit;
+mod motion;
+mod network;
+mod observation;
+mod ordinary;
+mod payload;
+mod physical;
+mod prediction;
+mod problem;
+mod recursive;
+mod residual;
+mod residual_shape;
+mod restated;
+mod ridge;
+mod robust;
+mod selection;
+mod stiff_loop;
+mod stribeck_columns;
+mod stribeck_search;
+mod stribeck_speed;
+mod termination;
+mod torque_residual;
+mod unit_equations;
+mod weighted;
+#[cfg(test)]
+mod tests;
+
+pub use closed_loop::{
+    ClosedLoop, ClosedLoopError, ClosedLoopFactory, ClosedLoopInputError, ClosedLoopInterval, ClosedLoopIntervals,
+    ClosedLoopMotion, ClosedLoopNode, ClosedLoopOutputError, ClosedLoopSlopes, DirectInverseIdentification,
+    InstrumentalVariables, closed_loop_of,
+};
+pub use comparison::{ComparedParameter, Comparison, compare};
+pub use completion::{Completion, complete};
+pub use consistent_set::{ConsistentSet, consistent_set};
+pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, moved_by_gains};
+pub use error::{EstimationError, ProblemPart};
+pub use essential::EssentialParameters;
+pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
+pub use estimator::Estimator;
+pub use factorisation::Factorisation;
+pub use finding::{Finding, MisfitPart};
+pub use identification::Identification;
+pub use inference::{Inference, solve};
+pub use instruments::Instruments;
+pub use kind::EstimatorKind;
+pub use law::{EstimatorLaw, LawException};
+pub use motion::{MaximumLikelihood, TotalLeastSquares};
+pub use network::{Adaline, HopfieldTank};
+pub use observation::Observation;
+pub use ordinary::OrdinaryLeastSquares;
+pub use payload::{Payload, PayloadParameter, PayloadValue, payload};
+pub use physical::{
+    ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
+    EntropicPrior, EuclideanPrior, PullbackPrior,
+};
+pub use prediction::{Validation, predict, validate};
+pub use problem::EstimationProblem;
+pub use recursive::{
+    CentralDifferenceKalmanFilter, ExtendedKalmanFilter, ParticleFilter, SquareRootCentralDifferenceKalmanFilter,
+    SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter, UnscentedKalmanFilter,
+};
+pub use residual::{residual_noise, scatter_noise};
+pub use residual_shape::{Against, JointTrace, ResidualShape, ResidualTrends, Trend, Whiteness};
+pub use ridge::RidgeRegression;
+pub use robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey};
+pub use selection::{
+    BeyondMotion, FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, candidate_terms, select,
+};
+pub use stiff_loop::StiffLoop;
+pub use stribeck_search::SpeedValue;
+pub use stribeck_speed::{StribeckSpeed, StribeckSpeeds};
+pub use termination::Termination;
+pub use torque_residual::{DEFAULT_BANDWIDTH_HZ, RowShares, TorqueResidual, TorqueSeries};
+pub use weighted::WeightedLeastSquares;

@@ -1,0 +1,169 @@
+//! The motions on which an estimate is to predict torque: what I-optimality and the model error are means over.
+//!
+//! ```text
+//! G = (1/(n N)) Σ_k Y_b(k)ᵀ Λ Y_b(k)        n joints, N samples of all motions
+//! ```
+//! By default, ten of the [first guesses](super::radkhah2007_start) that designs start from, under a seed of their own (period
+//! 10 s, five harmonics, each joint at its tightest limit of motion), and the same ten at 30 % of their speed; 50 samples
+//! of each; the torque of every joint in N·m counts alike. Joints that a design holds still stand still in them.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::criterion::{Carried, Prediction};
+use super::error::{ExcitationError, above_zero, same_length};
+use super::expected::{EffectTorques, ExpectedEffects};
+use super::start::series_start;
+use crate::base::BaseReduction;
+use crate::dynamics::States;
+use crate::model::Robot;
+use crate::regressor::JointTorqueRegressor;
+use crate::seed::Seed;
+use crate::trajectory::PeriodicTrajectory;
+
+/// Number of motions of each speed, by default.
+const MOTIONS: u64 = 10;
+
+/// Samples of each.
+const SAMPLES: usize = 50;
+
+/// Part of the speed in the slow half.
+const SLOW: f64 = 0.3;
+
+/// Period and harmonics.
+const PERIOD_S: f64 = 10.0;
+const HARMONICS: usize = 5;
+
+/// A declared set of motions.
+///
+/// ```
+/// # use armid_excitation as armid;
+/// use armid::chains::planar_2r;
+/// use armid::excitation::EvaluationMotions;
+/// let motions = EvaluationMotions::usual(&planar_2r()).unwrap();
+/// assert_eq!(motions.motions().len(), 20);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct EvaluationMotions {
+    motions: Vec<PeriodicTrajectory>,
+    weights: Vec<f64>,
+    samples: usize,
+}
+
+impl EvaluationMotions {
+    /// One period of each of these motions of so many joints.
+    ///
+    /// # Errors
+    /// [`ExcitationError::TooFew`] of none, [`ExcitationError::Joints`] if one is of another number of joints.
+    pub fn new(motions: Vec<PeriodicTrajectory>, joints: usize) -> Result<Self, ExcitationError> {
+        if motions.is_empty() {
+            return Err(ExcitationError::TooFew { quantity: "evaluation motions", found: 0, least: 1 });
+        }
+        if let Some(other) = motions.iter().find(|motion| motion.dof() != joints) {
+            return Err(ExcitationError::Joints { found: other.dof(), expected: joints });
+        }
+        Ok(Self { motions, weights: vec![1.0; joints], samples: SAMPLES })
+    }
+
+    /// The default of the module's header.
+    ///
+    /// # Errors
+    /// [`ExcitationError`] if the robot has no joint.
+    pub fn usual(robot: &Robot) -> Result<Self, ExcitationError> {
+        let seed = Seed::new(0).child("evaluation motions", 0);
+        let mut motions = Vec::new();
+        for index in 0..MOTIONS {
+            let fast =
+                PeriodicTrajectory::from(series_start(robot, PERIOD_S, &vec![HARMONICS; robot.dof()], seed, index)?);
+            let slow = fast.at_speed(SLOW);
+            motions.extend([fast, slow]);
+        }
+        Self::new(motions, robot.dof())
+    }
+
+    /// The same with the torque of each joint multiplied by a weight (n), as one over its rating.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Length`] if it is not one for each joint, [`ExcitationError::NotPositive`] if one is no finite
+    /// number above zero.
+    pub fn with_weights(self, weights: Vec<f64>) -> Result<Self, ExcitationError> {
+        same_length("weights of predicted torque", weights.len(), self.weights.len())?;
+        weights.iter().try_for_each(|&weight| above_zero("weight of predicted torque", weight, ""))?;
+        Ok(Self { weights, ..self })
+    }
+
+    /// The motions.
+    #[must_use]
+    pub fn motions(&self) -> &[PeriodicTrajectory] {
+        &self.motions
+    }
+
+    /// Number of joints.
+    pub(super) fn joints(&self) -> usize {
+        self.weights.len()
+    }
+
+    /// What a criterion needs of them: of the base columns of `regressor`, with the joints that are frozen where they
+    /// stand, after an experiment of so many torque rows.
+    pub(super) fn prediction(
+        &self,
+        robot: &Robot,
+        regressor: &JointTorqueRegressor,
+        base: &BaseReduction,
+        frozen: &[Option<f64>],
+        expected: Option<&ExpectedEffects>,
+        rows: f64,
+    ) -> Prediction {
+        let b = base.rank();
+        let mut gram = DMatrix::zeros(b, b);
+        let mut effects = Vec::new();
+        let mut carried: Option<Carried> = None;
+        let mut count = 0;
+        for motion in &self.motions {
+            let states = held(motion.sample(self.samples), frozen);
+            let weighted = |mut w: DMatrix<f64>| {
+                for (r, mut row) in w.row_iter_mut().enumerate() {
+                    row *= self.weights[r % self.weights.len()];
+                }
+                w
+            };
+            let w = weighted(base.select_columns(&regressor.stack(&states)));
+            gram += w.tr_mul(&w);
+            count += w.nrows();
+            let Some(expected) = expected else { continue };
+            let mut torques = EffectTorques::new(robot, expected, self.samples, motion.period_s());
+            effects = torques.effects();
+            if expected.are_carried() {
+                let d = weighted(torques.evaluate(&states));
+                let squares = DVector::from_fn(d.ncols(), |e, _| d.column(e).norm_squared());
+                let moments = w.tr_mul(&d);
+                match &mut carried {
+                    Some(all) => {
+                        all.moments += moments;
+                        all.squares += squares;
+                    }
+                    None => carried = Some(Carried { moments, squares }),
+                }
+            }
+        }
+        let per_row = 1.0 / count as f64;
+        if let Some(all) = &mut carried {
+            all.moments *= per_row;
+            all.squares *= per_row;
+        }
+        Prediction { gram: gram * per_row, rows, effects, carried }
+    }
+}
+
+/// States with the joints that are frozen where they stand.
+fn held(mut states: States, frozen: &[Option<f64>]) -> States {
+    let n = states.dof;
+    for (joint, place) in frozen.iter().enumerate() {
+        let Some(place) = place else { continue };
+        for k in 0..states.len() {
+            states.q[k * n + joint] = *place;
+            states.qd[k * n + joint] = 0.0;
+            states.qdd[k * n + joint] = 0.0;
+        }
+    }
+    states
+}

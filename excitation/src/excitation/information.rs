@@ -1,0 +1,252 @@
+//! From sampled states to their information, and back along exact derivatives.
+//!
+//! ```text
+//! (q, q̇, q̈)_k → W_b → M = (1/rows) W_bᵀ Σ⁻¹ W_b + M_prior
+//! S = ∂f/∂M      G = ∂f/∂W_b = (2/rows) Σ⁻¹ W_b S      ∂f/∂(q, q̇, q̈)_k by the regressor's adjoint
+//! ```
+//! What effects that the model leaves out add to torque, d, enters by its moments `c = (1/rows) W_bᵀ Σ⁻¹ d`.
+//! Row i of a sample has entries only for the links that joint i carries and for its own drive, so M is gathered and
+//! G made joint by joint on those columns alone.
+
+use nalgebra::DMatrix;
+
+use super::padded_rows::PaddedRows;
+use crate::dynamics::States;
+use crate::regressor::JointTorqueRegressor;
+
+/// The rows of one joint over all samples, on the columns where they can differ from zero.
+#[derive(Clone, Debug)]
+struct JointRows {
+    /// Position of each column among the kept ones.
+    columns: Vec<usize>,
+    /// The rows, N × w, already divided by the joint's noise.
+    rows: PaddedRows,
+    /// 1/σ of the joint.
+    weight: f64,
+}
+
+/// The information of a sampled trajectory on the base columns.
+#[derive(Clone, Debug)]
+pub struct Information {
+    regressor: JointTorqueRegressor,
+    /// Kept columns of the regressor.
+    kept: Vec<usize>,
+    joints: Vec<JointRows>,
+    samples: usize,
+    prior: Option<DMatrix<f64>>,
+}
+
+impl Information {
+    /// The information on the `kept` columns of `regressor`, of trajectories with `samples` samples, with rows divided
+    /// by the noise `sigma` of each joint (n; all ones for an unweighted criterion), and `prior` added (b × b, per
+    /// torque row).
+    #[must_use]
+    pub fn new(
+        regressor: JointTorqueRegressor,
+        kept: &[usize],
+        samples: usize,
+        sigma: &[f64],
+        prior: Option<DMatrix<f64>>,
+    ) -> Self {
+        let (n, p) = (regressor.rows(), regressor.cols());
+        let pattern = pattern(&regressor);
+        let joints = (0..n)
+            .map(|i| {
+                let columns: Vec<usize> = (0..kept.len()).filter(|&c| pattern[i * p + kept[c]]).collect();
+                JointRows { rows: PaddedRows::zeros(samples, columns.len()), columns, weight: 1.0 / sigma[i] }
+            })
+            .collect();
+        Self { regressor, kept: kept.to_vec(), joints, samples, prior }
+    }
+
+    /// Number of base columns b.
+    #[must_use]
+    pub fn columns(&self) -> usize {
+        self.kept.len()
+    }
+
+    /// The information matrix of sampled states, b × b, per torque row.
+    ///
+    /// # Panics
+    /// If there are not as many samples as the rows have room for.
+    pub fn gather(&mut self, states: &States) -> DMatrix<f64> {
+        assert_eq!(states.len(), self.samples, "samples of the motion");
+        let (n, count, b) = (self.regressor.rows(), self.samples, self.kept.len());
+        let joints = &mut self.joints;
+        self.regressor.stack_in_parts(states, &self.kept, 1, |part| {
+            for (i, joint) in joints.iter_mut().enumerate() {
+                for (place, &c) in joint.columns.iter().enumerate() {
+                    for (k, entry) in part.column(c).iter().skip(i).step_by(n).enumerate() {
+                        joint.rows.row_mut(part.first + k)[place] = joint.weight * entry;
+                    }
+                }
+            }
+        });
+        let mut m = self.prior.clone().unwrap_or_else(|| DMatrix::zeros(b, b));
+        let per_row = 1.0 / (n * count) as f64;
+        for joint in &self.joints {
+            let gram = joint.rows.gram();
+            for (r, &row) in joint.columns.iter().enumerate() {
+                for (&column, product) in joint.columns.iter().zip(gram.row(r)).skip(r) {
+                    m[(column, row)] += per_row * product;
+                }
+            }
+        }
+        for c in 0..b {
+            for r in c + 1..b {
+                m[(c, r)] = m[(r, c)];
+            }
+        }
+        m
+    }
+
+    /// The moments `c = (1/rows) W_bᵀ Σ⁻¹ d` of discrepancies d of the torque of the last states, b × E; d is (n N) × E,
+    /// sample after sample.
+    #[must_use]
+    pub fn moments(&self, d: &DMatrix<f64>) -> DMatrix<f64> {
+        let (n, count) = (self.regressor.rows(), self.samples);
+        let per_row = 1.0 / (n * count) as f64;
+        let mut moments = DMatrix::zeros(self.kept.len(), d.ncols());
+        for e in 0..d.ncols() {
+            for (i, joint) in self.joints.iter().enumerate() {
+                for k in 0..count {
+                    let weighted = per_row * joint.weight * d[(k * n + i, e)];
+                    for (&row, &c) in joint.rows.row(k).iter().zip(&joint.columns) {
+                        moments[(c, e)] += weighted * row;
+                    }
+                }
+            }
+        }
+        moments
+    }
+
+    /// The gradient of the moments' function with respect to the discrepancies, (n N) × E, from `S_c = ∂f/∂c` (b × E).
+    #[must_use]
+    pub fn pull_back_moments(&self, s_c: &DMatrix<f64>) -> DMatrix<f64> {
+        let (n, count) = (self.regressor.rows(), self.samples);
+        let per_row = 1.0 / (n * count) as f64;
+        let mut u = DMatrix::zeros(n * count, s_c.ncols());
+        for e in 0..s_c.ncols() {
+            for (i, joint) in self.joints.iter().enumerate() {
+                for k in 0..count {
+                    let products = joint.rows.row(k).iter().zip(&joint.columns).map(|(&row, &c)| row * s_c[(c, e)]);
+                    u[(k * n + i, e)] = per_row * joint.weight * products.sum::<f64>();
+                }
+            }
+        }
+        u
+    }
+
+    /// The gradient with respect to the last states, which must be handed in again, from `S = ∂f/∂M` (b × b,
+    /// symmetric).
+    pub fn pull_back(&self, states: &States, s: &DMatrix<f64>, sensitivity: &mut States) {
+        self.pull_back_with(states, s, None, sensitivity);
+    }
+
+    /// The same where f depends on moments too: `(d, S_c)`. What it depends on through d itself is not in it.
+    pub fn pull_back_with(
+        &self,
+        states: &States,
+        s: &DMatrix<f64>,
+        moments: Option<(&DMatrix<f64>, &DMatrix<f64>)>,
+        sensitivity: &mut States,
+    ) {
+        let (n, p, count) = (self.regressor.rows(), self.regressor.cols(), self.samples);
+        let factor = 2.0 / (n * count) as f64;
+        let slopes: Vec<PaddedRows> = self
+            .joints
+            .iter()
+            .enumerate()
+            .map(|(i, joint)| {
+                let width = joint.columns.len();
+                let mut own = PaddedRows::zeros(width, width);
+                for (r, &row) in joint.columns.iter().enumerate() {
+                    for (entry, &column) in own.row_mut(r).iter_mut().zip(&joint.columns) {
+                        *entry = factor * joint.weight * s[(row, column)];
+                    }
+                }
+                let mut slopes = joint.rows.times(&own);
+                let Some((d, s_c)) = moments else { return slopes };
+                for k in 0..count {
+                    for e in 0..d.ncols() {
+                        let weighted = 0.5 * factor * joint.weight * joint.weight * d[(k * n + i, e)];
+                        for (slope, &c) in slopes.row_mut(k).iter_mut().zip(&joint.columns) {
+                            *slope += weighted * s_c[(c, e)];
+                        }
+                    }
+                }
+                slopes
+            })
+            .collect();
+        sensitivity.q.fill(0.0);
+        sensitivity.qd.fill(0.0);
+        sensitivity.qdd.fill(0.0);
+        let mut g = vec![0.0; n * p];
+        for k in 0..count {
+            for (i, (joint, slopes)) in self.joints.iter().zip(&slopes).enumerate() {
+                for (&value, &c) in slopes.row(k).iter().zip(&joint.columns) {
+                    g[i * p + self.kept[c]] = value;
+                }
+            }
+            let range = k * n..(k + 1) * n;
+            self.regressor.adjoint(
+                states.q(k),
+                states.qd(k),
+                states.qdd(k),
+                &g,
+                &mut sensitivity.q[range.clone()],
+                &mut sensitivity.qd[range.clone()],
+                &mut sensitivity.qdd[range],
+            );
+        }
+    }
+}
+
+/// Where a regressor can differ from zero, n × p: where it does at a state in general position.
+pub(super) fn pattern(regressor: &JointTorqueRegressor) -> Vec<bool> {
+    let (n, p) = (regressor.rows(), regressor.cols());
+    let mut pattern = vec![false; n * p];
+    let mut y = vec![0.0; n * p];
+    for run in 0..4 {
+        let draw = |offset: f64| -> Vec<f64> {
+            (0..n).map(|j| libm::sin(1.0 + 1.7 * run as f64 + offset + 2.3 * j as f64)).collect()
+        };
+        regressor.evaluate(&draw(0.0), &draw(0.7), &draw(1.9), &mut y);
+        for (known, y) in pattern.iter_mut().zip(&y) {
+            *known |= *y != 0.0;
+        }
+    }
+    pattern
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chains;
+    use crate::excitation::{CriterionKind, DesignProblem, radkhah2007_start};
+    use crate::model::Columns;
+    use crate::seed::Seed;
+
+    fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
+        let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind).unwrap();
+        problem.set_samples(40).unwrap();
+        problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
+        problem
+    }
+
+    #[test]
+    fn identity_information_equals_the_weighted_stack() {
+        let problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal);
+        let sigma = problem.objective().noise().unwrap().to_vec();
+        let start = radkhah2007_start(problem.robot(), 10.0, 5, Seed::new(1), 3).unwrap();
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns());
+        let mut information = Information::new(regressor.clone(), &problem.base().kept, 40, &sigma, None);
+        let m = information.gather(&start.sample(40));
+        let mut w = problem.base().select_columns(&regressor.stack(&start.sample(40)));
+        for (r, mut row) in w.row_iter_mut().enumerate() {
+            row /= sigma[r % 6];
+        }
+        let expected = w.tr_mul(&w) / w.nrows() as f64;
+        assert!((m - &expected).norm() < 1e-13 * expected.norm());
+    }
+}

@@ -1,0 +1,294 @@
+//! Velocity and acceleration through the measured Fourier coefficients.
+//!
+//! ```text
+//! q(t) = c₀ + Σ_h a_h cos hωt + b_h sin hωt      ω = 2π/T
+//! q̇(t) = Σ_h hω (b_h cos hωt − a_h sin hωt)      q̈(t) = −Σ_h h²ω² (a_h cos hωt + b_h sin hωt)
+//! ```
+//! Differentiation is exact; what is chosen is which harmonics to keep. A closed loop with friction moves at more
+//! harmonics than were commanded, so cutting there would bias q̈ just where friction reverses; keeping all of them
+//! would multiply encoder noise by h²ω². [`Bandwidth`] states the rule.
+//!
+//! Reference: Swevers et al. 1997, sec. IV.
+
+use nalgebra::Complex;
+
+use super::FourierTransform;
+
+/// Which harmonics of the measured positions are kept.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "kebab-case")]
+pub enum Bandwidth {
+    /// Joint by joint, up to where the signal falls below the noise: the last harmonic h at which the mean power of the
+    /// harmonics from 7/8 h to 9/8 h is twice that of the noise, `4 s²/N` for a variance s² of one averaged sample.
+    /// Signal and noise are equal there: keeping more adds more noise than signal, keeping less takes away more signal
+    /// than noise, in q, q̇ and q̈ alike, since all are weighted with the same power of h. The noise is what the periods
+    /// scatter by, and not less than the mean power of the last eighth of the harmonics: errors of an encoder that come
+    /// again in every period do not scatter, but they fill the spectrum to its end, which no motion does.
+    NoiseFloor,
+    /// Up to this harmonic of the period.
+    Harmonics(usize),
+    /// Up to this frequency, Hz.
+    Hertz(f64),
+}
+
+/// A finite Fourier series of one joint, from the samples of one period.
+///
+/// ```
+/// # use armid_measurement as armid;
+/// use armid::signal::{FourierTransform, HarmonicSeries};
+/// let x: Vec<f64> = (0..16).map(|k| (std::f64::consts::TAU * 2.0 * k as f64 / 16.0).sin()).collect();
+/// let series = HarmonicSeries::new(&FourierTransform::new(16), &x, 1.0).up_to(3);
+/// let [q, qd, qdd] = series.evaluate(0.0);
+/// assert!(q.abs() < 1e-14 && (qd - 2.0 * std::f64::consts::TAU).abs() < 1e-12 && qdd.abs() < 1e-11);
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct HarmonicSeries {
+    period_s: f64,
+    /// Line h holds `a_h − i b_h`; line 0 holds `c₀`.
+    lines: Vec<Complex<f64>>,
+}
+
+impl HarmonicSeries {
+    /// All harmonics below half the sampling rate of the N samples `x` of one period of `period_s` seconds: the least
+    /// squares fit of any number of them, since harmonics are orthogonal on a whole period.
+    ///
+    /// # Panics
+    /// If the transform is of another length than `x`.
+    #[must_use]
+    pub fn new(transform: &FourierTransform, x: &[f64], period_s: f64) -> Self {
+        let spectrum = transform.forward_real(x);
+        let n = x.len();
+        let lines = (0..n.div_ceil(2)).map(|h| spectrum[h] * ((if h == 0 { 1.0 } else { 2.0 }) / n as f64)).collect();
+        Self { period_s, lines }
+    }
+
+    /// The highest harmonic that it holds.
+    #[must_use]
+    pub fn highest(&self) -> usize {
+        self.lines.len().saturating_sub(1)
+    }
+
+    /// Amplitude of harmonic `h`, in the unit of the signal; zero beyond the highest.
+    #[must_use]
+    pub fn amplitude(&self, h: usize) -> f64 {
+        self.lines.get(h).map_or(0.0, |line| line.norm())
+    }
+
+    /// The same series without what lies above harmonic `h`.
+    #[must_use]
+    pub fn up_to(mut self, h: usize) -> Self {
+        self.lines.truncate(h + 1);
+        self
+    }
+
+    /// The last harmonic at which the signal still outweighs white noise of variance `variance` per sample, for N
+    /// samples, and the power at the end of its own spectrum; see [`Bandwidth::NoiseFloor`].
+    #[must_use]
+    pub fn last_above_noise(&self, variance: f64, samples: usize) -> usize {
+        let floor = self.floor(variance, samples);
+        let power = self.smoothed_power();
+        let furthest = self.highest() * 8 / 9;
+        (1..=furthest).rev().find(|&h| power[h] > 2.0 * floor).unwrap_or(0)
+    }
+
+    /// Power of a line that is noise: that of white noise of variance `variance` per sample, for N samples, and not less than the mean
+    /// of the last eighth of the lines.
+    #[must_use]
+    pub fn floor(&self, variance: f64, samples: usize) -> f64 {
+        let end = &self.lines[self.lines.len() - self.highest() / 8..];
+        let power = end.iter().map(Complex::norm_sqr).sum::<f64>() / end.len().max(1) as f64;
+        (4.0 * variance / samples as f64).max(power)
+    }
+
+    /// Share of each line's power that is signal beside noise of power `floor`: 1 − floor/power, not below zero. A line times its share is what is
+    /// expected of the signal, given the line (Wiener).
+    #[must_use]
+    pub fn signal_shares(&self, floor: f64) -> Vec<f64> {
+        let share = |power: f64| if power > floor { 1.0 - floor / power } else { 0.0 };
+        self.smoothed_power().into_iter().enumerate().map(|(h, p)| if h == 0 { 1.0 } else { share(p) }).collect()
+    }
+
+    /// The same series with every line times its factor; lines beyond the factors are left out.
+    #[must_use]
+    pub fn weighted(mut self, factors: &[f64]) -> Self {
+        self.lines.truncate(factors.len());
+        self.lines.iter_mut().zip(factors).for_each(|(line, factor)| *line *= *factor);
+        self
+    }
+
+    /// Mean power of the lines from 7/8 h to 9/8 h, of each h; of those that there are at the end.
+    fn smoothed_power(&self) -> Vec<f64> {
+        let mut cumulated = Vec::with_capacity(self.lines.len());
+        let mut sum = 0.0;
+        for line in &self.lines {
+            cumulated.push(sum);
+            sum += line.norm_sqr();
+        }
+        cumulated.push(sum);
+        let mean = |h: usize| {
+            let (first, end) = (h - h / 8, (h + h / 8 + 1).min(self.lines.len()));
+            (cumulated[end] - cumulated[first]) / (end - first) as f64
+        };
+        (0..self.lines.len()).map(mean).collect()
+    }
+
+    /// Value, first and second derivative at time `t` (s).
+    #[must_use]
+    pub fn evaluate(&self, t: f64) -> [f64; 3] {
+        let w = std::f64::consts::TAU / self.period_s;
+        let mut sum = [self.lines.first().map_or(0.0, |line| line.re), 0.0, 0.0];
+        for (h, line) in self.lines.iter().enumerate().skip(1) {
+            let (s, c) = libm::sincos(w * h as f64 * t);
+            accumulate(&mut sum, line, w * h as f64, c, s);
+        }
+        sum
+    }
+
+    /// Value, first and second derivative at the N uniform instants `k T / N` of a transform, k = 0, 1, ….
+    ///
+    /// # Panics
+    /// If the transform has not more than twice as many samples as the series has harmonics.
+    #[must_use]
+    pub fn samples(&self, transform: &FourierTransform) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
+        let n = transform.len();
+        assert!(2 * self.highest() < n, "{n} samples for {} harmonics", self.highest());
+        let w = std::f64::consts::TAU / self.period_s;
+        // conj(Σ_h X_h exp(−2πi hk/N)) runs the transform backwards. Two real signals u and v share one pass: line h
+        // of u + i v is (U_h + i V_h)/2, line N−h is conj(U_h − i V_h)/2.
+        let backward = |u: &dyn Fn(usize) -> Complex<f64>, v: &dyn Fn(usize) -> Complex<f64>| -> (Vec<f64>, Vec<f64>) {
+            let i = Complex::new(0.0, 1.0);
+            let mut lines = vec![Complex::new(0.0, 0.0); n];
+            for h in 0..self.lines.len() {
+                let (u, v) = (u(h), i * v(h));
+                if h == 0 {
+                    lines[0] = (u + v).conj();
+                } else {
+                    lines[h] = ((u + v) * 0.5).conj();
+                    lines[n - h] = (u - v) * 0.5;
+                }
+            }
+            transform.forward(&lines).into_iter().map(|z| (z.re, -z.im)).unzip()
+        };
+        let velocity = |h: usize| self.lines[h] * Complex::new(0.0, w * h as f64);
+        let acceleration = |h: usize| self.lines[h] * -(w * h as f64).powi(2);
+        let (q, qd) = backward(&|h| self.lines[h], &velocity);
+        (q, qd, backward(&acceleration, &|_| Complex::new(0.0, 0.0)).0)
+    }
+}
+
+#[inline]
+fn accumulate(sum: &mut [f64; 3], line: &Complex<f64>, w: f64, c: f64, s: f64) {
+    let (a, b) = (line.re, -line.im);
+    let value = a * c + b * s;
+    sum[0] += value;
+    sum[1] += w * (b * c - a * s);
+    sum[2] -= w * w * value;
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+    use rand_distr::{Distribution, StandardNormal};
+
+    /// q, q̇ and q̈ of exp(sin(ωt)): all harmonics, falling faster than any power.
+    fn smooth(t: f64, w: f64) -> [f64; 3] {
+        let (s, c) = libm::sincos(w * t);
+        let e = libm::exp(s);
+        [e, w * c * e, w * w * (c * c - s) * e]
+    }
+
+    #[test]
+    fn analytic_derivatives_of_a_smooth_periodic_function() {
+        let (n, period) = (64, 2.5);
+        let w = std::f64::consts::TAU / period;
+        let x: Vec<f64> = (0..n).map(|k| smooth(period * k as f64 / n as f64, w)[0]).collect();
+        let series = HarmonicSeries::new(&FourierTransform::new(n), &x, period);
+        // 31 harmonics of exp∘sin leave 1e-30; the rest is rounding, 1e-16 times h² ω² ≈ 6e3 for the acceleration.
+        let (q, qd, qdd) = series.samples(&FourierTransform::new(96));
+        for k in 0..96 {
+            let t = period * k as f64 / 96.0;
+            let sampled = [q[k], qd[k], qdd[k]];
+            let (expected, at) = (smooth(t, w), series.evaluate(t));
+            for (order, bound) in [1e-14, 1e-12, 1e-10].into_iter().enumerate() {
+                assert!((sampled[order] - expected[order]).abs() < bound, "derivative {order} at {t}");
+                assert!((at[order] - expected[order]).abs() < bound);
+            }
+        }
+    }
+
+    fn white(n: usize, std: f64, run: u64) -> Vec<f64> {
+        let mut rng = Seed::new(5).stream("noise floor", run);
+        (0..n)
+            .map(|_| {
+                let z: f64 = StandardNormal.sample(&mut rng);
+                std * z
+            })
+            .collect()
+    }
+
+    #[test]
+    fn analytic_noise_floor_is_where_a_falling_spectrum_meets_it() {
+        // Friction that reverses makes q̈ kink and amplitudes fall like h⁻⁴: 0.1 h⁻⁴ meets the mean noise amplitude
+        // 2 s/√N = 1e-8 at h = (1e7)^(1/4) = 56.
+        let n = 4000;
+        let std = 1e-8 * (n as f64).sqrt() / 2.0;
+        let transform = FourierTransform::new(n);
+        let signal: Vec<f64> = (0..n)
+            .map(|k| {
+                (1..500)
+                    .map(|h| {
+                        let angle = std::f64::consts::TAU * ((h * k) % n) as f64 / n as f64;
+                        0.1 * libm::pow(h as f64, -4.0) * libm::cos(angle + h as f64)
+                    })
+                    .sum()
+            })
+            .collect();
+        for run in 0..20 {
+            let x: Vec<f64> = signal.iter().zip(white(n, std, run)).map(|(x, e)| x + e).collect();
+            let last = HarmonicSeries::new(&transform, &x, 1.0).last_above_noise(std * std, n);
+            // Nine lines or more are averaged there, so their mean power is known to a third, and h to 1/8 of that.
+            assert!((50..=66).contains(&last), "run {run}: {last}");
+        }
+    }
+
+    #[test]
+    fn analytic_an_error_that_comes_again_in_every_period_is_noise_too() {
+        // 0.1 h⁻⁴ as above, rounded to steps of 2e-6: white with a variance of step²/12, amplitude 2 s/√N = 1.8e-8. Periods
+        // that are all the same do not scatter.
+        let (n, step) = (4000, 2e-6);
+        let x: Vec<f64> = (0..n)
+            .map(|k| {
+                let signal: f64 = (1..500)
+                    .map(|h| {
+                        let angle = std::f64::consts::TAU * ((h * k) % n) as f64 / n as f64;
+                        0.1 * libm::pow(h as f64, -4.0) * libm::cos(angle + h as f64)
+                    })
+                    .sum();
+                step * (signal / step).round()
+            })
+            .collect();
+        let last = HarmonicSeries::new(&FourierTransform::new(n), &x, 1.0).last_above_noise(0.0, n);
+        // (0.1 / 1.8e-8)^(1/4) = 48.
+        assert!((40..=58).contains(&last), "{last}");
+    }
+
+    #[test]
+    fn analytic_noise_alone_keeps_few_harmonics_and_a_gap_stops_nothing() {
+        let n = 2000;
+        let transform = FourierTransform::new(n);
+        for run in 0..50 {
+            let noise = white(n, 0.1, run);
+            let last = HarmonicSeries::new(&transform, &noise, 1.0).last_above_noise(0.01, n);
+            // The mean power of 2w + 1 = 25 lines is twice its expectation with a probability of 1e-4: beyond
+            // h = 100 nothing passes.
+            assert!(last < 100, "run {run}: {last}");
+            let gap: Vec<f64> = noise
+                .iter()
+                .enumerate()
+                .map(|(k, e)| e + libm::sin(std::f64::consts::TAU * 9.0 * k as f64 / n as f64))
+                .collect();
+            assert!(HarmonicSeries::new(&transform, &gap, 1.0).last_above_noise(0.01, n) >= 9);
+        }
+    }
+}

@@ -1,0 +1,126 @@
+//! Sums of products of series with themselves, some samples apart.
+//!
+//! ```text
+//! c_ij(l) = Σ_k x_i,k x_j,k+l
+//! ```
+//! over all k that have a partner; in a period the last sample is followed by the first. The first lags are summed as they are
+//! written. A caller that asks for more gets all of them by the convolution theorem, `O(n² N log N)` instead of a product for each
+//! sample and lag.
+
+use nalgebra::{Complex, DMatrix};
+
+use super::FourierTransform;
+use super::fourier_transform::smooth_length;
+use crate::linalg::product::transposed_product;
+
+/// Lags up to which sums are faster than transforms.
+const FEW_LAGS: usize = 16;
+
+/// Products of n series of N samples.
+#[derive(Clone, Debug)]
+pub struct LagProducts {
+    dof: usize,
+    wraps: bool,
+    /// Series after series.
+    series: Vec<f64>,
+    /// c_ij for i ≤ j, column by column of the upper triangle, at lags 0, 1, … and, from the end, −1, −2, …; empty until
+    /// it is needed.
+    all: Vec<Vec<f64>>,
+}
+
+impl LagProducts {
+    /// Of `x`, N × n row-major; `wraps` where the samples are one period.
+    #[must_use]
+    pub fn new(x: &[f64], dof: usize, wraps: bool) -> Self {
+        let series = (0..dof).flat_map(|i| x.iter().skip(i).step_by(dof).copied()).collect();
+        Self { dof, wraps, series, all: Vec::new() }
+    }
+
+    /// c(l), n × n, for a lag shorter than the series.
+    #[must_use]
+    pub fn at(&mut self, l: usize) -> DMatrix<f64> {
+        let (n, count) = (self.dof, self.series.len() / self.dof.max(1));
+        if l <= FEW_LAGS {
+            // Each series l samples earlier, followed by its own beginning or by zeros.
+            let mut later = vec![0.0; self.series.len()];
+            for (to, from) in later.chunks_exact_mut(count.max(1)).zip(self.series.chunks_exact(count.max(1))) {
+                to[..count - l].copy_from_slice(&from[l..]);
+                if self.wraps {
+                    to[count - l..].copy_from_slice(&from[..l]);
+                }
+            }
+            return transposed_product(&self.series, &later, count);
+        }
+        if self.all.is_empty() {
+            self.all = self.correlations(count);
+        }
+        let len = self.all[0].len();
+        DMatrix::from_fn(n, n, |i, j| {
+            let (low, high) = (i.min(j), i.max(j));
+            let c = &self.all[high * (high + 1) / 2 + low];
+            // c_ji(l) = c_ij(−l); what wraps around is N − l samples the other way.
+            let (own, around) = if i <= j { (l, len - (count - l)) } else { (len - l, count - l) };
+            if self.wraps { c[own] + c[around] } else { c[own] }
+        })
+    }
+
+    /// Linear correlations of all pairs, padded with zeros so that nothing of one end meets the other.
+    fn correlations(&self, count: usize) -> Vec<Vec<f64>> {
+        let transform = FourierTransform::new(smooth_length(2 * count));
+        let len = transform.len();
+        let padded = |i: usize| {
+            let mut x = self.series[i * count..(i + 1) * count].to_vec();
+            x.resize(len, 0.0);
+            x
+        };
+        let spectra: Vec<Vec<Complex<f64>>> = (0..self.dof).map(|i| transform.forward_real(&padded(i))).collect();
+        let pairs: Vec<(usize, usize)> = (0..self.dof).flat_map(|j| (0..=j).map(move |i| (i, j))).collect();
+        let mut all = Vec::with_capacity(pairs.len());
+        for two in pairs.chunks(2) {
+            // conj(X_i) X_j is the spectrum of a real sequence: two of them share a transform as real and imaginary part.
+            let cross = |&(i, j): &(usize, usize), h: usize| spectra[i][h].conj() * spectra[j][h];
+            let both: Vec<Complex<f64>> = (0..len)
+                .map(|h| {
+                    let second = two.get(1).map_or(Complex::new(0.0, 0.0), |pair| cross(pair, h));
+                    // Conjugated, so that the forward transform runs backwards.
+                    (cross(&two[0], h) + Complex::new(-second.im, second.re)).conj()
+                })
+                .collect();
+            let back = transform.forward(&both);
+            all.push(back.iter().map(|z| z.re / len as f64).collect());
+            if two.len() == 2 {
+                all.push(back.iter().map(|z| -z.im / len as f64).collect());
+            }
+        }
+        all
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+    use rand::RngExt;
+
+    #[test]
+    fn identity_every_lag_is_the_sum_of_products() {
+        for (count, n) in [(40, 1), (61, 2), (97, 3)] {
+            let mut rng = Seed::new(4).stream("lag products", count as u64);
+            let x: Vec<f64> = (0..count * n).map(|_| rng.random_range(-1.0..1.0)).collect();
+            for wraps in [false, true] {
+                let mut products = LagProducts::new(&x, n, wraps);
+                for l in 0..count - 1 {
+                    let found = products.at(l);
+                    for i in 0..n {
+                        for j in 0..n {
+                            let partners = (0..if wraps { count } else { count - l }).map(|k| (k, (k + l) % count));
+                            let expected: f64 = partners.map(|(k, other)| x[k * n + i] * x[other * n + j]).sum();
+                            // Sums of at most a hundred products of size one.
+                            assert!((found[(i, j)] - expected).abs() < 1e-13, "{count} {wraps} {l} {i} {j}");
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,0 +1,249 @@
+//! How the noise of one sample is related to that of its neighbours.
+//!
+//! ```text
+//! R(l) = E[ε_k ε_{k+l}ᵀ]   (n × n)        R(−l) = R(l)ᵀ        l = 0, 1, …
+//! ```
+//! Filtered noise is correlated in time. Error bars that take it for white are wrong by the factor that the filter
+//! took out of the variance, so the lags are measured and go into the covariance of every estimate.
+//!
+//! Lags beyond some length are noise themselves. The length m follows Politis: the last lag before five in a row
+//! whose correlation stays below `2 √(log10 N / N)` on every joint; lags up to m count fully and those up to 2m with
+//! a weight that falls linearly to zero. White noise gives m = 0: R(0) alone.
+//!
+//! Reference: D. N. Politis, "Adaptive bandwidth choice", J. Nonparametric Statistics 15(4-5), 2003.
+
+use nalgebra::DMatrix;
+use serde::de::Error as _;
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
+
+use super::covariance_operator::CovarianceOperator;
+
+/// Lag covariances of a stationary noise on n joints.
+///
+/// ```
+/// # use armid_measurement as armid;
+/// use armid::signal::NoiseModel;
+/// use nalgebra::dmatrix;
+/// let white = NoiseModel::white(dmatrix![4.0], false, 100.0);
+/// assert_eq!(white.apply(&dmatrix![1.0; 2.0]), dmatrix![4.0; 8.0]);
+/// assert_eq!((white.std(), white.length()), (vec![2.0], 0));
+/// ```
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(remote = "Self", deny_unknown_fields)]
+pub struct NoiseModel {
+    #[serde(with = "crate::plain::matrix::list")]
+    lags: Vec<DMatrix<f64>>,
+    weights: Vec<f64>,
+    wraps: bool,
+    #[serde(deserialize_with = "crate::plain::infinite::positive")]
+    degrees_of_freedom: f64,
+}
+
+impl Serialize for NoiseModel {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        Self::serialize(self, serializer)
+    }
+}
+
+/// Refuses what does not fit together.
+impl<'de> Deserialize<'de> for NoiseModel {
+    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+        let value = Self::deserialize(deserializer)?;
+        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
+    }
+}
+
+impl NoiseModel {
+    /// One weight for each lag, and square covariances of one size.
+    fn check(&self) -> Result<(), String> {
+        let n = self.lags.first().map_or(0, DMatrix::nrows);
+        if n == 0 || self.lags.iter().any(|lag| lag.shape() != (n, n)) {
+            return Err("lags of a noise model, expected one square matrix or more, of one size".to_owned());
+        }
+        if self.weights.len() != self.lags.len() {
+            return Err(format!("{} weights of {} lags, expected as many", self.weights.len(), self.lags.len()));
+        }
+        Ok(())
+    }
+
+    /// Noise without correlation in time, covariance `covariance` (n × n) known to `degrees_of_freedom`; `wraps` where
+    /// the samples are one period.
+    #[must_use]
+    pub fn white(covariance: DMatrix<f64>, wraps: bool, degrees_of_freedom: f64) -> Self {
+        Self { lags: vec![covariance], weights: vec![1.0], wraps, degrees_of_freedom }
+    }
+
+    /// Chooses the number of lags by the rule above. `lag(l)` gives R(l), measured from `count` independent samples;
+    /// at most `limit` lags are asked for.
+    #[must_use]
+    pub fn adaptive(mut lag: impl FnMut(usize) -> DMatrix<f64>, limit: usize, wraps: bool, count: f64) -> Self {
+        let variance = lag(0);
+        let n = variance.nrows();
+        let bound = 2.0 * (libm::log10(count.max(2.0)) / count.max(2.0)).sqrt();
+        let mut lags = vec![variance];
+        let (mut last, mut l) = (0, 0);
+        while l < limit && l < last + 5 {
+            l += 1;
+            let here = lag(l);
+            let correlated = (0..n).any(|i| here[(i, i)].abs() > bound * lags[0][(i, i)]);
+            if correlated {
+                last = l;
+            }
+            lags.push(here);
+        }
+        for l in lags.len()..=(2 * last).min(limit) {
+            lags.push(lag(l));
+        }
+        lags.truncate(2 * last.max(1) - usize::from(last == 0));
+        // What the correlation costs in independent samples: Bartlett's formula for the variance of R(0).
+        let mut spread: f64 = 1.0;
+        for i in 0..n {
+            let power: f64 = lags[1..].iter().map(|r| (r[(i, i)] / lags[0][(i, i)]).powi(2)).sum();
+            if power.is_finite() {
+                spread = spread.max(1.0 + 2.0 * power);
+            }
+        }
+        let weights =
+            (0..lags.len()).map(|l| if l <= last { 1.0 } else { (2 * last - l) as f64 / last as f64 }).collect();
+        Self { lags, weights, wraps, degrees_of_freedom: count / spread }
+    }
+
+    /// The same lags with Bartlett's weights `1 − l/(L+1)`: biased towards white noise, but a covariance for certain.
+    #[must_use]
+    pub fn tapered(&self) -> Self {
+        let end = self.lags.len() as f64;
+        let weights = (0..self.lags.len()).map(|l| 1.0 - l as f64 / end).collect();
+        Self { weights, ..self.clone() }
+    }
+
+    /// The same noise with all covariances multiplied by `factor`, as by averaging over `1/factor` periods.
+    #[must_use]
+    pub fn scaled(mut self, factor: f64) -> Self {
+        for r in &mut self.lags {
+            *r *= factor;
+        }
+        self
+    }
+
+    /// Number of joints n.
+    #[must_use]
+    pub fn dof(&self) -> usize {
+        self.lags[0].nrows()
+    }
+
+    /// Covariance of one sample, R(0), n × n.
+    #[must_use]
+    pub fn covariance(&self) -> &DMatrix<f64> {
+        &self.lags[0]
+    }
+
+    /// Standard deviation of one sample, per joint.
+    #[must_use]
+    pub fn std(&self) -> Vec<f64> {
+        self.lags[0].diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
+    }
+
+    /// Number of lags other than zero.
+    #[must_use]
+    pub fn length(&self) -> usize {
+        self.lags.len() - 1
+    }
+
+    /// Correlation of joint `i` with itself `l` samples later; zero beyond the last lag.
+    #[must_use]
+    pub fn correlation(&self, i: usize, l: usize) -> f64 {
+        let variance = self.lags[0][(i, i)];
+        if variance > 0.0 { self.lags.get(l).map_or(0.0, |r| r[(i, i)] / variance) } else { 0.0 }
+    }
+
+    /// Independent samples that R(0) was measured from.
+    #[must_use]
+    pub fn degrees_of_freedom(&self) -> f64 {
+        self.degrees_of_freedom
+    }
+
+    /// `C W` for the covariance C of all samples stacked, with blocks `C(k, k+l) = R(l)`; W is (n·N) × b,
+    /// sample-major.
+    ///
+    /// # Panics
+    /// If the rows of W are no multiple of n.
+    #[must_use]
+    pub fn apply(&self, w: &DMatrix<f64>) -> DMatrix<f64> {
+        let (n, rows) = (self.dof(), w.nrows());
+        assert!(rows.is_multiple_of(n), "{rows} rows are no multiple of {n} joints");
+        self.operator(rows / n).apply(w)
+    }
+
+    /// C for `count` samples, to be applied more than once.
+    #[must_use]
+    pub fn operator(&self, count: usize) -> CovarianceOperator {
+        let lags = self.lags.iter().zip(&self.weights).map(|(r, &weight)| r * weight).collect();
+        CovarianceOperator::new(lags, self.wraps, count)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identity_apply_is_the_product_with_the_whole_matrix() {
+        let (n, count) = (2, 7);
+        let lags = [
+            DMatrix::from_row_slice(2, 2, &[3.0, 0.5, 0.5, 2.0]),
+            DMatrix::from_row_slice(2, 2, &[1.0, 0.2, -0.3, 0.7]),
+            DMatrix::from_row_slice(2, 2, &[0.4, -0.1, 0.05, 0.2]),
+        ];
+        let w = DMatrix::from_fn(n * count, 3, |i, j| libm::sin((3 * i + 5 * j) as f64));
+        for wraps in [false, true] {
+            let noise = NoiseModel { lags: lags.to_vec(), weights: vec![1.0; 3], wraps, degrees_of_freedom: 1.0 };
+            let mut whole = DMatrix::zeros(n * count, n * count);
+            for k in 0..count {
+                for (l, r) in lags.iter().enumerate() {
+                    if k + l < count || wraps {
+                        let (a, b) = (k * n, (k + l) % count * n);
+                        let mut block = whole.view_mut((a, b), (n, n));
+                        block += r;
+                        if l > 0 {
+                            let mut block = whole.view_mut((b, a), (n, n));
+                            block += r.transpose();
+                        }
+                    }
+                }
+            }
+            assert!((noise.apply(&w) - whole * &w).norm() < 1e-13);
+        }
+    }
+
+    #[test]
+    fn analytic_opposed_neighbours_can_cancel_and_tapered_ones_cannot() {
+        // The sum over a constant column is R(0) + 2 R(1) a sample: negative for a correlation below −1/2, which no
+        // noise has and measured lags may show.
+        let noise = NoiseModel {
+            lags: vec![1.0, -0.6].into_iter().map(|r| DMatrix::from_element(1, 1, r)).collect(),
+            weights: vec![1.0; 2],
+            wraps: true,
+            degrees_of_freedom: 9.0,
+        };
+        let ones = DMatrix::from_element(50, 1, 1.0);
+        assert!((noise.apply(&ones).sum() / 50.0 + 0.2).abs() < 1e-14);
+        assert!((noise.tapered().apply(&ones).sum() / 50.0 - 0.4).abs() < 1e-14);
+    }
+
+    #[test]
+    fn analytic_white_and_moving_average_lengths() {
+        let scalar = |value: f64| DMatrix::from_element(1, 1, value);
+        let white = NoiseModel::adaptive(|l| scalar(if l == 0 { 2.0 } else { 0.01 }), 100, true, 1000.0);
+        assert_eq!((white.length(), white.degrees_of_freedom()), (0, 1000.0));
+        // Correlations 1, 0.5, 0.25 and then nothing: m = 2, so lag 3 comes with half its weight and lag 4 with none.
+        let moving =
+            NoiseModel::adaptive(|l| scalar([4.0, 2.0, 1.0].get(l).copied().unwrap_or(0.04)), 100, true, 1000.0);
+        assert_eq!(moving.length(), 3);
+        assert_eq!(moving.weights, [1.0, 1.0, 1.0, 0.5]);
+        assert_eq!(moving.tapered().weights, [1.0, 0.75, 0.5, 0.25]);
+        assert!((moving.correlation(0, 2) - 0.25).abs() < 1e-15 && moving.correlation(0, 9) == 0.0);
+        // Bartlett: 1 + 2 (0.5² + 0.25² + 0.01²).
+        assert!((moving.degrees_of_freedom() - 1000.0 / 1.6252).abs() < 1e-9);
+        assert_eq!(moving.scaled(0.25).covariance(), &scalar(1.0));
+    }
+}

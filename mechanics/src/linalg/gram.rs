@@ -1,0 +1,112 @@
+//! Normal equations gathered block by block.
+
+use nalgebra::{DMatrix, DVector};
+
+/// The sums `WᵀW` (b × b), `Wᵀy` (b) and `yᵀy` over the rows added so far.
+///
+/// A trajectory of any length is gathered in blocks without ever holding W. Rows are added one by one in the order in
+/// which they come, so the bits do not depend on how the rows were cut into blocks.
+///
+/// ```
+/// # use armid_mechanics as armid;
+/// use armid::linalg::Gram;
+/// use nalgebra::{dmatrix, dvector};
+/// let mut gram = Gram::new(2);
+/// gram.add(&dmatrix![1.0, 2.0; 3.0, 4.0], &dvector![1.0, -1.0]);
+/// assert_eq!(gram.information(), dmatrix![10.0, 14.0; 14.0, 20.0]);
+/// assert_eq!((gram.moment(), gram.rows()), (&dvector![-2.0, -2.0], 2));
+/// ```
+#[derive(Clone, Debug, PartialEq)]
+pub struct Gram {
+    /// Upper triangle of WᵀW; the lower one stays zero.
+    upper: DMatrix<f64>,
+    moment: DVector<f64>,
+    energy: f64,
+    rows: usize,
+}
+
+impl Gram {
+    /// No rows yet, for b columns.
+    #[must_use]
+    pub fn new(columns: usize) -> Self {
+        Self { upper: DMatrix::zeros(columns, columns), moment: DVector::zeros(columns), energy: 0.0, rows: 0 }
+    }
+
+    /// Adds one row `w` (b) with its measurement `y` and the factor `weight` (1/σ²).
+    ///
+    /// # Panics
+    /// If the row has not b entries.
+    pub fn add_row(&mut self, w: &[f64], y: f64, weight: f64) {
+        assert_eq!(w.len(), self.moment.len(), "one entry per column");
+        for (j, &wj) in w.iter().enumerate() {
+            let scaled = wj * weight;
+            for (entry, &wi) in self.upper.column_mut(j).as_mut_slice().iter_mut().zip(&w[..=j]) {
+                *entry += wi * scaled;
+            }
+            self.moment[j] += scaled * y;
+        }
+        self.energy += y * y * weight;
+        self.rows += 1;
+    }
+
+    /// Adds a block W (m × b) with its measurements y (m), all of weight 1.
+    ///
+    /// # Panics
+    /// If W has not b columns or y not m entries.
+    pub fn add(&mut self, w: &DMatrix<f64>, y: &DVector<f64>) {
+        assert_eq!(w.nrows(), y.len(), "one measurement per row");
+        let mut row = vec![0.0; w.ncols()];
+        for i in 0..w.nrows() {
+            for (entry, &value) in row.iter_mut().zip(w.row(i).iter()) {
+                *entry = value;
+            }
+            self.add_row(&row, y[i], 1.0);
+        }
+    }
+
+    /// `WᵀW`, b × b, symmetric.
+    #[must_use]
+    pub fn information(&self) -> DMatrix<f64> {
+        let b = self.moment.len();
+        DMatrix::from_fn(b, b, |i, j| self.upper[(i.min(j), i.max(j))])
+    }
+
+    /// `Wᵀy`, length b.
+    #[must_use]
+    pub const fn moment(&self) -> &DVector<f64> {
+        &self.moment
+    }
+
+    /// `yᵀy`.
+    #[must_use]
+    pub const fn energy(&self) -> f64 {
+        self.energy
+    }
+
+    /// Number of rows added.
+    #[must_use]
+    pub const fn rows(&self) -> usize {
+        self.rows
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identity_blocks_of_any_size_give_the_same_bits() {
+        let w = DMatrix::from_fn(30, 4, |i, j| libm::sin((7 * i + 3 * j) as f64));
+        let y = DVector::from_fn(30, |i, _| libm::cos(i as f64));
+        let mut whole = Gram::new(4);
+        whole.add(&w, &y);
+        let mut parts = Gram::new(4);
+        for (start, count) in [(0, 7), (7, 1), (8, 22)] {
+            parts.add(&w.rows(start, count).into_owned(), &y.rows(start, count).into_owned());
+        }
+        assert_eq!(whole, parts);
+        assert!((whole.information() - w.tr_mul(&w)).norm() < 1e-13);
+        assert!((whole.moment() - w.tr_mul(&y)).norm() < 1e-13);
+        assert!((whole.energy() - y.norm_squared()).abs() < 1e-13);
+    }
+}

@@ -1,0 +1,269 @@
+//! Products of matrices, every entry summed in one order on every processor.
+//!
+//! ```text
+//! A B      entry by entry Σ_k a_ik b_kj, k ascending; lanes hold rows
+//! Aᵀ B     entry by entry in eight running sums over the rows, row k in sum k mod 8; lanes hold those sums
+//! ```
+//! Tiles keep a few sums in registers while they pass over the rows; they change no order.
+
+use nalgebra::DMatrix;
+use pulp::{Arch, Simd, WithSimd};
+
+/// Running sums of one entry of Aᵀ B.
+const SUMS: usize = 8;
+
+/// The product A B, (m × k)(k × n), each entry summed over k in ascending order: the same bits on every CPU.
+///
+/// # Panics
+/// If A has not as many columns as B has rows.
+#[must_use]
+pub fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    assert_eq!(a.ncols(), b.nrows(), "inner sizes agree");
+    let mut c = DMatrix::zeros(a.nrows(), b.ncols());
+    add_product(a.as_slice(), b.as_slice(), a.nrows(), c.as_mut_slice());
+    c
+}
+
+/// `Aᵀ B` for A (m × a) and B (m × b), every entry summed in one fixed order: the same bits on every CPU.
+///
+/// # Panics
+/// If the matrices have not the same number of rows.
+#[must_use]
+pub fn transpose_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
+    assert_eq!(a.nrows(), b.nrows(), "as many rows in both");
+    transposed_product(a.as_slice(), b.as_slice(), a.nrows())
+}
+
+/// `C += A B` by columns: A of `rows` × k, C of `rows` × n, and B k × n.
+pub fn add_product(a: &[f64], b: &[f64], rows: usize, c: &mut [f64]) {
+    if rows > 0 {
+        Arch::new().dispatch(AddProduct { a, b, rows, c });
+    }
+}
+
+/// `Aᵀ B` by columns of `rows` entries.
+#[must_use]
+pub fn transposed_product(a: &[f64], b: &[f64], rows: usize) -> DMatrix<f64> {
+    let columns = |of: &[f64]| of.len().checked_div(rows).unwrap_or(0);
+    let (m, n) = (columns(a), columns(b));
+    let mut c = DMatrix::zeros(m, n);
+    if m * n > 0 {
+        Arch::new().dispatch(TransposedProduct { a, b, rows, c: c.as_mut_slice() });
+    }
+    c
+}
+
+struct AddProduct<'a> {
+    a: &'a [f64],
+    b: &'a [f64],
+    rows: usize,
+    c: &'a mut [f64],
+}
+
+impl WithSimd for AddProduct<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let columns = self.c.len() / self.rows;
+        let mut j = 0;
+        while j + 4 <= columns {
+            self.columns::<S, 4>(simd, j);
+            j += 4;
+        }
+        while j < columns {
+            self.columns::<S, 1>(simd, j);
+            j += 1;
+        }
+    }
+}
+
+impl AddProduct<'_> {
+    /// N columns of C from column `j` on.
+    #[inline(always)]
+    fn columns<S: Simd, const N: usize>(&mut self, simd: S, j: usize) {
+        let lanes = S::F64_LANES;
+        let mut row = 0;
+        while row + 2 * lanes <= self.rows {
+            self.tile::<S, N, 2>(simd, row, j, 2 * lanes);
+            row += 2 * lanes;
+        }
+        while row < self.rows {
+            let count = lanes.min(self.rows - row);
+            self.tile::<S, N, 1>(simd, row, j, count);
+            row += count;
+        }
+    }
+
+    /// N columns by V vectors of rows, of which `count` rows are there.
+    #[inline(always)]
+    fn tile<S: Simd, const N: usize, const V: usize>(&mut self, simd: S, row: usize, j: usize, count: usize) {
+        let (rows, lanes) = (self.rows, S::F64_LANES);
+        let inner = self.a.len() / rows;
+        let whole = count == V * lanes;
+        let mut sums = [[simd.splat_f64s(0.0); V]; N];
+        for n in 0..N {
+            sums[n] = load::<S, V>(simd, &self.c[(j + n) * rows + row..][..count]);
+        }
+        for k in 0..inner {
+            let a = load::<S, V>(simd, &self.a[k * rows + row..][..count]);
+            for n in 0..N {
+                let b = simd.splat_f64s(self.b[(j + n) * inner + k]);
+                for v in 0..V {
+                    sums[n][v] = simd.add_f64s(sums[n][v], simd.mul_f64s(a[v], b));
+                }
+            }
+        }
+        for n in 0..N {
+            let to = &mut self.c[(j + n) * rows + row..][..count];
+            if whole {
+                S::as_mut_simd_f64s(to).0.copy_from_slice(&sums[n]);
+            } else {
+                simd.partial_store_f64s(to, sums[n][0]);
+            }
+        }
+    }
+}
+
+/// V vectors, or the beginning of one.
+#[inline(always)]
+fn load<S: Simd, const V: usize>(simd: S, from: &[f64]) -> [S::f64s; V] {
+    let mut vectors = [simd.splat_f64s(0.0); V];
+    if from.len() == V * S::F64_LANES {
+        vectors.copy_from_slice(S::as_simd_f64s(from).0);
+    } else {
+        vectors[0] = simd.partial_load_f64s(from);
+    }
+    vectors
+}
+
+struct TransposedProduct<'a> {
+    a: &'a [f64],
+    b: &'a [f64],
+    rows: usize,
+    c: &'a mut [f64],
+}
+
+impl WithSimd for TransposedProduct<'_> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(mut self, simd: S) {
+        let (m, n) = (self.a.len() / self.rows, self.b.len() / self.rows);
+        let mut j = 0;
+        while j < n {
+            let pair = j + 2 <= n;
+            let mut i = 0;
+            while i < m {
+                match (pair, i + 4 <= m) {
+                    (true, true) => self.tile::<S, 4, 2>(simd, i, j),
+                    (false, true) => self.tile::<S, 4, 1>(simd, i, j),
+                    (true, false) => self.tile::<S, 1, 2>(simd, i, j),
+                    (false, false) => self.tile::<S, 1, 1>(simd, i, j),
+                }
+                i += if i + 4 <= m { 4 } else { 1 };
+            }
+            j += if pair { 2 } else { 1 };
+        }
+    }
+}
+
+impl TransposedProduct<'_> {
+    /// I × J entries of C.
+    #[inline(always)]
+    fn tile<S: Simd, const I: usize, const J: usize>(&mut self, simd: S, i: usize, j: usize) {
+        let (rows, vectors) = (self.rows, SUMS / S::F64_LANES);
+        let m = self.a.len() / rows;
+        let a: [&[f64]; I] = std::array::from_fn(|x| &self.a[(i + x) * rows..][..rows]);
+        let b: [&[f64]; J] = std::array::from_fn(|x| &self.b[(j + x) * rows..][..rows]);
+        let mut sums = [[[simd.splat_f64s(0.0); SUMS]; J]; I];
+        let whole = rows / SUMS * SUMS;
+        let a_parts = a.map(|a| S::as_simd_f64s(&a[..whole]).0);
+        let b_parts = b.map(|b| S::as_simd_f64s(&b[..whole]).0);
+        for part in 0..whole / SUMS {
+            for v in 0..vectors {
+                let at = part * vectors + v;
+                for x in 0..I {
+                    for y in 0..J {
+                        sums[x][y][v] = simd.add_f64s(sums[x][y][v], simd.mul_f64s(a_parts[x][at], b_parts[y][at]));
+                    }
+                }
+            }
+        }
+        for x in 0..I {
+            for y in 0..J {
+                let mut s = [0.0; SUMS];
+                for v in 0..vectors {
+                    simd.partial_store_f64s(&mut s[v * S::F64_LANES..][..S::F64_LANES], sums[x][y][v]);
+                }
+                for (s, row) in s.iter_mut().zip(whole..rows) {
+                    *s += a[x][row] * b[y][row];
+                }
+                self.c[(j + y) * m + i + x] = ((s[0] + s[4]) + (s[2] + s[6])) + ((s[1] + s[5]) + (s[3] + s[7]));
+            }
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// `Σ aᵢ bᵢ` in eight running sums, as they are written.
+    fn dot_of_columns(a: &[f64], b: &[f64]) -> f64 {
+        let mut sums = [0.0; 8];
+        let (a8, a_rest) = a.as_chunks::<8>();
+        let (b8, b_rest) = b.as_chunks::<8>();
+        for (a, b) in a8.iter().zip(b8) {
+            for l in 0..8 {
+                sums[l] += a[l] * b[l];
+            }
+        }
+        for (l, (a, b)) in a_rest.iter().zip(b_rest).enumerate() {
+            sums[l] += a * b;
+        }
+        ((sums[0] + sums[4]) + (sums[2] + sums[6])) + ((sums[1] + sums[5]) + (sums[3] + sums[7]))
+    }
+
+    fn sample(rows: usize, columns: usize) -> DMatrix<f64> {
+        DMatrix::from_fn(rows, columns, |i, j| libm::sin((7 * i * i + 3 * j + 1) as f64))
+    }
+
+    #[test]
+    fn identity_product_is_the_sum_in_order_to_the_bit() {
+        for (m, k, n) in [(5, 7, 3), (64, 9, 6), (37, 20, 11), (1, 1, 1), (3, 0, 2)] {
+            let (a, b) = (sample(m, k), sample(k, n));
+            let c = product(&a, &b);
+            for i in 0..m {
+                for j in 0..n {
+                    let expected = (0..k).fold(0.0, |sum, k| sum + a[(i, k)] * b[(k, j)]);
+                    assert_eq!(c[(i, j)], expected);
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn identity_transposed_product_is_that_of_columns_to_the_bit() {
+        for (rows, m, n) in [(1, 2, 1), (8, 5, 3), (61, 9, 4), (200, 4, 7), (0, 2, 3)] {
+            let (a, b) = (sample(rows, m), sample(rows, n));
+            let c = transpose_product(&a, &b);
+            for i in 0..c.nrows() {
+                for j in 0..c.ncols() {
+                    assert_eq!(c[(i, j)], dot_of_columns(a.column(i).as_slice(), b.column(j).as_slice()));
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn identity_the_width_of_the_processor_changes_no_bit() {
+        let (a, b, d) = (sample(61, 9), sample(9, 6), sample(61, 5));
+        let mut narrow = vec![0.0; 61 * 6];
+        Arch::Scalar.dispatch(AddProduct { a: a.as_slice(), b: b.as_slice(), rows: 61, c: &mut narrow });
+        assert_eq!(narrow, product(&a, &b).as_slice());
+        let mut narrow = vec![0.0; 9 * 5];
+        Arch::Scalar.dispatch(TransposedProduct { a: a.as_slice(), b: d.as_slice(), rows: 61, c: &mut narrow });
+        assert_eq!(narrow, transpose_product(&a, &d).as_slice());
+    }
+}

@@ -1,0 +1,222 @@
+//! Which parameters a model has: those of the links, and the coefficients of a set of torque terms.
+
+use std::fmt;
+
+use super::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, Term, VISCOUS};
+use super::{ColumnsError, ParameterId, ParameterKind, Robot};
+
+/// Terms of one model at most.
+pub const MOST_TERMS: usize = 24;
+
+/// The columns of a regressor: the ten of each link, and one for each joint or motor that a term acts on.
+///
+/// Written as words joined by `+`: `rigid` alone, or `rigid` and the names of terms. `friction` is short for
+/// `viscous+coulomb+offset`.
+///
+/// ```
+/// # use armid_mechanics as armid;
+/// use armid::model::Columns;
+/// let columns = Columns::parse("rigid+rotor+viscous+coulomb+offset").unwrap();
+/// assert_eq!(columns, Columns::RIGID_ROTOR_FRICTION);
+/// assert_eq!(columns.to_string(), "rigid+rotor+friction");
+/// ```
+#[derive(Clone, Copy, PartialEq, Eq, Hash)]
+pub struct Columns {
+    /// In the order of the terms, none twice; what is set stands in front.
+    terms: [Option<Term>; MOST_TERMS],
+}
+
+const RIGID: &str = "rigid";
+const FRICTION: &str = "friction";
+/// What `friction` is short for.
+const FRICTION_NAMES: [&str; 3] = ["viscous", "coulomb", "offset"];
+
+impl Columns {
+    /// The ten parameters of each link.
+    pub const RIGID: Self = Self::of_listed(&[]);
+    /// And the rotor inertia of each drive.
+    pub const RIGID_ROTOR: Self = Self::of_listed(&[ROTOR]);
+    /// And viscous friction, Coulomb friction and offset of each joint, and of coupled motors.
+    pub const RIGID_ROTOR_FRICTION: Self =
+        Self::of_listed(&[ROTOR, VISCOUS, COULOMB, OFFSET, MOTOR_VISCOUS, MOTOR_COULOMB]);
+
+    /// The choices with a name of their own.
+    pub const ALL: [Self; 3] = [Self::RIGID, Self::RIGID_ROTOR, Self::RIGID_ROTOR_FRICTION];
+
+    /// From terms in the order of the list.
+    const fn of_listed(terms: &[Term]) -> Self {
+        let mut all = [None; MOST_TERMS];
+        let mut k = 0;
+        while k < terms.len() {
+            all[k] = Some(terms[k]);
+            k += 1;
+        }
+        Self { terms: all }
+    }
+
+    /// These columns and those of another term.
+    ///
+    /// # Panics
+    /// Beyond [`MOST_TERMS`].
+    #[must_use]
+    pub fn with(self, term: Term) -> Self {
+        if self.has(term) {
+            return self;
+        }
+        let mut terms: Vec<Term> = self.terms().chain([term]).collect();
+        assert!(terms.len() <= MOST_TERMS, "{} terms in one model, expected at most {MOST_TERMS}", terms.len());
+        terms.sort();
+        Self::of_listed(&terms)
+    }
+
+    /// These columns without those of a term.
+    #[must_use]
+    pub fn without(self, term: Term) -> Self {
+        let terms: Vec<Term> = self.terms().filter(|&own| own != term).collect();
+        Self::of_listed(&terms)
+    }
+
+    /// The terms, in order.
+    pub fn terms(&self) -> impl Iterator<Item = Term> + '_ {
+        self.terms.iter().map_while(|term| *term)
+    }
+
+    /// Whether a term is among them.
+    #[must_use]
+    pub fn has(&self, term: Term) -> bool {
+        self.terms().any(|own| own == term)
+    }
+
+    /// The first term that needs more than the motion: the transmitted torque, or a temperature.
+    #[must_use]
+    pub fn beyond_motion(&self) -> Option<Term> {
+        self.terms().find(|term| !term.entry().needs.is_motion())
+    }
+
+    /// The choice with this name, of the terms in the list.
+    #[must_use]
+    pub fn parse(name: &str) -> Option<Self> {
+        Self::parse_among(name, Term::ALL)
+    }
+
+    /// The choice with this name, of these terms.
+    #[must_use]
+    pub fn parse_among(name: &str, known: &[Term]) -> Option<Self> {
+        let mut words = name.split('+').map(str::trim);
+        if words.next()? != RIGID {
+            return None;
+        }
+        let mut columns = Self::RIGID;
+        for word in words {
+            let named: Vec<Term> = known
+                .iter()
+                .copied()
+                .filter(|term| {
+                    let name = term.entry().name;
+                    name == word || (word == FRICTION && FRICTION_NAMES.contains(&name))
+                })
+                .collect();
+            if named.is_empty() {
+                return None;
+            }
+            columns = named.into_iter().fold(columns, Self::with);
+        }
+        Some(columns)
+    }
+
+    /// The choice with this name, of terms that can be estimated from motion and torque: the model is linear in all of their
+    /// coefficients and the links' parameters.
+    ///
+    /// # Errors
+    /// [`ColumnsError`] that says what keeps it from being estimated.
+    pub fn parse_estimable(text: &str) -> Result<Self, ColumnsError> {
+        let columns =
+            Self::parse(text).ok_or_else(|| ColumnsError::Unknown { found: text.to_owned(), words: Self::words() })?;
+        let Some(term) = columns.beyond_motion() else { return Ok(columns) };
+        let (entry, words) = (term.entry(), Self::words());
+        let (name, meaning) = (entry.name, entry.meaning);
+        Err(if entry.needs.load {
+            ColumnsError::Load { name, meaning, words }
+        } else {
+            ColumnsError::Warmth { name, meaning, words }
+        })
+    }
+
+    /// The words that [`Columns::parse`] reads beside `rigid`, of terms that need the motion alone.
+    #[must_use]
+    pub fn words() -> Vec<&'static str> {
+        let mut words = vec![FRICTION];
+        for term in Term::ALL.iter().filter(|term| term.entry().needs.is_motion()) {
+            if !words.contains(&term.entry().name) {
+                words.push(term.entry().name);
+            }
+        }
+        words
+    }
+
+    /// The parameters of a robot in order: length p, the columns of its regressor.
+    #[must_use]
+    pub fn parameters(&self, robot: &Robot) -> Vec<ParameterId> {
+        let links = (0..robot.dof()).flat_map(|index| ParameterKind::LINK.map(|kind| ParameterId { kind, index }));
+        let terms = (0..robot.dof()).flat_map(|index| {
+            let here = self.terms().filter(move |term| term.is_at(robot, index));
+            here.map(move |term| ParameterId { kind: ParameterKind::Term(term), index }).collect::<Vec<_>>()
+        });
+        links.chain(terms).collect()
+    }
+}
+
+impl Default for Columns {
+    fn default() -> Self {
+        Self::RIGID_ROTOR_FRICTION
+    }
+}
+
+impl fmt::Display for Columns {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        let mut words = Vec::new();
+        for term in self.terms() {
+            if !words.contains(&term.entry().name) {
+                words.push(term.entry().name);
+            }
+        }
+        let mut text = RIGID.to_owned();
+        let all_friction = FRICTION_NAMES.iter().all(|name| words.contains(name));
+        for word in words {
+            match FRICTION_NAMES.iter().position(|&name| name == word) {
+                Some(0) if all_friction => text = format!("{text}+{FRICTION}"),
+                Some(_) if all_friction => {}
+                _ => text = format!("{text}+{word}"),
+            }
+        }
+        f.write_str(&text)
+    }
+}
+
+impl fmt::Debug for Columns {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{self}")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn columns_that_cannot_be_estimated_say_what_keeps_them() {
+        for term in Term::ALL {
+            let text = format!("rigid+{}", term.entry().name);
+            let found = Columns::parse_estimable(&text);
+            let needs = term.entry().needs;
+            match found {
+                Ok(columns) => assert!(needs.is_motion() && columns.has(*term)),
+                Err(ColumnsError::Load { name, .. }) => assert!(needs.load && name == term.entry().name),
+                Err(ColumnsError::Warmth { name, .. }) => assert!(needs.warmth && name == term.entry().name),
+                Err(other) => panic!("{text}: {other}"),
+            }
+        }
+        let fault = Columns::parse_estimable("rigid+stiction").unwrap_err().to_string();
+        assert!(fault.contains("rigid+stiction") && fault.contains("coulomb"), "{fault}");
+    }
+}

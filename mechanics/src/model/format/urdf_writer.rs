@@ -1,0 +1,219 @@
+//! A robot and its parameters as URDF, the robot description of ROS.
+//!
+//! ```text
+//! robot.toml:  T = before · Rz(q) · after        URDF:  origin = after_(i−1) · before_i,  axis z,  link frame = before · Rz(q)
+//! ```
+//! URDF's link frame stands on its joint, so inertias are written as seen from there; a last link without inertia,
+//! `flange`, stands where the chain ends. URDF has viscous and Coulomb friction, but no rotor inertia and no torque
+//! offset: those are in the comment at the top.
+
+use crate::model::term::{COULOMB, OFFSET, ROTOR, VISCOUS};
+use std::fmt::Write;
+
+use nalgebra::Matrix3;
+
+use super::tree::moved;
+use crate::model::{Columns, Joint, JointKind, Robot, StandardParameters};
+use crate::spatial::{Inertia, Placement};
+
+/// What is written for a limit that is not stated: URDF asks for a number.
+const NO_LIMIT: f64 = 1e9;
+
+/// Writes a robot with these parameters as URDF that [`parse_urdf`](super::parse_urdf) reads, and other tools too.
+/// `header` stands on top as a comment.
+///
+/// ```
+/// # use armid_mechanics as armid;
+/// use armid::model::format::{ChainEnds, parse_robot, parse_nominal, parse_urdf, write_urdf};
+/// use armid::model::bundled;
+/// let robot = parse_robot(bundled()[0].robot).unwrap();
+/// let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap().parameters;
+/// let text = write_urdf(&robot, &nominal, "a guess");
+/// assert_eq!(parse_urdf(&text, &ChainEnds::default()).unwrap().robot.dof(), 6);
+/// ```
+#[must_use]
+pub fn write_urdf(robot: &Robot, parameters: &StandardParameters, header: &str) -> String {
+    let mut out = "<?xml version=\"1.0\"?>\n<!--\n".to_owned();
+    // Writing to a String cannot fail.
+    for line in header.lines() {
+        let _ = writeln!(out, "  {}", commented(line));
+    }
+    for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
+        // Every term that has no place in the format, the usual ones even where they are zero.
+        let columns = Columns::default().and_those_of(parameters);
+        let left_out = columns.terms().filter(|&term| ![VISCOUS, COULOMB].contains(&term));
+        let left_out: Vec<String> = left_out
+            .filter(|&term| drive[term] != 0.0 || [ROTOR, OFFSET].contains(&term))
+            .map(|term| {
+                format!(
+                    "{} {:?} {}",
+                    term.entry().meaning,
+                    drive[term],
+                    term.unit(joint.kind).replace('·', " ").replace('²', "2")
+                )
+            })
+            .collect();
+        let name = commented(&joint.name);
+        let _ = writeln!(out, "  joint {name}: {}, which URDF cannot express", left_out.join(", "));
+    }
+    let _ = write!(out, "-->\n<robot name=\"{}\">\n  <link name=\"base\"/>\n", escaped(robot.name()));
+    let (mut parent, mut end) = ("base".to_owned(), *robot.base());
+    for (index, joint) in robot.joints().iter().enumerate() {
+        let name = format!("link{}", index + 1);
+        write_joint(&mut out, joint, &parent, &name, &end.compose(&joint.before), parameters, index);
+        write_link(&mut out, &name, &moved(&parameters.links[index], &joint.after));
+        (parent, end) = (name, joint.after);
+    }
+    let _ = write!(
+        out,
+        "  <joint name=\"flange\" type=\"fixed\">\n    <parent link=\"{parent}\"/>\n    <child link=\"flange\"/>\n    {}\n  \
+         </joint>\n  <link name=\"flange\"/>\n</robot>\n",
+        origin(&end)
+    );
+    out
+}
+
+fn write_joint(
+    out: &mut String,
+    joint: &Joint,
+    parent: &str,
+    child: &str,
+    place: &Placement,
+    parameters: &StandardParameters,
+    index: usize,
+) {
+    let limits = &joint.limits;
+    let (low, high) = limits.position;
+    let is_limited = low.is_finite() && high.is_finite();
+    let kind = match (joint.kind, is_limited) {
+        (JointKind::Prismatic, _) => "prismatic",
+        (JointKind::Revolute, true) => "revolute",
+        (JointKind::Revolute, false) => "continuous",
+    };
+    let ends = match (is_limited, joint.kind) {
+        (true, _) => format!("lower=\"{low:?}\" upper=\"{high:?}\" "),
+        (false, JointKind::Prismatic) => format!("lower=\"{:?}\" upper=\"{NO_LIMIT:?}\" ", -NO_LIMIT),
+        (false, JointKind::Revolute) => String::new(),
+    };
+    let stated = |limit: f64| if limit.is_finite() { limit } else { NO_LIMIT };
+    let drive = &parameters.drives[index];
+    let _ = write!(
+        out,
+        "  <joint name=\"{}\" type=\"{kind}\">\n    <parent link=\"{parent}\"/>\n    <child link=\"{child}\"/>\n    {}\n    \
+         <axis xyz=\"0 0 1\"/>\n    <limit {ends}effort=\"{:?}\" velocity=\"{:?}\"/>\n    \
+         <dynamics damping=\"{:?}\" friction=\"{:?}\"/>\n  </joint>\n",
+        escaped(&joint.name),
+        origin(place),
+        stated(limits.torque),
+        stated(limits.velocity),
+        drive[VISCOUS],
+        drive[COULOMB]
+    );
+}
+
+fn write_link(out: &mut String, name: &str, link: &Inertia) {
+    let com = link.com().unwrap_or_default();
+    let i = link.about_com();
+    let _ = write!(
+        out,
+        "  <link name=\"{name}\">\n    <inertial>\n      <origin xyz=\"{:?} {:?} {:?}\" rpy=\"0 0 0\"/>\n      \
+         <mass value=\"{:?}\"/>\n      <inertia ixx=\"{:?}\" ixy=\"{:?}\" ixz=\"{:?}\" iyy=\"{:?}\" iyz=\"{:?}\" \
+         izz=\"{:?}\"/>\n    </inertial>\n  </link>\n",
+        com.x,
+        com.y,
+        com.z,
+        link.mass,
+        i[(0, 0)],
+        i[(0, 1)],
+        i[(0, 2)],
+        i[(1, 1)],
+        i[(1, 2)],
+        i[(2, 2)]
+    );
+}
+
+fn escaped(name: &str) -> String {
+    let name = name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;");
+    // A reader makes a space of each unless it is written so.
+    name.replace('\n', "&#10;").replace('\t', "&#9;").replace('\r', "&#13;")
+}
+
+/// A text inside a comment, which may have no two hyphens in a row.
+fn commented(text: &str) -> String {
+    let mut text = text.replace("--", "- -");
+    if text.contains("--") {
+        text = text.replace("--", "- -");
+    }
+    text
+}
+
+fn origin(place: &Placement) -> String {
+    let p = place.translation.map(|x| x + 0.0);
+    let [roll, pitch, yaw] = roll_pitch_yaw(&place.rotation);
+    format!("<origin xyz=\"{:?} {:?} {:?}\" rpy=\"{roll:?} {pitch:?} {yaw:?}\"/>", p.x, p.y, p.z)
+}
+
+/// Angles with `R = Rz(yaw) Ry(pitch) Rx(roll)`; where yaw and roll turn about the same axis, roll alone.
+fn roll_pitch_yaw(r: &Matrix3<f64>) -> [f64; 3] {
+    let across = libm::hypot(r[(0, 0)], r[(1, 0)]);
+    let pitch = libm::atan2(-r[(2, 0)], across);
+    if across > 1e-12 {
+        return [libm::atan2(r[(2, 1)], r[(2, 2)]) + 0.0, pitch + 0.0, libm::atan2(r[(1, 0)], r[(0, 0)]) + 0.0];
+    }
+    let sign = if r[(2, 0)] < 0.0 { 1.0 } else { -1.0 };
+    [libm::atan2(sign * r[(0, 1)], r[(1, 1)]) + 0.0, pitch + 0.0, 0.0]
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::{ChainEnds, parse_urdf};
+    use super::*;
+    use crate::chains::random_robot;
+    use crate::dynamics::Dynamics;
+    use crate::seed::Seed;
+    use rand::RngExt;
+
+    #[test]
+    fn identity_angles_of_turned_frames() {
+        let turn = |[roll, pitch, yaw]: [f64; 3]| {
+            let of = |angle: f64| libm::sincos(angle);
+            let ((sr, cr), (sp, cp), (sy, cy)) = (of(roll), of(pitch), of(yaw));
+            let (x, y) = (Placement::rotation_x(sr, cr), Placement::rotation_y(sp, cp));
+            Placement::rotation_z(sy, cy).compose(&y).compose(&x).rotation
+        };
+        let right = std::f64::consts::FRAC_PI_2;
+        for angles in [[0.3, -0.8, 2.0], [0.7, right, 0.4], [-0.7, -right, 1.4], [right, 0.0, -right]] {
+            let r = turn(angles);
+            assert!((turn(roll_pitch_yaw(&r)) - r).norm() < 1e-12, "{angles:?}");
+        }
+    }
+
+    #[test]
+    fn identity_a_robot_read_back_has_the_same_torque() {
+        for run in 0..4 {
+            let mut rng = Seed::new(61).stream("written and read", run);
+            let (robot, parameters) = random_robot(&mut rng, 5);
+            let read = parse_urdf(&write_urdf(&robot, &parameters, "a -- test"), &ChainEnds::default()).unwrap();
+            let mut expected = parameters.clone();
+            let mut found = read.parameters.clone();
+            for (drive, read) in expected.drives.iter_mut().zip(&mut found.drives) {
+                assert_eq!((drive[VISCOUS], drive[COULOMB]), (read[VISCOUS], read[COULOMB]));
+                // How sharply Coulomb friction turns is the simulator's own affair.
+                *drive = drive.only(|term| term == VISCOUS);
+                read[COULOMB] = 0.0;
+            }
+            let (mut ours, mut theirs) = (Dynamics::new(&robot, &expected), Dynamics::new(&read.robot, &found));
+            for _ in 0..20 {
+                let mut draw = |size: f64| (0..5).map(|_| rng.random_range(-size..size)).collect::<Vec<f64>>();
+                let (q, qd, qdd) = (draw(3.0), draw(2.0), draw(10.0));
+                let (mut a, mut b) = (vec![0.0; 5], vec![0.0; 5]);
+                ours.inverse(&q, &qd, &qdd, &mut a);
+                theirs.inverse(&q, &qd, &qdd, &mut b);
+                let size = a.iter().fold(1.0_f64, |size, x| size.max(x.abs()));
+                for (a, b) in a.iter().zip(&b) {
+                    assert!((a - b).abs() < 1e-10 * size, "{a} {b}");
+                }
+            }
+        }
+    }
+}

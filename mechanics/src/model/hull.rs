@@ -1,0 +1,290 @@
+//! A convex body around given points, made of a few of them and a rounding that reaches the others.
+//!
+//! ```text
+//! body = conv(S) ⊕ ball(margin)        S ⊂ points        margin = max_p dist(p, conv S)
+//! conv(points) ⊂ body, and no point of the body is further than the margin from conv(points)
+//! ```
+//! S grows by the point that is furthest from its hull, until that is within [`HULL_TOLERANCE`] or S has [`HULL_POINTS`]
+//! points. A distance to the body is then never above that to the hull of all points, and below it by the margin at most.
+//!
+//! Distances of points from a hull are those of `parry3d` (E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE Journal of Robotics and
+//! Automation 4(2), 1988).
+
+use std::collections::BinaryHeap;
+
+use nalgebra::{Matrix3, SymmetricEigen, Vector3};
+use parry3d_f64::math::{Pose, Vector};
+use parry3d_f64::query::gjk::{ConstantPoint, CsoPoint, GJKResult, VoronoiSimplex, closest_points};
+use parry3d_f64::shape::SupportMap;
+
+use super::capsule::Capsule;
+use crate::spatial::Placement;
+
+/// How far a body may reach beyond the points it stands for before another of them is taken, m.
+pub const HULL_TOLERANCE: f64 = 5e-4;
+
+/// Points of a body at most: a distance takes time in proportion to them.
+pub const HULL_POINTS: usize = 64;
+
+/// Sides of the prism of a cylinder, at least and at most.
+const SIDES: (usize, usize) = (8, HULL_POINTS / 2);
+
+/// Beyond this, m, a distance is not looked at more closely.
+const FAR: f64 = 1e6;
+
+/// Every point within `margin` of the convex hull of some points.
+///
+/// ```
+/// # use armid_mechanics as armid;
+/// use armid::model::Hull;
+/// use nalgebra::Vector3;
+/// let corner = |k: usize| Vector3::new((k & 1) as f64, (k >> 1 & 1) as f64, (k >> 2) as f64);
+/// let mut points: Vec<Vector3<f64>> = (0..8).map(corner).collect();
+/// points.push(Vector3::new(0.5, 0.2, 0.7));
+/// let hull = Hull::around(&points).unwrap();
+/// assert_eq!((hull.points.len(), hull.margin), (8, 0.0));
+/// ```
+#[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Hull {
+    /// The points, in the frame of the link, m.
+    #[serde(with = "crate::plain::vector::list")]
+    pub points: Vec<Vector3<f64>>,
+    /// How far the body reaches beyond their hull, m.
+    pub margin: f64,
+}
+
+impl Hull {
+    /// A body around finite points (m); `None` of none.
+    #[must_use]
+    pub fn around(points: &[Vector3<f64>]) -> Option<Self> {
+        let mut points = points.to_vec();
+        points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
+        points.dedup();
+        let mean = points.iter().sum::<Vector3<f64>>() / points.len().max(1) as f64;
+        let mut first = points.first()?;
+        for point in &points {
+            if (point - mean).norm() > (first - mean).norm() {
+                first = point;
+            }
+        }
+        let mut chosen = vec![*first];
+        // Distances from the hull so far only shrink as it grows: one that was found earlier is an upper bound.
+        let mut open: BinaryHeap<Open> =
+            points.iter().enumerate().map(|(point, p)| Open { distance: (p - first).norm(), point }).collect();
+        let margin = loop {
+            let Some(furthest) = furthest(&mut open, &points, &chosen) else { break 0.0 };
+            if furthest.distance <= HULL_TOLERANCE || chosen.len() == HULL_POINTS {
+                break furthest.distance;
+            }
+            chosen.push(points[furthest.point]);
+        };
+        Some(Self { points: chosen, margin })
+    }
+
+    /// A cylinder about the z axis of its own frame, as a prism whose edges lie on it:
+    ///
+    /// ```text
+    /// margin = radius (1 − cos(π / sides))
+    /// ```
+    #[must_use]
+    pub fn cylinder(placement: &Placement, radius: f64, half_length: f64) -> Self {
+        let margin = |sides: usize| radius * (1.0 - libm::cos(std::f64::consts::PI / sides as f64));
+        let sides = (SIDES.0..SIDES.1).find(|&sides| margin(sides) <= HULL_TOLERANCE).unwrap_or(SIDES.1);
+        let corner = |k: usize, z: f64| {
+            let (sin, cos) = libm::sincos(std::f64::consts::TAU * k as f64 / sides as f64);
+            placement.point(&Vector3::new(radius * cos, radius * sin, z))
+        };
+        let points = (0..sides).flat_map(|k| [corner(k, -half_length), corner(k, half_length)]).collect();
+        Self { points, margin: margin(sides) }
+    }
+
+    /// The furthest that the body reaches along a unit vector, m.
+    #[must_use]
+    pub fn extent(&self, direction: &Vector3<f64>) -> f64 {
+        self.points.iter().map(|p| direction.dot(p)).fold(f64::NEG_INFINITY, f64::max) + self.margin
+    }
+
+    /// The middle of the box around the points, along the axes of the frame.
+    #[must_use]
+    pub fn middle(&self) -> Vector3<f64> {
+        let along = |axis: usize| {
+            let (low, high) = self
+                .points
+                .iter()
+                .fold((f64::INFINITY, f64::NEG_INFINITY), |(low, high), p| (low.min(p[axis]), high.max(p[axis])));
+            0.5 * (low + high)
+        };
+        Vector3::new(along(0), along(1), along(2))
+    }
+
+    /// A capsule that holds the body: about the line through its middle along which its points scatter most.
+    #[must_use]
+    pub fn enclosing_capsule(&self) -> Capsule {
+        let middle = self.middle();
+        let scatter: Matrix3<f64> = self.points.iter().map(|p| (p - middle) * (p - middle).transpose()).sum();
+        let found = SymmetricEigen::new(scatter);
+        let axis: Vector3<f64> = found.eigenvectors.column(found.eigenvalues.imax()).into_owned();
+        // Of each point the place along the line and the distance across.
+        let places: Vec<(f64, f64)> = self
+            .points
+            .iter()
+            .map(|p| {
+                let along = axis.dot(&(p - middle));
+                (along, (p - middle - axis * along).norm())
+            })
+            .collect();
+        let radius = places.iter().map(|place| place.1).fold(0.0, f64::max);
+        // The round ends reach this much further where a point lies closer to the line.
+        let rest = |across: f64| (radius * radius - across * across).max(0.0).sqrt();
+        let end = places.iter().map(|&(along, across)| along - rest(across)).fold(f64::NEG_INFINITY, f64::max);
+        let start = places.iter().map(|&(along, across)| along + rest(across)).fold(f64::INFINITY, f64::min);
+        let (start, end) = if start <= end { (start, end) } else { (0.5 * (start + end), 0.5 * (start + end)) };
+        Capsule { from: middle + axis * start, to: middle + axis * end, radius: radius + self.margin }
+    }
+}
+
+/// A point of which an upper bound of the distance from the hull is known.
+#[derive(Clone, Copy, PartialEq)]
+struct Open {
+    distance: f64,
+    point: usize,
+}
+
+impl Eq for Open {}
+
+impl PartialOrd for Open {
+    fn partial_cmp(&self, other: &Self) -> Option<std::cmp::Ordering> {
+        Some(self.cmp(other))
+    }
+}
+
+impl Ord for Open {
+    fn cmp(&self, other: &Self) -> std::cmp::Ordering {
+        self.distance.total_cmp(&other.distance).then(other.point.cmp(&self.point))
+    }
+}
+
+/// The point that is furthest from the hull of those chosen; `None` where all are in it.
+fn furthest(open: &mut BinaryHeap<Open>, points: &[Vector3<f64>], chosen: &[Vector3<f64>]) -> Option<Open> {
+    let hull = PointHull::new(chosen);
+    while let Some(known) = open.pop() {
+        let distance = hull.distance(&points[known.point]);
+        let now = Open { distance, ..known };
+        if open.peek().is_none_or(|next| now >= *next) {
+            return (distance > 0.0).then_some(now);
+        }
+        if distance > 0.0 {
+            open.push(now);
+        }
+    }
+    None
+}
+
+/// The convex hull of some points as its support function: the furthest of them along a direction.
+#[derive(Clone, Debug)]
+pub struct PointHull(Vec<Vector>);
+
+impl PointHull {
+    /// The hull of `points`, m.
+    #[must_use]
+    pub fn new(points: &[Vector3<f64>]) -> Self {
+        Self(points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect())
+    }
+
+    /// No less than the distance of a point, m; zero inside.
+    fn distance(&self, point: &Vector3<f64>) -> f64 {
+        let point = Vector::new(point.x, point.y, point.z);
+        let to_corner = || self.0.iter().map(|corner| (*corner - point).length()).fold(f64::INFINITY, f64::min);
+        let mut simplex = VoronoiSimplex::new();
+        simplex.reset(CsoPoint::from_shapes(&Pose::IDENTITY, self, &ConstantPoint(point), Vector::X));
+        match closest_points(&Pose::IDENTITY, self, &ConstantPoint(point), FAR, true, &mut simplex) {
+            GJKResult::ClosestPoints(nearest, point, _) => (point - nearest).length(),
+            GJKResult::Intersection => 0.0,
+            // The iteration did not end.
+            GJKResult::Proximity(_) | GJKResult::NoIntersection(_) => to_corner(),
+        }
+    }
+}
+
+impl SupportMap for PointHull {
+    fn local_support_point(&self, direction: Vector) -> Vector {
+        let mut furthest = (f64::NEG_INFINITY, Vector::ZERO);
+        for point in &self.0 {
+            let along = point.dot(direction);
+            if along > furthest.0 {
+                furthest = (along, *point);
+            }
+        }
+        furthest.1
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::seed::Seed;
+    use rand::{Rng, RngExt};
+
+    fn direction(rng: &mut impl Rng) -> Vector3<f64> {
+        loop {
+            let x = Vector3::from_fn(|_, _| rng.random_range(-1.0..1.0));
+            if x.norm() > 0.1 && x.norm() < 1.0 {
+                return x.normalize();
+            }
+        }
+    }
+
+    /// A convex body holds another where it reaches as far in every direction.
+    #[test]
+    fn identity_a_hull_holds_its_points_and_reaches_no_further_than_its_margin() {
+        let mut rng = Seed::new(3).stream("hull", 0);
+        for (count, stretch) in [(1, 1.0), (2, 1.0), (30, 1.0), (3000, 1.0), (2000, 6.0)] {
+            // On an ellipsoid: every point is a corner.
+            let points: Vec<Vector3<f64>> = (0..count)
+                .map(|_| direction(&mut rng).component_mul(&Vector3::new(0.05, 0.06, 0.05 * stretch)))
+                .collect();
+            let hull = Hull::around(&points).unwrap();
+            assert!(hull.points.len() <= HULL_POINTS && hull.points.iter().all(|p| points.contains(p)));
+            assert!(hull.margin <= HULL_TOLERANCE || hull.points.len() == HULL_POINTS, "{}", hull.margin);
+            assert!(hull.margin < 0.012, "{}", hull.margin);
+            let capsule = hull.enclosing_capsule();
+            for _ in 0..2000 {
+                let n = direction(&mut rng);
+                let furthest = points.iter().map(|p| n.dot(p)).fold(f64::NEG_INFINITY, f64::max);
+                assert!(furthest <= hull.extent(&n) + 1e-12 && hull.extent(&n) <= furthest + hull.margin + 1e-12);
+                let around = n.dot(&capsule.from).max(n.dot(&capsule.to)) + capsule.radius;
+                assert!(hull.extent(&n) <= around + 1e-12);
+            }
+        }
+        assert_eq!(Hull::around(&[]), None);
+    }
+
+    #[test]
+    fn analytic_a_prism_with_its_margin_holds_the_cylinder() {
+        let placement = Placement::translation(0.1, -0.2, 0.3);
+        for radius in [0.01, 0.06, 0.5] {
+            let hull = Hull::cylinder(&placement, radius, 0.2);
+            let mut rng = Seed::new(4).stream("hull", 0);
+            for _ in 0..3000 {
+                let n = direction(&mut rng);
+                let exact = n.dot(&placement.translation) + radius * libm::hypot(n.x, n.y) + 0.2 * n.z.abs();
+                assert!(exact <= hull.extent(&n) + 1e-15 && hull.extent(&n) <= exact + hull.margin + 1e-15);
+            }
+        }
+        assert!(Hull::cylinder(&placement, 0.06, 0.2).margin < HULL_TOLERANCE);
+    }
+
+    #[test]
+    fn analytic_a_flat_or_straight_set_of_points_has_a_hull() {
+        let square = [[0.0, 0.0], [1.0, 0.0], [1.0, 1.0], [0.0, 1.0], [0.3, 0.4]];
+        let square: Vec<Vector3<f64>> = square.iter().map(|[x, y]| Vector3::new(*x, *y, 0.7)).collect();
+        let hull = Hull::around(&square).unwrap();
+        assert_eq!((hull.points.len(), hull.margin), (4, 0.0));
+        let line: Vec<Vector3<f64>> = (0..9).map(|k| Vector3::new(0.1 * f64::from(k), 0.0, 0.0)).collect();
+        let hull = Hull::around(&line).unwrap();
+        assert!(hull.points.len() <= 3 && hull.margin < 1e-15, "{hull:?}");
+        let rod = hull.enclosing_capsule();
+        assert!((rod.to - rod.from).norm() <= 0.8 + 1e-12 && rod.radius < 1e-12);
+    }
+}

@@ -1,0 +1,274 @@
+//! The regressor of many samples, in lanes.
+//!
+//! ```text
+//! W, (n·M) × columns        row k n + i: joint i, mean over block k of consecutive samples
+//! ```
+//! A lane holds a block: its samples are walked one after the other and summed in that order. Only the columns that are wanted
+//! are computed, and they go straight into their places.
+
+use nalgebra::DMatrix;
+use pulp::{Arch, Simd, WithSimd};
+
+use super::JointTorqueRegressor;
+use super::cells::{Cells, TOGETHER, Together};
+use crate::dynamics::States;
+use crate::lanes::Wide;
+use crate::spatial::{LaneMotion, Motion};
+
+/// Some rows of a stack, for as long as they are in the processor's first cache.
+#[derive(Clone, Copy, Debug)]
+pub struct StackPart<'a> {
+    /// Number of the first block.
+    pub first: usize,
+    /// Number of blocks, at most eight.
+    pub count: usize,
+    joints: usize,
+    numbers: &'a [f64],
+}
+
+impl StackPart<'_> {
+    /// Column `column` of those that were wanted, n · count: row `k n + i` is joint i, block `first + k`.
+    ///
+    /// # Panics
+    /// If there is no such column.
+    #[inline]
+    #[must_use]
+    pub fn column(&self, column: usize) -> &[f64] {
+        &self.numbers[column * TOGETHER * self.joints..][..self.count * self.joints]
+    }
+}
+
+impl JointTorqueRegressor {
+    /// All samples: `W`, (n·N) × p, where row `k n + i` is joint i at sample k. Bit by bit what
+    /// [`evaluate`](Self::evaluate) gives.
+    ///
+    /// # Panics
+    /// If the states are not those of n joints.
+    #[must_use]
+    pub fn stack(&self, states: &States) -> DMatrix<f64> {
+        let all: Vec<usize> = (0..self.cols()).collect();
+        self.stack_means(states, &all, 1)
+    }
+
+    /// These columns alone, with the mean over each `block` of consecutive samples as one equation per joint,
+    /// (n·M) × as many; samples beyond the last whole block are left out.
+    ///
+    /// # Panics
+    /// If the states are not those of n joints, `block` is zero, or a column is beyond p.
+    #[must_use]
+    pub fn stack_means(&self, states: &States, columns: &[usize], block: usize) -> DMatrix<f64> {
+        let rows = self.rows() * (states.len() / block);
+        // A vector of zeros comes from the system without a pass over it, which `DMatrix::zeros` takes.
+        let mut w = DMatrix::from_vec(rows, columns.len(), vec![0.0; rows * columns.len()]);
+        self.stack_means_into(states, columns, block, &mut w);
+        w
+    }
+
+    /// [`Self::stack_means`] in the place of what `w` held. A recording that is read in parts which fit in the processor's cache, into one
+    /// matrix, waits for no memory.
+    ///
+    /// # Panics
+    /// As [`Self::stack_means`], or if `w` is not (n·M) × as many as there are columns.
+    pub fn stack_means_into(&self, states: &States, columns: &[usize], block: usize, w: &mut DMatrix<f64>) {
+        let n = self.rows();
+        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
+        let (found, expected) = (w.shape(), (n * (states.len() / block), columns.len()));
+        assert_eq!(found, expected, "a matrix for the stack of {found:?}, expected {expected:?}");
+        if w.is_empty() {
+            return;
+        }
+        if !self.links.is_empty() {
+            return self.stack_under_load(states, columns, block, w);
+        }
+        let (rows, w) = (w.nrows(), w.as_mut_slice());
+        self.stack_by(
+            states,
+            columns,
+            block,
+            #[inline(always)]
+            |cells, first, count| cells.write(w, rows, first * n, count),
+        );
+    }
+
+    /// The sums of a few blocks after the other, for `put(cells, first, count)`.
+    #[inline]
+    fn stack_by(&self, states: &States, columns: &[usize], block: usize, put: impl FnMut(&Cells<'_>, usize, usize)) {
+        Arch::new().dispatch(Stack { cells: Cells::new(self, columns), states, block, put });
+    }
+
+    /// [`Self::stack_means`] a few blocks at a time, in their order. The matrix as a whole is never held: who reads each part once reads
+    /// it from the first cache.
+    ///
+    /// # Panics
+    /// As [`Self::stack_means`].
+    pub fn stack_in_parts(
+        &self,
+        states: &States,
+        columns: &[usize],
+        block: usize,
+        mut visit: impl FnMut(&StackPart<'_>),
+    ) {
+        let n = self.rows();
+        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
+        if self.links.is_empty() {
+            let mut numbers = vec![0.0; TOGETHER * n * columns.len()];
+            return self.stack_by(
+                states,
+                columns,
+                block,
+                #[inline(always)]
+                |cells, first, count| {
+                    cells.write(&mut numbers, TOGETHER * n, 0, count);
+                    visit(&StackPart { first, count, joints: n, numbers: &numbers });
+                },
+            );
+        }
+        let w = self.stack_means(states, columns, block);
+        let mut numbers = vec![0.0; TOGETHER * n * columns.len()];
+        for first in (0..w.nrows() / n).step_by(TOGETHER) {
+            let count = TOGETHER.min(w.nrows() / n - first);
+            for (to, from) in numbers.chunks_exact_mut(TOGETHER * n).zip(w.column_iter()) {
+                to[..count * n].copy_from_slice(&from.as_slice()[first * n..(first + count) * n]);
+            }
+            visit(&StackPart { first, count, joints: n, numbers: &numbers });
+        }
+    }
+
+    /// Sample by sample, for terms that depend on the torque that all links take.
+    fn stack_under_load(&self, states: &States, columns: &[usize], block: usize, w: &mut DMatrix<f64>) {
+        let (n, p) = (self.rows(), self.cols());
+        w.fill(0.0);
+        let mut rows = vec![0.0; n * p];
+        for m in 0..states.len() / block {
+            for k in m * block..(m + 1) * block {
+                self.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
+                for (c, &column) in columns.iter().enumerate() {
+                    for i in 0..n {
+                        w[(m * n + i, c)] += rows[i * p + column];
+                    }
+                }
+            }
+        }
+        if block > 1 {
+            *w *= 1.0 / block as f64;
+        }
+    }
+}
+
+/// Works on all states; `put(cells, first, count)` takes the sums of as many blocks.
+struct Stack<'a, F> {
+    cells: Cells<'a>,
+    states: &'a States,
+    block: usize,
+    put: F,
+}
+
+impl<F: FnMut(&Cells<'_>, usize, usize)> WithSimd for Stack<'_, F> {
+    type Output = ();
+
+    #[inline(always)]
+    fn with_simd<S: Simd>(self, simd: S) {
+        let Self { mut cells, states, block, mut put } = self;
+        let n = states.dof;
+        let (blocks, mut state) = (states.len() / block, Together::new(n));
+        let zero = Wide::new(simd, simd.splat_f64s(0.0));
+        let mut axes = vec![LaneMotion::splat(zero, &Motion::zero()); n];
+        for first in (0..blocks).step_by(TOGETHER) {
+            let count = TOGETHER.min(blocks - first);
+            state.fill(states, first * block, block, count);
+            cells.add::<S, true>(simd, &state, &mut axes);
+            for k in 1..block {
+                state.fill(states, first * block + k, block, count);
+                cells.add::<S, false>(simd, &state, &mut axes);
+            }
+            cells.average(block);
+            put(&cells, first, count);
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chains::{self, ChainRecipe};
+    use crate::model::Columns;
+    use crate::seed::Seed;
+
+    fn states(dof: usize, count: usize, run: u64) -> States {
+        let mut rng = Seed::new(13).stream("stack", run);
+        let mut states = States::new(dof);
+        for _ in 0..count {
+            let (q, qd, qdd) = chains::random_state(&mut rng, dof);
+            states.push(&q, &qd, &qdd);
+        }
+        states
+    }
+
+    #[test]
+    fn identity_many_samples_are_each_alone_to_the_bit_on_every_width() {
+        for run in 0..20 {
+            let dof = 1 + usize::try_from(run % 9).unwrap();
+            let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
+            let (robot, _) = recipe.draw(&mut Seed::new(13).stream("chains", run));
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let (p, states) = (regressor.cols(), states(dof, 21, run));
+            let w = regressor.stack(&states);
+            let mut y = vec![0.0; dof * p];
+            for k in 0..states.len() {
+                regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y);
+                for i in 0..dof {
+                    for c in 0..p {
+                        assert_eq!(w[(k * dof + i, c)], y[i * p + c], "chain {run}, sample {k}, joint {i}, column {c}");
+                    }
+                }
+            }
+            let all: Vec<usize> = (0..p).collect();
+            let mut again = DMatrix::repeat(w.nrows(), p, f64::NAN);
+            regressor.stack_means_into(&states, &all, 1, &mut again);
+            assert_eq!(again, w);
+            let (mut narrow, mut parts) = (DMatrix::zeros(w.nrows(), p), DMatrix::zeros(w.nrows(), p));
+            let (rows, columns) = (w.nrows(), narrow.as_mut_slice());
+            let put = |cells: &Cells<'_>, first: usize, count| cells.write(columns, rows, first * dof, count);
+            Arch::Scalar.dispatch(Stack { cells: Cells::new(&regressor, &all), states: &states, block: 1, put });
+            assert_eq!(narrow, w);
+            regressor.stack_in_parts(&states, &all, 1, |part| {
+                for c in 0..p {
+                    parts.column_mut(c).rows_mut(part.first * dof, part.count * dof).copy_from_slice(part.column(c));
+                }
+            });
+            assert_eq!(parts, w);
+        }
+    }
+
+    #[test]
+    fn identity_means_over_blocks_of_chosen_columns() {
+        for coupled in [false, true] {
+            let recipe = ChainRecipe { coupled, ..ChainRecipe::new(5) };
+            let (robot, parameters) = recipe.draw(&mut Seed::new(14).stream("chains", 0));
+            let states = states(5, 71, 1);
+            let free = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let loaded = JointTorqueRegressor::with_load(&robot, Columns::RIGID_ROTOR_FRICTION, &parameters);
+            for regressor in [free, loaded] {
+                let columns: Vec<usize> = (0..regressor.cols()).filter(|c| c % 3 != 1).collect();
+                let (w, means) = (regressor.stack(&states), regressor.stack_means(&states, &columns, 7));
+                assert_eq!(means.shape(), (50, columns.len()));
+                let mut blocks = 0;
+                regressor.stack_in_parts(&states, &columns, 7, |part| {
+                    assert_eq!(part.first, blocks);
+                    blocks += part.count;
+                    let rows = part.first * 5..blocks * 5;
+                    assert!((0..columns.len()).all(|c| part.column(c) == &means.column(c).as_slice()[rows.clone()]));
+                });
+                assert_eq!(blocks, 10);
+                for m in 0..10 {
+                    for i in 0..5 {
+                        for (c, &column) in columns.iter().enumerate() {
+                            let mean = (0..7).map(|k| w[((7 * m + k) * 5 + i, column)]).sum::<f64>() / 7.0;
+                            assert!((means[(m * 5 + i, c)] - mean).abs() < 1e-13 * mean.abs().max(100.0));
+                        }
+                    }
+                }
+            }
+        }
+    }
+}

@@ -1,6 +1,0 @@
-//! Values in files for which JSON has no form of its own: a matrix is the list of its rows, a vector the list of its
-//! components, and an infinite number is `null`.
-
-pub(crate) mod infinite;
-pub(crate) mod matrix;
-pub(crate) mod vector;
