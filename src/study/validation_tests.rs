@@ -252,5 +252,11 @@ fn identity_scores_are_the_difference_of_torques_by_inverse_dynamics() {
         }
         let expected = root_mean_square(&differences);
         assert!(expected > 0.01 && (found.unwrap() / expected - 1.0).abs() < 1e-9, "{kind:?}: {found:?} {expected}");
+        if kind == MotionKind::Random {
+            let rating = |row: usize| setup.robot().joints()[row % 6].limits.torque;
+            let shares: Vec<f64> = differences.iter().enumerate().map(|(row, nm)| nm / rating(row)).collect();
+            let (found, expected) = (score.prediction_rmse_of_rating, root_mean_square(&shares));
+            assert!((found / expected - 1.0).abs() < 1e-9, "{found} {expected}");
+        }
     }
 }

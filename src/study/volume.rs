@@ -161,3 +161,45 @@ impl Moment {
         Some(factor.l_dirty().diagonal().iter().map(|&d| libm::log(d)).sum())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::study::StatusCount;
+
+    /// Errors of the only parameter: condition → run.
+    #[derive(Debug)]
+    struct Errors([Vec<f64>; 2]);
+
+    impl RunTable for Errors {
+        fn runs(&self, _: usize, condition: usize) -> usize {
+            self.0[condition].len()
+        }
+
+        fn numbers(
+            &self,
+            _: usize,
+            condition: usize,
+            range: std::ops::Range<usize>,
+            _: RunNumber,
+        ) -> Result<Vec<Option<f64>>, StudyError> {
+            Ok(self.0[condition][range].iter().copied().map(Some).collect())
+        }
+
+        fn statuses(&self, _: usize) -> Vec<StatusCount> {
+            Vec::new()
+        }
+    }
+
+    #[test]
+    fn analytic_the_volume_is_that_of_the_errors_under_its_condition() {
+        // Mean squares 3 and 10, in units of 2.
+        let runs = Errors([vec![1.0, -2.0, 2.0], vec![4.0, 2.0, -2.0, 4.0]]);
+        let units = DVector::from_element(1, 2.0);
+        for (condition, ratio) in [(0, 0.75), (1, 2.5)] {
+            let volumes = ErrorVolumes { runs: &runs, condition, estimator: 0, units: &units };
+            let found = volumes.value(&[0]).unwrap().unwrap();
+            assert!((found - 0.5 * libm::log(ratio)).abs() < 1e-14, "{condition}: {found}");
+        }
+    }
+}

@@ -330,6 +330,43 @@ mod tests {
         assert!(all == 600 && share > 0.93 && rejected < 10, "{share} of {all}, {rejected} rejected");
     }
 
+    /// Where the change scatters w times as far as the covariances say, intervals are those of covariances w² as large.
+    #[test]
+    fn identity_widened_intervals_are_those_of_covariances_that_say_so() {
+        let mut rng = Seed::new(34).stream("payload", 0);
+        let load = random_inertia(&mut rng);
+        let (base, without, mut with) = two(&crs_a460(), &crs_a460_nominal(), &load, 1.0, &mut rng);
+        with.base[0].value += 50.0 * with.base[0].std;
+        let found = payload(&base, &without, &with).unwrap();
+        let factor = found.widened_by;
+        assert!(factor > 2.0);
+        let larger = |estimate: Estimate| {
+            let covariance = estimate.covariance_matrix() * (factor * factor);
+            estimate.with_covariance(&covariance)
+        };
+        let other = payload(&base, &larger(without), &larger(with)).unwrap();
+        assert!((other.widened_by - 1.0).abs() < 1e-9, "{}", other.widened_by);
+        for (found, other) in found.combinations.base.iter().zip(&other.combinations.base) {
+            assert!((found.std / other.std - 1.0).abs() < 1e-9, "{}: {} {}", found.name, found.std, other.std);
+        }
+    }
+
+    #[test]
+    fn published_intervals_have_the_fewer_degrees_of_freedom() {
+        let mut rng = Seed::new(35).stream("payload", 0);
+        let load = random_inertia(&mut rng);
+        let (base, without, with) = two(&crs_a460(), &crs_a460_nominal(), &load, 0.0, &mut rng);
+        for (first, second) in [(8.0, 1e9), (1e9, 8.0)] {
+            let of = |estimate: &Estimate, degrees_of_freedom| Estimate { degrees_of_freedom, ..estimate.clone() };
+            let found = payload(&base, &of(&without, first), &of(&with, second)).unwrap();
+            for shown in found.parameters.iter().filter_map(|parameter| parameter.shown) {
+                // Student's t at 0.975 with 8 degrees of freedom.
+                let half = 0.5 * (shown.ci95[1] - shown.ci95[0]);
+                assert!((half / shown.std - 2.306_004).abs() < 1e-5, "{}", half / shown.std);
+            }
+        }
+    }
+
     #[test]
     fn a_planar_arm_shows_four_combinations_and_what_is_no_load_is_told() {
         let mut rng = Seed::new(33).stream("payload", 0);

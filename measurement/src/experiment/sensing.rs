@@ -273,7 +273,7 @@ fn normal(stream: &mut Stream, sign: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::experiment::hinges;
+    use crate::experiment::{ActualArm, EffectKind, Effects, hinges};
     use crate::seed::Seed;
 
     #[test]
@@ -295,6 +295,41 @@ mod tests {
             }
         }
         assert!((0..20).any(|run| (read(run, 0.4 * step) - read(0, 0.4 * step)).abs() > 0.5 * step));
+    }
+
+    /// `î = (½ − ε/Δ) i_before + (½ + ε/Δ) i_after`, late by ε of a step Δ.
+    #[test]
+    fn analytic_a_late_sample_has_more_of_the_current_after_it() {
+        let mut sensors = Sensors::new(&hinges::single(), &Sensing::ideal(), Seed::new(1).of_run(0));
+        for (late, expected) in [(0.25, 1.75), (-0.25, 1.25), (0.5, 2.0)] {
+            sensors.late = late;
+            let mut out = [0.0];
+            sensors.currents(&[1.0], &[2.0], &mut out);
+            assert_eq!(out, [expected]);
+        }
+    }
+
+    #[test]
+    fn analytic_a_coarser_encoder_reads_the_same_position_in_larger_steps() {
+        let robot = hinges::single();
+        let step = robot.joints()[0].drive.encoder_step(true);
+        let effects = Effects::none().with(EffectKind::EncoderStep, 50.0);
+        let actual = ActualArm::new(&effects, &robot, &hinges::parameters(1)).sensors(1000.0);
+        let mut sensors = Sensors::new(&robot, &Sensing::noise_free(), Seed::new(1).of_run(0)).with_effects(&actual);
+        let mut read: Vec<f64> = (0..400)
+            .map(|k| {
+                let (q, mut out) = (0.5 + step * f64::from(k), [0.0]);
+                sensors.positions(&[q], &mut out);
+                // Half a step of rounding and half a step of the grid's offset.
+                assert!((out[0] - q).abs() <= 50.0 * step * 1.000_001, "{q}: {}", out[0]);
+                out[0]
+            })
+            .collect();
+        read.dedup();
+        let apart = |pair: &[f64]| (pair[1] - pair[0]) / step;
+        assert!(read.windows(2).all(|pair| (apart(pair) - 50.0).abs() < 1e-6), "{read:?}");
+        // 400 steps of the fine encoder.
+        assert!((8..=9).contains(&read.len()), "{}", read.len());
     }
 
     #[test]

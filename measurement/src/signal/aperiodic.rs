@@ -192,3 +192,49 @@ pub fn process_aperiodic(
         provenance: None,
     })
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::experiment::hinges;
+
+    const COUNT: usize = 400;
+    const RATE_HZ: f64 = 100.0;
+
+    fn processed(record: &AperiodicRecord<'_>, rate_hz: f64) -> Samples {
+        let processing = Processing { reversal_fraction: 0.0, ..Processing::default() };
+        process_aperiodic(record, &hinges::coupled(), EffortInterface::Torque, rate_hz, &processing).unwrap()
+    }
+
+    #[test]
+    fn analytic_a_measured_velocity_is_the_velocity_and_its_slope_the_acceleration() {
+        let w = std::f64::consts::TAU * 0.5;
+        let at = |k: usize, j: usize| w * k as f64 / RATE_HZ + j as f64;
+        // Positions that stand still: what moves is measured.
+        let (q, effort) = (vec![0.3; 2 * COUNT], vec![0.0; 2 * COUNT]);
+        let qd: Vec<f64> = (0..2 * COUNT).map(|row| libm::sin(at(row / 2, row % 2))).collect();
+        let record = AperiodicRecord { qd: Some(&qd), ..AperiodicRecord::new(2, RATE_HZ, &q, &effort) };
+        let states = processed(&record, RATE_HZ).states;
+        // The low pass passes 0.5 Hz to 1e-10, central differences to 2e-4; its transients end within a second.
+        for k in COUNT / 4..3 * COUNT / 4 {
+            for j in 0..2 {
+                assert!((states.q(k)[j] - 0.3).abs() < 1e-6);
+                assert!((states.qd(k)[j] - libm::sin(at(k, j))).abs() < 1e-6);
+                assert!((states.qdd(k)[j] - w * libm::cos(at(k, j))).abs() < 3e-4 * w, "{k}: {}", states.qdd(k)[j]);
+            }
+        }
+    }
+
+    #[test]
+    fn a_mark_leaves_out_the_equation_of_its_own_joint() {
+        let (q, effort) = (vec![0.0; 2 * COUNT], vec![0.0; 2 * COUNT]);
+        let mut excluded = vec![false; 2 * COUNT];
+        // Joint 1 in sample 21, joint 2 in sample 43; blocks of four samples.
+        (excluded[2 * 21], excluded[2 * 43 + 1]) = (true, true);
+        let record = AperiodicRecord { excluded: &excluded, ..AperiodicRecord::new(2, RATE_HZ, &q, &effort) };
+        let samples = processed(&record, RATE_HZ / 4.0);
+        assert_eq!((samples.block, samples.used.len()), (4, 2 * COUNT / 4));
+        let left_out: Vec<usize> = (0..samples.used.len()).filter(|&row| !samples.used[row]).collect();
+        assert_eq!(left_out, [2 * 5, 2 * 10 + 1]);
+    }
+}

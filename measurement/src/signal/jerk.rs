@@ -65,6 +65,26 @@ mod tests {
     use crate::dynamics::States;
     use crate::seed::Seed;
 
+    #[test]
+    fn analytic_without_a_period_it_is_the_slope_of_the_acceleration() {
+        let (count, rate_hz, w) = (50, 40.0, 3.0);
+        let mut states = States::new(1);
+        for k in 0..count {
+            let (s, c) = libm::sincos(w * f64::from(k) / rate_hz);
+            states.push(&[-s / (w * w)], &[-c / w], &[s]);
+        }
+        for derivatives in Derivatives::ALL {
+            let samples = Samples::exact(states.clone(), vec![0.0; 50], vec!["N·m".to_owned()], rate_hz);
+            let jerk = Samples { derivatives, ..samples }.jerk();
+            // Central differences make a tone smaller by sin(ωh)/(ωh).
+            let gain = libm::sin(w / rate_hz) / (w / rate_hz);
+            for k in 1..count - 1 {
+                let expected = gain * w * libm::cos(w * f64::from(k) / rate_hz);
+                assert!((jerk[k as usize] - expected).abs() < 1e-11, "{k}: {} {expected}", jerk[k as usize]);
+            }
+        }
+    }
+
     /// A column with an error in it draws its coefficient towards zero; one that is what is expected of it, given what was measured, does not.
     #[test]
     fn analytic_what_is_expected_of_the_third_derivative_has_slope_one() {

@@ -78,7 +78,11 @@ mod tests {
         assert_eq!(rank_correlation(&[1.0, 1.0], &[3.0, 2.0]), None);
         // Ties share a rank: ranks (0.5, 0.5, 2) against (0, 1, 2) give √3/2.
         assert!((rank_correlation(&[1.0, 1.0, 2.0], &[1.0, 2.0, 3.0]).unwrap() - 0.75_f64.sqrt()).abs() < 1e-15);
+        // Ranks (0.5, 0.5, 2, 3) against (0, 1, 2, 3): 4.5/√(4.5 · 5), as scipy.stats.spearmanr has it.
+        let found = rank_correlation(&[1.0, 1.0, 2.0, 3.0], &[1.0, 2.0, 3.0, 4.0]).unwrap();
+        assert!((found - 0.9_f64.sqrt()).abs() < 1e-15, "{found}");
     }
+
     #[test]
     fn analytic_interval_of_no_correlation() {
         // artanh 0 = 0: the ends are ± tanh(1.959964/√(n − 3)).

@@ -103,6 +103,19 @@ fn analytic_terms_of_the_arm_are_reported_and_no_others() {
 }
 
 #[test]
+fn analytic_bic_counts_equations_that_are_independent() {
+    for memory in [0.0, 0.5] {
+        let found = selected(3, &[ROTOR, VISCOUS, COULOMB], memory);
+        let viscous = of(&found, VISCOUS);
+        // BIC − AIC = r (ln N − 2). Of 3 · 600 equations whose noise remembers m of itself, (1 − m)/(1 + m) are independent.
+        let (aic, bic) = (viscous.aic.unwrap(), viscous.bic.unwrap());
+        let count = libm::exp((bic - aic) / viscous.coefficients as f64 + 2.0);
+        let expected = 1800.0 * (1.0 - memory) / (1.0 + memory);
+        assert!((count / expected - 1.0).abs() < 0.2, "{memory}: {count} {expected}");
+    }
+}
+
+#[test]
 fn analytic_a_term_that_is_there_is_found_among_its_like() {
     for (seed, term) in [(31, STRIBECK), (32, QUADRATIC_VISCOUS), (33, OFFSET)] {
         let selection = selected(seed, &[ROTOR, VISCOUS, COULOMB, term], 0.0);

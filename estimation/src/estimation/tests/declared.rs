@@ -5,9 +5,13 @@ use std::collections::BTreeMap;
 use nalgebra::{DMatrix, DVector};
 
 use super::setting::{a460_samples, white};
+use crate::base::{Method, reduce};
+use crate::chains::ChainRecipe;
+use crate::dynamics::{Dynamics, States};
 use crate::estimation::{Estimate, EstimationProblem, EstimatorKind, Observation};
 use crate::model::term::{Term, VISCOUS};
-use crate::model::{DeclaredUncertainty, ParameterKind, Robot};
+use crate::model::{Columns, DeclaredUncertainty, ParameterKind, Robot};
+use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::{NoiseModel, Samples};
 
@@ -51,11 +55,17 @@ fn declared(estimate: &Estimate) -> DVector<f64> {
 /// The estimates from torque with the error of one standard deviation of each motor in turn, less that without; squares summed.
 fn moved(case: &Case, error: impl Fn(&Samples, usize, usize) -> f64) -> DVector<f64> {
     let exact = estimate(&case.robot, case, &case.samples).beta();
-    let mut squares = exact.map(|_| 0.0);
-    for m in 0..6 {
+    let (n, mut squares) = (case.robot.dof(), exact.map(|_| 0.0));
+    let coupling = case.robot.coupling().cloned().unwrap_or_else(|| DMatrix::identity(n, n));
+    for m in 0..n {
         let mut samples = case.samples.clone();
-        for k in 0..COUNT {
-            samples.tau[6 * k + m] += error(&case.samples, k, m);
+        for (k, tau) in samples.tau.chunks_exact_mut(n).enumerate() {
+            // What the motor alone does to the joints: Cᵀ e_m.
+            let mut motors = DVector::zeros(n);
+            motors[m] = error(&case.samples, k, m);
+            for (tau, by) in tau.iter_mut().zip(coupling.tr_mul(&motors).iter()) {
+                *tau += by;
+            }
         }
         let shift = estimate(&case.robot, case, &samples).beta() - &exact;
         squares += shift.component_mul(&shift);
@@ -76,6 +86,47 @@ fn identity_a_torque_constant_moves_the_estimate_as_far_as_it_is_declared() {
     for ((found, plain), declared) in found.base.iter().zip(&plain.base).zip(expected.iter()) {
         assert!((found.std - plain.std.hypot(*declared)).abs() < 1e-9 * found.std, "{}", found.name);
     }
+}
+
+/// The last motor of this arm is driven through the one before it.
+#[test]
+fn identity_a_torque_constant_of_a_coupled_motor_moves_the_estimate_as_far_as_it_is_declared() {
+    let mut rng = Seed::new(72).stream("arm", 0);
+    let recipe = ChainRecipe { prismatic: 0.0, coupled: true, ..ChainRecipe::new(3) };
+    let (robot, parameters) = recipe.draw(&mut rng);
+    let columns = Columns::RIGID_ROTOR_FRICTION;
+    let (regressor, mut dynamics) = (JointTorqueRegressor::new(&robot, columns), Dynamics::new(&robot, &parameters));
+    let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
+    let (mut states, mut tau) = (States::new(3), vec![0.0; 3 * COUNT]);
+    for (k, tau) in tau.chunks_exact_mut(3).enumerate() {
+        let (mut q, mut qd, mut qdd) = ([0.0; 3], [0.0; 3], [0.0; 3]);
+        for i in 0..3 {
+            for l in 1..=4 {
+                let (w, phase) = (0.6 * f64::from(l), 1.3 * f64::from(l) + 2.1 * i as f64);
+                let (s, c) = libm::sincos(w * k as f64 / 20.0 + phase);
+                (q[i], qd[i], qdd[i]) = (q[i] + 0.4 * s, qd[i] + 0.4 * w * c, qdd[i] - 0.4 * w * w * s);
+            }
+        }
+        dynamics.inverse(&q, &qd, &qdd, tau);
+        states.push(&q, &qd, &qdd);
+    }
+    let mut samples = Samples::exact(states, tau, vec!["N·m".to_owned(); 3], 20.0);
+    let covariance = DMatrix::identity(3, 3) * 0.04;
+    for (tau, noise) in samples.tau.iter_mut().zip(white(&covariance, COUNT, &mut rng).iter()) {
+        *tau += noise;
+    }
+    samples.noise = Some(NoiseModel::white(covariance, false, 1e9));
+    let of = robot.clone();
+    let observe = Box::new(move |samples: &Samples| Observation::new(&of, &regressor, &base, samples).unwrap());
+    let case = Case { robot, observe, samples };
+    let coupling = case.robot.coupling().unwrap().clone();
+    assert!(coupling != coupling.transpose());
+    let found = estimate(&declaring(&case.robot, "torque_constant", 0.03), &case, &case.samples);
+    let expected = moved(&case, |samples, k, m| {
+        let joints = DVector::from_column_slice(&samples.tau[3 * k..3 * k + 3]);
+        0.03 * coupling.transpose().lu().solve(&joints).unwrap()[m]
+    });
+    assert!((declared(&found) - &expected).amax() < 1e-9 * expected.amax());
 }
 
 #[test]

@@ -60,6 +60,33 @@ impl ParameterSpread {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::chains::planar_2r;
+    use crate::model::term::{OFFSET, VISCOUS};
+    use crate::spatial::Inertia;
+
+    #[test]
+    fn analytic_deviations_are_shares_of_the_length_of_the_first_moment_and_of_the_trace() {
+        let robot = planar_2r();
+        let mut nominal = StandardParameters::zero(2);
+        // (3, −4, 12) kg·m has the length 13, and the trace is 5 + 6 + 7.
+        nominal.links[0] = Inertia::from_array(&[20.0, 3.0, -4.0, 12.0, 5.0, 0.1, -0.2, 6.0, 0.3, 7.0]);
+        nominal.drives[1][VISCOUS] = 8.0;
+        nominal.drives[1][OFFSET] = 8.0;
+        let terms = [("viscous", 0.25), ("offset_nm", 0.5)].map(|(key, share)| (key.to_owned(), share));
+        let shares = RelativeUncertainty { mass: 0.1, first_moment: 0.2, inertia: 0.5, terms: terms.into() };
+        let spread = ParameterSpread::of(&robot, &nominal, &shares, 2.0);
+        let [link, other] = [&spread.deviations[..10], &spread.deviations[10..20]];
+        let expected = [2.0, 2.6, 2.6, 2.6, 9.0, 9.0, 9.0, 9.0, 9.0, 9.0];
+        for (found, expected) in link.iter().zip(expected) {
+            assert!((found - expected).abs() < 1e-12, "{link:?}");
+        }
+        assert!(other.iter().all(|&deviation| deviation == 0.0));
+        // Friction counts as a share of its value, an offset as an amount.
+        let columns = Columns::default().and_those_of(&nominal).parameters(&robot);
+        let of = |term| columns.iter().position(|id| id.index == 1 && id.kind == ParameterKind::Term(term)).unwrap();
+        assert_eq!(spread.deviations[of(VISCOUS)], 2.0);
+        assert_eq!(spread.deviations[of(OFFSET)], 0.5);
+    }
 
     #[test]
     fn published_one_sided_quantile() {
