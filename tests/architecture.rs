@@ -343,7 +343,7 @@ fn an_estimator_states_its_equation_its_assumptions_when_it_fails_and_its_source
             }
         }
     }
-    assert!(estimators >= 31, "found {estimators} files with an estimator");
+    assert!(estimators >= 24, "found {estimators} files with an estimator");
     assert_none(&faults);
 }
 

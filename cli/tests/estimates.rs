@@ -178,9 +178,8 @@ fn estimators_that_simulate_know_the_servo_or_say_what_is_missing() {
 fn estimators_are_listed_and_several_answer_together() {
     let list = json(&armid(["identify", "--list", "--json"]).success());
     let names: Vec<&str> = list.as_array().unwrap().iter().map(|entry| entry["name"].as_str().unwrap()).collect();
-    let expected = "ols wls irls-huber irls-tukey irls-cauchy mm tls ridge essential ml iv didim clie cloe ekf srekf ukf \
-                    srukf cdkf srcdkf pf adaline hopfield-tank pc-ols pc-wls pc-irls pc-iv pc-didim pc-ols-euclidean pc-ols-entropic \
-                    pc-ols-pullback";
+    let expected = "ols wls irls-huber irls-tukey irls-cauchy mm tls ridge essential ml iv didim clie cloe ekf pf \
+                    pc-ols pc-wls pc-irls pc-iv pc-didim pc-ols-euclidean pc-ols-entropic pc-ols-pullback";
     assert_eq!(names.join(" "), expected);
     let folder = temporary();
     let recording = record(folder.path(), "R.mcap", "3");
@@ -189,6 +188,8 @@ fn estimators_are_listed_and_several_answer_together() {
     let both = json(&armid(both).success());
     assert_eq!((both[0]["estimator"].as_str(), both[1]["estimator"].as_str()), (Some("ols"), Some("wls")));
     assert_eq!(both[0]["base"].as_array().unwrap().len(), 36);
+    let alias = json(&armid(["identify", &recording, "--estimator", "ukf", "--no-friction", "--json"]).success());
+    assert_eq!(alias["estimator"], "ekf");
     let fault = stderr(&armid(["identify", &recording, "--estimator", "wsl"]).code(2));
     assert!(fault.contains("wls"), "{fault}");
     // A model without friction misses much: both fail, and the list is validated one by one.

@@ -1,7 +1,8 @@
 //! Options whose values are a list that the library keeps: one place for names, completions and errors.
 
+use armid::estimation::EstimatorKind;
 use armid::model::Columns;
-use clap::builder::{PossibleValuesParser, TypedValueParser};
+use clap::builder::{PossibleValue, PossibleValuesParser, TypedValueParser};
 
 /// A parser for the values with these names.
 pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(
@@ -13,6 +14,13 @@ pub(crate) fn one_of<T: Copy + Send + Sync + 'static>(
     PossibleValuesParser::new(names).try_map(move |found| {
         named.iter().find(|(name, _)| *name == found).map(|(_, value)| *value).ok_or("not in the list")
     })
+}
+
+/// An estimator by its name, or by one of its other names.
+pub(crate) fn estimator() -> impl TypedValueParser<Value = EstimatorKind> {
+    let names =
+        EstimatorKind::ALL.iter().map(|kind| PossibleValue::new(kind.name()).aliases(kind.aliases().iter().copied()));
+    PossibleValuesParser::new(names).try_map(|name| EstimatorKind::parse(&name).ok_or("not in the list"))
 }
 
 /// Reads a set of columns: `rigid`, or `rigid` and names of torque terms joined by `+`.

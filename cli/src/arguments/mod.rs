@@ -10,7 +10,7 @@ mod parameter_map;
 mod payload_arguments;
 mod robot_arguments;
 
-pub(crate) use choices::{columns, one_of};
+pub(crate) use choices::{columns, estimator, one_of};
 pub(crate) use guard_arguments::GuardArguments;
 pub(crate) use known_load_arguments::KnownLoadArguments;
 pub(crate) use limit_arguments::LimitArguments;

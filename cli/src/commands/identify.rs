@@ -16,7 +16,7 @@ use crate::answers::estimate::EstimateAnswer;
 use crate::answers::selection::{selection_json, selection_text};
 use crate::answers::stribeck_speed::{speeds_json, speeds_text};
 use crate::answers::transmission::transmission_text;
-use crate::arguments::{KnownLoadArguments, LogArguments, columns, one_of, read_parameter_map};
+use crate::arguments::{KnownLoadArguments, LogArguments, columns, estimator, read_parameter_map};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = r#"A log is a recording of `armid run`, an MCAP of ROS 2 joint states, a table of any shape, or a
@@ -84,7 +84,7 @@ pub(crate) struct Arguments {
     #[arg(long)]
     list: bool,
     /// One estimator, or several with commas between them
-    #[arg(long, value_delimiter = ',', default_value = "wls", value_parser = one_of(EstimatorKind::ALL, EstimatorKind::name))]
+    #[arg(long, value_delimiter = ',', default_value = "wls", value_parser = estimator())]
     estimator: Vec<EstimatorKind>,
     /// Which parameters are estimated
     #[arg(long, default_value = "rigid+rotor+friction", value_parser = columns)]
@@ -221,11 +221,17 @@ fn stribeck_speeds(prepared: &mut ProcessedLog, columns: Columns) -> Result<Stri
 fn list() -> Answer {
     let mut table = Table::new(&[("estimator", Align::Left), ("what it does", Align::Left)]);
     for kind in EstimatorKind::ALL {
-        table.row([kind.name(), kind.estimator().summary()]);
+        let (mut words, others) = (kind.estimator().summary().to_owned(), kind.aliases());
+        if !others.is_empty() {
+            words.push_str(&format!("; the same by other names: {}", others.join(", ")));
+        }
+        table.row([kind.name().to_owned(), words]);
     }
     let json = EstimatorKind::ALL
         .iter()
-        .map(|kind| json!({ "name": kind.name(), "summary": kind.estimator().summary() }))
+        .map(
+            |kind| json!({ "name": kind.name(), "summary": kind.estimator().summary(), "other_names": kind.aliases() }),
+        )
         .collect();
     Answer { text: table.render(0), json }
 }

@@ -1,13 +1,12 @@
 //! The list of estimators.
 
 use super::{
-    Adaline, CentralDifferenceKalmanFilter, ClosedLoopInputError, ClosedLoopOutputError, ConsistentDirectInverse,
-    ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted, DirectInverseIdentification,
-    EntropicPrior, EssentialParameters, Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior,
-    ExtendedKalmanFilter, HopfieldTank, InstrumentalVariables, LawException, MaximumLikelihood, MmEstimator,
-    OrdinaryLeastSquares, ParticleFilter, PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey,
-    RidgeRegression, SquareRootCentralDifferenceKalmanFilter, SquareRootExtendedKalmanFilter,
-    SquareRootUnscentedKalmanFilter, TotalLeastSquares, UnscentedKalmanFilter, WeightedLeastSquares,
+    ClosedLoopInputError, ClosedLoopOutputError, ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary,
+    ConsistentReweighted, ConsistentWeighted, DirectInverseIdentification, EntropicPrior, EssentialParameters,
+    Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior, ExtendedKalmanFilter,
+    InstrumentalVariables, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares, ParticleFilter,
+    PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression, TotalLeastSquares,
+    WeightedLeastSquares,
 };
 
 /// Makes the enum, and everything that enumerates it, from one list.
@@ -72,22 +71,8 @@ estimators! {
     Cloe => ClosedLoopOutputError,
     /// The Kalman filter of the parameters.
     Ekf => ExtendedKalmanFilter,
-    /// The same by square roots.
-    Srekf => SquareRootExtendedKalmanFilter,
-    /// The unscented Kalman filter.
-    Ukf => UnscentedKalmanFilter,
-    /// The same by square roots.
-    Srukf => SquareRootUnscentedKalmanFilter,
-    /// The central difference Kalman filter.
-    Cdkf => CentralDifferenceKalmanFilter,
-    /// The same by square roots.
-    Srcdkf => SquareRootCentralDifferenceKalmanFilter,
     /// The Gaussian particle filter.
     Pf => ParticleFilter,
-    /// One linear neuron.
-    Adaline => Adaline,
-    /// A Hopfield–Tank network.
-    HopfieldTank => HopfieldTank,
     /// Ordinary least squares over physically consistent sets.
     PcOls => ConsistentOrdinary,
     /// Weighted least squares over physically consistent sets.
@@ -113,10 +98,27 @@ impl EstimatorKind {
         self.estimator().name()
     }
 
-    /// The estimator with this name.
+    /// Other names that it is asked for by: algorithms of the literature that give its estimate. The equations are linear in the
+    /// parameters, so that every Kalman filter has the posterior of `ekf`, and both networks come to rest at `wls`.
+    #[must_use]
+    pub const fn aliases(self) -> &'static [&'static str] {
+        match self {
+            Self::Wls => &["adaline", "hopfield-tank"],
+            Self::Ekf => &["srekf", "ukf", "srukf", "cdkf", "srcdkf"],
+            _ => &[],
+        }
+    }
+
+    /// The estimator with this name, or with this among its [`aliases`](Self::aliases).
+    ///
+    /// ```
+    /// # use armid_estimation as armid;
+    /// use armid::estimation::EstimatorKind;
+    /// assert_eq!(EstimatorKind::parse("ukf"), Some(EstimatorKind::Ekf));
+    /// ```
     #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.iter().copied().find(|kind| kind.name() == name)
+        Self::ALL.iter().copied().find(|kind| kind.name() == name || kind.aliases().contains(&name))
     }
 }
 

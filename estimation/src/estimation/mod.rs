@@ -33,7 +33,6 @@ mod kind;
 mod law;
 mod linear_fit;
 mod motion;
-mod network;
 mod observation;
 mod ordinary;
 mod payload;
@@ -79,7 +78,6 @@ pub use instruments::Instruments;
 pub use kind::EstimatorKind;
 pub use law::{EstimatorLaw, LawException};
 pub use motion::{MaximumLikelihood, TotalLeastSquares};
-pub use network::{Adaline, HopfieldTank};
 pub use observation::Observation;
 pub use ordinary::OrdinaryLeastSquares;
 pub use payload::{Payload, PayloadParameter, PayloadValue, payload};
@@ -89,10 +87,7 @@ pub use physical::{
 };
 pub use prediction::{Validation, predict, validate};
 pub use problem::EstimationProblem;
-pub use recursive::{
-    CentralDifferenceKalmanFilter, ExtendedKalmanFilter, ParticleFilter, SquareRootCentralDifferenceKalmanFilter,
-    SquareRootExtendedKalmanFilter, SquareRootUnscentedKalmanFilter, UnscentedKalmanFilter,
-};
+pub use recursive::{ExtendedKalmanFilter, ParticleFilter};
 pub use residual::{residual_noise, scatter_noise};
 pub use residual_shape::{Against, JointTrace, ResidualShape, ResidualTrends, Trend, Whiteness};
 pub use ridge::RidgeRegression;

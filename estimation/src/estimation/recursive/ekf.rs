@@ -8,7 +8,7 @@
 //!
 //! Assumes what `wls` does, and parameters that stand still or drift more slowly than the walk ([`super::walk`]) allows. Fails
 //! where columns of unit length have a condition number far above 1e4: P carries its square, and where P ceases to be definite the
-//! filter ends there and says so (`srekf` goes on). A wrong sample moves all that follow it, as it moves `wls`.
+//! filter ends there and says so. A wrong sample moves all that follow it, as it moves `wls`.
 //!
 //! Source: R. E. Kalman, "A new approach to linear filtering and prediction problems", Journal of Basic Engineering 82(1), 1960.
 
