@@ -1,11 +1,11 @@
-//! Which file of a module names which other, and where they name each other in a circle.
+//! Which file of a module or of a crate names which other, and where they name each other in a circle.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use crate::source::{NamedPath, Source};
 
 /// The files of one module by their paths inside it without `.rs`, `"criterion/kind"`; a `mod.rs` is its folder, `""` at
-/// the top.
+/// the top. The module without a name is the whole crate.
 pub(crate) struct FileGraph<'a> {
     module: &'a str,
     files: BTreeMap<String, &'a Source>,
@@ -42,6 +42,7 @@ impl<'a> FileGraph<'a> {
         let parent = |folder: &str| folder.rsplit_once('/').map_or(String::new(), |(parent, _)| parent.to_owned());
         let supers = path.segments.iter().take_while(|segment| *segment == "super").count();
         let (mut at, rest) = match path.segments.as_slice() {
+            [root, rest @ ..] if root == "crate" && self.module.is_empty() => (String::new(), rest),
             [root, module, rest @ ..] if root == "crate" && module == self.module => (String::new(), rest),
             _ if supers > path.inline => {
                 // The first `super` leaves the file for its folder, each further one that folder.

@@ -3,7 +3,8 @@
 use armid::experiment::JointLoop;
 use armid::model::{EffortInterface, Robot};
 
-use super::{FaultKind, Output};
+use super::FaultKind;
+use super::output::Output;
 use crate::message::{Header, JointState, Time};
 
 /// Part of the joint states that [`FaultKind::Drop`] loses.

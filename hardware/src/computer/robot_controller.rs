@@ -4,10 +4,10 @@ use armid::experiment::{JointLoop, Plant, PlantError, Sensing, ServoError};
 use armid::model::{Drive, Robot, StandardParameters};
 use armid::seed::Seed;
 
-use super::commander::Outcome;
+use super::output::Output;
 use super::reporter::Reporter;
 use super::{Commander, Fault, FaultKind, JointLimits, Replacement, Spline, Watchdog};
-use crate::message::{JointState, Time};
+use crate::message::Time;
 
 /// Largest distance of a joint from its command before the motors are switched off, rad (m).
 const FOLLOWING_LIMIT: f64 = 0.2;
@@ -28,17 +28,6 @@ pub enum RobotControllerError {
         /// Rate of the servo, Hz.
         servo_hz: f64,
     },
-}
-
-/// What a step leaves to be sent.
-#[derive(Clone, Debug, PartialEq)]
-pub enum Output {
-    /// A joint state.
-    State(JointState),
-    /// How a motion that was handed over has ended.
-    Ended(Outcome, String),
-    /// The process is to die at once.
-    Die,
 }
 
 /// What a step did, for the log. All slices have length n.

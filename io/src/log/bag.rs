@@ -5,17 +5,14 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use armid::input::size::RECORDING_BYTES;
-use armid::provenance::sha256_of_bytes;
 
 use super::joint_log::Log;
+use super::log_format::LogFormat;
 use super::origin::FileHash;
-use super::topics::{StateReading, Topics};
-use super::{foreign, mcap, sqlite};
+use super::states::{self, RECORDED_BY};
+use super::topics::StateReading;
 use crate::error::Error;
 use crate::text::read_bytes;
-
-/// What makes a bag.
-const RECORDED_BY: &str = "`ros2 bag record /joint_states` records one with positions and efforts of every joint";
 
 /// Reads the joint states of a bag.
 ///
@@ -24,62 +21,42 @@ const RECORDED_BY: &str = "`ros2 bag record /joint_states` records one with posi
 pub(super) fn read(folder: &Path, reading: &StateReading<'_>) -> Result<Log, Error> {
     let name = folder.display().to_string();
     let entries = fs::read_dir(folder).map_err(|error| Error::unreadable(folder, &error))?;
-    let files: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-    let ending = |ending: &str| -> Vec<PathBuf> {
-        files.iter().filter(|path| path.extension().is_some_and(|found| found == ending)).cloned().collect()
-    };
-    let (in_mcap, in_sqlite) = (ending("mcap"), ending("db3"));
-    let mut files = match (in_mcap.is_empty(), in_sqlite.is_empty()) {
-        (false, true) => in_mcap,
-        (true, false) => in_sqlite,
-        (false, false) => {
-            let message = format!("{name} holds .mcap and .db3 files, expected those of one bag");
-            return Err(Error::new(message).help("name the files of one bag"));
+    let found: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
+    let mut of_format: Vec<(LogFormat, Vec<PathBuf>)> = Vec::new();
+    for format in LogFormat::ALL {
+        let files: Vec<PathBuf> = found.iter().filter(|path| format.is_whole_file(path)).cloned().collect();
+        if !files.is_empty() {
+            of_format.push((format, files));
         }
-        (true, true) if !ending("zstd").is_empty() => {
+    }
+    let endings = |of: &[LogFormat], between: &str| -> String {
+        of.iter().map(|format| format.suffixes[0]).collect::<Vec<_>>().join(between)
+    };
+    let (format, mut files) = match of_format.len() {
+        1 => of_format.remove(0),
+        0 if found.iter().any(|path| path.extension().is_some_and(|ending| ending == "zstd")) => {
             let message = format!("{name} is a bag whose files are compressed, expected plain ones");
             return Err(Error::new(message).help("`zstd -d` on each .zstd file of the folder restores them"));
         }
-        (true, true) => {
+        0 => {
             let message = format!(
-                "{name} is a folder without .mcap or .db3 files, expected a bag of `ros2 bag record`, or a log file"
+                "{name} is a folder without {} files, expected a bag of `ros2 bag record`, or a log file",
+                endings(&LogFormat::ALL, " or ")
             );
             return Err(Error::new(message).help(RECORDED_BY));
         }
+        _ => {
+            let formats: Vec<LogFormat> = of_format.into_iter().map(|(format, _)| format).collect();
+            let message = format!("{name} holds {} files, expected those of one bag", endings(&formats, " and "));
+            return Err(Error::new(message).help("name the files of one bag"));
+        }
     };
     files.sort_by_key(|path| (number(path), path.clone()));
-    of_files(&name, &files, reading)
-}
-
-/// Reads the joint states of one file of a bag in SQLite.
-///
-/// # Errors
-/// As [`read`].
-pub(super) fn read_sqlite(file: &Path, reading: &StateReading<'_>) -> Result<Log, Error> {
-    of_files(&file.display().to_string(), &[file.to_path_buf()], reading)
-}
-
-fn of_files(name: &str, files: &[PathBuf], reading: &StateReading<'_>) -> Result<Log, Error> {
-    let (mut topics, mut hashes) = (Topics::new(), Vec::new());
-    for path in files {
+    let parts = files.iter().map(|path| {
         let bytes = read_bytes(path, &RECORDING_BYTES)?;
-        let is_sqlite = path.extension().is_some_and(|ending| ending == "db3");
-        let more = if is_sqlite { sqlite::topics(path) } else { mcap::topics(&path.display().to_string(), &bytes) };
-        for (topic, messages) in more? {
-            match topics.iter_mut().find(|(known, _)| *known == topic) {
-                Some((_, known)) => known.extend(messages),
-                None => topics.push((topic, messages)),
-            }
-        }
-        hashes.push(FileHash { path: path.display().to_string(), sha256: sha256_of_bytes(&bytes) });
-    }
-    let messages = reading.one_topic(name, topics)?;
-    if messages.is_empty() {
-        return Err(Error::new(format!("{name} holds no joint states")).help(RECORDED_BY));
-    }
-    let mut log = foreign::log(name, &messages, reading)?;
-    log.origin.files = hashes;
-    Ok(log)
+        Ok((FileHash::of(path, &bytes), (format.topics)(path, &bytes)?))
+    });
+    states::log(&name, parts.collect::<Result<_, Error>>()?, reading)
 }
 
 /// The number at the end of a file's name: `bag_10` comes behind `bag_9`.

@@ -7,6 +7,7 @@ use armid::model::Robot;
 use super::foreign_csv;
 use super::joint_log::Log;
 use super::log_file::LogFile;
+use super::log_format::LogFormat;
 use super::mapping::Mapping;
 use super::topics::StateReading;
 use crate::error::Error;
@@ -82,13 +83,11 @@ pub fn find(
 /// Whether a path is that of a table: neither a folder nor a recording nor a TOML by its name.
 #[must_use]
 pub fn is_table(path: &Path) -> bool {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    !path.is_dir() && [".mcap", ".mcap.part", ".db3", ".toml"].iter().all(|ending| !name.ends_with(ending))
+    !path.is_dir() && !LogFormat::is_named(path) && path.extension().is_none_or(|ending| ending != "toml")
 }
 
 /// Whether a path is that of a bag, of one of its files or of an MCAP, by its name.
 #[must_use]
 pub fn is_joint_states(path: &Path) -> bool {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    path.is_dir() || [".mcap", ".mcap.part", ".db3"].iter().any(|ending| name.ends_with(ending))
+    path.is_dir() || LogFormat::is_named(path)
 }

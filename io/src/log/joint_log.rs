@@ -1,21 +1,15 @@
 //! What identification reads: a log of positions and efforts from any recorder.
 
 use std::collections::BTreeMap;
-use std::path::Path;
 
 use armid::experiment::Recording;
-use armid::input::size::RECORDING_BYTES;
 use armid::model::EffortInterface;
 use armid::model::format::ChainEnds;
-use armid::provenance::sha256_of_bytes;
 
 use super::conversion::Conversion;
-use super::origin::{FileHash, Origin};
-use super::topics::StateReading;
-use super::{bag, csv, mcap, sqlite};
+use super::origin::Origin;
 use crate::error::Error;
 use crate::robot::LoadedRobot;
-use crate::text::{Text, read_bytes};
 
 /// Samples of a log without a break.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -77,39 +71,6 @@ pub struct RecordedRobot {
 }
 
 impl Log {
-    /// Reads a log: a folder as a bag, MCAP and a bag's SQLite by their first bytes, CSV otherwise. An MCAP that was cut off is read to its last whole chunk
-    /// where its name ends in `.part`.
-    ///
-    /// # Errors
-    /// [`Error`] where the file cannot be read or is no log.
-    pub fn read(path: &Path) -> Result<Self, Error> {
-        Self::read_as(path, &StateReading::default())
-    }
-
-    /// The same, where it is known what is looked for in joint states of other tools.
-    ///
-    /// # Errors
-    /// As [`Self::read`].
-    pub(super) fn read_as(path: &Path, reading: &StateReading<'_>) -> Result<Self, Error> {
-        if path.is_dir() {
-            return bag::read(path, reading);
-        }
-        let bytes = read_bytes(path, &RECORDING_BYTES)?;
-        if bytes.starts_with(sqlite::MAGIC) {
-            return bag::read_sqlite(path, reading);
-        }
-        if bytes.starts_with(::mcap::MAGIC) {
-            let mut log = mcap::parse_as(path, &bytes, reading)?;
-            log.origin.files = vec![FileHash { path: path.display().to_string(), sha256: sha256_of_bytes(&bytes) }];
-            return Ok(log);
-        }
-        if path.extension().is_some_and(|extension| extension == "mcap") {
-            let message = format!("{} does not begin as an MCAP file does", path.display());
-            return Err(Error::new(message).help("expected the bytes 89 4D 43 41 50 30 0D 0A"));
-        }
-        csv::parse(Text::of_bytes(path, bytes)?)
-    }
-
     /// The robot that the recording holds.
     ///
     /// # Errors

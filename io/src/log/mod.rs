@@ -11,6 +11,7 @@
 //! counted in its [`Origin`].
 
 mod arrangement;
+mod at_joints;
 mod bag;
 mod channels;
 mod conversion;
@@ -23,19 +24,23 @@ mod gaps;
 mod joint_log;
 mod joint_names;
 mod log_file;
+mod log_format;
 mod mapping;
 mod mcap;
+mod mcap_contents;
 mod mcap_records;
 mod origin;
 mod processed_log;
 mod processing;
 mod raw_log;
+mod reading;
 mod recorded;
 mod settings;
 mod sqlite;
 mod stamps;
 mod state_rows;
 mod state_table;
+mod states;
 mod topics;
 mod unusable;
 

@@ -1,9 +1,11 @@
 //! Where a log came from and what was done to it, so that it can be done again.
 
-use serde::{Deserialize, Serialize};
+use std::path::Path;
 
 use armid::diagnosis::Mistake;
 use armid::model::Robot;
+use armid::provenance::sha256_of_bytes;
+use serde::{Deserialize, Serialize};
 
 use super::channels::ChannelFault;
 use super::mapping::{Mapping, Quantity, corrected};
@@ -16,6 +18,13 @@ pub struct FileHash {
     pub path: String,
     /// SHA-256 of its bytes.
     pub sha256: String,
+}
+
+impl FileHash {
+    /// That of a file with these bytes.
+    pub(super) fn of(path: &Path, bytes: &[u8]) -> Self {
+        Self { path: path.display().to_string(), sha256: sha256_of_bytes(bytes) }
+    }
 }
 
 /// Where a log came from.

@@ -8,7 +8,6 @@ use armid::signal::{
 };
 
 use super::arrangement::arranged;
-use super::conversion::Conversion;
 use super::gaps::Gaps;
 use super::joint_log::Log;
 use super::processed_log::{LogReport, ProcessedLog};
@@ -32,7 +31,7 @@ impl Log {
         let kept = settings.processing.samples_per_period;
         PERIOD_SAMPLES.check_count("number of samples that a period is reduced to", kept)?;
         let mut log = arranged(self, &robot.robot)?;
-        Conversion::apply(&mut log, &robot.robot)?;
+        log.bring_to_joints(&robot.robot)?;
         let gaps = Gaps::leave_out(&mut log)?;
         let fault = |error: SignalError| -> Error { Error::new(format!("{}: {error}", log.name)) };
         let (used, held_out) = if let Some(recording) = &log.recording {

@@ -11,7 +11,7 @@ use armid_cdr::JointState;
 
 use super::conversion::Conversion;
 use super::joint_log::{Log, RecordedRobot, Segment};
-use super::mcap::Contents;
+use super::mcap_contents::Contents;
 use super::origin::Origin;
 use super::state_table::columns;
 use crate::error::Error;

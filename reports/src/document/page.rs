@@ -4,6 +4,7 @@ use maud::{DOCTYPE, Markup, PreEscaped, html};
 
 use super::paragraph::{marked, printable};
 use super::{Block, Cell, Document, RenderedFigure, Section, Table};
+use crate::DocumentError;
 
 /// Everything the page needs to look right: no font, script or image is fetched. Print keeps figures and rows whole and
 /// unfolds what is folded.
@@ -16,7 +17,33 @@ struct Counters {
     tables: usize,
 }
 
-pub(super) fn render(document: &Document) -> String {
+impl Document {
+    /// The document as one HTML page that needs nothing beside itself; equal documents give equal bytes.
+    ///
+    /// # Errors
+    /// [`DocumentError`] where the title or a heading is empty, two figures have one name, or a table row does not have
+    /// one cell per column.
+    pub fn html(&self) -> Result<String, DocumentError> {
+        let empty = |what: &str| DocumentError::Empty { what: what.to_owned(), expected: "a text" };
+        if self.title.trim().is_empty() {
+            return Err(empty("the title of the document"));
+        }
+        self.check_names()?;
+        for section in &self.sections {
+            if section.heading.trim().is_empty() {
+                return Err(empty("the heading of a section"));
+            }
+            for block in &section.blocks {
+                if let Block::Table(table) = block {
+                    table.check()?;
+                }
+            }
+        }
+        Ok(render(self))
+    }
+}
+
+fn render(document: &Document) -> String {
     let mut counters = Counters::default();
     let sections: Vec<Markup> = document
         .sections

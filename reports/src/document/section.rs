@@ -1,6 +1,6 @@
 //! The parts of a document.
 
-use super::{Table, page};
+use super::Table;
 use crate::{DocumentError, Figure};
 
 /// A report: title, summary, sections, and what produced it.
@@ -183,31 +183,8 @@ impl Document {
         Ok(self.figures().map(|figure| (format!("{}.svg", figure.name), figure.svg.as_str())).collect())
     }
 
-    /// The document as one HTML page that needs nothing beside itself; equal documents give equal bytes.
-    ///
-    /// # Errors
-    /// [`DocumentError`] where the title or a heading is empty, two figures have one name, or a table row does not have
-    /// one cell per column.
-    pub fn html(&self) -> Result<String, DocumentError> {
-        let empty = |what: &str| DocumentError::Empty { what: what.to_owned(), expected: "a text" };
-        if self.title.trim().is_empty() {
-            return Err(empty("the title of the document"));
-        }
-        self.check_names()?;
-        for section in &self.sections {
-            if section.heading.trim().is_empty() {
-                return Err(empty("the heading of a section"));
-            }
-            for block in &section.blocks {
-                if let Block::Table(table) = block {
-                    table.check()?;
-                }
-            }
-        }
-        Ok(page::render(self))
-    }
-
-    fn check_names(&self) -> Result<(), DocumentError> {
+    /// Whether every figure has a name of its own.
+    pub(super) fn check_names(&self) -> Result<(), DocumentError> {
         let mut names: Vec<&str> = self.figures().map(|figure| figure.name.as_str()).collect();
         names.sort_unstable();
         match names.windows(2).find(|pair| pair[0] == pair[1]) {

@@ -1,29 +1,13 @@
 //! The certificate: what was measured, and whether it is enough.
 
-use armid::experiment::ExperimentPlan;
+use armid::model::StandardParameters;
 use armid::model::term::ROTOR;
-use armid::model::{Robot, StandardParameters};
-use armid::seed::Seed;
 
+use super::case::Case;
 use super::free_motion::{CERTIFIED, FreeMotion, StepError, distance, order};
 use super::{Tolerance, closed_loop, equations};
 use crate::Engine;
 use crate::engine::EngineError;
-
-/// What engines are asked to agree on.
-#[derive(Clone, Copy, Debug)]
-pub struct Case<'a> {
-    /// The robot.
-    pub robot: &'a Robot,
-    /// What its servo is tuned for.
-    pub nominal: &'a StandardParameters,
-    /// What the plants are made of.
-    pub truth: &'a StandardParameters,
-    /// The experiment of the closed loop; one period is recorded.
-    pub plan: &'a ExperimentPlan,
-    /// Where random states come from.
-    pub seed: Seed,
-}
 
 /// How far engines agree on one robot.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

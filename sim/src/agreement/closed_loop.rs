@@ -2,7 +2,7 @@
 
 use armid::experiment::{Ending, ExperimentPlan, Flow, Phase, RawSample, Recording, Sensing, Servo, Sink};
 
-use super::Case;
+use super::case::Case;
 use crate::Engine;
 use crate::engine::EngineError;
 

@@ -13,6 +13,7 @@
 //!
 //! What an engine must reach is in `tolerance`, with reasons. Not covered: contacts, which no engine here has.
 
+mod case;
 mod certificate;
 mod closed_loop;
 mod equations;
@@ -21,7 +22,8 @@ mod motion;
 mod reference;
 mod tolerance;
 
-pub use certificate::{Absent, Agreement, Breach, Case, EngineAgreement, PairDifference, agree};
+pub use case::Case;
+pub use certificate::{Absent, Agreement, Breach, EngineAgreement, PairDifference, agree};
 pub use free_motion::StepError;
 pub use motion::safe_motion;
 pub use tolerance::Tolerance;

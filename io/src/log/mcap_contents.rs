@@ -1,0 +1,146 @@
+//! What an MCAP file holds: joint states by topic, and what `armid run` noted beside them.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use ::mcap::McapError;
+use ::mcap::records::Record;
+use armid_cdr::{FloatArray, JointState};
+
+use super::mcap_records::Records;
+use super::topics::{Message, Topics};
+use crate::error::Error;
+use crate::recording::{ENDING, LINKS, METADATA, STATES, VOLTAGE};
+
+/// What a file holds.
+#[derive(Default)]
+pub(super) struct Contents {
+    /// What was noted at the beginning; nothing where armid did not write the file.
+    pub(super) metadata: Option<BTreeMap<String, String>>,
+    /// What was noted at the end; empty where the file is cut off.
+    pub(super) ending: BTreeMap<String, String>,
+    /// Every joint state, in order.
+    pub(super) states: Vec<JointState>,
+    /// When each of them was recorded, ns.
+    recorded_ns: Vec<i64>,
+    /// Time, ns, and motor voltages.
+    pub(super) voltages: Vec<(u64, Vec<f64>)>,
+    /// Time, ns, and positions behind the transmissions.
+    pub(super) links: Vec<(u64, Vec<f64>)>,
+    /// Joint states on other topics, by channel: the topic, and every message.
+    others: BTreeMap<u16, (String, Vec<Message>)>,
+    /// Whether its end is there.
+    pub(super) whole: bool,
+}
+
+impl Contents {
+    /// The joint states by topic.
+    pub(super) fn topics(&mut self) -> Topics {
+        let usual = std::mem::take(&mut self.states).into_iter().zip(std::mem::take(&mut self.recorded_ns));
+        let usual = usual.map(|(state, recorded_ns)| Message { recorded_ns, state }).collect();
+        let mut topics: Topics = vec![(STATES.to_owned(), usual)];
+        for (topic, messages) in std::mem::take(&mut self.others).into_values() {
+            match topics.iter_mut().find(|(known, _)| *known == topic) {
+                // Senders of one topic may have channels of their own.
+                Some((_, known)) => {
+                    known.extend(messages);
+                    known.sort_by_key(|message| message.recorded_ns);
+                }
+                None => topics.push((topic, messages)),
+            }
+        }
+        topics
+    }
+}
+
+/// A time of a record, ns.
+fn time_ns(time: u64) -> i64 {
+    i64::try_from(time).unwrap_or(i64::MAX)
+}
+
+/// What the bytes of a file hold.
+///
+/// # Errors
+/// [`Error`] where they are no MCAP, are damaged, or a message is not what its channel says.
+pub(super) fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
+    let fault = |error: &McapError| -> Error {
+        let shown = Error::new(format!("{name} cannot be read as MCAP: {error}"));
+        match error {
+            McapError::UnsupportedCompression(_) => {
+                shown.help("expected chunks without compression, or compressed by lz4 or zstd")
+            }
+            _ => shown,
+        }
+    };
+    let mut contents = Contents::default();
+    let (mut channels, mut voltage, mut links) = (BTreeSet::new(), None, None);
+    let (mut schema, mut arrays) = (None, None);
+    // A chunk's checksum is checked at its end: where that fails it says more than the message that was damaged.
+    let mut undecodable: Option<Error> = None;
+    for record in Records::new(bytes, true).map_err(|error| fault(&error))? {
+        match record {
+            Ok(Record::Schema { header, .. }) if header.name == JointState::NAME => schema = Some(header.id),
+            Ok(Record::Schema { header, .. }) if header.name == FloatArray::NAME => arrays = Some(header.id),
+            Ok(Record::Channel(found)) if found.topic == VOLTAGE && Some(found.schema_id) == arrays => {
+                voltage = Some(found.id);
+            }
+            Ok(Record::Channel(found)) if found.topic == LINKS && Some(found.schema_id) == arrays => {
+                links = Some(found.id);
+            }
+            Ok(Record::Channel(found)) if found.topic == STATES => {
+                if Some(found.schema_id) != schema || found.message_encoding != "cdr" {
+                    let message = format!("{name}: {STATES} is not {} in CDR, as recorded by ROS 2", JointState::NAME);
+                    return Err(Error::new(message));
+                }
+                channels.insert(found.id);
+            }
+            Ok(Record::Channel(found)) if schema == Some(found.schema_id) && found.message_encoding == "cdr" => {
+                // The summary at the end of a file names every channel again.
+                contents.others.entry(found.id).or_insert((found.topic, Vec::new()));
+            }
+            Ok(Record::Message { header, data }) if contents.others.contains_key(&header.channel_id) => {
+                let (topic, states) = contents.others.entry(header.channel_id).or_default();
+                match JointState::decode(&data) {
+                    Ok(state) => states.push(Message { recorded_ns: time_ns(header.log_time), state }),
+                    Err(error) => {
+                        let message = format!("{name}: message {} on {topic}: {error}", states.len() + 1);
+                        undecodable.get_or_insert_with(|| Error::new(message));
+                    }
+                }
+            }
+            Ok(Record::Message { header, data }) if channels.contains(&header.channel_id) => {
+                let number = contents.states.len() + 1;
+                match JointState::decode(&data) {
+                    Ok(state) => {
+                        contents.states.push(state);
+                        contents.recorded_ns.push(time_ns(header.log_time));
+                    }
+                    Err(error) => {
+                        let message = format!("{name}: message {number} on {STATES}: {error}");
+                        undecodable.get_or_insert_with(|| Error::new(message));
+                    }
+                }
+            }
+            Ok(Record::Message { header, data }) if [voltage, links].contains(&Some(header.channel_id)) => {
+                let (topic, arrays) = match Some(header.channel_id) == voltage {
+                    true => (VOLTAGE, &mut contents.voltages),
+                    false => (LINKS, &mut contents.links),
+                };
+                let number = arrays.len() + 1;
+                match FloatArray::decode(&data) {
+                    Ok(values) => arrays.push((header.log_time, values.data)),
+                    Err(error) => {
+                        let message = format!("{name}: message {number} on {topic}: {error}");
+                        undecodable.get_or_insert_with(|| Error::new(message));
+                    }
+                }
+            }
+            Ok(Record::Metadata(found)) if found.name == METADATA => contents.metadata = Some(found.metadata),
+            Ok(Record::Metadata(found)) if found.name == ENDING => contents.ending = found.metadata,
+            Ok(Record::Footer(_)) => contents.whole = true,
+            Ok(_) => {}
+            Err(McapError::UnexpectedEof | McapError::UnexpectedEoc) => break,
+            Err(error) => return Err(fault(&error)),
+        }
+    }
+    undecodable.map_or(Ok(contents), Err)
+}
