@@ -1,8 +1,8 @@
 //! Mistakes that logs are made with, on three robots: which are named, and that sound logs are left alone.
 
-use armid::diagnosis::{Mistake, diagnose, standing_joints};
+use armid::diagnosis::{Evidence, Mistake, diagnose, standing_joints};
 use armid::dynamics::{Dynamics, States};
-use armid::model::format::parse_robot;
+use armid::model::format::{parse_nominal, parse_robot};
 use armid::model::{Columns, Robot, StandardParameters, bundled};
 use armid::seed::Seed;
 use armid::signal::Samples;
@@ -19,6 +19,13 @@ fn robot(name: &str) -> (Robot, StandardParameters) {
     let robot = parse_robot(entry.robot).expect("a robot");
     let truth = Truth::from_toml(truth_text(name).expect("a truth"), &robot).expect("parameters");
     (robot, truth.parameters)
+}
+
+/// What the robot file's author would guess.
+fn nominal(robot: &Robot) -> StandardParameters {
+    let of = |text| parse_robot(text).expect("a robot");
+    let entry = bundled().iter().find(|entry| of(entry.robot).name() == robot.name()).expect("a bundled robot");
+    parse_nominal(entry.nominal, robot).expect("parameters").parameters
 }
 
 fn uniform(rng: &mut impl Rng, low: f64, high: f64) -> f64 {
@@ -96,7 +103,7 @@ fn swap_effort(samples: &mut Samples, a: usize, b: usize) {
 /// What a mistake does to a log, joint by joint as the mappings would have it.
 type Fault = (&'static str, fn(&Robot, &mut Samples), fn(&Mistake) -> bool);
 
-const FAULTS: [Fault; 17] = [
+const FAULTS: [Fault; 19] = [
     (
         "degrees",
         |_, s| (0..6).for_each(|i| scale_motion(s, i, 180.0 / std::f64::consts::PI)),
@@ -174,6 +181,16 @@ const FAULTS: [Fault; 17] = [
         |m| *m == Mistake::EffortUnit { factor: 1e-3 },
     ),
     (
+        "all efforts the other way",
+        |_, s| (0..6).for_each(|i| scale_effort(s, i, -1.0)),
+        |m| matches!(m, Mistake::EffortsReversed { slope: Some(slope) } if (-2.0..-0.5).contains(slope)),
+    ),
+    (
+        "currents, or torques of motors with gears of 6 to 90",
+        |_, s| (0..6).for_each(|i| scale_effort(s, i, 1.0 / [90.0, 60.0, 6.0, 25.0, 40.0, 15.0][i])),
+        |m| matches!(m, Mistake::EffortsSmall { .. } | Mistake::MotorTorques),
+    ),
+    (
         "zero of joint 2 off by 90°",
         |_, s| s.states.q.iter_mut().skip(1).step_by(6).for_each(|q| *q += 0.5 * std::f64::consts::PI),
         |m| *m == Mistake::ZeroOffset { joint: 2, degrees: -90.0 },
@@ -193,7 +210,9 @@ fn named(robot: &Robot, samples: &Samples) -> Option<Mistake> {
     if let Some(&joint) = standing_joints(samples).first() {
         return Some(Mistake::AtRest { joint });
     }
-    diagnose(robot, Columns::RIGID_ROTOR_FRICTION, samples)
+    let guess = nominal(robot);
+    let log = Evidence { samples, held_out: None, nominal: Some(&guess) };
+    diagnose(robot, Columns::RIGID_ROTOR_FRICTION, &log)
         .expect("a robot with base parameters")
         .map(|found| found.mistake)
 }
@@ -287,6 +306,36 @@ fn angles_of_motors_with_unknown_gears_are_no_degrees() {
         match named(&ungeared, &samples) {
             Some(Mistake::PositionUnit { factor }) => assert!((factor * 100.0 - 1.0).abs() < 0.1, "{name}: {factor}"),
             other => panic!("{name}: {other:?}"),
+        }
+    }
+}
+
+#[test]
+fn reversed_efforts_show_in_friction_alone_and_an_arm_upside_down_is_none() {
+    for name in ROBOTS {
+        let (robot, truth) = robot(name);
+        let mut samples = log(&robot, &truth, 2);
+        (0..6).for_each(|i| scale_effort(&mut samples, i, -1.0));
+        let evidence = Evidence { samples: &samples, held_out: None, nominal: None };
+        let found = diagnose(&robot, Columns::RIGID_ROTOR_FRICTION, &evidence).unwrap().map(|found| found.mistake);
+        assert_eq!(found, Some(Mistake::EffortsReversed { slope: None }), "{name}");
+
+        let upside_down = log(&robot.clone().with_gravity(-robot.gravity()), &truth, 2);
+        let found = named(&robot, &upside_down);
+        assert!(!matches!(found, Some(Mistake::EffortsReversed { .. })), "{name}: {found:?}");
+    }
+}
+
+#[test]
+fn a_log_faster_than_the_speed_limit_of_a_urdf_is_not_in_degrees() {
+    for name in ROBOTS {
+        let (robot, truth) = robot(name);
+        for load_friction in [0.0, 0.1] {
+            let mut samples = log(&robot, &truth, 1);
+            with_unmodelled_friction(&mut samples, load_friction, 0.0);
+            let top = samples.states.qd.iter().fold(0.0_f64, |top, qd| top.max(qd.abs()));
+            let slow = robot.clone().with_joints(|joint| joint.limits.velocity = top / 6.0).expect("a robot");
+            assert_eq!(named(&slow, &samples), None, "{name}, load friction {load_friction}");
         }
     }
 }

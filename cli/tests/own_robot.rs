@@ -92,6 +92,20 @@ fn a_folder_to_begin_with_runs_as_its_own_readme_says() {
             assert_eq!(done.get_output().status.code(), Some(0), "{line}\n{}{}", stdout(&done), stderr(&done));
         }
     }
+    // Without a word about periods: those of the motion are found, and friction is that of the URDF.
+    let estimate: serde_json::Value =
+        serde_json::from_str(&std::fs::read_to_string(lab.join("E.json")).unwrap()).unwrap();
+    let remarks = estimate["logs"][0]["remarks"].to_string();
+    assert!(remarks.contains("10.0 s period found, 5 of them from 13.0 s"), "{remarks}");
+    for parameter in estimate["base"].as_array().unwrap() {
+        let (name, value) = (parameter["name"].as_str().unwrap(), parameter["value"].as_f64().unwrap());
+        let expected = name[2..].parse::<f64>().ok().and_then(|n| match &name[..2] {
+            "Fv" => Some(8.0 / n),
+            "Fc" => Some(5.0 / n),
+            _ => None,
+        });
+        assert!(expected.is_none_or(|expected| (value / expected - 1.0).abs() < 0.02), "{name}: {value}");
+    }
     // Nothing is written over, and nothing is written where one file is there.
     let robot = std::fs::read_to_string(lab.join("robot.toml")).unwrap();
     let text = stderr(&armid(["init", &urdf, "-o", lab.to_str().unwrap()]).code(2));

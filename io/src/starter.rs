@@ -115,9 +115,9 @@ fn log(loaded: &LoadedRobot) -> String {
          [log]\nfiles = [\"log.csv\"]              # several stand side by side: q = \"positions:j[1-{n}]\"\n\
          robot = \"robot.toml\"\n\
          # rate_hz = 500                  # rows per second, where there is no column of times\n\
-         # period_s = {PERIOD_S}                  # where the motion repeats exactly: periods are averaged\n\
+         # period_s = {PERIOD_S}                  # where the motion repeats; found in the log by default\n\
          t = \"t\"                          # \"time_ms ms\" where in milliseconds\n\
-         q = \"q[1-{n}]\"                     # {degrees}motor gear=100/… where at the motors; sign=+-…\n\
+         q = \"q[1-{n}]\"                     # {degrees}motor gear=100/… where at the motors; sign=- or sign=+-…\n\
          tau = \"tau[1-{n}]\"                 # N·m at the joints; or current = \"i[1-{n}] mA constant=0.1 gear=100\"\n"
     )
 }
@@ -149,6 +149,8 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
          | `log.toml` | what the columns of the log are |\n\n\
          Afterwards:\n\n\
          ```sh\n\
+         armid run experiment.toml --seed 2 -o other.csv\n\
+         armid validate E.json other.csv\n\
          armid report E.json -o report\n\
          armid export E.json --to urdf -o identified.urdf\n\
          armid export E.json --to c -o identified.c\n\

@@ -8,6 +8,7 @@ use armid_io::{Error, Inputs, ProcessedLog};
 use serde_json::{Value, json};
 
 use super::findings::{findings, paragraph};
+use super::verdict::Verdict;
 use crate::terminal::{Align, Table, number};
 
 /// An estimate with everything that is said of it.
@@ -19,6 +20,7 @@ pub(crate) struct EstimateAnswer<'a> {
     held_out: Option<TorqueResidual>,
     expressions: Vec<String>,
     suspicions: &'a [Suspicion],
+    verdict: Verdict,
 }
 
 /// Keys of the residual over some rows.
@@ -50,7 +52,7 @@ fn suspicion_json(suspicion: &Suspicion, prepared: &ProcessedLog) -> Value {
 }
 
 /// What to try about a suspicion: where all logs were read alike, with the mapping that does it.
-fn advice(suspicion: &Suspicion, prepared: &ProcessedLog) -> String {
+pub(super) fn advice(suspicion: &Suspicion, prepared: &ProcessedLog) -> String {
     let correction = suspicion.mistake.correction();
     let robot = &prepared.robot.robot;
     let mut mappings = prepared.reports.iter().map(|report| report.origin.corrected(&suspicion.mistake, robot));
@@ -115,8 +117,8 @@ pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
         let slow = 100.0 * prepared.settings.processing.reversal_fraction;
         if report.equations.iter().any(|count| *count < report.blocks) {
             let sentence = format!(
-                "{}: left out of the fit, where a joint is slower than {slow} % of its top speed or a channel is at fault: {} of \
-                 the rows of its joints",
+                "{}: left out of the fit, where a joint is slower than {slow} % of its top speed, a channel is at fault or the \
+                 filter has an edge: {} of the rows of its joints",
                 report.name,
                 shares.join(", ")
             );
@@ -149,7 +151,10 @@ impl<'a> EstimateAnswer<'a> {
     ) -> Result<Self, Error> {
         let (used, held_out) = prepared.residual(estimate, "the estimate")?;
         let expressions = prepared.expressions(estimate, "the estimate")?;
-        Ok(Self { estimate, prepared, inputs, used, held_out, expressions, suspicions })
+        // Equations that no test of a shape can use have none.
+        let trends = prepared.residual_trends(estimate, "the estimate").ok();
+        let verdict = Verdict::new(estimate, prepared, &used, held_out.as_ref(), suspicions, trends.as_ref());
+        Ok(Self { estimate, prepared, inputs, used, held_out, expressions, suspicions, verdict })
     }
 
     /// The estimate's own keys; beside each finding's numbers its sentence and advice; what it was made from.
@@ -172,6 +177,7 @@ impl<'a> EstimateAnswer<'a> {
             json["gaps"] = gaps.json();
         }
         json["suspicions"] = self.suspicions.iter().map(|suspicion| suspicion_json(suspicion, self.prepared)).collect();
+        json["verdict"] = self.verdict.json();
         json["joints"] = json!(joint_names(self.prepared));
         json["residual"] = residual_json(&self.used);
         json["held_out"] = self.held_out.as_ref().map_or(Value::Null, residual_json);
@@ -197,6 +203,9 @@ impl<'a> EstimateAnswer<'a> {
             estimate.robot,
             estimate.columns,
         );
+        let _ = writeln!(text, "\n{}", self.verdict.text());
+        let _ = writeln!(text, "torque below {} Hz that the estimate does not explain", number(self.used.bandwidth_hz));
+        text += &residual_table(&joint_names(self.prepared), &estimate.units, &self.used, self.held_out.as_ref());
         let sentence = format!(
             "{} s used, {} s held out, {averaged}; {} samples; condition {} ({} with columns of unit length)",
             number(time(|report| report.used_s)),
@@ -205,19 +214,10 @@ impl<'a> EstimateAnswer<'a> {
             number(estimate.condition),
             number(estimate.condition_scaled),
         );
-        let _ = writeln!(text, "{}", paragraph(&sentence, 0));
-        for suspicion in self.suspicions {
-            text += &paragraph(&suspicion.mistake.to_string(), 2);
-            let _ = writeln!(text, "{}", paragraph(&format!("→ {}", advice(suspicion, self.prepared)), 4));
-        }
-        let _ = writeln!(text, "torque below {} Hz that the estimate does not explain", number(self.used.bandwidth_hz));
-        text += &residual_table(&joint_names(self.prepared), &estimate.units, &self.used, self.held_out.as_ref());
-        let rows = left_out(self.prepared);
-        if !rows.is_empty() {
-            let _ = write!(text, "\n{rows}");
-        }
+        let _ = write!(text, "\n{}", paragraph(&sentence, 2));
+        text += &left_out(self.prepared);
         text.push('\n');
-        text += &self.parameters();
+        text += &self.parameters(verbose);
         match estimate.consistent {
             Some(true) => text.push_str("\nthe full set of parameters is physically consistent\n"),
             Some(false) => text.push_str("\nthe full set of parameters is not physically consistent\n"),
@@ -230,35 +230,35 @@ impl<'a> EstimateAnswer<'a> {
             }
             let _ = write!(text, "\n{}", table.render(2));
         }
-        text.push_str(&findings(&estimate.findings));
+        text.push_str(&findings(&estimate.findings, self.verdict.groups()));
         text
     }
 
-    fn parameters(&self) -> String {
+    fn parameters(&self, verbose: bool) -> String {
         let declares = self.estimate.base.iter().any(|parameter| parameter.declared_std > 0.0);
         let mut headings = vec![("parameter", Align::Left), ("value", Align::Right), ("std", Align::Right)];
         if declares {
             // In squares: what the robot file declares, and no residual shows.
             headings.push(("of it declared", Align::Right));
         }
-        headings.extend([
-            ("95 % interval", Align::Right),
-            ("", Align::Right),
-            ("unit", Align::Left),
-            ("stands for", Align::Left),
-        ]);
+        headings.extend([("95 % interval", Align::Right), ("", Align::Right), ("unit", Align::Left)]);
+        if verbose {
+            headings.push(("stands for", Align::Left));
+        }
         let mut table = Table::new(&headings);
         for (parameter, expression) in self.estimate.base.iter().zip(&self.expressions) {
             let decimals = decimals(parameter.std);
             let [value, low, high] =
                 [parameter.value, parameter.ci95[0], parameter.ci95[1]].map(|number| format!("{number:.decimals$}"));
             let std = format!("{:.decimals$}", parameter.std);
-            let stands_for = if *expression == parameter.name { String::new() } else { expression.clone() };
             let mut row = vec![parameter.name.clone(), value, std];
             if declares {
                 row.push(format!("{:.decimals$}", parameter.declared_std));
             }
-            row.extend([low, high, parameter.unit.clone(), stands_for]);
+            row.extend([low, high, parameter.unit.clone()]);
+            if verbose {
+                row.push(if *expression == parameter.name { String::new() } else { expression.clone() });
+            }
             table.row(row);
         }
         table.render(2)

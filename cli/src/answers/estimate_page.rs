@@ -117,7 +117,7 @@ impl Page<'_> {
             findings: grouped(&self.estimate.findings)
                 .into_iter()
                 .flat_map(|(sentences, advice)| {
-                    sentences.into_iter().map(move |sentence| format!("{sentence}: {advice}"))
+                    sentences.into_iter().map(move |sentence| format!("{sentence} → {advice}"))
                 })
                 .collect(),
             provenance,

@@ -5,7 +5,7 @@ use armid::estimation::Finding;
 use crate::terminal::{Align, Table};
 
 /// Findings of one kind.
-struct Group<'a> {
+pub(super) struct Group<'a> {
     rank: usize,
     finding: &'a Finding,
     of_kind: Vec<&'a Finding>,
@@ -14,28 +14,32 @@ struct Group<'a> {
 /// Sentences of one kind that are shown one by one.
 const SHOWN: usize = 3;
 
+/// The last kind that belongs on the first screen.
+const LAST_THAT_MATTERS: usize = 4;
+
 /// How important a kind is; the least comes first.
 const fn rank(finding: &Finding) -> usize {
     match finding {
         Finding::Unfinished { .. } => 0,
-        Finding::ResidualAboveNoise { .. } => 1,
-        Finding::LackOfFit { .. } => 2,
-        Finding::NegativeDrive { .. } => 3,
-        Finding::InconsistentLink { .. } => 4,
-        Finding::LargeCondition { .. } => 5,
-        Finding::PoorlyDetermined { .. } => 6,
-        Finding::ResidualCorrelated { .. } => 7,
-        Finding::FewPeriods { .. } => 8,
-        Finding::NoiseFromResidual => 9,
-        Finding::Outliers { .. } => 10,
-        Finding::HeldBack { .. } => 11,
-        Finding::NearlyDependent { .. } => 12,
-        Finding::BeyondShape { .. } => 13,
-        Finding::LeftOut { .. } => 14,
-        Finding::MotionTakenAsExact => 15,
-        Finding::DurbinWuHausman { .. } => 16,
-        Finding::HiddenFromPositions { .. } => 17,
-        Finding::MultipleShooting { .. } => 18,
+        Finding::NoNoise => 1,
+        Finding::ResidualAboveNoise { .. } => 2,
+        Finding::LackOfFit { .. } => 3,
+        Finding::NegativeDrive { .. } => LAST_THAT_MATTERS,
+        Finding::InconsistentLink { .. } => 5,
+        Finding::LargeCondition { .. } => 6,
+        Finding::PoorlyDetermined { .. } => 7,
+        Finding::ResidualCorrelated { .. } => 8,
+        Finding::FewPeriods { .. } => 9,
+        Finding::NoiseFromResidual => 10,
+        Finding::Outliers { .. } => 11,
+        Finding::HeldBack { .. } => 12,
+        Finding::NearlyDependent { .. } => 13,
+        Finding::BeyondShape { .. } => 14,
+        Finding::LeftOut { .. } => 15,
+        Finding::MotionTakenAsExact => 16,
+        Finding::DurbinWuHausman { .. } => 17,
+        Finding::HiddenFromPositions { .. } => 18,
+        Finding::MultipleShooting { .. } => 19,
     }
 }
 
@@ -121,6 +125,7 @@ fn summary(found: &[&Finding]) -> Option<String> {
         Finding::LargeCondition { .. }
         | Finding::HeldBack { .. }
         | Finding::FewPeriods { .. }
+        | Finding::NoNoise
         | Finding::NoiseFromResidual
         | Finding::NearlyDependent { .. }
         | Finding::MotionTakenAsExact
@@ -131,8 +136,24 @@ fn summary(found: &[&Finding]) -> Option<String> {
     })
 }
 
-/// Sentences of each kind of finding, the most important kind first, and its advice.
-pub(crate) fn grouped(all: &[Finding]) -> Vec<(Vec<String>, String)> {
+impl Group<'_> {
+    /// Whether it belongs on the first screen.
+    pub(super) const fn matters(&self) -> bool {
+        self.rank <= LAST_THAT_MATTERS
+    }
+
+    /// Its sentences, and its advice.
+    pub(super) fn said(&self) -> (Vec<String>, String) {
+        let sentences = match summary(&self.of_kind).filter(|_| self.of_kind.len() > SHOWN) {
+            Some(summary) => vec![summary],
+            None => self.of_kind.iter().map(|finding| finding.to_string()).collect(),
+        };
+        (sentences, self.finding.advice().to_owned())
+    }
+}
+
+/// Findings by kind, the most important kind first.
+pub(super) fn groups(all: &[Finding]) -> Vec<Group<'_>> {
     let mut groups: Vec<Group<'_>> = Vec::new();
     for finding in all {
         let rank = rank(finding);
@@ -142,17 +163,18 @@ pub(crate) fn grouped(all: &[Finding]) -> Vec<(Vec<String>, String)> {
         }
     }
     groups.sort_by_key(|group| group.rank);
-    let sentences = |group: &Group<'_>| match summary(&group.of_kind).filter(|_| group.of_kind.len() > SHOWN) {
-        Some(summary) => vec![summary],
-        None => group.of_kind.iter().map(|finding| finding.to_string()).collect(),
-    };
-    groups.iter().map(|group| (sentences(group), group.finding.advice().to_string())).collect()
+    groups
 }
 
-/// The findings as a text.
-pub(crate) fn findings(all: &[Finding]) -> String {
+/// Sentences of each kind of finding, the most important kind first, and its advice.
+pub(crate) fn grouped(all: &[Finding]) -> Vec<(Vec<String>, String)> {
+    groups(all).iter().map(Group::said).collect()
+}
+
+/// The findings behind the first so many kinds as a text.
+pub(crate) fn findings(all: &[Finding], kinds: usize) -> String {
     let mut text = String::new();
-    for (sentences, advice) in grouped(all) {
+    for (sentences, advice) in grouped(all).into_iter().skip(kinds) {
         text.push('\n');
         for sentence in sentences {
             text.push_str(&paragraph(&sentence, 2));
@@ -185,7 +207,7 @@ mod tests {
             })
             .collect();
         all.push(Finding::NegativeDrive { parameter: "Fv2".into(), value: -1.0 });
-        let text = findings(&all);
+        let text = findings(&all, 0);
         assert!(text.lines().count() < 12, "{text}");
         let place = |word: &str| text.find(word).unwrap();
         assert!(place("Fv2 = ") < place("33 parameters have") && text.contains("mcx32"), "{text}");

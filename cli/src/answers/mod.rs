@@ -18,3 +18,4 @@ pub(crate) mod source;
 pub(crate) mod stribeck_speed;
 pub(crate) mod study;
 pub(crate) mod transmission;
+mod verdict;

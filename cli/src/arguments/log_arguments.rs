@@ -15,6 +15,24 @@ use super::{ChainArguments, one_of};
 /// What helps where an estimate names a robot file that is not there.
 const WHERE_IT_IS: &str = "--robot ROBOT of `armid identify`, `validate`, `report` and `export` says where it is now";
 
+/// The period of a motion, as it is stated.
+#[derive(Clone, Copy, Debug, PartialEq)]
+enum Period {
+    /// None: the motion does not repeat.
+    None,
+    /// Of so many seconds.
+    Seconds(f64),
+}
+
+/// Reads the period of a motion.
+fn period(text: &str) -> Result<Period, String> {
+    match text.parse() {
+        _ if text == "none" => Ok(Period::None),
+        Ok(seconds) => Ok(Period::Seconds(seconds)),
+        Err(_) => Err("expected seconds, or none".to_owned()),
+    }
+}
+
 /// Which logs, of which robot, and how they become samples.
 #[derive(Clone, Debug, Default, clap::Args)]
 pub(crate) struct LogArguments {
@@ -36,7 +54,7 @@ pub(crate) struct LogArguments {
     /// Kind of efforts, where the log does not state it; otherwise as in the robot file
     #[arg(long, value_parser = one_of(&EffortInterface::ALL, EffortInterface::name), help_heading = "Logs")]
     effort: Option<EffortInterface>,
-    /// Time from which a log is used, s, where it does not state its recorded part
+    /// Time from which a log is used, s; with periods, found in the log by default
     #[arg(long, visible_alias = "skip", value_name = "S", help_heading = "Logs")]
     from: Option<f64>,
     /// Time up to which a log is used, s
@@ -45,9 +63,9 @@ pub(crate) struct LogArguments {
     /// Take velocities as measured (qd) instead of from the positions
     #[arg(long, help_heading = "Processing")]
     measured_velocity: bool,
-    /// Period of a log that does not state it, s; without one the log is processed as aperiodic
-    #[arg(long, value_name = "S", help_heading = "Processing")]
-    period: Option<f64>,
+    /// Period of the motion, s, or none for an aperiodic log; found in the log by default
+    #[arg(long, value_name = "S|none", value_parser = period, help_heading = "Processing")]
+    period: Option<Period>,
     /// Velocities and accelerations: through Fourier coefficients (the default), or filtered differences
     #[arg(long, value_parser = one_of(&Derivatives::ALL, Derivatives::name), help_heading = "Processing")]
     derivatives: Option<Derivatives>,
@@ -190,14 +208,28 @@ impl LogArguments {
         }
         // A recording of armid's own states its period, which takes precedence over that of an estimate.
         let foreign = found.logs.iter().any(|log| log.recording.is_none());
-        let period_s = self.period.or(found.period_s).or(before.period_s.filter(|_| foreign));
-        if self.samples.is_some() && foreign && period_s.is_none() {
-            let message = "--samples is of an averaged period, found a log without --period";
+        let stated = match self.period {
+            Some(Period::Seconds(seconds)) => Some(seconds),
+            Some(Period::None) => None,
+            None => found.period_s,
+        };
+        let is_remembered = self.period.is_none() && found.period_s.is_none() && foreign && before.period_s.is_some();
+        let period_s = if is_remembered { before.period_s } else { stated };
+        // An estimate that was made without a search is tested without one.
+        let finds_period = match self.period {
+            Some(Period::None) => false,
+            Some(Period::Seconds(_)) => true,
+            None => remembered.is_none() || before.finds_period,
+        };
+        if self.samples.is_some() && foreign && period_s.is_none() && !finds_period {
+            let message = "--samples is of an averaged period, found a log without a period";
             return Err(Error::new(message).help("--cutoff-hz sets how many equations a log without periods gives"));
         }
         Ok(LogSettings {
             period_s,
-            from_s: self.from.or(found.part_s.0).unwrap_or(0.0),
+            finds_period,
+            // A period is remembered with the time from which it repeats.
+            from_s: self.from.or(found.part_s.0).unwrap_or(if is_remembered { before.from_s } else { 0.0 }),
             until_s: self.until.or(found.part_s.1),
             held_out,
             measured_velocity: self.measured_velocity || (foreign && before.measured_velocity),

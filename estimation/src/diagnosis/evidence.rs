@@ -1,6 +1,6 @@
 //! At most 160 instants of a log, and how well a fit explains them.
 
-use nalgebra::{Cholesky, DMatrix, DVector};
+use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
 use super::Mistake;
 use crate::base::{BaseError, Method, reduce};
@@ -22,8 +22,10 @@ const RIDGE: f64 = 1e-9;
 const BEYOND_LIMITS: f64 = 0.3;
 /// Standard deviations that a value must be below zero to count as below.
 const DOUBT: f64 = 3.0;
-/// A position limit counts as exceeded beyond this multiple of it, a velocity or torque limit beyond twice that.
+/// A position limit counts as exceeded beyond this multiple of it, a torque limit beyond twice that.
 const LIMIT_SLACK: f64 = 1.3;
+/// A velocity limit counts as exceeded beyond this multiple of it: URDFs often state what a controller allows, not what the arm can do.
+const SPEED_SLACK: f64 = 10.0;
 
 /// One degree, rad.
 pub(super) const DEGREE: f64 = std::f64::consts::PI / 180.0;
@@ -73,24 +75,30 @@ impl Model {
         all.chunks_exact(self.regressor.cols()).flat_map(|row| self.kept.iter().map(move |&c| row[c])).collect()
     }
 
-    /// The cost J of a fit.
-    pub(super) fn cost(&self, instants: &Instants) -> f64 {
+    /// Equations of some instants, each divided by the scale of its joint: W (K·n × b) and y.
+    fn equations(&self, instants: &Instants) -> (DMatrix<f64>, DVector<f64>) {
         let (n, b) = (self.robot.dof(), self.kept.len());
         let count = instants.q.len() / n;
-        let scale = &instants.scale;
         let mut w = DMatrix::zeros(count * n, b);
         let mut y = DVector::zeros(count * n);
         let mut all = vec![0.0; n * self.regressor.cols()];
         for k in 0..count {
             let span = k * n..(k + 1) * n;
             let rows = self.rows(&instants.q[span.clone()], &instants.qd[span.clone()], &instants.qdd[span], &mut all);
-            for i in 0..n {
+            for (i, scale) in instants.scale.iter().enumerate() {
                 for (c, value) in rows[i * b..(i + 1) * b].iter().enumerate() {
-                    w[(k * n + i, c)] = value / scale[i];
+                    w[(k * n + i, c)] = value / scale;
                 }
-                y[k * n + i] = instants.tau[k * n + i] / scale[i];
+                y[k * n + i] = instants.tau[k * n + i] / scale;
             }
         }
+        (w, y)
+    }
+
+    /// The parameters that explain the torque best; `None` where the equations have no answer.
+    fn fit(&self, instants: &Instants) -> Option<Fit> {
+        let (mut w, y) = self.equations(instants);
+        let (rows, b) = w.shape();
         let lengths: Vec<f64> = w.column_iter().map(|c| c.norm()).map(|l| if l > 0.0 { l } else { 1.0 }).collect();
         for (mut column, length) in w.column_iter_mut().zip(&lengths) {
             column /= *length;
@@ -99,44 +107,62 @@ impl Model {
         for c in 0..b {
             normal[(c, c)] += RIDGE;
         }
-        let right = transpose_product(&w, &DMatrix::from_column_slice(count * n, 1, y.as_slice()));
-        let Some(factor) = Cholesky::new(normal) else { return f64::INFINITY };
+        let right = transpose_product(&w, &DMatrix::from_column_slice(rows, 1, y.as_slice()));
+        let factor = Cholesky::new(normal)?;
         let scaled = factor.solve(&right.column(0).into_owned());
         let mut left = y;
         for (column, &value) in w.column_iter().zip(scaled.iter()) {
             left.axpy(-value, &column, 1.0);
         }
-        let residual = left.iter().map(|e| e * e).sum::<f64>() / (count * n) as f64;
+        let residual = left.norm_squared() / rows as f64;
         let beta = DVector::from_iterator(b, scaled.iter().zip(&lengths).map(|(beta, length)| beta / length));
-        let noise = residual * (count * n) as f64 / (count * n).saturating_sub(b).max(1) as f64;
-        // Standard deviation of a combination of the parameters.
-        let std = |of_each: &DVector<f64>| {
-            let scaled = DVector::from_iterator(b, of_each.iter().zip(&lengths).map(|(x, length)| x / length));
-            (noise * scaled.dot(&factor.solve(&scaled))).sqrt()
-        };
-        residual + self.implausible(instants, &beta, &std) + self.beyond_limits(instants)
+        let noise = residual * rows as f64 / rows.saturating_sub(b).max(1) as f64;
+        Some(Fit { beta, residual, noise, factor, lengths })
     }
 
-    /// Friction that drives and inertia that is negative beyond doubt, as parts of each joint's torque, squared. `std` gives the
-    /// standard deviation of a combination of the parameters: a short log determines few of them, and then a sign says nothing.
-    fn implausible(&self, instants: &Instants, beta: &DVector<f64>, std: &dyn Fn(&DVector<f64>) -> f64) -> f64 {
-        let (n, scale) = (self.robot.dof(), &instants.scale);
-        let rms = |rows: &[f64], i: usize| -> f64 {
-            let squares: f64 = rows.iter().skip(i).step_by(n).map(|x| x * x).sum();
-            (squares / (rows.len() / n).max(1) as f64).sqrt()
-        };
+    /// The cost J of a fit.
+    pub(super) fn cost(&self, instants: &Instants) -> f64 {
+        self.fit(instants).map_or(f64::INFINITY, |fit| {
+            fit.residual + self.implausible(instants, &fit) + self.beyond_limits(instants)
+        })
+    }
+
+    /// The residual, as a part of each joint's torque, squared, on instants that were not fitted.
+    pub(super) fn predicted(&self, fitted: &Instants, others: &Instants) -> f64 {
+        let others = Instants { scale: fitted.scale.clone(), ..others.clone() };
+        let (w, y) = self.equations(&others);
+        self.fit(fitted).map_or(f64::INFINITY, |fit| (&y - w * fit.beta).norm_squared() / y.len().max(1) as f64)
+    }
+
+    /// How many joints have friction, at the RMS of their speed, that is below and above zero beyond doubt.
+    pub(super) fn friction_signs(&self, instants: &Instants) -> (usize, usize) {
+        let Some(fit) = self.fit(instants) else { return (0, 0) };
+        let beyond = |of_each: &DVector<f64>| (of_each.dot(&fit.beta), DOUBT * fit.std(of_each));
+        let all: Vec<(f64, f64)> = self.friction_of_joints(instants).iter().map(beyond).collect();
+        let below = all.iter().filter(|(value, doubt)| value + doubt < 0.0).count();
+        (below, all.iter().filter(|(value, doubt)| value - doubt > 0.0).count())
+    }
+
+    /// The combination of parameters that is the friction of each joint at the RMS of its speed.
+    fn friction_of_joints(&self, instants: &Instants) -> Vec<DVector<f64>> {
+        let mut friction = vec![DVector::zeros(self.kept.len()); self.robot.dof()];
+        for &(joint, at, coulomb) in &self.friction {
+            friction[joint][at] += if coulomb { 1.0 } else { rms(&instants.qd, joint, self.robot.dof()) };
+        }
+        friction
+    }
+
+    /// Friction that drives and inertia that is negative beyond doubt, as parts of each joint's torque, squared. A short log determines
+    /// few combinations of the parameters, and then a sign says nothing.
+    fn implausible(&self, instants: &Instants, fit: &Fit) -> f64 {
+        let (n, b, scale) = (self.robot.dof(), self.kept.len(), &instants.scale);
         // What a combination is below zero beyond doubt.
         let below = |of_each: &DVector<f64>| {
-            let value = of_each.dot(beta);
-            if value < 0.0 { (value + DOUBT * std(of_each)).min(0.0) } else { 0.0 }
+            let value = of_each.dot(&fit.beta);
+            if value < 0.0 { (value + DOUBT * fit.std(of_each)).min(0.0) } else { 0.0 }
         };
         let mut cost = 0.0;
-        let b = self.kept.len();
-        let mut friction = vec![DVector::zeros(b); n];
-        for &(joint, at, coulomb) in &self.friction {
-            friction[joint][at] += if coulomb { 1.0 } else { rms(&instants.qd, joint) };
-        }
-        for (joint, of_each) in friction.iter().enumerate() {
+        for (joint, of_each) in self.friction_of_joints(instants).iter().enumerate() {
             cost += (below(of_each) / scale[joint]).powi(2);
         }
         let (still, mut all) = (vec![0.0; n], vec![0.0; n * self.regressor.cols()]);
@@ -152,13 +178,13 @@ impl Model {
                     *mean += (moved[i * b + c] - held[i * b + c]) / states.len() as f64;
                 }
             }
-            cost += (below(&mean) * rms(&instants.qdd, i) / scale[i]).powi(2);
+            cost += (below(&mean) * rms(&instants.qdd, i, n) / scale[i]).powi(2);
         }
         cost / n as f64
     }
 
     /// How far joints are beyond what they can do.
-    fn beyond_limits(&self, instants: &Instants) -> f64 {
+    pub(super) fn beyond_limits(&self, instants: &Instants) -> f64 {
         let n = self.robot.dof();
         let largest = |rows: &[f64], i: usize| rows.iter().skip(i).step_by(n).fold(0.0_f64, |a, x| a.max(x.abs()));
         let mut cost = 0.0;
@@ -166,7 +192,7 @@ impl Model {
             let limits = &joint.limits;
             let range = limits.position.0.abs().max(limits.position.1.abs());
             let beyond = largest(&instants.q, i) > LIMIT_SLACK * range
-                || largest(&instants.qd, i) > 2.0 * LIMIT_SLACK * limits.velocity
+                || largest(&instants.qd, i) > SPEED_SLACK * limits.velocity
                 || largest(&instants.tau, i) > 2.0 * LIMIT_SLACK * limits.torque;
             cost += if beyond { BEYOND_LIMITS } else { 0.0 };
         }
@@ -174,14 +200,36 @@ impl Model {
     }
 }
 
+/// A fit of the parameters, with columns of unit length.
+struct Fit {
+    /// The parameters, b.
+    beta: DVector<f64>,
+    /// Mean square of what is left, as a part of each joint's torque.
+    residual: f64,
+    /// The same for each equation beyond the parameters.
+    noise: f64,
+    factor: Cholesky<f64, Dyn>,
+    lengths: Vec<f64>,
+}
+
+impl Fit {
+    /// Standard deviation of a combination of the parameters.
+    fn std(&self, of_each: &DVector<f64>) -> f64 {
+        let parts = of_each.iter().zip(&self.lengths).map(|(x, length)| x / length);
+        let scaled = DVector::from_iterator(of_each.len(), parts);
+        (self.noise * scaled.dot(&self.factor.solve(&scaled))).sqrt()
+    }
+}
+
+/// RMS of one joint's entries of a table with n in a row.
+pub(super) fn rms(rows: &[f64], i: usize, n: usize) -> f64 {
+    let squares: f64 = rows.iter().skip(i).step_by(n).map(|x| x * x).sum();
+    (squares / (rows.len() / n).max(1) as f64).sqrt()
+}
+
 /// RMS torque of each joint, n; not less than a part of the largest.
 fn torque_scale(tau: &[f64], n: usize) -> Vec<f64> {
-    let rms: Vec<f64> = (0..n)
-        .map(|i| {
-            let squares: f64 = tau.iter().skip(i).step_by(n).map(|x| x * x).sum();
-            (squares / (tau.len() / n).max(1) as f64).sqrt()
-        })
-        .collect();
+    let rms: Vec<f64> = (0..n).map(|i| rms(tau, i, n)).collect();
     let largest = rms.iter().copied().fold(0.0, f64::max);
     rms.iter().map(|x| x.max(LEAST_TORQUE * largest).max(f64::MIN_POSITIVE)).collect()
 }
@@ -202,6 +250,20 @@ impl Instants {
         }
         instants.scale = torque_scale(&instants.tau, n);
         instants
+    }
+
+    /// The first instants, and the last fifth of them.
+    pub(super) fn split(&self) -> (Self, Self) {
+        let n = self.scale.len();
+        let at = self.q.len() / n * 4 / 5 * n;
+        let part = |range: std::ops::Range<usize>| Self {
+            q: self.q[range.clone()].to_vec(),
+            qd: self.qd[range.clone()].to_vec(),
+            qdd: self.qdd[range.clone()].to_vec(),
+            tau: self.tau[range].to_vec(),
+            scale: self.scale.clone(),
+        };
+        (part(0..at), part(at..self.q.len()))
     }
 
     /// The same with a mistake undone.
@@ -243,6 +305,7 @@ impl Instants {
                 }
             }
             Mistake::EffortUnit { factor } => (0..n).for_each(|i| effort(&mut out, i, factor)),
+            Mistake::EffortsReversed { .. } => (0..n).for_each(|i| effort(&mut out, i, -1.0)),
             Mistake::PositionSign { joint } => motion(&mut out, joint - 1, -1.0),
             Mistake::EffortSign { joint } | Mistake::EitherSign { joint } => effort(&mut out, joint - 1, -1.0),
             Mistake::PositionsSwapped { joints } => {
@@ -261,7 +324,10 @@ impl Instants {
                 out.q.iter_mut().skip(joint - 1).step_by(n).for_each(|q| *q += degrees.to_radians());
             }
             // Nothing in the log itself is to be changed.
-            Mistake::Gravity { .. } | Mistake::NoEffort { .. } | Mistake::AtRest { .. } => {}
+            Mistake::Gravity { .. }
+            | Mistake::EffortsSmall { .. }
+            | Mistake::NoEffort { .. }
+            | Mistake::AtRest { .. } => {}
         }
         out
     }

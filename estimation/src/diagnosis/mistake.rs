@@ -25,6 +25,16 @@ pub enum Mistake {
         /// True effort over that in the log.
         factor: f64,
     },
+    /// All efforts count the other way.
+    EffortsReversed {
+        /// Median over the joints of measured torque over that of the robot file; `None` where friction alone shows it.
+        slope: Option<f64>,
+    },
+    /// All efforts are too small to be torques of the joints: currents, or torques of the motors.
+    EffortsSmall {
+        /// Least and largest torque of the robot file over measured effort.
+        times: [f64; 2],
+    },
     /// Gravity does not act along the axis that the robot file says.
     Gravity {
         /// Direction in the base frame that explains the torque.
@@ -94,6 +104,11 @@ pub enum Mistake {
 }
 
 impl Mistake {
+    /// Whether columns are exchanged.
+    pub(super) const fn is_exchange(&self) -> bool {
+        matches!(self, Self::PositionsSwapped { .. } | Self::EffortsSwapped { .. } | Self::JointsSwapped { .. })
+    }
+
     /// What to try.
     #[must_use]
     pub fn correction(&self) -> String {
@@ -116,6 +131,10 @@ impl Mistake {
             Self::EffortUnit { .. } => {
                 "state what they are: --map \"current=… % rated=…\" (A), or \"tau=… % rated=…\" (N·m)".to_owned()
             }
+            Self::EffortsReversed { .. } => "reverse all of them: --map \"tau=… sign=-\" (or current)".to_owned(),
+            Self::EffortsSmall { .. } => "state what they are: --map \"current=… constant=… gear=…\" for currents, or \"tau=… motor \
+                                          gear=…\" for torques at the motors"
+                .to_owned(),
             Self::Gravity { direction: [x, y, z] } => {
                 format!("turn gravity_m_s2 in the robot file along [{x}, {y}, {z}], or the base as it is mounted")
             }
@@ -143,12 +162,10 @@ impl Mistake {
                 format!("add the offset of its zero: --map \"q=… offset_deg=…\", {degrees} at joint {joint}")
             }
             Self::NoEffort { joint } => {
-                format!("record the effort of joint {joint}, or check the column that is mapped to it")
+                format!("check the column that is mapped to the effort of joint {joint}")
             }
             Self::AtRest { joint } => {
-                format!(
-                    "move joint {joint} as well; the parameters that only its motion excites are left out of this fit"
-                )
+                format!("the parameters that only the motion of joint {joint} excites are left out of this fit")
             }
         }
     }
@@ -171,6 +188,16 @@ impl fmt::Display for Mistake {
             Self::EffortUnit { factor } => {
                 write!(f, "the efforts are beyond the limits of the joints; times {factor} they are not")
             }
+            Self::EffortsReversed { slope: Some(slope) } => {
+                write!(f, "all torques are reversed: the measured torque is about {slope:.2} times that of the robot file")
+            }
+            Self::EffortsReversed { slope: None } => {
+                write!(f, "all torques are reversed: friction would be negative at nearly every joint")
+            }
+            Self::EffortsSmall { times: [least, most] } => write!(
+                f,
+                "these look like currents, or torques at the motor: the robot file's torque is {least:.0} to {most:.0} times as large"
+            ),
             Self::Gravity { direction: [x, y, z] } => {
                 write!(f, "gravity seems to act along [{x}, {y}, {z}] of the base, not as in the robot file")
             }

@@ -10,12 +10,13 @@
 //! instants with equal weight on each joint, not an estimate.
 //!
 //! A log is suspect only where J is large; one whose torque is explained is left alone, however it might be explained
-//! otherwise. What no fit shows is not named: the sign of all efforts together with all signs of motion, the zero of a joint
-//! whose axis is vertical, a factor on all efforts within the joints' limits.
+//! otherwise. A sign or a factor that all efforts share is read from the robot file's own torque ([`slope`]), before anything else. What
+//! neither shows is not named: the zero of a joint whose axis is vertical, a small factor on all efforts.
 
 mod evidence;
 mod mistake;
 mod search;
+mod slope;
 
 pub use mistake::Mistake;
-pub use search::{Suspicion, diagnose, standing_joints};
+pub use search::{Evidence, Suspicion, diagnose, standing_joints};

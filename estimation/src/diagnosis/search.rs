@@ -4,8 +4,9 @@ use nalgebra::Vector3;
 
 use super::Mistake;
 use super::evidence::{DEGREE, Instants, Model};
+use super::slope::Slopes;
 use crate::base::BaseError;
-use crate::model::{Columns, Robot};
+use crate::model::{Columns, Robot, StandardParameters};
 use crate::signal::Samples;
 
 /// A cost from which on a log is suspect: a residual of 2.2 % of the torque at every joint.
@@ -26,6 +27,17 @@ const SAME: f64 = 0.05;
 const OFFSETS: [f64; 3] = [90.0, -90.0, 180.0];
 /// Factors from which the search of one begins.
 const FACTORS: [f64; 12] = [0.25, 0.36, 0.5, 0.63, 0.8, 1.25, 1.6, 2.0, 2.8, 4.0, 0.1, 10.0];
+
+/// What mistakes are looked for in.
+#[derive(Clone, Copy, Debug)]
+pub struct Evidence<'a> {
+    /// The samples that are fitted.
+    pub samples: &'a Samples,
+    /// Samples that are only predicted; the last fifth of the others where it is `None`.
+    pub held_out: Option<&'a Samples>,
+    /// The parameters of the robot file, where it states any.
+    pub nominal: Option<&'a StandardParameters>,
+}
 
 /// A mistake that a log seems to have been made with.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -58,7 +70,8 @@ fn range(table: &[f64], joint: usize, n: usize) -> f64 {
 ///
 /// # Errors
 /// [`BaseError`] where the robot has no base parameters of these columns.
-pub fn diagnose(robot: &Robot, columns: Columns, samples: &Samples) -> Result<Option<Suspicion>, BaseError> {
+pub fn diagnose(robot: &Robot, columns: Columns, log: &Evidence<'_>) -> Result<Option<Suspicion>, BaseError> {
+    let samples = log.samples;
     let model = Model::new(robot.clone(), columns)?;
     let instants = Instants::of(samples);
     let cost = model.cost(&instants);
@@ -75,12 +88,29 @@ pub fn diagnose(robot: &Robot, columns: Columns, samples: &Samples) -> Result<Op
             return Ok(Some(Suspicion { mistake: Mistake::Radians, cost, corrected_cost }));
         }
     }
+    // The robot file says nothing of the torque of a motion that its joints cannot make.
+    let mistake = of_all_efforts(&model, &instants, log.nominal).filter(|_| model.beyond_limits(&instants) == 0.0);
+    if let Some(mistake) = mistake {
+        return Ok(Some(Suspicion { mistake, cost, corrected_cost: after(&mistake) }));
+    }
     if cost < SUSPECT {
         return Ok(None);
     }
     let mut best: Option<(Mistake, f64, f64)> = None;
+    let (fitted, others) = match log.held_out {
+        Some(held_out) => (instants.clone(), Instants::of(held_out)),
+        None => instants.split(),
+    };
+    let predicted = |mistake: Option<&Mistake>| {
+        let of = |part: &Instants| mistake.map_or_else(|| part.clone(), |mistake| part.corrected(mistake, robot));
+        model.predicted(&of(&fitted), &of(&others))
+    };
+    let as_it_stands = predicted(None);
     for mistake in plain(robot) {
-        offer(&mut best, mistake, after(&mistake), 1.0);
+        // An exchange fits what it should not: it must predict better as well.
+        if !mistake.is_exchange() || predicted(Some(&mistake)) < as_it_stands {
+            offer(&mut best, mistake, after(&mistake), 1.0);
+        }
     }
     for (direction, gravity) in directions(robot.gravity()) {
         let turned = Model::new(robot.clone().with_gravity(gravity), columns)?;
@@ -105,6 +135,20 @@ pub fn diagnose(robot: &Robot, columns: Columns, samples: &Samples) -> Result<Op
         cost,
         corrected_cost: found,
     }))
+}
+
+/// A sign or a unit that all efforts share, which no fit shows: by the robot file's torque, or the sign by friction alone.
+fn of_all_efforts(model: &Model, instants: &Instants, nominal: Option<&StandardParameters>) -> Option<Mistake> {
+    let slopes = nominal.map(|nominal| Slopes::new(&model.robot, nominal, instants));
+    if let Some(mistake) = slopes.as_ref().and_then(Slopes::unit) {
+        return Some(mistake);
+    }
+    let slope = slopes.as_ref().and_then(Slopes::sign);
+    let (below, above) = model.friction_signs(instants);
+    // With gravity the wrong way round slopes are negative and friction is not.
+    let by_slope = slope.is_some_and(|slope| slope < 0.0) && below >= above;
+    let by_friction = slope.is_none() && below >= 3 * above.max(1) && 2 * below > model.robot.dof();
+    (by_slope || by_friction).then_some(Mistake::EffortsReversed { slope })
 }
 
 /// Takes a candidate, its cost and what its cost is multiplied by. Candidates come the simplest first: a later one must be

@@ -12,7 +12,7 @@ use super::termination::Termination;
 /// use armid::estimation::Finding;
 /// let finding = Finding::FewPeriods { periods: 2 };
 /// assert!(finding.to_string().contains("2 periods"));
-/// assert!(finding.advice().contains("record"));
+/// assert!(finding.advice().contains("rough"));
 /// ```
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "kind", rename_all = "kebab-case")]
@@ -78,6 +78,8 @@ pub enum Finding {
         /// Recorded periods.
         periods: usize,
     },
+    /// The log has no noise, as that of a rehearsal, so that nothing can be compared with it.
+    NoNoise,
     /// Nothing was repeated: the noise was taken from the residual, and model errors with it.
     NoiseFromResidual,
     /// Columns that no torque sensor distinguishes from the others were left out of the base.
@@ -188,14 +190,27 @@ pub struct MisfitPart {
 }
 
 impl Finding {
+    /// Whether it is a comparison with noise, which says nothing where there is none.
+    #[must_use]
+    pub const fn compares_with_noise(&self) -> bool {
+        matches!(
+            self,
+            Self::ResidualAboveNoise { .. }
+                | Self::LackOfFit { .. }
+                | Self::ResidualCorrelated { .. }
+                | Self::FewPeriods { .. }
+                | Self::NoiseFromResidual
+                | Self::MotionTakenAsExact
+                | Self::DurbinWuHausman { .. }
+        )
+    }
+
     /// Advice.
     #[must_use]
     pub const fn advice(&self) -> &'static str {
         match self {
-            Self::PoorlyDetermined { .. } => {
-                "record more periods or excite this parameter more; do not interpret it alone"
-            }
-            Self::LargeCondition { .. } => "design a trajectory that excites the parameters more evenly",
+            Self::PoorlyDetermined { .. } => "do not interpret them one by one; predicted torque depends on their sums",
+            Self::LargeCondition { .. } => "the motion excites the parameters unevenly: trust torque, and not single parameters",
             Self::ResidualAboveNoise { .. } => {
                 "the model misses something: friction law, torque constant, flexibility, or too narrow a filter; the \
                  intervals hold what the residual shows of it"
@@ -205,16 +220,17 @@ impl Finding {
                  may be the encoders' counts, which repeat with the motion. The intervals hold what the residual shows of it"
             }
             Self::ResidualCorrelated { .. } => "check the residual over time and over velocity for what is missing",
-            Self::FewPeriods { .. } => "record at least 4 periods",
-            Self::NoiseFromResidual => "record a periodic motion at least 4 times to separate noise from model errors",
+            Self::FewPeriods { .. } => "take the intervals as rough",
+            Self::NoNoise => "judge the estimate by its held-out torque",
+            Self::NoiseFromResidual => "the intervals hold what the residual shows of both",
             Self::NearlyDependent { .. } => {
                 "check the geometry: axes that should be parallel, perpendicular or meet may be off by a rounding of the file"
             }
             Self::Outliers { .. } => {
                 "look at these instants: a collision, a slip of the clock, or a law the model lacks"
             }
-            Self::LeftOut { .. } => "excite this parameter more, if it matters; its interval is that of the full model",
-            Self::MotionTakenAsExact => "record a periodic motion at least 4 times to measure the noise of positions",
+            Self::LeftOut { .. } => "its interval is that of the full model",
+            Self::MotionTakenAsExact => "compare with `wls`, which takes it as exact as well",
             Self::HeldBack { .. } => {
                 "beyond the limit, equations and constraint contradict each other: look for a torque that the model lacks"
             }
@@ -282,7 +298,10 @@ impl fmt::Display for Finding {
                 "joint {joint}: neighbouring residuals correlate by {correlation:.2}, the noise by {expected:.2}"
             ),
             Self::FewPeriods { periods } => write!(f, "{periods} periods are too few to estimate the noise"),
-            Self::NoiseFromResidual => write!(f, "no repeated periods: the noise is taken from the residual"),
+            Self::NoNoise => write!(f, "this log has no noise; findings that compare with noise do not apply"),
+            Self::NoiseFromResidual => {
+                write!(f, "the noise is estimated from the residual, so it includes model error")
+            }
             Self::NearlyDependent { parameters, tolerance } => write!(
                 f,
                 "{} left out of the base: the columns differ from the others by less than {tolerance:.0e}",

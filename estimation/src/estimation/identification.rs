@@ -8,7 +8,7 @@ use std::sync::Arc;
 
 use super::stribeck_speed::stribeck_speeds;
 use super::{
-    ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Observation,
+    ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Finding, Observation,
     StribeckSpeeds, Validation, validate,
 };
 use crate::base::{BaseReduction, Method, reduce};
@@ -20,6 +20,15 @@ use crate::signal::Samples;
 
 /// States from which it is decided what a motion reveals, at most.
 const MOTION_STATES: usize = 500;
+
+/// The estimate, where its log has no noise, with one finding that says so in place of those that compare with noise.
+fn without_noise_that_is_not(mut estimate: Estimate, samples: &Samples) -> Estimate {
+    if estimate.findings.iter().any(Finding::compares_with_noise) && samples.is_noise_free() {
+        estimate.findings.retain(|finding| !finding.compares_with_noise());
+        estimate.findings.push(Finding::NoNoise);
+    }
+    estimate
+}
 
 /// Regressor and base parameters of a robot, which every experiment on it shares.
 ///
@@ -129,7 +138,8 @@ impl<'a> Identification<'a> {
     /// [`EstimationError`] where the samples are of another robot or the equations have no answer.
     pub fn estimate(&self, samples: &Samples, estimator: &dyn Estimator) -> Result<Estimate, EstimationError> {
         let observation = self.observation(samples)?;
-        estimator.estimate(&self.problem(&observation, samples))
+        let estimate = estimator.estimate(&self.problem(&observation, samples));
+        estimate.map(|estimate| without_noise_that_is_not(estimate, samples))
     }
 
     /// The same by several estimators, which share one factorisation of the equations.
@@ -144,7 +154,8 @@ impl<'a> Identification<'a> {
         let observation = self.observation(samples)?;
         let equations = Factorisation::new(&observation)?;
         let problem = self.problem(&observation, samples).with_factorisation(&equations);
-        estimators.iter().map(|estimator| estimator.estimate(&problem)).collect()
+        let estimates = estimators.iter().map(|estimator| estimator.estimate(&problem));
+        estimates.map(|estimate| estimate.map(|estimate| without_noise_that_is_not(estimate, samples))).collect()
     }
 
     /// The speeds at which the friction of the joints falls that have a Stribeck column, by variable projection; `None` where no column is one.

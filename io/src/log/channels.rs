@@ -14,6 +14,8 @@ use std::collections::BTreeSet;
 
 use serde::Serialize;
 
+/// Smallest steps in a step from which on a joint moves.
+const MOVING: f64 = 3.0;
 /// Samples in a row from which on a value counts as held.
 const HELD: usize = 10;
 /// The same for a value at the end of a channel.
@@ -92,6 +94,27 @@ pub(super) fn look(q: &[f64], effort: &[f64], n: usize) -> (Vec<ChannelFault>, V
         }
     }
     (faults, excluded)
+}
+
+/// Rows that repeat the positions of the row before while the arm moves: what is written more often than it is read. Runs of ten and
+/// more are standstill or a frozen channel, and a joint that moves by single counts of its encoder is merely slow.
+pub(super) fn repeated_rows(q: &[f64], n: usize) -> usize {
+    let rows: Vec<&[f64]> = q.chunks_exact(n).collect();
+    let step = |k: usize, i: usize| (rows[k][i] - rows[k - 1][i]).abs();
+    let count = |i: usize| (1..rows.len()).map(|k| step(k, i)).filter(|step| *step > 0.0).fold(f64::INFINITY, f64::min);
+    let counts: Vec<f64> = (0..n).map(count).collect();
+    let (mut repeated, mut held) = (0, 0);
+    for k in 1..rows.len() {
+        if rows[k] == rows[k - 1] {
+            held += 1;
+            continue;
+        }
+        if held < HELD && (0..n).any(|i| step(k, i) > MOVING * counts[i]) {
+            repeated += held;
+        }
+        held = 0;
+    }
+    repeated
 }
 
 /// Where a value stays the same: first row and number of rows.
@@ -182,7 +205,7 @@ fn frozen_effort(effort: &[f64], q: &[f64]) -> Vec<usize> {
 
 #[cfg(test)]
 mod tests {
-    use super::{ChannelState, look};
+    use super::{ChannelState, look, repeated_rows};
 
     fn wave(k: usize, amplitude: f64) -> f64 {
         amplitude * (0.01 * k as f64).sin()
@@ -206,6 +229,20 @@ mod tests {
         let rest: Vec<f64> = (0..4000).map(|k| wave(k.clamp(1000, 3000), 1.0)).collect();
         let effort: Vec<f64> = rest.iter().map(|q| 5.0 * q).collect();
         assert!(states(&rest, &effort).is_empty(), "{:?}", states(&rest, &effort));
+    }
+
+    #[test]
+    fn rows_that_repeat_are_counted_and_slow_or_resting_joints_are_not() {
+        let read: Vec<f64> = (0..4000).flat_map(|k| [wave(k, 1.0), wave(k + 300, 0.4)]).collect();
+        assert_eq!(repeated_rows(&read, 2), 0);
+        // Every fifth row is that of the row before.
+        let row = |k: usize| if k % 5 == 4 { k - 1 } else { k };
+        let written: Vec<f64> = (0..4000).flat_map(|k| [read[2 * row(k)], read[2 * row(k) + 1]]).collect();
+        assert_eq!(repeated_rows(&written, 2), 799);
+        let counts: Vec<f64> = read.iter().map(|q| (q / 0.02).round() * 0.02).collect();
+        assert_eq!(repeated_rows(&counts, 2), 0);
+        let rest: Vec<f64> = (0..4000).flat_map(|k| [read[2 * k.max(1000)], read[2 * k.max(1000) + 1]]).collect();
+        assert_eq!(repeated_rows(&rest, 2), 0);
     }
 
     #[test]

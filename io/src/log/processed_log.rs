@@ -1,7 +1,7 @@
 //! Logs that have become samples, and what is done with them.
 
 use armid::calibration::{TransmissionStiffness, transmission_stiffness};
-use armid::diagnosis::{Mistake, Suspicion, diagnose, standing_joints};
+use armid::diagnosis::{Evidence, Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
     ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Observation, ResidualTrends,
     Selection, StribeckSpeeds, TorqueResidual, TorqueSeries, Validation, closed_loop_of, predict, select,
@@ -267,7 +267,9 @@ impl ProcessedLog {
             let at_rest = |joint| Suspicion { mistake: Mistake::AtRest { joint }, cost: 0.0, corrected_cost: 0.0 };
             return Ok(standing.into_iter().map(at_rest).collect());
         }
-        let found = diagnose(&self.robot.robot, columns, &self.samples);
+        let log =
+            Evidence { samples: &self.samples, held_out: self.held_out.first(), nominal: self.robot.guess() };
+        let found = diagnose(&self.robot.robot, columns, &log);
         Ok(found.map_err(|error| Error::new(format!("{}: {error}", self.name())))?.into_iter().collect())
     }
 

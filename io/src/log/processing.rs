@@ -4,7 +4,7 @@ use armid::diagnosis::standing_joints;
 use armid::input::size::PERIOD_SAMPLES;
 use armid::model::Robot;
 use armid::signal::{
-    AperiodicRecord, PeriodicRecord, Samples, SignalError, process, process_aperiodic, process_periods,
+    AperiodicRecord, PeriodicRecord, Samples, SignalError, process, process_aperiodic, process_periods, recurrence,
 };
 
 use super::arrangement::arranged;
@@ -16,10 +16,14 @@ use crate::error::Error;
 use crate::robot::LoadedRobot;
 
 /// What there is to do about a period that does not fit.
-const NO_PERIOD: &str = "without --period the log is taken as a motion without periods";
+const NO_PERIOD: &str = "with --period none the log is taken as a motion without periods";
 
-/// Periods of a log of which the last is held out.
+/// Samples by which the last of the periods that are found in an even log may be off a whole number.
+const LARGEST_SHIFT: f64 = 0.5;
+
+/// Periods of a log of which the last is held out; of at least so many, one.
 const PERIODS_FOR_ONE: usize = 5;
+const LEAST_FOR_ONE: usize = 3;
 
 impl Log {
     /// Samples of a robot: joints in its order, values at its joints, periods with missing samples left out, periods
@@ -126,7 +130,8 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
     if whole.is_empty() {
         return Err(nothing_left(log, settings));
     }
-    match settings.period_s {
+    let (period, whole) = part_that_repeats(log, whole, settings);
+    match period {
         Some(period) => periodic(&whole, &robot.robot, settings, period, share),
         None => {
             let (used, aside) = whole.split(whole.len() - (share * whole.len() as f64).round() as usize);
@@ -134,6 +139,37 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
             Ok((used, if aside.is_empty() { None } else { Some(aperiodic(&aside, &robot.robot, settings)?) }))
         }
     }
+}
+
+/// The period, and the part in which it repeats, of what settings leave of a log: as they are stated, or as they are found in it, which is remarked upon.
+fn part_that_repeats(log: &mut Log, whole: Log, settings: &LogSettings) -> (Option<f64>, Log) {
+    let states_part = settings.from_s > 0.0 || settings.until_s.is_some();
+    let states_all = settings.period_s.is_some() && states_part;
+    let [segment] = whole.segments[..] else { return (settings.period_s, whole) };
+    if !settings.finds_period || states_all || settings.measured_velocity {
+        return (settings.period_s, whole);
+    }
+    let rate_hz = whole.rate_hz;
+    let Some(found) = recurrence(&whole.q, whole.dof, settings.period_s.map(|period_s| period_s * rate_hz)) else {
+        return (settings.period_s, whole);
+    };
+    let mut samples = found.period_samples;
+    // Uneven logs are brought onto a grid that the period fits; the samples of even ones stay.
+    if settings.period_s.is_none() && log.origin.timing.as_ref().is_none_or(|timing| timing.even) {
+        samples = samples.round();
+        if (samples - found.period_samples).abs() * found.periods as f64 > LARGEST_SHIFT {
+            return (None, whole);
+        }
+    }
+    let (period_s, from_s) = (samples / rate_hz, segment.start_s + found.first as f64 / rate_hz);
+    let periods = found.periods;
+    log.origin.remarks.push(match settings.period_s {
+        Some(_) => format!("{periods} periods of {period_s:.1} s found, from {from_s:.1} s"),
+        None => format!("{period_s:.1} s period found, {periods} of them from {from_s:.1} s"),
+    });
+    // A grid of another step may need the sample behind the last.
+    let end = (found.first + (periods as f64 * samples).ceil() as usize + 1).min(segment.samples);
+    (Some(period_s), whole.pieces(|_, _| (found.first, end)))
 }
 
 /// The times to begin and to end at leave no sample.
@@ -234,8 +270,8 @@ fn periodic(
     }
     let aside = if settings.held_out.is_share() {
         (share * starts.len() as f64).round() as usize
-    } else if share > 0.0 {
-        starts.len() / PERIODS_FOR_ONE
+    } else if share > 0.0 && starts.len() >= LEAST_FOR_ONE {
+        (starts.len() / PERIODS_FOR_ONE).max(1)
     } else {
         0
     };

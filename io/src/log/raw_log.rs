@@ -11,6 +11,9 @@ use super::origin::Origin;
 use super::stamps::{SegmentRows, Stamps};
 use crate::error::Error;
 
+/// Part of the rows from which on it is said that they repeat the row before.
+const REPEATED: f64 = 0.01;
+
 /// Rows of a log: a value that is missing is NaN.
 #[derive(Clone, Debug)]
 pub(super) struct RawLog {
@@ -75,6 +78,14 @@ impl RawLog {
             self.link_q = self.link_q.as_deref().map(pick);
         }
         let (faults, excluded) = channels::look(&self.q, &self.effort, n);
+        let repeated = channels::repeated_rows(&self.q, n) as f64 / kept.len().max(1) as f64;
+        if repeated >= REPEATED {
+            let remark = format!(
+                "{:.0} % of the rows repeat the positions of the row before: the log was written more often than the positions were read",
+                100.0 * repeated
+            );
+            self.origin.remarks.push(remark);
+        }
         let rate_hz = stamps.timing.rate_hz;
         let mut log = Log {
             rate_hz,

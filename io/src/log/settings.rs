@@ -40,7 +40,10 @@ impl HeldOut {
 pub struct LogSettings {
     /// Period of a log that does not say it, s; without one it is taken as not periodic.
     pub period_s: Option<f64>,
-    /// Where a log that does not say what counts begins to count, s.
+    /// Whether the period, and the part in which it repeats, are looked for in a log where they are not stated.
+    #[serde(default)]
+    pub finds_period: bool,
+    /// Start of the part that is used, s. Ignored for logs that mark it themselves.
     pub from_s: f64,
     /// Where it ends to count, s; at its end where it is `None`.
     pub until_s: Option<f64>,
@@ -60,6 +63,7 @@ impl Default for LogSettings {
     fn default() -> Self {
         Self {
             period_s: None,
+            finds_period: false,
             from_s: 0.0,
             until_s: None,
             held_out: HeldOut::default(),

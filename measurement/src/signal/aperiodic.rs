@@ -90,6 +90,8 @@ impl<'a> AperiodicRecord<'a> {
     }
 }
 
+/// Length of an edge, in periods of the cut-off: what the reflection adds has fallen to a hundredth by then.
+const EDGE_CYCLES: f64 = 2.0;
 /// Fewest samples that can be processed.
 const SHORTEST: usize = 8;
 
@@ -101,6 +103,23 @@ fn keep<T: Copy>(table: &mut Vec<T>, kept: &[Range<usize>], n: usize) {
         to += samples.len() * n;
     }
     table.truncate(to);
+}
+
+/// Leaves out the blocks of samples that begin or end within `edge` samples of the ends of a segment, at most an eighth of it: the
+/// filter continues a motion there by point reflection, which turns its acceleration round.
+fn leave_out_edges(used: &mut [bool], segments: &[Range<usize>], [block, n]: [usize; 2], edge: f64) {
+    let mut before = 0;
+    for count in segments.iter().map(Range::len) {
+        let edge = (edge.ceil() as usize).min(count / 8);
+        for (m, block_used) in used.chunks_exact_mut(n).enumerate() {
+            let (first, end) = (m * block, (m + 1) * block);
+            let inside = first >= before && end <= before + count;
+            if inside && (first < before + edge || end + edge > before + count) {
+                block_used.fill(false);
+            }
+        }
+        before += count;
+    }
 }
 
 /// Processes a record without periods by zero-phase low pass and central differences. `rate_hz` is the rate of the
@@ -167,6 +186,7 @@ pub fn process_aperiodic(
         }
     }
     let mut used = used_blocks(&states, block, processing.reversal_fraction);
+    leave_out_edges(&mut used, &kept, [block, n], EDGE_CYCLES / cutoff_hz * record.rate_hz);
     for (block, rows) in used.chunks_exact_mut(n).zip(excluded.chunks(n * block)) {
         for (i, used) in block.iter_mut().enumerate() {
             *used &= !rows.iter().skip(i).step_by(n).any(|&excluded| excluded);

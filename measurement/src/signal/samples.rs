@@ -60,6 +60,22 @@ pub struct Samples {
     pub provenance: Option<Provenance>,
 }
 
+/// Noise over torque below which there is none: no sensor resolves so little.
+const NO_NOISE: f64 = 1e-5;
+/// Order of the differences in which a smooth motion leaves noise alone.
+const ORDER: i32 = 6;
+
+/// Standard deviation of white noise by the median of its sixth differences, whose variance is 12!/(6!)² = 924 times its own; the median
+/// passes over the steps of dry friction.
+fn noise_of_differences(mut x: Vec<f64>) -> f64 {
+    for _ in 0..ORDER {
+        x = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    }
+    let mut sizes: Vec<f64> = x.iter().map(|x| x.abs()).collect();
+    sizes.sort_by(f64::total_cmp);
+    sizes.get(sizes.len() / 2).map_or(f64::INFINITY, |median| median / (0.6745 * 924.0_f64.sqrt()))
+}
+
 impl Serialize for Samples {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         Self::serialize(self, serializer)
@@ -133,6 +149,20 @@ impl Samples {
     #[must_use]
     pub fn blocks(&self) -> usize {
         self.len() / self.block.max(1)
+    }
+
+    /// Whether the torque has no noise, as that of a rehearsal: its scatter over periods, or without periods its sixth differences, which
+    /// a smooth motion hardly has, are below 1e-5 of it at every joint.
+    #[must_use]
+    pub fn is_noise_free(&self) -> bool {
+        let n = self.dof();
+        let column = |i: usize| self.tau.iter().skip(i).step_by(n).copied().collect::<Vec<f64>>();
+        let noise = |i: usize| match &self.torque_covariance {
+            Some(covariance) => covariance[(i, i)].max(0.0).sqrt(),
+            None => noise_of_differences(column(i)),
+        };
+        let rms = |i: usize| (column(i).iter().map(|x| x * x).sum::<f64>() / self.len().max(1) as f64).sqrt();
+        !self.is_empty() && (0..n).all(|i| noise(i) <= NO_NOISE * rms(i))
     }
 
     /// Means over blocks of a row-major table of one row per sample and `width` columns: M × `width`.
@@ -259,5 +289,35 @@ impl Samples {
             torque_band_hz: None,
             provenance: None,
         }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use rand_distr::{Distribution, StandardNormal};
+
+    use super::{Samples, noise_of_differences};
+    use crate::dynamics::States;
+    use crate::seed::Seed;
+
+    #[test]
+    fn analytic_noise_is_seen_in_sixth_differences_and_a_smooth_motion_with_dry_friction_has_none() {
+        let mut rng = Seed::new(2).stream("noise", 0);
+        let mut samples = |noise: f64| {
+            let (mut states, mut tau) = (States::new(1), Vec::new());
+            for k in 0..4000 {
+                let t = f64::from(k) * 0.002;
+                let (sine, cosine) = (libm::sin(6.0 * t), libm::cos(6.0 * t));
+                states.push(&[sine], &[6.0 * cosine], &[-36.0 * sine]);
+                let z: f64 = StandardNormal.sample(&mut rng);
+                tau.push(10.0 * sine + 2.0 * cosine.signum() + noise * z);
+            }
+            Samples::exact(states, tau, vec!["N·m".to_owned()], 500.0)
+        };
+        assert!(samples(0.0).is_noise_free());
+        let noisy = samples(1e-3);
+        assert!(!noisy.is_noise_free());
+        let found = noise_of_differences(noisy.tau);
+        assert!((found / 1e-3 - 1.0).abs() < 0.1, "{found}");
     }
 }

@@ -7,8 +7,10 @@
 //! taken out of it first, so that a shape that the model has is not tested, and θ is the coefficient of one that it lacks. P weights
 //! joints with their residual.
 //!
-//! p-values are adjusted (Holm) over all joints and shapes of one figure. A shape that is found need not be the cause: shapes
-//! resemble each other, of several only the least probable without it is named for each joint.
+//! p-values are adjusted (Holm) over all joints and shapes of one figure. A shape is named where it takes at least 5 % of the power of the
+//! joint's residual and has one sign in four of five parts of the record. In a motion of one harmonic a spring is an inertia (q ∝ q̈),
+//! and is not tested. A shape that is found need not be the cause: shapes resemble each other, and only the one that takes most is
+//! named for each joint.
 
 mod shape;
 #[cfg(test)]

@@ -13,6 +13,17 @@ use crate::statistics::{holm_adjusted, student_p_value, student_quantile};
 /// Part of a shape below which nothing of it is left beside the model: rounding of the projection.
 const IN_THE_MODEL: f64 = 1e-5;
 
+/// Share of the power of a joint's residual from which on a shape is named: less matters to nobody.
+const LEAST_SHARE: f64 = 0.05;
+
+/// Parts of the record in which a shape is fitted again, and those in which it must have the same sign.
+const PARTS: usize = 5;
+const ALIKE_PARTS: usize = 4;
+
+/// Part of the variance of a joint's position that its acceleration explains from which on a spring cannot be told from an inertia: the
+/// motion is of one harmonic.
+const ONE_HARMONIC: f64 = 0.9;
+
 /// Level of the tests, over all joints and shapes of a figure.
 const LEVEL: f64 = 0.05;
 
@@ -67,6 +78,8 @@ pub struct JointTrace {
     pub load: Vec<f64>,
     /// Position.
     pub position: Vec<f64>,
+    /// Acceleration.
+    pub acceleration: Vec<f64>,
 }
 
 /// What the residual of an estimate's own equations shows.
@@ -80,6 +93,8 @@ pub struct ResidualTrends {
     pub whiteness: Vec<Option<Whiteness>>,
     /// The residuals.
     pub traces: Vec<JointTrace>,
+    /// Whether the torque has no noise, so that nothing was tested.
+    pub noise_free: bool,
 }
 
 impl ResidualTrends {
@@ -109,7 +124,8 @@ impl ResidualTrends {
         let residual = observation.residual(&beta);
         let load = &observation.regressor * of_links(observation, &beta);
         let means = |values: &[f64]| samples.block_means(values, n);
-        let (position, velocity) = (means(&samples.states.q), means(&samples.states.qd));
+        let states = &samples.states;
+        let [position, velocity, acceleration] = [&states.q, &states.qd, &states.qdd].map(|values| means(values));
         let step_s = samples.block as f64 / samples.rate_hz;
         let rows = |joint: usize| (joint..observation.used.len()).step_by(n);
         let traces = (0..n).map(|joint| {
@@ -121,6 +137,7 @@ impl ResidualTrends {
                 velocity: of(&velocity),
                 load: of(load.as_slice()),
                 position: of(&position),
+                acceleration: of(&acceleration),
             }
         });
         let traces: Vec<JointTrace> = traces.collect();
@@ -138,7 +155,8 @@ impl ResidualTrends {
         let kinds: Vec<JointKind> = robot.joints().iter().map(|joint| joint.kind).collect();
         let tests = Tests::new(observation, &residual)?;
         let (mut trends, mut tested) = (Vec::new(), Vec::new());
-        for against in Against::ALL {
+        let noise_free = samples.is_noise_free();
+        for against in Against::ALL.into_iter().filter(|_| !noise_free) {
             // The averaged period has no beginning and no end.
             if against == Against::Time && observation.periodic {
                 continue;
@@ -154,12 +172,15 @@ impl ResidualTrends {
             trends.extend(strongest(all, n));
         }
         trends.sort_by(|a, b| b.share.total_cmp(&a.share));
-        Ok(Self { trends, tested, whiteness, traces })
+        Ok(Self { trends, tested, whiteness, traces, noise_free })
     }
 
     /// Sentences on what the residual follows of a variable, the largest share first; one that says so where it follows nothing.
     #[must_use]
     pub fn sentences(&self, against: Against, joints: &[String]) -> Vec<String> {
+        if self.noise_free {
+            return vec!["This log has no noise: a residual of rounding and filters has no shape to name.".to_owned()];
+        }
         let Some((_, tests)) = self.tested.iter().find(|(tested, _)| *tested == against) else {
             return vec!["Periods were averaged: nothing is said of a drift over the record.".to_owned()];
         };
@@ -187,7 +208,7 @@ fn strongest(mut all: Vec<Trend>, joints: usize) -> Vec<Trend> {
         trend.p_adjusted = adjusted;
     }
     let of = |joint: usize| {
-        let own = all.iter().filter(|trend| trend.joint == joint && trend.p_adjusted < LEVEL);
+        let own = all.iter().filter(|trend| trend.joint == joint && trend.p_adjusted < LEVEL && trend.share >= LEAST_SHARE);
         own.max_by(|a, b| a.share.total_cmp(&b.share)).cloned()
     };
     (0..joints).filter_map(of).collect()
@@ -271,9 +292,17 @@ impl<'a> Tests<'a> {
         if size <= 0.0 || self.weights[joint] <= 0.0 || beside.norm() <= IN_THE_MODEL * size {
             return None;
         }
+        if shape == ResidualShape::Spring && explained(&trace.position, &trace.acceleration) > ONE_HARMONIC {
+            return None;
+        }
         let z = self.weighted(&beside);
         let information = z.dot(&beside);
         let slope = z.dot(&self.residual) / information;
+        let part = |rows: &[usize]| rows.iter().map(|&row| z[row] * self.residual[row]).sum::<f64>();
+        let alike = rows.chunks(rows.len().div_ceil(PARTS)).filter(|rows| part(rows) * slope > 0.0).count();
+        if alike < ALIKE_PARTS {
+            return None;
+        }
         // A shape that is in the residual is no noise: slow ones would pass for a long correlation.
         let noise = residual_noise(self.observation, &(&self.residual - &beside * slope));
         let columns = DMatrix::from_column_slice(z.len(), 1, z.as_slice());
@@ -290,6 +319,18 @@ impl<'a> Tests<'a> {
         let unit = shape.unit(kind);
         Some(Trend { joint, shape, slope, ci95: [slope - t * std, slope + t * std], unit, p_adjusted, share })
     }
+}
+
+/// Part of the variance of one quantity that another explains.
+fn explained(x: &[f64], by: &[f64]) -> f64 {
+    let mean = |values: &[f64]| values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let (x_mean, by_mean) = (mean(x), mean(by));
+    let (mut xx, mut xy, mut yy) = (0.0, 0.0, 0.0);
+    for (x, y) in x.iter().zip(by) {
+        let (x, y) = (x - x_mean, y - by_mean);
+        (xx, xy, yy) = (xx + x * x, xy + x * y, yy + y * y);
+    }
+    xy * xy / (xx * yy).max(f64::MIN_POSITIVE)
 }
 
 /// Three digits.

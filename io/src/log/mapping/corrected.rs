@@ -50,6 +50,9 @@ fn one(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], mistake: &Mistake
         Mistake::Radians => change(&mut mapping, &positions[..1], &|map| map.unit = Some(Unit::Rad)),
         Mistake::PositionSign { joint } => change(&mut mapping, &positions, &|map| turn(map, joint, dof)),
         Mistake::EffortSign { joint } => change(&mut mapping, &efforts, &|map| turn(map, joint, dof)),
+        Mistake::EffortsReversed { .. } => change(&mut mapping, &efforts, &|map| {
+            map.sign = Some(map.sign.as_deref().unwrap_or(&[1.0]).iter().map(|sign| -sign).collect());
+        }),
         Mistake::PositionsSwapped { joints } => exchange(&mut mapping, &positions, joints),
         Mistake::EffortsSwapped { joints } => exchange(&mut mapping, &efforts, joints),
         Mistake::JointsSwapped { joints } => {
@@ -108,6 +111,7 @@ fn one(read_as: &Mapping, columns: &[(Quantity, Vec<String>)], mistake: &Mistake
         }
         Mistake::NoEffort { .. }
         | Mistake::Gravity { .. }
+        | Mistake::EffortsSmall { .. }
         | Mistake::EitherSign { .. }
         | Mistake::PositionScale { .. }
         | Mistake::EffortScale { .. }
@@ -159,6 +163,7 @@ mod tests {
             (Mistake::PositionsSwapped { joints: [1, 3] }, "t=#1, q=c/b/a deg sign=-1, tau=#[5-7]"),
             (Mistake::EffortsSwapped { joints: [1, 2] }, "t=#1, q=a/b/c deg sign=-1, tau=#6/#5/#7"),
             (Mistake::PositionSign { joint: 2 }, "t=#1, q=a/b/c deg sign=-1/1/-1, tau=#[5-7]"),
+            (Mistake::EffortsReversed { slope: None }, "t=#1, q=a/b/c deg sign=-1, tau=#[5-7] sign=-1"),
             (Mistake::EffortSign { joint: 3 }, "t=#1, q=a/b/c deg sign=-1, tau=#[5-7] sign=1/1/-1"),
             (
                 Mistake::ZeroOffset { joint: 1, degrees: -90.0 },
