@@ -12,7 +12,7 @@ import mujoco
 import numpy as np
 import pinocchio as pin
 
-from makers_arms import ROBOTS, armid, least_chi_squared
+from makers_arms import ROBOTS, armid
 
 PERIOD, HARMONICS, RATE, TIME = 10.0, 5, 100, 40.0
 # Standard deviation of the noise of a joint's torque, as a part of its RMS; time by which a stamp is off its even place, s.
@@ -139,22 +139,21 @@ class ForeignLog(unittest.TestCase):
         self.assertEqual(done.returncode, 0, done.stdout[:2000] + done.stderr[:2000])
 
         urdf, mjcf = folder / "arm.urdf", folder / "arm.xml"
+        # The rotors carry torque that URDF has no place for: the answer says how much.
         done = armid("export", estimate, "--to", "urdf", "-o", urdf, "--json")
-        self.assertEqual(done.returncode, 0, done.stdout[:2000] + done.stderr[:2000])
+        self.assertIn(done.returncode, (0, 1), done.stdout[:2000] + done.stderr[:2000])
         exported = json.loads(done.stdout)
-        self.assertIn("rotor inertia", exported["left_out"]["terms"])
-        reduction = json.loads(armid("reduce", arm.path, "--columns", answer["columns"], "--json").stdout)
-        least = least_chi_squared(reduction, json.loads(estimate.read_text(encoding="utf-8")), exported)
-        self.assertLessEqual(exported["chi_squared"], 1.02 * least + 0.05)
+        self.assertIn("rotor inertia", exported["left_out"])
+        self.assertEqual(done.returncode == 0, exported["prediction"]["good"])
+        if done.returncode == 1:
+            self.assertIn("rotor inertia", [lacking["term"] for lacking in exported["lacking"]])
+        # Pinocchio predicts the log as the answer says.
+        read = pin.buildModelFromUrdf(str(urdf))
+        predicted = torque(read, read.damping, read.friction, *states)
+        error = np.linalg.norm(measured - predicted) / np.linalg.norm(measured)
+        self.assertAlmostEqual(error, exported["prediction"]["file"]["fit"], delta=0.02)
         done = armid("export", estimate, "--to", "mjcf", "-o", mjcf)
         self.assertEqual(done.returncode, 0, done.stdout[:2000] + done.stderr[:2000])
-
-        values = {parameter["name"]: parameter["value"] for parameter in exported["parameters"]}
-        offset = np.array([values.get(f"Fo{i + 1}", 0.0) for i in range(n)])
-        # Pinocchio: what URDF has no place for comes from the answer of the export.
-        read = pin.buildModelFromUrdf(str(urdf))
-        read.armature = np.array([values[f"Ia{i + 1}"] for i in range(n)])
-        self.within_noise(torque(read, read.damping, read.friction, *states) + offset, measured, noise)
         for body in bodies_of_urdf(urdf):
             self.assertGreater(np.linalg.eigvalsh(pseudo_inertia(*body))[0], 0, body)
 
@@ -166,7 +165,7 @@ class ForeignLog(unittest.TestCase):
             mujoco.mj_inverse(model, data)
             found.append(data.qfrc_inverse.copy())
         found = np.array(found) + friction(0.0, coulomb, states[1])
-        self.within_noise(found + offset, measured, noise)
+        self.within_noise(found, measured, noise)
         self.assertTrue((model.dof_armature >= 0).all() and (model.dof_damping >= 0).all() and (coulomb >= 0).all())
         for mass, inertia in zip(model.body_mass[1:], model.body_inertia[1:]):
             if mass > 0:

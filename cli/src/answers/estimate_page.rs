@@ -31,26 +31,7 @@ pub(crate) fn report(
 ) -> Result<PathBuf> {
     let text = Text::read(path)?;
     let estimate = estimate::parse(&text)?;
-    let Some(inputs) = Inputs::of_estimate(&text)? else {
-        let message = format!("{} does not state which logs it was made from", text.name);
-        return Err(Error::new(message).help("identify again, with -o").into());
-    };
-    let logs: Vec<PathBuf> = inputs.logs.iter().map(PathBuf::from).collect();
-    let chain = ChainArguments {
-        base_link: chain.base_link.clone().or_else(|| inputs.robot.base_link.clone()),
-        tip_link: chain.tip_link.clone().or_else(|| inputs.robot.tip_link.clone()),
-    };
-    let arguments = LogArguments::of_robot(robot.map(str::to_owned), chain);
-    let (mut prepared, now) =
-        arguments.process(&logs, Some(&inputs), inputs.settings.held_out, Some(&inputs.settings))?;
-    inputs.check_files(&now.files, &text.name)?;
-    inputs.check_robot(&prepared.robot, &text.name)?;
-    if let Some(other) = &inputs.held_out_log {
-        let settings = inputs.settings.clone();
-        let (others, _) =
-            arguments.process(&[PathBuf::from(other)], Some(&inputs), settings.held_out, Some(&settings))?;
-        prepared.hold_out(&others);
-    }
+    let (prepared, inputs) = LogArguments::of_robot(robot.map(str::to_owned), chain.clone()).again(&text, &[], |_| {})?;
     let page = Page { estimate: &estimate, prepared: &prepared, name: &text.name };
     let input = page.input(&inputs)?;
     let fault = |error: armid_reports::DocumentError| Error::new(format!("the report cannot be drawn: {error}"));

@@ -8,6 +8,8 @@ pub(crate) mod estimate;
 pub(crate) mod estimate_page;
 pub(crate) mod exchange;
 pub(crate) mod findings;
+pub(crate) mod model_file;
+pub(crate) mod model_prediction;
 pub(crate) mod payload;
 pub(crate) mod robots;
 pub(crate) mod run;

@@ -8,7 +8,7 @@ use armid::provenance::sha256;
 use armid::signal::{Derivatives, Processing};
 use armid_io::inputs::RobotSource;
 use armid_io::log::{FoundLogs, HeldOut, find, is_joint_states, is_table, process_all};
-use armid_io::{Error, Inputs, LoadedRobot, LogSettings, ProcessedLog};
+use armid_io::{Error, Inputs, LoadedRobot, LogSettings, ProcessedLog, Text};
 
 use super::{ChainArguments, one_of};
 
@@ -89,6 +89,17 @@ impl LogArguments {
         Self { robot, chain, ..Self::default() }
     }
 
+    /// A model file, whose chain is the one that is asked for.
+    pub(crate) fn model(&self, name: &str) -> Result<LoadedRobot, Error> {
+        self.chain.load(name)
+    }
+
+    /// The same logs of this robot, unless another is named.
+    pub(crate) fn with_robot(mut self, robot: &str) -> Self {
+        self.robot.get_or_insert_with(|| robot.to_owned());
+        self
+    }
+
     /// Reads logs and processes them. What was not said is as `remembered` has it: what an estimate was made with; `exactly`
     /// are settings that hold in any case.
     pub(crate) fn process(
@@ -122,6 +133,34 @@ impl LogArguments {
         let rate_hz = rate_hz.filter(|_| names_itself);
         let logs = paths.iter().map(|path| path.display().to_string()).collect();
         Ok((prepared, Inputs { robot: source, logs, held_out_log: None, files, mapping, rate_hz, settings }))
+    }
+
+    /// The logs that an estimate was made from, read and processed again, with what it held out; and what it was made from. `moved` is
+    /// where the logs are now, if anything; `change` is what differs from the settings of the estimate.
+    pub(crate) fn again(
+        &self,
+        estimate: &Text,
+        moved: &[PathBuf],
+        change: impl Fn(&mut LogSettings),
+    ) -> Result<(ProcessedLog, Inputs), Error> {
+        let Some(inputs) = Inputs::of_estimate(estimate)? else {
+            let message = format!("{} does not state which logs it was made from", estimate.name);
+            return Err(Error::new(message).help("identify again, with -o"));
+        };
+        let base_link = self.chain.base_link.clone().or_else(|| inputs.robot.base_link.clone());
+        let tip_link = self.chain.tip_link.clone().or_else(|| inputs.robot.tip_link.clone());
+        let arguments = Self::of_robot(self.robot.clone(), ChainArguments { base_link, tip_link });
+        let mut settings = inputs.settings.clone();
+        change(&mut settings);
+        let read = |logs: &[PathBuf]| arguments.process(logs, Some(&inputs), settings.held_out, Some(&settings));
+        let logs = if moved.is_empty() { inputs.logs.iter().map(PathBuf::from).collect() } else { moved.to_vec() };
+        let (mut prepared, now) = read(&logs)?;
+        inputs.check_files(&now.files, &estimate.name)?;
+        inputs.check_robot(&prepared.robot, &estimate.name)?;
+        if let Some(other) = &inputs.held_out_log {
+            prepared.hold_out(&read(&[PathBuf::from(other)])?.0);
+        }
+        Ok((prepared, inputs))
     }
 
     /// The robot whose joints are looked for in joint states, where it is named outside of them.

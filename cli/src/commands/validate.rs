@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use armid::estimation::{Estimate, TorqueResidual, Validation};
+use armid::estimation::{Model, TorqueResidual, Validation};
 use armid_io::log::HeldOut;
 use armid_io::{Error, Inputs, ProcessedLog, Text, estimate};
 use miette::Result;
@@ -21,16 +21,19 @@ would be used for a fit: those where the joint moves faster than 2 % of its top 
 is faulty. The shares over all rows and in total, below a fixed --bandwidth-hz, are listed beside it.
 Robot, mapping and processing are those of the estimate unless others are given; its paths are looked for
 from the current folder, then beside E.json. A log of the fit itself is remarked upon: it validates nothing.
+A URDF or MJCF in the place of an estimate is predicted with as it is, with its own inertias, damping,
+friction and armature; --base-link and --tip-link say which chain of it moves.
 
 Examples:
   armid validate E.json other.mcap
-  armid validate E.json log.csv --robot crs-a460 --period 10 --limit 0.05 --json";
+  armid validate E.json log.csv --robot crs-a460 --period 10 --limit 0.05 --json
+  armid validate arm.urdf log.csv --map \"t=time_ms ms, q=pos_[1-6] deg, tau=torque_[1-6]\"";
 
 /// Predict the efforts of a recording that was not used for the estimate
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// The estimate, a JSON file of `armid identify`
+    /// The estimate, a JSON file of `armid identify`, or a model: a URDF or MJCF
     estimate: PathBuf,
     /// The logs: MCAP, tables, or TOML files with a [log] table
     #[arg(required = true, value_name = "LOG")]
@@ -47,6 +50,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         return Err(Error::new(format!("--limit is {}, expected a number above zero", arguments.limit)).into());
     }
     let text = Text::read(&arguments.estimate)?;
+    if text.content.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
+        return validate_model(arguments, &text.name, console);
+    }
     let estimates = estimate::parse_all(&text)?;
     let inputs = Inputs::of_estimate(&text)?;
     let (prepared, now) = arguments.log.process(&arguments.logs, inputs.as_ref(), HeldOut::Nothing, None)?;
@@ -63,9 +69,31 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     let mut verdicts = Vec::new();
     for estimate in &estimates {
-        verdicts.push(Verdict::of(estimate, &prepared, arguments.limit, &text, &remarks)?);
+        let validation = prepared.validate(estimate, &text.name)?;
+        let (residual, _) = prepared.residual(estimate, &text.name)?;
+        let (by, limit, remarks) = (estimate.estimator.as_str(), arguments.limit, remarks.as_slice());
+        verdicts.push(Verdict { by, prepared: &prepared, validation, residual, limit, remarks });
     }
-    let json = match verdicts.as_slice() {
+    deliver(&verdicts, console)
+}
+
+/// The same of a model file, which is its own robot unless another one reads the log.
+fn validate_model(arguments: &Arguments, name: &str, console: &Console) -> Result<Ending> {
+    let loaded = arguments.log.model(name)?;
+    let Some(parameters) = &loaded.own else {
+        return Err(Error::new(format!("{name} states no inertias, expected a URDF or MJCF that does")).into());
+    };
+    let log = arguments.log.clone().with_robot(name);
+    let (prepared, _) = log.process(&arguments.logs, None, HeldOut::Nothing, None)?;
+    let model = Model { robot: &loaded.robot, parameters };
+    let validation = prepared.validate_model(&model, name)?;
+    let (residual, _) = prepared.model_residual(&model, name)?;
+    let (limit, remarks) = (arguments.limit, loaded.remarks.as_slice());
+    deliver(&[Verdict { by: name, prepared: &prepared, validation, residual, limit, remarks }], console)
+}
+
+fn deliver(verdicts: &[Verdict<'_>], console: &Console) -> Result<Ending> {
+    let json = match verdicts {
         [one] => one.json(),
         several => several.iter().map(Verdict::json).collect(),
     };
@@ -75,7 +103,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 }
 
 struct Verdict<'a> {
-    estimate: &'a Estimate,
+    /// The estimator, or the file of a model.
+    by: &'a str,
     prepared: &'a ProcessedLog,
     validation: Validation,
     residual: TorqueResidual,
@@ -84,19 +113,7 @@ struct Verdict<'a> {
     remarks: &'a [String],
 }
 
-impl<'a> Verdict<'a> {
-    fn of(
-        estimate: &'a Estimate,
-        prepared: &'a ProcessedLog,
-        limit: f64,
-        text: &Text,
-        remarks: &'a [String],
-    ) -> Result<Self> {
-        let validation = prepared.validate(estimate, &text.name)?;
-        let (residual, _) = prepared.residual(estimate, &text.name)?;
-        Ok(Self { estimate, prepared, validation, residual, limit, remarks })
-    }
-
+impl Verdict<'_> {
     fn passed(&self) -> bool {
         self.validation.is_within(self.limit)
     }
@@ -107,8 +124,8 @@ impl<'a> Verdict<'a> {
 
     fn json(&self) -> Value {
         json!({
-            "estimator": self.estimate.estimator,
-            "robot": self.estimate.robot,
+            "estimator": self.by,
+            "robot": self.prepared.robot.robot.name(),
             "recording": self.prepared.name(),
             "rms": self.validation.rms,
             "units": self.validation.units,
@@ -125,7 +142,7 @@ impl<'a> Verdict<'a> {
         let mut text = format!(
             "{} by {}: {} (limit {} %)\n\n",
             self.prepared.name(),
-            self.estimate.estimator,
+            self.by,
             Self::word(self.passed()),
             number(100.0 * self.limit)
         );

@@ -32,6 +32,7 @@ mod instruments;
 mod kind;
 mod law;
 mod linear_fit;
+mod model_fit;
 mod motion;
 mod observation;
 mod ordinary;
@@ -64,7 +65,7 @@ pub use closed_loop::{
 };
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
-pub use consistent_set::{ConsistentSet, consistent_set};
+pub use consistent_set::ConsistentSet;
 pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, moved_by_gains};
 pub use error::{EstimationError, ProblemPart};
 pub use essential::EssentialParameters;
@@ -77,6 +78,7 @@ pub use inference::{Inference, solve};
 pub use instruments::Instruments;
 pub use kind::EstimatorKind;
 pub use law::{EstimatorLaw, LawException};
+pub use model_fit::{BodyOrigin, ModelFit, ModelGuess, PriorWeight, fit_model};
 pub use motion::{MaximumLikelihood, TotalLeastSquares};
 pub use observation::Observation;
 pub use ordinary::OrdinaryLeastSquares;
@@ -85,7 +87,7 @@ pub use physical::{
     ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
     EntropicPrior, EuclideanPrior, PullbackPrior,
 };
-pub use prediction::{Validation, predict, validate};
+pub use prediction::{Model, Validation, predict, validate};
 pub use problem::EstimationProblem;
 pub use recursive::{ExtendedKalmanFilter, ParticleFilter};
 pub use residual::{residual_noise, scatter_noise};

@@ -2,7 +2,8 @@
 
 use super::residual::joint_rms;
 use super::{Estimate, EstimationError};
-use crate::dynamics::States;
+use crate::dynamics::{Dynamics, States};
+use crate::model::{Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;
 
@@ -40,6 +41,38 @@ pub fn predict(
     Ok(torque)
 }
 
+/// A robot with all of its parameters, as a file of it says: what predicts torque without an estimate.
+#[derive(Clone, Copy, Debug)]
+pub struct Model<'a> {
+    /// The robot.
+    pub robot: &'a Robot,
+    /// Its parameters.
+    pub parameters: &'a StandardParameters,
+}
+
+impl Model<'_> {
+    /// Torque of its inverse dynamics for states, N × n row-major, N·m (N).
+    ///
+    /// # Errors
+    /// [`EstimationError::Count`] where the states or the parameters are of another arm.
+    pub fn predict(&self, states: &States) -> Result<Vec<f64>, EstimationError> {
+        let n = self.robot.dof();
+        for (quantity, found) in
+            [("joints of the states", states.dof), ("links of the parameters", self.parameters.links.len())]
+        {
+            if found != n {
+                return Err(EstimationError::Count { quantity, found, expected: n });
+            }
+        }
+        let mut dynamics = Dynamics::new(self.robot, self.parameters);
+        let mut torque = vec![0.0; n * states.len()];
+        for (k, tau) in torque.chunks_exact_mut(n).enumerate() {
+            dynamics.inverse(states.q(k), states.qd(k), states.qdd(k), tau);
+        }
+        Ok(torque)
+    }
+}
+
 /// How well an estimate predicts torque that was not used to make it.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct Validation {
@@ -52,6 +85,23 @@ pub struct Validation {
 }
 
 impl Validation {
+    /// Compares the torque of a model with samples, as [`validate`] does that of an estimate.
+    ///
+    /// # Errors
+    /// As [`Model::predict`].
+    pub fn of_model(model: &Model<'_>, samples: &Samples) -> Result<Self, EstimationError> {
+        Ok(Self::of_predicted(&model.predict(&samples.states)?, samples))
+    }
+
+    fn of_predicted(predicted: &[f64], samples: &Samples) -> Self {
+        let n = samples.dof();
+        let (measured, predicted) = (samples.block_means(&samples.tau, n), samples.block_means(predicted, n));
+        let difference: Vec<f64> = measured.iter().zip(&predicted).map(|(measured, model)| measured - model).collect();
+        let (rms, measured) = (joint_rms(&difference, &samples.used, n), joint_rms(&measured, &samples.used, n));
+        let relative_rms = rms.iter().zip(&measured).map(|(&r, &m)| if m > 0.0 { r / m } else { 0.0 }).collect();
+        Self { rms, units: samples.units.clone(), relative_rms }
+    }
+
     /// Whether every joint's relative difference is at most `limit`.
     #[must_use]
     pub fn is_within(&self, limit: f64) -> bool {
@@ -69,11 +119,5 @@ pub fn validate(
     regressor: &JointTorqueRegressor,
     samples: &Samples,
 ) -> Result<Validation, EstimationError> {
-    let predicted = predict(estimate, regressor, &samples.states)?;
-    let n = samples.dof();
-    let (measured, predicted) = (samples.block_means(&samples.tau, n), samples.block_means(&predicted, n));
-    let difference: Vec<f64> = measured.iter().zip(&predicted).map(|(measured, model)| measured - model).collect();
-    let (rms, measured) = (joint_rms(&difference, &samples.used, n), joint_rms(&measured, &samples.used, n));
-    let relative_rms = rms.iter().zip(&measured).map(|(&r, &m)| if m > 0.0 { r / m } else { 0.0 }).collect();
-    Ok(Validation { rms, units: samples.units.clone(), relative_rms })
+    Ok(Validation::of_predicted(&predict(estimate, regressor, &samples.states)?, samples))
 }

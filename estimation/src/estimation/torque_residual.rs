@@ -10,7 +10,7 @@
 //! Shares are given twice: over all samples, and over those in blocks that were equations, which leave out where a joint
 //! hardly moves or a channel was at fault.
 
-use super::{Estimate, EstimationError, predict};
+use super::{Estimate, EstimationError, Model, predict};
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::{Butterworth, Samples};
 
@@ -95,11 +95,25 @@ impl TorqueResidual {
         parts: &[Samples],
         bandwidth_hz: f64,
     ) -> Result<Self, EstimationError> {
-        let n = regressor.rows();
+        let predicted: Result<Vec<_>, _> = parts.iter().map(|part| predict(estimate, regressor, &part.states)).collect();
+        Self::of_predicted(&predicted?, parts, bandwidth_hz)
+    }
+
+    /// The same of a model: a robot with all of its parameters, whose torque is its inverse dynamics.
+    ///
+    /// # Errors
+    /// [`EstimationError::Count`] where the samples are of another arm, [`EstimationError::Signal`] as above.
+    pub fn of_model(model: &Model<'_>, parts: &[Samples], bandwidth_hz: f64) -> Result<Self, EstimationError> {
+        let predicted: Result<Vec<_>, _> = parts.iter().map(|part| model.predict(&part.states)).collect();
+        Self::of_predicted(&predicted?, parts, bandwidth_hz)
+    }
+
+    fn of_predicted(predicted: &[Vec<f64>], parts: &[Samples], bandwidth_hz: f64) -> Result<Self, EstimationError> {
+        let n = parts.first().map_or(0, Samples::dof);
         let bandwidth_hz = parts.iter().fold(bandwidth_hz, |band, part| band.min(LARGEST_PART * part.rate_hz));
         let (mut used, mut all) = (Sums::new(n), Sums::new(n));
-        for samples in parts {
-            let series = TorqueSeries::new(estimate, regressor, samples, bandwidth_hz)?;
+        for (samples, predicted) in parts.iter().zip(predicted) {
+            let series = TorqueSeries::of_predicted(predicted, samples, bandwidth_hz)?;
             for (at, (measured, predicted)) in series.measured.iter().zip(&series.predicted).enumerate() {
                 let (k, i) = (at / n, at % n);
                 let residual = measured - predicted;
@@ -125,8 +139,11 @@ impl TorqueSeries {
         samples: &Samples,
         bandwidth_hz: f64,
     ) -> Result<Self, EstimationError> {
-        let n = regressor.rows();
-        let predicted = predict(estimate, regressor, &samples.states)?;
+        Self::of_predicted(&predict(estimate, regressor, &samples.states)?, samples, bandwidth_hz)
+    }
+
+    fn of_predicted(predicted: &[f64], samples: &Samples, bandwidth_hz: f64) -> Result<Self, EstimationError> {
+        let n = samples.dof();
         let filter = Butterworth::new(4, bandwidth_hz, samples.rate_hz)?;
         let low_pass = |rows: &[f64]| -> Vec<f64> {
             let mut out = vec![0.0; rows.len()];
@@ -140,7 +157,7 @@ impl TorqueSeries {
             }
             out
         };
-        Ok(Self { measured: low_pass(&samples.tau), predicted: low_pass(&predicted) })
+        Ok(Self { measured: low_pass(&samples.tau), predicted: low_pass(predicted) })
     }
 }
 

@@ -3,10 +3,11 @@
 use armid::calibration::{TransmissionStiffness, transmission_stiffness};
 use armid::diagnosis::{Evidence, Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
-    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Observation, ResidualTrends,
-    Selection, StribeckSpeeds, TorqueResidual, TorqueSeries, Validation, closed_loop_of, predict, select,
+    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Model, ModelFit, ModelGuess, Observation,
+    ResidualTrends, Selection, StribeckSpeeds, TorqueResidual, TorqueSeries, Validation, closed_loop_of, fit_model,
+    predict, select,
 };
-use armid::model::{Columns, EffortInterface, StandardParameters};
+use armid::model::{Columns, EffortInterface, Robot, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
 use armid::signal::Samples;
 use serde::Serialize;
@@ -298,6 +299,39 @@ impl ProcessedLog {
         };
         let held_out = if self.held_out.is_empty() { None } else { Some(of(&self.held_out)?) };
         Ok((of(&self.parts)?, held_out))
+    }
+
+    /// The same of a model that was read from a file, which errors call `name`.
+    ///
+    /// # Errors
+    /// [`Error`] where it is of another arm.
+    pub fn model_residual(
+        &self,
+        model: &Model<'_>,
+        name: &str,
+    ) -> Result<(TorqueResidual, Option<TorqueResidual>), Error> {
+        let of = |parts: &[Samples]| {
+            TorqueResidual::of_model(model, parts, self.settings.bandwidth_hz)
+                .map_err(|error| Error::mismatch(format!("{name}: {error}")))
+        };
+        let held_out = if self.held_out.is_empty() { None } else { Some(of(&self.held_out)?) };
+        Ok((of(&self.parts)?, held_out))
+    }
+
+    /// Compares what a model predicts with these logs. `name` is what errors call its file.
+    ///
+    /// # Errors
+    /// As [`Self::model_residual`].
+    pub fn validate_model(&self, model: &Model<'_>, name: &str) -> Result<Validation, Error> {
+        Validation::of_model(model, &self.samples).map_err(|error| Error::mismatch(format!("{name}: {error}")))
+    }
+
+    /// The model with these terms that explains the logs best near a guess; `robot` has the friction laws of its file.
+    ///
+    /// # Errors
+    /// [`Error`] as [`fit_model`] has them.
+    pub fn fit_model(&self, robot: &Robot, columns: Columns, guess: &ModelGuess) -> Result<ModelFit, Error> {
+        fit_model(robot, columns, &self.samples, guess).map_err(|error| self.unestimated(&error))
     }
 
     /// Measured and predicted torque of each log, and of what is held out, below the bandwidth of the settings.

@@ -32,7 +32,9 @@ pub struct LoadedRobot {
     /// What was read otherwise than it is written, a sentence each.
     pub remarks: Vec<String>,
     /// The URDF that it was read from, where it was.
-    pub urdf: Option<UrdfSource>,
+    pub urdf: Option<ChainSource>,
+    /// The MJCF that it was read from, where it was.
+    pub mjcf: Option<ChainSource>,
     /// Collision shapes of that URDF; the robot has none of them unless [`Self::hold_collision_shapes`] gave them to it.
     pub collisions: Vec<CollisionShape>,
     /// The folder of the URDF, to which the files of meshes are relative; `None` where its text came with a recording.
@@ -41,9 +43,9 @@ pub struct LoadedRobot {
     truth: TruthSource,
 }
 
-/// A URDF and the chain in it.
+/// A URDF or MJCF and the chain in it.
 #[derive(Clone, Debug)]
-pub struct UrdfSource {
+pub struct ChainSource {
     /// The file.
     pub text: Text,
     /// Which chain was read.
@@ -187,10 +189,12 @@ impl LoadedRobot {
         if !model.locked.is_empty() {
             remarks.push(held(&model.locked));
         }
-        let urdf = (!tree::is_mjcf(&text.content)).then(|| UrdfSource { text: text.clone(), ends: chain.clone() });
+        let source = ChainSource { text: text.clone(), ends: chain.clone() };
+        let (urdf, mjcf) = if tree::is_mjcf(&text.content) { (None, Some(source)) } else { (Some(source), None) };
         Ok(Self {
             robot: model.robot,
             urdf,
+            mjcf,
             text,
             nominal: None,
             uncertainty: None,
@@ -217,7 +221,7 @@ impl LoadedRobot {
         let reference = urdf_of(&text.content).map_err(|error| Error::of_format(&text, &error))?;
         let urdf = reference.and_then(|reference| {
             let (name, ends) = (reference.path, reference.ends);
-            reference.text.map(|content| UrdfSource { text: Text::new(name, content), ends })
+            reference.text.map(|content| ChainSource { text: Text::new(name, content), ends })
         });
         let nominal = match &nominal_text {
             Some(text) => Some(parse_nominal(&text.content, &robot).map_err(|error| Error::of_format(text, &error))?),
@@ -232,6 +236,7 @@ impl LoadedRobot {
             own,
             remarks,
             urdf,
+            mjcf: None,
             collisions,
             urdf_folder,
             truth,

@@ -10,5 +10,5 @@ mod tree;
 pub use begun_file::begin;
 pub use find::{load, named};
 pub use held_shapes::{HeldShape, HeldShapes, ShapeLeftOut};
-pub use loaded_robot::{LoadedRobot, UrdfSource};
+pub use loaded_robot::{LoadedRobot, ChainSource};
 pub use package_path::PackagePath;

@@ -8,10 +8,10 @@
 //! MuJoCo can correct a physically inconsistent inertia (`balanceinertia`); here it is refused, since a
 //! corrected one is another robot. Friction is not written: the plant applies it.
 
-use armid::model::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, VISCOUS};
+use armid::model::term::{COULOMB, ROTOR, VISCOUS};
 use std::fmt::Write;
 
-use armid::model::{Columns, DriveParameters, Joint, JointKind, Robot, StandardParameters};
+use armid::model::{DriveParameters, Joint, JointKind, Robot, StandardParameters};
 use armid::spatial::{Inertia, Placement};
 use nalgebra::Vector3;
 
@@ -38,7 +38,7 @@ pub fn mjcf(robot: &Robot, parameters: &StandardParameters) -> Result<String, Mu
 
 /// The same for other users of MuJoCo: with friction, limits and MuJoCo's usual flags, and `header` as a comment on top.
 ///
-/// Offsets of the torque, and friction of coupled motors, have no place in MJCF: they are in the comment.
+/// Offsets of the torque, other laws of friction, and friction of coupled motors have no place in MJCF: they are left out.
 ///
 /// # Errors
 /// As [`mjcf`].
@@ -58,7 +58,7 @@ fn write(robot: &Robot, parameters: &StandardParameters, header: Option<&str>) -
     }
     let mut text = String::new();
     if let Some(header) = header {
-        write_comment(&mut text, robot, parameters, header);
+        write_comment(&mut text, header);
     }
     write_head(&mut text, robot, header.is_some());
     text += "  <worldbody>\n";
@@ -100,28 +100,11 @@ fn escaped(name: &str) -> String {
     name.replace('&', "&amp;").replace('<', "&lt;").replace('"', "&quot;")
 }
 
-/// What the file is, and what has no place in it.
-fn write_comment(text: &mut String, robot: &Robot, parameters: &StandardParameters, header: &str) {
+/// What the file is.
+fn write_comment(text: &mut String, header: &str) {
     line(text, 0, "<!--");
     for words in header.lines() {
         line(text, 1, &words.replace("--", "- -"));
-    }
-    for (index, (joint, drive)) in robot.joints().iter().zip(&parameters.drives).enumerate() {
-        let name = joint.name.replace("--", "- -");
-        line(text, 1, &format!("joint {name}: torque offset {:?} N m, which MJCF cannot express", drive[OFFSET]));
-        for (term, value) in drive.iter().filter(|(term, _)| !Columns::default().has(*term)) {
-            let unit = term.unit(joint.kind).replace('·', " ").replace('²', "2");
-            line(
-                text,
-                1,
-                &format!("joint {name}: {} {value:?} {unit}, which MJCF cannot express", term.entry().meaning),
-            );
-        }
-        if robot.is_coupled(index) {
-            let (viscous, coulomb) = (drive[MOTOR_VISCOUS], drive[MOTOR_COULOMB]);
-            let own = format!("viscous {viscous:?} N m s/rad, Coulomb {coulomb:?} N m");
-            line(text, 1, &format!("motor {}: friction of its own: {own}", index + 1));
-        }
     }
     line(text, 0, "-->");
 }

@@ -234,7 +234,7 @@ fn root_of(blocks: &[TenByTen], single: &[Ten]) -> TenByTen {
 }
 
 /// The k-th of an orthonormal basis of symmetric 4 × 4 matrices.
-fn basis(k: usize) -> Matrix4<f64> {
+pub(in crate::estimation) fn basis(k: usize) -> Matrix4<f64> {
     let mut e = Matrix4::zeros();
     let (i, j) = PLACES[k];
     let value = if i == j { 1.0 } else { std::f64::consts::FRAC_1_SQRT_2 };
@@ -245,7 +245,7 @@ fn basis(k: usize) -> Matrix4<f64> {
 
 const PLACES: [(usize, usize); 10] = [(0, 0), (1, 1), (2, 2), (3, 3), (0, 1), (0, 2), (0, 3), (1, 2), (1, 3), (2, 3)];
 
-fn symmetric(xi: &Ten) -> Matrix4<f64> {
+pub(in crate::estimation) fn symmetric(xi: &Ten) -> Matrix4<f64> {
     let mut sum = Matrix4::zeros();
     for (k, &x) in xi.iter().enumerate() {
         sum += basis(k) * x;

@@ -203,17 +203,6 @@ impl StepEquations {
         Some(eta)
     }
 
-    /// How the set follows the estimate: `∂φ/∂β̂`, p × b.
-    pub(super) fn sensitivity(&self) -> Option<DMatrix<f64>> {
-        let columns: Option<Vec<_>> = (0..self.base)
-            .map(|i| {
-                let z = self.solve(&DVector::from_fn(self.seen.nrows(), |j, _| f64::from(u8::from(i == j))))?;
-                Some(self.coordinates.step(&self.seen.tr_mul(&z)))
-            })
-            .collect();
-        Some(DMatrix::from_columns(&columns?))
-    }
-
     /// `K H⁻¹ Kᵀ`, b × b, H the Hessian of all but the data.
     pub(super) fn spread(&self) -> DMatrix<f64> {
         let spread = product(&self.seen, &self.seen.transpose());

@@ -9,7 +9,7 @@
 //!
 //! Where the robot has shapes, they bound how the mass of their links is distributed; the shape of a link whose nominal body reaches
 //! beyond it is no such bound, which [`Finding::BeyondShape`](super::Finding::BeyondShape) tells. The optimum is that of the
-//! semidefinite program, and its duality gap is in the [`Termination`](super::Termination); `armid export` has the same solver.
+//! semidefinite program, and its duality gap is in the [`Termination`](super::Termination).
 //!
 //! `pc-iv` and `pc-didim` go on from the estimators that simulate the arm: each step of theirs ends at the nearest consistent set.
 //!

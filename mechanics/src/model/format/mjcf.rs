@@ -53,11 +53,12 @@ const PASSED_OVER: [&str; 6] = ["geom", "site", "camera", "light", "body", "iner
 pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
     let document = parse_xml(text)?;
     let root = Element::root(&document);
-    if root.tag() != "mujoco" {
-        return root.fault(format!("the root element is <{}>, expected <mujoco>", root.tag()));
-    }
-    let settings = Settings::read(root)?;
-    let mut reader = BodyReader { settings: &settings, bodies: Vec::new(), joints: 0, geoms: 0 };
+    read_tree(root, &Settings::read(root)?)?.chain(ends).map(|model| model.read_from(text))
+}
+
+/// The bodies of a model.
+pub(super) fn read_tree<'a>(root: Element<'a>, settings: &Settings<'a>) -> Result<Tree<'a>, FormatError> {
+    let mut reader = BodyReader { settings, bodies: Vec::new(), joints: 0, geoms: 0 };
     reader.bodies.push(Body {
         name: "world".to_owned(),
         parent: None,
@@ -81,7 +82,7 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         }
     }
     let name = root.attribute("model").map_or("unnamed", |name| name.value()).to_owned();
-    Tree {
+    Ok(Tree {
         check: root.check(),
         at: root.span(),
         name,
@@ -90,9 +91,7 @@ pub fn parse_mjcf(text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatE
         rotors,
         snapped: Vec::new(),
         remarks,
-    }
-    .chain(ends)
-    .map(|model| model.read_from(text))
+    })
 }
 
 /// The rotor that a fixed tendon stands for; none where it has no armature.

@@ -51,6 +51,9 @@ pub(super) struct Settings<'a> {
 
 impl<'a> Settings<'a> {
     pub(super) fn read(root: Element<'a>) -> Result<Self, FormatError> {
+        if root.tag() != "mujoco" {
+            return root.fault(format!("the root element is <{}>, expected <mujoco>", root.tag()));
+        }
         let mut settings = Self {
             degrees: true,
             euler_sequence: "xyz".to_owned(),

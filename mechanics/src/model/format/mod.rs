@@ -9,7 +9,8 @@
 //! | URDF | [`parse_urdf`], [`parse_urdf_as_written`] | [`ImportedModel`] |
 //! | MJCF | [`parse_mjcf`] | [`ImportedModel`] |
 //!
-//! [`write_parameters`] and [`write_urdf`] go the other way, [`write_robot`] begins a `robot.toml` over a URDF; [`edit_urdf`] puts parameters into a URDF that is there.
+//! [`write_parameters`] and [`write_urdf`] go the other way, [`write_robot`] begins a `robot.toml` over a URDF; [`edit_urdf`] and [`edit_mjcf`] put parameters into a file that
+//! is there, [`note`] a comment on top of it.
 //!
 //! Keys carry their unit as a suffix. A link is called after the joint that moves it, the one that stands still is
 //! `base`. Every fault is a [`FormatError`] that says what was found, what was expected, and the line and column.
@@ -26,6 +27,7 @@ mod embedded_urdf;
 mod error;
 mod joint_tables;
 mod mjcf;
+mod mjcf_edit;
 mod mjcf_settings;
 mod parameter_file;
 mod parameter_map;
@@ -39,7 +41,9 @@ mod robot_writer;
 mod servo_table;
 mod shape_parameters;
 mod shape_tables;
+mod shared_inertias;
 mod term_keys;
+mod text_edit;
 mod tree;
 mod uncertainty_table;
 mod urdf;
@@ -65,6 +69,7 @@ pub use collision::{CollisionShape, Geometry};
 pub use embedded_urdf::{UrdfReference, embed_urdf, urdf_of};
 pub use error::FormatError;
 pub use mjcf::parse_mjcf;
+pub use mjcf_edit::edit_mjcf;
 pub use parameter_file::{NominalParameters, Note, ParameterFile, parse_nominal, parse_parameters};
 pub use parameter_map::parse_parameter_map;
 pub use parameter_writer::write_parameters;
@@ -72,7 +77,8 @@ pub use relative_uncertainty::RelativeUncertainty;
 pub use robot_file::{parse_robot, parse_robot_model};
 pub use robot_model::RobotModel;
 pub use robot_writer::write_robot;
+pub use text_edit::{EditedText, note};
 pub use tree::{ChainEnds, ImportedModel, SnappedJoint};
 pub use urdf::{parse_urdf, parse_urdf_as_written};
-pub use urdf_edit::{EditedUrdf, edit_urdf};
+pub use urdf_edit::edit_urdf;
 pub use urdf_writer::write_urdf;

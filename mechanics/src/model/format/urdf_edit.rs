@@ -1,37 +1,20 @@
 //! A URDF with other parameters: only the numbers of inertias, damping and friction change.
 //!
 //! Names, frames, meshes, comments, other tools' extensions and the formatting stay byte for byte. A link of the chain may be
-//! several of the file, joined by fixed or locked joints. Those keep their inertia, and the link that the joint moves gets
-//! the rest:
-//!
-//! ```text
-//! φ_moved = φ_link − s Σ_b φ_b seen from the link's frame        s = 1, ½, ¼, ⅛, 0: the first that real bodies can have
-//! ```
+//! several of the file, joined by fixed or locked joints. Those keep what they can of
+//! their inertia ([`SharedInertias`]).
 //! What URDF has no place for (rotor inertia, offset, other laws of friction) is left to the caller to say.
-
-use std::ops::Range;
 
 use nalgebra::Vector3;
 
 use super::element::{Element, NearlyRight, parse_xml};
-use super::tree::moved;
-use super::urdf::{read_inertial, read_origin, read_tree};
+use super::shared_inertias::SharedInertias;
+use super::text_edit::{EditedText, TextEdit, numbers};
+use super::urdf::{read_origin, read_tree};
 use super::{ChainEnds, FormatError};
 use crate::model::StandardParameters;
 use crate::model::term::{COULOMB, VISCOUS};
 use crate::spatial::Inertia;
-
-/// Shares of their inertia that links keep which are fixed to another.
-const SHARES: [f64; 5] = [1.0, 0.5, 0.25, 0.125, 0.0];
-
-/// A URDF whose numbers were changed.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct EditedUrdf {
-    /// Its text.
-    pub text: String,
-    /// What else the reader must know, a sentence each.
-    pub remarks: Vec<String>,
-}
 
 /// Puts parameters of the chain that [`parse_urdf`](super::parse_urdf) reads into the same text.
 ///
@@ -54,7 +37,7 @@ pub struct EditedUrdf {
 ///
 /// # Errors
 /// [`FormatError`] as [`parse_urdf`](super::parse_urdf), and where the parameters are of another chain.
-pub fn edit_urdf(text: &str, ends: &ChainEnds, parameters: &StandardParameters) -> Result<EditedUrdf, FormatError> {
+pub fn edit_urdf(text: &str, ends: &ChainEnds, parameters: &StandardParameters) -> Result<EditedText, FormatError> {
     let document = parse_xml(text)?;
     let root = Element::root(&document);
     let mut tree = read_tree(root, text, NearlyRight::Snapped)?;
@@ -63,45 +46,12 @@ pub fn edit_urdf(text: &str, ends: &ChainEnds, parameters: &StandardParameters) 
         let (found, expected) = (parameters.links.len(), moving.len());
         return root.fault(format!("parameters of {found} links, expected those of the chain's {expected}"));
     }
-    let carried = tree.carried(base, &moving);
-    let mut edit = Edit { text, changes: Vec::new(), remarks: Vec::new() };
-    for (index, &main) in moving.iter().enumerate() {
-        let mut attached = Vec::new();
-        for (b, place) in carried.iter().enumerate() {
-            if let Some((link, pose)) = place
-                && *link == index + 1
-                && b != main
-            {
-                let inertia = tree.bodies[b].inertia.as_ref().map_err(Clone::clone)?;
-                if inertia.to_array() != [0.0; 10] {
-                    attached.push((b, moved(inertia, pose)));
-                }
-            }
-        }
-        let target = &parameters.links[index];
-        let rest = |share: f64| attached.iter().fold(*target, |rest, (_, own)| less(&rest, own, share));
-        let share = SHARES.into_iter().find(|&share| share == 0.0 || rest(share).check().is_ok()).unwrap_or(0.0);
-        let link_named = |b: usize| {
-            root.all("link").find(|link| link.attribute("name").is_some_and(|name| name.value() == tree.bodies[b].name))
-        };
-        let own = tree.bodies[main].inertia.as_ref().map_err(Clone::clone)?;
-        let sum = attached.iter().fold(*own, |sum, (_, inertia)| less(&sum, inertia, -1.0));
-        if sum != *target
-            && let Some(link) = link_named(main)
-        {
-            edit.inertial(link, &rest(share))?;
-            if share < 1.0 {
-                for (b, _) in &attached {
-                    let name = &tree.bodies[*b].name;
-                    edit.remarks.push(format!(
-                        "link \"{name}\" keeps {share} of its inertia: with all of it \"{}\" could be no body",
-                        tree.bodies[main].name
-                    ));
-                    if let Some(link) = link_named(*b) {
-                        edit.scaled(link, share)?;
-                    }
-                }
-            }
+    let SharedInertias { bodies, remarks } = SharedInertias::of(&tree, base, &moving, &parameters.links)?;
+    let mut edit = Edit { text: TextEdit::of(text) };
+    for (b, inertia) in &bodies {
+        let name = &tree.bodies[*b].name;
+        if let Some(link) = root.all("link").find(|link| link.attribute("name").is_some_and(|own| own.value() == name)) {
+            edit.inertial(link, inertia)?;
         }
     }
     for (index, &main) in moving.iter().enumerate() {
@@ -115,42 +65,14 @@ pub fn edit_urdf(text: &str, ends: &ChainEnds, parameters: &StandardParameters) 
             edit.dynamics(joint, drive[VISCOUS], drive[COULOMB])?;
         }
     }
-    Ok(edit.done())
+    Ok(EditedText { text: edit.text.done(), remarks })
 }
 
-/// `a − share · b`.
-fn less(a: &Inertia, b: &Inertia, share: f64) -> Inertia {
-    Inertia {
-        mass: a.mass - share * b.mass,
-        first_moment: a.first_moment - b.first_moment * share,
-        rotational: a.rotational - b.rotational * share,
-    }
-}
-
-/// Changes of a text that are made at once.
 struct Edit<'t> {
-    text: &'t str,
-    changes: Vec<(Range<usize>, String)>,
-    remarks: Vec<String>,
+    text: TextEdit<'t>,
 }
 
 impl Edit<'_> {
-    fn insert(&mut self, at: usize, words: String) {
-        self.changes.push((at..at, words));
-    }
-
-    /// Numbers of an attribute, which is left as it is written where it says them already.
-    fn set<const N: usize>(&mut self, element: Element<'_>, key: &str, values: [f64; N]) -> Result<(), FormatError> {
-        if element.numbers::<N>(key)? == Some(values) {
-            return Ok(());
-        }
-        match element.attribute(key) {
-            Some(attribute) => self.changes.push((attribute.range_value(), numbers(&values))),
-            None => self.insert(element.span().end, format!(" {key}=\"{}\"", numbers(&values))),
-        }
-        Ok(())
-    }
-
     /// The inertia of a link, in the orientation that the file gives its `<inertial>`.
     fn inertial(&mut self, link: Element<'_>, inertia: &Inertia) -> Result<(), FormatError> {
         // Nothing has no centre: where it stands in the file says as much as any place.
@@ -170,101 +92,49 @@ impl Edit<'_> {
                 about[(1, 2)],
                 about[(2, 2)]
             );
-            self.first_child(link, &words);
+            self.text.first_child(link, &words);
             return Ok(());
         };
         let r = read_origin(inertial)?.rotation;
         let turned = r.transpose() * about * r;
         if let Some(mass) = inertial.only("mass")? {
             match inertial.only("origin")? {
-                Some(origin) if placed.is_some() => self.set(origin, "xyz", [com.x, com.y, com.z])?,
+                Some(origin) if placed.is_some() => self.text.set(origin, "xyz", [com.x, com.y, com.z])?,
                 Some(_) => {}
                 None if com == Vector3::zeros() => {}
                 None => {
-                    let gap = self.gap_before(mass.span().start).to_owned();
-                    self.insert(mass.span().start, format!("<origin xyz=\"{}\"/>{gap}", numbers(com.as_slice())));
+                    let gap = self.text.gap_before(mass.span().start).to_owned();
+                    self.text.insert(mass.span().start, format!("<origin xyz=\"{}\"/>{gap}", numbers(com.as_slice())));
                 }
             }
-            self.set(mass, "value", [inertia.mass])?;
+            self.text.set(mass, "value", [inertia.mass])?;
         }
         if let Some(six) = inertial.only("inertia")? {
             for (key, (i, j)) in
                 [("ixx", (0, 0)), ("ixy", (0, 1)), ("ixz", (0, 2)), ("iyy", (1, 1)), ("iyz", (1, 2)), ("izz", (2, 2))]
             {
-                self.set(six, key, [0.5 * (turned[(i, j)] + turned[(j, i)])])?;
+                self.text.set(six, key, [0.5 * (turned[(i, j)] + turned[(j, i)])])?;
             }
         }
         Ok(())
-    }
-
-    /// A share of the inertia that a link has.
-    fn scaled(&mut self, link: Element<'_>, share: f64) -> Result<(), FormatError> {
-        let own = read_inertial(link)?;
-        let none = Inertia::zero();
-        self.inertial(link, &less(&none, &own, -share))
     }
 
     fn dynamics(&mut self, joint: Element<'_>, damping: f64, friction: f64) -> Result<(), FormatError> {
         if let Some(dynamics) = joint.only("dynamics")? {
             for (key, value) in [("damping", damping), ("friction", friction)] {
                 if value != dynamics.number(key)?.unwrap_or(0.0) {
-                    self.set(dynamics, key, [value])?;
+                    self.text.set(dynamics, key, [value])?;
                 }
             }
         } else if (damping, friction) != (0.0, 0.0)
             && let Some(last) = joint.elements().last()
         {
-            let gap = self.gap_before(last.range().start).to_owned();
+            let gap = self.text.gap_before(last.range().start).to_owned();
             let (damping, friction) = (numbers(&[damping]), numbers(&[friction]));
-            self.insert(last.range().end, format!("{gap}<dynamics damping=\"{damping}\" friction=\"{friction}\"/>"));
+            self.text.insert(last.range().end, format!("{gap}<dynamics damping=\"{damping}\" friction=\"{friction}\"/>"));
         }
         Ok(())
     }
-
-    /// Words inside an element, before all it has.
-    fn first_child(&mut self, element: Element<'_>, words: &str) {
-        let mut quote = None;
-        for (at, letter) in self.text[element.span().end..].char_indices() {
-            match (quote, letter) {
-                (None, '"' | '\'') => quote = Some(letter),
-                (Some(open), _) if open == letter => quote = None,
-                (None, '>') => {
-                    let end = element.span().end + at;
-                    if self.text[..end].ends_with('/') {
-                        let closed = format!(">{words}</{}>", element.tag());
-                        self.changes.push((end - 1..end + 1, closed));
-                    } else {
-                        self.insert(end + 1, words.to_owned());
-                    }
-                    return;
-                }
-                _ => {}
-            }
-        }
-    }
-
-    /// The white space that ends at a byte.
-    fn gap_before(&self, at: usize) -> &str {
-        let before = &self.text[..at];
-        &before[before.trim_end().len()..]
-    }
-
-    fn done(mut self) -> EditedUrdf {
-        self.changes.sort_by_key(|(range, _)| range.start);
-        let (mut text, mut from) = (String::with_capacity(self.text.len()), 0);
-        for (range, words) in &self.changes {
-            text.push_str(&self.text[from..range.start]);
-            text.push_str(words);
-            from = range.end;
-        }
-        text.push_str(&self.text[from..]);
-        EditedUrdf { text, remarks: self.remarks }
-    }
-}
-
-/// Numbers that read back as the same bits; no minus before a zero.
-fn numbers(values: &[f64]) -> String {
-    values.iter().map(|value| format!("{:?}", value + 0.0)).collect::<Vec<_>>().join(" ")
 }
 
 #[cfg(test)]

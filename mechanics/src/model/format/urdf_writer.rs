@@ -5,15 +5,15 @@
 //! ```
 //! URDF's link frame stands on its joint, so inertias are written as seen from there; a last link without inertia,
 //! `flange`, stands where the chain ends. URDF has viscous and Coulomb friction, but no rotor inertia and no torque
-//! offset: those are in the comment at the top.
+//! offset: those are left out.
 
-use crate::model::term::{COULOMB, OFFSET, ROTOR, VISCOUS};
+use crate::model::term::{COULOMB, VISCOUS};
 use std::fmt::Write;
 
 use nalgebra::Matrix3;
 
 use super::tree::moved;
-use crate::model::{Columns, Joint, JointKind, Robot, StandardParameters};
+use crate::model::{Joint, JointKind, Robot, StandardParameters};
 use crate::spatial::{Inertia, Placement};
 
 /// What is written for a limit that is not stated: URDF asks for a number.
@@ -37,24 +37,6 @@ pub fn write_urdf(robot: &Robot, parameters: &StandardParameters, header: &str) 
     // Writing to a String cannot fail.
     for line in header.lines() {
         let _ = writeln!(out, "  {}", commented(line));
-    }
-    for (joint, drive) in robot.joints().iter().zip(&parameters.drives) {
-        // Every term that has no place in the format, the usual ones even where they are zero.
-        let columns = Columns::default().and_those_of(parameters);
-        let left_out = columns.terms().filter(|&term| ![VISCOUS, COULOMB].contains(&term));
-        let left_out: Vec<String> = left_out
-            .filter(|&term| drive[term] != 0.0 || [ROTOR, OFFSET].contains(&term))
-            .map(|term| {
-                format!(
-                    "{} {:?} {}",
-                    term.entry().meaning,
-                    drive[term],
-                    term.unit(joint.kind).replace('·', " ").replace('²', "2")
-                )
-            })
-            .collect();
-        let name = commented(&joint.name);
-        let _ = writeln!(out, "  joint {name}: {}, which URDF cannot express", left_out.join(", "));
     }
     let _ = write!(out, "-->\n<robot name=\"{}\">\n  <link name=\"base\"/>\n", escaped(robot.name()));
     let (mut parent, mut end) = ("base".to_owned(), *robot.base());

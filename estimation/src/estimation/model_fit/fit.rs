@@ -1,0 +1,151 @@
+//! The fit of a model's own terms to a log.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::bodies::Body;
+use super::drives::Coefficient;
+use super::equations::NormalEquations;
+use super::guess::ModelGuess;
+use super::minimum::{Divergence, Minimum};
+use super::weight::{BLOCKS, PriorWeight};
+use crate::estimation::{EstimationError, Termination};
+use crate::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
+use crate::regressor::JointTorqueRegressor;
+use crate::signal::Samples;
+
+/// The weight of the guess in the first fit, whose residual weighs the joints of the second.
+const FIRST: f64 = 1e-2;
+
+/// A residual below this part of its joint's torque weighs no more: a log without noise is no exact one.
+const LEAST_RESIDUAL: f64 = 1e-3;
+
+/// A full set of parameters, zero in all terms that were not asked for.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ModelFit {
+    /// The set; every body can be one.
+    pub parameters: StandardParameters,
+    /// How much the guess counts.
+    pub weight: PriorWeight,
+    /// How the search ended.
+    pub termination: Termination,
+}
+
+/// Fits the parameters of `columns` to the equations of a log, near a guess.
+///
+/// # Errors
+/// [`EstimationError::Count`] where robot, samples and guess are not of the same joints, [`EstimationError::NothingActs`] where there is
+/// no equation, [`EstimationError::NotDefinite`] where a body of the guess is none.
+pub fn fit_model(
+    robot: &Robot,
+    columns: Columns,
+    samples: &Samples,
+    guess: &ModelGuess,
+) -> Result<ModelFit, EstimationError> {
+    let log = LogEquations::of(robot, columns, samples, guess)?;
+    let scale = |mean: &f64| 1.0 / mean.max(f64::MIN_POSITIVE);
+    let torque: Vec<f64> = log.mean_squares(&log.y);
+    let first: Vec<f64> = torque.iter().map(scale).collect();
+    let all = NormalEquations::sum(&log.blocks(&first));
+    let centre = log.prior.centre(log.w.ncols());
+    let x = log.prior.minimise(&all, FIRST, &centre).x;
+    let residual = log.mean_squares(&(&log.y - &log.w * x));
+    let floor = LEAST_RESIDUAL * LEAST_RESIDUAL;
+    let weights: Vec<f64> =
+        residual.iter().zip(&torque).map(|(residual, torque)| scale(&residual.max(floor * torque))).collect();
+    let blocks = log.blocks(&weights);
+    let weight = PriorWeight::chosen(&blocks, &log.prior);
+    let Minimum { x, termination } = log.prior.minimise(&NormalEquations::sum(&blocks), weight.taken, &centre);
+    Ok(ModelFit { parameters: log.parameters(&x, &guess.parameters), weight, termination })
+}
+
+/// The equations of a log in the coordinates of a guess.
+pub(super) struct LogEquations {
+    ids: Vec<ParameterId>,
+    /// W X, nM × p; rows that are no equation are zero.
+    pub(super) w: DMatrix<f64>,
+    /// X, p × p.
+    pub(super) scale: DMatrix<f64>,
+    pub(super) y: DVector<f64>,
+    /// Equations of each joint.
+    counts: Vec<f64>,
+    pub(super) prior: Divergence,
+}
+
+impl LogEquations {
+    pub(super) fn of(
+        robot: &Robot,
+        columns: Columns,
+        samples: &Samples,
+        guess: &ModelGuess,
+    ) -> Result<Self, EstimationError> {
+        let n = robot.dof();
+        let links = guess.parameters.links.len();
+        for (quantity, found) in [("joints of the samples", samples.dof()), ("links of the guess", links)] {
+            if found != n {
+                return Err(EstimationError::Count { quantity, found, expected: n });
+            }
+        }
+        let regressor = JointTorqueRegressor::new(robot, columns);
+        let ids = regressor.parameters().to_vec();
+        let p = ids.len();
+        let mut w = regressor.stack_means(&samples.states, &(0..p).collect::<Vec<_>>(), samples.block);
+        let mut y = DVector::from_vec(samples.block_means(&samples.tau, n));
+        let mut counts = vec![0.0; n];
+        for (row, &used) in samples.used.iter().enumerate() {
+            if used {
+                counts[row % n] += 1.0;
+            } else {
+                w.row_mut(row).fill(0.0);
+                y[row] = 0.0;
+            }
+        }
+        if counts.iter().all(|&count| count == 0.0) {
+            return Err(EstimationError::NothingActs { equations: 0 });
+        }
+        let (mut bodies, mut coefficients) = (Vec::new(), Vec::new());
+        let mut scale = DMatrix::zeros(p, p);
+        for (at, &id) in ids.iter().enumerate() {
+            if id.kind == ParameterKind::M {
+                let body = Body::around(at, &guess.parameters.links[id.index], guess.bounds(id.index))
+                    .ok_or(EstimationError::NotDefinite)?;
+                scale.fixed_view_mut::<10, 10>(at, at).copy_from(&body.jacobian());
+                bodies.push(body);
+            }
+            let column = w.column(at);
+            let torque: f64 = column.iter().zip(&y).map(|(entry, y)| if *entry == 0.0 { 0.0 } else { y * y }).sum();
+            if let Some(own) = Coefficient::of(at, id, &guess.parameters, column.norm(), torque.sqrt()) {
+                scale[(at, at)] = own.unit;
+                coefficients.push(own);
+            }
+        }
+        let w = w * &scale;
+        Ok(Self { ids, w, scale, y, counts, prior: Divergence { bodies, coefficients } })
+    }
+
+    /// Mean square of each joint's rows over its equations, n.
+    fn mean_squares(&self, rows: &DVector<f64>) -> Vec<f64> {
+        let n = self.counts.len();
+        let mut sums = vec![0.0; n];
+        rows.iter().enumerate().for_each(|(row, value)| sums[row % n] += value * value);
+        sums.iter().zip(&self.counts).map(|(sum, count)| sum / count.max(1.0)).collect()
+    }
+
+    /// The normal equations of so many parts of the log, one after the other, with the weight of each joint.
+    pub(super) fn blocks(&self, weights: &[f64]) -> Vec<NormalEquations> {
+        let n = weights.len();
+        let samples = self.y.len() / n;
+        let at = |b: usize| n * (b * samples / BLOCKS);
+        (0..BLOCKS).map(|b| NormalEquations::of(&self.w, &self.y, weights, (at(b), at(b + 1)))).collect()
+    }
+
+    /// The parameters at a point; a coefficient that no row shows stays as it was guessed.
+    pub(super) fn parameters(&self, x: &DVector<f64>, guess: &StandardParameters) -> StandardParameters {
+        let phi = &self.scale * x;
+        let mut parameters = StandardParameters::zero(guess.links.len());
+        for (at, &id) in self.ids.iter().enumerate() {
+            let shown = id.kind.term().is_none() || self.scale[(at, at)] > 0.0;
+            parameters.set(id, if shown { phi[at] } else { guess.get(id) });
+        }
+        parameters
+    }
+}
