@@ -9,7 +9,7 @@ use armid::codegen::{BaseModel, CodegenError, Language};
 use armid::conformance::chains::{ChainRecipe, random_state};
 use armid::dynamics::Dynamics;
 use armid::model::format::{parse_nominal, parse_robot};
-use armid::model::term::OFFSET;
+use armid::model::term::{LOAD_FRICTION, MOTOR_LOAD_FRICTION, OFFSET, ROTOR};
 use armid::model::{Columns, Robot, StandardParameters, bundled};
 use armid::seed::Seed;
 use nalgebra::{DMatrix, DVector};
@@ -26,17 +26,31 @@ fn arms() -> Vec<(Robot, StandardParameters)> {
             (robot, parameters)
         })
         .collect();
+    // Rotors that show only in a sum with their links count as links, and load their gears: their parts are not compared.
+    for drive in arms.iter_mut().flat_map(|(_, parameters)| &mut parameters.drives) {
+        (drive[LOAD_FRICTION], drive[MOTOR_LOAD_FRICTION]) = (0.0, 0.0);
+    }
     let mut rng = Seed::new(91).stream("codegen", 0);
     for (dof, prismatic, coupled) in [(3, 0.5, false), (5, 0.0, true), (7, 0.2, false)] {
         let mut recipe = ChainRecipe::new(dof);
         (recipe.prismatic, recipe.coupled) = (prismatic, coupled);
-        arms.push(recipe.draw(&mut rng));
+        let (robot, mut parameters) = recipe.draw(&mut rng);
+        // An offset that shows only in a sum with a weight counts as weight in the same way.
+        for (index, drive) in parameters.drives.iter_mut().enumerate().filter(|_| prismatic == 0.0) {
+            (drive[ROTOR], drive[LOAD_FRICTION]) = (0.0, 0.05);
+            drive[MOTOR_LOAD_FRICTION] = if robot.is_coupled(index) { 0.04 } else { 0.0 };
+        }
+        arms.push((robot, parameters));
     }
     arms
 }
 
+fn columns() -> Columns {
+    Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION).with(MOTOR_LOAD_FRICTION)
+}
+
 fn model(robot: &Robot, parameters: &StandardParameters) -> BaseModel {
-    let columns = Columns::RIGID_ROTOR_FRICTION;
+    let columns = columns();
     let base = reduce(robot, columns, Method::Structural, Seed::new(0)).expect("a base");
     BaseModel::new(robot, &base, &base.beta(&parameters.vector(robot, columns))).expect("a model")
 }
@@ -50,7 +64,7 @@ fn expected(
 ) -> Vec<f64> {
     let n = robot.dof();
     let mut out = Vec::new();
-    let columns = Columns::RIGID_ROTOR_FRICTION;
+    let columns = columns();
     let mut with = parameters.clone();
     for drive in &mut with.drives {
         *drive = drive.only(|term| columns.has(term));

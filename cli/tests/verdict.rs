@@ -44,7 +44,8 @@ fn torques_that_are_all_reversed_are_named_first_and_the_correction_can_be_typed
     let (folder, urdf, log) = lab();
     let plain = json(&armid(["identify", &log, "--robot", &urdf, "--map", MAP, "--json"]).success());
     assert_eq!(plain["suspicions"], serde_json::json!([]));
-    let reversed = changed(folder.path(), &log, "reversed.csv", |_, row| row[8..].iter_mut().for_each(|tau| *tau = -*tau));
+    let reversed =
+        changed(folder.path(), &log, "reversed.csv", |_, row| row[8..].iter_mut().for_each(|tau| *tau = -*tau));
     let found = json(&armid(["identify", &reversed, "--robot", &urdf, "--map", MAP, "--json"]).code(1));
     let suspicions = found["suspicions"].as_array().unwrap();
     assert_eq!((suspicions.len(), &suspicions[0]["mistake"]), (1, &"efforts-reversed".into()), "{suspicions:?}");
@@ -106,10 +107,12 @@ fn the_period_is_found_and_what_is_stated_overrules_it() {
 #[test]
 fn the_first_screen_has_error_parameters_and_findings_and_no_expressions() {
     let (folder, urdf, log) = lab();
-    let of = |more: &[&str]| stdout(&armid(["identify", &log, "--robot", &urdf, "--map", MAP].iter().chain(more)).success());
+    let of =
+        |more: &[&str]| stdout(&armid(["identify", &log, "--robot", &urdf, "--map", MAP].iter().chain(more)).success());
     let text = of(&[]);
     let screen: Vec<&str> = text.lines().take(20).collect();
-    let at = |words: &str| screen.iter().position(|line| line.contains(words)).unwrap_or_else(|| panic!("{words}: {text}"));
+    let at =
+        |words: &str| screen.iter().position(|line| line.contains(words)).unwrap_or_else(|| panic!("{words}: {text}"));
     assert!(at("error of the held-out torque") < at("this motion determines"), "{text}");
     // A rehearsal has no noise: one line says so, and none compares with it.
     assert!(at("this motion determines") < at("this log has no noise"), "{text}");
@@ -127,7 +130,8 @@ fn the_first_screen_has_error_parameters_and_findings_and_no_expressions() {
         .iter()
         .enumerate()
         .map(|(k, line)| {
-            let (own, before): (Vec<&str>, Vec<&str>) = (line.split(',').collect(), lines[k.max(2) - 1].split(',').collect());
+            let (own, before): (Vec<&str>, Vec<&str>) =
+                (line.split(',').collect(), lines[k.max(2) - 1].split(',').collect());
             let q = if k > 1 && k % 4 == 0 { &before[2..8] } else { &own[2..8] };
             [&own[..2], q, &own[8..]].concat().join(",")
         })

@@ -17,7 +17,7 @@ rate_hz = 5000
 q = "pos_read_data:#[1-6] motor gear=32/32/45/-48/45/32"
 tau = "curr_data:#[1-6] motor gear=32/32/45/-48/45/32"
 """
-OPTIONS = ["--cutoff-hz", "50"]
+OPTIONS = ["--cutoff-hz", "50", "--onset-speed", "stated"]
 
 
 def whole(folder, work):

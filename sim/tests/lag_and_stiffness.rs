@@ -62,7 +62,9 @@ fn lags(effects: &Effects, seed: u64) -> (Vec<[f64; 3]>, f64) {
     let identification = Identification::new(&robot, columns).unwrap();
     let estimate = identification.estimate(&samples, EstimatorKind::Wls.estimator()).unwrap();
     let exact = identification.base().beta(&truth.vector(&robot, columns));
-    let w = identification.base().select_columns(&JointTorqueRegressor::new(&robot, columns).stack(&samples.states));
+    let w = identification
+        .base()
+        .select_columns(&JointTorqueRegressor::new(&robot, columns).unwrap().stack(&samples.states));
     let error = |beta: DVector<f64>| (&w * (beta - &exact)).norm();
     let beside = DVector::from_iterator(exact.len(), selection.parameters_beside.iter().map(|one| one.value));
     (found.collect(), error(beside) / error(estimate.beta()))
@@ -106,7 +108,7 @@ fn transmissions(effects: &Effects, seed: u64) -> Vec<TransmissionStiffness> {
     let columns = Columns::RIGID_ROTOR_FRICTION;
     let identification = Identification::new(&robot, columns).unwrap();
     let estimate = identification.estimate(&samples, EstimatorKind::Wls.estimator()).unwrap();
-    let modelled = predict(&estimate, &JointTorqueRegressor::new(&robot, columns), &samples.states).unwrap();
+    let modelled = predict(&estimate, &JointTorqueRegressor::new(&robot, columns).unwrap(), &samples.states).unwrap();
     transmission_stiffness(&robot, &samples, &modelled).unwrap()
 }
 

@@ -79,7 +79,7 @@ impl Setting {
         let mut rng = seed.stream("estimator laws", 0);
         let (robot, truth) = chains::random_robot(&mut rng, DOF);
         let columns = Columns::RIGID_ROTOR_FRICTION;
-        let regressor = JointTorqueRegressor::new(&robot, columns);
+        let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
         let base = reduce(&robot, columns, Method::Structural, seed).expect("a drawn chain can be reduced");
         let mut states = States::new(DOF);
         for _ in 0..INSTANTS {

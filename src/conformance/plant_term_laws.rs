@@ -141,7 +141,7 @@ impl Arm {
         make: impl Fn(&Robot, &StandardParameters) -> P,
     ) -> Result<f64, LawError> {
         let law = "under the torque of the regressor the velocity grows at the acceleration";
-        let regressor = JointTorqueRegressor::new(&self.robot, self.columns());
+        let regressor = JointTorqueRegressor::with_load(&self.robot, self.columns(), &self.parameters);
         let mut links = Dynamics::new(&self.robot, &self.parameters.links_alone());
         let (mut plant, mut rng) = (make(&self.robot, &self.parameters), self.rng.clone());
         let n = self.robot.dof();

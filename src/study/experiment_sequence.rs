@@ -187,6 +187,7 @@ mod tests {
             estimator: "wls".to_owned(),
             robot: String::new(),
             columns: String::new(),
+            shape: Vec::new(),
             base: base.collect(),
             covariance: covariance.row_iter().map(|row| row.iter().copied().collect()).collect(),
             standard: None,

@@ -27,7 +27,7 @@ use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{
     ClosedLoop, ClosedLoopError, ClosedLoopFactory, Estimate, EstimationProblem, Estimator, Factorisation, Observation,
-    closed_loop_of,
+    closed_loop_of, observe,
 };
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
@@ -84,7 +84,8 @@ impl StudySetup {
         let declared = if plan.uncertainty.is_none() { robot.uncertainty().clone() } else { plan.uncertainty.clone() };
         let robot = robot.with_uncertainty(declared);
         let columns = plan.columns()?;
-        let regressor = JointTorqueRegressor::new(&robot, columns);
+        // What the score compares has the load of the nominal links; the equations find their own.
+        let regressor = JointTorqueRegressor::with_load(&robot, columns, &nominal);
         let base = reduce(&robot, columns, Method::Structural, plan.seed)?;
         let validation = ValidationMotions::draw(&robot, &nominal, &plan.experiment, &plan.validation, plan.seed)?;
         let truths = draw_truths(&plan, truth, &nominal)?;
@@ -293,7 +294,7 @@ impl StudySetup {
     /// Every estimator of the plan on the same samples, or the reason why it gave nothing.
     pub(super) fn unscored(&self, processed: &Processed) -> Vec<Result<Estimate, RunError>> {
         let samples = &processed.samples;
-        let observation = match Observation::new(&self.robot, &self.regressor, &self.base, samples) {
+        let observation = match observe(&self.robot, &self.regressor, &self.base, samples) {
             Ok(observation) => observation,
             Err(fault) => return self.estimators.iter().map(|_| Err(RunError::estimator(&fault))).collect(),
         };

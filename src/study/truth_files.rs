@@ -93,7 +93,7 @@ mod tests {
             states.push(&q, &qd, &qdd);
         }
         let columns = Columns::RIGID_ROTOR_FRICTION;
-        let regressor = JointTorqueRegressor::new(&robot, columns);
+        let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
         let base = BaseReduction::from_stack(regressor.parameters(), &regressor.stack(&states), Method::Qr);
         assert_eq!(base.rank(), 58);
         for (name, value) in base.names().iter().zip(base.beta(&truth.vector(&robot, columns)).iter()) {

@@ -134,7 +134,7 @@ fn identity_slow_motions_are_the_random_ones_in_longer_time() {
     let (robot, nominal) = named("crs-a460");
     let motions = draw(&robot, &nominal, 3);
     let (random, slow) = (motions.states(MotionKind::Random), motions.states(MotionKind::Slow));
-    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID);
+    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
     let phi = nominal.vector(&robot, Columns::RIGID);
     for ((motion, random), slow) in motions.random().iter().zip(&random).zip(&slow) {
         let stretched = motion.at_speed(0.3).sample(40);
@@ -210,7 +210,7 @@ fn motions_that_no_draw_keeps_inside_a_small_rating_become_smaller() {
 fn an_arm_without_weight_has_no_score_at_rest() {
     let (robot, nominal) = weightless();
     let motions = draw(&robot, &nominal, 2);
-    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID);
+    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
     let base = reduce(&robot, Columns::RIGID, Method::Structural, SEED).unwrap();
     let truths = [Truth::of(nominal)];
     let scorer = Scorer::new(&robot, &truths, &regressor, &base, &motions, &ReferenceUnits::default());

@@ -7,7 +7,9 @@ use armid::estimation::{Estimate, RowShares, TorqueResidual};
 use armid_io::{Error, Inputs, ProcessedLog};
 use serde_json::{Value, json};
 
+use super::exchange::Exchange;
 use super::findings::{findings, paragraph};
+use super::model_prediction::PredictionError;
 use super::verdict::Verdict;
 use crate::terminal::{Align, Table, number};
 
@@ -148,12 +150,13 @@ impl<'a> EstimateAnswer<'a> {
         prepared: &'a ProcessedLog,
         inputs: &'a Inputs,
         suspicions: &'a [Suspicion],
+        files: &[(Exchange, PredictionError)],
     ) -> Result<Self, Error> {
         let (used, held_out) = prepared.residual(estimate, "the estimate")?;
         let expressions = prepared.expressions(estimate, "the estimate")?;
         // Equations that no test of a shape can use have none.
         let trends = prepared.residual_trends(estimate, "the estimate").ok();
-        let verdict = Verdict::new(estimate, prepared, &used, held_out.as_ref(), suspicions, trends.as_ref());
+        let verdict = Verdict::new(estimate, prepared, &used, held_out.as_ref(), (suspicions, files), trends.as_ref());
         Ok(Self { estimate, prepared, inputs, used, held_out, expressions, suspicions, verdict })
     }
 
@@ -248,8 +251,9 @@ impl<'a> EstimateAnswer<'a> {
         let mut table = Table::new(&headings);
         for (parameter, expression) in self.estimate.base.iter().zip(&self.expressions) {
             let decimals = decimals(parameter.std);
-            let [value, low, high] =
-                [parameter.value, parameter.ci95[0], parameter.ci95[1]].map(|number| format!("{number:.decimals$}"));
+            let shown =
+                |number: f64| if number.is_finite() { format!("{number:.decimals$}") } else { "–".to_owned() };
+            let [value, low, high] = [parameter.value, parameter.ci95[0], parameter.ci95[1]].map(shown);
             let std = format!("{:.decimals$}", parameter.std);
             let mut row = vec![parameter.name.clone(), value, std];
             if declares {

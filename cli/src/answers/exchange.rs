@@ -1,6 +1,9 @@
 //! A robot with its parameters in the formats of other tools, and the same read back.
 
+use std::collections::BTreeMap;
+
 use armid::dynamics::Dynamics;
+use armid::estimation::Estimate;
 use armid::model::format::{
     ChainEnds, EditedText, FormatError, ImportedModel, edit_mjcf, edit_urdf, note, parse_mjcf, parse_parameter_map,
     parse_parameters, parse_urdf, write_parameters, write_urdf,
@@ -67,6 +70,17 @@ impl Exchange {
             }
             Self::Toml | Self::Json => Ok(robot.clone()),
         }
+    }
+
+    /// Where the speeds of friction go that an estimate found, of files that have the coefficients alone.
+    pub(crate) fn speeds(self, estimate: &Estimate) -> Vec<String> {
+        let is_bare = matches!(self, Self::Toml | Self::Json);
+        let stated = estimate.shape.iter().enumerate().filter(|_| is_bare);
+        let of = |(i, shapes): (usize, &BTreeMap<String, f64>)| -> Vec<String> {
+            let words = |(key, value): (&String, &f64)| format!("joint {}: {key} = {value} belongs in the robot file", i + 1);
+            shapes.iter().map(words).collect()
+        };
+        stated.flat_map(of).collect()
     }
 
     /// The file that is edited in place, of what a robot was read from.
@@ -179,7 +193,8 @@ impl Reloaded {
         for drive in &mut found.drives {
             *drive = drive.only(|term| columns.has(term));
         }
-        let (n, regressor) = (robot.dof(), JointTorqueRegressor::new(robot, columns));
+        let regressor = JointTorqueRegressor::new(robot, columns).map_err(|fault| Error::new(fault.to_string()))?;
+        let n = robot.dof();
         let phi = parameters.vector(robot, columns);
         let mut dynamics = Dynamics::new(read, &found);
         let mut y = vec![0.0; n * phi.len()];

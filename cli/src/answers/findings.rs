@@ -24,7 +24,7 @@ const fn rank(finding: &Finding) -> usize {
         Finding::NoNoise => 1,
         Finding::ResidualAboveNoise { .. } => 2,
         Finding::LackOfFit { .. } => 3,
-        Finding::NegativeDrive { .. } => LAST_THAT_MATTERS,
+        Finding::Impossible { .. } | Finding::NegativeDrive { .. } => LAST_THAT_MATTERS,
         Finding::InconsistentLink { .. } => 5,
         Finding::LargeCondition { .. } => 6,
         Finding::PoorlyDetermined { .. } => 7,
@@ -123,6 +123,7 @@ fn summary(found: &[&Finding]) -> Option<String> {
             format!("the nominal bodies of links {} reach beyond their shapes", list(links.collect()))
         }
         Finding::LargeCondition { .. }
+        | Finding::Impossible { .. }
         | Finding::HeldBack { .. }
         | Finding::FewPeriods { .. }
         | Finding::NoNoise

@@ -71,7 +71,10 @@ impl<'a> ModelFile<'a> {
     ) -> Result<Self> {
         let loaded = &log.as_estimated.robot;
         let estimated = columns_of(estimate, estimate_name)?;
-        let (robot, columns) = (format.robot(&loaded.robot)?, format.columns(estimated));
+        let named = |error| Error::mismatch(format!("{estimate_name}: {error}"));
+        // With the laws of friction that the estimate found, of which a format may have a plainer one.
+        let own = estimate.robot(&loaded.robot, estimated).map_err(named)?;
+        let (robot, columns) = (format.robot(&own)?, format.columns(estimated));
         let guess = guess(loaded);
         let fit = log.all_rows.fit_model(&robot, columns, &guess)?;
         let template = into.or_else(|| format.template(loaded));
@@ -94,11 +97,11 @@ impl<'a> ModelFile<'a> {
             Vec::new()
         } else {
             let file = Fitted { robot: &robot, columns, parameters: &fit.parameters };
-            file.lacking(log, estimated, &guess, &loaded.robot)?
+            file.lacking(log, estimated, &guess, &own)?
         };
         let snapping = if into.is_none() { Snapping::of(loaded, &fit.parameters)? } else { None };
         let left_out = left_out(columns, estimated, &loaded.robot);
-        let remarks = loaded.remarks.iter().cloned().chain(written).collect();
+        let remarks = loaded.remarks.iter().cloned().chain(written).chain(format.speeds(estimate)).collect();
         let intervals = Intervals::of(log.as_estimated, columns, &fit.parameters);
         let joints = loaded.robot.joints().iter().map(|joint| joint.name.clone()).collect();
         Ok(Self {
@@ -251,11 +254,12 @@ impl Fitted<'_> {
     ) -> Result<Vec<Lacking>> {
         let mut candidates: Vec<(&'static str, Columns, &Robot)> = estimated
             .terms()
-            .filter(|term| !self.columns.has(*term) && term.entry().needs.is_motion())
+            .filter(|term| !self.columns.has(*term))
             .map(|term| (term.entry().meaning, self.columns.with(term), self.robot))
             .filter(|(_, columns, robot)| columns.parameters(robot).len() > self.columns.parameters(robot).len())
             .collect();
-        if own.joints().iter().any(|joint| joint.drive.coulomb_velocity > 0.0) && !std::ptr::eq(own, self.robot) {
+        let onset = |robot: &Robot| robot.joints().iter().any(|joint| joint.drive.coulomb_velocity > 0.0);
+        if onset(own) && !onset(self.robot) {
             candidates.push(("Coulomb friction that sets in softly", self.columns, own));
         }
         let mut found = Vec::new();
@@ -301,6 +305,10 @@ impl Intervals {
             let terms = observation.base.terms(row);
             let value: f64 = terms.iter().map(|&(id, coefficient)| coefficient * parameters.get(id)).sum();
             let ci95 = [base.ci95[0].min(value), base.ci95[1].max(value)];
+            // One that the estimate withholds.
+            if !ci95.iter().all(|end| end.is_finite()) {
+                continue;
+            }
             match terms.as_slice() {
                 [(id, _)] => intervals.alone.push((*id, ci95)),
                 _ => intervals.sums.push(json!({ "sum": expression, "value": value, "ci95": ci95, "unit": base.unit })),
@@ -308,6 +316,15 @@ impl Intervals {
         }
         intervals
     }
+}
+
+/// The error with which a URDF or an MJCF of a log would predict it, by its model before it is written.
+pub(crate) fn prediction_of(format: Exchange, log: LogOfEstimate<'_>) -> Result<PredictionError> {
+    let loaded = &log.as_estimated.robot;
+    let robot = format.robot(&loaded.robot)?;
+    let fit = log.all_rows.fit_model(&robot, format.columns(Columns::RIGID), &guess(loaded))?;
+    let model = Model { robot: &robot, parameters: &fit.parameters };
+    Ok(PredictionError::of(&log.as_estimated.model_residual(&model, format.name())?))
 }
 
 /// Which columns an estimate has.

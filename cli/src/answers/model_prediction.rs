@@ -24,6 +24,11 @@ impl PredictionError {
     pub(crate) fn fit(&self) -> f64 {
         self.fit
     }
+
+    /// Of what is held out, where anything is.
+    pub(crate) fn shown(&self) -> f64 {
+        self.held_out.unwrap_or(self.fit)
+    }
 }
 
 /// That of a file beside that of the estimate.
@@ -41,7 +46,8 @@ impl ModelPrediction {
 
     /// "arm.urdf predicts this log with 8.6 % (estimate: 8.4 %; held-out part: 9.1 %)".
     pub(crate) fn sentence(&self, name: &str) -> String {
-        let held_out = self.file.held_out.map_or_else(String::new, |error| format!("; held-out part: {}", percent(error)));
+        let held_out =
+            self.file.held_out.map_or_else(String::new, |error| format!("; held-out part: {}", percent(error)));
         let (file, estimate) = (percent(self.file.fit), percent(self.estimate.fit));
         format!("{name} predicts this log with {file} (estimate: {estimate}{held_out})")
     }

@@ -4,6 +4,7 @@ use armid::estimation::{HeldOutData, Selection, TermEvidence, Verdict};
 use serde_json::{Value, json};
 
 use super::findings::paragraph;
+use super::friction_speed::change_text;
 use crate::terminal::{Align, Table, number};
 
 /// The keys of a selection.
@@ -32,8 +33,8 @@ pub(crate) fn selection_text(selection: &Selection) -> String {
         None => "nothing: no part of the log determines the parameters alone",
     };
     let sentence = format!(
-        "A term is supported where its F is less probable than {} without it, BIC falls, and torque that was not fitted is predicted \
-         better ({predicted}); {} of {} equations count as independent. Figures of a term are those of the set it was left out of, \
+        "A term is supported where its F is less probable than {} without it, BIC falls, and the interval of the squared error of torque \
+         that was not fitted is below zero ({predicted}); {} of {} equations count as independent. Figures of a term are those of the set it was left out of, \
          or of the selected one.",
         number(selection.level),
         number(selection.effective_equations.round()),
@@ -60,6 +61,13 @@ fn remarks(selection: &Selection) -> Vec<String> {
             )
         })
         .collect();
+    all.extend(selection.terms.iter().filter(|term| !term.negative.is_empty()).map(|term| {
+        format!(
+            "\"{}\" is not offered: {} would be below zero by more than 3 standard deviations.",
+            term.term,
+            term.negative.join(", ")
+        )
+    }));
     for term in supported().filter(|term| selection.beyond_motion.iter().any(|of| of.term == term.term)) {
         let own = selection.beyond_motion.iter().filter(|of| of.term == term.term);
         let own = own.map(|of| {
@@ -78,14 +86,7 @@ fn remarks(selection: &Selection) -> Vec<String> {
 
 fn row(term: &TermEvidence) -> Vec<String> {
     let or_dash = |value: Option<f64>| value.map_or_else(|| "–".to_owned(), number);
-    let change = term.held_out.map_or_else(
-        || "–".to_owned(),
-        |change| {
-            let mean = (change.with / change.without).powi(2) - 1.0;
-            let [low, high] = change.change_ci95;
-            format!("{:.1} % ({:.1} to {:.1})", 100.0 * mean, 100.0 * low, 100.0 * high)
-        },
-    );
+    let change = term.held_out.map_or_else(|| "–".to_owned(), |change| change_text(&change));
     let verdict = match term.verdict {
         Verdict::Supported => "supported",
         Verdict::Undecided => "undecided",

@@ -7,7 +7,6 @@ use armid::codegen::{BaseModel, Language};
 use armid::conformance::chains::random_state;
 use armid::estimation::{Estimate, EstimationError};
 use armid::model::Robot;
-use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
 use armid_io::{Error, LoadedRobot};
 use serde_json::json;
@@ -128,7 +127,7 @@ fn header(estimate: &Estimate, robot: &Robot) -> String {
 fn difference(model: &BaseModel, estimate: &Estimate, base: &BaseReduction, robot: &Robot) -> f64 {
     let n = robot.dof();
     let Some(columns) = armid::model::Columns::parse(&estimate.columns) else { return f64::INFINITY };
-    let regressor = JointTorqueRegressor::new(robot, columns);
+    let Ok(regressor) = estimate.regressor(robot, columns) else { return f64::INFINITY };
     let mut phi = vec![0.0; base.parameters.len()];
     for (&column, value) in base.kept.iter().zip(&estimate.base) {
         phi[column] = value.value;

@@ -8,7 +8,9 @@ use armid_io::ProcessedLog;
 use serde_json::{Value, json};
 
 use super::estimate::{advice, joint_names, percent};
+use super::exchange::Exchange;
 use super::findings::{Group, groups, paragraph};
+use super::model_prediction::PredictionError;
 
 /// Findings on the first screen.
 const SHOWN: usize = 2;
@@ -25,6 +27,8 @@ pub(crate) struct Verdict {
     /// Parameters that are determined, and all of them.
     determined: usize,
     parameters: usize,
+    /// What model files would predict of the same torque.
+    files: Vec<(Exchange, PredictionError)>,
     /// Sentences and the action of each finding.
     findings: Vec<(Vec<String>, String)>,
     /// Groups of findings that are among them.
@@ -37,7 +41,7 @@ impl Verdict {
         prepared: &ProcessedLog,
         used: &TorqueResidual,
         held_out: Option<&TorqueResidual>,
-        suspicions: &[Suspicion],
+        (suspicions, files): (&[Suspicion], &[(Exchange, PredictionError)]),
         trends: Option<&ResidualTrends>,
     ) -> Self {
         let joints = joint_names(prepared);
@@ -64,6 +68,7 @@ impl Verdict {
             held_out: held_out.is_some(),
             determined: estimate.base.len() - doubtful,
             parameters: estimate.base.len(),
+            files: files.to_vec(),
             findings,
             groups: in_groups,
         }
@@ -83,6 +88,7 @@ impl Verdict {
             "worst_joint": worst.map(|(joint, share)| json!({ "name": joint, "share": share })),
             "determined": self.determined,
             "parameters": self.parameters,
+            "files": self.files.iter().map(|(format, error)| json!({ "to": format.name(), "total": error.shown() })).collect::<Value>(),
             "findings": findings.collect::<Value>(),
         })
     }
@@ -99,6 +105,15 @@ impl Verdict {
             self.determined, self.parameters
         );
         text += &paragraph(&determined, 2);
+        let files: Vec<String> = self
+            .files
+            .iter()
+            .map(|(format, error)| format!("{} with {}", format.name(), percent(Some(error.shown()))))
+            .collect();
+        if !files.is_empty() {
+            text +=
+                &paragraph(&format!("a file of `armid export` predicts the same torque as {}", files.join(", as ")), 2);
+        }
         for (sentences, action) in &self.findings {
             text.push('\n');
             for sentence in sentences {

@@ -25,10 +25,13 @@ pub(super) fn run(
     load: &Inertia,
     console: &Console,
 ) -> Result<Ending> {
-    let (without, inputs) = log.process(without, None, HeldOut::Nothing, None)?;
+    let (mut without, inputs) = log.process(without, None, HeldOut::Nothing, None)?;
     let (with, inputs_with) = log.process(with, Some(&inputs), HeldOut::Nothing, None)?;
     let constants = constants([&without, &with], [&inputs, &inputs_with])?;
-    let observations = [without.observation(columns)?, with.observation(columns)?];
+    if without.has_no_periods() {
+        without.find_onset(columns)?;
+    }
+    let observations = without.gain_equations(&with, columns, load)?;
     let named = |error: EstimationError| {
         Error::new(format!("{}, {}: {error}", without.name(), with.name())).help(MORE.to_owned())
     };

@@ -86,7 +86,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let third = if arguments.quantity == Quantity::Acceleration { Third::Effort } else { Third::Acceleration };
     let states = parse_states(Text::read(&arguments.states)?, loaded.robot.dof(), third)?;
     let numbers = match arguments.quantity {
-        Quantity::Regressor => regressor(&loaded, arguments.columns, &states),
+        Quantity::Regressor => regressor(&loaded, arguments.columns, &states)?,
         quantity => {
             let parameters = parameters(&loaded, arguments)?;
             with_parameters(&loaded, &parameters, quantity, &states)
@@ -152,8 +152,9 @@ fn with_parameters(
     }
 }
 
-fn regressor(loaded: &LoadedRobot, columns: Columns, states: &States) -> Numbers {
+fn regressor(loaded: &LoadedRobot, columns: Columns, states: &States) -> Result<Numbers> {
     let regressor = JointTorqueRegressor::new(&loaded.robot, columns);
+    let regressor = regressor.map_err(|fault| Error::new(format!("--columns {columns}: {fault}")))?;
     let (n, p) = (regressor.rows(), regressor.cols());
     let names = regressor.parameters().iter().map(ToString::to_string);
     let headings = ["sample".to_owned(), "joint".to_owned()].into_iter().chain(names).collect();
@@ -165,7 +166,7 @@ fn regressor(loaded: &LoadedRobot, columns: Columns, states: &States) -> Numbers
             rows.push([k as f64, (i + 1) as f64].into_iter().chain(row.iter().copied()).collect());
         }
     }
-    Numbers { headings, counts: 2, rows }
+    Ok(Numbers { headings, counts: 2, rows })
 }
 
 impl Numbers {

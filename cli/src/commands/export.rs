@@ -103,7 +103,7 @@ impl Target {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let text = Text::read(&arguments.estimate)?;
     let estimate = estimate::parse(&text)?;
-    let loaded = match Inputs::of_estimate(&text)?.map(|inputs| inputs.robot) {
+    let mut loaded = match Inputs::of_estimate(&text)?.map(|inputs| inputs.robot) {
         // The estimate records which file its robot came from.
         Some(RobotSource { name: Some(name), base_link, tip_link, .. }) if arguments.robot.is_none() => {
             let chain = ChainArguments {
@@ -123,7 +123,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let format = match arguments.to {
         Target::Model(format) => format,
         Target::Source(language) => {
-            let base = base_of(&text, &estimate, &loaded)?;
+            let base = base_of(&text, &estimate, &mut loaded)?;
             let source = SourceAnswer::new(&text.name, &estimate, &base, &loaded, language)?;
             console.deliver(&destination, &source.text)?;
             console.show(&source.answer(&destination))?;
@@ -132,9 +132,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     };
     let into = arguments.into.as_deref().map(|path| template(path, format, &loaded)).transpose()?;
     let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
-    let (as_estimated, _) = again.again(&text, &arguments.log, |_| {})?;
-    let (all_rows, _) =
+    let (mut as_estimated, _) = again.again(&text, &arguments.log, |_| {})?;
+    let (mut all_rows, _) =
         again.again(&text, &arguments.log, |settings| settings.processing.reversal_fraction = 0.0)?;
+    for log in [&mut as_estimated, &mut all_rows] {
+        log.take_shape(&estimate, &text.name)?;
+    }
     let log = LogOfEstimate { as_estimated: &as_estimated, all_rows: &all_rows };
     let file = ModelFile::new((&estimate, &text.name), log, (format, into.as_ref()), &destination)?;
     console.deliver(&destination, &file.text)?;
@@ -162,10 +165,12 @@ fn destination(loaded: &LoadedRobot, target: Target, console: &Console) -> Resul
     })
 }
 
-/// The base parameters that an estimate of this very robot is of.
-fn base_of(text: &Text, estimate: &Estimate, loaded: &LoadedRobot) -> Result<BaseReduction> {
-    let robot = &loaded.robot;
+/// The base parameters that an estimate of this very robot is of, which then has the shape parameters of the estimate.
+fn base_of(text: &Text, estimate: &Estimate, loaded: &mut LoadedRobot) -> Result<BaseReduction> {
     let columns = columns_of(estimate, &text.name)?;
+    let named = |error| Error::mismatch(format!("{}: {error}", text.name));
+    loaded.robot = estimate.robot(&loaded.robot, columns).map_err(named)?;
+    let robot = &loaded.robot;
     let base = reduce(robot, columns, Method::Structural, Seed::new(0))
         .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
     Ok(base)

@@ -2,7 +2,7 @@
 
 use std::path::PathBuf;
 
-use armid::estimation::{EstimatorKind, StribeckSpeeds, candidate_terms};
+use armid::estimation::{EstimatorKind, FrictionSpeeds, candidate_terms};
 use armid::model::Columns;
 use armid_io::log::HeldOut;
 use armid_io::output::pretty;
@@ -13,8 +13,11 @@ use serde_json::{Value, json};
 use super::drive_gains;
 use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::EstimateAnswer;
+use crate::answers::exchange::Exchange;
+use crate::answers::friction_speed::{speeds_json, speeds_text};
+use crate::answers::model_file::{LogOfEstimate, prediction_of};
+use crate::answers::model_prediction::PredictionError;
 use crate::answers::selection::{selection_json, selection_text};
-use crate::answers::stribeck_speed::{speeds_json, speeds_text};
 use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, estimator, read_parameter_map};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
@@ -93,8 +96,8 @@ pub(crate) struct Arguments {
     #[arg(long, conflicts_with = "columns")]
     no_friction: bool,
     /// Estimate with the torque terms that the data decide, among all or among =COLUMNS: by F-test, BIC and torque that is not
-    /// fitted. Friction that depends on load or warming, and a lag of the currents, are tested beside them and are no columns of the
-    /// estimate
+    /// fitted. The onset of Coulomb friction is always among them. A warming gear and a lag of the currents are tested beside them and are no
+    /// columns of the estimate
     #[arg(long, value_name = "COLUMNS", num_args = 0..=1, require_equals = true, default_missing_value = ALL_TERMS,
         conflicts_with_all = ["columns", "no_friction", "of_two"])]
     select: Option<String>,
@@ -102,6 +105,10 @@ pub(crate) struct Arguments {
     /// of the robot file
     #[arg(long, conflicts_with_all = ["select", "no_friction", "of_two"])]
     stribeck_speed: bool,
+    /// Find the speed in which the Coulomb friction of each joint sets in, or take that of the robot file; by default it is found for logs of other
+    /// tools without periods, and used where it predicts better
+    #[arg(long, value_name = "WHICH", value_parser = ["found", "stated"], conflicts_with_all = ["no_friction", "of_two"])]
+    onset_speed: Option<String>,
     /// What is held out and only predicted: a part such as 30%, none, or another log; by default the last fifth of a log of
     /// another tool
     #[arg(long, value_name = "PART|LOG", help_heading = "Logs")]
@@ -161,14 +168,28 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if let Some(path) = &arguments.start {
         prepared.start = Some(read_parameter_map(path, &prepared.robot.robot)?);
     }
-    let selection = among.map(|among| prepared.select(among)).transpose()?;
-    if let Some(selection) = &selection {
+    let stated = prepared.robot.robot.clone();
+    let seeks = match arguments.onset_speed.as_deref() {
+        Some(which) => which == "found",
+        None => among.is_some() || prepared.has_no_periods(),
+    };
+    let mut onset = if seeks { prepared.find_onset(among.map_or(columns, basic))? } else { None };
+    let mut selection = among.map(|among| prepared.select(among)).transpose()?;
+    if let Some(selection) = &mut selection {
+        selection.terms.splice(0..0, onset.as_ref().map(FrictionSpeeds::evidence));
         columns = candidates(&selection.columns)?;
+        // With the terms that were selected, the onset is another one.
+        if onset.as_ref().is_some_and(FrictionSpeeds::predict_better) {
+            prepared.robot.robot = stated;
+            onset = prepared.find_onset(columns)?;
+        }
     }
     let speeds = if arguments.stribeck_speed { Some(stribeck_speeds(&mut prepared, columns)?) } else { None };
     let estimates = prepared.identify_by(columns, &arguments.estimator)?;
     let suspicions = prepared.suspicions(columns)?;
-    let answers = estimates.iter().map(|estimate| EstimateAnswer::new(estimate, &prepared, &inputs, &suspicions));
+    let files = model_files(arguments, &prepared)?;
+    let answers =
+        estimates.iter().map(|estimate| EstimateAnswer::new(estimate, &prepared, &inputs, &suspicions, &files));
     let answers = answers.collect::<Result<Vec<_>, _>>()?;
     let transmissions = match estimates.first() {
         Some(first) => prepared.transmissions(first, "the estimate")?,
@@ -181,6 +202,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         }
         if let Some(selection) = &selection {
             json["selection"] = selection_json(selection);
+        }
+        if let Some(onset) = &onset {
+            json["onset_speed"] = speeds_json(onset, &prepared.robot.robot);
         }
         if let Some(speeds) = &speeds {
             json["stribeck_speed"] = speeds_json(speeds, &prepared.robot.robot);
@@ -198,23 +222,42 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         output::write_text(path, &pretty(&json))?;
         console.note(format!("wrote {}", path.display()));
     }
-    let mut terms = selection.as_ref().map(selection_text).unwrap_or_default();
-    terms += &speeds.as_ref().map(|speeds| speeds_text(speeds, &prepared.robot.robot)).unwrap_or_default();
-    let text = answers.iter().map(|answer| answer.text(console.verbose())).fold(terms, |all, text| all + &text);
-    let text = text + &transmissions.as_deref().map(transmission_text).unwrap_or_default();
+    let robot = &prepared.robot.robot;
+    let mut text: String = answers.iter().map(|answer| answer.text(console.verbose())).collect();
+    text += &selection.as_ref().map(selection_text).unwrap_or_default();
+    text += &onset.as_ref().map(|onset| speeds_text(onset, robot, onset.predict_better())).unwrap_or_default();
+    text += &speeds.as_ref().map(|speeds| speeds_text(speeds, robot, true)).unwrap_or_default();
+    text += &transmissions.as_deref().map(transmission_text).unwrap_or_default();
     console.show(&Answer { text, json })?;
+    let used = onset.iter().filter(|onset| onset.predict_better()).chain(&speeds);
     let sound = estimates.iter().all(|estimate| estimate.termination.was_successful())
-        && speeds.is_none_or(|speeds| speeds.termination.was_successful());
+        && used.into_iter().all(|speeds| speeds.termination.was_successful());
     Ok(if sound && suspicions.is_empty() { Ending::Done } else { Ending::Negative })
 }
 
+/// What a URDF and an MJCF of the logs would predict; nothing of a format in which no model of them can be made.
+fn model_files(arguments: &Arguments, prepared: &ProcessedLog) -> Result<Vec<(Exchange, PredictionError)>, Error> {
+    let mut settings = prepared.settings.clone();
+    // A file predicts the rows as well in which joints hardly move.
+    settings.processing.reversal_fraction = 0.0;
+    let (all_rows, _) = arguments.log.process(&arguments.logs, None, settings.held_out, Some(&settings))?;
+    let log = LogOfEstimate { as_estimated: prepared, all_rows: &all_rows };
+    let of = |format| Some((format, prediction_of(format, log).ok()?));
+    Ok([Exchange::Urdf, Exchange::Mjcf].into_iter().filter_map(of).collect())
+}
+
+/// Those of these columns beside which the onset of Coulomb friction is looked for before terms are selected.
+fn basic(among: Columns) -> Columns {
+    let known = Columns::RIGID_ROTOR_FRICTION;
+    among.terms().filter(|&term| known.has(term)).fold(Columns::RIGID, Columns::with)
+}
+
 /// The speeds at which friction falls, which become those of the robot.
-fn stribeck_speeds(prepared: &mut ProcessedLog, columns: Columns) -> Result<StribeckSpeeds, Error> {
-    let Some(speeds) = prepared.stribeck_speeds(columns)? else {
+fn stribeck_speeds(prepared: &mut ProcessedLog, columns: Columns) -> Result<FrictionSpeeds, Error> {
+    let Some(speeds) = prepared.find_stribeck_speeds(columns)? else {
         let message = format!("--columns is {columns}, expected one of Stribeck friction for --stribeck-speed");
         return Err(Error::new(message).help("--columns rigid+rotor+friction+stribeck"));
     };
-    prepared.robot.robot = speeds.robot(&prepared.robot.robot);
     Ok(speeds)
 }
 

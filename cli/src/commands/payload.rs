@@ -46,7 +46,7 @@ pub(super) fn run(
     };
     // Robot, mapping and processing are those of the estimate where nothing else is said.
     let columns = columns_of(&without)?;
-    let with = of_logs(logs.log, logs.with, without.inputs.as_ref(), columns, *estimator)?;
+    let with = of_logs(logs.log, logs.with, Some(&without), columns, *estimator)?;
     if let (Some(one), Some(other)) = (&without.inputs, &with.inputs)
         && let Some(file) = one.shared_file(other)
     {
@@ -101,15 +101,23 @@ fn of_estimate(path: &Path) -> Result<Side> {
     Ok(Side { estimate, name: text.name, inputs, robot: None })
 }
 
-/// An estimate from logs.
+/// An estimate from logs; where there is one of the `other` logs, with the shape parameters of friction of that.
 fn of_logs(
     log: &LogArguments,
     paths: &[PathBuf],
-    remembered: Option<&Inputs>,
+    other: Option<&Side>,
     columns: Columns,
     estimator: EstimatorKind,
 ) -> Result<Side> {
-    let (prepared, inputs) = log.process(paths, remembered, HeldOut::Nothing, None)?;
+    let remembered = other.and_then(|other| other.inputs.as_ref());
+    let (mut prepared, inputs) = log.process(paths, remembered, HeldOut::Nothing, None)?;
+    match other {
+        Some(other) => prepared.take_shape(&other.estimate, &other.name)?,
+        None if prepared.has_no_periods() => {
+            prepared.find_onset(columns)?;
+        }
+        None => {}
+    }
     let estimate = prepared.identify(columns, estimator)?;
     let name = prepared.name();
     Ok(Side { estimate, name, inputs: Some(inputs), robot: Some(prepared.robot) })

@@ -115,7 +115,7 @@ pub fn known_load(
             expected: "one motor for each joint; use the back-EMF",
         });
     }
-    let regressor = JointTorqueRegressor::new(robot, Columns::RIGID_ROTOR_FRICTION);
+    let regressor = JointTorqueRegressor::new(robot, Columns::RIGID_ROTOR_FRICTION).expect("columns of motion");
     let parts = [Part::new(&regressor, without, 0.0), Part::new(&regressor, with, 1.0)];
     let phi = DVector::from_row_slice(&load.to_array());
     let mut found = KnownLoads { shown: Vec::new(), hidden: Vec::new() };

@@ -53,8 +53,10 @@ pub(super) struct Model {
 
 impl Model {
     pub(super) fn new(robot: Robot, columns: Columns) -> Result<Self, BaseError> {
+        // Mistakes do not hide behind friction of the load.
+        let columns = columns.terms().filter(|term| term.entry().needs.is_motion()).fold(Columns::RIGID, Columns::with);
         let base = reduce(&robot, columns, Method::Structural, Seed::new(0))?;
-        let regressor = JointTorqueRegressor::new(&robot, columns);
+        let regressor = JointTorqueRegressor::new(&robot, columns).map_err(BaseError::from)?;
         let friction = base
             .kept
             .iter()
@@ -122,9 +124,8 @@ impl Model {
 
     /// The cost J of a fit.
     pub(super) fn cost(&self, instants: &Instants) -> f64 {
-        self.fit(instants).map_or(f64::INFINITY, |fit| {
-            fit.residual + self.implausible(instants, &fit) + self.beyond_limits(instants)
-        })
+        self.fit(instants)
+            .map_or(f64::INFINITY, |fit| fit.residual + self.implausible(instants, &fit) + self.beyond_limits(instants))
     }
 
     /// The residual, as a part of each joint's torque, squared, on instants that were not fitted.

@@ -132,9 +132,11 @@ impl Mistake {
                 "state what they are: --map \"current=… % rated=…\" (A), or \"tau=… % rated=…\" (N·m)".to_owned()
             }
             Self::EffortsReversed { .. } => "reverse all of them: --map \"tau=… sign=-\" (or current)".to_owned(),
-            Self::EffortsSmall { .. } => "state what they are: --map \"current=… constant=… gear=…\" for currents, or \"tau=… motor \
+            Self::EffortsSmall { .. } => {
+                "state what they are: --map \"current=… constant=… gear=…\" for currents, or \"tau=… motor \
                                           gear=…\" for torques at the motors"
-                .to_owned(),
+                    .to_owned()
+            }
             Self::Gravity { direction: [x, y, z] } => {
                 format!("turn gravity_m_s2 in the robot file along [{x}, {y}, {z}], or the base as it is mounted")
             }
@@ -189,7 +191,10 @@ impl fmt::Display for Mistake {
                 write!(f, "the efforts are beyond the limits of the joints; times {factor} they are not")
             }
             Self::EffortsReversed { slope: Some(slope) } => {
-                write!(f, "all torques are reversed: the measured torque is about {slope:.2} times that of the robot file")
+                write!(
+                    f,
+                    "all torques are reversed: the measured torque is about {slope:.2} times that of the robot file"
+                )
             }
             Self::EffortsReversed { slope: None } => {
                 write!(f, "all torques are reversed: friction would be negative at nearly every joint")

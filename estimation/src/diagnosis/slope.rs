@@ -59,7 +59,9 @@ impl Slopes {
         let of = |i: usize| {
             let (mut normal, mut right, mut square) = (Matrix3::zeros(), Vector3::zeros(), 0.0);
             let column = |table: &[f64]| table.iter().skip(i).step_by(n).copied().collect::<Vec<_>>();
-            for ((file, measured), qd) in column(&of_file).into_iter().zip(column(&instants.tau)).zip(column(&instants.qd)) {
+            for ((file, measured), qd) in
+                column(&of_file).into_iter().zip(column(&instants.tau)).zip(column(&instants.qd))
+            {
                 let row = Vector3::new(file, if qd == 0.0 { 0.0 } else { qd.signum() }, qd);
                 normal += row * row.transpose();
                 right += row * measured;
@@ -96,7 +98,8 @@ impl Slopes {
 
     /// Median of the slopes where all that are certain, at least half of the loaded joints, are of one sign and no small ones.
     pub(super) fn sign(&self) -> Option<f64> {
-        let mut certain: Vec<f64> = self.loaded(LEAST_LOAD).filter(|slope| slope.certain).map(|slope| slope.value).collect();
+        let mut certain: Vec<f64> =
+            self.loaded(LEAST_LOAD).filter(|slope| slope.certain).map(|slope| slope.value).collect();
         certain.sort_by(f64::total_cmp);
         let (first, last) = (*certain.first()?, *certain.last()?);
         let alike = first * last > 0.0 && certain.iter().all(|slope| slope.abs() >= LEAST_SLOPE);
@@ -109,7 +112,9 @@ impl Slopes {
         if loaded.is_empty() || loaded.iter().any(|slope| slope.bound > SMALL) {
             return None;
         }
-        let at_motors = |slope: &&Slope| slope.gear != 1.0 && libm::log(slope.value * slope.gear).abs() < libm::log(LEAST_SLOPE.recip());
+        let at_motors = |slope: &&Slope| {
+            slope.gear != 1.0 && libm::log(slope.value * slope.gear).abs() < libm::log(LEAST_SLOPE.recip())
+        };
         if loaded.iter().all(|slope| slope.certain && at_motors(&slope)) {
             return Some(Mistake::MotorTorques);
         }

@@ -19,9 +19,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::ridge::Shrunk;
-use super::{EstimationError, Factorisation, Observation, Termination, residual_noise};
+use super::{EstimationError, Factorisation, Identification, Observation, Termination, residual_noise};
 use crate::estimation::linear_fit::LinearFit;
 use crate::linalg::{LeastSquares, LeastSquaresError, product, transpose_product};
+use crate::signal::Samples;
 use crate::spatial::Inertia;
 use crate::statistics::student_quantile;
 
@@ -30,6 +31,9 @@ const ITERATIONS: usize = 50;
 
 /// Relative change of the gains at which the iteration has come to rest.
 const AT_REST: f64 = 1e-10;
+
+/// Change of the torque, as a part of the measured one, at which friction of the load rests.
+const LOAD_AT_REST: f64 = 1e-8;
 
 /// How the equations of the gains are solved.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -138,6 +142,33 @@ pub fn drive_gains(
         }
         GainMethod::Total => logs.total(&weighted, &weights),
     }
+}
+
+/// The equations of an arm `without` and `with` a load for columns with friction of the load, at the torque of the links by the gains and parameters
+/// of the weighted fit; repeated until that rests. The equations as they are where no column depends on it.
+///
+/// Intervals of gains by them take that torque as exact.
+///
+/// # Errors
+/// As [`drive_gains`]; [`EstimationError::LoadNotAtRest`].
+pub fn gain_equations(
+    of: &Identification<'_>,
+    [without, with]: [&Samples; 2],
+    load: &Inertia,
+) -> Result<[Observation; 2], EstimationError> {
+    let linear = [of.observation(without)?, of.observation(with)?];
+    let Some(mut beta) = linear[0].linear_at.clone() else { return Ok(linear) };
+    let (none, mut change) = (Inertia::from_array(&[0.0; 10]), f64::INFINITY);
+    for _ in 0..ITERATIONS {
+        let at_load = [of.observation_at(without, &beta, &none)?, of.observation_at(with, &beta, load)?];
+        let next = drive_gains(&at_load[0], &at_load[1], load, GainMethod::Weighted)?.beta;
+        change = (&at_load[0].regressor * (&next - &beta)).norm() / at_load[0].y.norm().max(f64::MIN_POSITIVE);
+        beta = next;
+        if change <= LOAD_AT_REST {
+            return Ok(at_load);
+        }
+    }
+    Err(EstimationError::LoadNotAtRest { change, rounds: ITERATIONS, rest: LOAD_AT_REST })
 }
 
 /// How base parameters follow the gains: `∂β̂/∂ ln κ_i` of weighted least squares, b × n. A constant of joint i that is stated one per cent too

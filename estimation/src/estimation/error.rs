@@ -5,6 +5,7 @@ use std::fmt;
 use super::closed_loop::ClosedLoopError;
 use crate::base::BaseError;
 use crate::linalg::LeastSquaresError;
+use crate::model::ColumnsError;
 use crate::signal::SignalError;
 
 /// Why there is no estimate.
@@ -73,6 +74,22 @@ pub enum EstimationError {
     UnknownParameter {
         /// Its name.
         parameter: String,
+    },
+    /// A term among the columns cannot be estimated from motion and torque.
+    #[error("{0}")]
+    Columns(#[from] ColumnsError),
+    /// Friction of the load did not come to rest.
+    #[error(
+        "friction of the load: the torque of the links still changes by {change:.1e} of the torque after {rounds} rounds, expected \
+         at most {rest:.0e}; leave \"load\" out of the columns"
+    )]
+    LoadNotAtRest {
+        /// Change of the last round, as a part of the measured torque.
+        change: f64,
+        /// Rounds.
+        rounds: usize,
+        /// Change at which it rests.
+        rest: f64,
     },
     /// The estimate is of another base.
     #[error("base parameters: {}, expected {}", found.join(" "), expected.join(" "))]

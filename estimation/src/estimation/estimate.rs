@@ -1,12 +1,21 @@
 //! The result of an estimator.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Finding, Termination};
+use super::{EstimationError, Finding, Termination, load_friction};
+use crate::base::BaseReduction;
+use crate::model::term::Sign;
+use crate::model::{Columns, ParameterId, Robot};
 use crate::provenance::Provenance;
+use crate::regressor::JointTorqueRegressor;
 use crate::statistics::student_quantile;
+
+/// Standard deviations below zero beyond which a coefficient that cannot be negative is an error of the model.
+const IMPOSSIBLE: f64 = 3.0;
 
 /// One base parameter.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -17,7 +26,8 @@ pub struct BaseEstimate {
     pub value: f64,
     /// Standard deviation.
     pub std: f64,
-    /// 95 % interval, lower and upper end.
+    /// 95 % interval, lower and upper end; infinite (`null`) where it is withheld ([`Finding::Impossible`]).
+    #[serde(deserialize_with = "crate::plain::infinite::interval")]
     pub ci95: [f64; 2],
     /// Unit of all of them.
     pub unit: String,
@@ -64,6 +74,10 @@ pub struct Estimate {
     pub robot: String,
     /// Name of the columns that were estimated.
     pub columns: String,
+    /// Shape parameters of the friction laws of each joint that the estimate was made with, where they are not their defaults, by their keys in
+    /// the robot file, n; empty where it is not known.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub shape: Vec<BTreeMap<String, f64>>,
     /// Base parameters β̂, b.
     pub base: Vec<BaseEstimate>,
     /// Covariance of β̂, b rows of b.
@@ -135,6 +149,45 @@ impl Estimate {
         }
     }
 
+    /// The robot with the shape parameters that the estimate, which is one of these columns, was made with.
+    ///
+    /// # Errors
+    /// [`EstimationError::Count`] where the robot has other joints.
+    pub fn robot(&self, robot: &Robot, columns: Columns) -> Result<Robot, EstimationError> {
+        if self.shape.is_empty() {
+            return Ok(robot.clone());
+        }
+        let (found, expected) = (robot.dof(), self.shape.len());
+        if found != expected {
+            return Err(EstimationError::Count { quantity: "joints of the robot", found, expected });
+        }
+        let mut drives: Vec<_> = robot.joints().iter().map(|joint| joint.drive.clone()).collect();
+        for (drive, stated) in drives.iter_mut().zip(&self.shape) {
+            for shape in columns.shapes() {
+                drive.set_shape(&shape, stated.get(shape.key).copied().unwrap_or(shape.default));
+            }
+        }
+        Ok(robot.clone().with_drives(drives))
+    }
+
+    /// The regressor of its columns by which it predicts torque: with its shape parameters, the torque of the links being that of its own
+    /// parameters.
+    ///
+    /// # Errors
+    /// As [`Self::robot`]; [`EstimationError::Columns`] where a column depends on what no recording has.
+    pub fn regressor(&self, robot: &Robot, columns: Columns) -> Result<JointTorqueRegressor, EstimationError> {
+        let regressor = load_friction::regressor_of(&self.robot(robot, columns)?, columns)?;
+        let value = |id: &ParameterId| {
+            let name = id.to_string();
+            self.base.iter().find(|of| of.name == name).map_or(0.0, |of| of.value)
+        };
+        let links: Vec<f64> = match regressor.needs_load() {
+            true => regressor.parameters()[..10 * robot.dof()].iter().map(value).collect(),
+            false => Vec::new(),
+        };
+        Ok(regressor.with_links(&links))
+    }
+
     /// The same values with a covariance that has this much more in it, b × b.
     pub(super) fn add_covariance(&mut self, added: &DMatrix<f64>) {
         let t = student_quantile(0.975, self.degrees_of_freedom);
@@ -144,6 +197,28 @@ impl Estimate {
             }
             parameter.std = row[i].max(0.0).sqrt();
             parameter.ci95 = [parameter.value - t * parameter.std, parameter.value + t * parameter.std];
+        }
+    }
+
+    /// Withholds the intervals of coefficients that no arm has, and says so in one finding: those below zero by more than three standard
+    /// deviations that cannot be negative, and are a base parameter alone.
+    pub(super) fn withhold_impossible(&mut self, base: &BaseReduction) {
+        let is_positive = |id: ParameterId| id.kind.term().is_some_and(|term| term.entry().sign == Sign::NotNegative);
+        let mut parameters = Vec::new();
+        for ((row, &kept), parameter) in base.kept.iter().enumerate().zip(&mut self.base) {
+            let is_alone = base.k.row(row).iter().filter(|entry| **entry != 0.0).count() == 1;
+            if is_alone && is_positive(base.parameters[kept]) && parameter.value < -IMPOSSIBLE * parameter.std {
+                parameter.ci95 = [f64::NEG_INFINITY, f64::INFINITY];
+                parameters.push(parameter.name.clone());
+            }
+        }
+        if !parameters.is_empty() {
+            let said = |finding: &Finding| {
+                let Finding::NegativeDrive { parameter, .. } = finding else { return false };
+                parameters.contains(parameter)
+            };
+            self.findings.retain(|finding| !said(finding));
+            self.findings.push(Finding::Impossible { parameters });
         }
     }
 

@@ -174,6 +174,11 @@ pub enum Finding {
         /// Its value.
         value: f64,
     },
+    /// Coefficients that no arm has: errors of the model, whose intervals are withheld.
+    Impossible {
+        /// Names of the base parameters.
+        parameters: Vec<String>,
+    },
 }
 
 /// The fifth of a record, by size of a joint's speed or load, in which its fit is worst.
@@ -210,7 +215,9 @@ impl Finding {
     pub const fn advice(&self) -> &'static str {
         match self {
             Self::PoorlyDetermined { .. } => "do not interpret them one by one; predicted torque depends on their sums",
-            Self::LargeCondition { .. } => "the motion excites the parameters unevenly: trust torque, and not single parameters",
+            Self::LargeCondition { .. } => {
+                "the motion excites the parameters unevenly: trust torque, and not single parameters"
+            }
             Self::ResidualAboveNoise { .. } => {
                 "the model misses something: friction law, torque constant, flexibility, or too narrow a filter; the \
                  intervals hold what the residual shows of it"
@@ -260,6 +267,7 @@ impl Finding {
                 "the estimate is that of the whole motion all the same; an arm with the parameters of `wls` runs away: look for a \
                  sign, a unit or a torque constant first"
             }
+            Self::Impossible { .. } => "`armid identify --select` looks for the term that the model lacks",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
                 "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
             }
@@ -367,6 +375,11 @@ impl fmt::Display for Finding {
             Self::MultipleShooting { intervals, gap } => write!(
                 f,
                 "the search began by multiple shooting over {intervals} intervals, whose gaps it closed to {gap:.0e} of the motion"
+            ),
+            Self::Impossible { parameters } => write!(
+                f,
+                "{} below zero by more than 3 standard deviations, as of no arm: errors of the model, whose intervals are withheld",
+                parameters.join(", ")
             ),
             Self::NegativeDrive { parameter, value } => write!(f, "{parameter} = {value:.3e} is negative"),
         }

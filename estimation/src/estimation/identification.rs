@@ -6,17 +6,21 @@
 
 use std::sync::Arc;
 
-use super::stribeck_speed::stribeck_speeds;
+use nalgebra::DVector;
+
+use super::friction_speed::FrictionSpeeds;
 use super::{
-    ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Finding, Observation,
-    StribeckSpeeds, Validation, validate,
+    ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Finding,
+    Observation, Validation, load_fit, load_friction, observe, validate,
 };
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
+use crate::model::term::ShapeParameter;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::Samples;
+use crate::spatial::Inertia;
 
 /// States from which it is decided what a motion reveals, at most.
 const MOTION_STATES: usize = 500;
@@ -73,27 +77,31 @@ impl<'a> Identification<'a> {
     /// What is estimated: the base of these columns, by the structural reduction.
     ///
     /// # Errors
-    /// [`EstimationError::Base`] where the robot's geometry is not finite.
+    /// [`EstimationError::Base`] where the robot's geometry is not finite, [`EstimationError::Columns`] where a term depends on what no
+    /// recording has.
     pub fn new(robot: &'a Robot, columns: Columns) -> Result<Self, EstimationError> {
         // The structural reduction draws nothing: any seed gives the same.
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
-        Ok(Self::of(robot, JointTorqueRegressor::new(robot, columns), base))
+        Ok(Self::of(robot, load_friction::regressor_of(robot, columns)?, base))
     }
 
     /// What is estimated where a motion does not show every parameter, a joint stands still, say: the base that the equations of
     /// these samples reveal, at most 500 states of them, by QR.
     ///
+    /// # Errors
+    /// [`EstimationError::Columns`] as above.
+    ///
     /// # Panics
     /// If the samples are of another robot.
-    #[must_use]
-    pub fn on_motion(robot: &'a Robot, columns: Columns, samples: &Samples) -> Self {
+    pub fn on_motion(robot: &'a Robot, columns: Columns, samples: &Samples) -> Result<Self, EstimationError> {
         let (states, n) = (&samples.states, samples.dof());
         let mut few = States::new(n);
         for k in (0..states.len()).step_by(states.len().div_ceil(MOTION_STATES).max(1)) {
             few.push(states.q(k), states.qd(k), states.qdd(k));
         }
-        let regressor = JointTorqueRegressor::new(robot, columns);
-        let mut w = regressor.stack(&few);
+        let regressor = load_friction::regressor_of(robot, columns)?;
+        // Which columns there are does not depend on how large the load is.
+        let mut w = regressor.with_links(&vec![1.0; 10 * n]).stack(&few);
         // A joint none of whose rows is an equation reveals nothing by its own torque.
         for i in (0..n).filter(|&i| !samples.used.iter().skip(i).step_by(n).any(|used| *used)) {
             for k in 0..few.len() {
@@ -101,7 +109,7 @@ impl<'a> Identification<'a> {
             }
         }
         let base = BaseReduction::from_stack(regressor.parameters(), &w, Method::Qr);
-        Self::of(robot, regressor, base)
+        Ok(Self::of(robot, regressor, base))
     }
 
     fn of(robot: &'a Robot, regressor: JointTorqueRegressor, base: BaseReduction) -> Self {
@@ -132,14 +140,17 @@ impl<'a> Identification<'a> {
         &self.base
     }
 
+    const fn columns(&self) -> Columns {
+        self.regressor.columns()
+    }
+
     /// Estimates them from the samples of one experiment.
     ///
     /// # Errors
     /// [`EstimationError`] where the samples are of another robot or the equations have no answer.
     pub fn estimate(&self, samples: &Samples, estimator: &dyn Estimator) -> Result<Estimate, EstimationError> {
-        let observation = self.observation(samples)?;
-        let estimate = estimator.estimate(&self.problem(&observation, samples));
-        estimate.map(|estimate| without_noise_that_is_not(estimate, samples))
+        let mut estimates = self.estimate_by(samples, &[estimator])?;
+        Ok(estimates.swap_remove(0))
     }
 
     /// The same by several estimators, which share one factorisation of the equations.
@@ -154,27 +165,62 @@ impl<'a> Identification<'a> {
         let observation = self.observation(samples)?;
         let equations = Factorisation::new(&observation)?;
         let problem = self.problem(&observation, samples).with_factorisation(&equations);
-        let estimates = estimators.iter().map(|estimator| estimator.estimate(&problem));
-        estimates.map(|estimate| estimate.map(|estimate| without_noise_that_is_not(estimate, samples))).collect()
+        let estimated = |estimator: &&dyn Estimator| {
+            let mut estimate = without_noise_that_is_not(estimator.estimate(&problem)?, samples);
+            estimate.withhold_impossible(&self.base);
+            Ok(estimate)
+        };
+        estimators.iter().map(estimated).collect()
     }
 
-    /// The speeds at which the friction of the joints falls that have a Stribeck column, by variable projection; `None` where no column is one.
-    /// An estimate with them is that of an identification of [`StribeckSpeeds::robot`]; its intervals take them as exact.
+    /// The speeds of a kind that the laws of friction of the joints have, by variable projection; `None` where no column has one. An estimate
+    /// with them is that of an identification of [`FrictionSpeeds::robot`]; its intervals take them as exact.
     ///
     /// # Errors
     /// As [`Self::estimate`].
-    pub fn stribeck_speeds(&self, samples: &Samples) -> Result<Option<StribeckSpeeds>, EstimationError> {
-        stribeck_speeds(self.robot, &self.observation(samples)?, samples)
+    pub fn friction_speeds(
+        &self,
+        samples: &Samples,
+        shape: ShapeParameter,
+    ) -> Result<Option<FrictionSpeeds>, EstimationError> {
+        FrictionSpeeds::found(self.robot, (self.columns(), &self.base), samples, shape)
     }
 
     /// The equations of one experiment.
-    pub(super) fn observation(&self, samples: &Samples) -> Result<Observation, EstimationError> {
-        Observation::new(self.robot, &self.regressor, &self.base, samples)
+    ///
+    /// # Errors
+    /// As [`observe`].
+    pub fn observation(&self, samples: &Samples) -> Result<Observation, EstimationError> {
+        observe(self.robot, &self.regressor, &self.base, samples)
     }
 
-    /// Equations that are only predicted.
-    pub(super) fn unseen(&self, samples: &Samples) -> Result<Observation, EstimationError> {
-        Observation::of_any_length(self.robot, &self.regressor, &self.base, samples)
+    /// The same for tests of terms.
+    pub(super) fn observation_of_test(&self, samples: &Samples) -> Result<Observation, EstimationError> {
+        load_fit::observe_to(self.robot, &self.regressor, &self.base, samples, load_fit::REST_OF_TESTS)
+    }
+
+    /// The equations of one experiment with friction of the load at the torque that the links take by β (b), and the load that they carry:
+    /// linear in all coefficients, and of the torque as it was measured.
+    ///
+    /// # Errors
+    /// [`EstimationError`] where the samples are of another robot.
+    pub fn observation_at(
+        &self,
+        samples: &Samples,
+        beta: &DVector<f64>,
+        load: &Inertia,
+    ) -> Result<Observation, EstimationError> {
+        let mut links = load_friction::standard(&self.base, beta);
+        for (column, value) in self.base.columns_of_last_link().into_iter().zip(load.to_array()) {
+            links[column] += value;
+        }
+        let regressor = self.regressor.with_links(&links[..10 * self.robot.dof()]);
+        Observation::of_any_length(self.robot, &regressor, &self.base, samples, None)
+    }
+
+    /// Equations that are only predicted, linearised where those of the fit are.
+    pub(super) fn unseen(&self, samples: &Samples, fitted: &Observation) -> Result<Observation, EstimationError> {
+        Observation::of_any_length(self.robot, &self.regressor, &self.base, samples, fitted.linear_at.as_ref())
     }
 
     pub(super) fn problem<'b>(&'b self, observation: &'b Observation, samples: &'b Samples) -> EstimationProblem<'b> {
@@ -188,6 +234,6 @@ impl<'a> Identification<'a> {
     /// # Errors
     /// [`EstimationError`] where estimate, samples and robot do not belong together.
     pub fn validate(&self, estimate: &Estimate, samples: &Samples) -> Result<Validation, EstimationError> {
-        validate(estimate, &self.regressor, samples)
+        validate(estimate, &estimate.regressor(self.robot, self.columns())?, samples)
     }
 }

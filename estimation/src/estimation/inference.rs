@@ -155,6 +155,7 @@ impl Inference<'_> {
             estimator: self.estimator.to_owned(),
             robot: observation.robot.clone(),
             columns: observation.columns.to_string(),
+            shape: observation.shape.clone(),
             covariance: (0..b).map(|i| covariance.row(i).iter().copied().collect()).collect(),
             consistent: completion.as_ref().map(|c| c.findings.is_empty()),
             standard: completion.map(|c| {

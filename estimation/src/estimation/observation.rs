@@ -1,14 +1,15 @@
 //! The stacked linear equations of one experiment.
 
 use std::borrow::Cow;
+use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::EstimationError;
+use super::{EstimationError, load_friction};
 use crate::base::{BaseReduction, Category};
 use crate::linalg::LeastSquaresError;
 use crate::linalg::product::add_product;
-use crate::model::{Columns, ParameterId, Robot};
+use crate::model::{Columns, Drive, ParameterId, Robot, StandardParameters};
 use crate::provenance::Provenance;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::{NoiseModel, Samples};
@@ -34,6 +35,8 @@ pub struct Observation {
     pub units: Vec<String>,
     /// Which columns are estimated.
     pub columns: Columns,
+    /// Shape parameters of the laws of each joint that are not their defaults, by their keys in the robot file, n.
+    pub shape: Vec<BTreeMap<String, f64>>,
     /// The reduction to base parameters.
     pub base: BaseReduction,
     /// Unit of each base parameter, b.
@@ -42,6 +45,8 @@ pub struct Observation {
     pub noise: Option<NoiseModel>,
     /// Covariance of one raw sample of torque, n × n; `None` as above.
     pub torque_covariance: Option<DMatrix<f64>>,
+    /// The parameters at which equations with friction of the load are linearised, b; `None` where the equations are linear.
+    pub linear_at: Option<DVector<f64>>,
     /// Whether the instants are one period, so that the last is followed by the first.
     pub periodic: bool,
     /// Periods that were averaged.
@@ -51,7 +56,8 @@ pub struct Observation {
 }
 
 impl Observation {
-    /// Evaluates the regressor at the samples' states and keeps the base columns.
+    /// Evaluates the regressor at the samples' states and keeps the base columns. Friction of the load has that of the regressor; where the
+    /// load follows from the estimate, [`observe`](super::observe) makes the equations.
     ///
     /// # Errors
     /// [`EstimationError::Count`] or [`EstimationError::OtherParameters`] where robot, regressor, reduction and samples do
@@ -64,6 +70,17 @@ impl Observation {
         base: &BaseReduction,
         samples: &Samples,
     ) -> Result<Self, EstimationError> {
+        Self::checked(robot, regressor, base, samples, None)
+    }
+
+    /// The same, linearised `at` these parameters where they must be.
+    pub(super) fn checked(
+        robot: &Robot,
+        regressor: &JointTorqueRegressor,
+        base: &BaseReduction,
+        samples: &Samples,
+        at: Option<&DVector<f64>>,
+    ) -> Result<Self, EstimationError> {
         let (equations, b) = (samples.used.iter().filter(|used| **used).count(), base.rank());
         if samples.dof() == robot.dof() && equations < b {
             return Err(EstimationError::TooFewEquations { equations, parameters: b });
@@ -71,7 +88,7 @@ impl Observation {
         if b == 0 {
             return Err(EstimationError::NothingActs { equations });
         }
-        let (own, left_out) = Self::stacked(robot, regressor, base, samples)?;
+        let (own, left_out) = Self::stacked(robot, regressor, base, samples, at)?;
         for (j, (column, left_out)) in own.regressor.column_iter().zip(left_out).enumerate() {
             // Mostly the first entries decide.
             if left_out > 0.0 && !column.iter().any(|entry| entry.abs() >= LEAST_SHARE * left_out) {
@@ -82,14 +99,15 @@ impl Observation {
         Ok(own)
     }
 
-    /// The same for equations that are predicted, of which there may be few.
+    /// The same for equations that are predicted, of which there may be few, linearised `at` these parameters where they must be.
     pub(super) fn of_any_length(
         robot: &Robot,
         regressor: &JointTorqueRegressor,
         base: &BaseReduction,
         samples: &Samples,
+        at: Option<&DVector<f64>>,
     ) -> Result<Self, EstimationError> {
-        Ok(Self::stacked(robot, regressor, base, samples)?.0)
+        Ok(Self::stacked(robot, regressor, base, samples, at)?.0)
     }
 
     /// The equations, and the largest entry of each column in the rows that are none.
@@ -98,6 +116,7 @@ impl Observation {
         regressor: &JointTorqueRegressor,
         base: &BaseReduction,
         samples: &Samples,
+        at: Option<&DVector<f64>>,
     ) -> Result<(Self, Vec<f64>), EstimationError> {
         let n = robot.dof();
         for (quantity, found) in
@@ -115,9 +134,15 @@ impl Observation {
             let (found, expected) = (samples.used.len(), samples.blocks() * n);
             return Err(EstimationError::Count { quantity: "marks of used equations", found, expected });
         }
-        let mut w = regressor.stack_means(&samples.states, &base.kept, samples.block);
-        let mut left_out = vec![0.0_f64; w.ncols()];
         let mut y = DVector::from_vec(samples.block_means(&samples.tau, n));
+        let mut w = match at {
+            Some(beta) => load_friction::linearised(regressor, base, samples, beta, &mut y),
+            None => regressor.stack_means(&samples.states, &base.kept, samples.block),
+        };
+        if samples.torque_band_hz.is_some() {
+            filter_friction(regressor, base, samples, &mut w)?;
+        }
+        let mut left_out = vec![0.0_f64; w.ncols()];
         for (row, _) in samples.used.iter().enumerate().filter(|(_, used)| !**used) {
             for (largest, entry) in left_out.iter_mut().zip(w.row_mut(row).iter_mut()) {
                 *largest = largest.max(std::mem::take(entry).abs());
@@ -132,6 +157,8 @@ impl Observation {
             robot: robot.name().to_owned(),
             units: samples.units.clone(),
             columns: regressor.columns(),
+            shape: shapes(robot, regressor.columns()),
+            linear_at: at.cloned(),
             base: base.clone(),
             parameter_units: base.kept.iter().map(|&j| parameter_unit(robot, base.parameters[j])).collect(),
             noise: samples.noise.clone(),
@@ -141,6 +168,15 @@ impl Observation {
             provenance: samples.provenance.clone(),
         };
         Ok((own, left_out))
+    }
+
+    /// The regressor of the equations, with the load at which they are linearised.
+    pub(super) fn joint_regressor(&self, robot: &Robot) -> JointTorqueRegressor {
+        let regressor = JointTorqueRegressor::with_load(robot, self.columns, &StandardParameters::zero(robot.dof()));
+        match &self.linear_at {
+            Some(beta) => regressor.with_links(&load_friction::standard(&self.base, beta)[..10 * robot.dof()]),
+            None => regressor,
+        }
     }
 
     /// Number of blocks M.
@@ -209,6 +245,41 @@ impl Observation {
             other => other.into(),
         }
     }
+}
+
+/// Puts the columns of friction that turns round with velocity behind the low pass of the torque.
+fn filter_friction(
+    regressor: &JointTorqueRegressor,
+    base: &BaseReduction,
+    samples: &Samples,
+    w: &mut DMatrix<f64>,
+) -> Result<(), EstimationError> {
+    let n = samples.dof();
+    let turns = |column: usize| {
+        let term = base.parameters[column].kind.term();
+        term.is_some_and(|term| !term.entry().needs.load && term.entry().shapes.iter().any(|shape| shape.smooths))
+    };
+    for (place, &column) in base.kept.iter().enumerate().filter(|(_, column)| turns(**column)) {
+        let mut rows = regressor.stack_means(&samples.states, &[column], 1).as_slice().to_vec();
+        for i in 0..n {
+            let joint = samples.filtered_as_torque(rows.iter().skip(i).step_by(n).copied().collect())?;
+            rows.iter_mut().skip(i).step_by(n).zip(joint).for_each(|(to, value)| *to = value);
+        }
+        w.set_column(place, &DVector::from_vec(samples.block_means(&rows, n)));
+    }
+    Ok(())
+}
+
+/// The shape parameters of the laws of these columns that are not their defaults, joint by joint.
+fn shapes(robot: &Robot, columns: Columns) -> Vec<BTreeMap<String, f64>> {
+    let of = |drive: &Drive| {
+        let stated = columns.shapes().into_iter().map(|shape| (shape, drive.shape(&shape)));
+        stated
+            .filter(|(shape, value)| *value != shape.default)
+            .map(|(shape, value)| (shape.key.to_owned(), value))
+            .collect()
+    };
+    robot.joints().iter().map(|joint| of(&joint.drive)).collect()
 }
 
 /// Unit of a parameter, which for a term depends on whether its joint is revolute or prismatic.

@@ -43,7 +43,7 @@ impl StiffLoop {
     }
 
     fn regressor(&self) -> JointTorqueRegressor {
-        JointTorqueRegressor::new(&self.robot, self.columns)
+        JointTorqueRegressor::new(&self.robot, self.columns).expect("columns of motion")
     }
 
     fn torque(&self, parameters: &StandardParameters) -> Vec<f64> {

@@ -201,7 +201,7 @@ mod tests {
             let (robot, samples) = samples(hz, 0.2);
             let identification = Identification::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
             let estimate = identification.estimate(&samples, EstimatorKind::Ols.estimator()).unwrap();
-            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
             let found = TorqueResidual::new(&estimate, &regressor, std::slice::from_ref(&samples), 20.0).unwrap();
             for rms in &found.all.rms {
                 // A tone of amplitude 0.2 has the RMS 0.141; the fit takes a little of it away.

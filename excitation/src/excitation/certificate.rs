@@ -27,7 +27,6 @@ use super::information::Information;
 use super::limit_survey::{LimitSurvey, WorstCases, WorstLimitUse};
 use super::problem::DesignProblem;
 use crate::provenance::sha256;
-use crate::regressor::JointTorqueRegressor;
 use crate::trajectory::PeriodicTrajectory;
 
 /// A base parameter that a trajectory identifies poorly.
@@ -124,7 +123,7 @@ impl Certificate {
             return Err(ExcitationError::Joints { found: trajectory.dof(), expected: n });
         }
         let samples = problem.budget().certificate_samples();
-        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns());
+        let regressor = problem.regressor(problem.robot())?;
         let kept = &problem.base().kept;
         let m = Information::new(regressor, kept, samples, &vec![1.0; n], None).gather(&trajectory.sample(samples));
         let rigid = problem.objective().rigid_positions();
@@ -238,6 +237,7 @@ mod tests {
     use crate::chains;
     use crate::excitation::{DesignBudget, DesignLimits};
     use crate::model::Columns;
+    use crate::regressor::JointTorqueRegressor;
     use crate::trajectory::table_one;
 
     fn problem(columns: Columns) -> DesignProblem {
@@ -268,7 +268,7 @@ mod tests {
         problem.set_budget(DesignBudget::default().with_certificate_samples(400).unwrap());
         let trajectory = table_one::corrected().into();
         let certificate = Certificate::of(&problem, &trajectory).unwrap();
-        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns());
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns()).unwrap();
         let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(400)));
         assert_eq!(w.ncols(), 58);
         assert!((certificate.condition_all / crate::linalg::condition(&w) - 1.0).abs() < 1e-9);
@@ -306,7 +306,7 @@ mod tests {
         problem.set_budget(DesignBudget::default().with_certificate_samples(200).unwrap());
         let trajectory = table_one::corrected().into();
         let found = Certificate::of(&problem, &trajectory).unwrap().bias_susceptibility.unwrap();
-        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns());
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns()).unwrap();
         let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(200)));
         let units = reference_units(&problem);
         let scaled = DMatrix::from_fn(w.nrows(), w.ncols(), |i, j| w[(i, j)] * units[j]);

@@ -1,7 +1,7 @@
 //! What can stop a design before it starts.
 
 use crate::base::BaseError;
-use crate::model::RobotError;
+use crate::model::{ColumnsError, RobotError};
 use crate::trajectory::TrajectoryError;
 
 /// Why a trajectory or a design problem cannot be used.
@@ -130,6 +130,9 @@ pub enum ExcitationError {
     /// The base parameters could not be found.
     #[error(transparent)]
     Base(#[from] BaseError),
+    /// A column depends on more than is known.
+    #[error(transparent)]
+    Columns(#[from] ColumnsError),
     /// The robot's limits or drives are impossible.
     #[error(transparent)]
     Robot(#[from] RobotError),

@@ -239,7 +239,7 @@ mod tests {
         let problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal);
         let sigma = problem.objective().noise().unwrap().to_vec();
         let start = radkhah2007_start(problem.robot(), 10.0, 5, Seed::new(1), 3).unwrap();
-        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns());
+        let regressor = JointTorqueRegressor::new(problem.robot(), problem.objective().columns()).unwrap();
         let mut information = Information::new(regressor.clone(), &problem.base().kept, 40, &sigma, None);
         let m = information.gather(&start.sample(40));
         let mut w = problem.base().select_columns(&regressor.stack(&start.sample(40)));

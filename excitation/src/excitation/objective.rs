@@ -123,7 +123,7 @@ const COULOMB_PART: f64 = 0.05;
 
 /// The regressor that the optimiser sees.
 fn smoothed_regressor(problem: &DesignProblem) -> Result<JointTorqueRegressor, ExcitationError> {
-    Ok(JointTorqueRegressor::new(&smoothed_robot(problem)?, problem.objective().columns()))
+    problem.regressor(&smoothed_robot(problem)?)
 }
 
 /// The robot that the optimiser sees.

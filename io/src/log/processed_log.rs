@@ -3,13 +3,15 @@
 use armid::calibration::{TransmissionStiffness, transmission_stiffness};
 use armid::diagnosis::{Evidence, Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
-    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, Identification, Model, ModelFit, ModelGuess, Observation,
-    ResidualTrends, Selection, StribeckSpeeds, TorqueResidual, TorqueSeries, Validation, closed_loop_of, fit_model,
-    predict, select,
+    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, FrictionSpeeds, Identification, Model, ModelFit,
+    ModelGuess, Observation, ResidualTrends, Selection, TorqueResidual, TorqueSeries, Validation, closed_loop_of,
+    fit_model, gain_equations, predict, select,
 };
+use armid::model::term::{ShapeParameter, Stribeck};
 use armid::model::{Columns, EffortInterface, Robot, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
 use armid::signal::Samples;
+use armid::spatial::Inertia;
 use serde::Serialize;
 
 use super::gaps::Gaps;
@@ -174,20 +176,56 @@ impl ProcessedLog {
             return Ok(None);
         }
         let robot = &self.robot.robot;
-        let regressor = JointTorqueRegressor::new(robot, self.columns_of(estimate, name)?);
+        let regressor = self.regressor_of(estimate, name)?;
         let modelled = predict(estimate, &regressor, &self.samples.states)
             .map_err(|error| Error::mismatch(format!("{name}: {error}")))?;
         let found = transmission_stiffness(robot, &self.samples, &modelled);
         found.map(Some).map_err(|error| Error::new(format!("{}: {error}", self.name())))
     }
 
-    /// The speeds at which the friction of joints falls, by the Stribeck columns among these; `None` where there are none.
+    /// The speeds in which Coulomb friction sets in, which become those of the robot where torque that was not fitted is predicted better with
+    /// them; `None` where no column has one, or the motion does not separate one from the other columns.
     ///
     /// # Errors
     /// As [`Self::identify`].
-    pub fn stribeck_speeds(&self, columns: Columns) -> Result<Option<StribeckSpeeds>, Error> {
-        let found = self.identification(columns).and_then(|of| of.stribeck_speeds(&self.samples));
-        found.map_err(|error| self.unestimated(&error))
+    pub fn find_onset(&mut self, columns: Columns) -> Result<Option<FrictionSpeeds>, Error> {
+        let shape = ShapeParameter::COULOMB_VELOCITY;
+        let found = self.identification(columns).and_then(|of| of.friction_speeds(&self.samples, shape));
+        let speeds = match found {
+            Err(
+                EstimationError::NotExcited { .. } | EstimationError::LeastSquares(_) | EstimationError::NotDefinite,
+            ) => {
+                return Ok(None);
+            }
+            found => found.map_err(|error| self.unestimated(&error))?,
+        };
+        if let Some(speeds) = speeds.as_ref().filter(|speeds| speeds.predict_better()) {
+            self.robot.robot = speeds.robot(&self.robot.robot);
+        }
+        Ok(speeds)
+    }
+
+    /// The speeds at which friction falls, by the Stribeck columns among these, which become those of the robot; `None` where there are none.
+    ///
+    /// # Errors
+    /// As [`Self::identify`].
+    pub fn find_stribeck_speeds(&mut self, columns: Columns) -> Result<Option<FrictionSpeeds>, Error> {
+        let found = self.identification(columns).and_then(|of| of.friction_speeds(&self.samples, Stribeck::VELOCITY));
+        let speeds = found.map_err(|error| self.unestimated(&error))?;
+        if let Some(speeds) = &speeds {
+            self.robot.robot = speeds.robot(&self.robot.robot);
+        }
+        Ok(speeds)
+    }
+
+    /// Gives the robot the shape parameters of friction that an estimate was made with. `name` is what errors call the estimate.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn take_shape(&mut self, estimate: &Estimate, name: &str) -> Result<(), Error> {
+        let robot = estimate.robot(&self.robot.robot, self.columns_of(estimate, name)?);
+        self.robot.robot = robot.map_err(|error| Error::mismatch(format!("{name}: {error}")))?;
+        Ok(())
     }
 
     /// The torque constants by which the currents of these logs became torques, N·m/A, n: those of a mapping, or the robot's.
@@ -226,11 +264,18 @@ impl ProcessedLog {
     /// # Errors
     /// [`Error`] where there are fewer equations than parameters, or the robot's geometry is not finite.
     pub fn observation(&self, columns: Columns) -> Result<Observation, Error> {
-        let robot = &self.robot.robot;
-        let named = |error: EstimationError| self.unestimated(&error);
-        let identification = self.identification(columns).map_err(named)?;
-        let regressor = JointTorqueRegressor::new(robot, columns);
-        Observation::new(robot, &regressor, identification.base(), &self.samples).map_err(named)
+        let found = self.identification(columns).and_then(|of| of.observation(&self.samples));
+        found.map_err(|error| self.unestimated(&error))
+    }
+
+    /// The equations of these logs and of those `with` a load that is known, for the gains of all drives.
+    ///
+    /// # Errors
+    /// [`Error`] where there are fewer equations than parameters, or the robot's geometry is not finite.
+    pub fn gain_equations(&self, with: &Self, columns: Columns, load: &Inertia) -> Result<[Observation; 2], Error> {
+        let found = self.identification(columns);
+        let found = found.and_then(|of| gain_equations(&of, [&self.samples, &with.samples], load));
+        found.map_err(|error| self.unestimated(&error))
     }
 
     /// What the residual of an estimate shows on the equations that it was made from.
@@ -238,21 +283,34 @@ impl ProcessedLog {
     /// # Errors
     /// As [`Self::validate`].
     pub fn residual_trends(&self, estimate: &Estimate, name: &str) -> Result<ResidualTrends, Error> {
-        let observation = self.observation(self.columns_of(estimate, name)?)?;
-        let found = ResidualTrends::new(&self.robot.robot, &observation, &self.samples, estimate);
-        found.map_err(|error| Error::mismatch(format!("{name}: {error}")))
+        let columns = self.columns_of(estimate, name)?;
+        let named = |error: EstimationError| Error::mismatch(format!("{name}: {error}"));
+        let robot = estimate.robot(&self.robot.robot, columns).map_err(named)?;
+        let observation = self.identification_of(&robot, columns).and_then(|of| of.observation(&self.samples));
+        let observation = observation.map_err(|error| self.unestimated(&error))?;
+        ResidualTrends::new(&robot, &observation, &self.samples, estimate).map_err(named)
     }
 
     /// What is estimated: the robot's base, or where joints stand still, the base that the motion reveals.
     fn identification(&self, columns: Columns) -> Result<Identification<'_>, EstimationError> {
+        self.identification_of(&self.robot.robot, columns)
+    }
+
+    fn identification_of<'a>(&self, robot: &'a Robot, columns: Columns) -> Result<Identification<'a>, EstimationError> {
         if self.is_foreign() && !standing_joints(&self.samples).is_empty() {
-            return Ok(Identification::on_motion(&self.robot.robot, columns, &self.samples));
+            return Identification::on_motion(robot, columns, &self.samples);
         }
-        Identification::new(&self.robot.robot, columns)
+        Identification::new(robot, columns)
     }
 
     fn is_foreign(&self) -> bool {
         self.logs.iter().all(|log| log.recording.is_none())
+    }
+
+    /// Whether they are logs of other tools without periods: the onset of friction is then looked for unless something else is asked.
+    #[must_use]
+    pub fn has_no_periods(&self) -> bool {
+        self.is_foreign() && self.samples.period_s.is_none()
     }
 
     /// Mistakes that the logs seem to have been made with, or in the robot file; none for recordings of armid's own.
@@ -268,8 +326,7 @@ impl ProcessedLog {
             let at_rest = |joint| Suspicion { mistake: Mistake::AtRest { joint }, cost: 0.0, corrected_cost: 0.0 };
             return Ok(standing.into_iter().map(at_rest).collect());
         }
-        let log =
-            Evidence { samples: &self.samples, held_out: self.held_out.first(), nominal: self.robot.guess() };
+        let log = Evidence { samples: &self.samples, held_out: self.held_out.first(), nominal: self.robot.guess() };
         let found = diagnose(&self.robot.robot, columns, &log);
         Ok(found.map_err(|error| Error::new(format!("{}: {error}", self.name())))?.into_iter().collect())
     }
@@ -291,8 +348,7 @@ impl ProcessedLog {
     /// # Errors
     /// As [`Self::validate`].
     pub fn residual(&self, estimate: &Estimate, name: &str) -> Result<(TorqueResidual, Option<TorqueResidual>), Error> {
-        let columns = self.columns_of(estimate, name)?;
-        let regressor = JointTorqueRegressor::new(&self.robot.robot, columns);
+        let regressor = self.regressor_of(estimate, name)?;
         let of = |parts: &[Samples]| {
             TorqueResidual::new(estimate, &regressor, parts, self.settings.bandwidth_hz)
                 .map_err(|error| Error::mismatch(format!("{name}: {error}")))
@@ -339,8 +395,7 @@ impl ProcessedLog {
     /// # Errors
     /// As [`Self::validate`].
     pub fn series(&self, estimate: &Estimate, name: &str, parts: &[Samples]) -> Result<Vec<TorqueSeries>, Error> {
-        let columns = self.columns_of(estimate, name)?;
-        let regressor = JointTorqueRegressor::new(&self.robot.robot, columns);
+        let regressor = self.regressor_of(estimate, name)?;
         let of = |samples: &Samples| {
             let bandwidth = self.settings.bandwidth_hz.min(0.4 * samples.rate_hz);
             TorqueSeries::new(estimate, &regressor, samples, bandwidth)
@@ -373,6 +428,12 @@ impl ProcessedLog {
                 })
             })
             .collect()
+    }
+
+    /// By which an estimate predicts.
+    fn regressor_of(&self, estimate: &Estimate, name: &str) -> Result<JointTorqueRegressor, Error> {
+        let found = estimate.regressor(&self.robot.robot, self.columns_of(estimate, name)?);
+        found.map_err(|error| Error::mismatch(format!("{name}: {error}")))
     }
 
     fn columns_of(&self, estimate: &Estimate, name: &str) -> Result<Columns, Error> {

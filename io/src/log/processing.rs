@@ -21,9 +21,8 @@ const NO_PERIOD: &str = "with --period none the log is taken as a motion without
 /// Samples by which the last of the periods that are found in an even log may be off a whole number.
 const LARGEST_SHIFT: f64 = 0.5;
 
-/// Periods of a log of which the last is held out; of at least so many, one.
+/// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
-const LEAST_FOR_ONE: usize = 3;
 
 impl Log {
     /// Samples of a robot: joints in its order, values at its joints, periods with missing samples left out, periods
@@ -270,8 +269,9 @@ fn periodic(
     }
     let aside = if settings.held_out.is_share() {
         (share * starts.len() as f64).round() as usize
-    } else if share > 0.0 && starts.len() >= LEAST_FOR_ONE {
-        (starts.len() / PERIODS_FOR_ONE).max(1)
+    } else if share > 0.0 {
+        // Whoever states no period gets a number for the prediction all the same.
+        (starts.len() / PERIODS_FOR_ONE).max(usize::from(settings.period_s.is_none()))
     } else {
         0
     };

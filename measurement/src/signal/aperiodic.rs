@@ -209,6 +209,7 @@ pub fn process_aperiodic(
         position_band_hz: vec![cutoff_hz; n],
         position_floor: Vec::new(),
         torque_band_hz: same.then_some(cutoff_hz),
+        torque_filter_order: processing.filter_order,
         provenance: None,
     })
 }

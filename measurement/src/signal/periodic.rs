@@ -74,6 +74,7 @@ pub fn process_periods(
         position_band_hz,
         position_floor,
         torque_band_hz: low_pass.band_hz(spacing_hz),
+        torque_filter_order: processing.filter_order,
         provenance: None,
     })
 }

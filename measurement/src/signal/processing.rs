@@ -11,7 +11,7 @@
 //! differences 10 Hz   2.4e-2     9 %        1.1e-2   34 %     2.8e-2   24 %
 //! ```
 //! Positions need a band far beyond the commanded 0.5 Hz, for the loop responds to each reversal of friction with a transient.
-//! Filtering torque as well makes it worse, since the Coulomb columns are not filtered. 125 to 500 equations a period
+//! Filtering torque as well makes it worse there, where the Coulomb columns were not filtered alike. 125 to 500 equations a period
 //! are equally good; at 1000 the noise of the acceleration shows, and coverage falls to 84 %.
 
 use super::{Bandwidth, SignalError};
@@ -54,8 +54,8 @@ pub enum TorqueFilter {
     /// None: blocks of samples are averaged on both sides of the equations, which biases nothing.
     #[default]
     None,
-    /// The one that positions went through. A filter does not commute with the model: where friction reverses, the
-    /// torque is smoothed and its regressor is not.
+    /// The one that positions went through. A filter does not commute with the model: where friction reverses, it smooths the torque. So
+    /// the columns of friction that turns round with velocity go through it too.
     SameAsPositions,
 }
 

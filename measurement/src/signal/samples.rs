@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
-use super::{Derivatives, NoiseModel, SignalError};
+use super::{Butterworth, Derivatives, FourierTransform, HarmonicSeries, NoiseModel, Processing, SignalError};
 use crate::dynamics::States;
 use crate::provenance::Provenance;
 
@@ -56,6 +56,9 @@ pub struct Samples {
     pub position_floor: Vec<f64>,
     /// Upper end of the band that torque was kept in, Hz; `None` where it was not filtered.
     pub torque_band_hz: Option<f64>,
+    /// Order of one pass of that filter, where it is a Butterworth low pass.
+    #[serde(default = "usual_order")]
+    pub torque_filter_order: usize,
     /// Version, robot and seed that produced it, where the recording holds them.
     pub provenance: Option<Provenance>,
 }
@@ -74,6 +77,10 @@ fn noise_of_differences(mut x: Vec<f64>) -> f64 {
     let mut sizes: Vec<f64> = x.iter().map(|x| x.abs()).collect();
     sizes.sort_by(f64::total_cmp);
     sizes.get(sizes.len() / 2).map_or(f64::INFINITY, |median| median / (0.6745 * 924.0_f64.sqrt()))
+}
+
+fn usual_order() -> usize {
+    Processing::default().filter_order
 }
 
 impl Serialize for Samples {
@@ -178,6 +185,25 @@ impl Samples {
             }
         }
         means
+    }
+
+    /// A torque that was computed from the states, one joint's N samples, behind the low pass that the measured one went through; as it is where
+    /// there was none. Joined experiments are filtered as one record.
+    ///
+    /// # Errors
+    /// [`SignalError`] where the band is no frequency below half of the rate.
+    pub fn filtered_as_torque(&self, torque: Vec<f64>) -> Result<Vec<f64>, SignalError> {
+        let Some(band_hz) = self.torque_band_hz else { return Ok(torque) };
+        let butterworth = || Butterworth::new(self.torque_filter_order, band_hz, self.rate_hz);
+        Ok(match (self.derivatives, self.period_s) {
+            (Derivatives::Fourier, Some(period_s)) => {
+                let transform = FourierTransform::new(torque.len());
+                let last = (band_hz * period_s).round() as usize;
+                HarmonicSeries::new(&transform, &torque, period_s).up_to(last).samples(&transform).0
+            }
+            (_, Some(_)) => butterworth()?.zero_phase_periodic(&torque),
+            (_, None) => butterworth()?.zero_phase_reflected(&torque),
+        })
     }
 
     /// The samples of several experiments on one arm as one, in their order.
@@ -287,6 +313,7 @@ impl Samples {
             derivatives: Derivatives::Fourier,
             position_floor: Vec::new(),
             torque_band_hz: None,
+            torque_filter_order: usual_order(),
             provenance: None,
         }
     }

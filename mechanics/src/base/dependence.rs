@@ -38,7 +38,7 @@ pub(super) fn leave_out(
     let places: Vec<usize> = parameters.iter().filter_map(|id| all.iter().position(|other| other == id)).collect();
     let mut rng = Seed::new(0).stream("nearly dependent columns", 0);
     let states = geometry.random_states(geometry.state_count(parameters.len()), &mut rng);
-    let w = JointTorqueRegressor::new(robot, inertial).stack(&states);
+    let w = JointTorqueRegressor::new(robot, inertial)?.stack(&states);
     let w = scaled_stack(geometry, &parameters, w)?;
     let seen = LeftToRight::new(&w, RankTolerance { zero: NEARLY_DEPENDENT, independent: NEARLY_DEPENDENT });
     let visible: Vec<usize> = seen.kept.iter().map(|&column| places[column]).collect();

@@ -1,6 +1,7 @@
 //! Why a reduction cannot be made.
 
 use super::Method;
+use crate::model::ColumnsError;
 
 /// Why a reduction cannot be made.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -32,11 +33,8 @@ pub enum BaseError {
         value: f64,
     },
     /// A column depends on more than the motion.
-    #[error("{term} depends on the transmitted torque or on temperature, expected terms of the motion alone")]
-    BeyondMotion {
-        /// What the term is.
-        term: &'static str,
-    },
+    #[error(transparent)]
+    Columns(#[from] ColumnsError),
     /// The structural recursion cannot take the states of a trajectory.
     #[error("method \"{}\" on a given trajectory, expected \"paper\" or \"qr\"", method.name())]
     NoTrajectory {

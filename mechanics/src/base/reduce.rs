@@ -32,7 +32,7 @@ use crate::seed::Seed;
 ///
 /// # Errors
 /// [`BaseError::NotFinite`] if the robot's geometry is not finite. Except with [`Method::Structural`],
-/// [`BaseError::BeyondMotion`] if a column depends on load or temperature.
+/// [`BaseError::Columns`] if a column depends on load or temperature.
 pub fn reduce(robot: &Robot, columns: Columns, method: Method, seed: Seed) -> Result<BaseReduction, BaseError> {
     let whole = structural_base(robot, columns, method, seed)?;
     dependence::leave_out(robot, &Geometry::of(robot), columns, whole)
@@ -54,7 +54,7 @@ pub fn structural_base(
     if method == Method::Structural {
         return Ok(structural::reduce(&geometry, &parameters, BaseMotion::Fixed));
     }
-    check_motion(columns)?;
+    columns.check_motion()?;
     let states = geometry.random_states(geometry.state_count(parameters.len()), &mut seed.stream("base reduction", 0));
     reduce_on(robot, columns, method, &states)
 }
@@ -88,10 +88,9 @@ pub fn reduce_with_base(
     if method == Method::Structural {
         return Ok(structural::reduce(&geometry, &parameters, motion));
     }
-    check_motion(columns)?;
+    let regressor = JointTorqueRegressor::new(robot, columns)?;
     let mut rng = seed.stream("base reduction with a moving base", 0);
     let states = geometry.random_states(geometry.state_count(parameters.len()), &mut rng);
-    let regressor = JointTorqueRegressor::new(robot, columns);
     let (n, p) = (regressor.rows(), regressor.cols());
     let mut rows = vec![0.0; states.len() * n * p];
     for (k, out) in rows.chunks_exact_mut(n * p).enumerate() {
@@ -109,17 +108,17 @@ pub fn reduce_with_base(
 ///
 /// # Errors
 /// [`BaseError::NoTrajectory`] for [`Method::Structural`], [`BaseError::Dof`] for states of another robot,
-/// [`BaseError::TooFewSamples`], [`BaseError::BeyondMotion`] if a column depends on load or temperature, and
+/// [`BaseError::TooFewSamples`], [`BaseError::Columns`] if a column depends on load or temperature, and
 /// [`BaseError::NotFinite`] for states that are not finite.
 pub fn reduce_on(robot: &Robot, columns: Columns, method: Method, states: &States) -> Result<BaseReduction, BaseError> {
-    check_motion(columns)?;
+    let regressor = JointTorqueRegressor::new(robot, columns)?;
     if states.dof != robot.dof() {
         return Err(BaseError::Dof { robot: robot.name().to_owned(), found: states.dof, expected: robot.dof() });
     }
     if states.len() < LEAST_STATES {
         return Err(BaseError::TooFewSamples { found: states.len(), expected: LEAST_STATES });
     }
-    let w = JointTorqueRegressor::new(robot, columns).stack(states);
+    let w = regressor.stack(states);
     reduce_stack(&Geometry::of(robot), &columns.parameters(robot), w, method)
 }
 
@@ -137,12 +136,4 @@ fn reduce_stack(
         Method::Structural => return Err(BaseError::NoTrajectory { method }),
     };
     Ok(reduction.with_units(&geometry.units(parameters)))
-}
-
-/// States alone say nothing of a term that depends on more than the motion.
-fn check_motion(columns: Columns) -> Result<(), BaseError> {
-    match columns.beyond_motion() {
-        Some(term) => Err(BaseError::BeyondMotion { term: term.entry().meaning }),
-        None => Ok(()),
-    }
 }

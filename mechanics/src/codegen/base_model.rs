@@ -6,11 +6,15 @@ use super::CodegenError;
 use super::expression::{Expression, Expressions, Id};
 use super::vector::Triple;
 use crate::base::{BaseReduction, Category};
-use crate::model::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, Place, ROTOR, ShapeParameter, Term, VISCOUS};
+use crate::model::term::{
+    COULOMB, LOAD_FRICTION, MOTOR_COULOMB, MOTOR_LOAD_FRICTION, MOTOR_VISCOUS, OFFSET, Place, ROTOR, ShapeParameter,
+    Term, VISCOUS,
+};
 use crate::model::{JointKind, Robot, StandardParameters, smooth_sign};
 
 /// Terms whose laws are written.
-const WRITTEN: [Term; 6] = [ROTOR, VISCOUS, COULOMB, OFFSET, MOTOR_VISCOUS, MOTOR_COULOMB];
+const WRITTEN: [Term; 8] =
+    [ROTOR, VISCOUS, COULOMB, OFFSET, MOTOR_VISCOUS, MOTOR_COULOMB, LOAD_FRICTION, MOTOR_LOAD_FRICTION];
 
 /// Inverse dynamics, gravity torque and mass matrix of an arm in base parameters.
 ///
@@ -165,6 +169,7 @@ impl BaseModel {
                 Expression::Cosine(i) => libm::cos(q[i]),
                 Expression::SmoothSign(a, scale) => smooth_sign(values[a], f64::from_bits(scale)),
                 Expression::Negative(a) => -values[a],
+                Expression::Magnitude(a) => values[a].abs(),
                 Expression::Sum(a, b) => values[a] + values[b],
                 Expression::Difference(a, b) => values[a] - values[b],
                 Expression::Product(a, b) => values[a] * values[b],
@@ -294,17 +299,19 @@ impl Recursion<'_> {
         [x.add(&second, &gyroscopic), force]
     }
 
-    /// `τ += φ d g(dᵀq̇, dᵀq̈)` for each term.
+    /// `τ += φ d g(dᵀq̇, dᵀq̈, τ_l)` for each term, τ being the torque τ_l of the links before.
     fn add_terms(&mut self, tau: &mut [Id], qd: &[Id], qdd: &[Id], terms: &[Term]) {
-        let n = tau.len();
+        let (n, load) = (tau.len(), tau.to_vec());
         for &(term, index, value) in self.terms.iter().filter(|(term, ..)| terms.contains(term)) {
-            let direction: Vec<f64> = match (term.entry().place, self.robot.coupling()) {
-                (Place::Motor | Place::CoupledMotor, Some(c)) => c.row(index).iter().copied().collect(),
-                _ => (0..n).map(|j| if j == index { 1.0 } else { 0.0 }).collect(),
-            };
+            let own = || (0..n).map(|j| if j == index { 1.0 } else { 0.0 }).collect::<Vec<f64>>();
+            let coupling = self.robot.coupling().filter(|_| term.entry().place != Place::Joint);
+            let direction = coupling.map_or_else(own, |c| c.row(index).iter().copied().collect());
+            // What a motor takes of the joints' torques: C⁻ᵀ.
+            let inverse = coupling.and_then(|c| c.clone().try_inverse());
+            let share = inverse.map_or_else(own, |c| c.column(index).iter().copied().collect());
             let scale = self.robot.joints()[index].drive.shape(&ShapeParameter::COULOMB_VELOCITY);
             let x = &mut self.expressions;
-            let along = |x: &mut Expressions, of: &[Id]| {
+            let along = |x: &mut Expressions, direction: &[f64], of: &[Id]| {
                 let mut sum = x.number(0.0);
                 for (&d, &of) in direction.iter().zip(of) {
                     let d = x.number(d);
@@ -314,12 +321,21 @@ impl Recursion<'_> {
                 sum
             };
             let law = if term == ROTOR {
-                along(x, qdd)
+                along(x, &direction, qdd)
             } else if term == OFFSET {
                 x.number(1.0)
             } else {
-                let speed = along(x, qd);
-                if term == VISCOUS || term == MOTOR_VISCOUS { speed } else { x.smooth_sign(speed, scale) }
+                let speed = along(x, &direction, qd);
+                let sign = |x: &mut Expressions| x.smooth_sign(speed, scale);
+                if term == VISCOUS || term == MOTOR_VISCOUS {
+                    speed
+                } else if term.entry().needs.load {
+                    let load = along(x, &share, &load);
+                    let (size, sign) = (x.magnitude(load), sign(x));
+                    x.product(size, sign)
+                } else {
+                    sign(x)
+                }
             };
             let value = x.number(value);
             let acts = x.product(value, law);

@@ -21,7 +21,7 @@ pub enum CodegenError {
     },
     /// A torque term whose law is not written.
     #[error(
-        "parameter {parameter} belongs to a torque term that is not written, expected rotor inertia, viscous or Coulomb friction, offset"
+        "parameter {parameter} belongs to a torque term that is not written, expected rotor inertia, viscous or Coulomb friction, friction of the load, offset"
     )]
     Term {
         /// Name of the parameter.

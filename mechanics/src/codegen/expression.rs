@@ -19,6 +19,7 @@ pub(super) enum Expression {
     /// The smooth sign of an expression with a velocity scale, by its bits.
     SmoothSign(Id, u64),
     Negative(Id),
+    Magnitude(Id),
     Sum(Id, Id),
     Difference(Id, Id),
     Product(Id, Id),
@@ -28,7 +29,7 @@ impl Expression {
     /// The expressions that it is made from.
     pub(super) fn operands(self) -> impl Iterator<Item = Id> {
         let two = match self {
-            Self::SmoothSign(a, _) | Self::Negative(a) => [Some(a), None],
+            Self::SmoothSign(a, _) | Self::Negative(a) | Self::Magnitude(a) => [Some(a), None],
             Self::Sum(a, b) | Self::Difference(a, b) | Self::Product(a, b) => [Some(a), Some(b)],
             Self::Number(_)
             | Self::Position(_)
@@ -135,6 +136,14 @@ impl Expressions {
 
     pub(super) fn smooth_sign(&mut self, a: Id, scale: f64) -> Id {
         if self.is(a, 0.0) { a } else { self.of(Expression::SmoothSign(a, scale.to_bits())) }
+    }
+
+    pub(super) fn magnitude(&mut self, a: Id) -> Id {
+        match (self.known(a), self.list[a]) {
+            (Some(x), _) => self.number(x.abs()),
+            (None, Expression::Negative(b)) => self.magnitude(b),
+            _ => self.of(Expression::Magnitude(a)),
+        }
     }
 
     /// Whether each expression is needed for some of these.

@@ -154,6 +154,8 @@ impl BaseModel {
                 Expression::Cosine(i) => format!("q[{i}].cos()"),
                 Expression::SmoothSign(a, scale) => format!("smooth_sign({}, {:?})", of(a), f64::from_bits(scale)),
                 Expression::Negative(a) => format!("-{}", of(a)),
+                Expression::Magnitude(a) if language == Language::C => format!("fabs({})", of(a)),
+                Expression::Magnitude(a) => format!("{}.abs()", of(a)),
                 Expression::Sum(a, b) => format!("{} + {}", of(a), of(b)),
                 Expression::Difference(a, b) => format!("{} - {}", of(a), of(b)),
                 Expression::Product(a, b) => format!("{} * {}", of(a), of(b)),

@@ -295,6 +295,31 @@ impl TorqueTerms {
         }
     }
 
+    /// Adds `∂/∂τ_t Σ φ d g` at a state to `slopes`, n × n row-major, for `values` of the terms' parameters in their order: how the torque of
+    /// friction follows the torque that the links take of each joint.
+    pub(crate) fn add_load_slopes(&self, values: &[f64], state: &TermState<'_>, slopes: &mut [f64]) {
+        for bank in self.banks.iter().filter(|bank| bank.term.entry().needs.load) {
+            for &(index, column) in &bank.members {
+                let shape = bank.shapes[index];
+                let at = |x: &[f64]| if bank.through_coupling { dot(self.coupling_row(index), x) } else { x[index] };
+                let load =
+                    if bank.through_coupling { dot(self.torque_row(index), state.load) } else { state.load[index] };
+                let input =
+                    TermInput { q: at(state.q), qd: at(state.qd), qdd: at(state.qdd), load, warmth: 0.0, shape };
+                let slope = values[column] * bank.term.slopes(&input)[3];
+                if bank.through_coupling {
+                    for (row, d) in slopes.chunks_exact_mut(self.dof).zip(self.coupling_row(index)) {
+                        for (slope_of, share) in row.iter_mut().zip(self.torque_row(index)) {
+                            *slope_of += d * share * slope;
+                        }
+                    }
+                } else {
+                    slopes[index * self.dof + index] += slope;
+                }
+            }
+        }
+    }
+
     /// Calls `each(first, g)` with the law of the joints or motors from `first` on, in chunks.
     #[inline]
     fn evaluate(&self, bank: &Bank, state: &TermState<'_>, mut each: impl FnMut(usize, &[f64])) {

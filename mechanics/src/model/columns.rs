@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, Term, VISCOUS};
+use super::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, ShapeParameter, Term, VISCOUS};
 use super::{ColumnsError, ParameterId, ParameterKind, Robot};
 
 /// Terms of one model at most.
@@ -87,6 +87,18 @@ impl Columns {
         self.terms().any(|own| own == term)
     }
 
+    /// The shape parameters of the laws of the terms, each once.
+    #[must_use]
+    pub fn shapes(&self) -> Vec<ShapeParameter> {
+        let mut shapes: Vec<ShapeParameter> = Vec::new();
+        for shape in self.terms().flat_map(|term| term.entry().shapes) {
+            if !shapes.contains(shape) {
+                shapes.push(*shape);
+            }
+        }
+        shapes
+    }
+
     /// The first term that needs more than the motion: the transmitted torque, or a temperature.
     #[must_use]
     pub fn beyond_motion(&self) -> Option<Term> {
@@ -124,29 +136,42 @@ impl Columns {
         Some(columns)
     }
 
-    /// The choice with this name, of terms that can be estimated from motion and torque: the model is linear in all of their
-    /// coefficients and the links' parameters.
+    /// The choice with this name, of terms that can be estimated from motion and torque.
     ///
     /// # Errors
     /// [`ColumnsError`] that says what keeps it from being estimated.
     pub fn parse_estimable(text: &str) -> Result<Self, ColumnsError> {
         let columns =
             Self::parse(text).ok_or_else(|| ColumnsError::Unknown { found: text.to_owned(), words: Self::words() })?;
-        let Some(term) = columns.beyond_motion() else { return Ok(columns) };
-        let (entry, words) = (term.entry(), Self::words());
-        let (name, meaning) = (entry.name, entry.meaning);
-        Err(if entry.needs.load {
-            ColumnsError::Load { name, meaning, words }
-        } else {
-            ColumnsError::Warmth { name, meaning, words }
-        })
+        columns.check_estimable()?;
+        Ok(columns)
     }
 
-    /// The words that [`Columns::parse`] reads beside `rigid`, of terms that need the motion alone.
+    /// Checks that motion and torque are enough to estimate every term.
+    ///
+    /// # Errors
+    /// [`ColumnsError::Warmth`] for the first that needs more.
+    pub fn check_estimable(&self) -> Result<(), ColumnsError> {
+        let Some(term) = self.terms().find(|term| !term.entry().needs.is_estimable()) else { return Ok(()) };
+        let (name, meaning) = (term.entry().name, term.entry().meaning);
+        Err(ColumnsError::Warmth { name, meaning, words: Self::words() })
+    }
+
+    /// Checks that the motion alone gives every column.
+    ///
+    /// # Errors
+    /// [`ColumnsError`] for the first that needs more.
+    pub fn check_motion(&self) -> Result<(), ColumnsError> {
+        self.check_estimable()?;
+        let Some(term) = self.beyond_motion() else { return Ok(()) };
+        Err(ColumnsError::Load { name: term.entry().name, meaning: term.entry().meaning })
+    }
+
+    /// The words that [`Columns::parse`] reads beside `rigid`, of terms that motion and torque are enough to estimate.
     #[must_use]
     pub fn words() -> Vec<&'static str> {
         let mut words = vec![FRICTION];
-        for term in Term::ALL.iter().filter(|term| term.entry().needs.is_motion()) {
+        for term in Term::ALL.iter().filter(|term| term.entry().needs.is_estimable()) {
             if !words.contains(&term.entry().name) {
                 words.push(term.entry().name);
             }
@@ -210,8 +235,7 @@ mod tests {
             let found = Columns::parse_estimable(&text);
             let needs = term.entry().needs;
             match found {
-                Ok(columns) => assert!(needs.is_motion() && columns.has(*term)),
-                Err(ColumnsError::Load { name, .. }) => assert!(needs.load && name == term.entry().name),
+                Ok(columns) => assert!(needs.is_estimable() && columns.has(*term)),
                 Err(ColumnsError::Warmth { name, .. }) => assert!(needs.warmth && name == term.entry().name),
                 Err(other) => panic!("{text}: {other}"),
             }

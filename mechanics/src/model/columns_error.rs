@@ -11,19 +11,15 @@ pub enum ColumnsError {
         /// The words that there are beside `rigid`.
         words: Vec<&'static str>,
     },
-    /// A term's law depends on parameters that are estimated beside it.
+    /// A term's law depends on the links' parameters, which are not given.
     #[error(
-        "\"{name}\", {meaning}, multiplies the torque that the links take, and so the links' parameters, which are estimated too: \
-         the model is not linear in both, and with the torque of other, nominal links their error would be one of the \
-         estimate; expected terms of the motion alone: {}", words.join(", ")
+        "\"{name}\", {meaning}, multiplies the torque that the links take, expected parameters of the links by which it is found"
     )]
     Load {
         /// Name of the term.
         name: &'static str,
         /// What it is.
         meaning: &'static str,
-        /// Names of the terms that can be estimated.
-        words: Vec<&'static str>,
     },
     /// A term's law depends on what no recording has.
     #[error(

@@ -73,6 +73,15 @@ impl Drive {
         }
     }
 
+    /// Sets a shape parameter of a torque law.
+    pub fn set_shape(&mut self, parameter: &ShapeParameter, value: f64) {
+        if *parameter == ShapeParameter::COULOMB_VELOCITY {
+            self.coulomb_velocity = value;
+        } else {
+            self.shapes.insert(parameter.key.to_owned(), value);
+        }
+    }
+
     /// All shape parameters of a term's law, in the order of its entry.
     #[must_use]
     pub fn shapes_of(&self, term: Term) -> Shapes {

@@ -28,6 +28,11 @@ pub fn range<'de, D: Deserializer<'de>>(deserializer: D) -> Result<(f64, f64), D
     Ok((low.unwrap_or(f64::NEG_INFINITY), high.unwrap_or(f64::INFINITY)))
 }
 
+/// The same as an array.
+pub fn interval<'de, D: Deserializer<'de>>(deserializer: D) -> Result<[f64; 2], D::Error> {
+    range(deserializer).map(|(low, high)| [low, high])
+}
+
 /// A list, in which `null` is +∞.
 pub fn list<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Vec<f64>, D::Error> {
     Ok(Vec::<Option<f64>>::deserialize(deserializer)?.into_iter().map(|x| x.unwrap_or(f64::INFINITY)).collect())

@@ -46,7 +46,7 @@ impl JointTorqueRegressor {
     /// use armid::model::Columns;
     /// use armid::regressor::JointTorqueRegressor;
     /// // The effort of a body with the parameters g_i is linear in acceleration: the gradient is a mass matrix's row.
-    /// let regressor = JointTorqueRegressor::new(&chains::planar_2r(), Columns::RIGID);
+    /// let regressor = JointTorqueRegressor::new(&chains::planar_2r(), Columns::RIGID).unwrap();
     /// let mut g = vec![0.0; 2 * regressor.cols()];
     /// g[10] = 1.0; // row 1, m2: a unit mass at the tip, seen by the shoulder
     /// let (mut dq, mut dqd, mut dqdd) = ([0.0; 2], [0.0; 2], [0.0; 2]);
@@ -122,8 +122,12 @@ impl JointTorqueRegressor {
         self.terms.add_gradient(&state, 10 * n, p, g, [dq, dqd, dqdd, &mut vec![0.0; n]]);
     }
 
-    /// The torque that the links take, where a term depends on it; else empty.
-    fn load_at(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
+    /// The torque that the links take (n), where a term depends on it; else empty.
+    ///
+    /// # Panics
+    /// If a slice is shorter than n.
+    #[must_use]
+    pub fn load_at(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
         if self.links.is_empty() {
             return Vec::new();
         }
@@ -190,7 +194,7 @@ mod tests {
     #[test]
     fn identity_gradient_is_central_differences_of_the_regressor() {
         for (case, _) in cases(Columns::RIGID_ROTOR_FRICTION) {
-            let regressor = JointTorqueRegressor::new(&case.robot, Columns::RIGID_ROTOR_FRICTION);
+            let regressor = JointTorqueRegressor::new(&case.robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
             let found = gradient(&regressor, &case.state, &case.g);
             let mut y = vec![0.0; case.g.len()];
             let mut value = |state: &[Vec<f64>; 3]| -> f64 {
@@ -219,7 +223,7 @@ mod tests {
     #[test]
     fn identity_directional_derivative_is_forward_mode_in_the_base_frame() {
         for (case, mut rng) in cases(Columns::RIGID) {
-            let regressor = JointTorqueRegressor::new(&case.robot, Columns::RIGID);
+            let regressor = JointTorqueRegressor::new(&case.robot, Columns::RIGID).unwrap();
             let found = gradient(&regressor, &case.state, &case.g);
             let n = case.robot.dof();
             let direction: [Vec<f64>; 3] =

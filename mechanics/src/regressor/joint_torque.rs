@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 use super::BodyRegressor;
 use crate::dynamics::{LinkPose, TermState, TorqueTerms};
 use crate::lanes::{Lane, sines_and_cosines};
-use crate::model::{Columns, ParameterId, Robot, StandardParameters};
+use crate::model::{Columns, ColumnsError, ParameterId, Robot, StandardParameters};
 use crate::spatial::{LaneMotion, Motion};
 
 /// Up to this many joints no evaluation allocates.
@@ -25,7 +25,7 @@ const INLINE_JOINTS: usize = 8;
 /// let mut rng = Seed::new(1).stream("doc", 0);
 /// let (robot, parameters) = chains::random_robot(&mut rng, 6);
 /// let (q, qd, qdd) = chains::random_state(&mut rng, 6);
-/// let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+/// let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
 /// let mut y = vec![0.0; regressor.rows() * regressor.cols()];
 /// regressor.evaluate(&q, &qd, &qdd, &mut y);
 /// let mut tau = [0.0; 6];
@@ -51,15 +51,12 @@ pub struct JointTorqueRegressor {
 impl JointTorqueRegressor {
     /// The regressor of `robot` with these columns.
     ///
-    /// # Panics
-    /// If a term among them depends on more than the motion: on the torque that the links take (see
-    /// [`JointTorqueRegressor::with_load`]) or on a temperature. [`Columns::beyond_motion`] finds it.
-    #[must_use]
-    pub fn new(robot: &Robot, columns: Columns) -> Self {
-        if let Some(term) = columns.beyond_motion() {
-            panic!("columns {columns}: {} depends on more than the motion", term.entry().meaning);
-        }
-        Self::without_load(robot, columns)
+    /// # Errors
+    /// [`ColumnsError`] if a term among them depends on more than the motion: on the torque that the links take (see
+    /// [`JointTorqueRegressor::with_load`]), on a temperature or on what changes with time.
+    pub fn new(robot: &Robot, columns: Columns) -> Result<Self, ColumnsError> {
+        columns.check_motion()?;
+        Ok(Self::without_load(robot, columns))
     }
 
     /// The regressor of `robot` with these columns, the torque that the links take, where a term depends on it, being
@@ -87,6 +84,45 @@ impl JointTorqueRegressor {
             columns,
             parameters: columns.parameters(robot),
         }
+    }
+
+    /// The same with other parameters of the links, 10 n, by which the torque is found that terms may depend on.
+    #[must_use]
+    pub fn with_links(&self, links: &[f64]) -> Self {
+        let links = if self.terms.needs_load() { links.to_vec() } else { Vec::new() };
+        Self { links, ..self.clone() }
+    }
+
+    /// Whether a term among its columns depends on the torque that the links take.
+    #[must_use]
+    pub const fn needs_load(&self) -> bool {
+        self.terms.needs_load()
+    }
+
+    /// One sample as [`evaluate`](Self::evaluate) gives it, and with it the slopes of `Y φ` by the parameters, for `values` of those of the
+    /// terms, in place of the links' columns:
+    ///
+    /// ```text
+    /// ∂(Y φ)/∂φ_links = (1 + S) Y_links        S = ∂τ_terms/∂τ_t
+    /// ```
+    /// Returns `S τ_t` (n), what the terms that depend on the torque of the links add to the torque.
+    ///
+    /// # Panics
+    /// If a slice is shorter than n, `out` than n·p, or `values` than the parameters of the terms.
+    #[must_use]
+    pub fn evaluate_slopes(&self, values: &[f64], [q, qd, qdd]: [&[f64]; 3], out: &mut [f64]) -> Vec<f64> {
+        let (n, p) = (self.rows(), self.cols());
+        self.evaluate(q, qd, qdd, out);
+        let load = self.load(0..n, out);
+        let mut slopes = vec![0.0; n * n];
+        self.terms.add_load_slopes(values, &TermState { q, qd, qdd, load: &load }, &mut slopes);
+        let links: Vec<f64> = out.chunks_exact(p).flat_map(|row| row[..10 * n].to_vec()).collect();
+        for (row, slopes) in out.chunks_exact_mut(p).zip(slopes.chunks_exact(n)) {
+            for (from, &slope) in links.chunks_exact(10 * n).zip(slopes).filter(|(_, slope)| **slope != 0.0) {
+                row.iter_mut().zip(from).for_each(|(to, y)| *to += slope * y);
+            }
+        }
+        slopes.chunks_exact(n).map(|row| row.iter().zip(&load).map(|(slope, load)| slope * load).sum()).collect()
     }
 
     /// The parameter of each column, p.
@@ -243,7 +279,7 @@ mod tests {
             let mut rng = Seed::new(12).stream("chains", run);
             let dof = 1 + usize::try_from(run % 9).unwrap();
             let (robot, _) = ChainRecipe { coupled: run % 2 == 0, ..ChainRecipe::new(dof) }.draw(&mut rng);
-            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
             let (q, qd, qdd) = chains::random_state(&mut rng, dof);
             let p = regressor.cols();
             let mut whole = vec![0.0; dof * p];
@@ -265,7 +301,7 @@ mod tests {
             let dof = 1 + usize::try_from(run % 9).unwrap();
             let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
             let (robot, parameters) = recipe.draw(&mut rng);
-            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
             let phi = parameters.vector(&robot, Columns::RIGID_ROTOR_FRICTION);
             let mut dynamics = Dynamics::new(&robot, &parameters);
             let mut states = States::new(dof);

@@ -43,7 +43,7 @@ impl JointTorqueRegressor {
     /// use armid::model::Columns;
     /// use armid::regressor::{BaseState, JointTorqueRegressor};
     /// let robot = chains::planar_2r();
-    /// let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID);
+    /// let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
     /// let (mut fixed, mut moving) = (vec![0.0; 40], vec![0.0; 40]);
     /// let (q, qd, qdd) = ([0.1, 0.2], [0.3, -0.4], [0.5, 0.6]);
     /// regressor.evaluate(&q, &qd, &qdd, &mut fixed);
@@ -76,7 +76,7 @@ mod tests {
 
     /// `W` over random states of the arm, with the base's state drawn by `base`.
     fn stacked(robot: &Robot, mut base: impl FnMut(&mut dyn FnMut() -> f64) -> BaseState) -> DMatrix<f64> {
-        let regressor = JointTorqueRegressor::new(robot, Columns::RIGID);
+        let regressor = JointTorqueRegressor::new(robot, Columns::RIGID).unwrap();
         let (n, p, samples) = (regressor.rows(), regressor.cols(), 60);
         let mut rng = Seed::new(31).stream("moving base", 0);
         let mut rows = Vec::new();
@@ -131,7 +131,7 @@ mod tests {
         for _ in 0..20 {
             let (robot, _) = ChainRecipe { tilted: true, ..ChainRecipe::new(6) }.draw(&mut rng);
             let (q, qd, qdd) = chains::random_state(&mut rng, 6);
-            let whole = JointTorqueRegressor::new(&robot, Columns::RIGID);
+            let whole = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
             let mut y = vec![0.0; 6 * 60];
             whole.evaluate(&q, &qd, &qdd, &mut y);
             let (mut velocity, mut acceleration) = (Motion::zero(), Motion::zero());
@@ -154,7 +154,7 @@ mod tests {
                 may_touch: Vec::new(),
             })
             .unwrap();
-            let short = JointTorqueRegressor::new(&carried, Columns::RIGID);
+            let short = JointTorqueRegressor::new(&carried, Columns::RIGID).unwrap();
             let mut found = vec![0.0; 4 * 40];
             let base = BaseState { velocity, acceleration, gravity };
             short.with_base_motion(&base, &q[2..], &qd[2..], &qdd[2..], &mut found);

@@ -210,7 +210,7 @@ mod tests {
             let dof = 1 + usize::try_from(run % 9).unwrap();
             let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
             let (robot, _) = recipe.draw(&mut Seed::new(13).stream("chains", run));
-            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
             let (p, states) = (regressor.cols(), states(dof, 21, run));
             let w = regressor.stack(&states);
             let mut y = vec![0.0; dof * p];
@@ -246,7 +246,7 @@ mod tests {
             let recipe = ChainRecipe { coupled, ..ChainRecipe::new(5) };
             let (robot, parameters) = recipe.draw(&mut Seed::new(14).stream("chains", 0));
             let states = states(5, 71, 1);
-            let free = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION);
+            let free = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
             let loaded = JointTorqueRegressor::with_load(&robot, Columns::RIGID_ROTOR_FRICTION, &parameters);
             for regressor in [free, loaded] {
                 let columns: Vec<usize> = (0..regressor.cols()).filter(|c| c % 3 != 1).collect();

@@ -45,10 +45,9 @@ pub(crate) fn sloped_arm(
     // All checks are those of the plant.
     let dof = AnalyticPlant::new(robot, parameters)?.dof();
     let columns = by.iter().filter_map(|id| id.kind.term()).fold(Columns::RIGID, |columns, term| columns.with(term));
-    if let Some(term) = columns.beyond_motion() {
-        return Err(AnalyticError::Derivative { parameter: term.symbol().to_owned() });
-    }
+    let beyond = |_| columns.beyond_motion().map_or_else(String::new, |term| term.symbol().to_owned());
     let regressor = JointTorqueRegressor::new(robot, columns);
+    let regressor = regressor.map_err(|fault| AnalyticError::Derivative { parameter: beyond(fault) })?;
     let column = |id: &ParameterId| {
         let found = regressor.parameters().iter().position(|own| own == id);
         found.ok_or_else(|| AnalyticError::Derivative { parameter: id.to_string() })

@@ -3,7 +3,7 @@
 use nalgebra::DVector;
 
 use super::table_two_comparison::MAX_LINK_MASS;
-use crate::base::{BaseReduction, Method, reduce};
+use crate::base::{BaseError, BaseReduction, Method, reduce};
 use crate::estimation::{EstimationProblem, EstimatorKind, Observation};
 use crate::model::Columns;
 use crate::regressor::JointTorqueRegressor;
@@ -22,7 +22,11 @@ impl FittedModel {
     pub(super) fn new(setup: &StudySetup, columns: Columns) -> Result<Self, StudyError> {
         let base = reduce(&setup.robot, columns, Method::Structural, setup.plan.seed)?;
         let feasible = feasible_ranges(&setup.robot, &base, MAX_LINK_MASS);
-        Ok(Self { regressor: JointTorqueRegressor::new(&setup.robot, columns), base, feasible })
+        Ok(Self {
+            regressor: JointTorqueRegressor::new(&setup.robot, columns).map_err(BaseError::from)?,
+            base,
+            feasible,
+        })
     }
 
     /// Weighted least squares.

@@ -41,7 +41,7 @@ impl<'a> Trial<'a> {
             samples: problem.samples_for(estimator)?,
             closed_loop: problem.closed_loop_for(estimator)?,
             start: problem.start,
-            regressor: JointTorqueRegressor::new(robot, problem.observation.columns),
+            regressor: problem.observation.joint_regressor(robot),
         })
     }
 

@@ -20,6 +20,7 @@ pub(in crate::estimation) fn estimate_of(
         estimator: "wls".to_owned(),
         robot: "crs-a460".to_owned(),
         columns: "rigid".to_owned(),
+        shape: Vec::new(),
         base: base.names().into_iter().enumerate().map(of).collect(),
         covariance: covariance.row_iter().map(|row| row.iter().copied().collect()).collect(),
         standard: None,

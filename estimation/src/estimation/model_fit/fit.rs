@@ -19,6 +19,10 @@ const FIRST: f64 = 1e-2;
 /// A residual below this part of its joint's torque weighs no more: a log without noise is no exact one.
 const LEAST_RESIDUAL: f64 = 1e-3;
 
+/// Fits of friction of the load at most, and the change of its coefficients, as a part of the largest, at which it rests.
+const ROUNDS: usize = 12;
+const REST: f64 = 1e-3;
+
 /// A full set of parameters, zero in all terms that were not asked for.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ModelFit {
@@ -30,18 +34,53 @@ pub struct ModelFit {
     pub termination: Termination,
 }
 
-/// Fits the parameters of `columns` to the equations of a log, near a guess.
+/// Fits the parameters of `columns` to the equations of a log, near a guess. Friction of the load is that of the links of the fit before,
+/// from the guess on, until it rests.
 ///
 /// # Errors
 /// [`EstimationError::Count`] where robot, samples and guess are not of the same joints, [`EstimationError::NothingActs`] where there is
-/// no equation, [`EstimationError::NotDefinite`] where a body of the guess is none.
+/// no equation, [`EstimationError::NotDefinite`] where a body of the guess is none, [`EstimationError::Columns`] where a column depends
+/// on what no recording has.
 pub fn fit_model(
     robot: &Robot,
     columns: Columns,
     samples: &Samples,
     guess: &ModelGuess,
 ) -> Result<ModelFit, EstimationError> {
-    let log = LogEquations::of(robot, columns, samples, guess)?;
+    columns.check_estimable()?;
+    let mut fit = fit_under(&guess.parameters, robot, columns, samples, guess)?;
+    let of_load: Vec<_> = columns.terms().filter(|term| term.entry().needs.load).collect();
+    for round in 0..=ROUNDS {
+        let coefficients = |fit: &ModelFit| -> Vec<f64> {
+            let drives = fit.parameters.drives.iter();
+            drives.flat_map(|drive| of_load.iter().map(|&term| drive[term]).collect::<Vec<_>>()).collect()
+        };
+        if of_load.is_empty() {
+            break;
+        }
+        let next = fit_under(&fit.parameters, robot, columns, samples, guess)?;
+        let (before, after) = (coefficients(&fit), coefficients(&next));
+        let change = before.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        fit = next;
+        if change <= REST * after.iter().fold(0.0_f64, |most, x| most.max(x.abs())) {
+            break;
+        }
+        if round == ROUNDS {
+            fit.termination = Termination::IterationLimit { iterations: ROUNDS, last_step: change };
+        }
+    }
+    Ok(fit)
+}
+
+/// The same with the load that these links give.
+fn fit_under(
+    links: &StandardParameters,
+    robot: &Robot,
+    columns: Columns,
+    samples: &Samples,
+    guess: &ModelGuess,
+) -> Result<ModelFit, EstimationError> {
+    let log = LogEquations::of(links, robot, columns, samples, guess)?;
     let scale = |mean: &f64| 1.0 / mean.max(f64::MIN_POSITIVE);
     let torque: Vec<f64> = log.mean_squares(&log.y);
     let first: Vec<f64> = torque.iter().map(scale).collect();
@@ -73,6 +112,7 @@ pub(super) struct LogEquations {
 
 impl LogEquations {
     pub(super) fn of(
+        load: &StandardParameters,
         robot: &Robot,
         columns: Columns,
         samples: &Samples,
@@ -85,7 +125,7 @@ impl LogEquations {
                 return Err(EstimationError::Count { quantity, found, expected: n });
             }
         }
-        let regressor = JointTorqueRegressor::new(robot, columns);
+        let regressor = JointTorqueRegressor::with_load(robot, columns, load);
         let ids = regressor.parameters().to_vec();
         let p = ids.len();
         let mut w = regressor.stack_means(&samples.states, &(0..p).collect::<Vec<_>>(), samples.block);

@@ -57,7 +57,7 @@ impl ModelGuess {
     /// are in, beside those of the robot.
     ///
     /// ```
-    /// use armid::conformance::chains;
+    /// use armid::chains;
     /// use armid::estimation::{BodyOrigin, ModelGuess};
     /// let (robot, stated) = chains::random_robot(&mut armid::seed::Seed::new(1).stream("doc", 0), 3);
     /// assert_eq!(ModelGuess::new(&robot, Some(&stated), &[]).parameters, stated);

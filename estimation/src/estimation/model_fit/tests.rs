@@ -7,10 +7,10 @@ use super::bodies::{Body, FLOOR};
 use super::equations::NormalEquations;
 use super::fit::LogEquations;
 use super::{ModelFit, ModelGuess, fit_model};
-use crate::conformance::chains::random_robot;
+use crate::chains::random_robot;
 use crate::dynamics::{Dynamics, States};
 use crate::estimation::{Model, Termination};
-use crate::model::term::{COULOMB, OFFSET, ROTOR, VISCOUS};
+use crate::model::term::{COULOMB, LOAD_FRICTION, OFFSET, ROTOR, VISCOUS};
 use crate::model::{Columns, DriveParameters, Robot, StandardParameters};
 use crate::seed::Seed;
 use crate::signal::Samples;
@@ -149,6 +149,19 @@ fn identity_a_rotor_that_the_file_does_not_state_is_found_and_leaves_the_links_a
 }
 
 #[test]
+fn identity_friction_of_the_load_rests_at_that_of_the_arm() {
+    let (robot, stated, mut truth) = arm(9);
+    let robot = robot.with_joints(|joint| joint.drive.coulomb_velocity = 0.02).unwrap();
+    truth.drives.iter_mut().for_each(|drive| drive[LOAD_FRICTION] = 0.1);
+    let samples = log(&robot, &truth, 1.0, 0.01, 9);
+    let fit = fitted(&robot, urdf().with(LOAD_FRICTION), &samples, &stated);
+    for drive in &fit.parameters.drives {
+        assert!((drive[LOAD_FRICTION] - 0.1).abs() < 0.05, "{drive:?}");
+    }
+    assert!(error(&robot, &fit.parameters, &samples) < 0.015, "{}", error(&robot, &fit.parameters, &samples));
+}
+
+#[test]
 fn a_coefficient_that_no_row_shows_stays_as_the_file_has_it() {
     let (robot, mut stated, truth) = arm(6);
     stated.drives[1][VISCOUS] = 7.0;
@@ -180,7 +193,7 @@ fn identity_no_nearby_set_has_a_smaller_objective() {
     let (robot, stated, truth) = arm(8);
     let samples = log(&robot, &truth, 0.3, 0.05, 8);
     let guess = ModelGuess::new(&robot, Some(&stated), &[]);
-    let equations = LogEquations::of(&robot, urdf(), &samples, &guess).unwrap();
+    let equations = LogEquations::of(&stated, &robot, urdf(), &samples, &guess).unwrap();
     let all = NormalEquations::sum(&equations.blocks(&[1.0; JOINTS]));
     let p = all.moment.len();
     let minimum = equations.prior.minimise(&all, 3.0, &equations.prior.centre(p));

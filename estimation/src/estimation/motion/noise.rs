@@ -31,7 +31,7 @@ impl<'a> MotionNoise<'a> {
         let deviations = samples.position_noise.as_ref()?;
         problem.observation.noise.as_ref()?;
         let joints = deviations.iter().zip(&samples.position_band_hz).map(|(&std, &band)| spread(samples, std, band));
-        let regressor = JointTorqueRegressor::new(robot, problem.observation.columns);
+        let regressor = problem.observation.joint_regressor(robot);
         Some(Self { joints: joints.collect(), regressor, samples })
     }
 

@@ -8,7 +8,7 @@
 //! joints with their residual.
 //!
 //! p-values are adjusted (Holm) over all joints and shapes of one figure. A shape is named where it takes at least 5 % of the power of the
-//! joint's residual and has one sign in four of five parts of the record. In a motion of one harmonic a spring is an inertia (q ∝ q̈),
+//! joint's residual, has one sign in four of five parts of the record, and is not nearly all in the model. In a motion of one harmonic a spring is an inertia (q ∝ q̈),
 //! and is not tested. A shape that is found need not be the cause: shapes resemble each other, and only the one that takes most is
 //! named for each joint.
 

@@ -10,8 +10,9 @@ use crate::model::{JointKind, Robot};
 use crate::signal::Samples;
 use crate::statistics::{holm_adjusted, student_p_value, student_quantile};
 
-/// Part of a shape below which nothing of it is left beside the model: rounding of the projection.
-const IN_THE_MODEL: f64 = 1e-5;
+/// Part of a shape that must be left beside the model for it to be named: of a smaller one nearly all is what inertia and weight give,
+/// and any error of these, multiplied by as much, passes for it.
+const BESIDE_THE_MODEL: f64 = 0.05;
 
 /// Share of the power of a joint's residual from which on a shape is named: less matters to nobody.
 const LEAST_SHARE: f64 = 0.05;
@@ -208,7 +209,8 @@ fn strongest(mut all: Vec<Trend>, joints: usize) -> Vec<Trend> {
         trend.p_adjusted = adjusted;
     }
     let of = |joint: usize| {
-        let own = all.iter().filter(|trend| trend.joint == joint && trend.p_adjusted < LEVEL && trend.share >= LEAST_SHARE);
+        let own =
+            all.iter().filter(|trend| trend.joint == joint && trend.p_adjusted < LEVEL && trend.share >= LEAST_SHARE);
         own.max_by(|a, b| a.share.total_cmp(&b.share)).cloned()
     };
     (0..joints).filter_map(of).collect()
@@ -289,7 +291,7 @@ impl<'a> Tests<'a> {
         }
         let size = x.norm();
         let beside = self.beside_the_model(&x);
-        if size <= 0.0 || self.weights[joint] <= 0.0 || beside.norm() <= IN_THE_MODEL * size {
+        if size <= 0.0 || self.weights[joint] <= 0.0 || beside.norm() <= BESIDE_THE_MODEL * size {
             return None;
         }
         if shape == ResidualShape::Spring && explained(&trace.position, &trace.acceleration) > ONE_HARMONIC {

@@ -1,15 +1,13 @@
-//! Terms whose law depends on more than the motion, tested beside a set of terms that is estimated.
+//! Terms whose law depends on more than motion and torque, tested beside a set of terms that is estimated.
 //!
 //! ```text
-//! load         x_k = |τ_l,k| tanh(q̇_k/v_s)    τ_l = W_links β̂ of the set itself        is its coefficient zero?
 //! warming      x_k = (t_k/T) q̇_k              t_k since the beginning of the record, T its length
 //! current-lag  x_k = d(W β)/dt                 with the β that is estimated beside it ([`current_lag`](super::current_lag))
 //! ```
-//! None is a column of `--columns`: the first and the last multiply parameters that are estimated beside them, the second a temperature that no
-//! recording has. As a *test* that the term is absent all are sound: without it, the error of τ_l is of second order in what is
-//! tested, and friction that changes with temperature changes over a record that is long against nothing but its own length.
-//! The coefficient of `load` is that of one step of an iteration, that of `warming` the change of viscous friction from the beginning to the
-//! end. Periods that were averaged have no beginning: nothing of a warming gear shows in them.
+//! None is a column of `--columns`: the first multiplies a temperature that no recording has, the second is an error of the report. As a *test*
+//! that the term is absent both are sound: friction that changes with temperature changes over a record that is long against nothing but its own
+//! length. The coefficient of `warming` is the change of viscous friction from the beginning to the end. Periods that were averaged have no
+//! beginning: nothing of a warming gear shows in them.
 
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
@@ -17,10 +15,8 @@ use serde::{Deserialize, Serialize};
 use super::current_lag::LaggedTorque;
 use crate::estimation::{EstimationError, Observation};
 use crate::model::term::{CURRENT_LAG, Term, WARM_VISCOUS};
-use crate::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
-use crate::regressor::JointTorqueRegressor;
+use crate::model::{ParameterId, ParameterKind, Robot};
 use crate::signal::Samples;
-use crate::spatial::Inertia;
 
 /// A coefficient of a supported term that is no column.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -48,8 +44,6 @@ pub(super) struct Beside {
 
 /// How columns follow from samples.
 enum Law {
-    /// By a regressor with the torque of links, the last columns of it.
-    Load(Box<JointTorqueRegressor>),
     /// Time times velocity, of these joints.
     Warming(Vec<usize>),
     /// The change of the estimated torque with time.
@@ -57,8 +51,7 @@ enum Law {
 }
 
 impl Beside {
-    /// The columns of the terms of a word, the torque that the links take being that of `beta` on the base of `observation`; `None` where the
-    /// data do not carry them.
+    /// The columns of the terms of a word beside the fit `beta` on the base of `observation`; `None` where the data do not carry them.
     ///
     /// # Errors
     /// [`EstimationError`] where the equations with a lag have no answer.
@@ -76,11 +69,6 @@ impl Beside {
         let (law, parameters) = if terms.contains(&CURRENT_LAG) {
             let Some(lagged) = LaggedTorque::at_rest(robot, observation, samples, beta)? else { return Ok(None) };
             (Law::CurrentLag(Box::new(lagged)), of_motors(CURRENT_LAG))
-        } else if terms.iter().any(|term| term.entry().needs.load) {
-            let columns = terms.into_iter().fold(Columns::RIGID, Columns::with);
-            let regressor = JointTorqueRegressor::with_load(robot, columns, &links(robot, observation, beta));
-            let parameters = regressor.parameters()[10 * robot.dof()..].to_vec();
-            (Law::Load(Box::new(regressor)), parameters)
         } else {
             if observation.periodic {
                 return Ok(None);
@@ -101,10 +89,6 @@ impl Beside {
     pub(super) fn extended(&self, observation: &Observation, samples: &Samples) -> Observation {
         let mut own = observation.clone();
         let mut columns = match &self.law {
-            Law::Load(load) => {
-                let last: Vec<usize> = (load.cols() - self.parameters.len()..load.cols()).collect();
-                load.stack_means(&samples.states, &last, samples.block)
-            }
             Law::Warming(joints) => warming(joints, samples),
             Law::CurrentLag(lagged) => {
                 let rates = lagged.rates(samples);
@@ -135,17 +119,4 @@ fn warming(joints: &[usize], samples: &Samples) -> DMatrix<f64> {
         let share = (row / n) as f64 / blocks.max(2).saturating_sub(1) as f64;
         if row % n == joints[column] { share * velocity[row] } else { 0.0 }
     })
-}
-
-/// Links with the torque of β on a base: its representatives have its values, all other parameters are zero.
-fn links(robot: &Robot, observation: &Observation, beta: &[f64]) -> StandardParameters {
-    let mut phi = vec![0.0; observation.base.parameters.len()];
-    for (&column, &value) in observation.base.kept.iter().zip(beta) {
-        phi[column] = value;
-    }
-    let mut parameters = StandardParameters::zero(robot.dof());
-    for (link, ten) in parameters.links.iter_mut().zip(phi.chunks_exact(10)) {
-        *link = Inertia::from_array(ten.first_chunk().expect("ten of each link"));
-    }
-    parameters
 }

@@ -1,4 +1,4 @@
-//! Friction that depends on load or temperature is found where it is, and terms that could stand for each other are named.
+//! Friction that depends on load or temperature is found where it is and not where it is not, and terms that could stand for each other are named.
 
 use rand_distr::{Distribution, StandardNormal};
 
@@ -67,20 +67,19 @@ fn of(selection: &Selection, term: Term) -> &TermEvidence {
     selection.terms.iter().find(|one| one.term == term.entry().name).unwrap()
 }
 
-/// By the F test; whether a fifth of so short a motion is predicted better is another question.
 #[test]
-fn analytic_friction_of_the_load_shows_in_its_test() {
+fn analytic_friction_of_the_load_is_selected() {
     let selection = selected(61, 0.06, 0.0, &CANDIDATES);
     let evidence = of(&selection, LOAD_FRICTION);
     let p_value = evidence.f.as_ref().map_or(1.0, |f| f.p_value);
-    assert!(p_value < 1e-6 && evidence.verdict != Verdict::NotSupported, "{evidence:?}");
-    assert!(!selection.columns.contains("load"), "{}", selection.columns);
+    assert!(p_value < 1e-6 && evidence.verdict == Verdict::Supported, "{evidence:?}");
+    assert!(selection.columns.contains("load") && selection.beyond_motion.is_empty(), "{}", selection.columns);
 }
 
 #[test]
 fn analytic_an_arm_without_them_shows_neither() {
     let mut wrong = 0;
-    for seed in 70..90 {
+    for seed in 70..100 {
         let selection = selected(seed, 0.0, 0.0, &CANDIDATES);
         let extra = [STRIBECK, QUADRATIC_VISCOUS, SPRING, LOAD_FRICTION, WARM_VISCOUS];
         let is_wrong = extra.iter().any(|&term| of(&selection, term).verdict == Verdict::Supported);
@@ -89,8 +88,8 @@ fn analytic_an_arm_without_them_shows_neither() {
             assert_eq!(selection.columns.replace("+rotor", ""), "rigid+friction", "{seed}");
         }
     }
-    // One of twenty is expected at 5 % over all terms, by the F-test alone.
-    assert!(wrong <= 1, "{wrong}");
+    // Of thirty one or two are expected at 5 % over all terms, by the F-test alone.
+    assert!(wrong <= 2, "{wrong}");
 }
 
 /// Away from rest tanh² is one, and Coulomb friction that differs forward and backward much like an offset.

@@ -49,7 +49,7 @@ impl LaggedTorque {
     /// No lags, beside the torque of `beta` on the base of `observation`.
     pub(super) fn new(robot: &Robot, observation: &Observation, beta: &[f64]) -> Self {
         Self {
-            regressor: JointTorqueRegressor::new(robot, observation.columns),
+            regressor: observation.joint_regressor(robot),
             kept: observation.base.kept.clone(),
             shares: shares(robot),
             beta: DVector::from_column_slice(beta),

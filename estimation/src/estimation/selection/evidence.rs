@@ -10,7 +10,7 @@ use super::beyond_motion::BeyondMotion;
 pub enum Verdict {
     /// By every criterion: it is in the selected set.
     Supported,
-    /// The criteria disagree, or one of them could not be asked: it is left out.
+    /// The criteria disagree (the interval of the held-out change holds zero, say), or one of them could not be asked: it is left out.
     Undecided,
     /// The F-test does not distinguish its coefficients from zero: it is left out.
     NotSupported,
@@ -42,6 +42,14 @@ pub struct HeldOutChange {
     pub change_ci95: [f64; 2],
 }
 
+impl HeldOutChange {
+    /// Whether the error falls, by its 95 % interval.
+    #[must_use]
+    pub fn is_improvement(&self) -> bool {
+        self.change_ci95[1] < 0.0
+    }
+}
+
 /// The evidence for one term, when it was left out or in the selected set.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
@@ -60,9 +68,29 @@ pub struct TermEvidence {
     pub bic: Option<f64>,
     /// Torque that was not fitted; `None` where a part of the recording does not determine the parameters.
     pub held_out: Option<HeldOutChange>,
+    /// Coefficients that cannot be below zero and are by more than three standard deviations: it is not supported then.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub negative: Vec<String>,
     /// Terms that could stand for it, or for which it could: the data do not decide between them and this one.
     #[serde(default)]
     pub alike: Vec<String>,
+}
+
+impl TermEvidence {
+    /// A term that the motion does not show.
+    pub(in crate::estimation) fn untested(word: &str) -> Self {
+        Self {
+            term: word.to_owned(),
+            verdict: Verdict::NotExcited,
+            coefficients: 0,
+            f: None,
+            aic: None,
+            bic: None,
+            held_out: None,
+            negative: Vec::new(),
+            alike: Vec::new(),
+        }
+    }
 }
 
 /// The test of all coefficients of a term together.

@@ -61,7 +61,9 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
         for word in words_of(set.columns) {
             let less = without(set.columns, word);
             // What errs on torque that was not fitted stays out, however well it fits.
-            let errs = |term: &TermEvidence| term.held_out.is_some_and(|change| change.with >= change.without);
+            let errs = |term: &TermEvidence| {
+                !term.negative.is_empty() || term.held_out.is_some_and(|change| !change.is_improvement())
+            };
             for term in left_out.iter().filter(|term| !errs(term)) {
                 let exchanged = with_word(less, &term.term);
                 let Some(other) = self.criterion(exchanged, &set.step)? else { continue };

@@ -10,7 +10,7 @@
 //! |---|---|
 //! | F-test | the probability of an F as large without the term is below 5 % over the number of candidates |
 //! | BIC | r ln N_e − N_e ln(1 + W/(N_e (1 − b/E))) < 0 |
-//! | held-out torque | its squared error, weighted with the noise, is smaller with the term |
+//! | held-out torque | its squared error, weighted with the noise, is smaller with the term, by the 95 % interval of the change |
 //!
 //! W is the quadratic form of the r coefficients that the term alone determines with *their covariance*, correlation of the noise in time
 //! included ([`restriction`]), b the number of base parameters, E of equations, N_e of independent ones: by the raw count, ten samples of
@@ -18,8 +18,11 @@
 //! take away. Lags that are estimated from a short record miss part of a long correlation: with noise that remembers nine tenths of itself, 95
 //! independent equations for 36 parameters, 2 of 10 recordings reported such a term.
 //!
+//! Static friction above Coulomb friction (Stribeck) is offered only where no coefficient of it is below zero by more than three standard
+//! deviations: friction that rises from rest is a soft onset, whose speed is searched for before ([`FrictionSpeeds`](super::FrictionSpeeds)).
+//!
 //! What is left is exchanged, term by term, for what was left out ([`exchange`]), so that no term is reported for which another could stand
-//! as well without its name beside it. Terms that depend on load or temperature, and the lag of the currents, are tested beside the set ([`beyond_motion`]).
+//! as well without its name beside it. Terms that depend on temperature, and the lag of the currents, are tested beside the set ([`beyond_motion`]).
 //! Where the lag shows, all terms are selected again with it beside every set: a term that stood for part of it would take that part from it.
 //!
 //! Fails where the model errs in another way: a torque that no candidate has goes to the candidate that resembles it most. What
@@ -46,4 +49,5 @@ mod tests;
 
 pub use beyond_motion::{BeyondMotion, candidate_terms};
 pub use evidence::{FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict};
+pub(super) use prediction_error::change_between;
 pub use search::select;

@@ -12,6 +12,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::evidence::{HeldOutChange, HeldOutData};
 use super::restriction::Restriction;
+use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::{EstimationError, Factorisation, Observation};
 use crate::linalg::{BlockWhitening, LeastSquares};
 use crate::statistics::t_interval;
@@ -71,28 +72,51 @@ impl Predictions {
             with.extend(fold.squares(&fold.beta));
             count += fold.equations;
         }
-        let samples = without.len();
-        let (before, after): (f64, f64) = (without.iter().sum(), with.iter().sum());
-        if samples < 2 * PARTS || before <= 0.0 {
-            return None;
-        }
-        let parts: Vec<f64> = (0..PARTS)
-            .map(|part| {
-                let range = part * samples / PARTS..(part + 1) * samples / PARTS;
-                let size = range.len() as f64;
-                range.map(|k| with[k] - without[k]).sum::<f64>() / size
-            })
-            .collect();
-        let interval = t_interval(&parts, 0.95)?;
-        let mean = before / samples as f64;
-        let rms = |sum: f64| (sum / count.max(1) as f64).sqrt();
-        Some(HeldOutChange {
-            data: self.data,
-            without: rms(before),
-            with: rms(after),
-            change_ci95: [interval.low / mean, interval.high / mean],
-        })
+        changed(self.data, [&without, &with], count)
     }
+}
+
+/// How the error of torque that was not fitted changes from one set of equations of a recording to another of the same torque, each fold of it
+/// predicted from the rest, with the weights of the second fit; `None` where a part of it does not determine the parameters.
+///
+/// # Errors
+/// [`EstimationError`] where the equations have no answer.
+pub(in crate::estimation) fn change_between(
+    before: &Observation,
+    after: &Observation,
+) -> Result<Option<HeldOutChange>, EstimationError> {
+    let linear = LinearFit::weighted(&Factorisation::new(after)?)?;
+    let Some(weights) = &linear.weights else { return Ok(None) };
+    let (mut squares, mut count) = ([Vec::new(), Vec::new()], 0);
+    for fold in 0..FOLDS {
+        for (squares, observation) in squares.iter_mut().zip([before, after]) {
+            let Some(of) = folded(observation, weights, fold) else { return Ok(None) };
+            count += of.equations;
+            squares.extend(of.squares(&of.beta));
+        }
+    }
+    Ok(changed(HeldOutData::Folds, squares.each_ref().map(Vec::as_slice), count / 2))
+}
+
+/// The change of the squared error of each sample, of `count` equations.
+fn changed(data: HeldOutData, [without, with]: [&[f64]; 2], count: usize) -> Option<HeldOutChange> {
+    let samples = without.len();
+    let (before, after): (f64, f64) = (without.iter().sum(), with.iter().sum());
+    if samples < 2 * PARTS || before <= 0.0 {
+        return None;
+    }
+    let parts: Vec<f64> = (0..PARTS)
+        .map(|part| {
+            let range = part * samples / PARTS..(part + 1) * samples / PARTS;
+            let size = range.len() as f64;
+            range.map(|k| with[k] - without[k]).sum::<f64>() / size
+        })
+        .collect();
+    let interval = t_interval(&parts, 0.95)?;
+    let mean = before / samples as f64;
+    let rms = |sum: f64| (sum / count.max(1) as f64).sqrt();
+    let change_ci95 = [interval.low / mean, interval.high / mean];
+    Some(HeldOutChange { data, without: rms(before), with: rms(after), change_ci95 })
 }
 
 impl Fold {

@@ -4,7 +4,7 @@ use nalgebra::DMatrix;
 
 use super::beyond_motion::{Beside, BeyondMotion};
 use super::evidence::{Selection, TermEvidence, Verdict};
-use super::step::{Step, untested};
+use super::step::Step;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::{EstimationError, Factorisation, Identification, Observation};
 use crate::model::Columns;
@@ -29,9 +29,10 @@ pub fn select<'a>(
 ) -> Result<Selection, EstimationError> {
     let words = words_of(candidates);
     let level = LEVEL / words.len().max(1) as f64;
-    let motion = candidates.terms().filter(|term| term.entry().needs.is_motion()).fold(Columns::RIGID, Columns::with);
+    let columns =
+        candidates.terms().filter(|term| term.entry().needs.is_estimable()).fold(Columns::RIGID, Columns::with);
     let search = |lagged| Search { of: &of, samples, held_out, level, lagged };
-    let plain = search(false).selection(motion, &words)?;
+    let plain = search(false).selection(columns, &words)?;
     let shows = |selection: &Selection, verdicts: &[Verdict]| {
         let lag = selection.terms.iter().find(|term| term.term == CURRENT_LAG.entry().name);
         lag.is_some_and(|lag| verdicts.contains(&lag.verdict))
@@ -40,7 +41,7 @@ pub fn select<'a>(
         return Ok(plain);
     }
     // A term that stood for part of the lag is not to stay in the set, nor to take its part from it.
-    match search(true).selection(motion, &words) {
+    match search(true).selection(columns, &words) {
         Ok(lagged) if shows(&lagged, &[Verdict::Supported]) => Ok(lagged),
         Ok(_)
         | Err(
@@ -83,7 +84,7 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
                     // What comes in is tested again, and what goes out beside it.
                     left_out.retain(|term: &TermEvidence| !words_of(better).contains(&term.term.as_str()));
                     let gone = words_of(set.columns).into_iter().filter(|word| !words_of(better).contains(word));
-                    left_out.extend(gone.map(untested));
+                    left_out.extend(gone.map(TermEvidence::untested));
                     columns = better;
                 }
                 Some(_) | None => break (set, exchanges),
@@ -116,8 +117,9 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
 
     /// The equations of a set, and those that are held out; with the lag of the currents where all sets have it.
     fn equations(&self, of: &Identification<'a>) -> Result<(Observation, Vec<Observation>), EstimationError> {
-        let observation = of.observation(self.samples)?;
-        let unseen = self.held_out.iter().map(|samples| of.unseen(samples)).collect::<Result<Vec<_>, _>>()?;
+        let observation = of.observation_of_test(self.samples)?;
+        let unseen = self.held_out.iter().map(|samples| of.unseen(samples, &observation));
+        let unseen = unseen.collect::<Result<Vec<_>, _>>()?;
         let Some(robot) = of.problem(&observation, self.samples).robot.filter(|_| self.lagged) else {
             return Ok((observation, unseen));
         };
@@ -148,14 +150,14 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
                     | EstimationError::OutsideOfEquations { parameter, .. },
                 ) if !words_of(columns).is_empty() && !parameter.starts_with(CURRENT_LAG.symbol()) => {
                     let word = term_of(&identification, &parameter).unwrap_or_else(|| words_of(columns)[0]);
-                    left_out.push(untested(word));
+                    left_out.push(TermEvidence::untested(word));
                     columns = without(columns, word);
                     continue;
                 }
                 Err(EstimationError::TooFewEquations { .. }) if !words_of(columns).is_empty() => {
                     let all = words_of(columns);
                     let word = all[all.len() - 1];
-                    left_out.push(untested(word));
+                    left_out.push(TermEvidence::untested(word));
                     columns = without(columns, word);
                     continue;
                 }
@@ -267,7 +269,7 @@ impl Tested {
     }
 
     fn not(word: &str) -> Self {
-        Self { evidence: untested(word), found: Vec::new(), beside: Vec::new() }
+        Self { evidence: TermEvidence::untested(word), found: Vec::new(), beside: Vec::new() }
     }
 }
 

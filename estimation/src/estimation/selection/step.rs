@@ -11,8 +11,12 @@ use crate::estimation::{
     EstimationError, EstimationProblem, Factorisation, Identification, Observation, Termination, residual_noise,
 };
 use crate::model::ParameterKind;
+use crate::model::term::STRIBECK;
 use crate::signal::Samples;
 use crate::statistics::student_quantile;
+
+/// Standard deviations beyond which a coefficient of the wrong sign is no chance.
+const BEYOND_NOISE: f64 = 3.0;
 
 /// One set of terms, fitted.
 pub(super) struct Step {
@@ -77,9 +81,11 @@ impl Step {
         let restriction = Restriction::of(base, is_term, &std);
         let coefficients = restriction.len();
         if coefficients == 0 {
-            return untested(word);
+            return TermEvidence::untested(word);
         }
-        let Some(wald) = restriction.wald(self.linear.fit.solution(), &self.covariance) else { return untested(word) };
+        let Some(wald) = restriction.wald(self.linear.fit.solution(), &self.covariance) else {
+            return TermEvidence::untested(word);
+        };
         let (r, count) = (coefficients as f64, self.effective);
         let f = restriction.test(wald, self.freedom);
         // Twice the logarithm of the ratio of likelihoods, for a variance that is known or that of the residual.
@@ -90,8 +96,9 @@ impl Step {
         };
         let (aic, bic) = (2.0 * r - likelihood, r * libm::log(count) - likelihood);
         let held_out = self.predictions.as_ref().and_then(|predictions| predictions.change(&restriction));
-        let predicts = held_out.is_some_and(|change| change.with < change.without);
-        let verdict = match (f.p_value <= level, bic < 0.0 && predicts) {
+        let predicts = held_out.is_some_and(|change| change.is_improvement());
+        let negative = self.negative(word);
+        let verdict = match (f.p_value <= level && negative.is_empty(), bic < 0.0 && predicts) {
             (true, true) => Verdict::Supported,
             (true, false) => Verdict::Undecided,
             (false, _) => Verdict::NotSupported,
@@ -104,8 +111,21 @@ impl Step {
             aic: Some(aic),
             bic: Some(bic),
             held_out,
+            negative,
             alike: Vec::new(),
         }
+    }
+
+    /// Coefficients of static friction that are below zero by more than [`BEYOND_NOISE`] standard deviations: friction that rises from rest and
+    /// does not fall.
+    fn negative(&self, word: &str) -> Vec<String> {
+        if word != STRIBECK.entry().name {
+            return Vec::new();
+        }
+        let (base, solution) = (&self.observation.base, self.linear.fit.solution());
+        let below = |at: usize| solution[at] < -BEYOND_NOISE * self.covariance[(at, at)].max(0.0).sqrt();
+        let own = |&(at, _): &(usize, String)| is_of(base.parameters[base.kept[at]].kind, word) && below(at);
+        base.names().into_iter().enumerate().filter(own).map(|(_, name)| name).collect()
     }
 }
 
@@ -121,20 +141,6 @@ pub(super) fn effective_equations(observation: &Observation, beta: &DVector<f64>
             equations / (1.0 + 2.0 * related).max(1.0)
         })
         .sum()
-}
-
-/// A term that the motion does not show.
-pub(super) fn untested(word: &str) -> TermEvidence {
-    TermEvidence {
-        term: word.to_owned(),
-        verdict: Verdict::NotExcited,
-        coefficients: 0,
-        f: None,
-        aic: None,
-        bic: None,
-        held_out: None,
-        alike: Vec::new(),
-    }
 }
 
 fn is_of(kind: ParameterKind, word: &str) -> bool {

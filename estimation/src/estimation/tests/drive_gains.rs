@@ -43,7 +43,7 @@ impl Arm {
             }
             states
         });
-        Self { regressor: JointTorqueRegressor::new(&robot, columns), robot, base, truth, load, states }
+        Self { regressor: JointTorqueRegressor::new(&robot, columns).unwrap(), robot, base, truth, load, states }
     }
 
     fn beta(&self) -> DVector<f64> {

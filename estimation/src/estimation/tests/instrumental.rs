@@ -57,7 +57,7 @@ fn hinge(beta: [f64; 4]) -> (Observation, Samples, OneMotion) {
     let robot = hinges::single();
     let columns = Columns::RIGID_ROTOR_FRICTION;
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
-    let regressor = JointTorqueRegressor::new(&robot, columns);
+    let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
     let exact = states(|_, speed, acceleration| (speed, acceleration));
     let tau: Vec<f64> = (base.select_columns(&regressor.stack(&exact)) * DVector::from_row_slice(&beta))
         .iter()
@@ -109,7 +109,7 @@ fn analytic_a_bound_moves_the_others_by_the_covariance_of_the_instruments() {
     let (free, held) = (estimate(EstimatorKind::Iv, &case), estimate(EstimatorKind::PcIv, &case));
     let (robot, columns) = (hinges::single(), Columns::RIGID_ROTOR_FRICTION);
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
-    let z = base.select_columns(&JointTorqueRegressor::new(&robot, columns).stack(&case.2.0.states));
+    let z = base.select_columns(&JointTorqueRegressor::new(&robot, columns).unwrap().stack(&case.2.0.states));
     let inverse = z.tr_mul(&case.0.regressor).try_inverse().unwrap();
     let g = &inverse * z.tr_mul(&z) * inverse.transpose();
     let at = free.base.iter().position(|p| p.name == "Fc1").unwrap();

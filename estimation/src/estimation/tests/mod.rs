@@ -6,12 +6,13 @@ mod declared;
 mod discrepancy;
 mod drive_gains;
 mod factorisation;
+mod friction_speed;
 mod instrumental;
+mod load_friction;
 mod noisy_recording;
 mod physical;
 mod recovery;
 mod robust;
 mod setting;
-mod stribeck_speed;
 
 pub(super) use setting::synthetic;

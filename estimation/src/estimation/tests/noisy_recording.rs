@@ -74,7 +74,7 @@ fn analytic_noise_of_the_motion_biases_weighted_and_not_total_least_squares() {
     let (dof, count) = (3, 600);
     let (robot, truth) = chains::random_robot(&mut seed.stream("robot", 0), dof);
     let columns = Columns::RIGID_ROTOR_FRICTION;
-    let regressor = JointTorqueRegressor::new(&robot, columns);
+    let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
     let base = reduce(&robot, columns, Method::Structural, seed).unwrap();
     let beta = base.beta(&truth.vector(&robot, columns));
     let (std, band, rate) = (1.5e-2, 5.0, 100.0);

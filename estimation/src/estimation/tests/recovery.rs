@@ -67,7 +67,8 @@ fn a_joint_at_rest_leaves_the_others_to_every_estimator() {
     for (tau, noise) in samples.tau.iter_mut().zip(noise.iter()) {
         *tau += noise;
     }
-    let known = Identification::on_motion(&robot, Columns::RIGID_ROTOR_FRICTION, &samples).with_nominal(&parameters);
+    let known =
+        Identification::on_motion(&robot, Columns::RIGID_ROTOR_FRICTION, &samples).unwrap().with_nominal(&parameters);
     assert!((30..58).contains(&known.base().rank()), "{}", known.base().rank());
     for kind in EstimatorKind::ALL.iter().filter(|kind| !SIMULATING.contains(kind)) {
         let found =
@@ -84,7 +85,7 @@ fn identity_exact_states_give_the_base_parameters_of_random_chains() {
         let dof = 2 + usize::try_from(run % 5).unwrap();
         let (robot, parameters) = chains::random_robot(&mut rng, dof);
         let columns = Columns::ALL[usize::try_from(run % 3).unwrap()];
-        let regressor = JointTorqueRegressor::new(&robot, columns);
+        let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
         let base = reduce(&robot, columns, Method::Structural, seed).unwrap();
         let mut states = States::new(dof);
         for _ in 0..60 {
@@ -259,7 +260,7 @@ fn a_parameter_that_acts_where_no_equation_is_is_named() {
     // Friction of Stribeck acts at a standstill; equations within 0.3 rad/s of it, three times its speed, are left out.
     let (robot, ..) = a460();
     let columns = Columns::RIGID_ROTOR_FRICTION.with(STRIBECK);
-    let regressor = JointTorqueRegressor::new(&robot, columns);
+    let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
     let (.., mut samples) = a460_samples(500);
     assert!(Observation::new(&robot, &regressor, &base, &samples).is_ok());

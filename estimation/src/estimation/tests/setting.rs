@@ -34,7 +34,7 @@ pub(super) fn a460_samples_of(
     let (robot, mut parameters) = a460();
     change(&mut parameters);
     let columns = Columns::RIGID_ROTOR_FRICTION;
-    let regressor = JointTorqueRegressor::new(&robot, columns);
+    let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
     let states = table_one::corrected().sample(count);
     let mut dynamics = crate::dynamics::Dynamics::new(&robot, &parameters);
@@ -58,6 +58,8 @@ pub(in crate::estimation) fn synthetic(count: usize, b: usize, rng: &mut impl Rn
         robot: "synthetic".to_owned(),
         units: vec!["N·m".to_owned(); 2],
         columns: Columns::RIGID,
+        shape: Vec::new(),
+        linear_at: None,
         base: BaseReduction::from_stack(&ids, &DMatrix::identity(b, b), Method::Qr),
         parameter_units: vec!["kg".to_owned(); b],
         noise: None,

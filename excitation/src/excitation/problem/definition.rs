@@ -17,6 +17,7 @@ use crate::excitation::evaluation::EvaluationMotions;
 use crate::excitation::expected::ExpectedEffects;
 use crate::excitation::start::series_start;
 use crate::model::{Columns, ReferenceUnits, Robot};
+use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::trajectory::{Family, PeriodicTrajectory, Timeline};
 
@@ -68,13 +69,14 @@ impl DesignProblem {
         columns: Columns,
         criterion: impl Into<Arc<dyn Criterion>>,
     ) -> Result<Self, ExcitationError> {
-        let mut objective = DesignObjective::new(&robot, columns, criterion.into())?;
+        let objective = DesignObjective::new(&robot, columns, criterion.into())?;
         let space = DesignSpace::new(Family::Fourier, PERIOD_S, vec![HARMONICS; robot.dof()])?;
-        objective.declare(&robot, &space)?;
         let basis = MotionBasis::new(&robot, &space)?;
         let limits = DesignLimits::default();
         let inner_robot = limits.inner_robot(&robot)?;
-        Ok(Self { robot, space, basis, limits, inner_robot, objective, budget: DesignBudget::default() })
+        let mut problem = Self { robot, space, basis, limits, inner_robot, objective, budget: DesignBudget::default() };
+        problem.declare()?;
+        Ok(problem)
     }
 
     /// Seeks the design in another space. What joints that stand still no longer reveal is taken out of the base.
@@ -86,13 +88,14 @@ impl DesignProblem {
     /// was.
     pub fn set_space(&mut self, space: DesignSpace) -> Result<(), ExcitationError> {
         let basis = MotionBasis::new(&self.robot, &space)?;
-        let mut objective = if space.frozen() == self.space.frozen() {
+        let objective = if space.frozen() == self.space.frozen() {
             self.objective.clone()
         } else {
             self.objective.in_space(&self.robot, &space)?
         };
-        objective.declare(&self.robot, &space)?;
-        (self.objective, self.space, self.basis) = (objective, space, basis);
+        let mut next = Self { objective, space, basis, ..self.clone() };
+        next.declare()?;
+        *self = next;
         Ok(())
     }
 
@@ -104,7 +107,31 @@ impl DesignProblem {
     pub fn set_limits(&mut self, limits: DesignLimits) -> Result<(), ExcitationError> {
         self.inner_robot = limits.inner_robot(&self.robot)?;
         self.limits = limits;
-        Ok(())
+        // Nothing else that a criterion is told depends on the nominal parameters.
+        if self.objective.columns().beyond_motion().is_some() { self.declare() } else { Ok(()) }
+    }
+
+    /// The regressor of a robot, this one or one like it; friction of the load by the nominal parameters.
+    ///
+    /// # Errors
+    /// [`ExcitationError::Columns`] where a column depends on more than the motion and there are no nominal parameters.
+    pub fn regressor(&self, robot: &Robot) -> Result<JointTorqueRegressor, ExcitationError> {
+        let columns = self.objective.columns();
+        columns.check_estimable()?;
+        Ok(match self.limits.nominal() {
+            Some(nominal) => JointTorqueRegressor::with_load(robot, columns, nominal),
+            None => JointTorqueRegressor::new(robot, columns)?,
+        })
+    }
+
+    /// Tells the criterion what the estimate is for.
+    fn declare(&mut self) -> Result<(), ExcitationError> {
+        // Nominal parameters may be said later.
+        if self.objective.columns().beyond_motion().is_some() && self.limits.nominal().is_none() {
+            return Ok(());
+        }
+        let regressor = self.regressor(&self.robot)?;
+        self.objective.declare(&self.robot, &regressor, &self.space)
     }
 
     /// Searches for longer or shorter.
@@ -136,7 +163,7 @@ impl DesignProblem {
     /// [`ExcitationError::Length`] if they are of another number of joints.
     pub fn set_evaluation(&mut self, motions: EvaluationMotions) -> Result<(), ExcitationError> {
         self.objective.set_evaluation(self.robot.dof(), motions)?;
-        self.objective.declare(&self.robot, &self.space)
+        self.declare()
     }
 
     /// Adds errors of unlike parameters in these units, in place of the usual ones, in
@@ -151,7 +178,7 @@ impl DesignProblem {
     /// [`ExcitationError::Length`] if they are of another number of joints.
     pub fn set_expected(&mut self, expected: ExpectedEffects) -> Result<(), ExcitationError> {
         self.objective.set_expected(self.robot.dof(), expected)?;
-        self.objective.declare(&self.robot, &self.space)
+        self.declare()
     }
 
     /// Expects so many torque rows of the whole experiment, each with the noise of its joint; ten periods at the servo's
@@ -161,7 +188,7 @@ impl DesignProblem {
     /// [`ExcitationError::NotPositive`] if it is no finite number above zero.
     pub fn set_rows(&mut self, rows: f64) -> Result<(), ExcitationError> {
         self.objective.set_rows(rows)?;
-        self.objective.declare(&self.robot, &self.space)
+        self.declare()
     }
 
     /// Takes information as known: b × b per torque row of one period, weighted by the noise of the rows.

@@ -136,16 +136,19 @@ impl DesignObjective {
     }
 
     /// Tells the criterion what the estimate is for, if it asks.
-    pub(super) fn declare(&mut self, robot: &Robot, space: &DesignSpace) -> Result<(), ExcitationError> {
+    pub(super) fn declare(
+        &mut self,
+        robot: &Robot,
+        regressor: &JointTorqueRegressor,
+        space: &DesignSpace,
+    ) -> Result<(), ExcitationError> {
         if !self.criterion.asks_for_prediction() {
             return Ok(());
         }
         let motions = self.evaluation.clone().map_or_else(|| EvaluationMotions::usual(robot), Ok)?;
         let usual = robot.dof() as f64 * space.period_s() * robot.servo().rate_hz * RECORDED_PERIODS;
         let rows = self.rows.unwrap_or(usual);
-        let regressor = JointTorqueRegressor::new(robot, self.columns);
-        let prediction =
-            motions.prediction(robot, &regressor, &self.base, space.frozen(), self.expected.as_ref(), rows);
+        let prediction = motions.prediction(robot, regressor, &self.base, space.frozen(), self.expected.as_ref(), rows);
         if let Some(criterion) = self.criterion.for_prediction(prediction) {
             self.criterion = criterion.into();
         }

@@ -2,8 +2,9 @@ use armid::experiment::{Plant, PlantError};
 use armid::model::term::ROTOR;
 
 use super::*;
+use crate::computer::commander::Outcome;
 use crate::link::{JointMap, LinkSettings};
-use crate::message::{JointTrajectory, TrajectoryPoint};
+use crate::message::{JointState, JointTrajectory, TrajectoryPoint};
 
 /// One flywheel of 1 kg·m² for each joint.
 struct FlyWheels(Vec<f64>, Vec<f64>);

@@ -226,7 +226,8 @@ fn list(key: &str, name: &str, text: &str, allowed: fn(f64) -> bool) -> Result<V
 
 /// Signs as `+-+`, `+/-/+` or `1/-1/1`.
 fn signs(key: &str, text: &str) -> Result<Vec<f64>, String> {
-    let signs: String = if text.split('/').all(|part| part.len() == 1) { text.replace('/', "") } else { text.to_owned() };
+    let signs: String =
+        if text.split('/').all(|part| part.len() == 1) { text.replace('/', "") } else { text.to_owned() };
     if signs.chars().all(|c| c == '+' || c == '-') && !signs.is_empty() {
         return Ok(signs.chars().map(|c| if c == '+' { 1.0 } else { -1.0 }).collect());
     }
@@ -247,7 +248,9 @@ mod tests {
         assert!((map.offset.unwrap()[1] - std::f64::consts::FRAC_PI_2).abs() < 1e-15);
         let map = ColumnMap::parse(Quantity::Torque, "\"motor torque [1-2]\" sign=+-").unwrap();
         assert_eq!((map.columns.as_str(), map.sign), ("motor torque [1-2]", Some(vec![1.0, -1.0])));
-        for (text, signs) in [("-", vec![-1.0]), ("-/-", vec![-1.0; 2]), ("+/-", vec![1.0, -1.0]), ("1/-1", vec![1.0, -1.0])] {
+        for (text, signs) in
+            [("-", vec![-1.0]), ("-/-", vec![-1.0; 2]), ("+/-", vec![1.0, -1.0]), ("1/-1", vec![1.0, -1.0])]
+        {
             let map = ColumnMap::parse(Quantity::Torque, &format!("tau[1-2] sign={text}")).unwrap();
             assert_eq!(map.sign, Some(signs), "{text}");
         }

@@ -49,7 +49,7 @@ fn on_joints(robot: &Robot, motion: BaseMotion) -> (Robot, usize) {
 fn own_regressor(robot: &Robot, columns: Columns, motion: BaseMotion) -> (DMatrix<f64>, Vec<f64>) {
     let (whole, added) = on_joints(robot, motion);
     let geometry = Geometry::of(&whole);
-    let regressor = JointTorqueRegressor::new(&whole, columns);
+    let regressor = JointTorqueRegressor::new(&whole, columns).unwrap();
     let mut rng = Seed::new(6).stream("states", 0);
     let states = geometry.random_states(geometry.state_count(regressor.cols()) * 2, &mut rng);
     let w = regressor.stack(&states);

@@ -65,7 +65,7 @@ fn identity_a_motion_degrades_categories_and_never_upgrades_them() {
         assert!(!alone || *before == Category::Identifiable, "found alone only where it was");
         assert!(*before != Category::Unidentifiable || *now == Category::Unidentifiable);
     }
-    let w = JointTorqueRegressor::new(&arm, Columns::RIGID_ROTOR_FRICTION).stack(&first_three);
+    let w = JointTorqueRegressor::new(&arm, Columns::RIGID_ROTOR_FRICTION).unwrap().stack(&first_three);
     let rebuilt = product(&qr.select_columns(&w), &qr.k);
     assert!((&w - rebuilt).norm() < 1e-12 * w.norm());
     // Formulas that still hold are printed as such, the others as numbers; both evaluate to K.

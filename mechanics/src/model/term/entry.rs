@@ -137,6 +137,12 @@ impl Needs {
     /// The motion alone.
     pub const MOTION: Self = Self { load: false, warmth: false, rate: false };
 
+    /// Whether motion and torque are enough to estimate the coefficient: the torque of the links is estimated beside it.
+    #[must_use]
+    pub const fn is_estimable(self) -> bool {
+        !self.warmth && !self.rate
+    }
+
     /// Whether the motion alone is enough.
     #[must_use]
     pub const fn is_motion(self) -> bool {

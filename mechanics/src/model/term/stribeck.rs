@@ -39,13 +39,6 @@ impl Stribeck {
         shapes: &[ShapeParameter::COULOMB_VELOCITY, Self::VELOCITY],
         ..CoulombFriction::ENTRY
     };
-
-    /// `∂g/∂v_S = 2 v²/v_S³ g` of one entry, effort per unit of the coefficient and of speed.
-    #[must_use]
-    pub fn by_velocity(x: &TermInput<f64>) -> f64 {
-        let speed = x.qd.over(x.shape[1]);
-        2.0 * speed * speed / x.shape[1].value * Self.law(x)
-    }
 }
 
 impl TermLaw for Stribeck {
@@ -75,22 +68,5 @@ mod tests {
             };
             assert!((at(0.05 * x) - value).abs() < 1e-6 && (at(-0.05 * x) + value).abs() < 1e-6);
         }
-    }
-
-    #[test]
-    fn identity_the_slope_by_the_velocity_is_a_central_difference() {
-        let at = |qd: f64, speed: f64| {
-            let shape = [Scale::new(0.01), Scale::new(speed)];
-            TermInput { q: 0.0, qd, qdd: 0.0, load: 0.0, warmth: 0.0, shape }
-        };
-        let h = 1e-6;
-        for qd in [-0.2, -0.03, 0.0, 0.008, 0.05, 0.11] {
-            let difference = (STRIBECK.torque(&at(qd, 0.05 + h)) - STRIBECK.torque(&at(qd, 0.05 - h))) / (2.0 * h);
-            // Truncation h² g‴/6 with g‴ up to some 100/v_S³, and rounding 1e-16/h.
-            assert!((Stribeck::by_velocity(&at(qd, 0.05)) - difference).abs() < 1e-6, "{qd}: {difference}");
-        }
-        // At v = v_S: 2/(e v_S), the plain sign.
-        let plain = TermInput { shape: [Scale::new(0.0), Scale::new(0.05)], ..at(0.05, 0.05) };
-        assert!((Stribeck::by_velocity(&plain) - 40.0 / std::f64::consts::E).abs() < 1e-12);
     }
 }

@@ -1,0 +1,105 @@
+//! What `armid identify` answers of the speeds of laws of friction, beside its estimates.
+
+use armid::estimation::{FrictionSpeed, FrictionSpeeds, HeldOutChange, SpeedValue};
+use armid::model::Robot;
+use serde_json::{Value, json};
+
+use super::findings::paragraph;
+use crate::terminal::{Align, Table, number};
+
+fn name<'a>(robot: &'a Robot, of: &FrictionSpeed) -> &'a str {
+    &robot.joints()[of.joint - 1].name
+}
+
+/// Names of the joints whose speed the data do not show.
+fn not_shown<'a>(speeds: &FrictionSpeeds, robot: &'a Robot) -> Vec<&'a str> {
+    speeds.joints.iter().filter(|of| of.speed.is_none()).map(|of| name(robot, of)).collect()
+}
+
+/// The change of the squared error in percent, with its interval.
+pub(crate) fn change_text(change: &HeldOutChange) -> String {
+    let mean = (change.with / change.without).powi(2) - 1.0;
+    let [low, high] = change.change_ci95;
+    format!("{:.1} % ({:.1} to {:.1})", 100.0 * mean, 100.0 * low, 100.0 * high)
+}
+
+/// The keys.
+pub(crate) fn speeds_json(speeds: &FrictionSpeeds, robot: &Robot) -> Value {
+    let joint = |of: &FrictionSpeed| {
+        let joint = &robot.joints()[of.joint - 1];
+        json!({
+            "joint": joint.name,
+            "stated": of.stated,
+            "speed": of.speed,
+            "unit": format!("{}/s", joint.kind.unit()),
+            "amplitude": of.amplitude,
+            "amplitude_unit": joint.kind.effort_unit(),
+        })
+    };
+    json!({
+        "joints": speeds.joints.iter().map(joint).collect::<Vec<_>>(),
+        "not_shown": not_shown(speeds, robot),
+        "weighted_rms": { "stated": speeds.weighted_rms[0], "found": speeds.weighted_rms[1] },
+        "held_out": speeds.held_out,
+        "termination": speeds.termination,
+    })
+}
+
+/// The table, and what it means; `used` says whether the estimate has these speeds.
+pub(crate) fn speeds_text(speeds: &FrictionSpeeds, robot: &Robot, used: bool) -> String {
+    let is_onset = speeds.shape.smooths;
+    let (title, amplitude) = match is_onset {
+        true => ("speeds in which Coulomb friction sets in", "Coulomb friction"),
+        false => ("speeds at which friction falls", "above Coulomb friction"),
+    };
+    let mut table = Table::new(&[
+        ("joint", Align::Left),
+        ("stated", Align::Right),
+        ("speed", Align::Right),
+        ("95 % interval", Align::Right),
+        ("", Align::Right),
+        ("", Align::Left),
+        (amplitude, Align::Right),
+        ("95 % interval", Align::Right),
+        ("", Align::Right),
+        ("", Align::Left),
+    ]);
+    for of in &speeds.joints {
+        let kind = robot.joints()[of.joint - 1].kind;
+        let three = |value: Option<SpeedValue>| match value {
+            Some(of) => [of.value, of.ci95[0], of.ci95[1]].map(number),
+            None => ["not shown", "–", "–"].map(str::to_owned),
+        };
+        let mut row = vec![name(robot, of).to_owned(), number(of.stated)];
+        row.extend(three(of.speed));
+        row.push(format!("{}/s", kind.unit()));
+        row.extend(three(of.amplitude));
+        row.push(kind.effort_unit().to_owned());
+        table.row(row);
+    }
+    let [stated, found] = speeds.weighted_rms.map(number);
+    let mut text = format!("{title}: {}\n{}", speeds.termination, table.render(2));
+    let mut say = |sentence: String| text += &paragraph(&sentence, 2);
+    say(format!("Weighted residual {found} with these speeds, {stated} with the stated ones."));
+    if let Some(change) = &speeds.held_out {
+        let change = change_text(change);
+        say(format!("Squared error of each fifth of the log, predicted from the rest: {change}."));
+    }
+    say(match used {
+        true => "The estimate has these speeds and takes them as exact. The intervals above hold their uncertainty."
+            .to_owned(),
+        false => {
+            "The estimate has the stated speeds: with those found, torque that was not fitted is not predicted better."
+                .to_owned()
+        }
+    });
+    let not_shown = not_shown(speeds, robot);
+    if !not_shown.is_empty() {
+        say(format!(
+            "Not shown by this log, the stated speed stays (0: the sign of velocity): {}. `--reversal-fraction 0` keeps the rows in \
+             which a joint is slow.",
+            not_shown.join(", ")
+        ));
+    }
+    text + "\n"
+}
