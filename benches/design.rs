@@ -22,11 +22,12 @@ fn main() {
             if !name.contains(&filter) {
                 continue;
             }
-            let mut problem = DesignProblem::new(robot.clone(), Columns::RIGID_ROTOR_FRICTION, criterion)
-                .expect("a bundled robot has a base");
+            let mut problem =
+                DesignProblem::new(robot.clone(), Columns::RIGID_ROTOR_FRICTION, criterion, DesignLimits::of_motion())
+                    .expect("a bundled robot has a base");
             let shares = &nominal.relative_uncertainty;
             let spread = ParameterSpread::of(&robot, &nominal.parameters, shares, CONFIDENCE_95);
-            let limits = DesignLimits::default()
+            let limits = DesignLimits::of_motion()
                 .with_uncertain_efforts(nominal.parameters.clone(), spread)
                 .and_then(|limits| limits.with_margins(Margins { torque: 1.0, ..Margins::default() }))
                 .and_then(|limits| limits.with_ramps(2.0))

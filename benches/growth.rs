@@ -9,7 +9,7 @@ use armid::base::{Method, reduce};
 use armid::conformance::chains;
 use armid::dynamics::{Dynamics, States};
 use armid::estimation::{EstimatorKind, Identification};
-use armid::excitation::{CriterionKind, DesignBudget, DesignProblem, DesignSpace, design};
+use armid::excitation::{CriterionKind, DesignBudget, DesignLimits, DesignProblem, DesignSpace, design};
 use armid::model::{Columns, Robot, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
@@ -130,7 +130,8 @@ fn samples(robot: &Robot, parameters: &StandardParameters, count: usize) {
 /// One start of a hundred evaluations of the criterion, every limit of a trajectory held.
 fn designs(figure: &str, robot: &Robot, harmonics: usize, size: usize) {
     for criterion in [CriterionKind::Condition, CriterionKind::DOptimal] {
-        let mut problem = DesignProblem::new(robot.clone(), COLUMNS, criterion).expect("a chain has a base");
+        let mut problem = DesignProblem::new(robot.clone(), COLUMNS, criterion, DesignLimits::of_motion())
+            .expect("a chain has a base");
         problem
             .set_space(DesignSpace::new(Family::Fourier, 10.0, vec![harmonics; robot.dof()]).expect("joints"))
             .expect("a space that is possible");

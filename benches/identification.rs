@@ -52,7 +52,7 @@ fn main() {
     }
 }
 
-fn estimates(identification: &Identification<'_>, samples: &Samples) -> Vec<Estimate> {
+fn estimates(identification: &Identification, samples: &Samples) -> Vec<Estimate> {
     let estimators = [EstimatorKind::Ols.estimator(), EstimatorKind::Wls.estimator()];
     identification.estimate_by(samples, &estimators).expect("the motion excites all")
 }

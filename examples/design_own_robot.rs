@@ -5,7 +5,7 @@
 use std::error::Error;
 use std::path::Path;
 
-use armid::excitation::{CriterionKind, DesignProblem, design};
+use armid::excitation::{CriterionKind, DesignLimits, DesignProblem, LimitSettings, design};
 use armid::model::Columns;
 use armid::model::format::parse_robot;
 use armid::seed::Seed;
@@ -53,7 +53,9 @@ coulomb_velocity_rad_s = 0.01
 
 fn main() -> Result<(), Box<dyn Error>> {
     let robot = parse_robot(ROBOT)?;
-    let problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal)?;
+    // Without a guess of the robot's masses torque cannot be limited.
+    let limits = DesignLimits::of(&robot, None, None, &LimitSettings::default())?;
+    let problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, limits)?;
     let design = design(&problem, Seed::new(1), 0)?;
 
     println!("{} after {} evaluations: {}", design.criterion, design.evaluations, design.value);

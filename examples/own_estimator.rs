@@ -7,12 +7,13 @@
 use std::error::Error;
 
 use armid::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, EstimatorKind, Identification};
-use armid::experiment::{ExperimentPlan, Servo, record};
+use armid::experiment::{Effects, ExperimentPlan, Sensing, record};
 use armid::model::Columns;
 use armid::seed::Seed;
 use armid::signal::{Processing, process};
 use armid_io::{robot, trajectory};
 use armid_sim::Engine;
+use armid_workflow::simulated_arm;
 
 /// Residuals beyond this multiple of their scale count linearly: 95 % efficiency where noise is normal.
 const THRESHOLD: f64 = 1.345;
@@ -60,9 +61,10 @@ fn main() -> Result<(), Box<dyn Error>> {
     // samples: outliers must be rare among the means to be recognised.
     let loaded = robot::named("crs-a460")?;
     let (arm, nominal) = (&loaded.robot, loaded.nominal.as_ref().expect("bundled robots have a nominal file"));
-    let truth = loaded.truth()?.parameters;
+    let simulated = simulated_arm(&loaded, Engine::Analytic, Effects::none())?;
+    let truth = &simulated.truth().parameters;
     let plan = ExperimentPlan::new(trajectory::load("table-one", None, arm)?);
-    let mut servo = Servo::new(arm, nominal, Engine::Analytic.plant(arm, &truth)?)?.with_seed(Seed::new(1), 0);
+    let mut servo = simulated.servo(&Sensing::default())?.with_seed(Seed::new(1), 0);
     let mut samples = process(&record(&mut servo, &plan)?.0, arm, &Processing::default())?;
     for tau in samples.tau.iter_mut().step_by(4999) {
         *tau += 200.0;

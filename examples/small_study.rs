@@ -5,12 +5,13 @@
 use std::error::Error;
 
 use armid::estimation::{EstimatorKind, Identification};
-use armid::experiment::{ExperimentPlan, Servo, record};
+use armid::experiment::{Effects, ExperimentPlan, Sensing, record};
 use armid::model::Columns;
 use armid::seed::Seed;
 use armid::signal::{Processing, process};
 use armid_io::{robot, trajectory};
 use armid_sim::Engine;
+use armid_workflow::simulated_arm;
 
 const RUNS: u64 = 8;
 
@@ -18,7 +19,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let loaded = robot::named("crs-a460")?;
     let (arm, nominal) = (&loaded.robot, loaded.nominal.as_ref().expect("bundled robots have a nominal file"));
     // What the simulated arm is made of. The estimator never sees it.
-    let truth = loaded.truth()?.parameters;
+    let simulated = simulated_arm(&loaded, Engine::Analytic, Effects::none())?;
+    let truth = &simulated.truth().parameters;
     let plan = ExperimentPlan::new(trajectory::load("table-one", None, arm)?);
     let identification = Identification::new(arm, Columns::RIGID_ROTOR_FRICTION)?.with_nominal(nominal);
     let exact = identification.base().beta(&truth.vector(arm, Columns::RIGID_ROTOR_FRICTION));
@@ -26,8 +28,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     for kind in [EstimatorKind::Ols, EstimatorKind::Wls] {
         let (mut held, mut intervals) = (0, 0);
         for run in 0..RUNS {
-            let plant = Engine::Analytic.plant(arm, &truth)?;
-            let mut servo = Servo::new(arm, nominal, plant)?.with_seed(Seed::new(1), run);
+            let mut servo = simulated.servo(&Sensing::default())?.with_seed(Seed::new(1), run);
             let samples = process(&record(&mut servo, &plan)?.0, arm, &Processing::default())?;
             let estimate = identification.estimate(&samples, kind.estimator())?;
             intervals += estimate.base.len();

@@ -19,6 +19,7 @@
 //! | find a mistake in a log or a robot file | [`diagnosis::diagnose`] |
 //! | measure torque constants and friction | [`calibration`] |
 //! | compare methods | [`study`] |
+//! | watch long work and end it | [`observer::Observer`] |
 //! | add a torque term, an estimator, a criterion, a trajectory, a plant or an arm | its trait, and its laws in [`conformance`] |
 //!
 //! From a robot to its base parameters and their estimate:
@@ -71,8 +72,8 @@ pub use armid_measurement::{experiment, signal};
 use armid_mechanics::plain;
 #[doc(inline)]
 pub use armid_mechanics::{
-    base, chains, codegen, dynamics, input, lanes, linalg, model, optimiser, provenance, regressor, seed, spatial,
-    statistics, trajectory,
+    base, chains, codegen, dynamics, input, lanes, linalg, model, observer, optimiser, provenance, regressor, seed,
+    spatial, statistics, trajectory,
 };
 
 pub mod study;

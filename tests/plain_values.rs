@@ -6,7 +6,7 @@
 use armid::base::{BaseReduction, Method, reduce};
 use armid::dynamics::{Dynamics, States};
 use armid::estimation::{Estimate, EstimatorKind, Identification};
-use armid::excitation::{CriterionKind, Design, DesignProblem, design};
+use armid::excitation::{CriterionKind, Design, DesignLimits, DesignProblem, design};
 use armid::experiment::{Phase, PhaseSpan, Recording};
 use armid::model::format::{parse_nominal, parse_robot};
 use armid::model::{Columns, EffortInterface, MotorCircuit, Obstacle, Robot, bundled};
@@ -95,7 +95,8 @@ fn states() -> States {
 }
 
 fn small_design(robot: Robot) -> Design {
-    let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal).expect("a problem");
+    let problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion())
+        .expect("a problem");
     design(&problem, Seed::new(1), 0).expect("a design")
 }
 

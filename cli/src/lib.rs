@@ -7,11 +7,10 @@ use crate::terminal::{Console, Ending};
 mod answers;
 mod arguments;
 mod arms;
+mod cluster;
 mod commands;
 mod interrupt;
 mod monitor;
-mod processor_time;
-mod study;
 mod terminal;
 
 use std::process::ExitCode;

@@ -33,7 +33,11 @@ fn identity_every_format_reads_back_with_the_torque_of_the_regressor() {
         assert_eq!(done["prediction"]["good"], to != "urdf", "{done}");
         let parameters = done["parameters"].as_array().unwrap();
         let shown = parameters.iter().filter(|p| p["ci95"].is_array()).count();
-        assert!(parameters.len() >= 72 && shown > 12 && shown < parameters.len(), "{to}: {shown} of {}", parameters.len());
+        assert!(
+            parameters.len() >= 72 && shown > 12 && shown < parameters.len(),
+            "{to}: {shown} of {}",
+            parameters.len()
+        );
         for sum in done["sums"].as_array().unwrap() {
             let (low, high) = (sum["ci95"][0].as_f64().unwrap(), sum["ci95"][1].as_f64().unwrap());
             assert!((low..=high).contains(&sum["value"].as_f64().unwrap()), "{sum}");
@@ -74,10 +78,12 @@ fn identity_every_format_reads_back_with_the_torque_of_the_regressor() {
 fn a_file_predicts_another_log_by_itself_and_takes_numbers_in_place() {
     let folder = temporary();
     let estimate = estimate(folder.path());
-    let (model, scene, again) = (path(folder.path(), "arm.xml"), path(folder.path(), "scene.xml"), path(folder.path(), "again.xml"));
+    let (model, scene, again) =
+        (path(folder.path(), "arm.xml"), path(folder.path(), "scene.xml"), path(folder.path(), "again.xml"));
     let recording = path(folder.path(), "R.mcap");
     let first = json(&armid(["export", &estimate, "--to", "mjcf", "-o", &model, "--json"]).success());
-    let done = json(&armid(["validate", &model, &recording, "--robot", "crs-a460", "--limit", "1", "--json"]).success());
+    let done =
+        json(&armid(["validate", &model, &recording, "--robot", "crs-a460", "--limit", "1", "--json"]).success());
     assert_eq!((done["verdict"].as_str(), done["estimator"].as_str()), (Some("passed"), Some(model.as_str())));
     let share = done["residual"]["all_rows"]["total"].as_f64().unwrap();
     assert!((share - first["prediction"]["file"]["fit"].as_f64().unwrap()).abs() < 1e-6, "{share} {first}");
@@ -89,7 +95,10 @@ fn a_file_predicts_another_log_by_itself_and_takes_numbers_in_place() {
     let done = json(&armid(["export", &estimate, "--to", "mjcf", "--into", &scene, "-o", &again, "--json"]).success());
     assert_eq!(done["prediction"], first["prediction"]);
     let text = std::fs::read_to_string(&again).unwrap();
-    assert!(text.contains("timestep=\"0.004\"") && text.contains("name=\"mine\"") && text.contains("<!-- armid:"), "{text}");
+    assert!(
+        text.contains("timestep=\"0.004\"") && text.contains("name=\"mine\"") && text.contains("<!-- armid:"),
+        "{text}"
+    );
     let fault = stderr(&armid(["export", &estimate, "--to", "json", "--into", &scene]).code(2));
     assert!(fault.contains("--into is for urdf and mjcf"), "{fault}");
 }

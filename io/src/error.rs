@@ -59,6 +59,11 @@ impl Error {
         Self { kind: ErrorKind::Invalid, message: shortened(message.into()), help: None, place: None }
     }
 
+    /// Something is not as another part of armid expects, in that part's own words.
+    pub fn of(fault: impl fmt::Display) -> Self {
+        Self::new(fault.to_string())
+    }
+
     /// A name is neither a file nor compiled in.
     pub fn unknown(message: impl Into<String>) -> Self {
         Self { kind: ErrorKind::Unknown, ..Self::new(message) }

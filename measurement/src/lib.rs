@@ -4,7 +4,7 @@
 
 pub use armid_excitation::excitation;
 use armid_mechanics::plain;
-pub use armid_mechanics::{chains, dynamics, input, linalg, model, provenance, seed, spatial, trajectory};
+pub use armid_mechanics::{chains, dynamics, input, linalg, model, observer, provenance, seed, spatial, trajectory};
 
 pub mod experiment;
 pub mod signal;

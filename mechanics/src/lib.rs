@@ -13,6 +13,7 @@ pub mod provenance;
 #[doc(hidden)]
 pub mod plain;
 pub mod input;
+pub mod observer;
 pub mod lanes;
 pub mod linalg;
 pub mod optimiser;

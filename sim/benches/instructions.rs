@@ -10,7 +10,7 @@ use armid::base::{BaseReduction, Method, reduce};
 use armid::conformance::chains;
 use armid::dynamics::{Dynamics, States};
 use armid::estimation::{EstimatorKind, Identification};
-use armid::excitation::{CriterionKind, DesignBudget, DesignProblem, design};
+use armid::excitation::{CriterionKind, DesignBudget, DesignLimits, DesignProblem, design};
 use armid::experiment::{ExperimentPlan, Servo, record};
 use armid::model::format::{parse_nominal, parse_parameters, parse_robot};
 use armid::model::{Columns, Robot, StandardParameters, bundled};
@@ -140,7 +140,8 @@ fn experiments<'a>(arm: &Arm, plan: &'a ExperimentPlan) -> Vec<Piece<'a>> {
 fn whole<'a>(arm: &'a Arm, samples: &'a Samples, chain: &'a Robot) -> Vec<Piece<'a>> {
     let identification = Identification::new(&arm.robot, Columns::RIGID).expect("a bundled robot has a base");
     let mut problem =
-        DesignProblem::new(arm.robot.clone(), Columns::RIGID, CriterionKind::Condition).expect("it has a base");
+        DesignProblem::new(arm.robot.clone(), Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion())
+            .expect("it has a base");
     problem.set_budget(DesignBudget::new(40).expect("not zero"));
     vec![
         Piece::new("identification", "sample", samples.states.len(), move || {

@@ -2,7 +2,8 @@
 //!
 //! | to | begin at |
 //! |---|---|
-//! | simulate an arm by any engine | [`Engine::plant`], inside an [`armid::experiment::Servo`] |
+//! | simulate an arm with its servo, effects and motors | [`SimulatedArm`] |
+//! | simulate a plant by any engine | [`Engine::plant`], inside an [`armid::experiment::Servo`] |
 //! | simulate many runs at once, by the project's equations | [`AnalyticPlant`], [`record_runs`], [`AnalyticBatch`] |
 //! | simulate by an independent engine | [`RapierPlant`], [`MujocoPlant`] |
 //! | write an arm as MJCF | [`mjcf`], [`mjcf_for_exchange`] |
@@ -42,6 +43,7 @@ mod closed_loop;
 mod engine;
 mod mujoco;
 mod rapier;
+mod simulated_arm;
 
 pub use analytic::{AnalyticBatch, AnalyticError, AnalyticPlant, BatchRun, MOST_JOINTS, perform_runs, record_runs};
 pub use closed_loop::{SimulatedLoop, closed_loop};
@@ -50,3 +52,4 @@ pub use mujoco::{
     MujocoError, MujocoModel, MujocoPlant, MujocoScheme, MujocoStatus, MujocoStepper, mjcf, mjcf_for_exchange,
 };
 pub use rapier::{DEFAULT_SUBSTEPS, RapierError, RapierPlant};
+pub use simulated_arm::{SimulatedArm, SimulationError};

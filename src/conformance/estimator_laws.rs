@@ -228,7 +228,7 @@ impl Setting {
         let unless =
             |holds: bool, what: String, expected: &'static str| LawError::unless(law.sentence(), holds, what, expected);
         unless(found.names() == self.base.names(), found.names().join(" "), "the names of the base parameters")?;
-        unless(found.estimator == estimator.name(), found.estimator.clone(), estimator.name())?;
+        unless(found.estimator == estimator.name(), found.estimator.clone(), "the name of the estimator")?;
         let b = self.base.rank();
         let shape = found.covariance.len() == b && found.covariance.iter().all(|row| row.len() == b);
         unless(shape, format!("{} rows of covariance", found.covariance.len()), "one row and column per parameter")?;

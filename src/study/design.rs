@@ -8,6 +8,7 @@ use crate::excitation::{
     Certificate, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace, ExcitationError,
     HistoryPoint, Termination, design, random_design,
 };
+use crate::observer::{Observer, Unobserved};
 use crate::trajectory::{Family, PeriodicTrajectory};
 
 /// One design of a study.
@@ -94,35 +95,49 @@ impl StudySetup {
     /// # Errors
     /// [`StudyError`] where the settings are impossible for the robot.
     pub fn design(&self, family: usize, start: usize) -> Result<StudyDesign, StudyError> {
-        Ok(self.designs_of_sequence(family, start)?.pop().expect("a sequence holds the family itself"))
+        Ok(self.designs_of_sequence(family, start, &Unobserved)?.pop().expect("a sequence holds the family itself"))
     }
 
-    /// The designs of number `start` of all families of a sequence, from the first experiment to `family` itself.
+    /// The designs of number `start` of all families of a sequence, from the first experiment to `family` itself. An observer may
+    /// end their searches: they are then not those of the study.
     ///
     /// # Errors
     /// As [`StudySetup::design`].
-    pub fn designs_of_sequence(&self, family: usize, start: usize) -> Result<Vec<StudyDesign>, StudyError> {
+    pub fn designs_of_sequence(
+        &self,
+        family: usize,
+        start: usize,
+        observer: &dyn Observer,
+    ) -> Result<Vec<StudyDesign>, StudyError> {
         let mut made: Vec<StudyDesign> = Vec::new();
         for next in self.families_of_sequence(family) {
-            let design = self.design_after(next, start, &made)?;
+            let design = self.design_after(next, start, &made, observer)?;
             made.push(design);
         }
         Ok(made)
     }
 
     /// One design of one family, after those of the families that it continues.
-    fn design_after(&self, family: usize, start: usize, before: &[StudyDesign]) -> Result<StudyDesign, StudyError> {
+    fn design_after(
+        &self,
+        family: usize,
+        start: usize,
+        before: &[StudyDesign],
+        observer: &dyn Observer,
+    ) -> Result<StudyDesign, StudyError> {
         let plan = &self.plan.designs[family];
         let seed = self.plan.seed.child("design", 0);
         let index = start as u64;
         match plan.method {
             DesignMethod::Optimised => {
                 let problem = self.problem_of(family, before)?;
-                Ok(StudyDesign::of(family, start, plan.criterion()?, design(&problem, seed, index)?))
+                let made = design(problem.watched_by(observer), seed, index)?;
+                Ok(StudyDesign::of(family, start, plan.criterion()?, made))
             }
             DesignMethod::Random => {
                 let problem = self.problem_of(family, before)?;
-                Ok(StudyDesign::of(family, start, plan.criterion()?, random_design(&problem, seed, index)?))
+                let made = random_design(problem.watched_by(observer), seed, index)?;
+                Ok(StudyDesign::of(family, start, plan.criterion()?, made))
             }
             DesignMethod::Repeated => {
                 let made = before.last().expect("the plan has been checked").clone();
@@ -183,11 +198,11 @@ impl StudySetup {
         evaluations: usize,
     ) -> Result<DesignProblem, ExcitationError> {
         let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();
-        let mut problem = DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion)?;
+        let limits = DesignLimits::of_motion().with_efforts(self.nominal.clone());
+        let mut problem = DesignProblem::new(self.robot.clone(), self.regressor.columns(), criterion, limits)?;
         let experiment = &self.plan.experiment;
         let harmonics = vec![experiment.harmonics; self.robot.dof()];
         problem.set_space(DesignSpace::new(Family::Fourier, experiment.period_s, harmonics)?)?;
-        problem.set_limits(DesignLimits::default().with_efforts(self.nominal.clone()))?;
         problem.set_noise(sigma)?;
         problem.set_budget(DesignBudget::new(evaluations)?);
         problem.set_reference_units(self.plan.reference.clone());

@@ -18,6 +18,7 @@ use super::{RunError, RunId, StudyDesign, StudyError, StudyPlan, StudySetup};
 use crate::dynamics::States;
 use crate::estimation::Estimate;
 use crate::excitation::CriterionKind;
+use crate::observer::Observer;
 
 /// Why no estimate came of a sequence.
 const NOT_DEFINITE: &str = "the covariance of an estimate is not positive definite";
@@ -77,9 +78,16 @@ impl StudySetup {
     }
 
     /// The outcome of one run from what came of its experiments, in the order of the sequence: every estimate made, all
-    /// combined; `measured` scores them too. A failed experiment is the reason in the outcome.
+    /// combined; `measured` scores them too. A failed experiment is the reason in the outcome. An observer may end estimators that
+    /// iterate: the outcome is then not that of the run.
     #[must_use]
-    pub fn outcome(&self, id: RunId, performed: Vec<Performed>, measured: Option<&MeasuredMotions>) -> Outcome {
+    pub fn outcome(
+        &self,
+        id: RunId,
+        performed: Vec<Performed>,
+        measured: Option<&MeasuredMotions>,
+        observer: &dyn Observer,
+    ) -> Outcome {
         let truth = self.plan.truth_of(id.run);
         let outcome = |failure, estimates| Outcome {
             design: id.design,
@@ -97,9 +105,9 @@ impl StudySetup {
             }
         }
         if let [only] = &sequence[..] {
-            return outcome(None, self.scored(only, truth, measured));
+            return outcome(None, self.scored(only, truth, measured, observer));
         }
-        let made: Vec<_> = sequence.iter().map(|samples| self.unscored(samples)).collect();
+        let made: Vec<_> = sequence.iter().map(|samples| self.unscored(samples, observer)).collect();
         let estimates = self.plan.identification.estimators.iter().enumerate().map(|(e, name)| {
             let each: Result<Vec<&Estimate>, RunError> =
                 made.iter().map(|estimates| estimates[e].as_ref().map_err(Clone::clone)).collect();

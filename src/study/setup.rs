@@ -31,6 +31,7 @@ use crate::estimation::{
 };
 use crate::experiment::{Arm, Ending, ExperimentPlan, record};
 use crate::model::{Robot, StandardParameters};
+use crate::observer::{Observer, Unobserved};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::RunNoise;
 use crate::signal::{Derivatives, Processing, Samples, process};
@@ -229,7 +230,7 @@ impl StudySetup {
     /// is a reason in the outcome.
     #[must_use]
     pub fn trial(&self, id: RunId, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
-        self.outcome(id, vec![record(arm, &self.experiment(&design.trajectory))], None)
+        self.outcome(id, vec![record(arm, &self.experiment(&design.trajectory))], None, &Unobserved)
     }
 
     /// Performs the experiment and processes the recording.
@@ -271,7 +272,7 @@ impl StudySetup {
     #[must_use]
     pub fn estimates(&self, samples: &Samples, truth: usize) -> Vec<ScoredEstimate> {
         let closed_loop = Err(ClosedLoopError::NoReference);
-        self.scored(&Processed { samples: samples.clone(), closed_loop }, truth, None)
+        self.scored(&Processed { samples: samples.clone(), closed_loop }, truth, None, &Unobserved)
     }
 
     /// The same, scored by what that arm measured afterwards too.
@@ -280,8 +281,9 @@ impl StudySetup {
         processed: &Processed,
         truth: usize,
         measured: Option<&MeasuredMotions>,
+        observer: &dyn Observer,
     ) -> Vec<ScoredEstimate> {
-        self.unscored(processed)
+        self.unscored(processed, observer)
             .into_iter()
             .zip(&self.estimators)
             .map(|(made, estimator)| match made {
@@ -292,7 +294,7 @@ impl StudySetup {
     }
 
     /// Every estimator of the plan on the same samples, or the reason why it gave nothing.
-    pub(super) fn unscored(&self, processed: &Processed) -> Vec<Result<Estimate, RunError>> {
+    pub(super) fn unscored(&self, processed: &Processed, observer: &dyn Observer) -> Vec<Result<Estimate, RunError>> {
         let samples = &processed.samples;
         let observation = match observe(&self.robot, &self.regressor, &self.base, samples) {
             Ok(observation) => observation,
@@ -307,7 +309,8 @@ impl StudySetup {
             .with_robot(&self.robot)
             .with_nominal(&self.nominal)
             .with_samples(samples)
-            .with_closed_loop(processed.closed_loop.as_deref());
+            .with_closed_loop(processed.closed_loop.as_deref())
+            .with_observer(observer);
         let estimate =
             |estimator: &Arc<dyn Estimator>| estimator.estimate(&problem).map_err(|fault| RunError::estimator(&fault));
         self.estimators.iter().map(estimate).collect()

@@ -5,7 +5,7 @@ use std::sync::Arc;
 use armid::conformance::chains::planar_2r;
 use armid::conformance::criterion_laws::{self, Invariance};
 use armid::excitation::criterion::{Criterion, Score};
-use armid::excitation::{CriterionKind, DesignBudget, DesignProblem, best_of, design};
+use armid::excitation::{CriterionKind, DesignBudget, DesignLimits, DesignProblem, best_of, design};
 use armid::model::Columns;
 use armid::seed::Seed;
 use nalgebra::{DMatrix, SymmetricEigen};
@@ -58,7 +58,8 @@ fn a_criterion_from_outside_obeys_the_laws() {
 #[test]
 fn a_criterion_from_outside_makes_a_design_that_is_best_by_it() {
     let designed = |criterion: Arc<dyn Criterion>| {
-        let mut problem = DesignProblem::new(planar_2r(), Columns::RIGID, criterion).unwrap();
+        let mut problem =
+            DesignProblem::new(planar_2r(), Columns::RIGID, criterion, DesignLimits::of_motion()).unwrap();
         problem.set_budget(DesignBudget::new(200).unwrap().with_certificate_samples(500).unwrap());
         let designs: Vec<_> = (0..3).map(|start| design(&problem, Seed::new(3), start).unwrap()).collect();
         let best = best_of(&designs).expect("a design inside the limits").clone();

@@ -183,7 +183,7 @@ fn an_estimator_from_outside_identifies_and_names_what_it_lacks() {
     };
     assert!(error(&Huber) < 0.5 * error(&OrdinaryLeastSquares), "{} {}", error(&Huber), error(&OrdinaryLeastSquares));
     let lacking = Instruments.estimate(&problem).unwrap_err();
-    assert_eq!(lacking, EstimationError::Missing { estimator: "instruments", part: ProblemPart::Robot });
+    assert_eq!(lacking, EstimationError::Missing { estimator: "instruments".to_owned(), part: ProblemPart::Robot });
 }
 
 const PLAN: &str = r#"

@@ -6,7 +6,9 @@ use std::sync::Arc;
 
 use armid::conformance::chains::planar_2r;
 use armid::conformance::{family_laws, trajectory_laws};
-use armid::excitation::{CriterionKind, DesignBudget, DesignProblem, DesignSpace, design, verify_certificate};
+use armid::excitation::{
+    CriterionKind, DesignBudget, DesignLimits, DesignProblem, DesignSpace, design, verify_certificate,
+};
 use armid::experiment::{ExperimentPlan, record};
 use armid::model::Columns;
 use armid::seed::Seed;
@@ -166,7 +168,8 @@ fn a_trajectory_from_outside_obeys_the_laws() {
 #[test]
 fn a_design_in_a_family_from_outside_keeps_the_limits_and_is_performed() {
     let robot = planar_2r();
-    let mut problem = DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal).unwrap();
+    let mut problem =
+        DesignProblem::new(robot.clone(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion()).unwrap();
     let family: Arc<dyn TrajectoryFamily> = Arc::new(OddFamily);
     problem.set_space(DesignSpace::new(family, 4.0, vec![3, 2]).unwrap()).unwrap();
     problem.set_budget(DesignBudget::new(60).unwrap().with_certificate_samples(500).unwrap());

@@ -1,11 +1,11 @@
-//! What `armid identify` answers: as a text and as JSON.
+//! What `armid identify` says of an estimate.
 
 use std::fmt::Write;
 
-use armid::diagnosis::Suspicion;
-use armid::estimation::{Estimate, RowShares, TorqueResidual};
-use armid_io::{Error, Inputs, ProcessedLog};
-use serde_json::{Value, json};
+use armid::estimation::{Estimate, TorqueResidual};
+use armid_io::ProcessedLog;
+use armid_workflow::identification::{Identified, IdentifyAnswer};
+use serde_json::Value;
 
 use super::exchange::Exchange;
 use super::findings::{findings, paragraph};
@@ -17,54 +17,10 @@ use crate::terminal::{Align, Table, number};
 pub(crate) struct EstimateAnswer<'a> {
     estimate: &'a Estimate,
     prepared: &'a ProcessedLog,
-    inputs: &'a Inputs,
-    used: TorqueResidual,
-    held_out: Option<TorqueResidual>,
-    expressions: Vec<String>,
-    suspicions: &'a [Suspicion],
+    used: &'a TorqueResidual,
+    held_out: Option<&'a TorqueResidual>,
+    expressions: &'a [String],
     verdict: Verdict,
-}
-
-/// Keys of the residual over some rows.
-fn shares_json(shares: &RowShares) -> Value {
-    json!({
-        "samples": shares.samples,
-        "rms": shares.rms,
-        "measured_rms": shares.measured_rms,
-        "share": shares.share,
-        "total": shares.total,
-    })
-}
-
-/// Keys of a residual.
-pub(crate) fn residual_json(residual: &TorqueResidual) -> Value {
-    json!({
-        "bandwidth_hz": residual.bandwidth_hz,
-        "used_rows": shares_json(&residual.used),
-        "all_rows": shares_json(&residual.all),
-    })
-}
-
-/// The keys of a suspicion, with its sentence and what to try.
-fn suspicion_json(suspicion: &Suspicion, prepared: &ProcessedLog) -> Value {
-    let mut json = json!(suspicion);
-    json["text"] = json!(suspicion.mistake.to_string());
-    json["advice"] = json!(advice(suspicion, prepared));
-    json
-}
-
-/// What to try about a suspicion: where all logs were read alike, with the mapping that does it.
-pub(super) fn advice(suspicion: &Suspicion, prepared: &ProcessedLog) -> String {
-    let correction = suspicion.mistake.correction();
-    let robot = &prepared.robot.robot;
-    let mut mappings = prepared.reports.iter().map(|report| report.origin.corrected(&suspicion.mistake, robot));
-    match mappings.next() {
-        Some(first) if !first.is_empty() && mappings.all(|other| other == first) => {
-            let typed: Vec<String> = first.iter().map(|mapping| format!("--map \"{mapping}\"")).collect();
-            format!("{correction}, so: {}", typed.join(" or: "))
-        }
-        Some(_) | None => correction,
-    }
 }
 
 /// A share in percent.
@@ -145,48 +101,20 @@ pub(crate) fn joint_names(prepared: &ProcessedLog) -> Vec<String> {
 }
 
 impl<'a> EstimateAnswer<'a> {
-    pub(crate) fn new(
-        estimate: &'a Estimate,
-        prepared: &'a ProcessedLog,
-        inputs: &'a Inputs,
-        suspicions: &'a [Suspicion],
-        files: &[(Exchange, PredictionError)],
-    ) -> Result<Self, Error> {
-        let (used, held_out) = prepared.residual(estimate, "the estimate")?;
-        let expressions = prepared.expressions(estimate, "the estimate")?;
+    /// One of the estimates of an answer.
+    pub(crate) fn new(answer: &'a IdentifyAnswer, of: &'a Identified, files: &[(Exchange, PredictionError)]) -> Self {
+        let Identified { estimate, used, held_out, expressions } = of;
+        let (prepared, held_out) = (&answer.log, held_out.as_ref());
         // Equations that no test of a shape can use have none.
         let trends = prepared.residual_trends(estimate, "the estimate").ok();
-        let verdict = Verdict::new(estimate, prepared, &used, held_out.as_ref(), (suspicions, files), trends.as_ref());
-        Ok(Self { estimate, prepared, inputs, used, held_out, expressions, suspicions, verdict })
+        let said = (answer.suspicions.as_slice(), files);
+        let verdict = Verdict::new(estimate, prepared, used, held_out, said, trends.as_ref());
+        Self { estimate, prepared, used, held_out, expressions, verdict }
     }
 
-    /// The estimate's own keys; beside each finding's numbers its sentence and advice; what it was made from.
-    pub(crate) fn json(&self) -> Value {
-        let mut json = serde_json::to_value(self.estimate).unwrap_or_default();
-        if let Some(base) = json.get_mut("base").and_then(Value::as_array_mut) {
-            for (value, expression) in base.iter_mut().zip(&self.expressions) {
-                value["expression"] = json!(expression);
-            }
-        }
-        if let Some(findings) = json.get_mut("findings").and_then(Value::as_array_mut) {
-            for (value, finding) in findings.iter_mut().zip(&self.estimate.findings) {
-                value["text"] = json!(finding.to_string());
-                value["advice"] = json!(finding.advice());
-            }
-        }
-        if let [report] = self.prepared.reports.as_slice()
-            && let Some(gaps) = &report.gaps
-        {
-            json["gaps"] = gaps.json();
-        }
-        json["suspicions"] = self.suspicions.iter().map(|suspicion| suspicion_json(suspicion, self.prepared)).collect();
-        json["verdict"] = self.verdict.json();
-        json["joints"] = json!(joint_names(self.prepared));
-        json["residual"] = residual_json(&self.used);
-        json["held_out"] = self.held_out.as_ref().map_or(Value::Null, residual_json);
-        json["logs"] = json!(self.prepared.reports);
-        json["inputs"] = json!(self.inputs);
-        json
+    /// The keys of the first screen.
+    pub(crate) fn verdict(&self) -> Value {
+        self.verdict.json()
     }
 
     pub(crate) fn text(&self, verbose: bool) -> String {
@@ -208,7 +136,7 @@ impl<'a> EstimateAnswer<'a> {
         );
         let _ = writeln!(text, "\n{}", self.verdict.text());
         let _ = writeln!(text, "torque below {} Hz that the estimate does not explain", number(self.used.bandwidth_hz));
-        text += &residual_table(&joint_names(self.prepared), &estimate.units, &self.used, self.held_out.as_ref());
+        text += &residual_table(&joint_names(self.prepared), &estimate.units, self.used, self.held_out);
         let sentence = format!(
             "{} s used, {} s held out, {averaged}; {} samples; condition {} ({} with columns of unit length)",
             number(time(|report| report.used_s)),
@@ -249,7 +177,7 @@ impl<'a> EstimateAnswer<'a> {
             headings.push(("stands for", Align::Left));
         }
         let mut table = Table::new(&headings);
-        for (parameter, expression) in self.estimate.base.iter().zip(&self.expressions) {
+        for (parameter, expression) in self.estimate.base.iter().zip(self.expressions) {
             let decimals = decimals(parameter.std);
             let shown =
                 |number: f64| if number.is_finite() { format!("{number:.decimals$}") } else { "–".to_owned() };

@@ -77,7 +77,8 @@ impl Exchange {
         let is_bare = matches!(self, Self::Toml | Self::Json);
         let stated = estimate.shape.iter().enumerate().filter(|_| is_bare);
         let of = |(i, shapes): (usize, &BTreeMap<String, f64>)| -> Vec<String> {
-            let words = |(key, value): (&String, &f64)| format!("joint {}: {key} = {value} belongs in the robot file", i + 1);
+            let words =
+                |(key, value): (&String, &f64)| format!("joint {}: {key} = {value} belongs in the robot file", i + 1);
             shapes.iter().map(words).collect()
         };
         stated.flat_map(of).collect()

@@ -2,7 +2,7 @@
 
 use armid::estimation::{FrictionSpeed, FrictionSpeeds, HeldOutChange, SpeedValue};
 use armid::model::Robot;
-use serde_json::{Value, json};
+use armid_workflow::identification::hidden_speeds;
 
 use super::findings::paragraph;
 use crate::terminal::{Align, Table, number};
@@ -11,38 +11,11 @@ fn name<'a>(robot: &'a Robot, of: &FrictionSpeed) -> &'a str {
     &robot.joints()[of.joint - 1].name
 }
 
-/// Names of the joints whose speed the data do not show.
-fn not_shown<'a>(speeds: &FrictionSpeeds, robot: &'a Robot) -> Vec<&'a str> {
-    speeds.joints.iter().filter(|of| of.speed.is_none()).map(|of| name(robot, of)).collect()
-}
-
 /// The change of the squared error in percent, with its interval.
 pub(crate) fn change_text(change: &HeldOutChange) -> String {
     let mean = (change.with / change.without).powi(2) - 1.0;
     let [low, high] = change.change_ci95;
     format!("{:.1} % ({:.1} to {:.1})", 100.0 * mean, 100.0 * low, 100.0 * high)
-}
-
-/// The keys.
-pub(crate) fn speeds_json(speeds: &FrictionSpeeds, robot: &Robot) -> Value {
-    let joint = |of: &FrictionSpeed| {
-        let joint = &robot.joints()[of.joint - 1];
-        json!({
-            "joint": joint.name,
-            "stated": of.stated,
-            "speed": of.speed,
-            "unit": format!("{}/s", joint.kind.unit()),
-            "amplitude": of.amplitude,
-            "amplitude_unit": joint.kind.effort_unit(),
-        })
-    };
-    json!({
-        "joints": speeds.joints.iter().map(joint).collect::<Vec<_>>(),
-        "not_shown": not_shown(speeds, robot),
-        "weighted_rms": { "stated": speeds.weighted_rms[0], "found": speeds.weighted_rms[1] },
-        "held_out": speeds.held_out,
-        "termination": speeds.termination,
-    })
 }
 
 /// The table, and what it means; `used` says whether the estimate has these speeds.
@@ -93,7 +66,7 @@ pub(crate) fn speeds_text(speeds: &FrictionSpeeds, robot: &Robot, used: bool) ->
                 .to_owned()
         }
     });
-    let not_shown = not_shown(speeds, robot);
+    let not_shown = hidden_speeds(speeds, robot);
     if !not_shown.is_empty() {
         say(format!(
             "Not shown by this log, the stated speed stays (0: the sign of velocity): {}. `--reversal-fraction 0` keeps the rows in \

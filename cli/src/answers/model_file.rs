@@ -78,10 +78,10 @@ impl<'a> ModelFile<'a> {
         let guess = guess(loaded);
         let fit = log.all_rows.fit_model(&robot, columns, &guess)?;
         let template = into.or_else(|| format.template(loaded));
-        let name = destination.path().and_then(|path| path.file_name()).map_or_else(
-            || format!("the {}", format.name()),
-            |name| name.to_string_lossy().into_owned(),
-        );
+        let name = destination
+            .path()
+            .and_then(|path| path.file_name())
+            .map_or_else(|| format!("the {}", format.name()), |name| name.to_string_lossy().into_owned());
         // First without the number that the file is to say of itself.
         let (draft, _) = format.write(&robot, template, &fit.parameters, "")?;
         let (read, found) = format.read(&draft, &robot, template)?;
@@ -156,7 +156,9 @@ impl<'a> ModelFile<'a> {
             number(weight.taken),
             number(weight.least)
         );
-        for (origin, what) in [(BodyOrigin::Shapes, "their shapes"), (BodyOrigin::Length, "the distance of their joints")] {
+        for (origin, what) in
+            [(BodyOrigin::Shapes, "their shapes"), (BodyOrigin::Length, "the distance of their joints")]
+        {
             let links: Vec<String> = (0..self.guess.origins.len())
                 .filter(|&i| self.guess.origins[i] == origin)
                 .map(|i| format!("\"{}\"", self.joints[i]))
@@ -298,7 +300,9 @@ impl Intervals {
     /// to hold what is written.
     fn of(prepared: &ProcessedLog, columns: Columns, parameters: &StandardParameters) -> Self {
         let estimated = prepared.identify(columns, EstimatorKind::Wls);
-        let (Ok(estimate), Ok(observation)) = (estimated, prepared.observation(columns)) else { return Self::default() };
+        let (Ok(estimate), Ok(observation)) = (estimated, prepared.observation(columns)) else {
+            return Self::default();
+        };
         let Ok(expressions) = prepared.expressions(&estimate, "the fit") else { return Self::default() };
         let mut intervals = Self::default();
         for (row, (base, expression)) in estimate.base.iter().zip(expressions).enumerate() {
@@ -337,11 +341,8 @@ pub(crate) fn columns_of(estimate: &Estimate, name: &str) -> Result<Columns, Err
 
 /// What is known of the bodies before the log.
 fn guess(loaded: &LoadedRobot) -> ModelGuess {
-    let shapes: Vec<_> = loaded
-        .collisions
-        .iter()
-        .filter_map(|shape| Some((shape.link.checked_sub(1)?, shape.solid(&[])?)))
-        .collect();
+    let shapes: Vec<_> =
+        loaded.collisions.iter().filter_map(|shape| Some((shape.link.checked_sub(1)?, shape.solid(&[])?))).collect();
     ModelGuess::new(&loaded.robot, loaded.guess(), &shapes)
 }
 

@@ -1,16 +1,10 @@
 //! What `armid identify --select` answers beside its estimates.
 
 use armid::estimation::{HeldOutData, Selection, TermEvidence, Verdict};
-use serde_json::{Value, json};
 
 use super::findings::paragraph;
 use super::friction_speed::change_text;
 use crate::terminal::{Align, Table, number};
-
-/// The keys of a selection.
-pub(crate) fn selection_json(selection: &Selection) -> Value {
-    json!(selection)
-}
 
 /// The table of all candidates, and what it means.
 pub(crate) fn selection_text(selection: &Selection) -> String {

@@ -1,14 +1,15 @@
 //! What `armid study` says when it is done: who won by which metric, and where the report is.
 
 use std::fmt::Write;
-use std::path::Path;
 
 use armid::study::{ConditionResult, FamilyScore, Findings, Metric, MotionKind, StudyResult};
+use armid_workflow::study::StudySummary;
 
 use crate::terminal::{Align, Answer, Table, number};
 
 /// The answer of a finished study.
-pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: Option<&Path>) -> Answer {
+pub(crate) fn answer(summary: &StudySummary) -> Answer {
+    let StudySummary { result, runs, failed, report, .. } = summary;
     let mut text = format!("{}\n\n{}\n{}", result.plan.question, families(result).render(0), motions(result).render(0));
     let _ = writeln!(
         text,
@@ -18,7 +19,7 @@ pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: O
     for part in &result.conditions {
         if result.conditions.len() > 1 {
             let _ = writeln!(text, "\n{}: {}", part.condition.name, statuses(part));
-        } else if failed > 0 {
+        } else if *failed > 0 {
             let _ = writeln!(text, "How they ended: {}.", statuses(part));
         }
         headline(&mut text, &part.findings, estimator);
@@ -37,7 +38,7 @@ pub(crate) fn answer(result: &StudyResult, runs: usize, failed: usize, report: O
         "name": result.plan.name,
         "runs": runs,
         "failed": failed,
-        "report": report.map(|report| report.display().to_string()),
+        "report": report.as_ref().map(|report| report.display().to_string()),
         "findings": result.findings(),
         "conditions": &result.conditions,
         "paper": &result.radkhah2007,

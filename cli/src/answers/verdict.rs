@@ -5,9 +5,10 @@ use std::fmt::Write;
 use armid::diagnosis::Suspicion;
 use armid::estimation::{Against, Estimate, Finding, ResidualTrends, TorqueResidual, Trend};
 use armid_io::ProcessedLog;
+use armid_workflow::identification::advice;
 use serde_json::{Value, json};
 
-use super::estimate::{advice, joint_names, percent};
+use super::estimate::{joint_names, percent};
 use super::exchange::Exchange;
 use super::findings::{Group, groups, paragraph};
 use super::model_prediction::PredictionError;

@@ -1,10 +1,7 @@
 //! A load that a design is made for, on the command line.
 
-use armid::spatial::Inertia;
 use armid_io::Error;
-
-/// Radius of gyration of the heaviest load about its centre of mass, m.
-const GYRATION: f64 = 0.05;
+use armid_workflow::design::HeaviestLoad;
 
 /// The heaviest load.
 #[derive(Clone, Debug, clap::Args)]
@@ -19,18 +16,13 @@ pub(crate) struct PayloadArguments {
 }
 
 impl PayloadArguments {
-    /// The heaviest load as a body in the frame of the last link.
-    pub(crate) fn load(&self) -> Result<Option<Inertia>, Error> {
-        let Some(mass) = self.payload else { return Ok(None) };
-        if !(mass.is_finite() && mass > 0.0) {
-            return Err(Error::new(format!("--payload is {mass}, expected a finite mass above zero, kg")));
-        }
-        Ok(Some(Inertia::with_gyration(mass, self.payload_centre.0, GYRATION)))
-    }
-
-    /// Where its centre of mass is, m.
-    pub(crate) const fn centre(&self) -> [f64; 3] {
-        self.payload_centre.0
+    /// The heaviest load.
+    pub(crate) fn heaviest(&self) -> Result<HeaviestLoad, Error> {
+        let mass_kg = self.payload.unwrap_or_default();
+        let load = HeaviestLoad { mass_kg, centre_m: self.payload_centre.0 };
+        load.body()
+            .map_err(|_| Error::new(format!("--payload is {mass_kg}, expected a finite mass above zero, kg")))?;
+        Ok(load)
     }
 }
 

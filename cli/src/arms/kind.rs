@@ -14,23 +14,12 @@ pub(crate) enum ArmKind {
 }
 
 impl ArmKind {
-    /// Those that simulate.
-    pub(crate) const SIMULATED: [Self; Engine::ALL.len()] = {
-        let mut arms = [Self::Replay; Engine::ALL.len()];
+    pub(crate) const ALL: [Self; Engine::ALL.len() + 2] = {
+        let mut arms = [Self::Replay; Engine::ALL.len() + 2];
+        arms[Engine::ALL.len() + 1] = Self::Ros2;
         let mut i = 0;
-        while i < arms.len() {
+        while i < Engine::ALL.len() {
             arms[i] = Self::Simulated(Engine::ALL[i]);
-            i += 1;
-        }
-        arms
-    };
-
-    pub(crate) const ALL: [Self; Self::SIMULATED.len() + 2] = {
-        let mut arms = [Self::Replay; Self::SIMULATED.len() + 2];
-        arms[Self::SIMULATED.len() + 1] = Self::Ros2;
-        let mut i = 0;
-        while i < Self::SIMULATED.len() {
-            arms[i] = Self::SIMULATED[i];
             i += 1;
         }
         arms

@@ -6,7 +6,6 @@ mod failing;
 mod kind;
 mod performance;
 pub(crate) mod resumption;
-mod simulation;
 pub(crate) mod speed;
 
 pub(crate) use experiment::Experiment;
@@ -14,5 +13,4 @@ pub(crate) use experiment::Experiment;
 pub(crate) use failing::Failing;
 pub(crate) use kind::ArmKind;
 pub(crate) use performance::{Performed, perform};
-pub(crate) use simulation::Simulation;
 pub(crate) use speed::Speed;

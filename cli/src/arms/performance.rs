@@ -9,9 +9,10 @@ use armid_hardware::guard::{GuardRecord, Guarded, Mode};
 use armid_hardware::guarded_ros2;
 use armid_hardware::link::StampFindings;
 use armid_io::{Error, Log};
+use armid_workflow::simulated_arm;
 use miette::{Report, Result};
 
-use super::{ArmKind, Experiment, Simulation};
+use super::{ArmKind, Experiment};
 use crate::interrupt::{self, Interrupted};
 
 /// An experiment's end, how well a simulated servo followed its command, and what guard and link saw.
@@ -46,15 +47,14 @@ pub(crate) fn perform(
 ) -> Result<Performed> {
     let fault = |error: &dyn std::fmt::Display| Error::new(format!("arm {}: {error}", kind.name()));
     match kind {
-        ArmKind::Simulated(_) => {
-            let simulation = Simulation::of(experiment.planned.robot.clone(), kind)?
-                .with_effects(experiment.planned.effects.clone());
+        ArmKind::Simulated(engine) => {
             let robot = &experiment.planned.robot;
+            let simulated = simulated_arm(robot, engine, experiment.planned.effects.clone())?;
             let is_tree = robot.text.content.trim_start().starts_with('<');
             let help = is_tree.then(|| {
                 format!("`armid robot {} -o robot.toml` begins a robot file, which states it", robot.text.name)
             });
-            let mut servo = simulation
+            let mut servo = simulated
                 .servo(&experiment.planned.sensing)
                 .map_err(|error| fault(&error).maybe_help(help))?
                 .with_seed(Seed::new(experiment.planned.seed), experiment.planned.run);
@@ -62,9 +62,8 @@ pub(crate) fn perform(
                 let ending = servo.perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;
                 return Ok(Performed { ending, tracking: servo.tracking().cloned(), guard: None, stamps: None });
             }
-            let robot = simulation.robot().clone();
             // A simulated servo has the whole motion before it begins, as a robot controller has.
-            let mut guarded = Guarded::new(servo, &robot, &experiment.guard, Mode::Trajectory);
+            let mut guarded = Guarded::new(servo, simulated.robot(), &experiment.guard, Mode::Trajectory);
             let ending = guarded.perform(&experiment.planned.plan, sink).map_err(|error| fault(&error))?;
             let (guard, tracking) = (Some(guarded.record().clone()), guarded.arm().tracking().cloned());
             Ok(Performed { ending, tracking, guard, stamps: None })

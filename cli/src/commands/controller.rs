@@ -4,18 +4,20 @@ use std::io::Write;
 use std::path::PathBuf;
 use std::time::{SystemTime, UNIX_EPOCH};
 
-use armid::experiment::{Plant, Sensing};
+use armid::experiment::{Effects, Plant, Sensing};
 use armid::seed::Seed;
 use armid_hardware::computer::{
     Fault as ControllerFault, Progress, Replacement, RobotController, ServeOptions, Watchdog, serve,
 };
 use armid_hardware::link::LinkSettings;
 use armid_io::Error as Fault;
+use armid_sim::{Engine, SimulatedArm};
+use armid_workflow::simulated_arm;
 use miette::Result;
 use serde_json::json;
 
 use crate::arguments::{RobotArguments, one_of};
-use crate::arms::{ArmKind, Experiment, Simulation};
+use crate::arms::Experiment;
 use crate::interrupt;
 use crate::terminal::{Answer, Console, Ending, number, real_time};
 
@@ -57,8 +59,8 @@ pub(crate) struct Arguments {
     #[command(flatten)]
     robot: RobotArguments,
     /// Engine that simulates the arm
-    #[arg(long, default_value = "analytic", value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name))]
-    arm: ArmKind,
+    #[arg(long, default_value = "analytic", value_parser = one_of(&Engine::ALL, Engine::name))]
+    arm: Engine,
     /// Take [ros2] from this experiment
     #[arg(long, value_name = "EXPERIMENT")]
     experiment: Option<String>,
@@ -109,27 +111,27 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     };
     link.domain = arguments.domain.unwrap_or(link.domain);
     link.check().map_err(|error| fault(&error))?;
-    let simulation = Simulation::of(loaded, arguments.arm)?;
-    let mut plant = simulation.plant().map_err(|error| fault(&error))?;
-    stand(arguments, &simulation, &mut plant)?;
+    let simulated = simulated_arm(&loaded, arguments.arm, Effects::none())?;
+    let mut plant = simulated.plant().map_err(|error| fault(&error))?;
+    stand(arguments, &simulated, &mut plant)?;
     let now = SystemTime::now().duration_since(UNIX_EPOCH).map_or(0, |since| since.as_nanos());
-    let rate = arguments.rate.unwrap_or(simulation.robot().servo().rate_hz);
+    let rate = arguments.rate.unwrap_or(simulated.robot().servo().rate_hz);
     let clock = (rate, i64::try_from(now).unwrap_or(0));
     let seed = (Seed::new(arguments.seed), 0);
     let watchdog = Watchdog { hold_s: 1e-3 * arguments.hold_ms, disable_s: 1e-3 * arguments.disable_ms };
     let mut controller =
-        RobotController::new(simulation.robot(), &simulation.nominal, plant, &Sensing::default(), seed, clock)
+        RobotController::new(simulated.robot(), simulated.nominal(), plant, &Sensing::default(), seed, clock)
             .map_err(|error| fault(&error))?
             .with_fault(arguments.fault)
             .with_homed(!arguments.not_homed)
             .with_replacement(arguments.replacement)
             .with_watchdog(watchdog);
-    if !simulation.truth.motors.is_empty() {
-        controller = controller.with_motors(&simulation.truth.motors);
+    if !simulated.truth().motors.is_empty() {
+        controller = controller.with_motors(&simulated.truth().motors);
     }
     console.note(format!(
         "{} simulated by {} in ROS domain {}, {} joint states per second; Ctrl-C ends it",
-        simulation.robot().name(),
+        simulated.robot().name(),
         arguments.arm.name(),
         link.domain,
         number(rate),
@@ -149,7 +151,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     let deadlines = done.deadlines;
     let json = json!({
-        "robot": simulation.robot().name(),
+        "robot": simulated.robot().name(),
         "arm": arguments.arm.name(),
         "domain": options.link.domain,
         "seconds": done.t,
@@ -166,8 +168,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 }
 
 /// Puts the arm at its initial positions.
-fn stand(arguments: &Arguments, simulation: &Simulation, plant: &mut Box<dyn Plant>) -> Result<()> {
-    let robot = simulation.robot();
+fn stand(arguments: &Arguments, simulated: &SimulatedArm, plant: &mut Box<dyn Plant>) -> Result<()> {
+    let robot = simulated.robot();
     let n = robot.dof();
     let pose = arguments.pose.clone().unwrap_or_else(|| vec![0.0; n]);
     if pose.len() != n {

@@ -2,25 +2,26 @@
 
 use std::path::PathBuf;
 
-use armid::estimation::{EstimatorKind, FrictionSpeeds, candidate_terms};
+use armid::estimation::{EstimatorKind, candidate_terms};
 use armid::model::Columns;
 use armid_io::log::HeldOut;
 use armid_io::output::pretty;
 use armid_io::{Error, ProcessedLog, output};
+use armid_workflow::identification::{IdentifySettings, identify};
 use miette::Result;
-use serde_json::{Value, json};
+use serde_json::json;
 
 use super::drive_gains;
 use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::EstimateAnswer;
 use crate::answers::exchange::Exchange;
-use crate::answers::friction_speed::{speeds_json, speeds_text};
+use crate::answers::friction_speed::speeds_text;
 use crate::answers::model_file::{LogOfEstimate, prediction_of};
 use crate::answers::model_prediction::PredictionError;
-use crate::answers::selection::{selection_json, selection_text};
+use crate::answers::selection::selection_text;
 use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, estimator, read_parameter_map};
-use crate::terminal::{Align, Answer, Console, Ending, Table};
+use crate::terminal::{Align, Answer, Console, Ending, Table, Watch};
 
 const AFTER_HELP: &str = r#"A log is a recording of `armid run`, an MCAP of ROS 2 joint states, a table of any shape, or a
 TOML whose [log] table says what the columns are. Joint states need --map only for other names or units of
@@ -148,7 +149,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         console.answer(&list())?;
         return Ok(Ending::Done);
     }
-    let mut columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
+    let columns = if arguments.no_friction { Columns::RIGID } else { arguments.columns };
     if arguments.payload {
         let logs = PayloadLogs { without: &arguments.without, with: &arguments.with, log: &arguments.log };
         return payload::run(&logs, columns, &arguments.estimator, console);
@@ -168,53 +169,21 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if let Some(path) = &arguments.start {
         prepared.start = Some(read_parameter_map(path, &prepared.robot.robot)?);
     }
-    let stated = prepared.robot.robot.clone();
-    let seeks = match arguments.onset_speed.as_deref() {
-        Some(which) => which == "found",
-        None => among.is_some() || prepared.has_no_periods(),
+    let settings = IdentifySettings {
+        columns,
+        estimators: arguments.estimator.clone(),
+        select: among,
+        onset_speed: arguments.onset_speed.as_deref().map(|which| which == "found"),
+        stribeck_speed: arguments.stribeck_speed,
     };
-    let mut onset = if seeks { prepared.find_onset(among.map_or(columns, basic))? } else { None };
-    let mut selection = among.map(|among| prepared.select(among)).transpose()?;
-    if let Some(selection) = &mut selection {
-        selection.terms.splice(0..0, onset.as_ref().map(FrictionSpeeds::evidence));
-        columns = candidates(&selection.columns)?;
-        // With the terms that were selected, the onset is another one.
-        if onset.as_ref().is_some_and(FrictionSpeeds::predict_better) {
-            prepared.robot.robot = stated;
-            onset = prepared.find_onset(columns)?;
-        }
+    let answer = identify(prepared, inputs, &settings, &Watch::new(console))?;
+    let files = model_files(arguments, &answer.log)?;
+    let said: Vec<_> = answer.estimates.iter().map(|of| EstimateAnswer::new(&answer, of, &files)).collect();
+    let mut json = serde_json::to_value(&answer).map_err(Error::of)?;
+    match said.as_slice() {
+        [one] => json["verdict"] = one.verdict(),
+        several => several.iter().enumerate().for_each(|(k, one)| json[k]["verdict"] = one.verdict()),
     }
-    let speeds = if arguments.stribeck_speed { Some(stribeck_speeds(&mut prepared, columns)?) } else { None };
-    let estimates = prepared.identify_by(columns, &arguments.estimator)?;
-    let suspicions = prepared.suspicions(columns)?;
-    let files = model_files(arguments, &prepared)?;
-    let answers =
-        estimates.iter().map(|estimate| EstimateAnswer::new(estimate, &prepared, &inputs, &suspicions, &files));
-    let answers = answers.collect::<Result<Vec<_>, _>>()?;
-    let transmissions = match estimates.first() {
-        Some(first) => prepared.transmissions(first, "the estimate")?,
-        None => None,
-    };
-    let of = |answer: &EstimateAnswer<'_>| {
-        let mut json = answer.json();
-        if let Some(transmissions) = &transmissions {
-            json["transmissions"] = json!(transmissions);
-        }
-        if let Some(selection) = &selection {
-            json["selection"] = selection_json(selection);
-        }
-        if let Some(onset) = &onset {
-            json["onset_speed"] = speeds_json(onset, &prepared.robot.robot);
-        }
-        if let Some(speeds) = &speeds {
-            json["stribeck_speed"] = speeds_json(speeds, &prepared.robot.robot);
-        }
-        json
-    };
-    let json = match answers.as_slice() {
-        [one] => of(one),
-        several => several.iter().map(of).collect::<Value>(),
-    };
     if console.to_standard_output() {
         console.print(&pretty(&json))?;
     }
@@ -222,17 +191,18 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         output::write_text(path, &pretty(&json))?;
         console.note(format!("wrote {}", path.display()));
     }
-    let robot = &prepared.robot.robot;
-    let mut text: String = answers.iter().map(|answer| answer.text(console.verbose())).collect();
-    text += &selection.as_ref().map(selection_text).unwrap_or_default();
-    text += &onset.as_ref().map(|onset| speeds_text(onset, robot, onset.predict_better())).unwrap_or_default();
-    text += &speeds.as_ref().map(|speeds| speeds_text(speeds, robot, true)).unwrap_or_default();
-    text += &transmissions.as_deref().map(transmission_text).unwrap_or_default();
+    let robot = &answer.log.robot.robot;
+    let mut text: String = said.iter().map(|said| said.text(console.verbose())).collect();
+    text += &answer.selection.as_ref().map(selection_text).unwrap_or_default();
+    text += &answer.onset.as_ref().map(|onset| speeds_text(onset, robot, onset.predict_better())).unwrap_or_default();
+    text += &answer.speeds.as_ref().map(|speeds| speeds_text(speeds, robot, true)).unwrap_or_default();
+    text += &answer.transmissions.as_deref().map(transmission_text).unwrap_or_default();
     console.show(&Answer { text, json })?;
-    let used = onset.iter().filter(|onset| onset.predict_better()).chain(&speeds);
-    let sound = estimates.iter().all(|estimate| estimate.termination.was_successful())
-        && used.into_iter().all(|speeds| speeds.termination.was_successful());
-    Ok(if sound && suspicions.is_empty() { Ending::Done } else { Ending::Negative })
+    Ok(match answer.was_interrupted() {
+        true => Ending::Interrupted,
+        false if answer.is_sound() => Ending::Done,
+        false => Ending::Negative,
+    })
 }
 
 /// What a URDF and an MJCF of the logs would predict; nothing of a format in which no model of them can be made.
@@ -244,21 +214,6 @@ fn model_files(arguments: &Arguments, prepared: &ProcessedLog) -> Result<Vec<(Ex
     let log = LogOfEstimate { as_estimated: prepared, all_rows: &all_rows };
     let of = |format| Some((format, prediction_of(format, log).ok()?));
     Ok([Exchange::Urdf, Exchange::Mjcf].into_iter().filter_map(of).collect())
-}
-
-/// Those of these columns beside which the onset of Coulomb friction is looked for before terms are selected.
-fn basic(among: Columns) -> Columns {
-    let known = Columns::RIGID_ROTOR_FRICTION;
-    among.terms().filter(|&term| known.has(term)).fold(Columns::RIGID, Columns::with)
-}
-
-/// The speeds at which friction falls, which become those of the robot.
-fn stribeck_speeds(prepared: &mut ProcessedLog, columns: Columns) -> Result<FrictionSpeeds, Error> {
-    let Some(speeds) = prepared.find_stribeck_speeds(columns)? else {
-        let message = format!("--columns is {columns}, expected one of Stribeck friction for --stribeck-speed");
-        return Err(Error::new(message).help("--columns rigid+rotor+friction+stribeck"));
-    };
-    Ok(speeds)
 }
 
 fn list() -> Answer {

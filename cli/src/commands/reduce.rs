@@ -2,12 +2,11 @@
 
 use std::fmt::Write;
 
-use armid::base::{BaseMotion, BaseReduction, Category, Method, reduce, reduce_on, reduce_with_base};
-use armid::model::{Columns, Robot};
-use armid::seed::Seed;
-use armid_io::{Error, trajectory};
+use armid::base::{BaseMotion, Category, Method};
+use armid::model::Columns;
+use armid_io::Error;
+use armid_workflow::{ReductionAnswer, ReductionSettings, reduce};
 use miette::Result;
-use serde_json::json;
 
 use crate::arguments::{RobotArguments, columns, one_of};
 use crate::terminal::{Align, Answer, Console, Ending, Table};
@@ -23,9 +22,6 @@ Examples:
   armid reduce crs-a460 --columns rigid+rotor+friction --json
   armid reduce crs-a460 --trajectory T.toml
   armid reduce crs-a460 --base moving";
-
-/// Samples of a trajectory over one period.
-const SAMPLES: usize = 1000;
 
 /// Find the base parameters: the combinations that torque identifies
 #[derive(Debug, clap::Args)]
@@ -51,82 +47,20 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let loaded = arguments.robot.load()?;
-    let robot = &loaded.robot;
-    let columns = arguments.columns;
-    let refused = |message: String| -> Result<BaseReduction> { Err(Error::new(message).into()) };
-    let reduction = match (&arguments.trajectory, arguments.base) {
-        (None, BaseMotion::Fixed) => {
-            let method = arguments.method.unwrap_or_default();
-            reduce(robot, columns, method, Seed::new(arguments.seed)).map_err(|error| Error::new(error.to_string()))?
-        }
-        (None, motion) => {
-            let (method, seed) = (arguments.method.unwrap_or_default(), Seed::new(arguments.seed));
-            reduce_with_base(robot, columns, motion, method, seed).map_err(|error| Error::new(error.to_string()))?
-        }
-        (Some(name), BaseMotion::Fixed) => {
-            let states = trajectory::load(name, None, robot)?.sample(SAMPLES);
-            let method = arguments.method.unwrap_or(Method::Radkhah2007);
-            reduce_on(robot, columns, method, &states).map_err(|error| Error::new(error.to_string()))?
-        }
-        (Some(_), motion) => refused(format!("--trajectory with --base {}, expected a fixed base", motion.name()))?,
+    let settings = ReductionSettings {
+        columns: arguments.columns,
+        method: arguments.method,
+        trajectory: arguments.trajectory.clone(),
+        base: arguments.base,
+        seed: arguments.seed,
     };
-    console.answer(&answer(robot, columns, &reduction, arguments.trajectory.as_deref(), &loaded.remarks))?;
+    let answer = reduce(&arguments.robot.load()?, &settings)?;
+    console.answer(&Answer { text: text(&answer), json: serde_json::to_value(&answer).map_err(Error::of)? })?;
     Ok(Ending::Done)
 }
 
-fn answer(
-    robot: &Robot,
-    columns: Columns,
-    base: &BaseReduction,
-    trajectory: Option<&str>,
-    remarks: &[String],
-) -> Answer {
-    let names = base.names();
+fn text(ReductionAnswer { robot, columns, base, trajectory, findings }: &ReductionAnswer) -> String {
     let expressions = base.expressions(robot);
-    let parameters: Vec<_> = base
-        .parameters
-        .iter()
-        .zip(&base.categories)
-        .map(|(id, category)| json!({ "name": id.to_string(), "category": category.name() }))
-        .collect();
-    let rows: Vec<_> = (0..base.rank())
-        .map(|row| {
-            let terms: Vec<_> = base
-                .terms(row)
-                .into_iter()
-                .map(|(id, coefficient)| json!({ "parameter": id.to_string(), "coefficient": coefficient }))
-                .collect();
-            json!({ "name": names[row], "expression": expressions[row], "terms": terms })
-        })
-        .collect();
-    let json = json!({
-        "robot": robot.name(),
-        "columns": columns.to_string(),
-        "method": base.method.name(),
-        "base_motion": base.base_motion.name(),
-        "trajectory": trajectory,
-        "rank": base.rank(),
-        "structural_rank": base.nearly_dependent.as_ref().map_or(base.rank(), |left_out| left_out.structural_rank),
-        "findings": remarks.iter().cloned().chain(base.nearly_dependent.iter().map(ToString::to_string)).collect::<Vec<_>>(),
-        "counts": Category::ALL.map(|c| (c.name(), base.count(c))).into_iter().collect::<std::collections::BTreeMap<_, _>>(),
-        "parameters": parameters,
-        "base": rows,
-    });
-    let mut text = text(robot, columns, base, trajectory, &expressions);
-    for finding in remarks.iter().cloned().chain(base.nearly_dependent.iter().map(ToString::to_string)) {
-        let _ = write!(text, "\n{finding}\n");
-    }
-    Answer { text, json }
-}
-
-fn text(
-    robot: &Robot,
-    columns: Columns,
-    base: &BaseReduction,
-    trajectory: Option<&str>,
-    expressions: &[String],
-) -> String {
     let mut text = format!(
         "{}: {} base parameters of {} ({})\nmethod {}, base {}{}\n\n",
         robot.name(),
@@ -135,7 +69,7 @@ fn text(
         columns,
         base.method.name(),
         base.base_motion.name(),
-        trajectory.map_or_else(String::new, |name| format!(", on {name}")),
+        trajectory.as_ref().map_or_else(String::new, |name| format!(", on {name}")),
     );
     let meaning = |category| match category {
         Category::Unidentifiable => "no torque shows them",
@@ -171,6 +105,9 @@ fn text(
             }
         }
         let _ = write!(text, "\n{}", combinations.render(2));
+    }
+    for finding in findings {
+        let _ = write!(text, "\n{finding}\n");
     }
     text
 }

@@ -5,12 +5,12 @@ use std::path::{Path, PathBuf};
 use armid::study::CriterionRatios;
 use armid_io::Error;
 use armid_io::study::{read_ratios, read_robots, read_study};
+use armid_workflow::study::{write_criteria, write_report, write_robots_report};
 use miette::Result;
 use serde_json::json;
 
 use crate::answers::{comparison, estimate_page};
 use crate::arguments::ChainArguments;
-use crate::study::{write_criteria, write_report, write_robots_report};
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\

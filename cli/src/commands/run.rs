@@ -17,7 +17,7 @@ use crate::arguments::{GuardArguments, MeshArguments, one_of};
 use crate::arms::resumption::{Found, Part};
 use crate::arms::{self, ArmKind, Experiment, Speed, resumption, speed};
 use crate::interrupt;
-use crate::terminal::{Console, Ending, progress, real_time, report_folder};
+use crate::terminal::{Console, Ending, bar, real_time, report_folder};
 
 const AFTER_HELP: &str = "\
 EXPERIMENT is a TOML file, a folder with experiment.toml, or a bundled name:
@@ -253,7 +253,7 @@ fn perform(
     part: Option<&Part>,
 ) -> Result<Done> {
     let layout = experiment.planned.plan.layout().map_err(|error| Fault::new(error.to_string()))?;
-    let bar = progress::bar(console, layout.samples() as u64, "samples");
+    let bar = bar(console, layout.samples() as u64, "samples");
     let taken = AtomicUsize::new(0);
     let on_sample = |samples: usize| {
         taken.store(samples, Ordering::Relaxed);

@@ -9,7 +9,7 @@ use armid_io::{Error, Inputs, ProcessedLog, Text, estimate};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answers::estimate::{joint_names, left_out, percent, residual_json};
+use crate::answers::estimate::{joint_names, left_out, percent};
 use crate::answers::findings::paragraph;
 use crate::arguments::LogArguments;
 use crate::terminal::{Align, Answer, Console, Ending, Table, number};
@@ -131,7 +131,7 @@ impl Verdict<'_> {
             "units": self.validation.units,
             "relative_rms": self.validation.relative_rms,
             "limit": self.limit,
-            "residual": residual_json(&self.residual),
+            "residual": self.residual,
             "logs": self.prepared.reports,
             "remarks": self.remarks,
             "verdict": Self::word(self.passed()),

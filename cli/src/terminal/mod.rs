@@ -4,10 +4,10 @@ mod answer;
 mod console;
 mod destination;
 mod global_arguments;
-pub(crate) mod progress;
 pub(crate) mod real_time;
 mod reporter;
 mod table;
+mod watch;
 
 pub(crate) use answer::{Answer, Ending};
 pub(crate) use console::Console;
@@ -15,3 +15,4 @@ pub(crate) use destination::{Destination, Writes, report_folder};
 pub(crate) use global_arguments::GlobalArguments;
 pub(crate) use reporter::install_reporter;
 pub(crate) use table::{Align, Table, number};
+pub(crate) use watch::{Watch, bar};

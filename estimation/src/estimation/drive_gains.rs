@@ -152,7 +152,7 @@ pub fn drive_gains(
 /// # Errors
 /// As [`drive_gains`]; [`EstimationError::LoadNotAtRest`].
 pub fn gain_equations(
-    of: &Identification<'_>,
+    of: &Identification,
     [without, with]: [&Samples; 2],
     load: &Inertia,
 ) -> Result<[Observation; 2], EstimationError> {

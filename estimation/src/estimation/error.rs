@@ -1,6 +1,8 @@
 //! Why there is no estimate.
 
+use std::error::Error;
 use std::fmt;
+use std::sync::Arc;
 
 use super::closed_loop::ClosedLoopError;
 use crate::base::BaseError;
@@ -110,6 +112,12 @@ pub enum EstimationError {
     /// Two estimates share no base parameter.
     #[error("parameters: none in both estimates, expected the same base parameters")]
     NothingShared,
+    /// An estimator from outside gave something that is no number.
+    #[error("{quantity}: found one that is not finite, expected finite numbers")]
+    NotFinite {
+        /// Of what.
+        quantity: &'static str,
+    },
     /// The covariance of an estimate is not positive definite.
     #[error("covariance: one that is not positive definite, expected a positive definite one")]
     NotDefinite,
@@ -117,7 +125,7 @@ pub enum EstimationError {
     #[error("estimator \"{estimator}\" needs {part}, and the problem holds none")]
     Missing {
         /// Name of the estimator.
-        estimator: &'static str,
+        estimator: String,
         /// What it needs.
         part: ProblemPart,
     },
@@ -125,7 +133,7 @@ pub enum EstimationError {
     #[error("estimator \"{estimator}\" simulates the arm in closed loop: {reason}")]
     ClosedLoop {
         /// Name of the estimator.
-        estimator: &'static str,
+        estimator: String,
         /// What is missing, or what went wrong.
         reason: ClosedLoopError,
     },
@@ -146,9 +154,50 @@ pub enum EstimationError {
     /// A filter cannot be made.
     #[error("{0}")]
     Signal(#[from] SignalError),
+    /// An estimator from outside failed, in its own words.
+    #[error("{0}")]
+    External(ExternalError),
     /// The equations themselves are at fault.
     #[error("least squares: {0}")]
     LeastSquares(#[from] LeastSquaresError),
+}
+
+/// The error of an estimator from outside. Two are equal if they are the same one.
+#[derive(Clone, Debug)]
+pub struct ExternalError(Arc<dyn Error + Send + Sync>);
+
+impl PartialEq for ExternalError {
+    fn eq(&self, other: &Self) -> bool {
+        Arc::ptr_eq(&self.0, &other.0)
+    }
+}
+
+impl fmt::Display for ExternalError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+impl EstimationError {
+    /// The error of an estimator from outside.
+    ///
+    /// ```
+    /// # use armid_estimation as armid;
+    /// use armid::estimation::EstimationError;
+    /// assert_eq!(EstimationError::external("no answer").to_string(), "no answer");
+    /// ```
+    pub fn external(error: impl Into<Box<dyn Error + Send + Sync>>) -> Self {
+        Self::External(ExternalError(error.into().into()))
+    }
+
+    /// What an estimator from outside returned, for a caller that knows its errors.
+    #[must_use]
+    pub fn as_external(&self) -> Option<&(dyn Error + Send + Sync + 'static)> {
+        match self {
+            Self::External(ExternalError(error)) => Some(&**error),
+            _ => None,
+        }
+    }
 }
 
 /// What a problem may hold beside its equations.

@@ -10,10 +10,10 @@ use super::{Estimate, EstimationError, EstimationProblem, LawException};
 /// `conformance::estimator_laws` shows it.
 pub trait Estimator: fmt::Debug + Send + Sync {
     /// Its name on the command line and in files.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
     /// What it minimises or solves, in one line.
-    fn summary(&self) -> &'static str;
+    fn summary(&self) -> &str;
 
     /// Estimates the base parameters.
     ///

@@ -17,6 +17,7 @@ use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::model::term::ShapeParameter;
 use crate::model::{Columns, Robot, StandardParameters};
+use crate::observer::{Observer, Unobserved};
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::Samples;
@@ -64,22 +65,22 @@ fn without_noise_that_is_not(mut estimate: Estimate, samples: &Samples) -> Estim
 /// # Ok::<(), armid::estimation::EstimationError>(())
 /// ```
 #[derive(Clone, Debug)]
-pub struct Identification<'a> {
-    robot: &'a Robot,
-    nominal: Option<&'a StandardParameters>,
-    start: Option<&'a StandardParameters>,
+pub struct Identification {
+    robot: Robot,
+    nominal: Option<StandardParameters>,
+    start: Option<StandardParameters>,
     closed_loop: Result<Arc<dyn ClosedLoop>, ClosedLoopError>,
     regressor: JointTorqueRegressor,
     base: BaseReduction,
 }
 
-impl<'a> Identification<'a> {
+impl Identification {
     /// What is estimated: the base of these columns, by the structural reduction.
     ///
     /// # Errors
     /// [`EstimationError::Base`] where the robot's geometry is not finite, [`EstimationError::Columns`] where a term depends on what no
     /// recording has.
-    pub fn new(robot: &'a Robot, columns: Columns) -> Result<Self, EstimationError> {
+    pub fn new(robot: &Robot, columns: Columns) -> Result<Self, EstimationError> {
         // The structural reduction draws nothing: any seed gives the same.
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))?;
         Ok(Self::of(robot, load_friction::regressor_of(robot, columns)?, base))
@@ -93,7 +94,7 @@ impl<'a> Identification<'a> {
     ///
     /// # Panics
     /// If the samples are of another robot.
-    pub fn on_motion(robot: &'a Robot, columns: Columns, samples: &Samples) -> Result<Self, EstimationError> {
+    pub fn on_motion(robot: &Robot, columns: Columns, samples: &Samples) -> Result<Self, EstimationError> {
         let (states, n) = (&samples.states, samples.dof());
         let mut few = States::new(n);
         for k in (0..states.len()).step_by(states.len().div_ceil(MOTION_STATES).max(1)) {
@@ -112,8 +113,15 @@ impl<'a> Identification<'a> {
         Ok(Self::of(robot, regressor, base))
     }
 
-    fn of(robot: &'a Robot, regressor: JointTorqueRegressor, base: BaseReduction) -> Self {
-        Self { robot, nominal: None, start: None, closed_loop: Err(ClosedLoopError::NotGiven), regressor, base }
+    fn of(robot: &Robot, regressor: JointTorqueRegressor, base: BaseReduction) -> Self {
+        Self {
+            robot: robot.clone(),
+            nominal: None,
+            start: None,
+            closed_loop: Err(ClosedLoopError::NotGiven),
+            regressor,
+            base,
+        }
     }
 
     /// With the closed loop in which the samples were recorded, or what is not known of it, for estimators that simulate.
@@ -124,14 +132,14 @@ impl<'a> Identification<'a> {
 
     /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].
     #[must_use]
-    pub fn with_nominal(self, nominal: &'a StandardParameters) -> Self {
-        Self { nominal: Some(nominal), ..self }
+    pub fn with_nominal(self, nominal: &StandardParameters) -> Self {
+        Self { nominal: Some(nominal.clone()), ..self }
     }
 
     /// With the parameters that estimators which simulate the arm begin with, in place of the weighted linear fit.
     #[must_use]
-    pub fn with_start(self, start: &'a StandardParameters) -> Self {
-        Self { start: Some(start), ..self }
+    pub fn with_start(self, start: &StandardParameters) -> Self {
+        Self { start: Some(start.clone()), ..self }
     }
 
     /// The base parameters.
@@ -162,9 +170,22 @@ impl<'a> Identification<'a> {
         samples: &Samples,
         estimators: &[&dyn Estimator],
     ) -> Result<Vec<Estimate>, EstimationError> {
+        self.estimate_watched(samples, estimators, &Unobserved)
+    }
+
+    /// The same, reporting to an observer, which may end estimators that iterate: the estimate is then the last iterate.
+    ///
+    /// # Errors
+    /// As [`Self::estimate_by`].
+    pub fn estimate_watched(
+        &self,
+        samples: &Samples,
+        estimators: &[&dyn Estimator],
+        observer: &dyn Observer,
+    ) -> Result<Vec<Estimate>, EstimationError> {
         let observation = self.observation(samples)?;
         let equations = Factorisation::new(&observation)?;
-        let problem = self.problem(&observation, samples).with_factorisation(&equations);
+        let problem = self.problem(&observation, samples).with_factorisation(&equations).with_observer(observer);
         let estimated = |estimator: &&dyn Estimator| {
             let mut estimate = without_noise_that_is_not(estimator.estimate(&problem)?, samples);
             estimate.withhold_impossible(&self.base);
@@ -183,7 +204,7 @@ impl<'a> Identification<'a> {
         samples: &Samples,
         shape: ShapeParameter,
     ) -> Result<Option<FrictionSpeeds>, EstimationError> {
-        FrictionSpeeds::found(self.robot, (self.columns(), &self.base), samples, shape)
+        FrictionSpeeds::found(&self.robot, (self.columns(), &self.base), samples, shape)
     }
 
     /// The equations of one experiment.
@@ -191,12 +212,12 @@ impl<'a> Identification<'a> {
     /// # Errors
     /// As [`observe`].
     pub fn observation(&self, samples: &Samples) -> Result<Observation, EstimationError> {
-        observe(self.robot, &self.regressor, &self.base, samples)
+        observe(&self.robot, &self.regressor, &self.base, samples)
     }
 
     /// The same for tests of terms.
     pub(super) fn observation_of_test(&self, samples: &Samples) -> Result<Observation, EstimationError> {
-        load_fit::observe_to(self.robot, &self.regressor, &self.base, samples, load_fit::REST_OF_TESTS)
+        load_fit::observe_to(&self.robot, &self.regressor, &self.base, samples, load_fit::REST_OF_TESTS)
     }
 
     /// The equations of one experiment with friction of the load at the torque that the links take by β (b), and the load that they carry:
@@ -215,18 +236,18 @@ impl<'a> Identification<'a> {
             links[column] += value;
         }
         let regressor = self.regressor.with_links(&links[..10 * self.robot.dof()]);
-        Observation::of_any_length(self.robot, &regressor, &self.base, samples, None)
+        Observation::of_any_length(&self.robot, &regressor, &self.base, samples, None)
     }
 
     /// Equations that are only predicted, linearised where those of the fit are.
     pub(super) fn unseen(&self, samples: &Samples, fitted: &Observation) -> Result<Observation, EstimationError> {
-        Observation::of_any_length(self.robot, &self.regressor, &self.base, samples, fitted.linear_at.as_ref())
+        Observation::of_any_length(&self.robot, &self.regressor, &self.base, samples, fitted.linear_at.as_ref())
     }
 
     pub(super) fn problem<'b>(&'b self, observation: &'b Observation, samples: &'b Samples) -> EstimationProblem<'b> {
-        let problem = EstimationProblem::new(observation).with_robot(self.robot).with_samples(samples);
+        let problem = EstimationProblem::new(observation).with_robot(&self.robot).with_samples(samples);
         let closed_loop = self.closed_loop.as_deref();
-        EstimationProblem { nominal: self.nominal, start: self.start, closed_loop, ..problem }
+        EstimationProblem { nominal: self.nominal.as_ref(), start: self.start.as_ref(), closed_loop, ..problem }
     }
 
     /// Compares what an estimate predicts with samples that it was not made from.
@@ -234,6 +255,6 @@ impl<'a> Identification<'a> {
     /// # Errors
     /// [`EstimationError`] where estimate, samples and robot do not belong together.
     pub fn validate(&self, estimate: &Estimate, samples: &Samples) -> Result<Validation, EstimationError> {
-        validate(estimate, &estimate.regressor(self.robot, self.columns())?, samples)
+        validate(estimate, &estimate.regressor(&self.robot, self.columns())?, samples)
     }
 }

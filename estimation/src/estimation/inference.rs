@@ -48,7 +48,7 @@ const FEW_PERIODS: usize = 4;
 #[derive(Clone, Copy, Debug)]
 pub struct Inference<'a> {
     /// Name of the estimator.
-    pub estimator: &'static str,
+    pub estimator: &'a str,
     /// What it was given.
     pub problem: &'a EstimationProblem<'a>,
     /// β̂ and A⁻¹, with the condition of the equations.

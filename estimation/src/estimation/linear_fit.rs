@@ -60,7 +60,7 @@ impl LinearFit {
     /// The estimate whose solution is `fit`, this one's own or one near it.
     pub(super) fn estimate(
         &self,
-        estimator: &'static str,
+        estimator: &str,
         problem: &EstimationProblem<'_>,
         fit: &LeastSquares,
         termination: Termination,

@@ -69,7 +69,7 @@ pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
 pub use consistent_set::ConsistentSet;
 pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equations, moved_by_gains};
-pub use error::{EstimationError, ProblemPart};
+pub use error::{EstimationError, ExternalError, ProblemPart};
 pub use essential::EssentialParameters;
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::Estimator;

@@ -2,8 +2,9 @@
 
 use std::borrow::Cow;
 
-use super::{ClosedLoop, ClosedLoopError, EstimationError, Factorisation, Observation, ProblemPart};
+use super::{ClosedLoop, ClosedLoopError, EstimationError, Factorisation, Observation, ProblemPart, Termination};
 use crate::model::{Robot, StandardParameters};
+use crate::observer::{Observer, Progress, Unobserved, Work};
 use crate::signal::Samples;
 
 /// The equations, and what else is known.
@@ -38,6 +39,8 @@ pub struct EstimationProblem<'a> {
     pub closed_loop: Result<&'a dyn ClosedLoop, &'a ClosedLoopError>,
     /// The factorisation of the equations, which several estimators may share.
     pub factorisation: Option<&'a Factorisation<'a>>,
+    /// Who watches an estimator that iterates, and may end it.
+    pub observer: &'a dyn Observer,
 }
 
 impl<'a> EstimationProblem<'a> {
@@ -45,7 +48,16 @@ impl<'a> EstimationProblem<'a> {
     #[must_use]
     pub const fn new(observation: &'a Observation) -> Self {
         let closed_loop = Err(&ClosedLoopError::NotGiven);
-        Self { observation, robot: None, samples: None, nominal: None, start: None, closed_loop, factorisation: None }
+        Self {
+            observation,
+            robot: None,
+            samples: None,
+            nominal: None,
+            start: None,
+            closed_loop,
+            factorisation: None,
+            observer: &Unobserved,
+        }
     }
 
     /// With the robot.
@@ -76,6 +88,20 @@ impl<'a> EstimationProblem<'a> {
         self
     }
 
+    /// With who watches it.
+    #[must_use]
+    pub const fn with_observer(mut self, observer: &'a dyn Observer) -> Self {
+        self.observer = observer;
+        self
+    }
+
+    /// Reports the steps of an iteration so far, of `total` at most. The termination of one that is to end here.
+    #[must_use]
+    pub fn ended_after(&self, iterations: usize, total: usize) -> Option<Termination> {
+        let seen = self.observer.observe(Progress { work: Work::Steps, done: iterations, total });
+        seen.is_break().then_some(Termination::Interrupted { iterations })
+    }
+
     /// The factorisation of its equations: the one that it holds, where that is of this observation, or a new one.
     ///
     /// # Errors
@@ -91,32 +117,33 @@ impl<'a> EstimationProblem<'a> {
     ///
     /// # Errors
     /// [`EstimationError::Missing`] where the problem holds none.
-    pub fn robot_for(&self, estimator: &'static str) -> Result<&'a Robot, EstimationError> {
-        self.robot.ok_or(EstimationError::Missing { estimator, part: ProblemPart::Robot })
+    pub fn robot_for(&self, estimator: &str) -> Result<&'a Robot, EstimationError> {
+        self.robot.ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: ProblemPart::Robot })
     }
 
     /// The samples, for an estimator that cannot do without.
     ///
     /// # Errors
     /// [`EstimationError::Missing`] where the problem holds none.
-    pub fn samples_for(&self, estimator: &'static str) -> Result<&'a Samples, EstimationError> {
-        self.samples.ok_or(EstimationError::Missing { estimator, part: ProblemPart::Samples })
+    pub fn samples_for(&self, estimator: &str) -> Result<&'a Samples, EstimationError> {
+        self.samples.ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: ProblemPart::Samples })
     }
 
     /// The closed loop, for an estimator that cannot do without.
     ///
     /// # Errors
     /// [`EstimationError::ClosedLoop`] with what is not known of it.
-    pub fn closed_loop_for(&self, estimator: &'static str) -> Result<&'a dyn ClosedLoop, EstimationError> {
-        self.closed_loop.map_err(|reason| EstimationError::ClosedLoop { estimator, reason: reason.clone() })
+    pub fn closed_loop_for(&self, estimator: &str) -> Result<&'a dyn ClosedLoop, EstimationError> {
+        self.closed_loop
+            .map_err(|reason| EstimationError::ClosedLoop { estimator: estimator.to_owned(), reason: reason.clone() })
     }
 
     /// The nominal set, for an estimator that cannot do without.
     ///
     /// # Errors
     /// [`EstimationError::Missing`] where the problem holds none.
-    pub fn nominal_for(&self, estimator: &'static str) -> Result<&'a StandardParameters, EstimationError> {
-        self.nominal.ok_or(EstimationError::Missing { estimator, part: ProblemPart::Nominal })
+    pub fn nominal_for(&self, estimator: &str) -> Result<&'a StandardParameters, EstimationError> {
+        self.nominal.ok_or(EstimationError::Missing { estimator: estimator.to_owned(), part: ProblemPart::Nominal })
     }
 
     /// With a nominal set; estimates then carry a full set of standard parameters, see [`super::complete`].

@@ -36,6 +36,11 @@ pub enum Termination {
         /// Length of the last step, relative to the iterate.
         last_step: f64,
     },
+    /// An observer ended the iteration.
+    Interrupted {
+        /// Iterations before.
+        iterations: usize,
+    },
     /// No step lowered the objective any more, short of the minimum.
     Stalled {
         /// Iterations.
@@ -81,6 +86,7 @@ impl fmt::Display for Termination {
             Self::IterationLimit { iterations, last_step } => {
                 write!(f, "stopped after {iterations} iterations, the last step {last_step:.1e} of the iterate")
             }
+            Self::Interrupted { iterations } => write!(f, "interrupted after {iterations} iterations"),
             Self::Stalled { iterations, last_step } => {
                 write!(f, "stalled after {iterations} iterations, the last step {last_step:.1e} of the iterate")
             }

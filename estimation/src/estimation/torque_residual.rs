@@ -40,8 +40,10 @@ pub struct TorqueResidual {
     /// Cut-off of one pass of the low pass, Hz.
     pub bandwidth_hz: f64,
     /// Over the samples of blocks that are equations.
+    #[serde(rename = "used_rows")]
     pub used: RowShares,
     /// Over all samples.
+    #[serde(rename = "all_rows")]
     pub all: RowShares,
 }
 
@@ -95,7 +97,8 @@ impl TorqueResidual {
         parts: &[Samples],
         bandwidth_hz: f64,
     ) -> Result<Self, EstimationError> {
-        let predicted: Result<Vec<_>, _> = parts.iter().map(|part| predict(estimate, regressor, &part.states)).collect();
+        let predicted: Result<Vec<_>, _> =
+            parts.iter().map(|part| predict(estimate, regressor, &part.states)).collect();
         Self::of_predicted(&predicted?, parts, bandwidth_hz)
     }
 

@@ -241,8 +241,10 @@ mod tests {
     use crate::trajectory::table_one;
 
     fn problem(columns: Columns) -> DesignProblem {
-        let mut problem = DesignProblem::new(chains::crs_a460(), columns, CriterionKind::Condition).unwrap();
-        problem.set_limits(DesignLimits::default().with_efforts(chains::crs_a460_nominal())).unwrap();
+        let mut problem =
+            DesignProblem::new(chains::crs_a460(), columns, CriterionKind::Condition, DesignLimits::of_motion())
+                .unwrap();
+        problem.set_limits(DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal())).unwrap();
         problem
     }
 

@@ -57,8 +57,10 @@ mod tests {
     use crate::trajectory::table_one;
 
     fn certified() -> (DesignProblem, PeriodicTrajectory, Certificate) {
-        let mut problem = DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::Condition).unwrap();
-        let limits = DesignLimits::default().with_efforts(chains::crs_a460_nominal());
+        let mut problem =
+            DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion())
+                .unwrap();
+        let limits = DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal());
         problem.set_limits(limits.with_ramps(2.0).unwrap()).unwrap();
         problem.set_budget(DesignBudget::default().with_certificate_samples(500).unwrap());
         let mut series = table_one::corrected();

@@ -15,6 +15,7 @@ use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::objective::InformationObjective;
 use super::problem::DesignProblem;
 use super::termination::{HistoryPoint, Termination};
+use super::watched::WatchedProblem;
 use crate::optimiser::{Progress, Sequential, SequentialSettings};
 use crate::seed::Seed;
 
@@ -56,16 +57,18 @@ pub(crate) struct Found {
 
 /// Optimises a problem from the variables of a first guess inside the limits.
 pub(crate) fn optimise(
-    problem: &DesignProblem,
+    watched: WatchedProblem<'_>,
     feasibility: &mut Feasibility,
     start: Vec<f64>,
     seed: Seed,
 ) -> Result<Found, ExcitationError> {
+    let problem = watched.problem;
     let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
     let state = Sequential::new(start, &mut objective, feasibility.smooth(), settings(problem));
     let last = (state.x.clone(), f64::NAN);
     let mut search = Search {
         problem,
+        watched,
         feasibility,
         objective: &mut objective,
         state,
@@ -85,7 +88,7 @@ pub(crate) fn optimise(
         let before = search.least;
         last = search.descend();
         // A hop that did not help leaves the result, and so its ending, as it was.
-        if search.least < before {
+        if search.least < before || last == Termination::Interrupted {
             ending = last.clone();
         }
     }
@@ -101,6 +104,7 @@ fn settings(problem: &DesignProblem) -> SequentialSettings {
 
 struct Search<'a> {
     problem: &'a DesignProblem,
+    watched: WatchedProblem<'a>,
     feasibility: &'a mut Feasibility,
     objective: &'a mut InformationObjective,
     state: Sequential,
@@ -190,6 +194,9 @@ impl Search<'_> {
             // Equal shares of what was left, so that the sharpest gets its turn even if none converges.
             let share = first + budget.saturating_sub(first) * (stage + 1) / stages.len();
             loop {
+                if !self.watched.goes_on(self.state.evaluations) {
+                    return Termination::Interrupted;
+                }
                 if self.state.iterations >= self.problem.budget().iterations() {
                     return Termination::IterationBudget;
                 }

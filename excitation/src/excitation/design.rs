@@ -18,6 +18,7 @@ use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::objective::InformationObjective;
 use super::problem::DesignProblem;
 use super::termination::{HistoryPoint, Termination};
+use super::watched::WatchedProblem;
 use crate::provenance::sha256;
 use crate::seed::Seed;
 use crate::trajectory::PeriodicTrajectory;
@@ -100,28 +101,40 @@ impl Design {
 
 /// Designs one trajectory from `radkhah2007`'s first guess number `start`.
 ///
+/// An observer of a [watched problem](DesignProblem::watched_by) may end the search: the design is then the best so far, and its
+/// termination is [`Termination::Interrupted`].
+///
 /// # Errors
 /// [`ExcitationError`] if the problem's settings are impossible.
-pub fn design(problem: &DesignProblem, seed: Seed, start: u64) -> Result<Design, ExcitationError> {
-    let first = Feasibility::new(problem)?.first_guess(problem, seed, start)?;
-    continue_from(problem, &first, seed.child("hop", start))
+pub fn design<'a>(problem: impl Into<WatchedProblem<'a>>, seed: Seed, start: u64) -> Result<Design, ExcitationError> {
+    let watched = problem.into();
+    let first = Feasibility::new(watched.problem)?.first_guess(watched.problem, seed, start)?;
+    continue_from(watched, &first, seed.child("hop", start))
 }
 
 /// Designs one trajectory from a given first guess of the same period, brought inside the limits first.
 ///
 /// # Errors
 /// [`ExcitationError`] if the problem's settings are impossible or the guess is of another family.
-pub fn design_from(problem: &DesignProblem, start: &PeriodicTrajectory) -> Result<Design, ExcitationError> {
-    continue_from(problem, start, Seed::new(0))
+pub fn design_from<'a>(
+    problem: impl Into<WatchedProblem<'a>>,
+    start: &PeriodicTrajectory,
+) -> Result<Design, ExcitationError> {
+    continue_from(problem.into(), start, Seed::new(0))
 }
 
-fn continue_from(problem: &DesignProblem, start: &PeriodicTrajectory, hops: Seed) -> Result<Design, ExcitationError> {
+fn continue_from(
+    watched: WatchedProblem<'_>,
+    start: &PeriodicTrajectory,
+    hops: Seed,
+) -> Result<Design, ExcitationError> {
+    let problem = watched.problem;
     let mut feasibility = Feasibility::new(problem)?;
     // Through the variables, so that frozen joints stand still.
     let start = feasibility.basis().trajectory(&feasibility.basis().coefficients(start)?);
     let start = feasibility.bring_inside(start);
     let x = feasibility.basis().coefficients(&start)?;
-    let Found { x, value, ending, iterations, evaluations, history } = optimise(problem, &mut feasibility, x, hops)?;
+    let Found { x, value, ending, iterations, evaluations, history } = optimise(watched, &mut feasibility, x, hops)?;
     let trajectory = feasibility.basis().trajectory(&x);
     let trajectory = feasibility.finish(trajectory);
     let certificate = Certificate::of(problem, &trajectory)?;
@@ -179,7 +192,13 @@ pub fn nearest_of(designs: &[Design]) -> Option<&Design> {
 ///
 /// # Errors
 /// As [`design`].
-pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<Design, ExcitationError> {
+pub fn random_design<'a>(
+    problem: impl Into<WatchedProblem<'a>>,
+    seed: Seed,
+    index: u64,
+) -> Result<Design, ExcitationError> {
+    let watched = problem.into();
+    let (problem, mut draw_count, mut end) = (watched.problem, 0, Termination::Drawn);
     let mut feasibility = Feasibility::new(problem)?;
     let mut objective = InformationObjective::of(problem, SHARPNESS[0])?;
     let draws = seed.child("random design", index);
@@ -188,6 +207,11 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
     let mut best_is_inside = false;
     let mut history = Vec::new();
     for draw in 0..problem.budget().evaluations() {
+        if draw > 0 && !watched.goes_on(draw) {
+            end = Termination::Interrupted;
+            break;
+        }
+        draw_count = draw + 1;
         let trajectory = feasibility.bring_inside(problem.start(draws, draw as u64)?);
         let x = feasibility.basis().coefficients(&trajectory)?;
         let value = objective.exact_at(&x);
@@ -213,7 +237,7 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
     let (start, value) = best.expect("the budget is at least one evaluation");
     let trajectory = feasibility.finish(start.clone());
     let certificate = Certificate::of(problem, &trajectory)?;
-    let termination = feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(Termination::Drawn);
+    let termination = feasibility.verdict(problem, &trajectory, &certificate).unwrap_or(end);
     Ok(Design {
         trajectory,
         criterion: criterion.name().to_owned(),
@@ -221,8 +245,8 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
         larger_is_better: criterion.is_larger_better(),
         certificate,
         termination,
-        iterations: problem.budget().evaluations(),
-        evaluations: problem.budget().evaluations(),
+        iterations: draw_count,
+        evaluations: draw_count,
         history,
         start,
     })
@@ -230,15 +254,19 @@ pub fn random_design(problem: &DesignProblem, seed: Seed, index: u64) -> Result<
 
 #[cfg(test)]
 mod tests {
+    use std::ops::ControlFlow;
+
     use super::*;
     use crate::chains;
     use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
     use crate::excitation::{CriterionKind, DesignBudget, DesignLimits, LimitKind, Margins};
     use crate::model::{Columns, bundled, format::parse_nominal};
+    use crate::observer::{Observer, Progress, Unobserved};
     use crate::trajectory::Quantity;
 
     fn problem(columns: Columns, criterion: CriterionKind, evaluations: usize) -> DesignProblem {
-        let mut problem = DesignProblem::new(chains::crs_a460(), columns, criterion).unwrap();
+        let mut problem =
+            DesignProblem::new(chains::crs_a460(), columns, criterion, DesignLimits::of_motion()).unwrap();
         problem.set_budget(DesignBudget::new(evaluations).unwrap());
         problem
     }
@@ -255,6 +283,28 @@ mod tests {
                 assert!(states.qdd(k)[j].abs() <= joint.limits.acceleration);
             }
         }
+    }
+
+    #[test]
+    fn identity_a_design_that_is_ended_is_the_best_so_far() {
+        let problem = problem(Columns::RIGID, CriterionKind::DOptimal, 200);
+        let at_most = |most: usize| {
+            move |progress: Progress| {
+                if progress.done < most { ControlFlow::Continue(()) } else { ControlFlow::Break(()) }
+            }
+        };
+        let (early, late) = (at_most(1), at_most(40));
+        let [first, later] = [&early as &dyn Observer, &late]
+            .map(|observer| design(problem.watched_by(observer), Seed::new(7), 0).unwrap());
+        for ended in [&first, &later] {
+            assert_eq!(ended.termination, Termination::Interrupted);
+            assert!(ended.certificate.worst_limit_use.largest() <= 1.0);
+        }
+        assert!(later.evaluations < 200 && later.value > first.value, "{} {}", later.value, first.value);
+        // Unwatched and never ended are the same.
+        let whole = design(&problem, Seed::new(7), 0).unwrap();
+        assert_eq!(design(problem.watched_by(&Unobserved), Seed::new(7), 0).unwrap(), whole);
+        assert!(whole.history.starts_with(&later.history[..later.history.len() - 1]));
     }
 
     #[test]
@@ -285,7 +335,7 @@ mod tests {
     fn identity_torque_stays_under_the_ratings() {
         let mut problem = problem(Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal, 120);
         let free = design(&problem, Seed::new(7), 0).unwrap();
-        problem.set_limits(DesignLimits::default().with_efforts(chains::crs_a460_nominal())).unwrap();
+        problem.set_limits(DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal())).unwrap();
         let held = design(&problem, Seed::new(7), 0).unwrap();
         assert_inside(&held, &problem);
         // The limit matters: without it the same problem asks for more than the ratings.
@@ -303,7 +353,7 @@ mod tests {
         let nominal = parse_nominal(bundled()[0].nominal, problem.robot()).unwrap();
         let shares = &nominal.relative_uncertainty;
         let spread = ParameterSpread::of(problem.robot(), &nominal.parameters, shares, CONFIDENCE_95);
-        let limits = DesignLimits::default().with_uncertain_efforts(nominal.parameters, spread).unwrap();
+        let limits = DesignLimits::of_motion().with_uncertain_efforts(nominal.parameters, spread).unwrap();
         let limits = limits.with_margins(Margins { torque: 1.0, ..Margins::default() }).unwrap();
         problem.set_limits(limits.with_ramps(2.0).unwrap()).unwrap();
         for start in 0..3 {
@@ -330,7 +380,7 @@ mod tests {
     #[test]
     fn identity_random_baseline_keeps_the_budget_and_the_limits() {
         let mut problem = problem(Columns::RIGID, CriterionKind::Condition, 40);
-        problem.set_limits(DesignLimits::default().with_efforts(chains::crs_a460_nominal())).unwrap();
+        problem.set_limits(DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal())).unwrap();
         let drawn = random_design(&problem, Seed::new(3), 0).unwrap();
         assert_inside(&drawn, &problem);
         assert_eq!(drawn.evaluations, 40);
@@ -352,9 +402,10 @@ mod tests {
                 }
             })
             .unwrap();
-        let mut problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::Condition).unwrap();
+        let mut problem =
+            DesignProblem::new(robot, Columns::RIGID, CriterionKind::Condition, DesignLimits::of_motion()).unwrap();
         problem.set_budget(DesignBudget::new(20).unwrap());
-        problem.set_limits(DesignLimits::default().with_efforts(chains::crs_a460_nominal())).unwrap();
+        problem.set_limits(DesignLimits::of_motion().with_efforts(chains::crs_a460_nominal())).unwrap();
         let design = design(&problem, Seed::new(3), 0).unwrap();
         let Termination::Infeasible { limit, joint, worst } = &design.termination else {
             panic!("{:?}", design.termination)

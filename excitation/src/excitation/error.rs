@@ -62,6 +62,14 @@ pub enum ExcitationError {
         /// Its unit.
         unit: &'static str,
     },
+    /// A probability with which limits are held is none, or none that can be reached.
+    #[error(
+        "design: probability of keeping the limits of torque and current is {found}, expected 0.5 or more and less than 1"
+    )]
+    Confidence {
+        /// What was found.
+        found: f64,
+    },
     /// A joint's number is beyond the last one.
     #[error("design: number of a joint is {found}, expected less than {joints}")]
     NoSuchJoint {

@@ -223,12 +223,12 @@ pub(super) fn pattern(regressor: &JointTorqueRegressor) -> Vec<bool> {
 mod tests {
     use super::*;
     use crate::chains;
-    use crate::excitation::{CriterionKind, DesignProblem, radkhah2007_start};
+    use crate::excitation::{CriterionKind, DesignLimits, DesignProblem, radkhah2007_start};
     use crate::model::Columns;
     use crate::seed::Seed;
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
-        let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind).unwrap();
+        let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind, DesignLimits::of_motion()).unwrap();
         problem.set_samples(40).unwrap();
         problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
         problem

@@ -30,6 +30,7 @@ mod sampled;
 mod start;
 mod termination;
 mod verification;
+mod watched;
 
 pub use basis::MotionBasis;
 pub use certificate::{Certificate, WeakParameter};
@@ -45,8 +46,11 @@ pub use limit_survey::{WorstCases, WorstLimitUse};
 pub use limits::WorstUse;
 pub use margins::Margins;
 pub use objective::InformationObjective;
-pub use problem::{DEFAULT_EVALUATIONS, DesignBudget, DesignLimits, DesignObjective, DesignProblem, DesignSpace};
+pub use problem::{
+    DEFAULT_EVALUATIONS, DesignBudget, DesignLimits, DesignObjective, DesignProblem, DesignSpace, LimitSettings,
+};
 pub use sampled::SampledBasis;
 pub use start::{START_VELOCITIES, radkhah2007_start};
 pub use termination::{HistoryPoint, Termination};
 pub use verification::{VerificationError, verify_certificate, verify_performance};
+pub use watched::WatchedProblem;

@@ -229,13 +229,13 @@ impl InformationObjective {
 mod tests {
     use super::*;
     use crate::chains;
-    use crate::excitation::{CriterionKind, DesignSpace, EffectLaw, ExpectedEffect, ExpectedEffects};
+    use crate::excitation::{CriterionKind, DesignLimits, DesignSpace, EffectLaw, ExpectedEffect, ExpectedEffects};
     use crate::model::{Columns, DriveParameters};
     use crate::seed::Seed;
     use crate::trajectory::Family;
 
     fn problem(columns: Columns, kind: CriterionKind) -> DesignProblem {
-        let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind).unwrap();
+        let mut problem = DesignProblem::new(chains::crs_a460(), columns, kind, DesignLimits::of_motion()).unwrap();
         problem.set_samples(40).unwrap();
         problem.set_noise(vec![0.3, 0.5, 0.2, 0.1, 0.1, 0.05]).unwrap();
         problem

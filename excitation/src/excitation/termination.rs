@@ -15,6 +15,8 @@ pub enum Termination {
     EvaluationBudget,
     /// All iterations were used.
     IterationBudget,
+    /// An observer ended the search.
+    Interrupted,
     /// No trajectory inside the limits was found.
     Infeasible {
         /// Which kind of limit.
@@ -51,6 +53,7 @@ impl Termination {
             Self::Stalled => "stalled",
             Self::EvaluationBudget => "evaluation-budget",
             Self::IterationBudget => "iteration-budget",
+            Self::Interrupted => "interrupted",
             Self::Infeasible { .. } => "infeasible",
             Self::Singular => "singular",
             Self::Drawn => "drawn",

@@ -279,13 +279,16 @@ mod tests {
     /// the level torque; standing there takes all of it. The rating is 0.94 of that torque.
     fn swing() -> (DesignProblem, PeriodicTrajectory, Certificate) {
         let robot = planar_2r().with_joints(|joint| joint.limits.torque = 0.94 * LEVEL).unwrap();
-        let mut problem = DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal).unwrap();
+        let mut problem =
+            DesignProblem::new(robot, Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion()).unwrap();
         let mut nominal = StandardParameters::zero(2);
         nominal.links[0] = Inertia::from_array(&[1.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0, 0.0]);
         let omega = (0.3 * LEVEL / (0.16 * 0.5_f64)).sqrt();
         let period_s = std::f64::consts::TAU / omega;
         problem.set_space(DesignSpace::new(Family::Fourier, period_s, vec![5; 2]).unwrap()).unwrap();
-        problem.set_limits(DesignLimits::default().with_efforts(nominal).with_ramps(0.2 * period_s).unwrap()).unwrap();
+        problem
+            .set_limits(DesignLimits::of_motion().with_efforts(nominal).with_ramps(0.2 * period_s).unwrap())
+            .unwrap();
         problem.set_budget(DesignBudget::default().with_certificate_samples(500).unwrap());
         let joint = |name: &str, b: f64, q0: f64| FourierJoint { name: name.into(), a: vec![0.0], b: vec![b], q0 };
         let joints = vec![joint("shoulder", 0.5 * omega, -0.5), joint("elbow", 0.0, 0.0)];

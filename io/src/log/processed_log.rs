@@ -3,12 +3,13 @@
 use armid::calibration::{TransmissionStiffness, transmission_stiffness};
 use armid::diagnosis::{Evidence, Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
-    ClosedLoopFactory, Estimate, EstimationError, EstimatorKind, FrictionSpeeds, Identification, Model, ModelFit,
-    ModelGuess, Observation, ResidualTrends, Selection, TorqueResidual, TorqueSeries, Validation, closed_loop_of,
-    fit_model, gain_equations, predict, select,
+    ClosedLoopFactory, Estimate, EstimationError, Estimator, EstimatorKind, FrictionSpeeds, Identification, Model,
+    ModelFit, ModelGuess, Observation, ResidualTrends, Selection, TorqueResidual, TorqueSeries, Validation,
+    closed_loop_of, fit_model, gain_equations, predict, select,
 };
 use armid::model::term::{ShapeParameter, Stribeck};
 use armid::model::{Columns, EffortInterface, Robot, StandardParameters};
+use armid::observer::{Observer, Unobserved};
 use armid::regressor::JointTorqueRegressor;
 use armid::signal::Samples;
 use armid::spatial::Inertia;
@@ -132,15 +133,28 @@ impl ProcessedLog {
     /// # Errors
     /// [`Error`] where the motion does not reveal them or the equations have no answer.
     pub fn identify(&self, columns: Columns, estimator: EstimatorKind) -> Result<Estimate, Error> {
-        let mut estimates = self.identify_by(columns, &[estimator])?;
+        let mut estimates = self.identify_with(columns, &[estimator.estimator()])?;
         estimates.pop().ok_or_else(|| Error::new("no estimator is named, expected one"))
     }
 
-    /// The same by several estimators.
+    /// The same by several estimators, of the list or from outside, which share base, nominal set and closed loop.
     ///
     /// # Errors
     /// As [`Self::identify`].
-    pub fn identify_by(&self, columns: Columns, estimators: &[EstimatorKind]) -> Result<Vec<Estimate>, Error> {
+    pub fn identify_with(&self, columns: Columns, estimators: &[&dyn Estimator]) -> Result<Vec<Estimate>, Error> {
+        self.identify_watched(columns, estimators, &Unobserved)
+    }
+
+    /// The same, reporting to an observer, which may end estimators that iterate.
+    ///
+    /// # Errors
+    /// As [`Self::identify`].
+    pub fn identify_watched(
+        &self,
+        columns: Columns,
+        estimators: &[&dyn Estimator],
+        observer: &dyn Observer,
+    ) -> Result<Vec<Estimate>, Error> {
         let named = |error: EstimationError| self.unestimated(&error);
         let mut identification = self.identification(columns).map_err(named)?;
         if let Some(guess) = self.robot.guess() {
@@ -153,8 +167,7 @@ impl ProcessedLog {
         if let Some(start) = &self.start {
             identification = identification.with_start(start);
         }
-        let estimators: Vec<_> = estimators.iter().map(|kind| kind.estimator()).collect();
-        identification.estimate_by(&self.samples, &estimators).map_err(named)
+        identification.estimate_watched(&self.samples, estimators, observer).map_err(named)
     }
 
     /// Which of these columns' terms the logs decide, by what is held out where anything is.
@@ -292,11 +305,11 @@ impl ProcessedLog {
     }
 
     /// What is estimated: the robot's base, or where joints stand still, the base that the motion reveals.
-    fn identification(&self, columns: Columns) -> Result<Identification<'_>, EstimationError> {
+    fn identification(&self, columns: Columns) -> Result<Identification, EstimationError> {
         self.identification_of(&self.robot.robot, columns)
     }
 
-    fn identification_of<'a>(&self, robot: &'a Robot, columns: Columns) -> Result<Identification<'a>, EstimationError> {
+    fn identification_of(&self, robot: &Robot, columns: Columns) -> Result<Identification, EstimationError> {
         if self.is_foreign() && !standing_joints(&self.samples).is_empty() {
             return Identification::on_motion(robot, columns, &self.samples);
         }

@@ -62,38 +62,48 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
         robot_text: robot.text.clone(),
         dof,
         rate_hz,
-        joints: joints.clone(),
+        joints,
         effort_unit,
         phases,
         trajectory,
         period_samples,
         t: states.iter().map(|state| state.stamp.ns() as f64 / 1e9).collect(),
-        q: q.clone(),
-        effort: effort.clone(),
+        q,
+        effort,
         voltage,
         link_q,
         provenance,
     };
     recording.check().map_err(|fault| Error::new(format!("{name}: {fault}")))?;
-    Ok(Log {
-        name: name.to_owned(),
-        joints: Some(joints),
-        dof,
-        rate_hz,
-        effort_unit: Some(effort_unit),
-        segments: vec![Segment { start_s: 0.0, samples: states.len() }],
-        q,
-        qd: None,
-        link_q: None,
-        effort,
-        excluded: Vec::new(),
-        robot: Some(robot),
-        recording: Some(recording),
-        notes: metadata.iter().chain(&contents.ending).map(|(key, value)| (key.clone(), value.clone())).collect(),
-        complete: true,
-        conversion: Conversion::default(),
-        origin: Origin::default(),
-    })
+    let notes = metadata.iter().chain(&contents.ending).map(|(key, value)| (key.clone(), value.clone())).collect();
+    Ok(Log { notes, ..Log::of_recording(name, recording, Some(robot)) })
+}
+
+impl Log {
+    /// The log of an experiment that was recorded in this program; `robot` holds the texts of its files, where they are to go
+    /// with it.
+    #[must_use]
+    pub fn of_recording(name: &str, recording: Recording, robot: Option<RecordedRobot>) -> Self {
+        Self {
+            name: name.to_owned(),
+            joints: Some(recording.joints.clone()),
+            dof: recording.dof,
+            rate_hz: recording.rate_hz,
+            effort_unit: Some(recording.effort_unit),
+            segments: vec![Segment { start_s: 0.0, samples: recording.t.len() }],
+            q: recording.q.clone(),
+            qd: None,
+            link_q: None,
+            effort: recording.effort.clone(),
+            excluded: Vec::new(),
+            robot,
+            recording: Some(recording),
+            notes: BTreeMap::new(),
+            complete: true,
+            conversion: Conversion::default(),
+            origin: Origin::default(),
+        }
+    }
 }
 
 /// The values of every sample, or none. Each stands right behind its joint state, so that a cut may have taken the

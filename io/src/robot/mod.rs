@@ -10,5 +10,5 @@ mod tree;
 pub use begun_file::begin;
 pub use find::{load, named};
 pub use held_shapes::{HeldShape, HeldShapes, ShapeLeftOut};
-pub use loaded_robot::{LoadedRobot, ChainSource};
+pub use loaded_robot::{ChainSource, LoadedRobot};
 pub use package_path::PackagePath;

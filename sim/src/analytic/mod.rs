@@ -21,6 +21,7 @@ mod slopes;
 mod team;
 
 pub use plant::{AnalyticError, AnalyticPlant, MOST_JOINTS};
+pub(crate) use runs::record_runs_watched;
 pub use runs::{BatchRun, perform_runs, record_runs};
 pub(crate) use slopes::{SlopedArm, sloped_arm};
 pub use team::AnalyticBatch;

@@ -1,6 +1,7 @@
 //! Several runs of one arm, computed together.
 
-use armid::experiment::{ArmError, Cycle, Ending, ExperimentPlan, Next, Recorder, Recording, Servo, Sink};
+use armid::experiment::{ArmError, Cycle, Ending, ExperimentPlan, Next, Recording, Servo, Sink, WatchedRecorder};
+use armid::observer::{Observer, Unobserved};
 use armid::seed::RunNoise;
 
 use super::plant::AnalyticPlant;
@@ -49,9 +50,19 @@ pub fn perform_runs<S: Sink>(
 /// # Errors
 /// [`ArmError`] for each run that cannot begin.
 pub fn record_runs(servo: &Servo<AnalyticPlant>, runs: &[BatchRun<'_>]) -> Vec<Result<(Recording, Ending), ArmError>> {
-    let mut recorders = vec![Recorder::default(); runs.len()];
+    record_runs_watched(servo, runs, &Unobserved)
+}
+
+/// The same, reporting to an observer, which may stop the arms of all runs.
+pub(crate) fn record_runs_watched(
+    servo: &Servo<AnalyticPlant>,
+    runs: &[BatchRun<'_>],
+    observer: &dyn Observer,
+) -> Vec<Result<(Recording, Ending), ArmError>> {
+    let mut recorders: Vec<WatchedRecorder<'_>> =
+        runs.iter().map(|run| WatchedRecorder::new(run.plan, observer)).collect();
     let endings = perform_runs(servo, runs, &mut recorders);
-    let recorded = |(recorder, ending): (Recorder, Result<Ending, ArmError>)| {
+    let recorded = |(recorder, ending): (WatchedRecorder<'_>, Result<Ending, ArmError>)| {
         ending.map(|ending| (recorder.into_recording().expect("a run that began has a recording"), ending))
     };
     recorders.into_iter().zip(endings).map(recorded).collect()

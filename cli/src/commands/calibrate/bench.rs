@@ -10,11 +10,12 @@ use armid_io::output::pretty;
 use armid_io::recording::{FileSink, McapSink, check_free};
 use armid_io::{Error, LoadedRobot, Log, output};
 use armid_reports::{Figure, ScatterFigure};
+use armid_sim::Engine;
 use miette::Result;
 use serde_json::Value;
 
 use crate::arguments::{RobotArguments, one_of};
-use crate::arms::{self, ArmKind, Experiment};
+use crate::arms::{self, Experiment};
 use crate::commands::run::notes;
 use crate::interrupt;
 use crate::terminal::{Console, report_folder};
@@ -46,8 +47,8 @@ pub(super) struct BenchArguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Arm that performs it
-    #[arg(long, default_value = "analytic", value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name))]
-    arm: ArmKind,
+    #[arg(long, default_value = "analytic", value_parser = one_of(&Engine::ALL, Engine::name))]
+    arm: Engine,
     /// Write the motion and the experiment, and perform nothing
     #[arg(long, conflicts_with = "recording")]
     plan_only: bool,

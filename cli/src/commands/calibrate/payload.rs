@@ -4,18 +4,19 @@ use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
 use armid::calibration::{HiddenLoad, KnownLoad, known_load, payload};
-use armid::experiment::{ExperimentPlan, Sensing, record};
+use armid::experiment::{Effects, ExperimentPlan, Sensing, record};
 use armid::seed::Seed;
 use armid::signal::{Derivatives, Processing, Samples, process};
 use armid::spatial::Inertia;
 use armid_io::output::pretty;
 use armid_io::{Error, LoadedRobot, Log, output, trajectory};
 use armid_reports::{Axis, Figure, Group, Heading, Interval, IntervalFigure, IntervalRow, Level};
+use armid_sim::Engine;
+use armid_workflow::simulated_arm;
 use miette::Result;
 use serde_json::{Value, json};
 
 use crate::arguments::{RobotArguments, one_of};
-use crate::arms::{ArmKind, Simulation};
 use crate::terminal::{Align, Answer, Console, Ending, Table, report_folder};
 
 const AFTER_HELP: &str = "\
@@ -63,8 +64,8 @@ pub(super) struct Arguments {
     #[arg(long, default_value_t = 0)]
     seed: u64,
     /// Arm that performs it
-    #[arg(long, default_value = "analytic", value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name))]
-    arm: ArmKind,
+    #[arg(long, default_value = "analytic", value_parser = one_of(&Engine::ALL, Engine::name))]
+    arm: Engine,
 }
 
 pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
@@ -133,8 +134,8 @@ impl Arguments {
 
     /// Samples of a simulated experiment, with the payload on the last link where there is one.
     fn simulated(&self, loaded: &LoadedRobot, load: Option<&Inertia>) -> Result<Samples> {
-        let mut simulation = Simulation::of(loaded.clone(), self.arm)?;
-        if let (Some(load), Some(last)) = (load, simulation.truth.parameters.links.last_mut()) {
+        let mut truth = loaded.truth()?;
+        if let (Some(load), Some(last)) = (load, truth.parameters.links.last_mut()) {
             last.mass += load.mass;
             last.first_moment += load.first_moment;
             last.rotational += load.rotational;
@@ -143,8 +144,9 @@ impl Arguments {
         let plan = ExperimentPlan::new(motion).with_periods(self.periods);
         let run = u64::from(load.is_some());
         let fault = |error: &dyn std::fmt::Display| Error::new(format!("arm {}: {error}", self.arm.name()));
+        let simulated = simulated_arm(loaded, self.arm, Effects::none())?.made_of(&truth);
         let mut servo =
-            simulation.servo(&Sensing::default()).map_err(|error| fault(&error))?.with_seed(Seed::new(self.seed), run);
+            simulated.servo(&Sensing::default()).map_err(|error| fault(&error))?.with_seed(Seed::new(self.seed), run);
         let (recording, ending) = record(&mut servo, &plan).map_err(|error| fault(&error))?;
         if !ending.is_complete() {
             return Err(Error::new(format!("the simulated motion ended early: {ending:?}")).into());

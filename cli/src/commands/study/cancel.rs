@@ -5,7 +5,7 @@ use std::time::{Duration, Instant};
 
 use miette::Result;
 
-use crate::study::cluster::{Slurm, Submission};
+use crate::cluster::{Slurm, Submission};
 use crate::terminal::{Answer, Console, Ending};
 
 /// How long the end of the tasks is waited for, s: Slurm gives a task `KillWait`, 30 s as it comes, to end by itself.

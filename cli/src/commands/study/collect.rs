@@ -4,13 +4,13 @@ use std::path::{Path, PathBuf};
 
 use armid_io::study::load_plan;
 use armid_sim::Engine;
+use armid_workflow::study::{Stage, merge};
 use miette::Result;
 
-use super::merge::merge;
+use super::answer::show;
 use super::status::prepared;
-use crate::study::Stage;
-use crate::study::cluster::{Progress, Slurm, Submission, batches, folder_of, submit};
-use crate::terminal::{Answer, Console, Ending};
+use crate::cluster::{Progress, Slurm, Submission, batches, folder_of, submit};
+use crate::terminal::{Answer, Console, Ending, Watch};
 
 /// Which study.
 #[derive(Debug, clap::Args)]
@@ -23,7 +23,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let folder = arguments.folder.as_path();
     let mut submission = Submission::read(folder)?;
     let prepared = prepared(folder, &submission)?;
-    let progress = Progress::read(folder, &submission, &prepared, console)?;
+    let progress = Progress::read(folder, &submission, &prepared)?;
     if progress.is_complete() {
         return merge_all(folder, &submission, console);
     }
@@ -57,5 +57,5 @@ fn merge_all(folder: &Path, submission: &Submission, console: &Console) -> Resul
     let of = |stage, count| (1..=count).map(move |task| folder_of(folder, stage, task));
     let parts: Vec<PathBuf> =
         of(Stage::Designs, submission.tasks.designs).chain(of(Stage::Runs, submission.tasks.runs)).collect();
-    merge(plan, submission.beside.as_deref(), &parts, folder, console)
+    show(&merge(plan, submission.beside.as_deref(), &parts, folder, &Watch::new(console))?, console)
 }

@@ -1,16 +1,16 @@
 //! `armid study`
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use armid::input::size;
-use armid::study::{StoppingRule, StudyPlans};
+use armid_workflow::study::{self, Part, Shard, Stage, StudySettings};
 use miette::Result;
 
+use super::answer::show;
 use super::overrides::Overrides;
-use super::{cancel, collect, dry_run, merge, plan, robots, status, submit};
+use super::{cancel, collect, dry_run, merge, plan, status, submit};
 use crate::arguments::one_of;
-use crate::study::{Part, Performance, Prepared, Shard, Stage, in_words};
-use crate::terminal::{Answer, Console, Ending};
+use crate::terminal::{Console, Ending, Watch};
 
 /// Most threads, as the parser of arguments takes it.
 const THREADS: u32 = size::THREADS.most as u32;
@@ -103,28 +103,20 @@ fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if arguments.dry_run {
         return dry_run::run(&request, console);
     }
-    let threads = rayon::ThreadPoolBuilder::new()
-        .num_threads(arguments.jobs.map_or(0, |jobs| jobs as usize))
-        .build()
-        .map_err(in_words)?;
     let in_parts = arguments.part_words();
-    if let (StudyPlans::OnRobots(plans), true) = (&request.plans, in_parts.is_empty()) {
-        let (output, beside) = (request.output(console)?, request.beside.as_deref());
-        return threads.install(|| robots::perform(plans, beside, (&output, arguments.resume), console));
+    if !in_parts.is_empty() {
+        request.one(&format!("STUDY {in_parts}"))?;
     }
-    let plan = request.one(&format!("STUDY {in_parts}"))?.clone();
-    let (output, folder) = (request.output(console)?, request.beside);
-    let prepared = Prepared::new(plan, folder.as_deref())?;
-    let part = Part { stage: arguments.stage, shard: arguments.shard };
-    let study = prepared.performance(&output, part, console);
-    if let Some(words) = &arguments.until {
-        let rule: StoppingRule = words.parse().map_err(in_words)?;
-        return threads.install(|| run_until(study, (&rule, words), (arguments.resume, folder.as_deref()), console));
-    }
-    threads.install(|| match part.stage {
-        Some(Stage::Designs) => design(&study, arguments.resume, console),
-        Some(Stage::Runs) | None => run_part(&study, arguments, console),
-    })
+    let settings = StudySettings {
+        output: request.output(console)?,
+        beside: request.beside,
+        threads: arguments.jobs.map_or(0, |jobs| jobs as usize),
+        resume: arguments.resume,
+        part: Part { stage: arguments.stage, shard: arguments.shard },
+        designs_from: arguments.designs_from.clone(),
+        until: arguments.until.clone(),
+    };
+    show(&study::perform(&request.plans, &settings, &Watch::new(console))?, console)
 }
 
 impl Arguments {
@@ -142,62 +134,4 @@ impl Arguments {
         }
         words.join(" ")
     }
-}
-
-/// The designs alone, or a part of them.
-fn design(study: &Performance<'_>, resume: bool, console: &Console) -> Result<Ending> {
-    let mut work = study.no_work()?;
-    study.begin(&mut work, resume)?;
-    if study.perform_designs(work)? { part_is_there(study, console) } else { interrupted(study, console) }
-}
-
-/// The runs, or a part of them, and the whole study where it is no part.
-fn run_part(study: &Performance<'_>, arguments: &Arguments, console: &Console) -> Result<Ending> {
-    // Before a journal is begun: a mistaken folder is found while nothing is written yet.
-    let mut work = study.with_designs_from(&arguments.designs_from)?;
-    study.begin(&mut work, arguments.resume)?;
-    if let Some(note) = work.note() {
-        console.note(note);
-    }
-    match study.perform(work)? {
-        Some(performed) if study.part().is_whole() => study.finish(performed),
-        Some(_) => part_is_there(study, console),
-        None => interrupted(study, console),
-    }
-}
-
-/// Starts of all families until a rule is met, and the study of those that were performed.
-fn run_until(
-    mut study: Performance<'_>,
-    (rule, words): (&StoppingRule, &str),
-    (resume, beside): (bool, Option<&Path>),
-    console: &Console,
-) -> Result<Ending> {
-    rule.families(study.plan()).map_err(in_words)?;
-    let mut work = study.no_work()?;
-    study.begin(&mut work, resume)?;
-    if let Some(note) = work.note() {
-        console.note(note);
-    }
-    let Some((looks, work)) = study.perform_until(work, rule, words)? else { return interrupted(&study, console) };
-    let performed = Prepared::new(study.plan().first_starts(looks.starts()), beside)?;
-    performed.performance(study.output(), Part::default(), console).finish_first(&study, work, &looks)
-}
-
-fn part_is_there(study: &Performance<'_>, console: &Console) -> Result<Ending> {
-    let (part, output) = (study.part(), study.output());
-    let (k, n) = part.shard.map_or((1, 1), |shard| (shard.k, shard.n));
-    let what = part.stage.map_or(String::new(), |stage| format!(" of the {}", stage.name()));
-    let message =
-        format!("part {k} of {n}{what} is in {}; put the parts together with armid study merge\n", output.display());
-    console.show(&Answer {
-        json: serde_json::json!({ "shard": output, "k": k, "n": n, "stage": part.stage.map(Stage::name) }),
-        text: message,
-    })?;
-    Ok(Ending::Done)
-}
-
-fn interrupted(study: &Performance<'_>, console: &Console) -> Result<Ending> {
-    console.note(format!("interrupted; go on with --resume -o {}", study.output().display()));
-    Ok(Ending::Interrupted)
 }

@@ -1,5 +1,6 @@
 //! `armid study`: performed here, in parts, or by a cluster.
 
+mod answer;
 mod cancel;
 mod collect;
 mod command;
@@ -8,7 +9,6 @@ mod merge;
 mod overrides;
 mod plan;
 mod request;
-mod robots;
 mod status;
 mod submit;
 

@@ -1,14 +1,13 @@
 //! Which study, and what stands in place of its plan's values.
 
 use armid::study::RandomTruths;
+use armid_io::Error;
 use armid_io::study::load_plans;
 use armid_sim::Engine;
 use miette::Result;
 
 use super::request::Request;
 use crate::arguments::one_of;
-use crate::arms::ArmKind;
-use crate::study::in_words;
 
 /// What a command line may put in place of a plan's values.
 #[derive(Clone, Debug, Default, clap::Args)]
@@ -24,9 +23,9 @@ pub(crate) struct Overrides {
         long,
         value_name = "ARM,…",
         value_delimiter = ',',
-        value_parser = one_of(&ArmKind::SIMULATED, ArmKind::name)
+        value_parser = one_of(&Engine::ALL, Engine::name)
     )]
-    arm: Option<Vec<ArmKind>>,
+    arm: Option<Vec<Engine>>,
     /// One robot of the plan's `robots`
     #[arg(long, value_name = "ROBOT")]
     robot: Option<String>,
@@ -47,7 +46,7 @@ impl Overrides {
             }
             if let Some(arms) = &self.arm {
                 plan.engines = arms.iter().map(|arm| arm.name().to_owned()).collect();
-                plan.check().map_err(in_words)?;
+                plan.check().map_err(Error::of)?;
             }
         }
         let request = Request { study: study.to_owned(), plans, beside, below: None };

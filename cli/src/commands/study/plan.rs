@@ -7,7 +7,6 @@ use armid_io::Error;
 use armid_io::study::{log_ratios, read_study, seconds_of};
 use miette::Result;
 
-use crate::study::in_words;
 use crate::terminal::{Align, Answer, Console, Ending, Table};
 
 /// Runs of each design that are considered.
@@ -27,7 +26,7 @@ pub(crate) struct Arguments {
 type Sized = (StudySize, f64);
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
-    let rule: StoppingRule = arguments.until.parse().map_err(in_words)?;
+    let rule: StoppingRule = arguments.until.parse().map_err(Error::of)?;
     let pilot = read_study(&arguments.folder)?.result;
     if pilot.plan.runs_of_noise() > 1 {
         let message = format!(

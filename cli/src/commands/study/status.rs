@@ -3,13 +3,14 @@
 use std::path::{Path, PathBuf};
 use std::time::Duration;
 
+use armid_io::Error;
 use armid_io::study::load_plan;
 use armid_sim::Engine;
+use armid_workflow::study::PreparedStudy;
 use miette::Result;
 
+use crate::cluster::{Progress, Slurm, Submission};
 use crate::interrupt;
-use crate::study::Prepared;
-use crate::study::cluster::{Progress, Slurm, Submission};
 use crate::terminal::{Answer, Console, Ending};
 
 /// How often the journals are looked at, s.
@@ -31,7 +32,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     loop {
         // Tasks that are submitted again come under new numbers.
         let submission = Submission::read(folder)?;
-        let progress = Progress::read(folder, &submission, &prepared, console)?;
+        let progress = Progress::read(folder, &submission, &prepared)?;
         // Where Slurm does not answer, the journals alone say how far the study is, and its end is not detected.
         let states = Slurm.states(&submission.ids());
         let merged = folder.join("summary.json").is_file();
@@ -51,9 +52,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 }
 
 /// The study of a submission, prepared as its tasks prepare it.
-pub(super) fn prepared(folder: &Path, submission: &Submission) -> Result<Prepared> {
+pub(super) fn prepared(folder: &Path, submission: &Submission) -> Result<PreparedStudy, Error> {
     let (plan, _) = load_plan(&folder.display().to_string(), &Engine::ALL.map(Engine::name))?;
-    Prepared::new(plan, submission.beside.as_deref())
+    PreparedStudy::new(plan, submission.beside.as_deref())
 }
 
 fn line(progress: &Progress) -> String {

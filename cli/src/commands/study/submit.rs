@@ -6,12 +6,12 @@ use std::path::{Path, PathBuf};
 use armid_io::Error;
 use armid_io::output::write_text;
 use armid_io::study::plan_text;
+use armid_workflow::study::PreparedStudy;
 use miette::Result;
 
 use super::overrides::Overrides;
 use crate::arguments::one_of;
-use crate::study::cluster::{Batch, Slurm, Submission, TaskCounts, batches, shell_line, submit};
-use crate::study::{Part, Prepared};
+use crate::cluster::{Batch, Slurm, Submission, TaskCounts, batches, shell_line, submit};
 use crate::terminal::{Answer, Console, Ending};
 
 /// So many runs make one task where nothing else is asked for: at 0.2 s each, far more than what a task costs to begin.
@@ -67,9 +67,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let beside = request.beside;
     let text = plan_text(&plan)?;
     // What cannot be prepared here cannot be performed there.
-    let prepared = Prepared::new(plan, beside.as_deref())?;
-    let study = prepared.performance(&folder, Part::default(), console);
-    let (designs, runs) = (study.planned_designs(), study.planned_runs());
+    let study = PreparedStudy::new(plan, beside.as_deref())?;
+    let (designs, runs) = (study.designs(), study.runs());
     let usual = runs.div_ceil(RUNS_PER_TASK).min(USUAL_MAX_TASKS);
     let tasks = arguments.array.map_or(usual, |tasks| tasks as usize).clamp(1, runs);
     let path = Path::new(&arguments.study);
@@ -99,7 +98,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         let help = "see armid study status, end it by armid study cancel, or choose another folder with -o";
         return Err(Error::mismatch(message).help(help).into());
     }
-    study.check_output()?;
+    study.check_output(&folder)?;
     std::fs::create_dir_all(folder.join("logs"))
         .map_err(|error| Error::new(format!("{} cannot be written: {error}", folder.display())))?;
     write_text(&folder.join("study.toml"), &text)?;

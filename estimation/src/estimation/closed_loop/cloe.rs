@@ -75,7 +75,8 @@ impl Estimator for ClosedLoopOutputError {
             let weights = residual_weights(&positions, &at)?;
             let hidden = Hidden::at(&at.1.jacobian, &positions, &weights, by_torque.clone())?;
             let held = hidden.held();
-            let descent = Descent { observation: &positions, weights: &weights, rise: RISE, held, onto: None };
+            let descent =
+                Descent { problem: &problem, observation: &positions, weights: &weights, rise: RISE, held, onto: None };
             let rest = descent.follow(at, &linearise)?;
             let around = descent.solve(&rest.linearised, 0.0)?;
             Ok::<_, EstimationError>((rest, around, weights, hidden))

@@ -13,6 +13,7 @@ use nalgebra::{DMatrix, DVector};
 use crate::estimation::error::EstimationError;
 use crate::estimation::inference::solve;
 use crate::estimation::observation::Observation;
+use crate::estimation::problem::EstimationProblem;
 use crate::estimation::termination::Termination;
 use crate::linalg::{BlockWhitening, LeastSquares, product};
 
@@ -58,6 +59,8 @@ pub(super) fn is_rejected(error: &EstimationError) -> bool {
 
 /// What is minimised.
 pub(super) struct Descent<'a> {
+    /// Whose observer may end it.
+    pub(super) problem: &'a EstimationProblem<'a>,
     pub(super) observation: &'a Observation,
     pub(super) weights: &'a BlockWhitening,
     /// By which part a step may raise the sum of squares: none where J is exact.
@@ -124,6 +127,9 @@ impl Descent<'_> {
             };
             (beta, at, cost) = (trial, found, trial_cost);
             damping = if damping > LEAST_DAMPING { damping / (FACTOR * FACTOR) } else { 0.0 };
+            if let Some(termination) = self.problem.ended_after(iterations, STEPS) {
+                return Ok(Rest { beta, linearised: at, termination });
+            }
         }
         let termination = Termination::IterationLimit { iterations: STEPS, last_step };
         Ok(Rest { beta, linearised: at, termination })

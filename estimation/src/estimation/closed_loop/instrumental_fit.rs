@@ -44,7 +44,7 @@ impl InstrumentalFit {
     /// # Errors
     /// [`EstimationError`] where the closed loop cannot be simulated at the first β, or its motion is no instrument.
     pub(in crate::estimation) fn found(
-        estimator: &'static str,
+        estimator: &str,
         problem: &EstimationProblem<'_>,
         onto: Option<&Onto<'_>>,
     ) -> Result<Self, EstimationError> {
@@ -76,6 +76,9 @@ impl InstrumentalFit {
             if last_step <= at_rest {
                 break (white_z, fit, Termination::Converged { iterations, last_step });
             }
+            if let Some(termination) = problem.ended_after(iterations, STEPS) {
+                break (white_z, fit, termination);
+            }
             if iterations == STEPS {
                 break (white_z, fit, Termination::IterationLimit { iterations, last_step });
             }
@@ -105,7 +108,7 @@ impl InstrumentalFit {
     /// As [`Inference::estimate`].
     pub(in crate::estimation) fn estimate(
         &self,
-        estimator: &'static str,
+        estimator: &str,
         problem: &EstimationProblem<'_>,
         fit: &LeastSquares,
         termination: Termination,

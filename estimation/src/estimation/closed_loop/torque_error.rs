@@ -48,7 +48,7 @@ pub(in crate::estimation) struct TorqueSearch {
 
 /// The estimate where `min ‖y − τ_s(β)‖_Σ`.
 pub(super) fn estimate(
-    estimator: &'static str,
+    estimator: &str,
     problem: &EstimationProblem<'_>,
     slope: TorqueSlope,
 ) -> Result<Estimate, EstimationError> {
@@ -64,7 +64,7 @@ pub(super) fn estimate(
 /// `min ‖y − τ_s(β)‖_Σ`, over a set where there is one, from the weighted linear fit, or from what [`starting_point`] finds where
 /// that cannot be simulated.
 pub(in crate::estimation) fn search(
-    estimator: &'static str,
+    estimator: &str,
     problem: &EstimationProblem<'_>,
     slope: TorqueSlope,
     onto: Option<&Onto<'_>>,
@@ -108,7 +108,7 @@ pub(in crate::estimation) fn search(
                 around.residual_weights(around.least_squares()?.solution())?
             }
         };
-        let descent = Descent { observation, weights: &weights, rise: slope.rise(), held: held.clone(), onto };
+        let descent = Descent { problem, observation, weights: &weights, rise: slope.rise(), held: held.clone(), onto };
         Ok((descent.follow(start, &linearise)?, weights))
     };
     let Descended { rest, beside: weights, finding, .. } = descend(&trial, &first, output, &linearise, follow)?;

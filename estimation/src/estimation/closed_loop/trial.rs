@@ -13,6 +13,7 @@ use super::simulation::{
 };
 use crate::estimation::complete;
 use crate::estimation::error::EstimationError;
+use crate::estimation::load_friction;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
 use crate::linalg::product;
@@ -22,7 +23,7 @@ use crate::signal::Samples;
 
 /// What trial points are simulated with.
 pub(super) struct Trial<'a> {
-    estimator: &'static str,
+    estimator: &'a str,
     observation: &'a Observation,
     robot: &'a Robot,
     samples: &'a Samples,
@@ -32,7 +33,7 @@ pub(super) struct Trial<'a> {
 }
 
 impl<'a> Trial<'a> {
-    pub(super) fn of(estimator: &'static str, problem: &EstimationProblem<'a>) -> Result<Self, EstimationError> {
+    pub(super) fn of(estimator: &'a str, problem: &EstimationProblem<'a>) -> Result<Self, EstimationError> {
         let robot = problem.robot_for(estimator)?;
         Ok(Self {
             estimator,
@@ -156,7 +157,7 @@ impl<'a> Trial<'a> {
     }
 
     fn failed(&self, reason: ClosedLoopError) -> EstimationError {
-        EstimationError::ClosedLoop { estimator: self.estimator, reason }
+        EstimationError::ClosedLoop { estimator: self.estimator.to_owned(), reason }
     }
 
     fn blank(&self, matrix: &mut DMatrix<f64>) {

@@ -73,8 +73,7 @@ impl Body {
         let logarithm: f64 = factor.l_dirty().diagonal().iter().map(|&d| 2.0 * libm::log(d)).sum();
         let pull = 1.0 / (1.0 - low) - 1.0 / (high - 1.0);
         let (below, above) = (ratio - low, high - ratio);
-        let value =
-            s.trace() / (1.0 - FLOOR) - logarithm - libm::log(below) - libm::log(above) + pull * ratio;
+        let value = s.trace() / (1.0 - FLOOR) - logarithm - libm::log(below) - libm::log(above) + pull * ratio;
         let slope = pull - 1.0 / below + 1.0 / above;
         let gradient = Ten::from_fn(|k, _| basis(k).trace() / (1.0 - FLOOR) - (inverse * basis(k)).trace());
         let images: Vec<Matrix4<f64>> = (0..10).map(|k| inverse * basis(k) * inverse).collect();

@@ -44,7 +44,9 @@ fn log(robot: &Robot, truth: &StandardParameters, amplitude: f64, noise: f64, ru
     let mut rng = Seed::new(92).stream("log of a model fit", run);
     let count = 1500;
     let waves: Vec<[f64; 3]> = (0..3 * JOINTS)
-        .map(|k| [(k % 3 + 1) as f64 * rng.random_range(0.6..1.4), rng.random_range(0.0..6.0), rng.random_range(0.3..1.0)])
+        .map(|k| {
+            [(k % 3 + 1) as f64 * rng.random_range(0.6..1.4), rng.random_range(0.0..6.0), rng.random_range(0.3..1.0)]
+        })
         .collect();
     let (mut states, mut tau) = (States::new(JOINTS), Vec::new());
     let mut dynamics = Dynamics::new(robot, truth);
@@ -106,7 +108,9 @@ fn identity_a_wide_motion_without_noise_gives_the_torque_of_the_arm() {
         assert!(error(&robot, &stated, &samples) > 0.1 && found < 2e-3, "{run}: {found}");
         assert!(error(&robot, &fit.parameters, &other) < 5e-3, "{run}: {}", error(&robot, &fit.parameters, &other));
         for (found, expected) in fit.parameters.drives.iter().zip(&truth.drives) {
-            assert!((found[VISCOUS] - expected[VISCOUS]).abs() < 0.05 && (found[COULOMB] - expected[COULOMB]).abs() < 0.05);
+            assert!(
+                (found[VISCOUS] - expected[VISCOUS]).abs() < 0.05 && (found[COULOMB] - expected[COULOMB]).abs() < 0.05
+            );
         }
     }
 }

@@ -30,7 +30,7 @@ pub(super) const PRIOR_IN_SI: &[LawException] = &[
 
 /// Ordinary least squares, held to what is consistent.
 pub(super) fn ordinary(
-    estimator: &'static str,
+    estimator: &str,
     problem: &EstimationProblem<'_>,
     prior: Prior,
 ) -> Result<Estimate, EstimationError> {
@@ -40,7 +40,7 @@ pub(super) fn ordinary(
 
 /// The same near the nominal set.
 pub(super) fn near_nominal(
-    estimator: &'static str,
+    estimator: &str,
     problem: &EstimationProblem<'_>,
     prior: Prior,
 ) -> Result<Estimate, EstimationError> {
@@ -50,7 +50,7 @@ pub(super) fn near_nominal(
 
 /// The estimate of a linear fit, held to what is consistent.
 pub(super) fn estimate(
-    estimator: &'static str,
+    estimator: &str,
     problem: &EstimationProblem<'_>,
     linear: &LinearFit,
     prior: Prior,
@@ -61,7 +61,7 @@ pub(super) fn estimate(
 
 /// The same of the equations around the point where a search ended, over consistent sets.
 pub(super) fn estimate_by_search(
-    estimator: &'static str,
+    estimator: &str,
     problem: &EstimationProblem<'_>,
     linear: &LinearFit,
     search: Termination,
@@ -71,7 +71,7 @@ pub(super) fn estimate_by_search(
 }
 
 fn restated(
-    estimator: &'static str,
+    estimator: &str,
     problem: &EstimationProblem<'_>,
     linear: &LinearFit,
     fit: &ConsistentFit,

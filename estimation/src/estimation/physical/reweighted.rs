@@ -54,10 +54,13 @@ impl Estimator for ConsistentReweighted {
             let moved = (next.scaled_residual(observation) - before).norm() / (observation.equations() as f64).sqrt();
             robust = next;
             let ended = moved <= AT_REST;
-            if ended || iterations == ITERATIONS || !fit.termination.was_successful() {
+            let interrupted = problem.ended_after(iterations, ITERATIONS);
+            if ended || interrupted.is_some() || iterations == ITERATIONS || !fit.termination.was_successful() {
                 robust.termination = match fit.termination {
                     Termination::Optimal { .. } if ended => Termination::Converged { iterations, last_step: moved },
-                    Termination::Optimal { .. } => Termination::IterationLimit { iterations, last_step: moved },
+                    Termination::Optimal { .. } => {
+                        interrupted.unwrap_or(Termination::IterationLimit { iterations, last_step: moved })
+                    }
                     other => other,
                 };
                 let held = robust_estimate(self.name(), &problem, &robust)?;

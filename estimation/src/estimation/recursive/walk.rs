@@ -26,10 +26,7 @@ const WELL_CONDITIONED: f64 = 1e4;
 const WALK: f64 = 1e-2;
 
 /// The estimate of a filter.
-pub(super) fn estimate<B: Belief>(
-    name: &'static str,
-    problem: &EstimationProblem<'_>,
-) -> Result<Estimate, EstimationError> {
+pub(super) fn estimate<B: Belief>(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
     let (observation, equations) = (problem.observation, problem.factorised()?);
     let problem = problem.with_factorisation(&equations);
     let linear = LinearFit::weighted(&equations)?;
@@ -46,6 +43,10 @@ pub(super) fn estimate<B: Belief>(
     for k in first..samples {
         let rows: Vec<usize> =
             (k * observation.dof..(k + 1) * observation.dof).filter(|&row| observation.used[row]).collect();
+        if let Some(interrupted) = problem.ended_after(k, samples) {
+            termination = interrupted;
+            break;
+        }
         belief.walk(step);
         if rows.is_empty() {
             continue;

@@ -34,7 +34,7 @@ const OUTLIER: f64 = 5.0;
 
 /// The estimate of a robust fit.
 pub(crate) fn estimate(
-    name: &'static str,
+    name: &str,
     problem: &EstimationProblem<'_>,
     robust: &RobustFit,
 ) -> Result<Estimate, EstimationError> {

@@ -38,13 +38,9 @@ impl Exchanges {
     }
 }
 
-impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'_, F> {
+impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
     /// Exchanges each term of a set, and tests beside it what was left out without a test.
-    pub(super) fn exchanges(
-        &self,
-        set: &Kept<'a>,
-        left_out: &mut [TermEvidence],
-    ) -> Result<Exchanges, EstimationError> {
+    pub(super) fn exchanges(&self, set: &Kept, left_out: &mut [TermEvidence]) -> Result<Exchanges, EstimationError> {
         for term in left_out.iter_mut().filter(|term| term.verdict == Verdict::NotExcited) {
             let Some(evidence) = self.beside(set.columns, &term.term)? else { continue };
             if evidence.verdict == Verdict::Supported {

@@ -21,8 +21,8 @@ const LEVEL: f64 = 0.05;
 ///
 /// # Errors
 /// [`EstimationError`] where the links' parameters alone cannot be estimated, or the samples are of another robot.
-pub fn select<'a>(
-    of: impl Fn(Columns) -> Result<Identification<'a>, EstimationError>,
+pub fn select(
+    of: impl Fn(Columns) -> Result<Identification, EstimationError>,
     samples: &Samples,
     held_out: &[Samples],
     candidates: Columns,
@@ -64,14 +64,14 @@ pub(super) struct Search<'s, F> {
 }
 
 /// A set of which every term is supported.
-pub(super) struct Kept<'a> {
+pub(super) struct Kept {
     pub(super) columns: Columns,
-    identification: Identification<'a>,
+    identification: Identification,
     pub(super) step: Step,
     terms: Vec<TermEvidence>,
 }
 
-impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'_, F> {
+impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
     /// The set that is selected from all these terms, and what is said of every word.
     fn selection(&self, mut columns: Columns, words: &[&'static str]) -> Result<Selection, EstimationError> {
         let (mut left_out, mut seen) = (Vec::new(), Vec::new());
@@ -116,7 +116,7 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
     }
 
     /// The equations of a set, and those that are held out; with the lag of the currents where all sets have it.
-    fn equations(&self, of: &Identification<'a>) -> Result<(Observation, Vec<Observation>), EstimationError> {
+    fn equations(&self, of: &Identification) -> Result<(Observation, Vec<Observation>), EstimationError> {
         let observation = of.observation_of_test(self.samples)?;
         let unseen = self.held_out.iter().map(|samples| of.unseen(samples, &observation));
         let unseen = unseen.collect::<Result<Vec<_>, _>>()?;
@@ -133,13 +133,13 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
         Ok((lag.extended(&observation, self.samples), unseen.collect()))
     }
 
-    fn step(&self, identification: &Identification<'a>) -> Result<Step, EstimationError> {
+    fn step(&self, identification: &Identification) -> Result<Step, EstimationError> {
         let (observation, unseen) = self.equations(identification)?;
         Step::of(identification, observation, self.samples, &unseen)
     }
 
     /// Leaves out the least supported term until all are supported.
-    fn eliminated(&self, mut columns: Columns, left_out: &mut Vec<TermEvidence>) -> Result<Kept<'a>, EstimationError> {
+    fn eliminated(&self, mut columns: Columns, left_out: &mut Vec<TermEvidence>) -> Result<Kept, EstimationError> {
         loop {
             let identification = (self.of)(columns)?;
             let step = match self.step(&identification) {
@@ -214,7 +214,7 @@ impl<'a, F: Fn(Columns) -> Result<Identification<'a>, EstimationError>> Search<'
     /// The evidence for a term that is no column, and its coefficients where it is supported.
     fn beyond_motion(
         &self,
-        identification: &Identification<'a>,
+        identification: &Identification,
         step: &Step,
         word: &str,
     ) -> Result<Tested, EstimationError> {
@@ -305,7 +305,7 @@ pub(super) fn with_word(columns: Columns, word: &str) -> Columns {
 }
 
 /// The word of the term whose parameter has this name.
-fn term_of(identification: &Identification<'_>, parameter: &str) -> Option<&'static str> {
+fn term_of(identification: &Identification, parameter: &str) -> Option<&'static str> {
     let ids = identification.base().parameters.iter();
     ids.filter(|id| id.to_string() == parameter).find_map(|id| id.kind.term().map(|term| term.entry().name))
 }

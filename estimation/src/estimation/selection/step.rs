@@ -32,7 +32,7 @@ pub(super) struct Step {
 impl Step {
     /// By its equations and those that are held out.
     pub(super) fn of(
-        identification: &Identification<'_>,
+        identification: &Identification,
         observation: Observation,
         samples: &Samples,
         unseen: &[Observation],

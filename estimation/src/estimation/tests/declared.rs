@@ -95,7 +95,8 @@ fn identity_a_torque_constant_of_a_coupled_motor_moves_the_estimate_as_far_as_it
     let recipe = ChainRecipe { prismatic: 0.0, coupled: true, ..ChainRecipe::new(3) };
     let (robot, parameters) = recipe.draw(&mut rng);
     let columns = Columns::RIGID_ROTOR_FRICTION;
-    let (regressor, mut dynamics) = (JointTorqueRegressor::new(&robot, columns).unwrap(), Dynamics::new(&robot, &parameters));
+    let (regressor, mut dynamics) =
+        (JointTorqueRegressor::new(&robot, columns).unwrap(), Dynamics::new(&robot, &parameters));
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
     let (mut states, mut tau) = (States::new(3), vec![0.0; 3 * COUNT]);
     for (k, tau) in tau.chunks_exact_mut(3).enumerate() {

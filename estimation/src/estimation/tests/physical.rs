@@ -157,7 +157,7 @@ fn the_exceptions_are_what_they_say() {
     // A prior in SI needs a nominal set.
     for kind in NEAR_A_PRIOR {
         let problem = EstimationProblem::new(&case.observation);
-        let expected = EstimationError::Missing { estimator: kind.name(), part: ProblemPart::Nominal };
+        let expected = EstimationError::Missing { estimator: kind.name().to_owned(), part: ProblemPart::Nominal };
         assert_eq!(kind.estimator().estimate(&problem).unwrap_err(), expected);
         // Torque in mN·m weighs a thousand times against it: the estimate is not a thousand times as large.
         let mut scaled = case.observation.clone();

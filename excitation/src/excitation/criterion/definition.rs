@@ -29,7 +29,7 @@ impl Score {
 /// criterion obeys are in `conformance::criterion_laws`.
 pub trait Criterion: fmt::Debug + Send + Sync {
     /// Its name, as `d-optimal`.
-    fn name(&self) -> &'static str;
+    fn name(&self) -> &str;
 
     /// Its value for the information `m` (b × b, symmetric), and where `sensitivity` is given (b × b, overwritten)
     /// the symmetric S with `d value = tr(S dM)`. Infinite where M is not positive definite; S is zero there.

@@ -53,8 +53,18 @@ impl CriterionKind {
 
     /// Its name on the command line and in files.
     #[must_use]
-    pub fn name(self) -> &'static str {
-        self.criterion().name()
+    pub const fn name(self) -> &'static str {
+        match self {
+            Self::Condition => "condition",
+            Self::ConditionScaled => "condition-scaled",
+            Self::DOptimal => "d-optimal",
+            Self::AOptimal => "a-optimal",
+            Self::EOptimal => "e-optimal",
+            Self::ConditionPlusSigma => "condition-plus-sigma",
+            Self::ConditionPlusD => "condition-plus-d",
+            Self::IOptimal => "i-optimal",
+            Self::ModelError => "model-error",
+        }
     }
 
     /// The criterion with this name.

@@ -25,10 +25,11 @@ use crate::trajectory::{Family, PeriodicTrajectory, Timeline};
 ///
 /// ```
 /// # use armid_excitation as armid;
-/// use armid::excitation::{CriterionKind, DesignBudget, DesignProblem};
+/// use armid::excitation::{CriterionKind, DesignBudget, DesignLimits, DesignProblem};
 /// use armid::model::{Columns, bundled, format::parse_robot};
 /// let robot = parse_robot(bundled()[0].robot).unwrap();
-/// let mut problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::Condition).unwrap();
+/// let limits = DesignLimits::of_motion();
+/// let mut problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::Condition, limits).unwrap();
 /// assert_eq!(problem.base().rank(), 58);
 /// assert_eq!((problem.space().period_s(), problem.space().harmonics()[0]), (10.0, 5));
 /// problem.set_budget(DesignBudget::new(60).unwrap());
@@ -60,19 +61,20 @@ const HARMONICS: usize = 5;
 const SAMPLES_PER_HARMONIC: usize = 4;
 
 impl DesignProblem {
-    /// `radkhah2007`'s setting for a criterion of the list or from outside: period 10 s, five harmonics, no torque limits.
+    /// `radkhah2007`'s setting for a criterion of the list or from outside: period 10 s, five harmonics. Of the robot's limits it
+    /// holds those that [`DesignLimits::of`] or [`DesignLimits::of_motion`] chose.
     ///
     /// # Errors
-    /// [`ExcitationError::Base`] if the base parameters cannot be found.
+    /// [`ExcitationError::Base`] if the base parameters cannot be found; as [`Self::set_limits`].
     pub fn new(
         robot: Robot,
         columns: Columns,
         criterion: impl Into<Arc<dyn Criterion>>,
+        limits: DesignLimits,
     ) -> Result<Self, ExcitationError> {
         let objective = DesignObjective::new(&robot, columns, criterion.into())?;
         let space = DesignSpace::new(Family::Fourier, PERIOD_S, vec![HARMONICS; robot.dof()])?;
         let basis = MotionBasis::new(&robot, &space)?;
-        let limits = DesignLimits::default();
         let inner_robot = limits.inner_robot(&robot)?;
         let mut problem = Self { robot, space, basis, limits, inner_robot, objective, budget: DesignBudget::default() };
         problem.declare()?;
@@ -323,7 +325,9 @@ mod tests {
     use crate::excitation::{CriterionKind, design};
 
     fn problem(family: Family, evaluations: usize) -> DesignProblem {
-        let mut problem = DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal).unwrap();
+        let mut problem =
+            DesignProblem::new(chains::crs_a460(), Columns::RIGID, CriterionKind::DOptimal, DesignLimits::of_motion())
+                .unwrap();
         problem.set_space(DesignSpace::new(family, 10.0, vec![5, 5, 5, 3, 3, 3]).unwrap()).unwrap();
         problem.set_samples(60).unwrap();
         problem.set_budget(DesignBudget::new(evaluations).unwrap());
@@ -353,7 +357,13 @@ mod tests {
     #[test]
     fn identity_a_frozen_joint_stands_still_and_the_rest_is_excited() {
         let robot = chains::crs_a460();
-        let mut problem = DesignProblem::new(robot, Columns::RIGID_ROTOR_FRICTION, CriterionKind::DOptimal).unwrap();
+        let mut problem = DesignProblem::new(
+            robot,
+            Columns::RIGID_ROTOR_FRICTION,
+            CriterionKind::DOptimal,
+            DesignLimits::of_motion(),
+        )
+        .unwrap();
         problem.set_samples(60).unwrap();
         problem.set_budget(DesignBudget::new(40).unwrap());
         let all = problem.base().rank();

@@ -3,20 +3,56 @@
 use crate::excitation::effort::{EffortModel, ParameterSpread};
 use crate::excitation::error::{ExcitationError, above_zero, same_length};
 use crate::excitation::margins::Margins;
-use crate::model::{Columns, Robot, StandardParameters};
+use crate::model::format::RelativeUncertainty;
+use crate::model::{Columns, JointKind, Robot, StandardParameters};
 use crate::spatial::Inertia;
 
-/// The limits of a design problem. The default is the robot's own of position, velocity and acceleration, on the period
-/// alone.
+/// The part of the torque and current limits that may be used where the nominal parameters state no uncertainty.
+const WITHOUT_UNCERTAINTY: f64 = 0.9;
+/// Smallest and largest probability of [`LimitSettings::confidence`].
+const CONFIDENCE: std::ops::Range<f64> = 0.5..1.0;
+/// Margin of a prismatic joint for each degree of a revolute one, m/deg, as that of a guard.
+const SLIDING_M_PER_DEG: f64 = 0.0025;
+
+/// Which limits a design of a robot holds; the default holds all. A limit that is not held is `None`.
+///
+/// Position, velocity, acceleration and jerk are always held, as far as the robot states them.
+#[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
+#[serde(default, deny_unknown_fields)]
+pub struct LimitSettings {
+    /// Distance to both position limits, deg. The default keeps off the soft limits of the guard, 4 deg, by a degree for the
+    /// servo. Prismatic joints keep 2.5 mm for each degree.
+    pub margin_deg: f64,
+    /// Probability with which torque and current keep their limits at any one instant, by the uncertainty of the nominal
+    /// parameters; from 0.5, the nominal parameters alone, to less than 1.
+    pub confidence: Option<f64>,
+    /// Length of the ramps around the period on which limits hold too, s.
+    pub ramp_s: Option<f64>,
+    /// Distance to keep between the robot's shapes and from obstacles, m.
+    pub clearance_m: Option<f64>,
+}
+
+impl Default for LimitSettings {
+    fn default() -> Self {
+        Self { margin_deg: 5.0, confidence: Some(0.95), ramp_s: Some(2.0), clearance_m: Some(0.0) }
+    }
+}
+
+/// The limits of a design problem.
 ///
 /// ```
 /// # use armid_excitation as armid;
-/// use armid::excitation::DesignLimits;
-/// let limits = DesignLimits::default().with_ramps(2.0).unwrap().with_clearance(0.02).unwrap();
-/// assert_eq!((limits.ramp_s(), limits.clearance_m()), (Some(2.0), Some(0.02)));
-/// assert!(limits.with_ramps(-1.0).is_err());
+/// use armid::excitation::{DesignLimits, LimitSettings};
+/// use armid::model::{bundled, format::{parse_nominal, parse_robot}};
+/// let robot = parse_robot(bundled()[0].robot).unwrap();
+/// let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap();
+/// let of = |settings| DesignLimits::of(&robot, Some(&nominal.parameters), Some(&nominal.relative_uncertainty), settings);
+/// let limits = of(&LimitSettings::default()).unwrap();
+/// assert_eq!((limits.ramp_s(), limits.clearance_m()), (Some(2.0), Some(0.0)));
+/// assert!(limits.nominal().is_some() && limits.spread().is_some());
+/// assert!(of(&LimitSettings { ramp_s: Some(-1.0), ..LimitSettings::default() }).is_err());
 /// ```
-#[derive(Clone, Debug, Default, PartialEq)]
+#[derive(Clone, Debug, PartialEq)]
 pub struct DesignLimits {
     nominal: Option<StandardParameters>,
     spread: Option<ParameterSpread>,
@@ -29,6 +65,61 @@ pub struct DesignLimits {
 }
 
 impl DesignLimits {
+    /// The limits of a robot. Torque and current are computed by the `nominal` parameters and not held without them. With their
+    /// `uncertainty` they keep the probability of the settings, else nine tenths of the limits.
+    ///
+    /// # Errors
+    /// [`ExcitationError`] where a setting is no number or outside its range.
+    pub fn of(
+        robot: &Robot,
+        nominal: Option<&StandardParameters>,
+        uncertainty: Option<&RelativeUncertainty>,
+        settings: &LimitSettings,
+    ) -> Result<Self, ExcitationError> {
+        let LimitSettings { margin_deg, confidence, ramp_s, clearance_m } = *settings;
+        if !(margin_deg.is_finite() && margin_deg >= 0.0) {
+            let quantity = "distance to the position limits";
+            return Err(ExcitationError::Negative { quantity, found: margin_deg, unit: "deg" });
+        }
+        let margin =
+            |kind| if kind == JointKind::Revolute { margin_deg.to_radians() } else { SLIDING_M_PER_DEG * margin_deg };
+        let mut limits =
+            Self::of_motion().with_position_margin(robot.joints().iter().map(|joint| margin(joint.kind)).collect())?;
+        if let Some(ramp_s) = ramp_s {
+            limits = limits.with_ramps(ramp_s)?;
+        }
+        if let Some(clearance_m) = clearance_m {
+            limits = limits.with_clearance(clearance_m)?;
+        }
+        let Some(confidence) = confidence else { return Ok(limits) };
+        if !CONFIDENCE.contains(&confidence) {
+            return Err(ExcitationError::Confidence { found: confidence });
+        }
+        let part = |torque: f64| Margins { torque, ..Margins::default() };
+        match (nominal, uncertainty) {
+            (Some(nominal), Some(shares)) => {
+                let spread = ParameterSpread::of(robot, nominal, shares, ParameterSpread::multiple_of(confidence));
+                limits.with_uncertain_efforts(nominal.clone(), spread)?.with_margins(part(1.0))
+            }
+            (Some(nominal), None) => limits.with_efforts(nominal.clone()).with_margins(part(WITHOUT_UNCERTAINTY)),
+            (None, _) => limits.with_margins(part(WITHOUT_UNCERTAINTY)),
+        }
+    }
+
+    /// Position, velocity, acceleration and jerk alone, on the period and not on ramps: neither torque, current nor clearance.
+    #[must_use]
+    pub fn of_motion() -> Self {
+        Self {
+            nominal: None,
+            spread: None,
+            payload: None,
+            ramp_s: None,
+            clearance_m: None,
+            margins: Margins::default(),
+            position_margin: Vec::new(),
+        }
+    }
+
     /// Holds torque and current too, computed by the `nominal` parameters.
     #[must_use]
     pub fn with_efforts(self, nominal: StandardParameters) -> Self {

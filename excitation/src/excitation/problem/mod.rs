@@ -11,6 +11,6 @@ mod space;
 
 pub use budget::{DEFAULT_EVALUATIONS, DesignBudget};
 pub use definition::DesignProblem;
-pub use limits::DesignLimits;
+pub use limits::{DesignLimits, LimitSettings};
 pub use objective::DesignObjective;
 pub use space::DesignSpace;

@@ -50,7 +50,8 @@ pub fn edit_mjcf(
         return root.fault(format!("parameters of {found} links, expected those of the chain's {expected}"));
     }
     if robot.coupling().is_some() {
-        return root.fault("a motor drives several joints, expected one joint for each: a tendon is not edited in place");
+        return root
+            .fault("a motor drives several joints, expected one joint for each: a tendon is not edited in place");
     }
     let mut elements = vec![(root, None)];
     for world in root.all("worldbody") {
@@ -66,7 +67,8 @@ pub fn edit_mjcf(
         let Some(joint) = body.all("joint").next() else { continue };
         let drive = &parameters.drives[index];
         let known = settings.joint_attributes(joint, class)?;
-        for (key, value) in [("armature", drive[ROTOR]), ("damping", drive[VISCOUS]), ("frictionloss", drive[COULOMB])] {
+        for (key, value) in [("armature", drive[ROTOR]), ("damping", drive[VISCOUS]), ("frictionloss", drive[COULOMB])]
+        {
             let stated = known.get(key).and_then(|attribute| attribute.value().trim().parse::<f64>().ok());
             if stated.unwrap_or(0.0) != value {
                 edit.set_words(joint, key, numbers(&[value]));
@@ -143,7 +145,8 @@ mod tests {
 
     /// The same text without any number that may change.
     fn skeleton(text: &str) -> String {
-        let mut out = text.split_inclusive('>').filter(|tag| !tag.trim_start().starts_with("<inertial")).collect::<String>();
+        let mut out =
+            text.split_inclusive('>').filter(|tag| !tag.trim_start().starts_with("<inertial")).collect::<String>();
         for key in ["armature", "damping", "frictionloss", "actuatorfrcrange"] {
             let key = format!(" {key}=\"");
             // The class of defaults stays as it is.

@@ -50,7 +50,8 @@ pub fn edit_urdf(text: &str, ends: &ChainEnds, parameters: &StandardParameters) 
     let mut edit = Edit { text: TextEdit::of(text) };
     for (b, inertia) in &bodies {
         let name = &tree.bodies[*b].name;
-        if let Some(link) = root.all("link").find(|link| link.attribute("name").is_some_and(|own| own.value() == name)) {
+        if let Some(link) = root.all("link").find(|link| link.attribute("name").is_some_and(|own| own.value() == name))
+        {
             edit.inertial(link, inertia)?;
         }
     }
@@ -131,7 +132,8 @@ impl Edit<'_> {
         {
             let gap = self.text.gap_before(last.range().start).to_owned();
             let (damping, friction) = (numbers(&[damping]), numbers(&[friction]));
-            self.text.insert(last.range().end, format!("{gap}<dynamics damping=\"{damping}\" friction=\"{friction}\"/>"));
+            self.text
+                .insert(last.range().end, format!("{gap}<dynamics damping=\"{damping}\" friction=\"{friction}\"/>"));
         }
         Ok(())
     }

@@ -10,13 +10,10 @@ use armid::study::{Examples, ReportInput, RunId, RunOrder, ScoredEstimate, Study
 use armid_io::Error;
 use armid_io::study::{FinishedWork, Journal, plan_text, read_study, write_provenance, write_study};
 use armid_io::text::Text;
-use miette::Result;
 
-use super::in_words;
+use super::answer::StudySummary;
 use super::performance::{Performance, Performed};
 use super::report::write_report;
-use crate::answers::study as study_answer;
-use crate::terminal::{Answer, Ending};
 
 /// The order in which work is stored, and the place of each design in it.
 type Stored = (RunOrder, Vec<usize>);
@@ -25,27 +22,22 @@ type Stored = (RunOrder, Vec<usize>);
 const SHOWN_FAMILIES: usize = 8;
 
 impl Performance<'_> {
-    /// Sums up, stores everything, writes the report, and says so.
-    pub(crate) fn finish(&self, performed: Performed) -> Result<Ending> {
-        let (ending, answer) = self.sum_up(performed)?;
-        self.console.show(&answer)?;
-        Ok(ending)
-    }
-
-    /// Sums up, stores everything, and writes the report; how that ended, and what is to be said.
-    pub(crate) fn sum_up(&self, performed: Performed) -> Result<(Ending, Answer)> {
-        self.console.note("summing up");
+    /// Sums up, stores everything, and writes the report.
+    pub(super) fn sum_up(&self, performed: Performed) -> Result<StudySummary, Error> {
+        self.observer.note("summing up");
         let Performed { designs, mut work, numbers, stored } = performed;
         let numbers = numbers.ok_or_else(|| Error::new("a part of a study cannot be summed up"))?;
         let (designs, bounds): (Vec<StudyDesign>, Vec<Vec<f64>>) =
             designs.into_iter().map(|made| (made.design, made.bound)).unzip();
-        let conditions = self.setup.conditions(&designs, &bounds, &numbers).map_err(in_words)?;
-        let effect_sensitivity = self.setup.effect_sensitivity(&designs, &conditions, &numbers).map_err(in_words)?;
+        let conditions = self.setup.conditions(&designs, &bounds, &numbers).map_err(Error::of)?;
+        let effect_sensitivity = self.setup.effect_sensitivity(&designs, &conditions, &numbers).map_err(Error::of)?;
         let radkhah2007 = if self.setup.plan().radkhah2007_claims {
-            let arm = |sensing: &Sensing, noise: RunNoise| self.first().arm(sensing, noise);
+            let arm = |sensing: &Sensing, noise: RunNoise| {
+                self.first().arm(sensing, noise).map_err(|error| error.to_string())
+            };
             let (claims, table) =
-                evaluate_claims(self.setup, &self.first().truth, &designs, &conditions[0].findings, &arm)
-                    .map_err(in_words)?;
+                evaluate_claims(self.setup, self.first().truth(), &designs, &conditions[0].findings, &arm)
+                    .map_err(Error::of)?;
             Some(Reproduction { claims, table })
         } else {
             None
@@ -61,12 +53,11 @@ impl Performance<'_> {
         let report: Option<PathBuf> =
             if failed < runs { Some(write_report(&self.output.join("report"), &input)?) } else { None };
         work.remove()?;
-        let ending = if failed == runs { Ending::Negative } else { Ending::Done };
-        Ok((ending, study_answer::answer(&input.result, runs, failed, report.as_deref())))
+        Ok(StudySummary { result: input.result, runs, failed, report, looks: None })
     }
 
     /// Is this very study stored, whole: its plan, on its robot, by this version?
-    pub(crate) fn is_stored(&self) -> bool {
+    pub(super) fn is_stored(&self) -> bool {
         let of_plan = || {
             let stored = Text::read(&self.output.join("study.toml")).ok();
             stored.is_some_and(|stored| plan_text(self.plan()).is_ok_and(|text| text == *stored.content))
@@ -78,12 +69,12 @@ impl Performance<'_> {
     /// What produces the results.
     fn provenance(&self) -> Provenance {
         let seed = self.setup.plan().seed;
-        Provenance::new(self.setup.robot().name(), &self.first().loaded.text.content, Some(seed))
+        Provenance::new(self.setup.robot().name(), self.robot_text, Some(seed))
     }
 
     /// The best design of each family against its limits, and the first validation experiment against what a median
     /// run of the best one predicts.
-    fn examples(&self, designs: &[StudyDesign], work: &mut FinishedWork, stored: &Stored) -> Result<Examples> {
+    fn examples(&self, designs: &[StudyDesign], work: &mut FinishedWork, stored: &Stored) -> Result<Examples, Error> {
         let best = |family: usize| {
             let of_family = designs.iter().enumerate().filter(|(_, design)| design.family == family);
             of_family.min_by(|(_, a), (_, b)| a.own_value().total_cmp(&b.own_value()))
@@ -100,8 +91,8 @@ impl Performance<'_> {
         let prediction = match shown {
             Some((design, run, estimate)) => {
                 let seed = self.setup.plan().seed.child("validation experiment", 0);
-                let simulation = self.first().made_of(self.setup.truth(run));
-                let mut arm = simulation.arm(&Sensing::default(), seed.of_run(0)).map_err(in_words)?;
+                let simulated = self.first().made_of(self.setup.truth(run));
+                let mut arm = simulated.arm(&Sensing::default(), seed.of_run(0)).map_err(Error::of)?;
                 let trajectory = self.setup.validation().random().first();
                 let samples = trajectory.and_then(|trajectory| self.setup.samples(trajectory, &mut *arm).ok());
                 samples.map(|samples| self.setup.prediction_example(design, &estimate, &samples))
@@ -117,7 +108,7 @@ impl Performance<'_> {
         design: usize,
         work: &mut FinishedWork,
         (order, places): &Stored,
-    ) -> Result<Option<(u64, ScoredEstimate)>> {
+    ) -> Result<Option<(u64, ScoredEstimate)>, Error> {
         for run in 0..self.order.runs(design) as u64 {
             let found = work.run(order.position(RunId { design: places[design], condition: 0, run }))?;
             if let Some((outcome, _)) = found.filter(|(outcome, _)| outcome.failure.is_none()) {

@@ -4,11 +4,11 @@ use std::path::{Path, PathBuf};
 
 use armid_io::Error;
 use armid_io::output::write_text;
+use armid_workflow::study::Stage;
 
 use super::array::Array;
 use super::progress::stage_folder;
 use super::{Submission, SubmittedJob};
-use crate::study::Stage;
 
 /// What the last job is called, beside the stages.
 const COLLECT: &str = "collect";

@@ -3,11 +3,9 @@
 use std::path::{Path, PathBuf};
 
 use armid_io::Error;
-use armid_io::study::Journal;
+use armid_workflow::study::{Part, PreparedStudy, Shard, Stage};
 
 use super::{Submission, TaskCounts};
-use crate::study::{Part, Prepared, Shard, Stage};
-use crate::terminal::Console;
 
 /// The folder of one task.
 pub(crate) fn folder_of(folder: &Path, stage: Stage, task: usize) -> PathBuf {
@@ -43,16 +41,11 @@ impl Progress {
     ///
     /// # Errors
     /// [`Error`] where a journal cannot be read or belongs to another study.
-    pub(crate) fn read(
-        folder: &Path,
-        submission: &Submission,
-        prepared: &Prepared,
-        console: &Console,
-    ) -> Result<Self, Error> {
+    pub(crate) fn read(folder: &Path, submission: &Submission, study: &PreparedStudy) -> Result<Self, Error> {
         let TaskCounts { designs, runs } = submission.tasks;
         Ok(Self {
-            designs: stage_progress(folder, (Stage::Designs, designs), prepared, console)?,
-            runs: stage_progress(folder, (Stage::Runs, runs), prepared, console)?,
+            designs: stage_progress(folder, (Stage::Designs, designs), study)?,
+            runs: stage_progress(folder, (Stage::Runs, runs), study)?,
         })
     }
 
@@ -62,26 +55,14 @@ impl Progress {
     }
 }
 
-fn stage_progress(
-    folder: &Path,
-    (stage, n): (Stage, usize),
-    prepared: &Prepared,
-    console: &Console,
-) -> Result<StageProgress, Error> {
+fn stage_progress(folder: &Path, (stage, n): (Stage, usize), study: &PreparedStudy) -> Result<StageProgress, Error> {
     let mut progress = StageProgress::default();
     for k in 1..=n {
-        let of_task = folder_of(folder, stage, k);
         let part = Part { stage: Some(stage), shard: Some(Shard { k, n }) };
-        let study = prepared.performance(&of_task, part, console);
-        let begun = of_task.join(Journal::NAME).is_file();
-        let work = if begun { study.with_work_from(&[&of_task])? } else { study.no_work()? };
-        let (missing, total) = match stage {
-            Stage::Designs => (study.missing_designs(&work), study.planned_designs()),
-            Stage::Runs => (study.missing(&work), study.planned_runs()),
-        };
-        progress.done += total - missing;
-        progress.total += total;
-        if missing > 0 {
+        let of_task = study.progress(&folder_of(folder, stage, k), part)?;
+        progress.done += of_task.done;
+        progress.total += of_task.total;
+        if of_task.done < of_task.total {
             progress.missing_tasks.push(k);
         }
     }

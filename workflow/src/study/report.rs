@@ -9,17 +9,26 @@ use armid_io::study::write_ratios;
 use armid_reports::{Document, DocumentError, Figure, criteria_figure, robots_document, study_document};
 
 /// Draws the report of a study; returns the page.
-pub(crate) fn write_report(folder: &Path, input: &ReportInput) -> Result<PathBuf, Error> {
+///
+/// # Errors
+/// [`Error`] where a figure cannot be drawn or written.
+pub fn write_report(folder: &Path, input: &ReportInput) -> Result<PathBuf, Error> {
     write_document(folder, &study_document(input).map_err(cannot_be_drawn)?)
 }
 
 /// Draws the page of one study on several robots; returns it.
-pub(crate) fn write_robots_report(folder: &Path, summary: &RobotsSummary) -> Result<PathBuf, Error> {
+///
+/// # Errors
+/// [`Error`] where a figure cannot be drawn or written.
+pub fn write_robots_report(folder: &Path, summary: &RobotsSummary) -> Result<PathBuf, Error> {
     write_document(folder, &robots_document(summary).map_err(cannot_be_drawn)?)
 }
 
 /// Draws criteria under single effects on several robots, and stores the numbers beside the figure; returns the figure.
-pub(crate) fn write_criteria(folder: &Path, robots: &[CriterionRatios]) -> Result<PathBuf, Error> {
+///
+/// # Errors
+/// [`Error`] where it cannot be drawn or written.
+pub fn write_criteria(folder: &Path, robots: &[CriterionRatios]) -> Result<PathBuf, Error> {
     let figure = criteria_figure(robots);
     let path = folder.join(format!("{}.svg", figure.name()));
     write_text(&path, &figure.svg().map_err(DocumentError::from).map_err(cannot_be_drawn)?)?;

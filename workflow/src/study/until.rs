@@ -4,34 +4,34 @@ use armid::study::{Look, RunId, RunNumber, StoppingRule};
 use armid_io::Error;
 use armid_io::output::{pretty, write_text};
 use armid_io::study::{FinishedWork, RowFiles};
-use miette::Result;
 
-use super::in_words;
+use super::answer::StudySummary;
 use super::performance::{Performance, Performed};
-use crate::interrupt;
-use crate::terminal::{Answer, Ending};
 
 /// The looks at a study, and how it ended.
 #[derive(Clone, Debug, serde::Serialize)]
-pub(crate) struct Looks {
+pub struct Looks {
     /// What was wanted, as it was asked for.
-    pub(crate) until: String,
+    pub until: String,
     /// Every look, the last being the end.
-    pub(crate) looks: Vec<Look>,
+    pub looks: Vec<Look>,
     /// `narrow-enough`, or `all-starts` where all of the plan's starts were not enough.
-    pub(crate) termination: &'static str,
+    pub termination: &'static str,
 }
 
 impl Looks {
     /// What the files of a study call it.
     const NAME: &'static str = "looks.json";
 
-    pub(crate) fn is_met(&self) -> bool {
+    /// Is the interval narrow enough?
+    #[must_use]
+    pub fn is_met(&self) -> bool {
         self.termination == "narrow-enough"
     }
 
     /// Starts of each family at the end.
-    pub(crate) fn starts(&self) -> usize {
+    #[must_use]
+    pub fn starts(&self) -> usize {
         self.looks.last().map_or(0, |look| look.starts)
     }
 
@@ -39,33 +39,17 @@ impl Looks {
         let value = serde_json::to_value(self).map_err(|error| Error::new(format!("the looks: {error}")))?;
         write_text(&folder.join(Self::NAME), &pretty(&value))
     }
-
-    /// Every look in a line.
-    pub(crate) fn answer(&self) -> Answer {
-        let line = |look: &Look| {
-            let interval =
-                look.interval.map_or("no interval yet".to_owned(), |i| format!("[{:.4}, {:.4}]", i.low, i.high));
-            let share = look.share.map_or(String::new(), |share| format!(", ±{:.2} %", 100.0 * share));
-            format!("{:>5} starts: ratio {:.4} {interval}{share}\n", look.starts, look.ratio)
-        };
-        let lines: String = self.looks.iter().map(line).collect();
-        let end = if self.is_met() { "met" } else { "not met with all starts of the plan" };
-        Answer {
-            text: format!("{}: {end}\n{lines}", self.until),
-            json: serde_json::json!({ "until": self.until, "looks": self.looks, "termination": self.termination }),
-        }
-    }
 }
 
 impl Performance<'_> {
     /// Performs starts until the rule is met at a look, or all of them; `None` where interrupted.
-    pub(crate) fn perform_until(
+    pub(super) fn perform_until(
         &mut self,
         mut work: FinishedWork,
         rule: &StoppingRule,
         words: &str,
-    ) -> Result<Option<(Looks, FinishedWork)>> {
-        let families = rule.families(self.setup.plan()).map_err(in_words)?;
+    ) -> Result<Option<(Looks, FinishedWork)>, Error> {
+        let families = rule.families(self.setup.plan()).map_err(Error::of)?;
         let mut looks = Looks { until: words.to_owned(), looks: Vec::new(), termination: "all-starts" };
         for (starts, bound) in StoppingRule::looks(self.setup.plan().designs[families[0]].starts) {
             self.starts = starts;
@@ -80,9 +64,6 @@ impl Performance<'_> {
                 looks.termination = "narrow-enough";
                 break;
             }
-            if interrupt::asked() {
-                return Ok(None);
-            }
         }
         Ok(Some((looks, work)))
     }
@@ -95,7 +76,7 @@ impl Performance<'_> {
         rule: &StoppingRule,
         starts: usize,
         work: &mut FinishedWork,
-    ) -> Result<Vec<f64>> {
+    ) -> Result<Vec<f64>, Error> {
         let estimator = self.setup.plan().identification.estimators.len() - 1;
         let number = RunNumber::Metric { estimator, metric: rule.metric };
         let mut logs = Vec::new();
@@ -107,7 +88,13 @@ impl Performance<'_> {
     }
 
     /// One number of all runs of a start under the first condition that gave it.
-    fn values(&self, family: usize, start: usize, number: RunNumber, work: &mut FinishedWork) -> Result<Vec<f64>> {
+    fn values(
+        &self,
+        family: usize,
+        start: usize,
+        number: RunNumber,
+        work: &mut FinishedWork,
+    ) -> Result<Vec<f64>, Error> {
         let design = self.setup.designs().iter().position(|&design| design == (family, start));
         let design = design.ok_or_else(|| Error::new(format!("family {family} has no start {start}")))?;
         let mut values = Vec::new();
@@ -119,7 +106,12 @@ impl Performance<'_> {
     }
 
     /// Sums up the starts that were performed, of which this study is made: its designs are the first ones of `all`.
-    pub(crate) fn finish_first(&self, all: &Performance<'_>, mut work: FinishedWork, looks: &Looks) -> Result<Ending> {
+    pub(super) fn sum_up_first(
+        &self,
+        all: &Performance<'_>,
+        mut work: FinishedWork,
+        looks: Looks,
+    ) -> Result<StudySummary, Error> {
         let (here, there) = (self.setup.designs(), all.setup.designs());
         let place = |design: usize| {
             let found = there.iter().position(|&other| other == here[design]);
@@ -141,8 +133,7 @@ impl Performance<'_> {
         }
         let numbers = Some(rows.finish()?);
         looks.write(self.output)?;
-        self.console.note(looks.answer().text.trim_end());
-        let ending = self.finish(Performed { designs, work, numbers, stored: (all.order.clone(), places) })?;
-        Ok(if looks.is_met() { ending } else { Ending::Negative })
+        let summary = self.sum_up(Performed { designs, work, numbers, stored: (all.order.clone(), places) })?;
+        Ok(StudySummary { looks: Some(looks), ..summary })
     }
 }

@@ -5,41 +5,39 @@ use std::path::Path;
 use std::sync::{Arc, Mutex};
 use std::time::Instant;
 
+use armid::observer::{Observer, Work};
 use armid::provenance::sha256;
 use armid::study::{MeasuredMotions, RunId, RunOrder, StudyDesign, StudyPlan, StudySetup};
-use indicatif::ProgressBar;
-use miette::Result;
 use rayon::prelude::*;
 
 use armid_io::Error;
 use armid_io::output::write_text;
 use armid_io::study::{FinishedWork, Journal, MadeDesign, NumberFile, RowFiles, check_output, plan_text};
+use armid_sim::SimulatedArm;
 
-use super::in_words;
 use super::part::{Part, Stage, designs_from};
-use crate::arms::Simulation;
-use crate::interrupt;
-use crate::terminal::{Console, progress};
+use crate::counter::{Counter, Latch};
 
 /// Runs that are begun before the rows of those before them are written: enough that teams of runs on one arm are full.
 const WINDOW: usize = 8192;
 
 /// One study being performed.
-pub(crate) struct Performance<'a> {
+pub(super) struct Performance<'a> {
     pub(super) setup: &'a StudySetup,
-    pub(super) simulations: &'a [Simulation],
+    pub(super) arms: &'a [SimulatedArm],
+    pub(super) robot_text: &'a str,
     pub(super) order: RunOrder,
     pub(super) output: &'a Path,
     pub(super) part: Part,
     /// So many starts of each family are wanted.
     pub(super) starts: usize,
-    pub(super) console: &'a Console,
+    pub(super) observer: &'a dyn Observer,
     /// What the arm of each condition and truth measures on fresh motions.
     pub(super) measured: Mutex<BTreeMap<(usize, usize), Arc<MeasuredMotions>>>,
 }
 
 /// A study whose runs are all finished.
-pub(crate) struct Performed {
+pub(super) struct Performed {
     pub(super) designs: Vec<MadeDesign>,
     pub(super) work: FinishedWork,
     /// The numbers of all runs, whose rows are written; none of a part.
@@ -50,22 +48,22 @@ pub(crate) struct Performed {
 
 impl Performance<'_> {
     /// The arm of the first condition, which single cases and bounds are taken from.
-    pub(super) fn first(&self) -> &Simulation {
-        &self.simulations[0]
+    pub(super) fn first(&self) -> &SimulatedArm {
+        &self.arms[0]
     }
 
     /// What decides the rows: stored work with another identity belongs to another study.
-    pub(crate) fn identity(&self) -> Result<String, Error> {
+    fn identity(&self) -> Result<String, Error> {
         Ok(sha256(&plan_text(self.setup.plan())?))
     }
 
     /// No work yet.
-    pub(crate) fn no_work(&self) -> Result<FinishedWork, Error> {
+    pub(super) fn no_work(&self) -> Result<FinishedWork, Error> {
         Ok(FinishedWork::new(self.setup, &self.identity()?))
     }
 
     /// The designs that folders hold, or the folders in them.
-    pub(crate) fn with_designs_from<P: AsRef<Path>>(&self, folders: &[P]) -> Result<FinishedWork, Error> {
+    pub(super) fn with_designs_from<P: AsRef<Path>>(&self, folders: &[P]) -> Result<FinishedWork, Error> {
         let mut work = self.no_work()?;
         for folder in folders {
             designs_from(folder.as_ref(), &mut work, self.setup)?;
@@ -74,7 +72,7 @@ impl Performance<'_> {
     }
 
     /// The work in the journals of these folders, of which every one has its own.
-    pub(crate) fn with_work_from<P: AsRef<Path>>(&self, folders: &[P]) -> Result<FinishedWork, Error> {
+    pub(super) fn with_work_from<P: AsRef<Path>>(&self, folders: &[P]) -> Result<FinishedWork, Error> {
         let mut work = self.no_work()?;
         for folder in folders {
             work.include(&folder.as_ref().join(Journal::NAME), self.setup)?;
@@ -83,45 +81,38 @@ impl Performance<'_> {
     }
 
     /// Is the output folder free for this study?
-    pub(crate) fn check_output(&self) -> Result<(), Error> {
+    pub(super) fn check_output(&self) -> Result<(), Error> {
         check_output(self.output, self.plan())
     }
 
     /// Begins the journal in the output folder, or goes on with it; the plan stands beside it.
-    pub(crate) fn begin(&self, work: &mut FinishedWork, resume: bool) -> Result<()> {
+    pub(super) fn begin(&self, work: &mut FinishedWork, resume: bool) -> Result<(), Error> {
         self.check_output()?;
         work.begin(self.output, resume, self.setup)?;
         write_text(&self.output.join("study.toml"), &plan_text(self.setup.plan())?)?;
+        if let Some(note) = work.note() {
+            self.observer.note(&note);
+        }
         Ok(())
     }
 
     /// The plan.
-    pub(crate) fn plan(&self) -> &StudyPlan {
+    pub(super) fn plan(&self) -> &StudyPlan {
         self.setup.plan()
     }
 
-    /// Which part this is.
-    pub(crate) fn part(&self) -> Part {
-        self.part
-    }
-
-    /// Where it is stored.
-    pub(crate) fn output(&self) -> &Path {
-        self.output
-    }
-
     /// How many designs belong to this part.
-    pub(crate) fn planned_designs(&self) -> usize {
+    pub(super) fn planned_designs(&self) -> usize {
         (0..self.order.designs()).filter(|&index| self.part.holds(index)).count()
     }
 
     /// How many runs belong to this part.
-    pub(crate) fn planned_runs(&self) -> usize {
+    pub(super) fn planned_runs(&self) -> usize {
         (0..self.order.len()).filter(|&position| self.part.holds(position)).count()
     }
 
     /// How many planned runs are not finished.
-    pub(crate) fn missing(&self, work: &FinishedWork) -> usize {
+    pub(super) fn missing(&self, work: &FinishedWork) -> usize {
         let wanted = self.wanted();
         (0..self.order.len()).filter(|&position| self.is_wanted(&wanted, position) && !work.holds(position)).count()
     }
@@ -137,24 +128,24 @@ impl Performance<'_> {
     }
 
     /// How many designs of this part are not made.
-    pub(crate) fn missing_designs(&self, work: &FinishedWork) -> usize {
+    pub(super) fn missing_designs(&self, work: &FinishedWork) -> usize {
         let designs = work.designs().iter().enumerate();
         designs.filter(|(index, design)| self.part.holds(*index) && design.is_none()).count()
     }
 
     /// Makes the designs of this part that are missing, and says whether all are there.
-    pub(crate) fn perform_designs(&self, work: FinishedWork) -> Result<bool> {
+    pub(super) fn perform_designs(&self, work: FinishedWork) -> Result<bool, Error> {
         let designs = work.designs().iter().enumerate();
         let mine = designs.filter(|(index, made)| self.part.holds(*index) && made.is_none()).map(|(index, _)| index);
         let mine = mine.collect();
         let work = Mutex::new(work);
         self.make_designs(mine, &work)?;
-        Ok(self.missing_designs(&work.into_inner().map_err(in_words)?) == 0)
+        Ok(self.missing_designs(&work.into_inner().map_err(Error::of)?) == 0)
     }
 
     /// Makes the designs, where it is not the stage of the runs alone, and performs the runs that are missing; of the whole
     /// study the rows are written on the way. `None` where interrupted.
-    pub(crate) fn perform(&self, work: FinishedWork) -> Result<Option<Performed>> {
+    pub(super) fn perform(&self, work: FinishedWork) -> Result<Option<Performed>, Error> {
         let designs = work.designs();
         let missing: Vec<usize> = (0..designs.len()).filter(|&index| designs[index].is_none()).collect();
         if self.part.stage == Some(Stage::Runs) && !missing.is_empty() {
@@ -163,11 +154,11 @@ impl Performance<'_> {
                 missing.len(),
                 designs.len()
             );
-            return Err(Error::new(message).help("`armid study STUDY --stage designs -o DIR` makes them").into());
+            return Err(Error::new(message).help("`armid study STUDY --stage designs -o DIR` makes them"));
         }
         let work = Mutex::new(work);
         self.make_designs(missing, &work)?;
-        let designs = work.lock().map_err(in_words)?.designs().iter().cloned().collect::<Option<Vec<MadeDesign>>>();
+        let designs = work.lock().map_err(Error::of)?.designs().iter().cloned().collect::<Option<Vec<MadeDesign>>>();
         let Some(made) = designs else { return Ok(None) };
         let mut rows = if self.part.is_whole() {
             let seconds: Vec<f64> = made.iter().map(|made| made.seconds).collect();
@@ -181,45 +172,46 @@ impl Performance<'_> {
         }
         let numbers = rows.map(RowFiles::finish).transpose()?;
         let stored = (self.order.clone(), (0..made.len()).collect());
-        Ok(Some(Performed { designs: made, work: work.into_inner().map_err(in_words)?, numbers, stored }))
+        Ok(Some(Performed { designs: made, work: work.into_inner().map_err(Error::of)?, numbers, stored }))
     }
 
     /// Makes the designs that are wanted and performs their runs; `None` where interrupted.
-    pub(super) fn perform_some(&self, work: FinishedWork) -> Result<Option<FinishedWork>> {
+    pub(super) fn perform_some(&self, work: FinishedWork) -> Result<Option<FinishedWork>, Error> {
         let wanted = self.wanted();
         let made = work.designs();
         let missing = (0..made.len()).filter(|&index| wanted[index] && made[index].is_none()).collect();
         let work = Mutex::new(work);
         self.make_designs(missing, &work)?;
-        let designs = work.lock().map_err(in_words)?.designs().to_vec();
+        let designs = work.lock().map_err(Error::of)?.designs().to_vec();
         if (0..designs.len()).any(|index| wanted[index] && designs[index].is_none()) {
             return Ok(None);
         }
         let complete = self.perform_runs(&designs, &work, None)?;
-        Ok(if complete { Some(work.into_inner().map_err(in_words)?) } else { None })
+        Ok(if complete { Some(work.into_inner().map_err(Error::of)?) } else { None })
     }
 
     /// Makes the designs at these places.
-    fn make_designs(&self, missing: Vec<usize>, work: &Mutex<FinishedWork>) -> Result<()> {
+    fn make_designs(&self, missing: Vec<usize>, work: &Mutex<FinishedWork>) -> Result<(), Error> {
         let planned = self.setup.designs();
-        let bar = progress::bar(self.console, missing.len() as u64, "designs");
-        missing.into_par_iter().filter(|_| !interrupt::asked()).try_for_each(|index| -> Result<()> {
+        let counter = Counter::new(self.observer, Work::Designs, missing.len());
+        missing.into_par_iter().filter(|_| counter.goes_on()).try_for_each(|index| -> Result<(), Error> {
             let begin = Instant::now();
-            let (family, start) = planned[index];
-            let mut sequence = self.setup.designs_of_sequence(family, start).map_err(in_words)?;
+            let ((family, start), latch) = (planned[index], Latch::new(self.observer));
+            let mut sequence = self.setup.designs_of_sequence(family, start, &latch).map_err(Error::of)?;
+            if latch.has_ended() {
+                return Ok(());
+            }
             let bound = self.bound(&sequence)?;
             let design = sequence.pop().ok_or_else(|| Error::new("a sequence without designs"))?;
             let made = MadeDesign { design, bound, seconds: begin.elapsed().as_secs_f64() };
-            work.lock().map_err(in_words)?.keep_design(index, made)?;
-            bar.inc(1);
+            work.lock().map_err(Error::of)?.keep_design(index, made)?;
+            counter.add();
             Ok(())
-        })?;
-        bar.finish_and_clear();
-        Ok(())
+        })
     }
 
     /// The bound after the experiments of all designs of a sequence.
-    pub(super) fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>> {
+    pub(super) fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>, Error> {
         let mut exact = Vec::new();
         for design in sequence {
             let plan = self.setup.experiment(&design.trajectory);
@@ -239,33 +231,32 @@ impl Performance<'_> {
         designs: &[Option<MadeDesign>],
         work: &Mutex<FinishedWork>,
         mut rows: Option<&mut RowFiles>,
-    ) -> Result<bool> {
-        let missing = self.missing(&*work.lock().map_err(in_words)?);
-        let bar = progress::bar(self.console, missing as u64, "runs");
+    ) -> Result<bool, Error> {
+        let missing = self.missing(&*work.lock().map_err(Error::of)?);
+        let counter = Counter::new(self.observer, Work::Runs, missing);
         let end = self.order.len();
         let wanted = self.wanted();
         let mut written = 0;
         for from in (0..end).step_by(WINDOW) {
             let window = from..end.min(from + WINDOW);
             let planned: Vec<RunId> = {
-                let work = work.lock().map_err(in_words)?;
+                let work = work.lock().map_err(Error::of)?;
                 let missing =
                     window.clone().filter(|&position| self.is_wanted(&wanted, position) && !work.holds(position));
                 missing.map(|position| self.order.id(position)).collect()
             };
             let (performed, wrote) = rayon::join(
-                || self.perform_window(planned, designs, work, &bar),
+                || self.perform_window(planned, designs, work, &counter),
                 || write_rows(rows.as_deref_mut(), written..from, work),
             );
             wrote?;
             written = from;
             performed?;
-            if interrupt::asked() {
+            if !counter.goes_on() {
                 break;
             }
         }
-        bar.finish_and_clear();
-        if self.missing(&*work.lock().map_err(in_words)?) > 0 {
+        if self.missing(&*work.lock().map_err(Error::of)?) > 0 {
             return Ok(false);
         }
         write_rows(rows, written..end, work)?;
@@ -277,16 +268,16 @@ impl Performance<'_> {
         planned: Vec<RunId>,
         designs: &[Option<MadeDesign>],
         work: &Mutex<FinishedWork>,
-        bar: &ProgressBar,
-    ) -> Result<()> {
-        self.teams(planned).into_par_iter().filter(|_| !interrupt::asked()).try_for_each(|team| {
+        counter: &Counter<'_>,
+    ) -> Result<(), Error> {
+        self.teams(planned).into_par_iter().filter(|_| counter.goes_on()).try_for_each(|team| {
             let begin = Instant::now();
             let outcomes = self.perform_team(&team, designs)?;
             // Runs that are computed together share their time.
-            let seconds = begin.elapsed().as_secs_f64() / outcomes.len() as f64;
+            let seconds = begin.elapsed().as_secs_f64() / outcomes.len().max(1) as f64;
             for outcome in outcomes {
-                work.lock().map_err(in_words)?.keep_run(outcome, seconds)?;
-                bar.inc(1);
+                work.lock().map_err(Error::of)?.keep_run(outcome, seconds)?;
+                counter.add();
             }
             Ok(())
         })
@@ -298,10 +289,10 @@ fn write_rows(
     rows: Option<&mut RowFiles>,
     positions: std::ops::Range<usize>,
     work: &Mutex<FinishedWork>,
-) -> Result<()> {
+) -> Result<(), Error> {
     let Some(rows) = rows else { return Ok(()) };
     for position in positions {
-        let run = work.lock().map_err(in_words)?.run(position)?;
+        let run = work.lock().map_err(Error::of)?.run(position)?;
         let (outcome, seconds) =
             run.ok_or_else(|| Error::new(format!("run {position} is not among the finished ones")))?;
         rows.add(&outcome, seconds)?;

@@ -7,8 +7,9 @@ use armid_io::Error;
 use armid_io::study::{FinishedWork, Journal};
 
 /// What a study does first and second. Designs are made once; every run needs them.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Stage {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Stage {
     /// The trajectories.
     Designs,
     /// Experiments, estimates and scores.
@@ -17,10 +18,11 @@ pub(crate) enum Stage {
 
 impl Stage {
     /// In the order in which they are performed.
-    pub(crate) const ALL: [Self; 2] = [Self::Designs, Self::Runs];
+    pub const ALL: [Self; 2] = [Self::Designs, Self::Runs];
 
-    /// The word of the command line, and of folders.
-    pub(crate) fn name(self) -> &'static str {
+    /// Its name, also of folders.
+    #[must_use]
+    pub const fn name(self) -> &'static str {
         match self {
             Self::Designs => "designs",
             Self::Runs => "runs",
@@ -29,10 +31,12 @@ impl Stage {
 }
 
 /// Share `k` of `n`, counted from one.
-#[derive(Clone, Copy, Debug)]
-pub(crate) struct Shard {
-    pub(crate) k: usize,
-    pub(crate) n: usize,
+#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Shard {
+    /// Which, from one.
+    pub k: usize,
+    /// Of how many.
+    pub n: usize,
 }
 
 impl std::str::FromStr for Shard {
@@ -48,20 +52,24 @@ impl std::str::FromStr for Shard {
 }
 
 /// A part of a study: one stage or both, and a share of it or all.
-#[derive(Clone, Copy, Debug, Default)]
-pub(crate) struct Part {
-    pub(crate) stage: Option<Stage>,
-    pub(crate) shard: Option<Shard>,
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct Part {
+    /// The stage, or both.
+    pub stage: Option<Stage>,
+    /// The share, or all.
+    pub shard: Option<Shard>,
 }
 
 impl Part {
     /// Does the work at this place of the stage's list belong to it?
-    pub(crate) fn holds(self, position: usize) -> bool {
+    #[must_use]
+    pub fn holds(self, position: usize) -> bool {
         self.shard.is_none_or(|shard| position % shard.n == shard.k - 1)
     }
 
     /// Is it the whole study, to be summed up?
-    pub(crate) fn is_whole(self) -> bool {
+    #[must_use]
+    pub fn is_whole(self) -> bool {
         self.shard.is_none() && self.stage != Some(Stage::Designs)
     }
 }

@@ -7,12 +7,10 @@ use armid::experiment::ExperimentPlan;
 use armid::study::{MeasuredMotions, Outcome, RunId};
 use armid_io::Error;
 use armid_io::study::MadeDesign;
-use armid_sim::BatchRun;
-use miette::Result;
+use armid_sim::{BatchRun, SimulatedArm};
 
-use super::in_words;
 use super::performance::Performance;
-use crate::arms::Simulation;
+use crate::counter::Latch;
 
 /// So many runs are computed together: the lanes of the widest processors.
 pub(super) const TEAM: usize = 8;
@@ -27,10 +25,10 @@ impl Performance<'_> {
         runs.chunk_by(|a, b| arm(a) == arm(b)).flat_map(|alike| alike.chunks(most)).map(<[RunId]>::to_vec).collect()
     }
 
-    /// The outcomes of runs on one arm under one condition.
-    pub(super) fn perform_team(&self, team: &[RunId], designs: &[Option<MadeDesign>]) -> Result<Vec<Outcome>> {
+    /// The outcomes of runs on one arm under one condition: of those that were finished when an observer ended the work.
+    pub(super) fn perform_team(&self, team: &[RunId], designs: &[Option<MadeDesign>]) -> Result<Vec<Outcome>, Error> {
         let Some(first) = team.first() else { return Ok(Vec::new()) };
-        let simulation = self.simulations[first.condition].made_of(self.setup.truth(first.run));
+        let arm = self.arms[first.condition].made_of(self.setup.truth(first.run));
         let mut plans: BTreeMap<usize, ExperimentPlan> = BTreeMap::new();
         for index in team.iter().flat_map(|id| self.setup.sequence(id.design)) {
             let made = designs[index].as_ref().ok_or_else(|| Error::new(format!("design {index} is not made")))?;
@@ -42,24 +40,37 @@ impl Performance<'_> {
                 runs.push(BatchRun { plan: &plans[&index], noise: self.setup.noise_of(index, id.run) });
             }
         }
-        let measured = self.measured_motions(first, &simulation)?;
-        let mut performed = simulation.record_all(&runs).map_err(in_words)?.into_iter();
-        let outcome = |&id: &RunId| {
+        let latch = Latch::new(self.observer);
+        let measured = self.measured_motions(first, &arm, &latch)?;
+        let mut performed = arm.record_all(&runs, &latch).map_err(Error::of)?.into_iter();
+        let mut outcomes = Vec::new();
+        for &id in team {
             let of_run = performed.by_ref().take(self.setup.sequence(id.design).len()).collect();
-            self.setup.outcome(id, of_run, measured.as_deref())
-        };
-        Ok(team.iter().map(outcome).collect())
+            if latch.has_ended() {
+                break;
+            }
+            let outcome = self.setup.outcome(id, of_run, measured.as_deref(), &latch);
+            if !latch.has_ended() {
+                outcomes.push(outcome);
+            }
+        }
+        Ok(outcomes)
     }
 
     /// What the arm of a run measures on fresh motions, performed once for each arm and condition; `None` where the plan
-    /// asks for none.
-    pub(super) fn measured_motions(&self, id: &RunId, simulation: &Simulation) -> Result<Option<Arc<MeasuredMotions>>> {
+    /// asks for none, or an observer ended the work.
+    pub(super) fn measured_motions(
+        &self,
+        id: &RunId,
+        simulated: &SimulatedArm,
+        latch: &Latch<'_>,
+    ) -> Result<Option<Arc<MeasuredMotions>>, Error> {
         let plan = self.setup.plan();
         if plan.validation.measured == 0 {
             return Ok(None);
         }
         let arm = (id.condition, plan.truth_of(id.run));
-        if let Some(known) = self.measured.lock().map_err(in_words)?.get(&arm) {
+        if let Some(known) = self.measured.lock().map_err(Error::of)?.get(&arm) {
             return Ok(Some(Arc::clone(known)));
         }
         let motions = self.setup.validation().random().iter().take(plan.validation.measured);
@@ -67,12 +78,15 @@ impl Performance<'_> {
         let seed = plan.seed.child("measured motion", arm.1 as u64);
         let runs: Vec<BatchRun<'_>> =
             plans.iter().zip(0..).map(|(plan, run)| BatchRun { plan, noise: seed.of_run(run) }).collect();
-        let performed = simulation.record_all(&runs).map_err(in_words)?;
+        let performed = simulated.record_all(&runs, latch).map_err(Error::of)?;
+        if latch.has_ended() {
+            return Ok(None);
+        }
         let measured = self.setup.measured_motions(performed).map_err(|failure| {
             let name = &plan.conditions()[id.condition].name;
             Error::new(format!("a fresh motion under condition \"{name}\" cannot be measured: {}", failure.reason))
         })?;
         // Two threads may have measured the same; the second finds the same numbers.
-        Ok(Some(Arc::clone(self.measured.lock().map_err(in_words)?.entry(arm).or_insert_with(|| Arc::new(measured)))))
+        Ok(Some(Arc::clone(self.measured.lock().map_err(Error::of)?.entry(arm).or_insert_with(|| Arc::new(measured)))))
     }
 }

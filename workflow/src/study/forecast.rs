@@ -1,20 +1,22 @@
-//! What a study would cost, before any of it is performed: `--dry-run`.
+//! What a study would cost, before any of it is performed.
 
+use std::path::Path;
 use std::time::Instant;
 
+use armid::observer::Unobserved;
 use armid::study::{Metric, RunId, StudyPlan};
 use armid_io::Error;
 use armid_io::study::{MadeDesign, Piece};
-use miette::Result;
 
-use super::in_words;
+use super::part::Part;
 use super::performance::Performance;
+use super::prepared::PreparedStudy;
+use super::processor_time::processor_seconds;
 use super::team::TEAM;
-use crate::processor_time::processor_seconds;
-use crate::terminal::Answer;
+use crate::counter::Latch;
 
 /// Evaluations of a design that is made to see how long one takes.
-const SAMPLE_EVALUATIONS: usize = 20;
+pub const SAMPLE_EVALUATIONS: usize = 20;
 
 /// After so many seconds no further family is tried, and no further condition; those that were not cost what the others do in
 /// the mean.
@@ -31,26 +33,37 @@ const ROWS: usize = 45_000_000;
 
 /// What a study costs, by a timed sample of it.
 #[derive(Clone, Debug, serde::Serialize)]
-pub(crate) struct Forecast {
-    designs: usize,
-    runs: usize,
-    conditions: usize,
-    truths: usize,
-    design_core_hours: f64,
-    run_core_hours: f64,
+pub struct Forecast {
+    /// Number of designs.
+    pub designs: usize,
+    /// Number of runs.
+    pub runs: usize,
+    /// Number of conditions.
+    pub conditions: usize,
+    /// Number of true arms.
+    pub truths: usize,
+    /// Processor time of the designs, at most, h.
+    pub design_core_hours: f64,
+    /// Processor time of the runs, h.
+    pub run_core_hours: f64,
     /// Finished work, until the results are there.
-    journal_bytes: u64,
+    pub journal_bytes: u64,
     /// Numbers for the statistics, while the study runs.
-    numbers_bytes: u64,
+    pub numbers_bytes: u64,
     /// What stays.
-    results_bytes: u64,
+    pub results_bytes: u64,
     /// At most at any time; `None` where this machine does not say what the sample took.
-    memory_bytes: Option<u64>,
-    sample_seconds: f64,
-    sample_designs: usize,
-    sample_runs: usize,
-    sample_conditions: usize,
-    shared: Vec<String>,
+    pub memory_bytes: Option<u64>,
+    /// Time that the sample took, s.
+    pub sample_seconds: f64,
+    /// Designs in the sample.
+    pub sample_designs: usize,
+    /// Runs in the sample.
+    pub sample_runs: usize,
+    /// Conditions in the sample.
+    pub sample_conditions: usize,
+    /// What runs have in common, a sentence each.
+    pub shared: Vec<String>,
 }
 
 /// What the runs that were tried cost, in the mean.
@@ -65,8 +78,17 @@ struct RunSample {
     conditions: usize,
 }
 
+/// Times some designs and runs of a study, and says what all of it costs. Relative paths of the plan begin at `beside`.
+///
+/// # Errors
+/// [`Error`] where the study cannot be prepared, or a run of the sample cannot be performed.
+pub fn forecast(plan: &StudyPlan, beside: Option<&Path>) -> Result<Forecast, Error> {
+    let sample = PreparedStudy::new(sample_plan(plan), beside)?;
+    sample.performance(Path::new(""), Part::default(), &Unobserved).forecast(plan)
+}
+
 /// A plan whose designs are searched for a moment only.
-pub(crate) fn sample_plan(plan: &StudyPlan) -> StudyPlan {
+fn sample_plan(plan: &StudyPlan) -> StudyPlan {
     let mut sample = plan.clone();
     for family in &mut sample.designs {
         family.evaluations = family.evaluations.min(SAMPLE_EVALUATIONS);
@@ -76,7 +98,7 @@ pub(crate) fn sample_plan(plan: &StudyPlan) -> StudyPlan {
 
 impl Performance<'_> {
     /// Times some designs and runs of this study, which is that of [`sample_plan`], and says what `plan` costs.
-    pub(crate) fn forecast(&self, plan: &StudyPlan) -> Result<Forecast> {
+    fn forecast(&self, plan: &StudyPlan) -> Result<Forecast, Error> {
         let begin = Instant::now();
         let (design_seconds, designs, sample_designs) = self.time_designs(plan)?;
         let sample = self.time_runs(&designs)?;
@@ -110,14 +132,14 @@ impl Performance<'_> {
     }
 
     /// Times a team of runs under each condition, as long as patience lasts.
-    fn time_runs(&self, designs: &[Option<MadeDesign>]) -> Result<RunSample> {
+    fn time_runs(&self, designs: &[Option<MadeDesign>]) -> Result<RunSample, Error> {
         let (mut of_runs, mut of_arms, mut journal, mut runs, mut conditions) = (0.0, 0.0, 0.0, 0, 0);
         for condition in self.spread_conditions() {
             let team = self.sample_team(condition, designs);
             let Some(first) = team.first().filter(|_| of_runs + of_arms < PATIENCE_S) else { break };
             let begin = processor_seconds();
-            let simulation = self.simulations[condition].made_of(self.setup.truth(first.run));
-            self.measured_motions(first, &simulation)?;
+            let arm = self.arms[condition].made_of(self.setup.truth(first.run));
+            self.measured_motions(first, &arm, &Latch::new(self.observer))?;
             let shared = processor_seconds() - begin;
             let begin = processor_seconds();
             let mut outcomes = Vec::new();
@@ -128,7 +150,7 @@ impl Performance<'_> {
             let spent = processor_seconds() - begin;
             for outcome in outcomes {
                 let piece = Piece::Run { outcome: Box::new(outcome), seconds: spent };
-                journal += serde_json::to_string(&piece).map_err(in_words)?.len() as f64;
+                journal += serde_json::to_string(&piece).map_err(Error::of)?.len() as f64;
             }
             (of_runs, of_arms) = (of_runs + spent, of_arms + shared);
             (runs, conditions) = (runs + team.len(), conditions + 1);
@@ -166,7 +188,7 @@ impl Performance<'_> {
     }
 
     /// Processor seconds of all designs of `plan`, a design for each place to try runs with, and how many were made.
-    fn time_designs(&self, plan: &StudyPlan) -> Result<(f64, Vec<Option<MadeDesign>>, usize)> {
+    fn time_designs(&self, plan: &StudyPlan) -> Result<(f64, Vec<Option<MadeDesign>>, usize), Error> {
         let (planned, begin) = (self.setup.designs(), Instant::now());
         let mut of_families: Vec<Option<(f64, MadeDesign)>> = vec![None; plan.designs.len()];
         let mut tried = Vec::new();
@@ -175,7 +197,7 @@ impl Performance<'_> {
                 break;
             }
             let begin = processor_seconds();
-            let mut sequence = self.setup.designs_of_sequence(family, 0).map_err(in_words)?;
+            let mut sequence = self.setup.designs_of_sequence(family, 0, self.observer).map_err(Error::of)?;
             let used: usize = sequence.iter().map(|design| design.evaluations).sum();
             let searched = processor_seconds() - begin;
             let bound = self.bound(&sequence)?;
@@ -235,40 +257,8 @@ fn most_memory() -> Option<u64> {
 
 impl Forecast {
     /// Of designs, at most, and runs.
-    pub(crate) fn core_hours(&self) -> f64 {
+    #[must_use]
+    pub const fn core_hours(&self) -> f64 {
         self.design_core_hours + self.run_core_hours
-    }
-
-    /// In words.
-    pub(crate) fn answer(&self) -> Result<Answer> {
-        let bytes = |bytes: u64| match bytes as f64 {
-            most if most >= 1e9 => format!("{:.1} GB", most / 1e9),
-            some => format!("{:.0} MB", (some / 1e6).ceil()),
-        };
-        let memory = self.memory_bytes.map_or("not known on this system".to_owned(), bytes);
-        let text = format!(
-            "{} designs, {} runs ({} conditions, {} arms)\n\
-             {:.2} core-hours: {:.2} of designs at most, {:.2} of runs\n\
-             disk: {} of journal and {} of numbers while it runs, {} of results\n\
-             memory: {memory}\n\
-             shared: {}\n\
-             by {} designs of at most {SAMPLE_EVALUATIONS} evaluations and {} runs under {} of the conditions, {:.1} s; hours are those of this machine's cores; nothing was written\n",
-            self.designs,
-            self.runs,
-            self.conditions,
-            self.truths,
-            self.core_hours(),
-            self.design_core_hours,
-            self.run_core_hours,
-            bytes(self.journal_bytes),
-            bytes(self.numbers_bytes),
-            bytes(self.results_bytes),
-            self.shared.join("; "),
-            self.sample_designs,
-            self.sample_runs,
-            self.sample_conditions,
-            self.sample_seconds,
-        );
-        Ok(Answer { text, json: serde_json::to_value(self).map_err(in_words)? })
     }
 }

@@ -1,0 +1,62 @@
+//! What the library returns is what the command writes.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+mod support;
+
+use armid::estimation::EstimatorKind;
+use armid::excitation::CriterionKind;
+use armid::observer::Unobserved;
+use armid_io::log::process_all;
+use armid_io::{Inputs, Log, LogSettings};
+use armid_workflow::design::{DesignGoal, DesignSettings, design};
+use armid_workflow::identification::{IdentifySettings, identify};
+use armid_workflow::{ReductionSettings, reduce};
+use support::{armid, experiment, json, temporary};
+
+#[test]
+fn identity_a_design_of_the_library_is_that_of_the_command_byte_for_byte() {
+    let folder = temporary();
+    let out = folder.path().join("T.toml");
+    let arguments = ["design", "planar-2r", "--criterion", "d-optimal", "--starts", "2", "--evaluations", "40"];
+    let told = json(&armid(arguments.iter().chain(&["--json", "-o", out.to_str().unwrap()])).success());
+    let goal = DesignGoal::Arm(CriterionKind::DOptimal);
+    let settings = DesignSettings { starts: 2, evaluations: 40, ..DesignSettings::new(goal) };
+    let loaded = armid_io::robot::named("planar-2r").unwrap();
+    let answer = design(&loaded, &settings, &Unobserved).unwrap().unwrap();
+    assert_eq!(answer.toml(), std::fs::read_to_string(&out).unwrap());
+    let own = serde_json::to_value(&answer).unwrap();
+    // What else the command says: where it wrote, and which commands follow.
+    let beside = ["seconds", "file", "figures", "separating_experiments"];
+    for (key, value) in told.as_object().unwrap().iter().filter(|(key, _)| !beside.contains(&key.as_str())) {
+        assert_eq!(own.get(key), Some(value), "{key}");
+    }
+}
+
+#[test]
+fn identity_a_reduction_of_the_library_is_that_of_the_command() {
+    let told = json(&armid(["reduce", "crs-a460", "--json"]).success());
+    let loaded = armid_io::robot::named("crs-a460").unwrap();
+    let answer = reduce(&loaded, &ReductionSettings::default()).unwrap();
+    assert_eq!(serde_json::to_value(&answer).unwrap(), told);
+}
+
+#[test]
+fn identity_the_file_of_an_estimate_is_the_answer_of_the_library() {
+    let folder = temporary();
+    let [log, out] = ["R.mcap", "E.json"].map(|name| folder.path().join(name).to_str().unwrap().to_owned());
+    armid(["run", &experiment(folder.path(), 3), "-o", &log]).success();
+    armid(["identify", &log, "--estimator", "ols,wls", "-o", &out]).success();
+    let written: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&out).unwrap()).unwrap();
+
+    let read = Log::read(log.as_ref()).unwrap();
+    let robot = read.robot().unwrap();
+    let processed = process_all(vec![read], &robot, &LogSettings::default()).unwrap();
+    // Where a log came from is the caller's to say.
+    let inputs: Inputs = serde_json::from_value(written[0]["inputs"].clone()).unwrap();
+    let estimators = vec![EstimatorKind::Ols, EstimatorKind::Wls];
+    let settings = IdentifySettings { estimators, ..IdentifySettings::default() };
+    let answer = identify(processed, inputs, &settings, &Unobserved).unwrap();
+    assert!(answer.is_sound() && !answer.was_interrupted());
+    assert_eq!(serde_json::to_value(&answer).unwrap(), written);
+}

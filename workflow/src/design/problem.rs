@@ -1,0 +1,160 @@
+//! From settings to a design problem.
+
+use std::sync::Arc;
+
+use armid::base::{Method, reduce};
+use armid::excitation::criterion::PayloadOptimal;
+use armid::excitation::{
+    Criterion, CriterionKind, DesignBudget, DesignLimits, DesignProblem, DesignSpace, EvaluationMotions,
+};
+use armid::experiment::Effects;
+use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
+use armid::model::{Columns, Robot};
+use armid::seed::Seed;
+use armid_io::prior::set_prior;
+use armid_io::{Error, LoadedRobot, trajectory};
+
+use super::settings::{DesignGoal, DesignSettings};
+
+/// The problem of these settings on a robot whose collision shapes are held.
+pub(super) fn problem(loaded: &LoadedRobot, settings: &DesignSettings) -> Result<DesignProblem, Error> {
+    check_sizes(settings)?;
+    let robot = settings.robot(loaded)?;
+    let nominal = loaded.guess();
+    let mut limits =
+        DesignLimits::of(&robot, nominal, loaded.uncertainty.as_ref(), &settings.limits).map_err(Error::of)?;
+    if let DesignGoal::Load(load) = settings.goal {
+        limits = limits.with_payload(load.body()?);
+    }
+    let criterion = criterion(settings.goal, &robot, settings.columns)?;
+    let mut problem = DesignProblem::new(robot, settings.columns, criterion, limits).map_err(Error::of)?;
+    problem.set_space(space(settings, problem.robot())?).map_err(Error::of)?;
+    let budget = DesignBudget::new(settings.evaluations).map_err(Error::of)?;
+    problem.set_budget(settings.iterations.map_or(budget, |iterations| budget.with_iterations(iterations)));
+    // A load is estimated with rows that are weighted by their noise.
+    let is_of_load = matches!(settings.goal, DesignGoal::Load(_));
+    if settings.weighted || (is_of_load && effort_noise(problem.robot()).is_ok()) {
+        problem.set_noise(effort_noise(problem.robot())?).map_err(Error::of)?;
+    }
+    if let DesignGoal::Arm(kind) = settings.goal {
+        declare_use(kind, settings, loaded, &mut problem)?;
+    }
+    if !settings.prior.is_empty() {
+        let criterion = problem.objective().criterion();
+        if !criterion.is_weighted() {
+            let message = format!(
+                "earlier estimates with criterion {}, expected one of the information: d-optimal, a-optimal, e-optimal, \
+                 i-optimal or model-error",
+                criterion.name()
+            );
+            return Err(Error::new(message));
+        }
+        set_prior(&mut problem, loaded, &settings.prior)?;
+    }
+    Ok(problem)
+}
+
+/// How much is asked for, before anything is made of it.
+fn check_sizes(settings: &DesignSettings) -> Result<(), Error> {
+    settings.harmonics.iter().try_for_each(|&one| HARMONICS.check_count("number of harmonics", one))?;
+    if settings.period_s.is_finite() {
+        PERIOD_S.check("period", settings.period_s)?;
+    }
+    DESIGNS.check("number of starts", settings.starts as f64)?;
+    if settings.starts == 0 && settings.from.is_empty() {
+        return Err(Error::new("the number of starts is 0, expected at least 1, or a trajectory from which to start"));
+    }
+    Ok(())
+}
+
+fn space(settings: &DesignSettings, robot: &Robot) -> Result<DesignSpace, Error> {
+    let harmonics = match settings.harmonics.as_slice() {
+        [every] => vec![*every; robot.dof()],
+        each => each.to_vec(),
+    };
+    let mut space = DesignSpace::new(settings.family, settings.period_s, harmonics).map_err(Error::of)?;
+    for (name, place) in &settings.frozen {
+        let names: Vec<&str> = robot.joints().iter().map(|joint| joint.name.as_str()).collect();
+        let Some(index) = names.iter().position(|known| known == name) else {
+            let message = format!("the joint to hold still is \"{name}\", expected one of {}", names.join(", "));
+            return Err(Error::new(message));
+        };
+        space = space.with_frozen(index, *place).map_err(Error::of)?;
+    }
+    Ok(space)
+}
+
+/// What is minimised: a criterion of the list, or that of a load.
+fn criterion(goal: DesignGoal, robot: &Robot, columns: Columns) -> Result<Arc<dyn Criterion>, Error> {
+    let DesignGoal::Arm(kind) = goal else {
+        let base = reduce(robot, columns, Method::Structural, Seed::new(0))
+            .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
+        return match PayloadOptimal::of(&base) {
+            Some(criterion) => Ok(Arc::new(criterion)),
+            None => {
+                let name = robot.name();
+                Err(Error::new(format!("the joints of robot \"{name}\" show nothing of a load on the last link")))
+            }
+        };
+    };
+    Ok(kind.into())
+}
+
+/// What the estimate is for, and what is expected of the arm.
+fn declare_use(
+    kind: CriterionKind,
+    settings: &DesignSettings,
+    loaded: &LoadedRobot,
+    problem: &mut DesignProblem,
+) -> Result<(), Error> {
+    let is_model_error = kind == CriterionKind::ModelError;
+    let refused = |found: &str, expected: &str| -> Result<(), Error> {
+        Err(Error::new(format!("{found} with criterion {}, expected {expected}", kind.name())))
+    };
+    if !settings.expected.is_none() && !is_model_error {
+        return refused("expected effects", "model-error");
+    }
+    if !settings.predict.is_empty() {
+        if !kind.criterion().asks_for_prediction() {
+            return refused("motions to predict", "i-optimal or model-error");
+        }
+        let named = settings.predict.iter();
+        let motions = named.map(|name| trajectory::load(name, None, problem.robot())).collect::<Result<_, Error>>()?;
+        let motions = EvaluationMotions::new(motions, problem.robot().dof()).map_err(Error::of)?;
+        problem.set_evaluation(motions).map_err(Error::of)?;
+    }
+    if !is_model_error {
+        return Ok(());
+    }
+    let Some(nominal) = loaded.guess() else {
+        let expected = "one of the others: the torque of effects is found by them";
+        return refused("a robot without nominal parameters", expected);
+    };
+    // Noise against bias: both in N·m.
+    problem.set_noise(effort_noise(problem.robot())?).map_err(Error::of)?;
+    let robot = problem.robot();
+    let rows = robot.dof() as f64 * settings.period_s * robot.servo().rate_hz * settings.periods as f64;
+    let declared = settings.expected.clone();
+    let effects = if declared.is_none() { Effects::expected_by_default() } else { declared };
+    let expected = effects.expected(robot, nominal);
+    let expected = expected.map_err(|error| Error::new(format!("expected effects: {error}")))?;
+    problem.set_rows(rows).map_err(Error::of)?;
+    problem.set_expected(expected).map_err(Error::of)
+}
+
+/// Standard deviation of one sample of each joint's effort by the noise of its current sensor.
+fn effort_noise(robot: &Robot) -> Result<Vec<f64>, Error> {
+    let noise: Vec<f64> =
+        robot.joints().iter().map(|joint| joint.drive.current_noise * joint.drive.torque_per_ampere()).collect();
+    match robot.joints().iter().zip(&noise).find(|(_, noise)| **noise <= 0.0) {
+        Some((joint, _)) => {
+            let message = format!(
+                "equations are to be weighted by the noise of currents, and that of joint \"{}\" has none in the robot file",
+                joint.name
+            );
+            let help = "current_noise_a of a drive states it; `armid robot ROBOT -o robot.toml` begins a robot file";
+            Err(Error::new(message).help(help))
+        }
+        None => Ok(noise),
+    }
+}

@@ -1,0 +1,153 @@
+//! What an identification answers.
+
+use armid::calibration::TransmissionStiffness;
+use armid::diagnosis::Suspicion;
+use armid::estimation::{Estimate, FrictionSpeeds, Selection, Termination, TorqueResidual};
+use armid_io::{Error, Inputs, ProcessedLog};
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
+
+use super::friction_speed::speeds_json;
+
+/// The estimates of one identification, and everything that is said of them. It serialises to the command's file: one object for one
+/// estimator, a list for several.
+#[derive(Clone, Debug)]
+pub struct IdentifyAnswer {
+    /// The log, with the speeds of its robot's friction where they were found.
+    pub log: ProcessedLog,
+    /// What it was made from.
+    pub inputs: Inputs,
+    /// One estimate for each estimator.
+    pub estimates: Vec<Identified>,
+    /// Mistakes that the log seems to have been made with.
+    pub suspicions: Vec<Suspicion>,
+    /// The terms that the data decide, where they were asked for.
+    pub selection: Option<Selection>,
+    /// The speeds in which Coulomb friction sets in, where they were looked for.
+    pub onset: Option<FrictionSpeeds>,
+    /// The speeds at which friction falls, where they were asked for.
+    pub speeds: Option<FrictionSpeeds>,
+    /// Stiffness of the transmissions, where both their ends are measured.
+    pub transmissions: Option<Vec<TransmissionStiffness>>,
+}
+
+/// One estimate, and what it leaves unexplained.
+#[derive(Clone, Debug)]
+pub struct Identified {
+    /// The estimate.
+    pub estimate: Estimate,
+    /// Torque that it does not explain, in what was used.
+    pub used: TorqueResidual,
+    /// The same in what was held out.
+    pub held_out: Option<TorqueResidual>,
+    /// What each base parameter stands for.
+    pub expressions: Vec<String>,
+}
+
+impl Identified {
+    /// An estimate against the log that it was made from.
+    ///
+    /// # Errors
+    /// [`Error`] where it is of another robot or of other parameters.
+    pub fn new(estimate: Estimate, log: &ProcessedLog) -> Result<Self, Error> {
+        let (used, held_out) = log.residual(&estimate, "the estimate")?;
+        let expressions = log.expressions(&estimate, "the estimate")?;
+        Ok(Self { estimate, used, held_out, expressions })
+    }
+}
+
+impl IdentifyAnswer {
+    /// Names of the robot's joints.
+    #[must_use]
+    pub fn joint_names(&self) -> Vec<String> {
+        self.log.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
+    }
+
+    /// Did an observer end an estimator before it was at rest?
+    #[must_use]
+    pub fn was_interrupted(&self) -> bool {
+        self.estimates.iter().any(|one| matches!(one.estimate.termination, Termination::Interrupted { .. }))
+    }
+
+    /// Did every search end as it should, and does nothing speak against the log?
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let mut used = self.onset.iter().filter(|onset| onset.predict_better()).chain(&self.speeds);
+        self.estimates.iter().all(|one| one.estimate.termination.was_successful())
+            && used.all(|speeds| speeds.termination.was_successful())
+            && self.suspicions.is_empty()
+    }
+
+    /// The estimate's own keys; beside each finding's numbers its sentence and advice; what it was made from.
+    fn json(&self, identified: &Identified) -> Value {
+        let Identified { estimate, used, held_out, expressions } = identified;
+        let mut json = serde_json::to_value(estimate).unwrap_or_default();
+        if let Some(base) = json.get_mut("base").and_then(Value::as_array_mut) {
+            for (value, expression) in base.iter_mut().zip(expressions) {
+                value["expression"] = json!(expression);
+            }
+        }
+        if let Some(findings) = json.get_mut("findings").and_then(Value::as_array_mut) {
+            for (value, finding) in findings.iter_mut().zip(&estimate.findings) {
+                value["text"] = json!(finding.to_string());
+                value["advice"] = json!(finding.advice());
+            }
+        }
+        if let [report] = self.log.reports.as_slice()
+            && let Some(gaps) = &report.gaps
+        {
+            json["gaps"] = gaps.json();
+        }
+        json["suspicions"] = self.suspicions.iter().map(|suspicion| suspicion_json(suspicion, &self.log)).collect();
+        json["joints"] = json!(self.joint_names());
+        json["residual"] = json!(used);
+        json["held_out"] = json!(held_out);
+        json["logs"] = json!(self.log.reports);
+        json["inputs"] = json!(self.inputs);
+        if let Some(transmissions) = &self.transmissions {
+            json["transmissions"] = json!(transmissions);
+        }
+        if let Some(selection) = &self.selection {
+            json["selection"] = json!(selection);
+        }
+        if let Some(onset) = &self.onset {
+            json["onset_speed"] = speeds_json(onset, &self.log.robot.robot);
+        }
+        if let Some(speeds) = &self.speeds {
+            json["stribeck_speed"] = speeds_json(speeds, &self.log.robot.robot);
+        }
+        json
+    }
+}
+
+impl Serialize for IdentifyAnswer {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.estimates.as_slice() {
+            [one] => self.json(one).serialize(serializer),
+            several => serializer.collect_seq(several.iter().map(|one| self.json(one))),
+        }
+    }
+}
+
+/// The keys of a suspicion, with its sentence and what to try.
+fn suspicion_json(suspicion: &Suspicion, log: &ProcessedLog) -> Value {
+    let mut json = json!(suspicion);
+    json["text"] = json!(suspicion.mistake.to_string());
+    json["advice"] = json!(advice(suspicion, log));
+    json
+}
+
+/// What to try about a suspicion: where all logs were read alike, with the mapping that does it.
+#[must_use]
+pub fn advice(suspicion: &Suspicion, log: &ProcessedLog) -> String {
+    let correction = suspicion.mistake.correction();
+    let robot = &log.robot.robot;
+    let mut mappings = log.reports.iter().map(|report| report.origin.corrected(&suspicion.mistake, robot));
+    match mappings.next() {
+        Some(first) if !first.is_empty() && mappings.all(|other| other == first) => {
+            let typed: Vec<String> = first.iter().map(|mapping| format!("--map \"{mapping}\"")).collect();
+            format!("{correction}, so: {}", typed.join(" or: "))
+        }
+        Some(_) | None => correction,
+    }
+}

@@ -1,0 +1,90 @@
+//! From a processed log to estimates and everything that is said of them.
+
+use armid::estimation::{Estimator, EstimatorKind, FrictionSpeeds, candidate_terms};
+use armid::model::Columns;
+use armid::observer::Observer;
+use armid_io::{Error, Inputs, ProcessedLog};
+
+use super::answer::{Identified, IdentifyAnswer};
+
+/// What is estimated, and by what.
+#[derive(Clone, Debug)]
+pub struct IdentifySettings {
+    /// Parameters of the model.
+    pub columns: Columns,
+    /// The estimators, which share base, nominal set and closed loop.
+    pub estimators: Vec<EstimatorKind>,
+    /// Terms from which those that the data decide are selected; their columns take the place of [`Self::columns`].
+    pub select: Option<Columns>,
+    /// Finds the speeds in which Coulomb friction sets in, or takes those of the robot file. Where `None` they are found beside
+    /// selected terms and for logs of other tools without periods.
+    pub onset_speed: Option<bool>,
+    /// Estimates the speeds at which friction falls, for columns with Stribeck friction.
+    pub stribeck_speed: bool,
+}
+
+impl Default for IdentifySettings {
+    fn default() -> Self {
+        Self {
+            columns: Columns::RIGID_ROTOR_FRICTION,
+            estimators: vec![EstimatorKind::Wls],
+            select: None,
+            onset_speed: None,
+            stribeck_speed: false,
+        }
+    }
+}
+
+/// Estimates the parameters of a log's robot. `inputs` say what the log was made from; they are stored with the estimates.
+///
+/// # Errors
+/// [`Error`] where the motion does not show the parameters, the equations have no answer, or the speeds at which friction falls
+/// are asked for and no column is one of Stribeck friction.
+pub fn identify(
+    mut log: ProcessedLog,
+    inputs: Inputs,
+    settings: &IdentifySettings,
+    observer: &dyn Observer,
+) -> Result<IdentifyAnswer, Error> {
+    let (mut columns, among) = (settings.columns, settings.select);
+    let stated = log.robot.robot.clone();
+    let seeks = settings.onset_speed.unwrap_or_else(|| among.is_some() || log.has_no_periods());
+    let mut onset = if seeks { log.find_onset(among.map_or(columns, basic))? } else { None };
+    let mut selection = among.map(|among| log.select(among)).transpose()?;
+    if let Some(selection) = &mut selection {
+        selection.terms.splice(0..0, onset.as_ref().map(FrictionSpeeds::evidence));
+        let named = Columns::parse_among(&selection.columns, &candidate_terms());
+        columns = named.or_else(|| Columns::parse(&selection.columns)).ok_or_else(|| {
+            Error::new(format!("the selected columns are \"{}\", expected ones of the model", selection.columns))
+        })?;
+        // With the terms that were selected, the onset is another one.
+        if onset.as_ref().is_some_and(FrictionSpeeds::predict_better) {
+            log.robot.robot = stated;
+            onset = log.find_onset(columns)?;
+        }
+    }
+    let speeds = match settings.stribeck_speed.then(|| log.find_stribeck_speeds(columns)).transpose()? {
+        Some(None) => {
+            let message = format!("the columns are {columns}, expected ones of Stribeck friction to find its speeds");
+            return Err(Error::new(message).help("such columns are rigid+rotor+friction+stribeck"));
+        }
+        Some(speeds) => speeds,
+        None => None,
+    };
+    let estimators: Vec<&dyn Estimator> = settings.estimators.iter().map(|kind| kind.estimator()).collect();
+    let estimates = log.identify_watched(columns, &estimators, observer)?;
+    let suspicions = log.suspicions(columns)?;
+    let estimates =
+        estimates.into_iter().map(|estimate| Identified::new(estimate, &log)).collect::<Result<Vec<_>, Error>>()?;
+    let transmissions = match estimates.first() {
+        Some(first) => log.transmissions(&first.estimate, "the estimate")?,
+        None => None,
+    };
+    Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions })
+}
+
+/// Those of these columns beside which the onset of Coulomb friction is looked for before terms are selected.
+fn basic(among: Columns) -> Columns {
+    let known = Columns::RIGID_ROTOR_FRICTION;
+    among.terms().filter(|&term| known.has(term)).fold(Columns::RIGID, Columns::with)
+}

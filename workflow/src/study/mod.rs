@@ -1,0 +1,25 @@
+//! How is a Monte Carlo study performed, stored and summed up?
+//!
+//! Designs and runs are made on all cores. Each is kept in a journal as soon as it is finished, so that work goes on after any
+//! end, and the journals of parts are put together. Equal plans give equal bytes of every result.
+
+mod answer;
+mod forecast;
+mod part;
+mod perform;
+mod performance;
+mod prepared;
+mod processor_time;
+mod report;
+mod robots;
+mod summary;
+mod team;
+mod until;
+
+pub use answer::{RobotsAnswer, StudyAnswer, StudySummary};
+pub use forecast::{Forecast, SAMPLE_EVALUATIONS, forecast};
+pub use part::{Part, Shard, Stage};
+pub use perform::{StudySettings, merge, perform};
+pub use prepared::{PartProgress, PreparedStudy};
+pub use report::{write_criteria, write_report, write_robots_report};
+pub use until::Looks;

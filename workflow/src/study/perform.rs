@@ -1,0 +1,133 @@
+//! A study performed here, whole or in part.
+
+use std::path::{Path, PathBuf};
+
+use armid::observer::Observer;
+use armid::study::{StoppingRule, StudyPlan, StudyPlans};
+use armid_io::Error;
+
+use super::answer::StudyAnswer;
+use super::part::{Part, Stage};
+use super::performance::Performance;
+use super::prepared::PreparedStudy;
+use super::robots;
+
+/// How a study is performed.
+#[derive(Clone, Debug, Default)]
+pub struct StudySettings {
+    /// The folder of its results.
+    pub output: PathBuf,
+    /// The folder at which relative paths of the plan begin.
+    pub beside: Option<PathBuf>,
+    /// Threads; all cores where 0.
+    pub threads: usize,
+    /// Goes on with finished work in the folder.
+    pub resume: bool,
+    /// Which part is performed.
+    pub part: Part,
+    /// Folders that hold the designs of a part with runs alone.
+    pub designs_from: Vec<PathBuf>,
+    /// The interval at which it may end, as [`StoppingRule`] reads it.
+    pub until: Option<String>,
+}
+
+/// Performs a study on one robot or on each of several, and stores what it finds.
+///
+/// Equal plans give equal bytes of every result for any number of threads, parts and resumptions.
+///
+/// # Errors
+/// [`Error`] where the study cannot be prepared, the folder holds another one, or a part or an early end is asked for of a study
+/// on several robots.
+pub fn perform(plans: &StudyPlans, settings: &StudySettings, observer: &dyn Observer) -> Result<StudyAnswer, Error> {
+    let threads = rayon::ThreadPoolBuilder::new().num_threads(settings.threads).build().map_err(Error::of)?;
+    match plans {
+        StudyPlans::One(plan) => threads.install(|| perform_one(plan, settings, observer)),
+        StudyPlans::OnRobots(plans) if settings.part == Part::default() && settings.until.is_none() => {
+            threads.install(|| robots::perform(plans, settings, observer))
+        }
+        StudyPlans::OnRobots(_) => {
+            Err(Error::mismatch("found a study on several robots, expected one robot for a part or an early end"))
+        }
+    }
+}
+
+fn perform_one(plan: &StudyPlan, settings: &StudySettings, observer: &dyn Observer) -> Result<StudyAnswer, Error> {
+    let prepared = PreparedStudy::new(plan.clone(), settings.beside.as_deref())?;
+    let study = prepared.performance(&settings.output, settings.part, observer);
+    if let Some(words) = &settings.until {
+        return perform_until(study, words, settings);
+    }
+    match settings.part.stage {
+        Some(Stage::Designs) => {
+            let mut work = study.no_work()?;
+            study.begin(&mut work, settings.resume)?;
+            let is_there = study.perform_designs(work)?;
+            Ok(if is_there { part(settings) } else { interrupted(&settings.output) })
+        }
+        Some(Stage::Runs) | None => {
+            // Before a journal is begun: a mistaken folder is found while nothing is written yet.
+            let mut work = study.with_designs_from(&settings.designs_from)?;
+            study.begin(&mut work, settings.resume)?;
+            match study.perform(work)? {
+                Some(performed) if settings.part.is_whole() => {
+                    Ok(StudyAnswer::Whole(Box::new(study.sum_up(performed)?)))
+                }
+                Some(_) => Ok(part(settings)),
+                None => Ok(interrupted(&settings.output)),
+            }
+        }
+    }
+}
+
+/// Starts of all families until a rule is met, and the study of those that were performed.
+fn perform_until(mut study: Performance<'_>, words: &str, settings: &StudySettings) -> Result<StudyAnswer, Error> {
+    let rule: StoppingRule = words.parse().map_err(Error::of)?;
+    rule.families(study.plan()).map_err(Error::of)?;
+    let mut work = study.no_work()?;
+    study.begin(&mut work, settings.resume)?;
+    let Some((looks, work)) = study.perform_until(work, &rule, words)? else {
+        return Ok(interrupted(&settings.output));
+    };
+    let performed = PreparedStudy::new(study.plan().first_starts(looks.starts()), settings.beside.as_deref())?;
+    let first = performed.performance(&settings.output, Part::default(), study.observer);
+    Ok(StudyAnswer::Whole(Box::new(first.sum_up_first(&study, work, looks)?)))
+}
+
+/// Puts the parts of a study together in `output`; every piece must be there, since a merge performs nothing.
+///
+/// # Errors
+/// [`Error`] where a part is missing or of another study, or the output is one of the parts.
+pub fn merge(
+    plan: StudyPlan,
+    beside: Option<&Path>,
+    folders: &[PathBuf],
+    output: &Path,
+    observer: &dyn Observer,
+) -> Result<StudyAnswer, Error> {
+    let place = |folder: &Path| folder.canonicalize().ok();
+    if let Some(part) = folders.iter().find(|part| place(part).is_some_and(|part| place(output) == Some(part))) {
+        let message = format!("the output folder {} is one of the parts, expected another folder", part.display());
+        return Err(Error::mismatch(message).help("choose another folder with -o"));
+    }
+    let prepared = PreparedStudy::new(plan, beside)?;
+    let study = prepared.performance(output, Part::default(), observer);
+    let mut work = study.with_work_from(folders)?;
+    let missing = study.missing(&work);
+    if missing > 0 {
+        let message = format!("{missing} runs are in none of the folders, expected every part of the study, complete");
+        return Err(Error::new(message));
+    }
+    study.begin(&mut work, false)?;
+    match study.perform(work)? {
+        Some(performed) => Ok(StudyAnswer::Whole(Box::new(study.sum_up(performed)?))),
+        None => Ok(interrupted(output)),
+    }
+}
+
+fn part(settings: &StudySettings) -> StudyAnswer {
+    StudyAnswer::Part { part: settings.part, folder: settings.output.clone() }
+}
+
+fn interrupted(folder: &Path) -> StudyAnswer {
+    StudyAnswer::Interrupted { folder: folder.to_path_buf() }
+}

@@ -1,0 +1,118 @@
+//! A study and its arms, before anything is performed.
+
+use std::path::Path;
+use std::sync::{Arc, Mutex};
+
+use armid::experiment::Sensing;
+use armid::model::format::ChainEnds;
+use armid::observer::{Observer, Unobserved};
+use armid::study::{StudyPlan, StudySetup};
+use armid_io::study::{Journal, check_output};
+use armid_io::{Error, robot};
+use armid_sim::{Engine, SimulatedArm};
+
+use super::part::{Part, Stage};
+use super::performance::Performance;
+use crate::simulated_arm;
+
+/// A study and the arms that it is performed on, one for each condition.
+#[derive(Debug)]
+pub struct PreparedStudy {
+    setup: StudySetup,
+    arms: Vec<SimulatedArm>,
+    robot_text: Arc<str>,
+}
+
+/// How many designs or runs of a part there are, and how many are finished.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
+pub struct PartProgress {
+    /// Finished ones.
+    pub done: usize,
+    /// All.
+    pub total: usize,
+}
+
+impl PreparedStudy {
+    /// Everything that a study needs before its first design. Relative paths of the plan begin at `beside`.
+    ///
+    /// # Errors
+    /// [`Error`] where the robot cannot be read, the study does not fit it, or one of its arms cannot be built.
+    pub fn new(plan: StudyPlan, beside: Option<&Path>) -> Result<Self, Error> {
+        let loaded = robot::load(&plan.robot, &ChainEnds::default(), beside)?;
+        let arms = plan
+            .conditions()
+            .iter()
+            .map(|condition| {
+                let engine = Engine::parse(&condition.engine)
+                    .ok_or_else(|| Error::new(format!("there is no engine \"{}\"", condition.engine)))?;
+                let arm = simulated_arm(&loaded, engine, plan.effects.and(&condition.effects))?;
+                arm.servo(&Sensing::ideal()).map_err(|error| Error::new(format!("arm {error}")))?;
+                Ok(arm)
+            })
+            .collect::<Result<Vec<_>, Error>>()?;
+        let first = &arms[0];
+        let setup = StudySetup::new(plan, first.robot().clone(), first.nominal().clone(), first.truth());
+        let setup = setup.map_err(Error::of)?.with_closed_loops(armid_sim::closed_loop);
+        Ok(Self { setup, arms, robot_text: loaded.text.content })
+    }
+
+    /// The plan.
+    #[must_use]
+    pub fn plan(&self) -> &StudyPlan {
+        self.setup.plan()
+    }
+
+    /// Is a folder free for this study?
+    ///
+    /// # Errors
+    /// [`Error`] where it holds another one.
+    pub fn check_output(&self, folder: &Path) -> Result<(), Error> {
+        check_output(folder, self.plan())
+    }
+
+    /// What the journal in a folder holds of a part. A journal that is not there yet holds nothing.
+    ///
+    /// # Errors
+    /// [`Error`] where it cannot be read or belongs to another study.
+    pub fn progress(&self, folder: &Path, part: Part) -> Result<PartProgress, Error> {
+        let study = self.performance(folder, part, &Unobserved);
+        let begun = folder.join(Journal::NAME).is_file();
+        let work = if begun { study.with_work_from(&[folder])? } else { study.no_work()? };
+        let (missing, total) = match part.stage {
+            Some(Stage::Designs) => (study.missing_designs(&work), study.planned_designs()),
+            Some(Stage::Runs) | None => (study.missing(&work), study.planned_runs()),
+        };
+        Ok(PartProgress { done: total - missing, total })
+    }
+
+    /// Number of designs of the whole study.
+    #[must_use]
+    pub fn designs(&self) -> usize {
+        self.setup.designs().len()
+    }
+
+    /// Number of runs of the whole study.
+    #[must_use]
+    pub fn runs(&self) -> usize {
+        self.setup.run_order().len()
+    }
+
+    pub(super) fn performance<'a>(
+        &'a self,
+        output: &'a Path,
+        part: Part,
+        observer: &'a dyn Observer,
+    ) -> Performance<'a> {
+        Performance {
+            order: self.setup.run_order(),
+            setup: &self.setup,
+            arms: &self.arms,
+            robot_text: &self.robot_text,
+            output,
+            part,
+            starts: usize::MAX,
+            observer,
+            measured: Mutex::default(),
+        }
+    }
+}
