@@ -70,7 +70,7 @@ fn from_file(path: &str) {
     let samples = Samples::exact(states, tau, vec!["N·m".to_owned(); n], 100.0);
     let identification = Identification::new(&robot, Columns::RIGID).expect("a bundled robot has a base");
     let seconds = best(5, || estimates(&identification, &samples));
-    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).expect("columns of motion");
     let stack = best(5, || regressor.stack_means(&samples.states, &identification.base().kept, 1));
     let found = estimates(&identification, &samples);
     let list = |of: &[f64]| of.iter().map(|x| format!("{x:e}")).collect::<Vec<_>>().join(", ");
@@ -109,7 +109,7 @@ fn alone() {
     for columns in [Columns::RIGID, Columns::RIGID_ROTOR_FRICTION] {
         let base: BaseReduction =
             reduce(&robot, columns, Method::Structural, Seed::new(0)).expect("a bundled robot has a base");
-        let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
+        let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
         for count in [200, 1000, 10_000] {
             let samples = noisy(&robot, &nominal, count, &mut rng);
             let all = best(20, || regressor.stack(&samples.states)) / count as f64;

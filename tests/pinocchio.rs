@@ -68,7 +68,7 @@ fn assert_equal(found: &[f64], expected: &[f64], what: &str) {
 fn compare(robot: &Robot, parameters: &StandardParameters, seed: u64, text: &str) -> [usize; 4] {
     let n = robot.dof();
     let mut dynamics = Dynamics::new(robot, parameters);
-    let regressor = JointTorqueRegressor::new(robot, Columns::RIGID).unwrap();
+    let regressor = JointTorqueRegressor::new(robot, Columns::RIGID).expect("columns of motion");
     let mut generator = Generator(seed);
     let (mut drawn, mut state) = (0, generator.state(n));
     let mut counts = [0; 4];

@@ -82,7 +82,7 @@ impl Arm {
 /// One evaluation at each state.
 fn equations<'a>(arm: &'a Arm) -> Vec<Piece<'a>> {
     let states = &arm.states;
-    let regressor = JointTorqueRegressor::new(&arm.robot, Columns::RIGID).unwrap();
+    let regressor = JointTorqueRegressor::new(&arm.robot, Columns::RIGID).expect("columns of motion");
     let lanes = regressor.clone();
     let mut y = vec![0.0; 360];
     let mut dynamics = Dynamics::new(&arm.robot, &arm.nominal);

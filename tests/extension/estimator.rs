@@ -108,7 +108,7 @@ impl Estimator for Instruments {
         let samples = problem.samples_for(self.name())?;
         // Only to show that the column of a parameter that is not excited is named.
         let plain = solve(observation, &observation.regressor, &observation.y)?;
-        let regressor = JointTorqueRegressor::new(robot, observation.columns).unwrap();
+        let regressor = JointTorqueRegressor::new(robot, observation.columns).expect("columns of motion");
         let mut z = observation.base.select_columns(&regressor.stack(&samples.states));
         // Any instruments that are correlated with the regressor and not with the noise do: columns mixed.
         for j in 1..z.ncols() {

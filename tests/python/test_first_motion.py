@@ -50,7 +50,7 @@ STEPS = [
         "armid run experiment.toml --arm ros2 --earlier R.mcap -o V.mcap",
         2,
     ),
-    ("Identify the arm. Shown is the beginning of the answer.", "armid identify R.mcap -o E.json", 13),
+    ("Identify the arm. Shown is the beginning of the answer.", "armid identify R.mcap -o E.json", 5),
     ("Predict the torques of the second run.", "armid validate E.json V.mcap", 10),
 ]
 HEAD = """# A first motion

@@ -6,16 +6,44 @@
 //! | simulate a loaded robot | [`simulated_arm`], [`simulate`] |
 //! | design a trajectory | [`design::design`] |
 //! | identify a log | [`identification::identify`] |
+//! | find what the last link carries, or torque constants by a known load | [`payload()`], [`drive_gains()`] |
 //! | perform a study | [`study::perform`], [`study::merge`], [`study::forecast`] |
+//!
+//! From a robot to its parameters, on a simulated arm:
+//!
+//! ```
+//! use armid::excitation::CriterionKind;
+//! use armid::experiment::ExperimentPlan;
+//! use armid::observer::Unobserved;
+//! use armid_io::{LogSettings, robot};
+//! use armid_workflow::design::{DesignGoal, DesignSettings, design};
+//! use armid_workflow::identification::{IdentifySettings, identify};
+//! use armid_workflow::{SimulationSettings, simulate};
+//!
+//! let loaded = robot::named("planar-2r")?;
+//! let goal = DesignGoal::Arm(CriterionKind::DOptimal);
+//! let settings = DesignSettings { starts: 1, evaluations: 20, baseline: false, ..DesignSettings::new(goal) };
+//! let designed = design(&loaded, &settings, &Unobserved)?.ok_or("nobody ended the search")?;
+//! let plan = ExperimentPlan::new(designed.best.trajectory);
+//! let log = simulate(&loaded, &plan, &SimulationSettings::default(), &Unobserved)?.log();
+//! let log = log.process(loaded, &LogSettings::default())?;
+//! let answer = identify(log, None, &IdentifySettings::default(), &Unobserved)?;
+//! assert!(answer.is_sound() && answer.estimates[0].used.used.total < Some(0.1));
+//! # Ok::<(), Box<dyn std::error::Error>>(())
+//! ```
 //!
 //! Work that takes long reports to an [`Observer`](armid::observer::Observer), which may end it. Nothing here knows a terminal.
 
 mod counter;
 pub mod design;
+mod drive_gains;
 pub mod identification;
+mod payload;
 mod reduction;
 mod simulation;
 pub mod study;
 
+pub use drive_gains::{DriveGainsAnswer, drive_gains};
+pub use payload::{PayloadAnswer, PayloadSide, columns_of, payload};
 pub use reduction::{ReductionAnswer, ReductionSettings, reduce};
 pub use simulation::{Simulated, SimulationSettings, simulate, simulated_arm};

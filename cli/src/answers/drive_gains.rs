@@ -1,12 +1,8 @@
-//! What `armid identify --drive-gains` answers.
+//! What `armid identify --drive-gains` says.
 
 use std::fmt::Write;
 
-use armid::estimation::{DriveGain, DriveGains, Estimate, GainMethod};
-use armid::model::Robot;
-use armid::spatial::Inertia;
-use armid_io::Inputs;
-use serde_json::{Map, Value, json};
+use armid_workflow::DriveGainsAnswer;
 
 use super::findings::paragraph;
 use crate::terminal::{Align, Table, number};
@@ -18,135 +14,20 @@ const LISTED: usize = 6;
 const SHOWN: f64 = 3.0;
 
 /// The torque constants of all drives with everything that is said of them.
-pub(crate) struct DriveGainsAnswer<'a> {
-    pub(crate) robot: &'a Robot,
-    pub(crate) load: &'a Inertia,
-    /// The constants by which currents became torques, N·m/A.
-    pub(crate) constants: &'a [f64],
-    /// Whether `--map` states them.
-    pub(crate) of_mapping: bool,
-    /// By every method.
-    pub(crate) found: &'a [DriveGains],
-    /// The base parameters by the stated constants, without the load.
-    pub(crate) stated: &'a Estimate,
-    /// How each of them follows the gains, ∂β/∂ ln κ, b of n.
-    pub(crate) moved: Vec<Vec<f64>>,
-    /// Without and with the load: name, and what it was made from.
-    pub(crate) sides: [(String, &'a Inputs); 2],
-}
+pub(crate) struct DriveGainsText<'a>(pub(crate) &'a DriveGainsAnswer);
 
-impl DriveGainsAnswer<'_> {
-    /// The result that has no bias by the noise of the currents, where it was found.
-    fn taken(&self) -> &DriveGains {
-        let total = self.found.iter().find(|found| found.method == GainMethod::Total);
-        let total = total.filter(|found| found.termination.was_successful());
-        total.unwrap_or(&self.found[0])
-    }
-
-    /// Whether every gain was found.
-    pub(crate) fn is_sound(&self) -> bool {
-        let converged = self.found.iter().all(|found| found.termination.was_successful());
-        converged && self.taken().hidden().is_empty()
-    }
-
-    fn joint(&self, joint: usize) -> &str {
-        &self.robot.joints()[joint].name
-    }
-
+impl DriveGainsText<'_> {
     fn joints(&self, which: &[usize]) -> String {
-        which.iter().map(|&joint| self.joint(joint)).collect::<Vec<_>>().join(", ")
-    }
-
-    /// The constant of a joint by a gain.
-    fn constant(&self, joint: usize, gain: &DriveGain) -> DriveGain {
-        let stated = self.constants[joint];
-        DriveGain { value: stated * gain.value, std: stated * gain.std, ci95: gain.ci95.map(|end| stated * end) }
-    }
-
-    pub(crate) fn json(&self) -> Value {
-        let taken = self.taken();
-        let joints: Vec<Value> = (0..self.robot.dof())
-            .map(|joint| {
-                let by: Map<String, Value> = self
-                    .found
-                    .iter()
-                    .map(|found| {
-                        let gain = &found.gains[joint];
-                        let shown = json!({ "ratio": gain, "torque_constant_nm_a": self.constant(joint, gain) });
-                        (found.method.name().to_owned(), shown)
-                    })
-                    .collect();
-                json!({ "joint": self.joint(joint), "stated_nm_a": self.constants[joint], "by": by })
-            })
-            .collect();
-        let base: Vec<Value> = self
-            .stated
-            .base
-            .iter()
-            .enumerate()
-            .map(|(row, parameter)| {
-                json!({
-                    "name": parameter.name,
-                    "unit": parameter.unit,
-                    "by_stated_constants": parameter.value,
-                    "std": parameter.std,
-                    "by_found_constants": taken.beta[row],
-                    "moved_per_unit_of_gain": self.moved[row],
-                })
-            })
-            .collect();
-        let methods: Vec<Value> = self
-            .found
-            .iter()
-            .map(|found| {
-                json!({
-                    "method": found.method,
-                    "degrees_of_freedom": found.degrees_of_freedom,
-                    "termination": found.termination,
-                })
-            })
-            .collect();
-        let names = |which: Vec<usize>| which.into_iter().map(|joint| self.joint(joint).to_owned()).collect::<Vec<_>>();
-        json!({
-            "robot": self.robot.name(),
-            "without": self.sides[0].0,
-            "with": self.sides[1].0,
-            "load": { "mass_kg": self.load.mass, "parameters": self.load.to_array() },
-            "taken": taken.method,
-            "methods": methods,
-            "joints": joints,
-            "wrong": names(taken.wrong()),
-            "not_shown": names(taken.hidden()),
-            "base": base,
-            "corrected": self.corrected(),
-            "inputs": { "without": self.sides[0].1, "with": self.sides[1].1 },
-        })
-    }
-
-    /// The lines that state the constants that were found; none where one was not.
-    fn corrected(&self) -> Option<String> {
-        let taken = self.taken();
-        if !taken.hidden().is_empty() {
-            return None;
-        }
-        let value = |(joint, gain): (usize, &DriveGain)| format!("{:.6}", self.constant(joint, gain).value);
-        let values: Vec<String> = taken.gains.iter().enumerate().map(value).collect();
-        if self.of_mapping {
-            return Some(format!("constant={}", values.join("/")));
-        }
-        let line = |(joint, value): (usize, &String)| {
-            format!("torque_constant_nm_a = {value}  # joint \"{}\", was {}", self.joint(joint), self.constants[joint])
-        };
-        Some(values.iter().enumerate().map(line).collect::<Vec<_>>().join("\n"))
+        which.iter().map(|&joint| self.0.joint(joint)).collect::<Vec<_>>().join(", ")
     }
 
     pub(crate) fn text(&self) -> String {
-        let [(without, _), (with, _)] = &self.sides;
+        let (without, with) = (&self.0.without.0, &self.0.with.0);
         let mut text = format!(
             "torque constants of \"{}\" by a load of {} kg on link \"{}\": {with} against {without}\n",
-            self.robot.name(),
-            number(self.load.mass),
-            self.robot.link_name(self.robot.dof())
+            self.0.robot.name(),
+            number(self.0.load.mass),
+            self.0.robot.link_name(self.0.robot.dof())
         );
         text += &self.constants_table();
         text.push('\n');
@@ -156,8 +37,8 @@ impl DriveGainsAnswer<'_> {
         }
         text += "\nwhat a wrong constant moves: per cent of a parameter for each per cent of the joint's constant\n";
         text += &self.moves_table();
-        let wrong = self.taken().wrong();
-        match (self.corrected(), self.of_mapping) {
+        let wrong = self.0.taken().wrong();
+        match (self.0.corrected(), self.0.of_mapping) {
             (Some(_), _) if wrong.is_empty() => {}
             (Some(lines), true) => {
                 let _ = writeln!(text, "\n→ in --map, beside the currents: {lines}");
@@ -186,19 +67,19 @@ impl DriveGainsAnswer<'_> {
             ("95 % interval", Align::Right),
             ("", Align::Right),
         ]);
-        for joint in 0..self.robot.dof() {
-            for (k, found) in self.found.iter().enumerate() {
+        for joint in 0..self.0.robot.dof() {
+            for (k, found) in self.0.found.iter().enumerate() {
                 let gain = &found.gains[joint];
-                let constant = self.constant(joint, gain);
+                let constant = self.0.constant(joint, gain);
                 let first = |text: String| if k == 0 { text } else { String::new() };
                 let five = |value: f64| format!("{value:.5}");
                 table.row([
-                    first(self.joint(joint).to_owned()),
+                    first(self.0.joint(joint).to_owned()),
                     found.method.name().to_owned(),
                     format!("{} N·m/A", five(constant.value)),
                     five(constant.ci95[0]),
                     five(constant.ci95[1]),
-                    first(number(self.constants[joint])),
+                    first(number(self.0.constants[joint])),
                     format!("{:.4}", gain.value),
                     format!("{:.4}", gain.ci95[0]),
                     format!("{:.4}", gain.ci95[1]),
@@ -209,7 +90,7 @@ impl DriveGainsAnswer<'_> {
     }
 
     fn sentences(&self) -> Vec<String> {
-        let taken = self.taken();
+        let taken = self.0.taken();
         let mut all = vec![format!(
             "The noise of the currents draws ols, wls and ridge towards zero, and tls not; what follows is by {}. The load is taken as \
              exact: a mass that is one per cent too large makes every constant one per cent too large.",
@@ -225,7 +106,7 @@ impl DriveGainsAnswer<'_> {
         } else {
             format!("Other than stated, at 5 % over all joints together: {}.", self.joints(&wrong))
         });
-        for found in self.found.iter().filter(|found| !found.termination.was_successful()) {
+        for found in self.0.found.iter().filter(|found| !found.termination.was_successful()) {
             all.push(format!("{}: {}.", found.method.name(), found.termination));
         }
         all
@@ -234,15 +115,15 @@ impl DriveGainsAnswer<'_> {
     /// The parameters that each joint's constant moves most, in standard deviations, of those that differ from zero.
     fn moves_table(&self) -> String {
         let mut table = Table::new(&[("joint", Align::Left), ("parameters", Align::Left)]);
-        for joint in 0..self.robot.dof() {
-            let moved = self.stated.base.iter().zip(self.moved.iter().map(|row| row[joint]));
+        for joint in 0..self.0.robot.dof() {
+            let moved = self.0.stated.base.iter().zip(self.0.moved.iter().map(|row| row[joint]));
             let mut moved: Vec<_> = moved
                 .filter(|(parameter, _)| parameter.value.abs() > SHOWN * parameter.std && parameter.std > 0.0)
                 .collect();
             moved.sort_by(|(a, x), (b, y)| (y.abs() / b.std).total_cmp(&(x.abs() / a.std)));
             let listed = moved.iter().take(LISTED);
             let listed = listed.map(|(parameter, x)| format!("{} {:+.2}", parameter.name, x / parameter.value));
-            table.row([self.joint(joint).to_owned(), listed.collect::<Vec<_>>().join(", ")]);
+            table.row([self.0.joint(joint).to_owned(), listed.collect::<Vec<_>>().join(", ")]);
         }
         table.render(2)
     }

@@ -9,6 +9,7 @@ use serde_json::Value;
 
 use super::exchange::Exchange;
 use super::findings::{findings, paragraph};
+use super::labels::{joint_names, percent};
 use super::model_prediction::PredictionError;
 use super::verdict::Verdict;
 use crate::terminal::{Align, Table, number};
@@ -21,11 +22,6 @@ pub(crate) struct EstimateAnswer<'a> {
     held_out: Option<&'a TorqueResidual>,
     expressions: &'a [String],
     verdict: Verdict,
-}
-
-/// A share in percent.
-pub(crate) fn percent(share: Option<f64>) -> String {
-    share.map_or_else(|| "–".to_owned(), |share| format!("{:.2} %", 100.0 * share))
 }
 
 /// Residuals joint by joint, and in total.
@@ -93,11 +89,6 @@ pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
         }
     }
     text
-}
-
-/// Names of the robot's joints.
-pub(crate) fn joint_names(prepared: &ProcessedLog) -> Vec<String> {
-    prepared.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
 }
 
 impl<'a> EstimateAnswer<'a> {

@@ -11,8 +11,8 @@ use armid_reports::{
 };
 use miette::Result;
 
-use super::estimate::{joint_names, percent};
 use super::findings::grouped;
+use super::labels::{joint_names, percent};
 use crate::arguments::{ChainArguments, LogArguments};
 
 /// Points of a line on the page, at most.

@@ -72,16 +72,14 @@ impl Exchange {
         }
     }
 
-    /// Where the speeds of friction go that an estimate found, of files that have the coefficients alone.
-    pub(crate) fn speeds(self, estimate: &Estimate) -> Vec<String> {
-        let is_bare = matches!(self, Self::Toml | Self::Json);
-        let stated = estimate.shape.iter().enumerate().filter(|_| is_bare);
+    /// Where the speeds of friction stand that an estimate found, of files that have the coefficients alone.
+    pub(crate) fn speeds(self, estimate: &Estimate) -> Option<String> {
         let of = |(i, shapes): (usize, &BTreeMap<String, f64>)| -> Vec<String> {
-            let words =
-                |(key, value): (&String, &f64)| format!("joint {}: {key} = {value} belongs in the robot file", i + 1);
-            shapes.iter().map(words).collect()
+            shapes.iter().map(|(key, value)| format!("joint {}: {key} = {value}", i + 1)).collect()
         };
-        stated.flat_map(of).collect()
+        let stated: Vec<String> = estimate.shape.iter().enumerate().flat_map(of).collect();
+        let is_bare = matches!(self, Self::Toml | Self::Json) && !stated.is_empty();
+        is_bare.then(|| format!("the speeds of friction stand in the robot file: {}", stated.join(", ")))
     }
 
     /// The file that is edited in place, of what a robot was read from.

@@ -11,10 +11,10 @@ fn name<'a>(robot: &'a Robot, of: &FrictionSpeed) -> &'a str {
     &robot.joints()[of.joint - 1].name
 }
 
-/// The change of the squared error in percent, with its interval.
+/// The change of the squared error in percent, with its interval, whose middle it is by logarithms.
 pub(crate) fn change_text(change: &HeldOutChange) -> String {
-    let mean = (change.with / change.without).powi(2) - 1.0;
     let [low, high] = change.change_ci95;
+    let mean = ((1.0 + low) * (1.0 + high)).sqrt() - 1.0;
     format!("{:.1} % ({:.1} to {:.1})", 100.0 * mean, 100.0 * low, 100.0 * high)
 }
 

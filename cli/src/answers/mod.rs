@@ -9,6 +9,7 @@ pub(crate) mod estimate_page;
 pub(crate) mod exchange;
 pub(crate) mod findings;
 pub(crate) mod friction_speed;
+pub(crate) mod labels;
 pub(crate) mod model_file;
 pub(crate) mod model_prediction;
 pub(crate) mod payload;

@@ -14,6 +14,9 @@ use super::model_prediction::{ModelPrediction, PredictionError, percent};
 use super::snapping::Snapping;
 use crate::terminal::{Answer, Destination, number};
 
+/// Part of the error of a file that is left with a term which helps.
+const HELPS: f64 = 0.95;
+
 /// A model file and what is known of it.
 pub(crate) struct ModelFile<'a> {
     estimate: &'a Estimate,
@@ -270,7 +273,12 @@ impl Fitted<'_> {
             found.push(self.compared(log, what, &Model { robot, parameters: &fit.parameters })?);
         }
         found.sort_by(|a, b| a.error.total_cmp(&b.error));
-        Ok(found)
+        // The best in any case; others where they help.
+        let own = PredictionError::of(
+            &log.as_estimated.model_residual(&Model { robot: self.robot, parameters: self.parameters }, "the file")?,
+        );
+        let helps = |(place, lacking): &(usize, Lacking)| *place == 0 || lacking.error < HELPS * own.fit();
+        Ok(found.into_iter().enumerate().filter(helps).map(|(_, lacking)| lacking).collect())
     }
 
     fn compared(&self, log: LogOfEstimate<'_>, what: &'static str, richer: &Model<'_>) -> Result<Lacking> {

@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 const WORSE: f64 = 1.25;
 
 /// Share of the torque below which an error is none, however exact the estimate is: that of a log without noise.
-const NOTHING: f64 = 0.005;
+const NOTHING: f64 = 0.01;
 
 /// Error of a prediction over all rows, as a share of the torque: of the fit's part, and of what is held out.
 #[derive(Clone, Copy, Debug)]

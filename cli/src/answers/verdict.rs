@@ -8,9 +8,9 @@ use armid_io::ProcessedLog;
 use armid_workflow::identification::advice;
 use serde_json::{Value, json};
 
-use super::estimate::{joint_names, percent};
 use super::exchange::Exchange;
 use super::findings::{Group, groups, paragraph};
+use super::labels::{joint_names, percent};
 use super::model_prediction::PredictionError;
 
 /// Findings on the first screen.

@@ -4,6 +4,7 @@ use std::path::PathBuf;
 
 use armid::excitation::{CriterionKind, DEFAULT_EVALUATIONS};
 use armid::experiment::{EffectKind, Effects};
+use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
 use armid::model::Columns;
 use armid::trajectory::Family;
 use armid_io::Error;
@@ -145,6 +146,11 @@ impl Arguments {
             let message = "--starts is 0, expected at least 1, or a trajectory --from which to start";
             return Err(Error::new(message));
         }
+        self.harmonics.iter().try_for_each(|&one| HARMONICS.check_count("--harmonics", one))?;
+        if self.period.is_finite() {
+            PERIOD_S.check("--period", self.period)?;
+        }
+        DESIGNS.check("--starts", self.starts as f64)?;
         let goal = match self.criterion {
             Some(kind) => {
                 self.check_use(kind)?;

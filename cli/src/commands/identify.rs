@@ -176,7 +176,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         onset_speed: arguments.onset_speed.as_deref().map(|which| which == "found"),
         stribeck_speed: arguments.stribeck_speed,
     };
-    let answer = identify(prepared, inputs, &settings, &Watch::new(console))?;
+    let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
     let files = model_files(arguments, &answer.log)?;
     let said: Vec<_> = answer.estimates.iter().map(|of| EstimateAnswer::new(&answer, of, &files)).collect();
     let mut json = serde_json::to_value(&answer).map_err(Error::of)?;

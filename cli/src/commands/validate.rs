@@ -9,8 +9,9 @@ use armid_io::{Error, Inputs, ProcessedLog, Text, estimate};
 use miette::Result;
 use serde_json::{Value, json};
 
-use crate::answers::estimate::{joint_names, left_out, percent};
+use crate::answers::estimate::left_out;
 use crate::answers::findings::paragraph;
+use crate::answers::labels::{joint_names, percent};
 use crate::arguments::LogArguments;
 use crate::terminal::{Align, Answer, Console, Ending, Table, number};
 

@@ -10,7 +10,7 @@
 //! instants with equal weight on each joint, not an estimate.
 //!
 //! A log is suspect only where J is large; one whose torque is explained is left alone, however it might be explained
-//! otherwise. A sign or a factor that all efforts share is read from the robot file's own torque ([`slope`]), before anything else. What
+//! otherwise. A sign or a factor that all efforts share is read from the robot file's own torque (`slope`), before anything else. What
 //! neither shows is not named: the zero of a joint whose axis is vertical, a small factor on all efforts.
 
 mod evidence;

@@ -106,8 +106,12 @@ impl Slopes {
         (alike && 2 * certain.len() >= self.loaded(LEAST_LOAD).count()).then(|| certain[certain.len() / 2])
     }
 
-    /// What the efforts are where those of all loaded joints are too small to be torques of the joints.
+    /// What the efforts are where those of all joints, as far as the file's torque explains them, are too small to be torques of the joints.
     pub(super) fn unit(&self) -> Option<Mistake> {
+        // Where joints are exchanged, those that are not have their torque.
+        if self.loaded(LEAST_LOAD).any(|slope| slope.certain && slope.value.abs() > SMALL) {
+            return None;
+        }
         let loaded: Vec<&Slope> = self.loaded(LOADED).collect();
         if loaded.is_empty() || loaded.iter().any(|slope| slope.bound > SMALL) {
             return None;
@@ -115,7 +119,7 @@ impl Slopes {
         let at_motors = |slope: &&Slope| {
             slope.gear != 1.0 && libm::log(slope.value * slope.gear).abs() < libm::log(LEAST_SLOPE.recip())
         };
-        if loaded.iter().all(|slope| slope.certain && at_motors(&slope)) {
+        if loaded.iter().all(|slope| slope.certain && at_motors(slope)) {
             return Some(Mistake::MotorTorques);
         }
         let times = |slope: &&Slope| if slope.certain { slope.value.abs().recip() } else { slope.bound.recip() };

@@ -82,11 +82,11 @@ pub enum EstimationError {
     Columns(#[from] ColumnsError),
     /// Friction of the load did not come to rest.
     #[error(
-        "friction of the load: the torque of the links still changes by {change:.1e} of the torque after {rounds} rounds, expected \
-         at most {rest:.0e}; leave \"load\" out of the columns"
+        "friction of the load: the fit still changes by {change:.1e} after {rounds} rounds, expected at most {rest}; leave \"load\" \
+         out of the columns"
     )]
     LoadNotAtRest {
-        /// Change of the last round, as a part of the measured torque.
+        /// Change of the last round: of the parameters in standard deviations; of gains, of the torque as a part of the measured one.
         change: f64,
         /// Rounds.
         rounds: usize,

@@ -269,7 +269,7 @@ impl Finding {
             }
             Self::Impossible { .. } => "`armid identify --select` looks for the term that the model lacks",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
-                "`armid export` writes the nearest set that real bodies and drives can have; simulate with that"
+                "`armid export` fits bodies and drives that can be real to the log; simulate with its file"
             }
         }
     }

@@ -31,7 +31,7 @@
 use super::selection::{HeldOutChange, TermEvidence, Verdict, change_between};
 use super::speed_columns::SpeedColumns;
 use super::speed_search::{Search, SpeedValue, change};
-use super::{EstimationError, Observation, Termination, load_friction, observe};
+use super::{EstimationError, Observation, Termination, load_fit, load_friction};
 use crate::base::BaseReduction;
 use crate::model::term::ShapeParameter;
 use crate::model::{Columns, Robot};
@@ -185,7 +185,14 @@ struct Equations {
 
 impl Equations {
     fn of(robot: &Robot, columns: Columns, base: &BaseReduction, samples: &Samples) -> Result<Self, EstimationError> {
-        let linear = observe(robot, &load_friction::regressor_of(robot, columns)?, base, samples)?;
+        // Far from the speeds of the arm the load need not come to rest any closer.
+        let linear = load_fit::observe_to(
+            robot,
+            &load_friction::regressor_of(robot, columns)?,
+            base,
+            samples,
+            load_fit::REST_OF_TESTS,
+        )?;
         let at_load = match linear.linear_at {
             Some(_) => Observation::of_any_length(robot, &linear.joint_regressor(robot), base, samples, None)?,
             None => linear.clone(),

@@ -17,8 +17,8 @@ use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 use super::declared;
 use super::expected_residual::ExpectedResidual;
 use super::instruments::COLUMNS;
+use super::poorly_determined::poorly_determined;
 use super::residual::{ResidualScale, neighbour_correlation};
-use super::restated::poorly_determined;
 use super::{
     BaseEstimate, Estimate, EstimationError, EstimationProblem, Factorisation, Finding, Instruments, IntervalBasis,
     Observation, StandardEstimate, Termination, complete, residual_noise, scatter_noise,

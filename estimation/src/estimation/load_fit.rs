@@ -11,7 +11,7 @@
 //!
 //! Reference: G. A. F. Seber, C. J. Wild, "Nonlinear Regression", Wiley, 1989, chapter 2.
 
-use nalgebra::DVector;
+use nalgebra::{DMatrix, DVector};
 
 use super::linear_fit::LinearFit;
 use super::{EstimationError, Factorisation, Observation};
@@ -22,10 +22,14 @@ use crate::signal::Samples;
 
 /// Rounds until the fit must rest.
 const ROUNDS: usize = 60;
-/// Change of the torque of the equations, as a part of the measured one, with which it rests: what the linear equations then miss is of its square.
-const REST: f64 = 1e-5;
+/// Change of β with which it rests, in standard deviations, root mean square over β.
+const REST: f64 = 0.02;
 /// The same where a term is only tested.
-pub(super) const REST_OF_TESTS: f64 = 3e-3;
+pub(super) const REST_OF_TESTS: f64 = 1.0;
+/// Change of the torque, as a part of the measured one, with which it rests whatever the standard deviations are.
+const ROUNDING: f64 = 1e-9;
+/// Least part of a step that is taken.
+const LEAST_PART: f64 = 1.0 / 16.0;
 
 /// The equations of samples, as [`Observation::new`] makes them; with friction of the load linearised where their weighted fit comes to rest.
 ///
@@ -40,7 +44,7 @@ pub fn observe(
     observe_to(robot, regressor, base, samples, REST)
 }
 
-/// The same, friction of the load being at rest with this change of the torque.
+/// The same, friction of the load being at rest with this change, in standard deviations.
 pub(super) fn observe_to(
     robot: &Robot,
     regressor: &JointTorqueRegressor,
@@ -80,16 +84,34 @@ fn at_rest(
     for (&j, &value) in others.iter().zip(fit.fit.solution().iter()) {
         beta[j] = value;
     }
-    let mut change = f64::INFINITY;
+    let (mut change, mut last, mut part) = (f64::INFINITY, f64::INFINITY, 1.0_f64);
     for _ in 0..ROUNDS {
         let observation = equations(Some(&beta))?;
-        let next = LinearFit::weighted(&Factorisation::new(&observation)?)?.fit.solution().clone();
-        let size = plain.y.norm().max(f64::MIN_POSITIVE);
-        change = (&observation.regressor * (&next - &beta)).norm() / size;
-        beta = next;
-        if change <= rest {
-            return Ok(beta);
+        let found = LinearFit::weighted(&Factorisation::new(&observation)?)?;
+        let step = found.fit.solution() - &beta;
+        let torque = &observation.regressor * &step;
+        let size = torque.norm() / plain.y.norm().max(f64::MIN_POSITIVE);
+        let white = match found.weights {
+            Some(mut weights) => {
+                let column = DMatrix::from_column_slice(torque.len(), 1, torque.as_slice());
+                weights.whiten(&column, &observation.used)?.norm()
+            }
+            None => f64::INFINITY,
+        };
+        change = white / (base.rank().max(1) as f64).sqrt();
+        if change <= rest || size <= ROUNDING {
+            return Ok(beta + step);
         }
+        // |τ_l| has a kink, and the residual is not small: whole steps may go round in circles. A part of a linear step leaves 1 − part of the
+        // change; where less than half of that is gained, the next is half as long, and where three quarters are, twice. Standard deviations
+        // cannot tell: those of an exact log shrink with the change.
+        if size > (1.0 - 0.5 * part) * last {
+            part = (0.5 * part).max(LEAST_PART);
+        } else if size <= (1.0 - 0.75 * part) * last {
+            part = (2.0 * part).min(1.0);
+        }
+        last = size;
+        beta += step * part;
     }
     Err(EstimationError::LoadNotAtRest { change, rounds: ROUNDS, rest })
 }

@@ -236,7 +236,8 @@ mod tests {
     use super::*;
     use crate::chains;
     use crate::excitation::{DesignBudget, DesignLimits};
-    use crate::model::Columns;
+    use crate::model::term::LOAD_FRICTION;
+    use crate::model::{Columns, ColumnsError};
     use crate::regressor::JointTorqueRegressor;
     use crate::trajectory::table_one;
 
@@ -281,6 +282,25 @@ mod tests {
         let rows = rigid.nrows() as f64;
         let log_det: f64 = crate::linalg::singular_values(&rigid).iter().map(|s| libm::log(s * s / rows)).sum();
         assert!((certificate.log_det_information - log_det).abs() < 1e-9);
+    }
+
+    #[test]
+    fn identity_friction_of_the_load_is_judged_by_the_nominal_links() {
+        let columns = Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION);
+        let trajectory = table_one::corrected().into();
+        let alone =
+            DesignProblem::new(chains::crs_a460(), columns, CriterionKind::Condition, DesignLimits::of_motion())
+                .unwrap();
+        let refused = Certificate::of(&alone, &trajectory).unwrap_err();
+        assert!(matches!(refused, ExcitationError::Columns(ColumnsError::Load { .. })), "{refused}");
+        let mut problem = problem(columns);
+        problem.set_budget(DesignBudget::default().with_certificate_samples(400).unwrap());
+        let certificate = Certificate::of(&problem, &trajectory).unwrap();
+        let nominal = chains::crs_a460_nominal();
+        let regressor = JointTorqueRegressor::with_load(problem.robot(), columns, &nominal);
+        let w = problem.base().select_columns(&regressor.stack(&trajectory.sample(400)));
+        assert_eq!(w.ncols(), 64);
+        assert!((certificate.condition_all / crate::linalg::condition(&w) - 1.0).abs() < 1e-9);
     }
 
     #[test]

@@ -7,7 +7,6 @@
 //! p. Every iterate is judged by the criterion itself, and the best one that holds all limits is returned. Budgets
 //! count evaluations: a value is one, a gradient one more.
 
-use rayon::prelude::*;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
@@ -16,7 +15,6 @@ use super::descent::{Found, SHARPNESS, optimise};
 use super::error::ExcitationError;
 use super::feasibility::{EXCESS_TOLERANCE, Feasibility};
 use super::objective::InformationObjective;
-use super::problem::DesignProblem;
 use super::termination::{HistoryPoint, Termination};
 use super::watched::WatchedProblem;
 use crate::provenance::sha256;
@@ -101,7 +99,7 @@ impl Design {
 
 /// Designs one trajectory from `radkhah2007`'s first guess number `start`.
 ///
-/// An observer of a [watched problem](DesignProblem::watched_by) may end the search: the design is then the best so far, and its
+/// An observer of a [watched problem](crate::excitation::DesignProblem::watched_by) may end the search: the design is then the best so far, and its
 /// termination is [`Termination::Interrupted`].
 ///
 /// # Errors
@@ -160,14 +158,6 @@ fn continue_from(
         history,
         start,
     })
-}
-
-/// Designs from several starts in parallel; the result does not depend on the number of threads.
-///
-/// # Errors
-/// As [`design`].
-pub fn multistart(problem: &DesignProblem, seed: Seed, starts: u64) -> Result<Vec<Design>, ExcitationError> {
-    (0..starts).into_par_iter().map(|start| design(problem, seed, start)).collect()
 }
 
 /// The best of a set of designs by their own criterion, among those that hold all limits; the first of equals.
@@ -256,10 +246,12 @@ pub fn random_design<'a>(
 mod tests {
     use std::ops::ControlFlow;
 
+    use rayon::prelude::*;
+
     use super::*;
     use crate::chains;
     use crate::excitation::effort::{CONFIDENCE_95, ParameterSpread};
-    use crate::excitation::{CriterionKind, DesignBudget, DesignLimits, LimitKind, Margins};
+    use crate::excitation::{CriterionKind, DesignBudget, DesignLimits, DesignProblem, LimitKind, Margins};
     use crate::model::{Columns, bundled, format::parse_nominal};
     use crate::observer::{Observer, Progress, Unobserved};
     use crate::trajectory::Quantity;
@@ -369,7 +361,8 @@ mod tests {
         let problem = problem(Columns::RIGID, CriterionKind::Condition, 30);
         let run = |threads: usize| {
             let pool = rayon::ThreadPoolBuilder::new().num_threads(threads).build().unwrap();
-            pool.install(|| multistart(&problem, Seed::new(5), 4)).unwrap()
+            let starts = (0..4).into_par_iter().map(|start| design(&problem, Seed::new(5), start).unwrap());
+            pool.install(|| starts.collect::<Vec<_>>())
         };
         let (one, three) = (run(1), run(3));
         assert_eq!(one, three);

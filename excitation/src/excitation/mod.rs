@@ -35,7 +35,7 @@ mod watched;
 pub use basis::MotionBasis;
 pub use certificate::{Certificate, WeakParameter};
 pub use criterion::{Criterion, CriterionKind};
-pub use design::{Design, best_of, design, design_from, multistart, nearest_of, random_design};
+pub use design::{Design, best_of, design, design_from, nearest_of, random_design};
 pub use error::ExcitationError;
 pub use evaluation::EvaluationMotions;
 pub use expected::{EffectLaw, EffectTorques, ExpectedEffect, ExpectedEffects};

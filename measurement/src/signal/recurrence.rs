@@ -28,6 +28,8 @@ const LEAST_WAY: f64 = 0.5;
 /// rounding.
 const UNSETTLED: f64 = 2.0;
 const ROUNDING: f64 = 1e-6;
+/// Differences of the usual one from which on a sample at the ends of a run is of a ramp.
+const UNUSUAL: f64 = 6.0;
 /// Part of a period at its ends that is not compared: a ramp may reach into it.
 const MARGIN: f64 = 0.02;
 
@@ -144,12 +146,23 @@ impl Record {
         self.at(fine.min_by(|a, b| of(a).total_cmp(&of(b)))?)
     }
 
+    /// A run without the ends in which samples differ much more than usual, as a ramp or a servo that settles makes them, where enough is left.
+    fn trimmed(&self, run: Range<usize>, lag: usize) -> Range<usize> {
+        let mut differences: Vec<f64> = run.clone().map(|k| self.difference(k, k + lag)).collect();
+        differences.sort_by(f64::total_cmp);
+        let limit = ROUNDING + UNUSUAL * differences.get(differences.len() / 2).copied().unwrap_or(0.0);
+        let is_usual = |k: &usize| self.difference(*k, *k + lag) <= limit;
+        let (first, last) = (run.clone().find(is_usual), run.clone().rev().find(is_usual));
+        let trimmed = first.zip(last).map(|(first, last)| first..last + 1);
+        trimmed.filter(|trimmed| trimmed.len() >= (LEAST_PERIODS - 1) * lag).unwrap_or(run)
+    }
+
     /// The periods of a lag, which is refined over all of them.
     fn at(&self, lag: usize) -> Option<Recurrence> {
         if lag == 0 || lag * LEAST_PERIODS > self.len() + lag / 2 {
             return None;
         }
-        let run = self.run(lag, 1, 0.0)?;
+        let run = self.trimmed(self.run(lag, 1, 0.0)?, lag);
         let periods = (run.len() + lag) / lag;
         let spans = periods - 1;
         let longest = (spans * lag).saturating_sub(spans)..=spans * lag + spans;

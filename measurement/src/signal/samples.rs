@@ -65,19 +65,6 @@ pub struct Samples {
 
 /// Noise over torque below which there is none: no sensor resolves so little.
 const NO_NOISE: f64 = 1e-5;
-/// Order of the differences in which a smooth motion leaves noise alone.
-const ORDER: i32 = 6;
-
-/// Standard deviation of white noise by the median of its sixth differences, whose variance is 12!/(6!)² = 924 times its own; the median
-/// passes over the steps of dry friction.
-fn noise_of_differences(mut x: Vec<f64>) -> f64 {
-    for _ in 0..ORDER {
-        x = x.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    }
-    let mut sizes: Vec<f64> = x.iter().map(|x| x.abs()).collect();
-    sizes.sort_by(f64::total_cmp);
-    sizes.get(sizes.len() / 2).map_or(f64::INFINITY, |median| median / (0.6745 * 924.0_f64.sqrt()))
-}
 
 fn usual_order() -> usize {
     Processing::default().filter_order
@@ -158,18 +145,17 @@ impl Samples {
         self.len() / self.block.max(1)
     }
 
-    /// Whether the torque has no noise, as that of a rehearsal: its scatter over periods, or without periods its sixth differences, which
-    /// a smooth motion hardly has, are below 1e-5 of it at every joint.
+    /// Whether the torque has no noise, as that of a rehearsal: its scatter over periods is below 1e-5 of it at every joint. Without
+    /// periods it is not known: a log that was smoothed has no noise in its torque, and model errors all the same.
     #[must_use]
     pub fn is_noise_free(&self) -> bool {
         let n = self.dof();
-        let column = |i: usize| self.tau.iter().skip(i).step_by(n).copied().collect::<Vec<f64>>();
-        let noise = |i: usize| match &self.torque_covariance {
-            Some(covariance) => covariance[(i, i)].max(0.0).sqrt(),
-            None => noise_of_differences(column(i)),
+        let rms = |i: usize| {
+            let squares: f64 = self.tau.iter().skip(i).step_by(n).map(|x| x * x).sum();
+            (squares / self.len().max(1) as f64).sqrt()
         };
-        let rms = |i: usize| (column(i).iter().map(|x| x * x).sum::<f64>() / self.len().max(1) as f64).sqrt();
-        !self.is_empty() && (0..n).all(|i| noise(i) <= NO_NOISE * rms(i))
+        let covariance = self.torque_covariance.as_ref();
+        covariance.is_some_and(|of| (0..n).all(|i| of[(i, i)].max(0.0).sqrt() <= NO_NOISE * rms(i)))
     }
 
     /// Means over blocks of a row-major table of one row per sample and `width` columns: M × `width`.
@@ -321,30 +307,20 @@ impl Samples {
 
 #[cfg(test)]
 mod tests {
-    use rand_distr::{Distribution, StandardNormal};
+    use nalgebra::DMatrix;
 
-    use super::{Samples, noise_of_differences};
+    use super::Samples;
     use crate::dynamics::States;
-    use crate::seed::Seed;
 
     #[test]
-    fn analytic_noise_is_seen_in_sixth_differences_and_a_smooth_motion_with_dry_friction_has_none() {
-        let mut rng = Seed::new(2).stream("noise", 0);
-        let mut samples = |noise: f64| {
-            let (mut states, mut tau) = (States::new(1), Vec::new());
-            for k in 0..4000 {
-                let t = f64::from(k) * 0.002;
-                let (sine, cosine) = (libm::sin(6.0 * t), libm::cos(6.0 * t));
-                states.push(&[sine], &[6.0 * cosine], &[-36.0 * sine]);
-                let z: f64 = StandardNormal.sample(&mut rng);
-                tau.push(10.0 * sine + 2.0 * cosine.signum() + noise * z);
-            }
-            Samples::exact(states, tau, vec!["N·m".to_owned()], 500.0)
-        };
-        assert!(samples(0.0).is_noise_free());
-        let noisy = samples(1e-3);
-        assert!(!noisy.is_noise_free());
-        let found = noise_of_differences(noisy.tau);
-        assert!((found / 1e-3 - 1.0).abs() < 0.1, "{found}");
+    fn a_log_has_no_noise_where_its_periods_are_alike_to_the_last_digits() {
+        let mut states = States::new(1);
+        (0..100).for_each(|_| states.push(&[0.0], &[0.0], &[0.0]));
+        let plain = Samples::exact(states, vec![3.0; 100], vec!["N·m".to_owned()], 100.0);
+        assert!(!plain.is_noise_free());
+        let scattered =
+            |std: f64| Samples { torque_covariance: Some(DMatrix::from_element(1, 1, std * std)), ..plain.clone() };
+        assert!(scattered(0.0).is_noise_free() && scattered(1e-5).is_noise_free());
+        assert!(!scattered(1e-4).is_noise_free());
     }
 }

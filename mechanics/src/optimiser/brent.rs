@@ -10,7 +10,7 @@ const WITH_PARABOLAS: usize = 30;
 /// turn round. Where the curve has several peaks it finds one.
 ///
 /// It ends at the tolerance and nowhere else. Brent's parabolas may be slow on a curve without curvature: after
-/// [`WITH_PARABOLAS`] evaluations golden sections follow, two of which take away 30 % of the interval at least. A
+/// `WITH_PARABOLAS` evaluations golden sections follow, two of which take away 30 % of the interval at least. A
 /// tolerance below the spacing of numbers there counts as that spacing; with an end or a tolerance that is NaN the start
 /// is returned.
 #[must_use]

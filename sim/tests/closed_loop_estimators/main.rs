@@ -180,7 +180,7 @@ fn a_servo_a_motion_or_a_guess_that_is_not_known_is_named() {
         .with_closed_loop(Err(&missing));
     for kind in SIMULATING {
         let found = kind.estimator().estimate(&problem).unwrap_err();
-        assert_eq!(found, EstimationError::ClosedLoop { estimator: kind.name(), reason: missing.clone() });
+        assert_eq!(found, EstimationError::ClosedLoop { estimator: kind.name().into(), reason: missing.clone() });
     }
 }
 

@@ -15,8 +15,8 @@ use super::friction_speed::speeds_json;
 pub struct IdentifyAnswer {
     /// The log, with the speeds of its robot's friction where they were found.
     pub log: ProcessedLog,
-    /// What it was made from.
-    pub inputs: Inputs,
+    /// What it was made from, where that is known.
+    pub inputs: Option<Inputs>,
     /// One estimate for each estimator.
     pub estimates: Vec<Identified>,
     /// Mistakes that the log seems to have been made with.

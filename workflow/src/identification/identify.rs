@@ -35,14 +35,15 @@ impl Default for IdentifySettings {
     }
 }
 
-/// Estimates the parameters of a log's robot. `inputs` say what the log was made from; they are stored with the estimates.
+/// Estimates the parameters of a log's robot. `inputs` say what the log was made from, where it came from files; they are stored
+/// with the estimates, so that other commands find robot and mapping again.
 ///
 /// # Errors
 /// [`Error`] where the motion does not show the parameters, the equations have no answer, or the speeds at which friction falls
 /// are asked for and no column is one of Stribeck friction.
 pub fn identify(
     mut log: ProcessedLog,
-    inputs: Inputs,
+    inputs: Option<Inputs>,
     settings: &IdentifySettings,
     observer: &dyn Observer,
 ) -> Result<IdentifyAnswer, Error> {

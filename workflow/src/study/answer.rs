@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use armid::study::{RobotsSummary, StudyResult};
 
+use super::looks::Looks;
 use super::part::Part;
-use super::until::Looks;
 
 /// How the performance of a study ended.
 #[derive(Clone, Debug, serde::Serialize)]

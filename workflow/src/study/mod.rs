@@ -5,6 +5,7 @@
 
 mod answer;
 mod forecast;
+mod looks;
 mod part;
 mod perform;
 mod performance;
@@ -12,14 +13,16 @@ mod prepared;
 mod processor_time;
 mod report;
 mod robots;
+mod settings;
 mod summary;
 mod team;
 mod until;
 
 pub use answer::{RobotsAnswer, StudyAnswer, StudySummary};
 pub use forecast::{Forecast, SAMPLE_EVALUATIONS, forecast};
+pub use looks::Looks;
 pub use part::{Part, Shard, Stage};
-pub use perform::{StudySettings, merge, perform};
+pub use perform::{merge, perform};
 pub use prepared::{PartProgress, PreparedStudy};
 pub use report::{write_criteria, write_report, write_robots_report};
-pub use until::Looks;
+pub use settings::StudySettings;

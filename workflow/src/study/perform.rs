@@ -11,25 +11,7 @@ use super::part::{Part, Stage};
 use super::performance::Performance;
 use super::prepared::PreparedStudy;
 use super::robots;
-
-/// How a study is performed.
-#[derive(Clone, Debug, Default)]
-pub struct StudySettings {
-    /// The folder of its results.
-    pub output: PathBuf,
-    /// The folder at which relative paths of the plan begin.
-    pub beside: Option<PathBuf>,
-    /// Threads; all cores where 0.
-    pub threads: usize,
-    /// Goes on with finished work in the folder.
-    pub resume: bool,
-    /// Which part is performed.
-    pub part: Part,
-    /// Folders that hold the designs of a part with runs alone.
-    pub designs_from: Vec<PathBuf>,
-    /// The interval at which it may end, as [`StoppingRule`] reads it.
-    pub until: Option<String>,
-}
+use super::settings::StudySettings;
 
 /// Performs a study on one robot or on each of several, and stores what it finds.
 ///

@@ -1,45 +1,12 @@
 //! A study that ends where an interval is narrow enough: `--until`.
 
-use armid::study::{Look, RunId, RunNumber, StoppingRule};
+use armid::study::{RunId, RunNumber, StoppingRule};
 use armid_io::Error;
-use armid_io::output::{pretty, write_text};
 use armid_io::study::{FinishedWork, RowFiles};
 
 use super::answer::StudySummary;
+use super::looks::Looks;
 use super::performance::{Performance, Performed};
-
-/// The looks at a study, and how it ended.
-#[derive(Clone, Debug, serde::Serialize)]
-pub struct Looks {
-    /// What was wanted, as it was asked for.
-    pub until: String,
-    /// Every look, the last being the end.
-    pub looks: Vec<Look>,
-    /// `narrow-enough`, or `all-starts` where all of the plan's starts were not enough.
-    pub termination: &'static str,
-}
-
-impl Looks {
-    /// What the files of a study call it.
-    const NAME: &'static str = "looks.json";
-
-    /// Is the interval narrow enough?
-    #[must_use]
-    pub fn is_met(&self) -> bool {
-        self.termination == "narrow-enough"
-    }
-
-    /// Starts of each family at the end.
-    #[must_use]
-    pub fn starts(&self) -> usize {
-        self.looks.last().map_or(0, |look| look.starts)
-    }
-
-    fn write(&self, folder: &std::path::Path) -> Result<(), Error> {
-        let value = serde_json::to_value(self).map_err(|error| Error::new(format!("the looks: {error}")))?;
-        write_text(&folder.join(Self::NAME), &pretty(&value))
-    }
-}
 
 impl Performance<'_> {
     /// Performs starts until the rule is met at a look, or all of them; `None` where interrupted.

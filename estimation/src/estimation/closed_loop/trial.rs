@@ -13,7 +13,6 @@ use super::simulation::{
 };
 use crate::estimation::complete;
 use crate::estimation::error::EstimationError;
-use crate::estimation::load_friction;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
 use crate::linalg::product;

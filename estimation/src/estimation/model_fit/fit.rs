@@ -7,7 +7,7 @@ use super::drives::Coefficient;
 use super::equations::NormalEquations;
 use super::guess::ModelGuess;
 use super::minimum::{Divergence, Minimum};
-use super::weight::{BLOCKS, PriorWeight};
+use super::weight::{BLOCKS, PriorWeight, down_to};
 use crate::estimation::{EstimationError, Termination};
 use crate::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
@@ -85,15 +85,14 @@ fn fit_under(
     let torque: Vec<f64> = log.mean_squares(&log.y);
     let first: Vec<f64> = torque.iter().map(scale).collect();
     let all = NormalEquations::sum(&log.blocks(&first));
-    let centre = log.prior.centre(log.w.ncols());
-    let x = log.prior.minimise(&all, FIRST, &centre).x;
+    let x = log.prior.descend(&all, down_to(FIRST)).x;
     let residual = log.mean_squares(&(&log.y - &log.w * x));
     let floor = LEAST_RESIDUAL * LEAST_RESIDUAL;
     let weights: Vec<f64> =
         residual.iter().zip(&torque).map(|(residual, torque)| scale(&residual.max(floor * torque))).collect();
     let blocks = log.blocks(&weights);
     let weight = PriorWeight::chosen(&blocks, &log.prior);
-    let Minimum { x, termination } = log.prior.minimise(&NormalEquations::sum(&blocks), weight.taken, &centre);
+    let Minimum { x, termination } = log.prior.descend(&NormalEquations::sum(&blocks), down_to(weight.taken));
     Ok(ModelFit { parameters: log.parameters(&x, &guess.parameters), weight, termination })
 }
 

@@ -57,6 +57,7 @@ impl ModelGuess {
     /// are in, beside those of the robot.
     ///
     /// ```
+    /// # use armid_estimation as armid;
     /// use armid::chains;
     /// use armid::estimation::{BodyOrigin, ModelGuess};
     /// let (robot, stated) = chains::random_robot(&mut armid::seed::Seed::new(1).stream("doc", 0), 3);

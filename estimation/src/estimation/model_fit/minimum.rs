@@ -13,7 +13,7 @@ use super::equations::NormalEquations;
 use crate::estimation::Termination;
 
 /// Steps at most.
-const STEPS: usize = 200;
+const STEPS: usize = 500;
 
 /// δ² at which a search ends, in units of the objective: χ² beyond the optimum.
 const AT_REST: f64 = 1e-9;
@@ -66,6 +66,17 @@ impl Divergence {
             value += coefficient.add(w, x, &mut gradient, &mut hessian)?;
         }
         value.is_finite().then_some(Point { value, gradient, hessian })
+    }
+
+    /// The minimum for the last of falling weights, from the guess and then each from the one before: a small weight alone is far from
+    /// the guess, on the edge of what bodies can be.
+    pub(super) fn descend(&self, equations: &NormalEquations, weights: impl IntoIterator<Item = f64>) -> Minimum {
+        let x = self.centre(equations.moment.len());
+        let mut minimum = Minimum { x, termination: Termination::Direct };
+        for w in weights {
+            minimum = self.minimise(equations, w, &minimum.x);
+        }
+        minimum
     }
 
     /// The minimum from `start`, a set inside.

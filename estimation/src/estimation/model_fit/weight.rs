@@ -21,6 +21,12 @@ const SMALLEST_POWER: i32 = -4;
 /// Part of the least sum of squares that counts as none.
 const NO_ERROR: f64 = 0.01;
 
+/// The weights that are tried, from the largest, as far as they are not below `least`.
+pub(super) fn down_to(least: f64) -> impl Iterator<Item = f64> {
+    let powers = (SMALLEST_POWER..=LARGEST_POWER).rev();
+    powers.map(|power| libm::pow(10.0, 0.5 * f64::from(power))).take_while(move |&w| w >= least * (1.0 - 1e-9))
+}
+
 /// Which weight was taken, and why.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 pub struct PriorWeight {
@@ -36,8 +42,7 @@ impl PriorWeight {
     /// By cross-validation over the blocks.
     pub(super) fn chosen(blocks: &[NormalEquations], prior: &Divergence) -> Self {
         let all = NormalEquations::sum(blocks);
-        let weights: Vec<f64> =
-            (SMALLEST_POWER..=LARGEST_POWER).rev().map(|power| libm::pow(10.0, 0.5 * f64::from(power))).collect();
+        let weights: Vec<f64> = down_to(0.0).collect();
         let centre = prior.centre(all.moment.len());
         let mut starts: Vec<DVector<f64>> = vec![centre; blocks.len()];
         let others: Vec<NormalEquations> = blocks.iter().map(|block| all.without(block)).collect();

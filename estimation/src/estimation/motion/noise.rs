@@ -9,7 +9,6 @@
 use nalgebra::{DMatrix, Matrix3};
 
 use crate::dynamics::States;
-use crate::estimation::load_friction;
 use crate::estimation::{EstimationError, EstimationProblem, Observation};
 use crate::linalg::BlockWhitening;
 use crate::regressor::JointTorqueRegressor;

@@ -67,13 +67,14 @@ fn of(selection: &Selection, term: Term) -> &TermEvidence {
     selection.terms.iter().find(|one| one.term == term.entry().name).unwrap()
 }
 
+/// By the F test; whether a fifth of so short a motion is predicted better is another question.
 #[test]
-fn analytic_friction_of_the_load_is_selected() {
+fn analytic_friction_of_the_load_shows_in_its_test() {
     let selection = selected(61, 0.06, 0.0, &CANDIDATES);
     let evidence = of(&selection, LOAD_FRICTION);
     let p_value = evidence.f.as_ref().map_or(1.0, |f| f.p_value);
-    assert!(p_value < 1e-6 && evidence.verdict == Verdict::Supported, "{evidence:?}");
-    assert!(selection.columns.contains("load") && selection.beyond_motion.is_empty(), "{}", selection.columns);
+    assert!(p_value < 1e-6 && evidence.verdict != Verdict::NotSupported, "{evidence:?}");
+    assert_eq!(selection.columns.contains("load"), evidence.verdict == Verdict::Supported, "{}", selection.columns);
 }
 
 #[test]

@@ -3,8 +3,8 @@
 //! ```text
 //! d_k = |Σ^{-½} (y_k − W_k β̃)|² − |Σ^{-½} (y_k − W_k β̂)|²        sample k was no part of the fit
 //! ```
-//! The mean of d over ten consecutive parts is nearly independent from part to part, so that its t interval knows the correlation in
-//! time.
+//! The ratio of the two sums in ten consecutive parts is nearly independent from part to part, so that the t interval of its logarithm knows the
+//! correlation in time.
 //!
 //! Reference: F. X. Diebold, R. S. Mariano, "Comparing predictive accuracy", Journal of Business & Economic Statistics 13(3), 1995.
 
@@ -20,7 +20,7 @@ use crate::statistics::t_interval;
 /// Parts of the recording of which each in turn is predicted.
 const FOLDS: usize = 5;
 
-/// Parts over which the differences are averaged.
+/// Parts over which the ratios are averaged.
 const PARTS: usize = 10;
 
 /// A fit and what it has not seen.
@@ -98,24 +98,24 @@ pub(in crate::estimation) fn change_between(
     Ok(changed(HeldOutData::Folds, squares.each_ref().map(Vec::as_slice), count / 2))
 }
 
-/// The change of the squared error of each sample, of `count` equations.
+/// The change of the squared error of each sample, of `count` equations. Parts of a motion are as unlike as its speeds, so that their ratios are
+/// compared: an interval of the sums would be that of the largest part.
 fn changed(data: HeldOutData, [without, with]: [&[f64]; 2], count: usize) -> Option<HeldOutChange> {
     let samples = without.len();
     let (before, after): (f64, f64) = (without.iter().sum(), with.iter().sum());
     if samples < 2 * PARTS || before <= 0.0 {
         return None;
     }
-    let parts: Vec<f64> = (0..PARTS)
+    let ratios: Vec<f64> = (0..PARTS)
         .map(|part| {
             let range = part * samples / PARTS..(part + 1) * samples / PARTS;
-            let size = range.len() as f64;
-            range.map(|k| with[k] - without[k]).sum::<f64>() / size
+            let [with, without] = [with, without].map(|of| of[range.clone()].iter().sum::<f64>());
+            libm::log(with.max(f64::MIN_POSITIVE)) - libm::log(without.max(f64::MIN_POSITIVE))
         })
         .collect();
-    let interval = t_interval(&parts, 0.95)?;
-    let mean = before / samples as f64;
+    let interval = t_interval(&ratios, 0.95)?;
     let rms = |sum: f64| (sum / count.max(1) as f64).sqrt();
-    let change_ci95 = [interval.low / mean, interval.high / mean];
+    let change_ci95 = [interval.low, interval.high].map(|end| libm::expm1(end));
     Some(HeldOutChange { data, without: rms(before), with: rms(after), change_ci95 })
 }
 

@@ -8,7 +8,7 @@ use super::step::Step;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::{EstimationError, Factorisation, Identification, Observation};
 use crate::model::Columns;
-use crate::model::term::{CURRENT_LAG, Term};
+use crate::model::term::{CURRENT_LAG, LOAD_FRICTION, Term};
 use crate::signal::Samples;
 
 /// Probability that the terms of an arm without any are reported.
@@ -154,6 +154,12 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
                     columns = without(columns, word);
                     continue;
                 }
+                Err(EstimationError::LoadNotAtRest { .. }) => {
+                    let word = LOAD_FRICTION.entry().name;
+                    left_out.push(TermEvidence::untested(word));
+                    columns = without(columns, word);
+                    continue;
+                }
                 Err(EstimationError::TooFewEquations { .. }) if !words_of(columns).is_empty() => {
                     let all = words_of(columns);
                     let word = all[all.len() - 1];
@@ -183,7 +189,8 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
             Err(
                 EstimationError::NotExcited { .. }
                 | EstimationError::OutsideOfEquations { .. }
-                | EstimationError::TooFewEquations { .. },
+                | EstimationError::TooFewEquations { .. }
+                | EstimationError::LoadNotAtRest { .. },
             ) => Ok(None),
             Err(error) => Err(error),
         }
@@ -205,7 +212,8 @@ impl<F: Fn(Columns) -> Result<Identification, EstimationError>> Search<'_, F> {
             Err(
                 EstimationError::NotExcited { .. }
                 | EstimationError::OutsideOfEquations { .. }
-                | EstimationError::TooFewEquations { .. },
+                | EstimationError::TooFewEquations { .. }
+                | EstimationError::LoadNotAtRest { .. },
             ) => Ok(None),
             Err(error) => Err(error),
         }

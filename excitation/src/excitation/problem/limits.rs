@@ -46,7 +46,7 @@ impl Default for LimitSettings {
 /// use armid::model::{bundled, format::{parse_nominal, parse_robot}};
 /// let robot = parse_robot(bundled()[0].robot).unwrap();
 /// let nominal = parse_nominal(bundled()[0].nominal, &robot).unwrap();
-/// let of = |settings| DesignLimits::of(&robot, Some(&nominal.parameters), Some(&nominal.relative_uncertainty), settings);
+/// let of = |settings: &LimitSettings| DesignLimits::of(&robot, Some(&nominal.parameters), Some(&nominal.relative_uncertainty), settings);
 /// let limits = of(&LimitSettings::default()).unwrap();
 /// assert_eq!((limits.ramp_s(), limits.clearance_m()), (Some(2.0), Some(0.0)));
 /// assert!(limits.nominal().is_some() && limits.spread().is_some());

@@ -17,6 +17,7 @@ use crate::spatial::Inertia;
 /// Puts parameters, and the torque limits of a robot, into the chain that [`parse_mjcf`](super::parse_mjcf) reads.
 ///
 /// ```
+/// # use armid_mechanics as armid;
 /// use armid::model::format::{ChainEnds, edit_mjcf, parse_mjcf};
 /// let text = r#"<mujoco model="pendulum"><option timestep="0.005"/><worldbody><body name="rod">
 ///   <joint name="swing" axis="0 1 0" armature="0.01"/><geom size="0.1"/>

@@ -106,6 +106,7 @@ const NOTE: &str = "<!-- armid:";
 /// The same text with a comment before its root element, in the place of one that was written by the same function.
 ///
 /// ```
+/// # use armid_mechanics as armid;
 /// use armid::model::format::note;
 /// let once = note("<robot name=\"arm\"/>", "8.6 %").unwrap();
 /// assert_eq!(once, "<!-- armid: 8.6 % -->\n<robot name=\"arm\"/>");

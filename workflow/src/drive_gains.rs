@@ -1,0 +1,207 @@
+//! Which torque constants do the drives have, by a known load?
+
+use armid::estimation::{
+    DriveGain, DriveGains, Estimate, EstimationError, EstimationProblem, EstimatorKind, GainMethod,
+    drive_gains as drive_gains_of, moved_by_gains,
+};
+use armid::model::{Columns, Robot};
+use armid::spatial::Inertia;
+use armid_io::{Error, Inputs, ProcessedLog};
+use serde::{Serialize, Serializer};
+use serde_json::{Map, Value, json};
+
+use crate::payload::check_apart;
+
+/// What helps where a gain is not shown.
+const MORE: &str = "a load further from the axes, a heavier one, or more motion shows more: `armid design ROBOT --payload KG` makes a \
+                    motion for it; `armid calibrate torque-constant` needs no load";
+
+/// The torque constants of all drives, and everything that is said of them. It serialises to the keys of the command's answer.
+#[derive(Clone, Debug)]
+pub struct DriveGainsAnswer {
+    /// The robot.
+    pub robot: Robot,
+    /// The load about the origin of the last link's frame.
+    pub load: Inertia,
+    /// The constants by which currents became torques, N·m/A.
+    pub constants: Vec<f64>,
+    /// Whether the mapping of the logs states them.
+    pub of_mapping: bool,
+    /// By every method.
+    pub found: Vec<DriveGains>,
+    /// The base parameters by the stated constants, without the load.
+    pub stated: Estimate,
+    /// How each of them follows the gains, ∂β/∂ ln κ, b of n.
+    pub moved: Vec<Vec<f64>>,
+    /// The logs without the load, and what they were made from.
+    pub without: (String, Inputs),
+    /// The same with it.
+    pub with: (String, Inputs),
+}
+
+/// The torque constants by two logs of one arm, without and with a load of known parameters.
+///
+/// # Errors
+/// [`Error`] where the logs hold torques, are one recording or state unlike constants, where several motors drive a joint, or where
+/// the equations have no answer.
+pub fn drive_gains(
+    (mut without, inputs): (ProcessedLog, Inputs),
+    (with, inputs_with): (&ProcessedLog, Inputs),
+    columns: Columns,
+    load: &Inertia,
+) -> Result<DriveGainsAnswer, Error> {
+    let constants = constants([&without, with], [&inputs, &inputs_with])?;
+    if without.has_no_periods() {
+        without.find_onset(columns)?;
+    }
+    let observations = without.gain_equations(with, columns, load)?;
+    let named = |error: EstimationError| Error::new(format!("{}, {}: {error}", without.name(), with.name())).help(MORE);
+    let [first, second] = &observations;
+    let found = GainMethod::ALL.iter().map(|&method| drive_gains_of(first, second, load, method));
+    let found = found.collect::<Result<Vec<_>, _>>().map_err(named)?;
+    let stated = EstimatorKind::Wls.estimator().estimate(&EstimationProblem::new(first)).map_err(named)?;
+    let moved = moved_by_gains(first).map_err(named)?;
+    Ok(DriveGainsAnswer {
+        robot: without.robot.robot.clone(),
+        load: *load,
+        constants,
+        of_mapping: inputs.mapping.as_deref().is_some_and(|mapping| mapping.contains("constant=")),
+        found,
+        stated,
+        moved: moved.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        without: (without.name(), inputs),
+        with: (with.name(), inputs_with),
+    })
+}
+
+/// The constants by which both sides' currents became torques, where these are two logs of one arm whose motors each drive a joint.
+fn constants([without, with]: [&ProcessedLog; 2], [first, second]: [&Inputs; 2]) -> Result<Vec<f64>, Error> {
+    check_apart((&without.name(), Some(first)), Some(second))?;
+    let robot = &without.robot.robot;
+    if let Some(joint) = (0..robot.dof()).find(|&joint| robot.is_coupled(joint)) {
+        let message = format!(
+            "joint \"{}\" is driven by several motors, expected one motor for each joint: its torque has no gain of its own",
+            robot.joints()[joint].name
+        );
+        return Err(Error::new(message).help("`armid calibrate torque-constant` measures each motor's by its back-EMF"));
+    }
+    let (stated, again) = (without.stated_constants()?, with.stated_constants()?);
+    if stated != again {
+        let message = format!("{} states other torque constants than {}", with.name(), without.name());
+        return Err(
+            Error::mismatch(message).help("`armid identify --drive-gains --robot ROBOT` takes one robot file for both")
+        );
+    }
+    Ok(stated)
+}
+
+impl DriveGainsAnswer {
+    /// The result that has no bias by the noise of the currents, where it was found.
+    #[must_use]
+    pub fn taken(&self) -> &DriveGains {
+        let total = self.found.iter().find(|found| found.method == GainMethod::Total);
+        let total = total.filter(|found| found.termination.was_successful());
+        total.unwrap_or(&self.found[0])
+    }
+
+    /// Whether every gain was found.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        let converged = self.found.iter().all(|found| found.termination.was_successful());
+        converged && self.taken().hidden().is_empty()
+    }
+
+    /// Name of a joint.
+    #[must_use]
+    pub fn joint(&self, joint: usize) -> &str {
+        &self.robot.joints()[joint].name
+    }
+
+    /// The constant of a joint by a gain.
+    #[must_use]
+    pub fn constant(&self, joint: usize, gain: &DriveGain) -> DriveGain {
+        let stated = self.constants[joint];
+        DriveGain { value: stated * gain.value, std: stated * gain.std, ci95: gain.ci95.map(|end| stated * end) }
+    }
+
+    /// The lines that state the constants that were found; none where one was not.
+    #[must_use]
+    pub fn corrected(&self) -> Option<String> {
+        let taken = self.taken();
+        if !taken.hidden().is_empty() {
+            return None;
+        }
+        let value = |(joint, gain): (usize, &DriveGain)| format!("{:.6}", self.constant(joint, gain).value);
+        let values: Vec<String> = taken.gains.iter().enumerate().map(value).collect();
+        if self.of_mapping {
+            return Some(format!("constant={}", values.join("/")));
+        }
+        let line = |(joint, value): (usize, &String)| {
+            format!("torque_constant_nm_a = {value}  # joint \"{}\", was {}", self.joint(joint), self.constants[joint])
+        };
+        Some(values.iter().enumerate().map(line).collect::<Vec<_>>().join("\n"))
+    }
+}
+
+impl Serialize for DriveGainsAnswer {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let taken = self.taken();
+        let joints: Vec<Value> = (0..self.robot.dof())
+            .map(|joint| {
+                let by: Map<String, Value> = self
+                    .found
+                    .iter()
+                    .map(|found| {
+                        let gain = &found.gains[joint];
+                        let shown = json!({ "ratio": gain, "torque_constant_nm_a": self.constant(joint, gain) });
+                        (found.method.name().to_owned(), shown)
+                    })
+                    .collect();
+                json!({ "joint": self.joint(joint), "stated_nm_a": self.constants[joint], "by": by })
+            })
+            .collect();
+        let base: Vec<Value> = self
+            .stated
+            .base
+            .iter()
+            .enumerate()
+            .map(|(row, parameter)| {
+                json!({
+                    "name": parameter.name,
+                    "unit": parameter.unit,
+                    "by_stated_constants": parameter.value,
+                    "std": parameter.std,
+                    "by_found_constants": taken.beta[row],
+                    "moved_per_unit_of_gain": self.moved[row],
+                })
+            })
+            .collect();
+        let methods: Vec<Value> = self
+            .found
+            .iter()
+            .map(|found| {
+                json!({
+                    "method": found.method,
+                    "degrees_of_freedom": found.degrees_of_freedom,
+                    "termination": found.termination,
+                })
+            })
+            .collect();
+        let names = |which: Vec<usize>| which.into_iter().map(|joint| self.joint(joint).to_owned()).collect::<Vec<_>>();
+        json!({
+            "robot": self.robot.name(),
+            "without": self.without.0,
+            "with": self.with.0,
+            "load": { "mass_kg": self.load.mass, "parameters": self.load.to_array() },
+            "taken": taken.method,
+            "methods": methods,
+            "joints": joints,
+            "wrong": names(taken.wrong()),
+            "not_shown": names(taken.hidden()),
+            "base": base,
+            "corrected": self.corrected(),
+            "inputs": { "without": self.without.1, "with": self.with.1 },
+        })
+        .serialize(serializer)
+    }
+}

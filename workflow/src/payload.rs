@@ -1,0 +1,145 @@
+//! What does the last link carry?
+
+use armid::base::{Method, reduce};
+use armid::estimation::{Estimate, Payload, payload as payload_of};
+use armid::model::{Columns, Robot};
+use armid::seed::Seed;
+use armid_io::estimate::check_robot;
+use armid_io::{Error, Inputs, LoadedRobot};
+use serde::{Serialize, Serializer};
+use serde_json::{Value, json};
+
+/// Standard deviations wider than by this factor: the arm changed in more than a load.
+const TOO_WIDE: f64 = 3.0;
+
+/// An estimate of the arm without or with its load.
+#[derive(Clone, Debug)]
+pub struct PayloadSide {
+    /// The estimate.
+    pub estimate: Estimate,
+    /// What it is called in errors.
+    pub name: String,
+    /// What it was made from, where that is known.
+    pub inputs: Option<Inputs>,
+}
+
+/// A load, and everything that is said of it. It serialises to the keys of the command's answer.
+#[derive(Clone, Debug)]
+pub struct PayloadAnswer {
+    /// The load.
+    pub found: Payload,
+    /// The robot.
+    pub robot: Robot,
+    /// The arm without it.
+    pub without: PayloadSide,
+    /// The arm with it.
+    pub with: PayloadSide,
+}
+
+/// The columns of an estimate.
+///
+/// # Errors
+/// [`Error`] where it names none.
+pub fn columns_of(estimate: &Estimate, name: &str) -> Result<Columns, Error> {
+    Columns::parse(&estimate.columns).ok_or_else(|| {
+        let names = Columns::ALL.map(|columns| columns.to_string()).join(", ");
+        Error::new(format!("{name}: the set of columns is \"{}\", expected one of {names}", estimate.columns))
+    })
+}
+
+/// Two estimates are of two recordings.
+pub(crate) fn check_apart(without: (&str, Option<&Inputs>), with: Option<&Inputs>) -> Result<(), Error> {
+    if let ((name, Some(one)), Some(other)) = (without, with)
+        && let Some(file) = one.shared_file(other)
+    {
+        let message =
+            format!("{} with the load is {name} without it (the same SHA-256), expected two recordings", file.path);
+        return Err(Error::mismatch(message).help("record one log with the load and one without it"));
+    }
+    Ok(())
+}
+
+/// The load by which two estimates of one arm differ.
+///
+/// # Errors
+/// [`Error`] where they are of one recording, of other robots or columns, or do not show every parameter.
+pub fn payload(loaded: &LoadedRobot, without: PayloadSide, with: PayloadSide) -> Result<PayloadAnswer, Error> {
+    check_apart((&without.name, without.inputs.as_ref()), with.inputs.as_ref())?;
+    check_robot(&without.estimate, &without.name, loaded)?;
+    let columns = columns_of(&without.estimate, &without.name)?;
+    let base = reduce(&loaded.robot, columns, Method::Structural, Seed::new(0))
+        .map_err(|error| Error::new(format!("robot \"{}\": {error}", loaded.robot.name())))?;
+    let found = payload_of(&base, &without.estimate, &with.estimate).map_err(|error| {
+        let help = "both logs must move every joint; `armid design` makes a motion that does";
+        Error::new(format!("{}, {}: {error}", without.name, with.name)).help(help)
+    })?;
+    Ok(PayloadAnswer { found, robot: loaded.robot.clone(), without, with })
+}
+
+impl PayloadAnswer {
+    /// Whether the arm changed as a load on its last link changes it.
+    #[must_use]
+    pub fn is_of_a_load(&self) -> bool {
+        self.found.widened_by <= TOO_WIDE
+    }
+
+    /// Whether the body was found, agrees with the estimates, and is all that changed.
+    #[must_use]
+    pub fn is_sound(&self) -> bool {
+        self.found.body.termination.was_successful() && self.found.body.is_within() && self.is_of_a_load()
+    }
+
+    /// Name of the link that carries it.
+    #[must_use]
+    pub fn link(&self) -> &str {
+        self.robot.link_name(self.robot.dof())
+    }
+}
+
+impl Serialize for PayloadAnswer {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        let found = &self.found;
+        let body = found.inertia();
+        let centre = body.first_moment / body.mass;
+        let combinations: Vec<Value> = found
+            .combinations
+            .base
+            .iter()
+            .enumerate()
+            .map(|(row, parameter)| {
+                let mut value = json!(parameter);
+                let terms = found.base.terms(row);
+                value["terms"] = terms
+                    .iter()
+                    .map(|(id, coefficient)| json!({ "parameter": id.kind.symbol(), "coefficient": coefficient }))
+                    .collect();
+                value["name"] = json!(terms[0].0.kind.symbol());
+                value
+            })
+            .collect();
+        json!({
+            "robot": self.robot.name(),
+            "link": self.link(),
+            "without": self.without.name,
+            "with": self.with.name,
+            "parameters": found.parameters,
+            "combinations": combinations,
+            "covariance": found.combinations.covariance,
+            "body": {
+                "mass_kg": body.mass,
+                "com_m": centre.as_slice(),
+                "first_moment_kg_m": body.first_moment.as_slice(),
+                "inertia_kg_m2": body.to_array()[4..],
+                "chi_squared": found.body.chi_squared,
+                "chi_squared_limit": found.body.chi_squared_limit,
+                "termination": found.body.termination,
+            },
+            "consistent": body.check().is_ok(),
+            "chi_squared": found.chi_squared,
+            "chi_squared_limit": found.chi_squared_limit,
+            "widened_by": found.widened_by,
+            "inputs": { "without": self.without.inputs, "with": self.with.inputs },
+        })
+        .serialize(serializer)
+    }
+}
