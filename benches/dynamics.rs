@@ -83,7 +83,7 @@ fn main() {
         black_box(&out);
     });
     for columns in Columns::ALL {
-        let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
+        let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
         let mut y = vec![0.0; regressor.rows() * regressor.cols()];
         time(&format!("regressor, {columns}"), 1, |k| {
             regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y);
@@ -104,7 +104,7 @@ fn main() {
             });
         });
     }
-    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).expect("columns of motion");
     let g: Vec<f64> = (0..regressor.rows() * regressor.cols()).map(|k| (k % 7) as f64 - 3.0).collect();
     let (mut dq, mut dqd, mut dqdd) = ([0.0; 6], [0.0; 6], [0.0; 6]);
     time("regressor, adjoint", 1, |k| {

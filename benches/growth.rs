@@ -86,7 +86,7 @@ fn evaluations(dof: usize) {
             (0..STATES).for_each(|k| dynamics.forward(states.q(k), states.qd(k), states.qdd(k), &mut out));
         }),
     );
-    let regressor = JointTorqueRegressor::new(&robot, COLUMNS).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, COLUMNS).expect("columns of motion");
     let mut y = vec![0.0; regressor.rows() * regressor.cols()];
     let alone = best(|| (0..STATES).for_each(|k| regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y)));
     each("regressor", alone);
@@ -119,7 +119,7 @@ fn samples(robot: &Robot, parameters: &StandardParameters, count: usize) {
     }
     let samples = Samples::exact(states, tau, vec!["N·m".to_owned(); n], 100.0);
     let identification = Identification::new(robot, COLUMNS).expect("a chain has a base");
-    let regressor = JointTorqueRegressor::new(robot, COLUMNS).unwrap();
+    let regressor = JointTorqueRegressor::new(robot, COLUMNS).expect("columns of motion");
     print("samples", "stack", count, best(|| regressor.stack_means(&samples.states, &identification.base().kept, 1)));
     for (series, estimator) in [("ols", EstimatorKind::Ols), ("wls", EstimatorKind::Wls)] {
         let estimate = || identification.estimate(&samples, estimator.estimator()).expect("random states excite all");

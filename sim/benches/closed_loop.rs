@@ -29,7 +29,7 @@ fn main() {
     let samples = process(&recording, &robot, &Processing::default()).expect("samples");
 
     let columns = Columns::RIGID_ROTOR_FRICTION;
-    let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
     let base = reduce(&robot, columns, Method::Structural, Seed::new(1)).expect("a reduction");
     let beta = base.beta(&truth.vector(&robot, columns));
     let observation = Observation::new(&robot, &regressor, &base, &samples).expect("equations");

@@ -115,7 +115,7 @@ fn identity_true_states_and_torques_satisfy_the_regressor() {
     let (robot, truth, servo) = arm("crs-a460");
     let mut servo = servo.with_sensing(Sensing::ideal());
     let mut dynamics = Dynamics::new(&robot, &truth);
-    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).expect("columns of motion");
     let phi = truth.vector(&robot, Columns::RIGID_ROTOR_FRICTION);
     let mut y = vec![0.0; regressor.rows() * regressor.cols()];
     let mut worst: f64 = 0.0;
@@ -188,7 +188,7 @@ fn identity_the_whole_chain_without_noise_recovers_the_parameters() {
     // Servo, encoder counts, averaging, derivatives, decimation, least squares: what remains is what counts and
     // reversals of friction leave in velocity and acceleration.
     let (robot, truth, servo) = arm("crs-a460");
-    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).expect("columns of motion");
     let base = reduce(&robot, Columns::RIGID_ROTOR_FRICTION, Method::Structural, Seed::new(1)).unwrap();
     let beta = base.beta(&truth.vector(&robot, Columns::RIGID_ROTOR_FRICTION));
     let error = |sensing: Sensing| {

@@ -65,7 +65,7 @@ impl Experiment {
         let nominal = parse_nominal(entry.nominal, &robot).unwrap().parameters;
         let columns = terms.iter().fold(Columns::RIGID_ROTOR_FRICTION, |columns, &term| columns.with(term));
         let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
-        let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
+        let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
         let plant = AnalyticPlant::new(arm.robot(), arm.parameters()).unwrap();
         let mut servo = Servo::new(&robot, &nominal, plant).unwrap().with_sensing(Sensing::ideal()).with_effects(arm);
         let plan = ExperimentPlan { settle_s: 0.2, ramp_s: 1.0, periods: 1, ..ExperimentPlan::new(motion(&robot)) };
@@ -144,7 +144,7 @@ fn simulated_spring_of_a_cable_is_found_by_its_term_but_for_what_its_strands_add
     let (robot, _, _) = experiment.arm();
     let columns = Columns::RIGID_ROTOR_FRICTION.with(SPRING);
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
-    let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
     let states = motion(&robot).sample(1000);
     let torque: Vec<Vec<f64>> =
         (0..2).map(|i| strands(&(0..1000).map(|k| states.q(k)[i]).collect::<Vec<f64>>())).collect();

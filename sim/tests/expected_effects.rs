@@ -26,7 +26,7 @@ fn simulated_bias_of_predicted_torque_is_the_one_that_the_criterion_expects() {
     let columns = Columns::RIGID_ROTOR_FRICTION;
     let (n, base) = (robot.dof(), reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap());
     let motion = |index: u64| radkhah2007_start(&robot, 10.0, 5, Seed::new(8), index).unwrap();
-    let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
     let plan = ExperimentPlan { periods: 1, ..ExperimentPlan::new(motion(0)) };
     // The arm is the nominal one, so that what is left between the two is the law of the effect alone.
     let estimate = |effects: &Effects| -> DVector<f64> {

@@ -64,7 +64,7 @@ fn lags(effects: &Effects, seed: u64) -> (Vec<[f64; 3]>, f64) {
     let exact = identification.base().beta(&truth.vector(&robot, columns));
     let w = identification
         .base()
-        .select_columns(&JointTorqueRegressor::new(&robot, columns).unwrap().stack(&samples.states));
+        .select_columns(&JointTorqueRegressor::new(&robot, columns).expect("columns of motion").stack(&samples.states));
     let error = |beta: DVector<f64>| (&w * (beta - &exact)).norm();
     let beside = DVector::from_iterator(exact.len(), selection.parameters_beside.iter().map(|one| one.value));
     (found.collect(), error(beside) / error(estimate.beta()))
@@ -108,7 +108,8 @@ fn transmissions(effects: &Effects, seed: u64) -> Vec<TransmissionStiffness> {
     let columns = Columns::RIGID_ROTOR_FRICTION;
     let identification = Identification::new(&robot, columns).unwrap();
     let estimate = identification.estimate(&samples, EstimatorKind::Wls.estimator()).unwrap();
-    let modelled = predict(&estimate, &JointTorqueRegressor::new(&robot, columns).unwrap(), &samples.states).unwrap();
+    let modelled = predict(&estimate, &JointTorqueRegressor::new(&robot, columns).unwrap(), &samples.states)
+        .expect("columns of motion");
     transmission_stiffness(&robot, &samples, &modelled).unwrap()
 }
 

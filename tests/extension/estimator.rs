@@ -160,7 +160,7 @@ fn an_estimator_from_outside_identifies_and_names_what_it_lacks() {
     let robot = parse_robot(entry.robot).unwrap();
     let nominal = parse_nominal(entry.nominal, &robot).unwrap().parameters;
     let columns = Columns::RIGID_ROTOR_FRICTION;
-    let regressor = JointTorqueRegressor::new(&robot, columns).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, columns).expect("columns of motion");
     let base = reduce(&robot, columns, Method::Structural, Seed::new(0)).unwrap();
     let states = table_one::corrected().sample(200);
     let mut dynamics = Dynamics::new(&robot, &nominal);
@@ -234,7 +234,7 @@ fn an_estimator_from_outside_takes_part_in_a_study() {
     assert!(StudySetup::new(plan.clone(), robot.clone(), nominal.clone(), &truth).is_err());
     let setup = StudySetup::with_estimators(plan, robot.clone(), nominal, &truth, &[Arc::new(Huber)]).unwrap();
     let states = table_one::corrected().sample(100);
-    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
+    let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).expect("columns of motion");
     let tau = regressor.stack(&states) * truth.vector(&robot, Columns::RIGID);
     let samples = Samples::exact(states, tau.as_slice().to_vec(), vec!["N·m".to_owned(); robot.dof()], 10.0);
     let scored = setup.estimates(&samples, 0);

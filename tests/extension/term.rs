@@ -64,7 +64,7 @@ fn a_term_from_outside_is_estimated_beside_those_of_the_list() {
         states.push(&q, &qd, &qdd);
     }
     let base = reduce(&robot, columns, Method::Structural, Seed::new(1)).unwrap();
-    let w = base.select_columns(&JointTorqueRegressor::new(&robot, columns).unwrap().stack(&states));
+    let w = base.select_columns(&JointTorqueRegressor::new(&robot, columns).expect("columns of motion").stack(&states));
     let beta = LeastSquares::solve(&w, &torque.into()).unwrap().solution().clone();
     let at = base.names().iter().position(|name| name == "Fa2").expect("drag of joint 2 is a base parameter");
     // Exact torques: what is left is rounding times the condition number.

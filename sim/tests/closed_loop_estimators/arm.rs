@@ -34,7 +34,7 @@ impl Arm {
         Self {
             nominal: parse_nominal(entry.nominal, &robot).unwrap().parameters,
             truth: parse_parameters(truth_text(name).unwrap(), &robot, true).unwrap().parameters,
-            regressor: JointTorqueRegressor::new(&robot, COLUMNS).unwrap(),
+            regressor: JointTorqueRegressor::new(&robot, COLUMNS).expect("columns of motion"),
             base: reduce(&robot, COLUMNS, Method::Structural, Seed::new(1)).unwrap(),
             robot,
         }

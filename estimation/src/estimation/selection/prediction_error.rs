@@ -115,7 +115,7 @@ fn changed(data: HeldOutData, [without, with]: [&[f64]; 2], count: usize) -> Opt
         .collect();
     let interval = t_interval(&ratios, 0.95)?;
     let rms = |sum: f64| (sum / count.max(1) as f64).sqrt();
-    let change_ci95 = [interval.low, interval.high].map(|end| libm::expm1(end));
+    let change_ci95 = [interval.low, interval.high].map(libm::expm1);
     Some(HeldOutChange { data, without: rms(before), with: rms(after), change_ci95 })
 }
 
