@@ -23,8 +23,6 @@ mod prior;
 mod region;
 mod shape_bounds;
 #[cfg(test)]
-mod clarabel_tests;
-#[cfg(test)]
 mod optimum_tests;
 
 pub(super) use constrained::{ConstrainedFit, constrained_fit, definite_inverse};

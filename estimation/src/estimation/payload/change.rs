@@ -92,12 +92,12 @@ impl Change {
             .flat_map(|friction| amounts(OFFSETS).map(move |offsets| [friction, offsets]))
             .filter_map(|changes| self.fit(&k, changes))
             .collect();
+        if fits.is_empty() {
+            return Err(EstimationError::NotDefinite);
+        }
         let least = fits.iter().map(|fit| fit.value).fold(f64::INFINITY, f64::min);
         let likelihoods: Vec<f64> = fits.iter().map(|fit| libm::exp(0.5 * (least - fit.value))).collect();
         let all: f64 = likelihoods.iter().sum();
-        if !(all > 0.0) {
-            return Err(EstimationError::NotDefinite);
-        }
         let mean = |of: &dyn Fn(&Fit) -> f64| {
             fits.iter().zip(&likelihoods).map(|(fit, likelihood)| likelihood * of(fit)).sum::<f64>() / all
         };
