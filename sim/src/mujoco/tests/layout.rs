@@ -11,7 +11,6 @@ use super::robots::{bundled_robots, chains};
 use crate::mujoco::MujocoModel;
 use crate::mujoco::functions::{RawData, RawModel};
 use crate::mujoco::layout::{DataLayout, INTEGRATOR_EULER, INTEGRATOR_RK4, LAYOUTS, model_offset};
-use crate::mujoco::library::Library;
 
 #[test]
 fn published_offsets_are_what_a_c_compiler_makes_of_the_headers_of_each_version() {
