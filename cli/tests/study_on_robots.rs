@@ -294,14 +294,6 @@ fn parts_and_an_early_end_ask_for_one_robot_and_name_the_next_command() {
         let text = fault(&refused);
         assert!(text.contains("study on the robots planar-2r, arms/bench.toml") && text.contains(next), "{text}");
     }
-    let submit = ["study", "submit", "study.toml", "--engine", "slurm", "--dry-run"];
-    let text = fault(&armid_in(at, submit).code(2));
-    assert!(text.contains("`armid study submit study.toml --engine slurm --robot planar-2r`"), "{text}");
-    let chosen = armid_in(at, [&submit[..], &["--robot", "planar-2r", "--json"]].concat()).success();
-    let shown: Value = serde_json::from_slice(&chosen.get_output().stdout).unwrap();
-    let scripts: Vec<&str> =
-        shown["scripts"].as_object().unwrap().values().map(|text| text.as_str().unwrap()).collect();
-    assert!(scripts.iter().any(|script| script.contains("--robot") && script.contains("planar-2r")), "{scripts:?}");
     let nobody = fault(&armid_in(at, ["study", "study.toml", "--robot", "puma-560"]).code(2));
     assert!(nobody.contains("--robot is \"puma-560\"") && nobody.contains("planar-2r, arms/bench.toml"), "{nobody}");
 

@@ -23,6 +23,6 @@ pub use forecast::{Forecast, SAMPLE_EVALUATIONS, forecast};
 pub use looks::Looks;
 pub use part::{Part, Shard, Stage};
 pub use perform::{merge, perform};
-pub use prepared::{PartProgress, PreparedStudy};
+pub use prepared::PreparedStudy;
 pub use report::{write_criteria, write_report, write_robots_report};
 pub use settings::StudySettings;

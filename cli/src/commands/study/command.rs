@@ -8,7 +8,7 @@ use miette::Result;
 
 use super::answer::show;
 use super::overrides::Overrides;
-use super::{cancel, collect, dry_run, merge, plan, status, submit};
+use super::{dry_run, merge, plan};
 use crate::arguments::one_of;
 use crate::terminal::{Console, Ending, Watch};
 
@@ -32,8 +32,7 @@ Examples:
   armid study my/study.toml --robot puma-560      one of the plan's robots = [...], into reports/NAME/puma-560/
   armid study 01-criteria --until 'ratio(condition, d-optimal).prediction < 5 %'   as many starts as that takes
   armid study 01-criteria --runs 1000 --dry-run   what that would cost
-  armid study plan pilot --until 'ratio(condition, d-optimal).prediction < 2 %'    how large a study for that
-  armid study submit 01-criteria --engine slurm -o /shared/01   on a cluster; then status, cancel";
+  armid study plan pilot --until 'ratio(condition, d-optimal).prediction < 2 %'    how large a study for that";
 
 /// Run a Monte Carlo study of designs and estimators
 #[derive(Debug, clap::Args)]
@@ -76,14 +75,6 @@ enum Action {
     Merge(merge::Arguments),
     /// Say how many starts, arms and runs a wanted interval needs, from a study that was performed
     Plan(plan::Arguments),
-    /// Hand a study to a cluster: designs, then runs, then the report
-    Submit(submit::Arguments),
-    /// Show how far a submitted study is
-    Status(status::Arguments),
-    /// End a submitted study; finished work is kept
-    Cancel(cancel::Arguments),
-    /// Submit again what is missing, or merge what is complete: the last job of a submission
-    Collect(collect::Arguments),
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
@@ -91,10 +82,6 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         None => perform(arguments, console),
         Some(Action::Merge(arguments)) => merge::run(arguments, console),
         Some(Action::Plan(arguments)) => plan::run(arguments, console),
-        Some(Action::Submit(arguments)) => submit::run(arguments, console),
-        Some(Action::Status(arguments)) => status::run(arguments, console),
-        Some(Action::Cancel(arguments)) => cancel::run(arguments, console),
-        Some(Action::Collect(arguments)) => collect::run(arguments, console),
     }
 }
 

@@ -55,23 +55,4 @@ impl Overrides {
             None => Ok(request),
         }
     }
-
-    /// The same as words of a command line.
-    pub(crate) fn words(&self) -> Vec<String> {
-        let mut words = Vec::new();
-        if let Some(runs) = self.runs {
-            words.extend(["--runs".to_owned(), runs.to_string()]);
-        }
-        if let Some(truths) = self.truths {
-            words.extend(["--truths".to_owned(), truths.to_string()]);
-        }
-        if let Some(arms) = &self.arm {
-            let names: Vec<&str> = arms.iter().map(|arm| arm.name()).collect();
-            words.extend(["--arm".to_owned(), names.join(",")]);
-        }
-        if let Some(robot) = &self.robot {
-            words.extend(["--robot".to_owned(), robot.clone()]);
-        }
-        words
-    }
 }
