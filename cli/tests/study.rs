@@ -460,37 +460,6 @@ fn identity_a_study_that_ends_early_is_the_study_of_its_starts() {
 }
 
 #[test]
-fn a_dry_run_says_what_a_study_costs_and_writes_nothing() {
-    let folder = with_plan();
-    let at = folder.path();
-    let output = armid(at, &["study", "study.toml", "--runs", "500", "--dry-run", "--json"]);
-    assert_eq!(output.status.code(), Some(0), "{}", String::from_utf8_lossy(&output.stderr));
-    let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    // Three engines with and without effects, four designs, 500 runs each.
-    assert_eq!((&shown["designs"], &shown["conditions"], &shown["runs"]), (&4.into(), &6.into(), &12_000.into()));
-    for key in ["design_core_hours", "run_core_hours", "journal_bytes", "numbers_bytes", "results_bytes"] {
-        assert!(shown[key].as_f64().unwrap() > 0.0, "{key}: {shown}");
-    }
-    assert_eq!(std::fs::read_dir(at).unwrap().count(), 1);
-
-    // The forecast of the disk holds: a part's journal and the whole's rows, to a fifth.
-    std::fs::write(at.join("alone.toml"), alone()).unwrap();
-    let output = armid(at, &["study", "alone.toml", "--runs", "20", "--dry-run", "--json"]);
-    let shown: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
-    succeeds(at, &["study", "alone.toml", "--runs", "20", "--shard", "1/1", "-o", "part"]);
-    let journal = std::fs::metadata(at.join("part/journal.jsonl")).unwrap().len() as f64;
-    let share = shown["journal_bytes"].as_f64().unwrap() / journal;
-    assert!((0.7..1.2).contains(&share), "{share} of the journal");
-    succeeds(at, &["study", "merge", "part", "-o", "whole"]);
-    let rows: u64 = ["runs", "parameters", "timing"]
-        .iter()
-        .map(|name| std::fs::metadata(at.join(format!("whole/{name}.parquet"))).unwrap().len())
-        .sum();
-    let share = shown["results_bytes"].as_f64().unwrap() / rows as f64;
-    assert!((0.6..1.4).contains(&share), "{share} of the rows");
-}
-
-#[test]
 fn antithetic_noise_falls_out_of_a_bias_and_runs_count_in_pairs() {
     let folder = tempfile::tempdir().unwrap();
     let at = folder.path();

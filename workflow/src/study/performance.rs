@@ -211,7 +211,7 @@ impl Performance<'_> {
     }
 
     /// The bound after the experiments of all designs of a sequence.
-    pub(super) fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>, Error> {
+    fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>, Error> {
         let mut exact = Vec::new();
         for design in sequence {
             let plan = self.setup.experiment(&design.trajectory);

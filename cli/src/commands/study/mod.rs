@@ -2,7 +2,6 @@
 
 mod answer;
 mod command;
-mod dry_run;
 mod merge;
 mod overrides;
 mod plan;
