@@ -114,6 +114,7 @@ pub struct ValidationMotions {
 
 /// Why validation motions cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum ValidationError {
     /// A random trajectory cannot be made.
     #[error(transparent)]
@@ -123,12 +124,7 @@ pub enum ValidationError {
         "none of {draws} draws of a {} validation motion is inside the torque ratings by the nominal parameters, expected \
          ratings that carry the arm at rest", kind.title()
     )]
-    Rating {
-        /// Of which kind.
-        kind: MotionKind,
-        /// How many were drawn.
-        draws: u64,
-    },
+    Rating { kind: MotionKind, draws: u64 },
 }
 
 impl ValidationMotions {

@@ -16,18 +16,14 @@ const JUMP: f64 = 0.3;
 
 /// Why there is no such controller.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum RobotControllerError {
     /// The servo cannot be built.
     #[error(transparent)]
     Servo(#[from] ServoError),
     /// Joint states cannot come at this rate.
     #[error("rate_hz is {found}, expected a whole part of the servo's {servo_hz} Hz")]
-    Rate {
-        /// Rate of joint states that was asked for, Hz.
-        found: f64,
-        /// Rate of the servo, Hz.
-        servo_hz: f64,
-    },
+    Rate { found: f64, servo_hz: f64 },
 }
 
 /// What a step did, for the log. All slices have length n.

@@ -76,19 +76,12 @@ impl TryFrom<BTreeMap<String, f64>> for DeclaredUncertainty {
 
 /// Why an uncertainty cannot be declared so.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum DeclaredUncertaintyError {
     /// No key has this name.
     #[error("unknown field `{found}`, expected one of {}", DeclaredUncertainty::KEYS.map(|key| format!("`{key}`")).join(", "))]
-    Unknown {
-        /// What was found.
-        found: String,
-    },
+    Unknown { found: String },
     /// A standard deviation is no finite number from zero on.
     #[error("{key} is {found}, expected a finite number not below zero")]
-    Amount {
-        /// The key.
-        key: String,
-        /// What was found.
-        found: f64,
-    },
+    Amount { key: String, found: f64 },
 }

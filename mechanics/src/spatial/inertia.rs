@@ -25,21 +25,14 @@ pub struct Inertia {
 
 /// Why these ten parameters are physically inconsistent.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum InertiaError {
     /// A parameter is NaN or infinite.
     #[error("parameter {index} of the ten is {value}, expected a finite number")]
-    NotFinite {
-        /// Position among the ten.
-        index: usize,
-        /// What was found.
-        value: f64,
-    },
+    NotFinite { index: usize, value: f64 },
     /// The 4×4 pseudo-inertia has an eigenvalue that is not positive.
     #[error("its pseudo-inertia has the eigenvalue {eigenvalue:.3e}, expected all four above zero")]
-    NotPositiveDefinite {
-        /// The smallest of the four.
-        eigenvalue: f64,
-    },
+    NotPositiveDefinite { eigenvalue: f64 },
 }
 
 impl Inertia {
