@@ -24,7 +24,9 @@ impl Command {
                 "`armid identify LOG -o E.json` makes an estimate, `armid validate --help` shows examples"
             }
             Self::Export(_) => "`armid identify LOG -o E.json` makes an estimate, `armid export --help` shows examples",
-            Self::Study(_) => "`armid study STUDY --runs 1` performs a small study, `armid study --help` shows examples",
+            Self::Study(_) => {
+                "`armid study STUDY --runs 1` performs a small study, `armid study --help` shows examples"
+            }
             Self::Report(_) => {
                 "`armid identify LOG -o E.json` makes an estimate, `armid study STUDY -o DIR` results, `armid report --help` shows examples"
             }

@@ -27,38 +27,14 @@ pub enum LimitKind {
     Clearance,
 }
 
-impl LimitKind {
-    /// Every kind.
-    pub const ALL: [Self; 9] = [
-        Self::Position,
-        Self::Velocity,
-        Self::Acceleration,
-        Self::Jerk,
-        Self::Torque,
-        Self::TorqueRms,
-        Self::Current,
-        Self::CurrentRms,
-        Self::Clearance,
-    ];
+crate::input::named! { LimitKind {
+    Position: "position", Velocity: "velocity", Acceleration: "acceleration", Jerk: "jerk", Torque: "torque",
+    TorqueRms: "torque-rms", Current: "current", CurrentRms: "current-rms", Clearance: "clearance"
+} }
 
+impl LimitKind {
     /// Those that depend on the robot's parameters.
     pub const EFFORTS: [Self; 4] = [Self::Torque, Self::TorqueRms, Self::Current, Self::CurrentRms];
-
-    /// Its name in files and messages.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Position => "position",
-            Self::Velocity => "velocity",
-            Self::Acceleration => "acceleration",
-            Self::Jerk => "jerk",
-            Self::Torque => "torque",
-            Self::TorqueRms => "torque-rms",
-            Self::Current => "current",
-            Self::CurrentRms => "current-rms",
-            Self::Clearance => "clearance",
-        }
-    }
 
     /// Unit of its values for a joint of this kind.
     #[must_use]

@@ -58,58 +58,16 @@ const ACCEPTANCE_MS: f64 = 500.0;
 /// Time that it has, from the end of a motion, to say how it ended, ms.
 const RESULT_MS: f64 = 3000.0;
 
+// In the order in which a sample is judged: the first that finds something wins.
+armid::input::named! { Trip {
+    NotFinite: "not-finite", PositionJump: "position-jump", SoftLimit: "soft-limit", Overspeed: "overspeed",
+    ReducedSpeed: "reduced-speed", FollowingError: "following-error", CurrentClamp: "current-clamp",
+    UnexpectedStop: "unexpected-stop", StaleState: "stale-state", CommandAge: "command-age",
+    CommandStep: "command-step", RobotStopped: "robot-stopped", Interference: "interference",
+    NoAcceptance: "no-acceptance", NoResult: "no-result", Link: "link", Panic: "panic"
+} }
+
 impl Trip {
-    /// All, in the order in which a sample is judged: the first that finds something wins.
-    pub const ALL: [Self; 17] = [
-        Self::NotFinite,
-        Self::PositionJump,
-        Self::SoftLimit,
-        Self::Overspeed,
-        Self::ReducedSpeed,
-        Self::FollowingError,
-        Self::CurrentClamp,
-        Self::UnexpectedStop,
-        Self::StaleState,
-        Self::CommandAge,
-        Self::CommandStep,
-        Self::RobotStopped,
-        Self::Interference,
-        Self::NoAcceptance,
-        Self::NoResult,
-        Self::Link,
-        Self::Panic,
-    ];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NotFinite => "not-finite",
-            Self::PositionJump => "position-jump",
-            Self::SoftLimit => "soft-limit",
-            Self::Overspeed => "overspeed",
-            Self::ReducedSpeed => "reduced-speed",
-            Self::FollowingError => "following-error",
-            Self::CurrentClamp => "current-clamp",
-            Self::UnexpectedStop => "unexpected-stop",
-            Self::StaleState => "stale-state",
-            Self::CommandAge => "command-age",
-            Self::CommandStep => "command-step",
-            Self::RobotStopped => "robot-stopped",
-            Self::Interference => "interference",
-            Self::NoAcceptance => "no-acceptance",
-            Self::NoResult => "no-result",
-            Self::Link => "link",
-            Self::Panic => "panic",
-        }
-    }
-
-    /// The trip with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|trip| trip.name() == name)
-    }
-
     /// What it watches, in a few words.
     #[must_use]
     pub const fn meaning(self) -> &'static str {

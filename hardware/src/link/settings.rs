@@ -23,20 +23,7 @@ pub enum Mode {
     Stream,
 }
 
-impl Mode {
-    /// All.
-    pub const ALL: [Self; 3] = [Self::Trajectory, Self::Topic, Self::Stream];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Trajectory => "trajectory",
-            Self::Topic => "topic",
-            Self::Stream => "stream",
-        }
-    }
-}
+armid::input::named! { Mode { Trajectory: "trajectory", Topic: "topic", Stream: "stream" } }
 
 /// Which networks the link may use.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]

@@ -22,21 +22,10 @@ pub enum Category {
     Combination,
 }
 
-impl Category {
-    /// Every category.
-    pub const ALL: [Self; 4] = [Self::Unidentifiable, Self::Identifiable, Self::Representative, Self::Combination];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Unidentifiable => "unidentifiable",
-            Self::Identifiable => "identifiable",
-            Self::Representative => "representative",
-            Self::Combination => "combination",
-        }
-    }
-}
+crate::input::named! { Category {
+    Unidentifiable: "unidentifiable", Identifiable: "identifiable", Representative: "representative",
+    Combination: "combination"
+} }
 
 /// The base parameters of a robot: `β = K φ` with `Y φ = Y_b β`.
 ///

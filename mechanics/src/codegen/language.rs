@@ -14,19 +14,9 @@ pub enum Language {
     Rust,
 }
 
+crate::input::named! { Language { C: "c", Rust: "rust" } }
+
 impl Language {
-    /// Every language.
-    pub const ALL: [Self; 2] = [Self::C, Self::Rust];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::C => "c",
-            Self::Rust => "rust",
-        }
-    }
-
     /// How its files end.
     #[must_use]
     pub const fn extension(self) -> &'static str {
