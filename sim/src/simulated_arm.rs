@@ -93,19 +93,16 @@ impl SimulatedArm {
     }
 
     /// The robot.
-    #[must_use]
     pub const fn robot(&self) -> &Robot {
         &self.robot
     }
 
     /// The parameters that its servo is tuned by.
-    #[must_use]
     pub const fn nominal(&self) -> &StandardParameters {
         &self.nominal
     }
 
     /// What it is made of.
-    #[must_use]
     pub const fn truth(&self) -> &Truth {
         &self.truth
     }

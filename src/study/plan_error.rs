@@ -36,7 +36,6 @@ pub enum StudyPlanError {
 
 impl StudyPlanError {
     /// The fault at its place in the plan's text.
-    #[must_use]
     pub fn in_text(&self, text: &str) -> FormatError {
         FormatError::at(text, self.place(text), self.to_string())
     }

@@ -88,7 +88,6 @@ impl MotionKind {
     pub const ALL: [Self; 4] = [Self::Random, Self::Slow, Self::PointToPoint, Self::Static];
 
     /// Name in tables.
-    #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
             Self::Random => "random",
@@ -154,19 +153,16 @@ impl ValidationMotions {
     }
 
     /// The random trajectories: those that predictions are tested on, and those that an arm performs beside its runs.
-    #[must_use]
     pub fn random(&self) -> &[PeriodicTrajectory] {
         &self.random
     }
 
     /// The moves from point to point.
-    #[must_use]
     pub fn moves(&self) -> &[PointToPointMove] {
         &self.moves
     }
 
     /// The states of one kind on which predictions are tested, motion by motion.
-    #[must_use]
     pub fn states(&self, kind: MotionKind) -> Vec<States> {
         let random = || self.random[..self.tested].iter().map(|motion| motion.sample(self.samples));
         match kind {

@@ -37,7 +37,6 @@ impl LimitKind {
     pub const EFFORTS: [Self; 4] = [Self::Torque, Self::TorqueRms, Self::Current, Self::CurrentRms];
 
     /// Unit of its values for a joint of this kind.
-    #[must_use]
     pub const fn unit(self, joint: JointKind) -> &'static str {
         match (self, joint) {
             (Self::Position, kind) => kind.unit(),
@@ -54,13 +53,11 @@ impl LimitKind {
     }
 
     /// Whether it is reached at one time, and not by a mean over the period.
-    #[must_use]
     pub const fn has_time(self) -> bool {
         !matches!(self, Self::TorqueRms | Self::CurrentRms)
     }
 
     /// The part of the limit that a design may use. A clearance has none: it is kept whole.
-    #[must_use]
     pub const fn permitted(self, margins: &Margins) -> f64 {
         match self {
             Self::Position => margins.position,

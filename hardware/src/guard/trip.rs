@@ -69,7 +69,6 @@ armid::input::named! { Trip {
 
 impl Trip {
     /// What it watches, in a few words.
-    #[must_use]
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::NotFinite => "a position or an effort is not a number",
@@ -97,7 +96,6 @@ impl Trip {
     }
 
     /// Whether the guard has this trip in a mode. Set-points exist only where they are streamed.
-    #[must_use]
     pub const fn exists_in(self, mode: Mode) -> bool {
         match self {
             Self::CommandAge | Self::CommandStep => matches!(mode, Mode::Stream),
@@ -107,13 +105,11 @@ impl Trip {
     }
 
     /// Whether the simulated robot controller, and any good real one, has it too, without a client.
-    #[must_use]
     pub const fn in_robot_controller(self) -> bool {
         matches!(self, Self::SoftLimit | Self::CurrentClamp | Self::CommandAge | Self::RobotStopped)
     }
 
     /// What is asked for at once. Measured positions that cannot be trusted cannot be held: the drives go off.
-    #[must_use]
     pub const fn action(self, mode: Mode) -> SafeAction {
         match self {
             Self::NotFinite | Self::PositionJump | Self::CurrentClamp => SafeAction::Disable,
@@ -135,7 +131,6 @@ impl Trip {
     /// ```text
     /// bound = window of the check + one sample + reaction
     /// ```
-    #[must_use]
     pub fn bound_ms(self, settings: &GuardSettings, rate_hz: f64) -> f64 {
         let sample_ms = 1e3 / rate_hz;
         match self {

@@ -268,7 +268,6 @@ impl Ros2Arm {
     }
 
     /// The ROS domain that it was found in.
-    #[must_use]
     pub fn domain(&self) -> u16 {
         self.line.endpoint.domain()
     }
@@ -284,20 +283,17 @@ impl Ros2Arm {
     }
 
     /// The robot that this is.
-    #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
     }
 
     /// How far the robot controller says that its joints are from the motion, in its own order; `None` where it reports
     /// nothing, as in the modes without an action.
-    #[must_use]
     pub fn feedback(&self) -> Option<&FollowFeedback> {
         self.line.sender.feedback()
     }
 
     /// What the stamps of the last motion showed.
-    #[must_use]
     pub fn findings(&self) -> &StampFindings {
         &self.findings
     }

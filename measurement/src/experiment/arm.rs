@@ -84,7 +84,6 @@ pub enum Flow {
 
 impl Flow {
     /// Whether the experiment ends here.
-    #[must_use]
     pub const fn ends(self) -> bool {
         !matches!(self, Self::Continue)
     }
@@ -126,13 +125,11 @@ pub enum Ending {
 
 impl Ending {
     /// Whether everything was performed.
-    #[must_use]
     pub const fn is_complete(&self) -> bool {
         matches!(self, Self::Completed)
     }
 
     /// Whether an arm that was asked to stop was seen at rest; `None` where none was asked.
-    #[must_use]
     pub const fn rest(&self) -> Option<&Rest> {
         match self {
             Self::Stopped { rest, .. } => Some(rest),
@@ -142,7 +139,6 @@ impl Ending {
     }
 
     /// Whether the arm was asked to stop and was not seen at rest.
-    #[must_use]
     pub const fn is_unconfirmed(&self) -> bool {
         match self.rest() {
             Some(rest) => rest.is_unconfirmed(),

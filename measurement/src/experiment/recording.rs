@@ -107,37 +107,31 @@ impl Recording {
     }
 
     /// Number of samples N.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.t.len()
     }
 
     /// Whether it has no samples.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.t.is_empty()
     }
 
     /// Joint coordinates of sample `k`, n.
-    #[must_use]
     pub fn q(&self, k: usize) -> &[f64] {
         &self.q[k * self.dof..(k + 1) * self.dof]
     }
 
     /// Effort of sample `k`, n.
-    #[must_use]
     pub fn effort(&self, k: usize) -> &[f64] {
         &self.effort[k * self.dof..(k + 1) * self.dof]
     }
 
     /// Motor voltages of sample `k`, n, or none.
-    #[must_use]
     pub fn voltage(&self, k: usize) -> &[f64] {
         self.voltage.get(k * self.dof..(k + 1) * self.dof).unwrap_or_default()
     }
 
     /// Positions behind the transmissions of sample `k`, n, or none.
-    #[must_use]
     pub fn link_q(&self, k: usize) -> &[f64] {
         self.link_q.get(k * self.dof..(k + 1) * self.dof).unwrap_or_default()
     }
@@ -198,33 +192,28 @@ impl Recording {
     }
 
     /// The samples of a phase that were really taken.
-    #[must_use]
     pub fn samples(&self, phase: Phase) -> Range<usize> {
         let planned = self.phases.iter().find(|span| span.phase == phase).map_or(0..0, |span| span.samples.clone());
         planned.start.min(self.len())..planned.end.min(self.len())
     }
 
     /// The samples of the periods that count.
-    #[must_use]
     pub fn recorded(&self) -> Range<usize> {
         self.samples(Phase::Record)
     }
 
     /// Whole periods that were recorded.
-    #[must_use]
     pub fn periods(&self) -> usize {
         self.recorded().len().checked_div(self.period_samples).unwrap_or(0)
     }
 
     /// The samples of the recorded period `p`, from zero.
-    #[must_use]
     pub fn period(&self, p: usize) -> Range<usize> {
         let start = self.recorded().start + p * self.period_samples;
         start..start + self.period_samples
     }
 
     /// The plan that it was made by, as far as its phases tell.
-    #[must_use]
     pub fn plan(&self) -> ExperimentPlan {
         let length = |phase: Phase| {
             let span = self.phases.iter().find(|span| span.phase == phase);
@@ -242,7 +231,6 @@ impl Recording {
     }
 
     /// The phase of sample `k`.
-    #[must_use]
     pub fn phase(&self, k: usize) -> Option<Phase> {
         self.phases.iter().find(|span| span.samples.contains(&k)).map(|span| span.phase)
     }

@@ -147,19 +147,16 @@ impl<P: Plant> Servo<P> {
     }
 
     /// The plant.
-    #[must_use]
     pub fn plant(&self) -> &P {
         &self.plant
     }
 
     /// Nominal inertia that each motor sees at the gain pose, kg·m², n.
-    #[must_use]
     pub fn inertia(&self) -> &[f64] {
         &self.load.inertia
     }
 
     /// How well the last experiment followed its command.
-    #[must_use]
     pub fn tracking(&self) -> Option<&Tracking> {
         self.tracking.as_ref()
     }

@@ -36,7 +36,6 @@ pub enum Rest {
 
 impl Rest {
     /// Whether a person has to check the arm: it may still be moving.
-    #[must_use]
     pub const fn is_unconfirmed(&self) -> bool {
         matches!(self, Self::NotConfirmed { .. })
     }

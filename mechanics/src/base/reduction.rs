@@ -235,7 +235,6 @@ impl BaseReduction {
     }
 
     /// Number of base parameters b, the rank of the regressor.
-    #[must_use]
     pub fn rank(&self) -> usize {
         self.kept.len()
     }
@@ -244,7 +243,6 @@ impl BaseReduction {
     ///
     /// # Panics
     /// If φ has not p entries.
-    #[must_use]
     pub fn beta(&self, phi: &DVector<f64>) -> DVector<f64> {
         assert_eq!(phi.len(), self.parameters.len(), "one value per parameter");
         let column = DMatrix::from_column_slice(phi.len(), 1, phi.as_slice());
@@ -252,14 +250,12 @@ impl BaseReduction {
     }
 
     /// Name of each base parameter: that of the parameter which stands for it.
-    #[must_use]
     pub fn names(&self) -> Vec<String> {
         self.kept.iter().map(|&j| self.parameters[j].to_string()).collect()
     }
 
     /// The parameters that make up base parameter `row`, with their coefficients, in order; the first is the one which
     /// stands for it, with coefficient 1.
-    #[must_use]
     pub fn terms(&self, row: usize) -> Vec<(ParameterId, f64)> {
         let coefficients = self.k.row(row);
         self.parameters.iter().copied().zip(coefficients.iter().copied()).filter(|&(_, c)| c != 0.0).collect()
@@ -269,14 +265,12 @@ impl BaseReduction {
     ///
     /// # Panics
     /// If W has not p columns.
-    #[must_use]
     pub fn select_columns(&self, w: &DMatrix<f64>) -> DMatrix<f64> {
         assert_eq!(w.ncols(), self.parameters.len(), "one column per parameter");
         w.select_columns(&self.kept)
     }
 
     /// How many parameters are of a category.
-    #[must_use]
     pub fn count(&self, category: Category) -> usize {
         self.categories.iter().filter(|&&other| other == category).count()
     }

@@ -18,7 +18,6 @@ crate::input::named! { Language { C: "c", Rust: "rust" } }
 
 impl Language {
     /// How its files end.
-    #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
             Self::C => "c",
@@ -38,7 +37,6 @@ const RUST_SMOOTH_SIGN: &str = "\nfn smooth_sign(v: f64, scale: f64) -> f64 {\n 
 impl BaseModel {
     /// The source: `inverse_dynamics`, `gravity` and `mass_matrix` (in C with `armid_` before their names), SI, in the order of
     /// the joints. `header` stands on top as a comment.
-    #[must_use]
     pub fn source(&self, language: Language, header: &str) -> String {
         let mut out = String::new();
         // Writing to a String cannot fail.

@@ -155,31 +155,26 @@ impl LeastSquares {
     }
 
     /// β̂, length b.
-    #[must_use]
     pub const fn solution(&self) -> &DVector<f64> {
         &self.solution
     }
 
     /// Condition number of W as it stands.
-    #[must_use]
     pub const fn condition(&self) -> f64 {
         self.condition
     }
 
     /// Condition number of W with columns of unit length.
-    #[must_use]
     pub const fn condition_scaled(&self) -> f64 {
         self.condition_scaled
     }
 
     /// `(WᵀW)⁻¹`, or A⁻¹, b × b: the covariance of β̂ by [`LeastSquares::solve`] where y has unit covariance.
-    #[must_use]
     pub fn inverse_information(&self) -> DMatrix<f64> {
         product(&self.left, &self.right.transpose())
     }
 
     /// `A⁻¹ V A⁻ᵀ` for a symmetric V (b × b): the covariance of β̂ where `V = Bᵀ (cov y) B`.
-    #[must_use]
     pub fn sandwich(&self, v: &DMatrix<f64>) -> DMatrix<f64> {
         let middle = product(&product(&self.right.transpose(), v), &self.right);
         product(&product(&self.left, &middle), &self.left.transpose())

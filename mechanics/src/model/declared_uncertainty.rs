@@ -54,13 +54,11 @@ impl DeclaredUncertainty {
     }
 
     /// The standard deviation under a key; zero where it is not stated.
-    #[must_use]
     pub fn of(&self, key: &str) -> f64 {
         self.0.get(key).copied().unwrap_or(0.0)
     }
 
     /// Whether nothing is uncertain.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         self.0.values().all(|&std| std == 0.0)
     }

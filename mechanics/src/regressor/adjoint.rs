@@ -126,7 +126,6 @@ impl JointTorqueRegressor {
     ///
     /// # Panics
     /// If a slice is shorter than n.
-    #[must_use]
     pub fn load_at(&self, q: &[f64], qd: &[f64], qdd: &[f64]) -> Vec<f64> {
         if self.links.is_empty() {
             return Vec::new();

@@ -41,7 +41,6 @@ impl<'de> Deserialize<'de> for Placement {
 
 impl Placement {
     /// Whether it is one of a rigid body: a finite translation, and a rotation whose columns are orthonormal and right-handed.
-    #[must_use]
     pub fn is_rigid(&self) -> bool {
         let off = (self.rotation.tr_mul(&self.rotation) - Matrix3::identity()).amax();
         off <= ORTHONORMAL && self.rotation.determinant() > 0.0 && self.translation.iter().all(|x| x.is_finite())
@@ -103,14 +102,12 @@ impl Placement {
 
     /// A point of the child, seen from the parent.
     #[inline]
-    #[must_use]
     pub fn point(&self, child: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * child + self.translation
     }
 
     /// A motion given in the parent, expressed in the child: `ω' = Rᵀω`, `v' = Rᵀ(v + ω × p)`.
     #[inline]
-    #[must_use]
     pub fn motion_to_child(&self, motion: &Motion) -> Motion {
         Motion {
             ang: self.rotation.tr_mul(&motion.ang),
@@ -120,7 +117,6 @@ impl Placement {
 
     /// A motion given in the child, expressed in the parent.
     #[inline]
-    #[must_use]
     pub fn motion_to_parent(&self, motion: &Motion) -> Motion {
         let ang = self.rotation * motion.ang;
         Motion { ang, lin: self.rotation * motion.lin + self.translation.cross(&ang) }
@@ -128,7 +124,6 @@ impl Placement {
 
     /// A force given in the child, expressed in the parent: `f' = R f`, `n' = R n + p × f'`. `radkhah2007` eq. 4.
     #[inline]
-    #[must_use]
     pub fn force_to_parent(&self, force: &Force) -> Force {
         let lin = self.rotation * force.lin;
         Force { ang: self.rotation * force.ang + self.translation.cross(&lin), lin }

@@ -148,7 +148,6 @@ impl ConstantSpeedTrajectory {
     }
 
     /// When each segment begins and ends within the period, s.
-    #[must_use]
     pub fn segments(&self) -> Vec<(f64, f64)> {
         let mut begin = 0.0;
         let span = |&d: &f64| {

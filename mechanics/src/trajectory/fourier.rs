@@ -95,31 +95,26 @@ impl FourierTrajectory {
     }
 
     /// Number of harmonics H.
-    #[must_use]
     pub fn harmonics(&self) -> usize {
         self.joints.first().map_or(0, |joint| joint.a.len())
     }
 
     /// Fundamental angular frequency ω = 2π/T, rad/s.
-    #[must_use]
     pub fn omega(&self) -> f64 {
         TAU / self.period_s
     }
 
     /// Position of joint `index` over the phase ωt, rad.
-    #[must_use]
     pub fn position(&self, index: usize) -> TrigonometricPolynomial {
         self.wave(index, 0)
     }
 
     /// Velocity of joint `index` over the phase ωt, rad/s.
-    #[must_use]
     pub fn velocity(&self, index: usize) -> TrigonometricPolynomial {
         self.wave(index, 1)
     }
 
     /// Acceleration of joint `index` over the phase ωt, rad/s².
-    #[must_use]
     pub fn acceleration(&self, index: usize) -> TrigonometricPolynomial {
         self.wave(index, 2)
     }
@@ -150,7 +145,6 @@ impl FourierTrajectory {
     }
 
     /// `count` samples of one period, at `t_k = k T / count`.
-    #[must_use]
     pub fn sample(&self, count: usize) -> States {
         Trajectory::sample(self, count)
     }

@@ -101,7 +101,6 @@ impl AnalyticPlant {
     ///
     /// # Panics
     /// If a slice has another length than n.
-    #[must_use]
     pub fn definite_acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool {
         self.arm.acceleration(tau, qdd)
     }

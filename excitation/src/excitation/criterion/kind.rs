@@ -46,7 +46,6 @@ crate::input::named! { CriterionKind {
 
 impl CriterionKind {
     /// The criterion itself, exact.
-    #[must_use]
     pub fn criterion(self) -> Box<dyn Criterion> {
         match self {
             Self::Condition => Box::new(Condition::default()),
@@ -63,33 +62,28 @@ impl CriterionKind {
 
     /// A smooth stand-in for the optimiser, the closer the larger `sharpness`; the criterion itself where it is
     /// smooth already.
-    #[must_use]
     pub fn smooth(self, sharpness: f64) -> Box<dyn Criterion> {
         let criterion = self.criterion();
         criterion.smoothed(sharpness).unwrap_or(criterion)
     }
 
     /// Whether it is smooth wherever M is positive definite.
-    #[must_use]
     pub fn is_smooth(self) -> bool {
         self.criterion().smoothed(1.0).is_none()
     }
 
     /// Whether it is one of the information, as [`Criterion::is_weighted`].
-    #[must_use]
     pub fn is_weighted(self) -> bool {
         self.criterion().is_weighted()
     }
 
     /// The reported number, from the value that is minimised: κ from ln κ, ln det M from −ln det M, tr M⁻¹ from
     /// its logarithm, λ_min from −ln λ_min.
-    #[must_use]
     pub fn report(self, value: f64) -> f64 {
         self.criterion().report(value)
     }
 
     /// Whether the reported number is better the larger it is.
-    #[must_use]
     pub fn is_larger_better(self) -> bool {
         self.criterion().is_larger_better()
     }
