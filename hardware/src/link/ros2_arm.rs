@@ -7,7 +7,6 @@ use armid::experiment::{
     TripReport,
 };
 use armid::model::Robot;
-use armid::provenance::Provenance;
 use ros2_client::Publisher;
 use ros2_client::gid::Gid;
 
@@ -300,23 +299,7 @@ impl Ros2Arm {
 
     /// What a recording of a plan begins with.
     pub(crate) fn recording(&self, plan: &ExperimentPlan, layout: &Layout) -> Recording {
-        Recording {
-            robot: self.robot.name().to_owned(),
-            robot_text: self.robot_text.clone(),
-            dof: self.robot.dof(),
-            rate_hz: plan.rate_hz,
-            joints: self.robot.joints().iter().map(|joint| joint.name.clone()).collect(),
-            effort_unit: self.robot.effort(),
-            phases: layout.spans.clone(),
-            trajectory: plan.trajectory.clone(),
-            period_samples: layout.period_samples,
-            t: Vec::new(),
-            q: Vec::new(),
-            effort: Vec::new(),
-            voltage: Vec::new(),
-            link_q: Vec::new(),
-            provenance: Provenance::new(self.robot.name(), &self.robot_text, None),
-        }
+        Recording::begun(&self.robot, &self.robot_text, plan, layout, None)
     }
 }
 

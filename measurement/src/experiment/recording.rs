@@ -5,11 +5,13 @@ use std::ops::Range;
 use serde::de::Error as _;
 use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
+use super::layout::Layout;
 use super::phase::{Phase, PhaseSpan};
 use super::plan::ExperimentPlan;
 use super::raw_sample::RawSample;
-use crate::model::EffortInterface;
+use crate::model::{EffortInterface, Robot};
 use crate::provenance::Provenance;
+use crate::seed::Seed;
 use crate::trajectory::PeriodicTrajectory;
 
 /// The raw samples of one experiment. N samples, n joints; tables are row-major, sample after sample.
@@ -67,6 +69,28 @@ impl<'de> Deserialize<'de> for Recording {
 }
 
 impl Recording {
+    /// What a recording of a plan begins with, of a robot whose file has this text: everything but samples.
+    #[must_use]
+    pub fn begun(robot: &Robot, robot_text: &str, plan: &ExperimentPlan, layout: &Layout, seed: Option<Seed>) -> Self {
+        Self {
+            robot: robot.name().to_owned(),
+            robot_text: robot_text.to_owned(),
+            dof: robot.dof(),
+            rate_hz: plan.rate_hz,
+            joints: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+            effort_unit: robot.effort(),
+            phases: layout.spans.clone(),
+            trajectory: plan.trajectory.clone(),
+            period_samples: layout.period_samples,
+            t: Vec::new(),
+            q: Vec::new(),
+            effort: Vec::new(),
+            voltage: Vec::new(),
+            link_q: Vec::new(),
+            provenance: Provenance::new(robot.name(), robot_text, seed),
+        }
+    }
+
     /// Checks that tables have the size that they say, and that phases follow each other.
     ///
     /// # Errors
