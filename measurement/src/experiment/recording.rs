@@ -2,8 +2,7 @@
 
 use std::ops::Range;
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::layout::Layout;
 use super::phase::{Phase, PhaseSpan};
@@ -54,19 +53,7 @@ pub struct Recording {
     pub provenance: Provenance,
 }
 
-impl Serialize for Recording {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what does not fit together.
-impl<'de> Deserialize<'de> for Recording {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+crate::plain::checked_when_read!(Recording, |value| value.check().map(|()| value));
 
 impl Recording {
     /// What a recording of a plan begins with, of a robot whose file has this text: everything but samples.

@@ -1,8 +1,7 @@
 //! The result of a reduction: what each parameter is, and K.
 
 use nalgebra::{DMatrix, DVector};
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::{BaseMotion, Method, NearlyDependent};
 use crate::linalg::{LeftToRight, RankTolerance, product};
@@ -71,22 +70,13 @@ pub(super) const SMALLEST_COEFFICIENT: f64 = 1e-9;
 /// Coefficients this close to a whole number become that number: most are 1 or −1 by geometry.
 const WHOLE: f64 = 1e-12;
 
-impl Serialize for BaseReduction {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
+// Refuses a K that is no reduced row echelon form of these parameters.
+crate::plain::checked_when_read!(BaseReduction, |mut value| {
+    if value.kept.is_empty() && value.k.nrows() == 0 {
+        value.k = DMatrix::zeros(0, value.parameters.len());
     }
-}
-
-/// Refuses a K that is no reduced row echelon form of these parameters.
-impl<'de> Deserialize<'de> for BaseReduction {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut value = Self::deserialize(deserializer)?;
-        if value.kept.is_empty() && value.k.nrows() == 0 {
-            value.k = DMatrix::zeros(0, value.parameters.len());
-        }
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+    value.check().map(|()| value)
+});
 
 /// The category of each parameter by K.
 fn categories(kept: &[usize], k: &DMatrix<f64>) -> Vec<Category> {

@@ -2,8 +2,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::robot_error::{RobotError, check_joint, check_points, check_servo, check_surroundings};
 use super::{DeclaredUncertainty, Drive, EffortInterface, Joint, NamedPoint, Obstacle, ServoTuning, Shape};
@@ -67,18 +66,8 @@ pub struct Robot {
     source_sha256: String,
 }
 
-impl Serialize for Robot {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what [`Robot::new`] refuses.
-impl<'de> Deserialize<'de> for Robot {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Self::deserialize(deserializer)?.checked().map_err(D::Error::custom)
-    }
-}
+// Refuses what `Robot::new` refuses.
+crate::plain::checked_when_read!(Robot, Robot::checked);
 
 impl Robot {
     /// The same robot through the checks of a specification.

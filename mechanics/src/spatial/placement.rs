@@ -1,8 +1,7 @@
 //! Where one frame stands in another.
 
 use nalgebra::{Matrix3, Vector3};
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::{Force, Motion};
 
@@ -21,23 +20,11 @@ pub struct Placement {
 /// Largest entry of `RᵀR − 1` of a rotation: rounding of a product of many, and of matrices printed with ten digits.
 const ORTHONORMAL: f64 = 1e-9;
 
-impl Serialize for Placement {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses a matrix that is no rotation.
-impl<'de> Deserialize<'de> for Placement {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        if value.is_rigid() {
-            Ok(value)
-        } else {
-            Err(D::Error::custom("rotation, expected an orthonormal right-handed matrix"))
-        }
-    }
-}
+// Refuses a matrix that is no rotation.
+crate::plain::checked_when_read!(Placement, |value| {
+    let fault = "rotation, expected an orthonormal right-handed matrix";
+    if value.is_rigid() { Ok(value) } else { Err(fault) }
+});
 
 impl Placement {
     /// Whether it is one of a rigid body: a finite translation, and a rotation whose columns are orthonormal and right-handed.

@@ -11,8 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
 use super::definition::{PeriodicMotion, Trajectory};
@@ -53,19 +52,8 @@ pub struct FourierTrajectory {
     pub joints: Vec<FourierJoint>,
 }
 
-impl Serialize for FourierTrajectory {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what [`FourierTrajectory::new`] refuses.
-impl<'de> Deserialize<'de> for FourierTrajectory {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        Self::new(value.period_s, value.joints).map_err(D::Error::custom)
-    }
-}
+// Refuses what `FourierTrajectory::new` refuses.
+crate::plain::checked_when_read!(FourierTrajectory, |value| Self::new(value.period_s, value.joints));
 
 impl FourierTrajectory {
     /// Checks and takes the series of all joints.
