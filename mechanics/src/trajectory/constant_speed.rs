@@ -54,7 +54,11 @@ pub struct ConstantSpeedTrajectory {
 }
 
 // Refuses what `ConstantSpeedTrajectory::new` refuses.
-crate::plain::checked_when_read!(ConstantSpeedTrajectory, |value| Self::new(value.change_s, value.stretch_s, value.joints));
+crate::plain::checked_when_read!(ConstantSpeedTrajectory, |value| Self::new(
+    value.change_s,
+    value.stretch_s,
+    value.joints
+));
 
 impl ConstantSpeedTrajectory {
     /// Checks and takes the segments of all joints.
