@@ -76,6 +76,14 @@ fn one_line(output: &Output) -> String {
     String::from_utf8_lossy(&output.stderr).replace('│', " ").split_whitespace().collect::<Vec<_>>().join(" ")
 }
 
+/// Is refused (exit 2) with all of these words.
+fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
+    let output = armid(folder, arguments);
+    let text = one_line(&output);
+    let told = words.iter().all(|word| text.contains(word));
+    assert!(output.status.code() == Some(2) && told, "{arguments:?}: {text}");
+}
+
 fn succeeds(folder: &Path, arguments: &[&str]) {
     let output = armid(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -170,9 +178,7 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
 
     succeeds(at, &["study", "study.toml", "--shard", "1/2", "-o", "part1"]);
     succeeds(at, &["study", "study.toml", "--shard", "2/2", "-o", "part2"]);
-    let half = armid(at, &["study", "merge", "part1", "-o", "half"]);
-    assert_eq!(half.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&half.stderr).contains("36 runs are in none of the folders"));
+    refused(at, &["study", "merge", "part1", "-o", "half"], &["36 runs are in none of the folders"]);
     succeeds(at, &["study", "merge", "part1", "part2", "-o", "merged"]);
     assert!(one == files(&at.join("merged")), "the merged parts differ from the whole");
 
@@ -198,9 +204,7 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
     std::fs::write(&interrupted, &journal).unwrap();
     let writer = std::fs::File::open(&interrupted).unwrap();
     writer.lock().unwrap();
-    let second = armid(at, &["study", "study.toml", "--runs", "1", "-o", "busy"]);
-    assert_eq!(second.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&second.stderr).contains("is being written by another study"));
+    refused(at, &["study", "study.toml", "--runs", "1", "-o", "busy"], &["is being written by another study"]);
     assert_eq!(std::fs::read_to_string(&interrupted).unwrap(), journal);
     drop(writer);
     succeeds(at, &["study", "study.toml", "--runs", "1", "-o", "busy"]);
@@ -213,9 +217,8 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
             &["study", "study.toml", "--stage", "designs", "--shard", k, "-o", &format!("designs/{}", &k[..1])],
         );
     }
-    let early = armid(at, &["study", "study.toml", "--stage", "runs", "--designs-from", "designs/1", "-o", "early"]);
-    assert_eq!(early.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&early.stderr).contains("2 of 4 designs are not there"));
+    let early = ["study", "study.toml", "--stage", "runs", "--designs-from", "designs/1", "-o", "early"];
+    refused(at, &early, &["2 of 4 designs are not there"]);
     for k in ["1/3", "2/3", "3/3"] {
         let output = format!("runs/{}", &k[..1]);
         succeeds(
@@ -226,9 +229,8 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
     let parts = ["designs/1", "designs/2", "runs/1", "runs/2", "runs/3"];
     succeeds(at, &[&["study", "merge", "-o", "stages"], &parts[..]].concat());
     assert!(one == files(&at.join("stages")), "the merged stages differ from the whole");
-    let double = armid(at, &["study", "merge", "part1", "runs/1", "part2", "-o", "double"]);
-    assert_eq!(double.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&double.stderr).contains("expected parts that do not overlap"));
+    let double = ["study", "merge", "part1", "runs/1", "part2", "-o", "double"];
+    refused(at, &double, &["expected parts that do not overlap"]);
 
     // The report can be drawn again from what is stored.
     succeeds(at, &["report", "one", "-o", "again"]);
@@ -239,46 +241,27 @@ fn identity_threads_parts_and_resume_give_the_same_bytes() {
 #[test]
 fn faults_of_a_plan_name_line_and_column() {
     let folder = with_plan();
-    let broken = PLAN.replace("\"ols\", \"wls\"", "\"ols\", \"wsl\"");
-    std::fs::write(folder.path().join("broken.toml"), broken).unwrap();
-    let output = armid(folder.path(), &["study", "broken.toml"]);
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert_eq!(output.status.code(), Some(2), "{text}");
-    assert!(text.contains("broken.toml:21:23") && text.contains("wsl") && text.contains("wls"), "{text}");
-
-    for (engines, found) in
-        [("[\"analytic\", \"bullet\"]", "bullet"), ("[\"rapier\", \"rapier\"]", "twice"), ("[]", "at least one name")]
-    {
-        let text = PLAN.replace("[\"analytic\", \"rapier\", \"mujoco\"]", engines);
-        std::fs::write(folder.path().join("broken.toml"), text).unwrap();
-        let output = armid(folder.path(), &["study", "broken.toml"]);
-        let text = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{text}");
-        assert!(text.contains("broken.toml:7") && text.contains("engines") && text.contains(found), "{text}");
-    }
-
-    for (effects, found) in [
-        ("{ backlsh = \"severe\" }", "unknown effect `backlsh`"),
-        ("{ backlash = \"mild\" }", "backlash is \"mild\""),
-        ("{}", "conditions has \"none\" twice"),
+    let at = folder.path();
+    let (engines, effects) =
+        ("[\"analytic\", \"rapier\", \"mujoco\"]", "{ backlash = \"severe\", clock-jitter = 100 }");
+    for (from, to, words) in [
+        ("\"ols\", \"wls\"", "\"ols\", \"wsl\"", &["broken.toml:21:23", "wsl", "wls"][..]),
+        (engines, "[\"analytic\", \"bullet\"]", &["broken.toml:7", "engines", "bullet"]),
+        (engines, "[\"rapier\", \"rapier\"]", &["broken.toml:7", "engines", "twice"]),
+        (engines, "[]", &["broken.toml:7", "engines", "at least one name"]),
+        (effects, "{ backlsh = \"severe\" }", &["broken.toml:8", "unknown effect `backlsh`"]),
+        (effects, "{ backlash = \"mild\" }", &["broken.toml:8", "backlash is \"mild\""]),
+        (effects, "{}", &["conditions has \"none\" twice"]),
     ] {
-        let text = PLAN.replace("{ backlash = \"severe\", clock-jitter = 100 }", effects);
-        std::fs::write(folder.path().join("broken.toml"), text).unwrap();
-        let output = armid(folder.path(), &["study", "broken.toml"]);
-        let text = String::from_utf8_lossy(&output.stderr).into_owned();
-        assert_eq!(output.status.code(), Some(2), "{text}");
-        assert!(text.contains(found) && (found.contains("twice") || text.contains("broken.toml:8")), "{text}");
+        assert!(PLAN.contains(from), "{from}");
+        std::fs::write(at.join("broken.toml"), PLAN.replace(from, to)).unwrap();
+        refused(at, &["study", "broken.toml"], words);
     }
-
-    let output = armid(folder.path(), &["study", "01-criterion"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("01-criteria"));
+    refused(at, &["study", "01-criterion"], &["01-criteria"]);
 
     // Stored work of another plan is not gone on with.
-    succeeds(folder.path(), &["study", "study.toml", "--shard", "1/4", "-o", "out"]);
-    let output = armid(folder.path(), &["study", "study.toml", "--runs", "2", "--resume", "-o", "out"]);
-    assert_eq!(output.status.code(), Some(2));
-    assert!(String::from_utf8_lossy(&output.stderr).contains("another plan"));
+    succeeds(at, &["study", "study.toml", "--shard", "1/4", "-o", "out"]);
+    refused(at, &["study", "study.toml", "--runs", "2", "--resume", "-o", "out"], &["another plan"]);
 }
 
 #[test]
@@ -343,9 +326,7 @@ fn random_truths_are_the_same_for_every_design_and_number_of_threads() {
     // A spread out of range is named with its place.
     let plan = std::fs::read_to_string(at.join("truths.toml")).unwrap() + "mass_spread = 3.0\n";
     std::fs::write(at.join("wide.toml"), plan).unwrap();
-    let output = armid(at, &["study", "wide.toml"]);
-    let text = String::from_utf8_lossy(&output.stderr).into_owned();
-    assert!(output.status.code() == Some(2) && text.contains("mass_spread is 3"), "{text}");
+    refused(at, &["study", "wide.toml"], &["mass_spread is 3"]);
 }
 
 #[test]
@@ -356,11 +337,7 @@ fn results_of_another_study_are_never_replaced() {
     std::fs::write(at.join("study.toml"), &few).unwrap();
     succeeds(at, &["study", "study.toml", "-o", "out"]);
     let before = files(&at.join("out"));
-    let refused = |arguments: &[&str], words: &str| {
-        let output = armid(at, arguments);
-        let text = one_line(&output);
-        assert!(output.status.code() == Some(2) && text.contains(words), "{arguments:?}: {text}");
-    };
+    let refused = |arguments: &[&str], words: &str| refused(at, arguments, &[words]);
     // Another number of runs is another plan, and so is a plan of several robots.
     let another = "out holds the results of another study, expected a new folder or one of the same plan";
     refused(&["study", "study.toml", "--runs", "1", "-o", "out"], another);
@@ -450,10 +427,7 @@ fn identity_a_study_that_ends_early_is_the_study_of_its_starts() {
         for arguments in
             [&["study", "starts.toml", "--until", rule, "-o", "x"][..], &["study", "plan", "whole", "--until", rule]]
         {
-            let output = armid(at, arguments);
-            let text = String::from_utf8_lossy(&output.stderr).replace("\n  │ ", " ");
-            assert_eq!(output.status.code(), Some(2), "{text}");
-            assert!(text.contains(words), "{text}");
+            refused(at, arguments, &[words]);
         }
     }
     assert!(!at.join("x").exists());
@@ -488,17 +462,11 @@ fn antithetic_noise_falls_out_of_a_bias_and_runs_count_in_pairs() {
 
     let odd = paired.replace("runs = 16", "runs = 15");
     std::fs::write(at.join("odd.toml"), odd).unwrap();
-    let output = armid(at, &["study", "odd.toml"]);
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{words}");
-    assert!(words.contains("15") && words.contains("even number"), "{words}");
+    refused(at, &["study", "odd.toml"], &["15", "even number"]);
 
     // Pairs do not show how much runs scatter, which a pilot has to.
     let rule = "ratio(condition, random).prediction < 5 %";
-    let output = armid(at, &["study", "plan", "antithetic", "--until", rule]);
-    let words = String::from_utf8_lossy(&output.stderr);
-    assert_eq!(output.status.code(), Some(2), "{words}");
-    assert!(words.contains("antithetic"), "{words}");
+    refused(at, &["study", "plan", "antithetic", "--until", rule], &["antithetic"]);
 }
 
 #[test]
