@@ -110,12 +110,7 @@ fn sentence(summary: &RobotsSummary, [first, second]: [&str; 2], estimator: &str
 
 /// Where the page of each robot is, and what stands behind it.
 fn pages(summary: &RobotsSummary) -> Section {
-    let columns = vec![
-        Column::text("robot"),
-        Column::number("base parameters", ""),
-        Column::number("designs", ""),
-        Column::number("runs", ""),
-    ];
+    let columns = Column::list("robot | #base parameters | #designs | #runs");
     let mut table = Table::new("The study on each robot: one plan, performed on one after the other.", columns);
     for robot in &summary.robots {
         table = table.row(vec![
