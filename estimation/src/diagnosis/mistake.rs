@@ -110,6 +110,7 @@ impl Mistake {
     }
 
     /// What to try.
+    #[must_use]
     pub fn correction(&self) -> String {
         match self {
             Self::Degrees => "state the unit: --map \"q=… deg\"".to_owned(),

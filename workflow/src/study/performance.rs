@@ -101,16 +101,6 @@ impl Performance<'_> {
         self.setup.plan()
     }
 
-    /// How many designs belong to this part.
-    pub(super) fn planned_designs(&self) -> usize {
-        (0..self.order.designs()).filter(|&index| self.part.holds(index)).count()
-    }
-
-    /// How many runs belong to this part.
-    pub(super) fn planned_runs(&self) -> usize {
-        (0..self.order.len()).filter(|&position| self.part.holds(position)).count()
-    }
-
     /// How many planned runs are not finished.
     pub(super) fn missing(&self, work: &FinishedWork) -> usize {
         let wanted = self.wanted();

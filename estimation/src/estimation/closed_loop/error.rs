@@ -4,7 +4,6 @@ use crate::experiment::DivergenceError;
 
 /// Why a closed loop cannot be simulated: what is missing and where it belongs, or where the motion ended.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
-#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum ClosedLoopError {
     /// The problem was given no closed loop.
     #[error("nothing simulates the arm, expected a closed loop (EstimationProblem::with_closed_loop)")]
@@ -14,7 +13,10 @@ pub enum ClosedLoopError {
         "the servo of robot \"{robot}\" is not known, expected a table [servo] in its robot file with rate_hz, bandwidth_hz, \
          damping and integral_hz"
     )]
-    NoServo { robot: String },
+    NoServo {
+        /// Name of the robot.
+        robot: String,
+    },
     /// The samples were not recorded along a motion that is known.
     #[error(
         "the motion that the servo was commanded is not known, expected a recording of armid's own, which holds it from rest to rest"
@@ -25,19 +27,38 @@ pub enum ClosedLoopError {
         "robot \"{robot}\" has no nominal parameters, on whose inertia the gains of its servo are placed, expected nominal.toml \
          beside its robot file"
     )]
-    NoNominal { robot: String },
+    NoNominal {
+        /// Name of the robot.
+        robot: String,
+    },
     /// The simulator cannot simulate this robot or this plan.
     #[error("the arm cannot be simulated: {reason}")]
-    Unsimulable { reason: String },
+    Unsimulable {
+        /// What it says.
+        reason: String,
+    },
     /// The simulated motion has another number of samples than the recording.
     #[error("{found} simulated samples, expected the recording's {expected}")]
-    Samples { found: usize, expected: usize },
+    Samples {
+        /// Simulated.
+        found: usize,
+        /// Recorded.
+        expected: usize,
+    },
     /// With these parameters the arm would accelerate against its torque.
     #[error("the mass matrix is not positive definite at t = {t:.3} s")]
-    MassMatrix { t: f64 },
+    MassMatrix {
+        /// Time since the beginning of the experiment, s.
+        t: f64,
+    },
     /// With these parameters the servo does not hold the arm.
     #[error("the simulated motion runs away at t = {t:.3} s: {reason}")]
-    Diverged { t: f64, reason: DivergenceError },
+    Diverged {
+        /// Time since the beginning of the experiment, s.
+        t: f64,
+        /// Why.
+        reason: DivergenceError,
+    },
 }
 
 impl ClosedLoopError {
