@@ -329,6 +329,39 @@ fn random_truths_are_the_same_for_every_design_and_number_of_threads() {
     refused(at, &["study", "wide.toml"], &["mass_spread is 3"]);
 }
 
+#[cfg(unix)]
+#[test]
+fn a_submission_hands_its_words_over_as_they_are() {
+    use std::os::unix::fs::PermissionsExt;
+    let folder = with_plan();
+    let at = folder.path();
+    // An sbatch that says its arguments, one a line.
+    let sbatch = at.join("sbatch");
+    std::fs::write(&sbatch, "#!/bin/sh\nprintf '%s\\n' \"$@\" >>\"${0%/*}/words\"\necho 7\n").unwrap();
+    std::fs::set_permissions(&sbatch, std::fs::Permissions::from_mode(0o755)).unwrap();
+    let path = std::env::var_os("PATH").unwrap();
+    let path = std::env::join_paths(std::iter::once(at.to_path_buf()).chain(std::env::split_paths(&path))).unwrap();
+    let odd = "a 50% $(touch pwned) 'b'";
+    let submit = ["study", "submit", "study.toml", "--engine", "slurm", "--array", "2", "--runs", "1", "-o", odd];
+    let mut command = assert_cmd::Command::new(assert_cmd::cargo::cargo_bin!("armid"));
+    let output =
+        command.current_dir(at).env("PATH", &path).args(submit).args(["--", "--comment=e f"]).output().unwrap();
+    assert!(output.status.success(), "{}", one_line(&output));
+    let words = std::fs::read_to_string(at.join("words")).unwrap();
+    let logs = at.join("a 50%% $(touch pwned) 'b'/logs").display().to_string();
+    let script = at.join(odd).join("slurm-study").display().to_string();
+    for (stage, before) in [("designs", ""), ("runs", "--dependency=afterany:7\n--array=1-2\n")] {
+        let line = format!("--output={logs}/{stage}-%A_%a.log\n{before}");
+        assert!(words.contains(&line), "{line}: {words}");
+    }
+    let last = format!(
+        "--dependency=afterany:7:7\n--comment=e f\n{script}\n--stage\nmerge\n1\n{}\n2\nstudy.toml\n--runs\n1\n--\n--comment=e f\n",
+        at.join(odd).display()
+    );
+    assert!(words.ends_with(&last), "{words}");
+    assert!(!at.join("pwned").exists() && at.join(odd).join("armid").exists());
+}
+
 #[test]
 fn results_of_another_study_are_never_replaced() {
     let folder = with_plan();

@@ -294,6 +294,8 @@ fn parts_and_an_early_end_ask_for_one_robot_and_name_the_next_command() {
         let text = fault(&refused);
         assert!(text.contains("study on the robots planar-2r, arms/bench.toml") && text.contains(next), "{text}");
     }
+    let text = fault(&armid_in(at, ["study", "submit", "study.toml", "--engine", "slurm", "-o", "x"]).code(2));
+    assert!(text.contains("`armid study submit study.toml --engine slurm --robot planar-2r`"), "{text}");
     let nobody = fault(&armid_in(at, ["study", "study.toml", "--robot", "puma-560"]).code(2));
     assert!(nobody.contains("--robot is \"puma-560\"") && nobody.contains("planar-2r, arms/bench.toml"), "{nobody}");
 }

@@ -8,7 +8,7 @@ use miette::Result;
 
 use super::answer::show;
 use super::overrides::Overrides;
-use super::{merge, plan};
+use super::{merge, plan, submit};
 use crate::arguments::one_of;
 use crate::terminal::{Console, Ending, Watch};
 
@@ -31,7 +31,8 @@ Examples:
   armid study my/study.toml --jobs 1 -o out --resume
   armid study my/study.toml --robot puma-560      one of the plan's robots = [...], into reports/NAME/puma-560/
   armid study 01-criteria --until 'ratio(condition, d-optimal).prediction < 5 %'   as many starts as that takes
-  armid study plan pilot --until 'ratio(condition, d-optimal).prediction < 2 %'    how large a study for that";
+  armid study plan pilot --until 'ratio(condition, d-optimal).prediction < 2 %'    how large a study for that
+  armid study submit 01-criteria --engine slurm -o /shared/01   on a cluster";
 
 /// Run a Monte Carlo study of designs and estimators
 #[derive(Debug, clap::Args)]
@@ -71,6 +72,8 @@ enum Action {
     Merge(merge::Arguments),
     /// Say how many starts, arms and runs a wanted interval needs, from a study that was performed
     Plan(plan::Arguments),
+    /// Hand a study to a cluster: designs, then runs, then the report
+    Submit(submit::Arguments),
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
@@ -78,6 +81,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         None => perform(arguments, console),
         Some(Action::Merge(arguments)) => merge::run(arguments, console),
         Some(Action::Plan(arguments)) => plan::run(arguments, console),
+        Some(Action::Submit(arguments)) => submit::run(arguments, console),
     }
 }
 

@@ -1,4 +1,4 @@
-//! `armid study`: whole or in parts.
+//! `armid study`: performed here, in parts, or by a cluster.
 
 mod answer;
 mod command;
@@ -6,5 +6,6 @@ mod merge;
 mod overrides;
 mod plan;
 mod request;
+mod submit;
 
 pub(crate) use command::{Arguments, run};

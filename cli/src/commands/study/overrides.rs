@@ -55,4 +55,13 @@ impl Overrides {
             None => Ok(request),
         }
     }
+
+    /// The same as words of a command line.
+    pub(crate) fn words(&self) -> Vec<String> {
+        let number = |key: &str, value: Option<u32>| value.map(|value| [key.to_owned(), value.to_string()]);
+        let arms = self.arm.as_ref().map(|arms| arms.iter().map(|arm| arm.name()).collect::<Vec<_>>().join(","));
+        let text = |key: &str, value: Option<String>| value.map(|value| [key.to_owned(), value]);
+        let all = [number("--runs", self.runs), number("--truths", self.truths), text("--arm", arms)];
+        all.into_iter().chain([text("--robot", self.robot.clone())]).flatten().flatten().collect()
+    }
 }
