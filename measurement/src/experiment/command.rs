@@ -37,11 +37,6 @@ impl<'a> Command<'a> {
         self.periodic_s
     }
 
-    /// When the ramp out begins, s after the beginning of the experiment.
-    pub fn periodic_end_s(&self) -> f64 {
-        self.ramp_out_s
-    }
-
     /// Where the commanded motion is on the path of its trajectory, and how fast, at time `t` (s) of the experiment. The
     /// time on the path grows through all periods.
     pub fn point(&self, t: f64) -> PathPoint {
