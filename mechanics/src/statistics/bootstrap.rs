@@ -55,6 +55,7 @@ mod tests {
     fn statistics_bootstrap_covers_a_known_mean() {
         // 200 data sets of 20 designs × 5 runs, design effect and run noise both unit normal: a 90 % interval of the
         // grand mean must cover 0 in 90 % of them. With 200 trials, 83 to 96 % holds but for a chance of 0.1 %.
+        let sizes: [&[usize]; 1] = [&[5; 20]];
         let mut covered = 0;
         for set in 0..200 {
             let mut rng = Seed::new(5).stream("data", set);
@@ -65,7 +66,7 @@ mod tests {
                     (0..5).map(|_| design + normal()).collect()
                 })
                 .collect();
-            let mut draws = TwoLayerDraws::new(&[&[5; 20]], Seed::new(set));
+            let mut draws = TwoLayerDraws::new(&sizes, Seed::new(set));
             let means: Vec<f64> = (0..300)
                 .map(|_| {
                     let mut drawn = Vec::new();

@@ -124,34 +124,19 @@ impl Trajectory for PeriodicTrajectory {
     }
 }
 
-impl From<FourierTrajectory> for PeriodicTrajectory {
-    fn from(motion: FourierTrajectory) -> Self {
-        Self::Fourier(motion)
-    }
+macro_rules! from {
+    ($($kind:ident($motion:ty)),*) => {
+        $(impl From<$motion> for PeriodicTrajectory {
+            fn from(motion: $motion) -> Self {
+                Self::$kind(motion)
+            }
+        })*
+    };
 }
 
-impl From<FourierQuinticTrajectory> for PeriodicTrajectory {
-    fn from(motion: FourierQuinticTrajectory) -> Self {
-        Self::FourierQuintic(motion)
-    }
-}
-
-impl From<ConstantSpeedTrajectory> for PeriodicTrajectory {
-    fn from(motion: ConstantSpeedTrajectory) -> Self {
-        Self::ConstantSpeed(motion)
-    }
-}
-
-impl From<CustomTrajectory> for PeriodicTrajectory {
-    fn from(motion: CustomTrajectory) -> Self {
-        Self::Custom(motion)
-    }
-}
-
-impl From<BSplineTrajectory> for PeriodicTrajectory {
-    fn from(motion: BSplineTrajectory) -> Self {
-        Self::BSpline(motion)
-    }
+from! {
+    Fourier(FourierTrajectory), FourierQuintic(FourierQuinticTrajectory), ConstantSpeed(ConstantSpeedTrajectory),
+    BSpline(BSplineTrajectory), Custom(CustomTrajectory)
 }
 
 #[cfg(test)]
