@@ -13,8 +13,7 @@
 //! Reference: D. N. Politis, "Adaptive bandwidth choice", J. Nonparametric Statistics 15(4-5), 2003.
 
 use nalgebra::DMatrix;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::covariance_operator::CovarianceOperator;
 
@@ -39,19 +38,7 @@ pub struct NoiseModel {
     degrees_of_freedom: f64,
 }
 
-impl Serialize for NoiseModel {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what does not fit together.
-impl<'de> Deserialize<'de> for NoiseModel {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+crate::plain::checked_when_read!(NoiseModel, |value| value.check().map(|()| value));
 
 impl NoiseModel {
     /// One weight for each lag, and square covariances of one size.
