@@ -31,8 +31,7 @@ pub(crate) fn report(
 ) -> Result<PathBuf> {
     let text = Text::read(path)?;
     let estimate = estimate::parse(&text)?;
-    let (prepared, inputs) =
-        LogArguments::of_robot(robot.map(str::to_owned), chain.clone()).again(&text, &[], |_| {})?;
+    let (prepared, inputs) = LogArguments::of_robot(robot.map(str::to_owned), chain.clone()).again(&text, &[])?;
     let page = Page { estimate: &estimate, prepared: &prepared, name: &text.name };
     let input = page.input(&inputs)?;
     let fault = |error: armid_reports::DocumentError| Error::new(format!("the report cannot be drawn: {error}"));

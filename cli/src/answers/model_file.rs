@@ -56,30 +56,21 @@ struct Intervals {
     sums: Vec<Value>,
 }
 
-/// The log of an estimate, read again.
-#[derive(Clone, Copy)]
-pub(crate) struct LogOfEstimate<'a> {
-    /// As the estimate has it.
-    pub(crate) as_estimated: &'a ProcessedLog,
-    /// With the rows in which joints hardly move: a file predicts those too.
-    pub(crate) all_rows: &'a ProcessedLog,
-}
-
 impl<'a> ModelFile<'a> {
     pub(crate) fn new(
         (estimate, estimate_name): (&'a Estimate, &str),
-        log: LogOfEstimate<'_>,
+        log: &ProcessedLog,
         (format, into): (Exchange, Option<&ChainSource>),
         destination: &Destination,
     ) -> Result<Self> {
-        let loaded = &log.as_estimated.robot;
+        let loaded = &log.robot;
         let estimated = columns_of(estimate, estimate_name)?;
         let named = |error| Error::mismatch(format!("{estimate_name}: {error}"));
         // With the laws of friction that the estimate found, of which a format may have a plainer one.
         let own = estimate.robot(&loaded.robot, estimated).map_err(named)?;
         let (robot, columns) = (format.robot(&own)?, format.columns(estimated));
         let guess = guess(loaded);
-        let fit = log.all_rows.fit_model(&robot, columns, &guess)?;
+        let fit = log.fit_model(&robot, columns, &guess)?;
         let template = into.or_else(|| format.template(loaded));
         let name = destination
             .path()
@@ -91,10 +82,10 @@ impl<'a> ModelFile<'a> {
         let reloaded = Reloaded::compare(&robot, &fit.parameters, (&read, &found), columns)?;
         let model = Model { robot: &read, parameters: &found };
         let prediction = ModelPrediction {
-            file: PredictionError::of(&log.as_estimated.model_residual(&model, &name)?),
-            estimate: PredictionError::of(&log.as_estimated.residual(estimate, estimate_name)?),
+            file: PredictionError::of(&log.model_residual(&model, &name)?),
+            estimate: PredictionError::of(&log.residual(estimate, estimate_name)?),
         };
-        let header = header(estimate, log.as_estimated, &fit, &prediction.sentence("this file"));
+        let header = header(estimate, log, &fit, &prediction.sentence("this file"));
         let (text, written) = format.write(&robot, template, &fit.parameters, &header)?;
         let lacking = if prediction.is_good() {
             Vec::new()
@@ -104,8 +95,8 @@ impl<'a> ModelFile<'a> {
         };
         let snapping = if into.is_none() { Snapping::of(loaded, &fit.parameters)? } else { None };
         let left_out = left_out(columns, estimated, &loaded.robot);
-        let remarks = loaded.remarks.iter().cloned().chain(written).chain(format.speeds(estimate)).collect();
-        let intervals = Intervals::of(log.as_estimated, columns, &fit.parameters);
+        let remarks = loaded.remarks.iter().cloned().chain(written).collect();
+        let intervals = Intervals::of(log, columns, &fit.parameters);
         let joints = loaded.robot.joints().iter().map(|joint| joint.name.clone()).collect();
         Ok(Self {
             estimate,
@@ -209,6 +200,7 @@ impl<'a> ModelFile<'a> {
             "lacking": self.lacking.iter().map(lacking).collect::<Vec<_>>(),
             "left_out": self.left_out,
             "prior": self.fit.weight,
+            "joint_weights": self.fit.joint_weights,
             "bodies": self.guess.origins,
             "consistent": self.fit.parameters.links.iter().all(|link| link.check().is_ok()),
             "parameters": self.parameters(),
@@ -250,13 +242,7 @@ struct Fitted<'a> {
 
 impl Fitted<'_> {
     /// What of the estimate would make the file better, the best first.
-    fn lacking(
-        &self,
-        log: LogOfEstimate<'_>,
-        estimated: Columns,
-        guess: &ModelGuess,
-        own: &Robot,
-    ) -> Result<Vec<Lacking>> {
+    fn lacking(&self, log: &ProcessedLog, estimated: Columns, guess: &ModelGuess, own: &Robot) -> Result<Vec<Lacking>> {
         let mut candidates: Vec<(&'static str, Columns, &Robot)> = estimated
             .terms()
             .filter(|term| !self.columns.has(*term))
@@ -269,33 +255,32 @@ impl Fitted<'_> {
         }
         let mut found = Vec::new();
         for (what, columns, robot) in candidates {
-            let fit = log.all_rows.fit_model(robot, columns, guess)?;
+            let fit = log.fit_model(robot, columns, guess)?;
             found.push(self.compared(log, what, &Model { robot, parameters: &fit.parameters })?);
         }
         found.sort_by(|a, b| a.error.total_cmp(&b.error));
         // The best in any case; others where they help.
         let own = PredictionError::of(
-            &log.as_estimated.model_residual(&Model { robot: self.robot, parameters: self.parameters }, "the file")?,
+            &log.model_residual(&Model { robot: self.robot, parameters: self.parameters }, "the file")?,
         );
         let helps = |(place, lacking): &(usize, Lacking)| *place == 0 || lacking.error < HELPS * own.fit();
         Ok(found.into_iter().enumerate().filter(helps).map(|(_, lacking)| lacking).collect())
     }
 
-    fn compared(&self, log: LogOfEstimate<'_>, what: &'static str, richer: &Model<'_>) -> Result<Lacking> {
-        let prepared = log.as_estimated;
-        let error = PredictionError::of(&prepared.model_residual(richer, what)?).fit();
+    fn compared(&self, log: &ProcessedLog, what: &'static str, richer: &Model<'_>) -> Result<Lacking> {
+        let error = PredictionError::of(&log.model_residual(richer, what)?).fit();
         let named = |error: armid::estimation::EstimationError| Error::new(error.to_string());
-        let states = &prepared.samples.states;
+        let states = &log.samples.states;
         let own = Model { robot: self.robot, parameters: self.parameters }.predict(states).map_err(named)?;
         let other = richer.predict(states).map_err(named)?;
-        let (n, count) = (prepared.samples.dof(), prepared.samples.len().max(1) as f64);
+        let (n, count) = (log.samples.dof(), log.samples.len().max(1) as f64);
         let rms = |i: usize, of: &dyn Fn(usize) -> f64| -> f64 {
-            ((0..prepared.samples.len()).map(|k| of(k * n + i).powi(2)).sum::<f64>() / count).sqrt()
+            ((0..log.samples.len()).map(|k| of(k * n + i).powi(2)).sum::<f64>() / count).sqrt()
         };
         let lack: Vec<(f64, f64)> = (0..n)
             .map(|i| {
                 let lack = rms(i, &|at| other[at] - own[at]);
-                (lack, lack / rms(i, &|at| prepared.samples.tau[at]).max(f64::MIN_POSITIVE))
+                (lack, lack / rms(i, &|at| log.samples.tau[at]).max(f64::MIN_POSITIVE))
             })
             .collect();
         let joint = (0..n).fold(0, |most, i| if lack[i].1 > lack[most].1 { i } else { most });
@@ -331,12 +316,12 @@ impl Intervals {
 }
 
 /// The error with which a URDF or an MJCF of a log would predict it, by its model before it is written.
-pub(crate) fn prediction_of(format: Exchange, log: LogOfEstimate<'_>) -> Result<PredictionError> {
-    let loaded = &log.as_estimated.robot;
+pub(crate) fn prediction_of(format: Exchange, log: &ProcessedLog) -> Result<PredictionError> {
+    let loaded = &log.robot;
     let robot = format.robot(&loaded.robot)?;
-    let fit = log.all_rows.fit_model(&robot, format.columns(Columns::RIGID), &guess(loaded))?;
+    let fit = log.fit_model(&robot, format.columns(Columns::RIGID), &guess(loaded))?;
     let model = Model { robot: &robot, parameters: &fit.parameters };
-    Ok(PredictionError::of(&log.as_estimated.model_residual(&model, format.name())?))
+    Ok(PredictionError::of(&log.model_residual(&model, format.name())?))
 }
 
 /// Which columns an estimate has.

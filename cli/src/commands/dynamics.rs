@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use armid::dynamics::{Dynamics, States};
-use armid::model::{Columns, StandardParameters};
+use armid::model::{Columns, Robot, StandardParameters};
 use armid::regressor::JointTorqueRegressor;
 use armid_io::table::{Third, parse_states};
 use armid_io::{Error, LoadedRobot, Text};
@@ -88,8 +88,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let numbers = match arguments.quantity {
         Quantity::Regressor => regressor(&loaded, arguments.columns, &states)?,
         quantity => {
-            let parameters = parameters(&loaded, arguments)?;
-            with_parameters(&loaded, &parameters, quantity, &states)
+            let (parameters, robot) = parameters(&loaded, arguments)?;
+            with_parameters(&robot, &parameters, quantity, &states)
         }
     };
     let json = json!({
@@ -102,11 +102,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     Ok(Ending::Done)
 }
 
-fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<StandardParameters> {
+/// The parameters, and the robot with the laws of friction that they are of.
+fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<(StandardParameters, Robot)> {
     if let Some(path) = &arguments.parameters {
         return Ok(read_parameter_map(path, &loaded.robot)?);
     }
-    loaded.own.clone().ok_or_else(|| {
+    loaded.own.clone().map(|own| (own, loaded.robot.clone())).ok_or_else(|| {
         let message = format!(
             "--quantity {} of \"{}\" needs --parameters: its file has kinematics, limits and drives, and no inertia",
             arguments.quantity.name(),
@@ -116,14 +117,9 @@ fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<StandardPar
     })
 }
 
-fn with_parameters(
-    loaded: &LoadedRobot,
-    parameters: &StandardParameters,
-    quantity: Quantity,
-    states: &States,
-) -> Numbers {
-    let n = loaded.robot.dof();
-    let mut dynamics = Dynamics::new(&loaded.robot, parameters);
+fn with_parameters(robot: &Robot, parameters: &StandardParameters, quantity: Quantity, states: &States) -> Numbers {
+    let n = robot.dof();
+    let mut dynamics = Dynamics::new(robot, parameters);
     let mut rows = Vec::new();
     let numbered = |prefix: &str| (1..=n).map(|k| format!("{prefix}{k}")).collect::<Vec<_>>();
     for k in 0..states.len() {

@@ -14,7 +14,7 @@ use armid_io::{Error, Inputs, LoadedRobot, Text};
 use miette::Result;
 
 use crate::answers::exchange::Exchange;
-use crate::answers::model_file::{LogOfEstimate, ModelFile, columns_of};
+use crate::answers::model_file::{ModelFile, columns_of};
 use crate::answers::source::SourceAnswer;
 use crate::arguments::{ChainArguments, LogArguments, one_of};
 use crate::terminal::{Console, Destination, Ending, report_folder};
@@ -132,14 +132,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     };
     let into = arguments.into.as_deref().map(|path| template(path, format, &loaded)).transpose()?;
     let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
-    let (mut as_estimated, _) = again.again(&text, &arguments.log, |_| {})?;
-    let (mut all_rows, _) =
-        again.again(&text, &arguments.log, |settings| settings.processing.reversal_fraction = 0.0)?;
-    for log in [&mut as_estimated, &mut all_rows] {
-        log.take_shape(&estimate, &text.name)?;
-    }
-    let log = LogOfEstimate { as_estimated: &as_estimated, all_rows: &all_rows };
-    let file = ModelFile::new((&estimate, &text.name), log, (format, into.as_ref()), &destination)?;
+    let (mut log, _) = again.again(&text, &arguments.log)?;
+    log.take_shape(&estimate, &text.name)?;
+    let file = ModelFile::new((&estimate, &text.name), &log, (format, into.as_ref()), &destination)?;
     console.deliver(&destination, &file.text)?;
     console.show(&file.answer(&destination))?;
     Ok(if searched && file.is_sound() { Ending::Done } else { Ending::Negative })

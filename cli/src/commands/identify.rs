@@ -6,7 +6,7 @@ use armid::estimation::{EstimatorKind, candidate_terms};
 use armid::model::Columns;
 use armid_io::log::HeldOut;
 use armid_io::output::pretty;
-use armid_io::{Error, ProcessedLog, output};
+use armid_io::{Error, output};
 use armid_workflow::identification::{IdentifySettings, identify};
 use miette::Result;
 use serde_json::json;
@@ -16,8 +16,7 @@ use super::payload::{self, PayloadLogs};
 use crate::answers::estimate::EstimateAnswer;
 use crate::answers::exchange::Exchange;
 use crate::answers::friction_speed::speeds_text;
-use crate::answers::model_file::{LogOfEstimate, prediction_of};
-use crate::answers::model_prediction::PredictionError;
+use crate::answers::model_file::prediction_of;
 use crate::answers::selection::selection_text;
 use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, estimator, read_parameter_map};
@@ -168,7 +167,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         prepared.hold_out(&others);
     }
     if let Some(path) = &arguments.start {
-        prepared.start = Some(read_parameter_map(path, &prepared.robot.robot)?);
+        prepared.start = Some(read_parameter_map(path, &prepared.robot.robot)?.0);
     }
     let settings = IdentifySettings {
         columns,
@@ -178,7 +177,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         stribeck_speed: arguments.stribeck_speed,
     };
     let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
-    let files = model_files(arguments, &answer.log)?;
+    // Nothing of a format in which no model of the log can be made.
+    let of = |format| Some((format, prediction_of(format, &answer.log).ok()?));
+    let files: Vec<_> = [Exchange::Urdf, Exchange::Mjcf].into_iter().filter_map(of).collect();
     let said: Vec<_> = answer.estimates.iter().map(|of| EstimateAnswer::new(&answer, of, &files)).collect();
     let mut json = serde_json::to_value(&answer).map_err(Error::of)?;
     match said.as_slice() {
@@ -204,17 +205,6 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         false if answer.is_sound() => Ending::Done,
         false => Ending::Negative,
     })
-}
-
-/// What a URDF and an MJCF of the logs would predict; nothing of a format in which no model of them can be made.
-fn model_files(arguments: &Arguments, prepared: &ProcessedLog) -> Result<Vec<(Exchange, PredictionError)>, Error> {
-    let mut settings = prepared.settings.clone();
-    // A file predicts the rows as well in which joints hardly move.
-    settings.processing.reversal_fraction = 0.0;
-    let (all_rows, _) = arguments.log.process(&arguments.logs, None, settings.held_out, Some(&settings))?;
-    let log = LogOfEstimate { as_estimated: prepared, all_rows: &all_rows };
-    let of = |format| Some((format, prediction_of(format, log).ok()?));
-    Ok([Exchange::Urdf, Exchange::Mjcf].into_iter().filter_map(of).collect())
 }
 
 fn list() -> Answer {
