@@ -147,7 +147,7 @@ class ModelFit(unittest.TestCase):
         tau = true + 0.03 * np.sqrt(np.mean(true**2, axis=0)) * rng.standard_normal(true.shape)
         names = ["t", *(f"q{j + 1}" for j in range(JOINTS)), *(f"tau{j + 1}" for j in range(JOINTS))]
         np.savetxt(log, np.column_stack([t, q, tau]), delimiter=",", header=",".join(names), comments="", fmt="%.12g")
-        done = armid("identify", log, "--robot", robot, "--held-out", "none", "-o", estimate)
+        done = armid("identify", log, "--robot", robot, "--held-out", "none", "--cutoff-hz", CUTOFF, "-o", estimate)
         self.assertIn(done.returncode, (0, 1), done.stderr[:800])
         # Filtered, differentiated and averaged as armid does it: pairs of samples for a cut-off of 10 Hz. Friction turns at once, so that its
         # column passes the filter as the torque does.
