@@ -22,8 +22,9 @@ const NO_PERIOD: &str = "with --period none the log is taken as a motion without
 /// Samples by which the last of the periods that are found in an even log may be off a whole number.
 const LARGEST_SHIFT: f64 = 0.5;
 
-/// Equations in a cycle of a cut-off that is stated. Of one that is found there is one, which leaves no bias by the noise of the positions.
-const EQUATIONS_PER_CYCLE: f64 = 4.0;
+/// Equations in a cycle of a cut-off that is stated, and of one that is found. Means over half a cycle take most noise of the acceleration
+/// out of the equations.
+const EQUATIONS_PER_CYCLE: [f64; 2] = [4.0, 2.0];
 
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
@@ -165,9 +166,9 @@ fn foreign(
     match period {
         Some(period) => periodic(&whole, &robot.robot, settings, period, share),
         None => {
-            let cutoff_hz = cutoff(log, &whole, &robot.robot, settings, common_hz);
+            let low_pass = low_pass(log, &whole, settings, common_hz);
             let (used, aside) = whole.split(whole.len() - (share * whole.len() as f64).round() as usize);
-            let samples = |part: &Log| aperiodic(part, &robot.robot, settings, cutoff_hz);
+            let samples = |part: &Log| aperiodic(part, &robot.robot, settings, low_pass);
             Ok((samples(&used)?, if aside.is_empty() { None } else { Some(samples(&aside)?) }))
         }
     }
@@ -232,23 +233,18 @@ fn below_nyquist(error: &SignalError, log: &Log) -> Option<String> {
     ))
 }
 
-/// The cut-off that is found in a log, which is remarked upon; `None` where one is stated, or where nothing moves.
-fn cutoff(log: &mut Log, whole: &Log, robot: &Robot, settings: &LogSettings, common_hz: Option<f64>) -> Option<f64> {
-    if settings.processing.cutoff_hz.is_some() {
-        return None;
-    }
-    if let Some(hz) = common_hz {
-        log.origin.remarks.push(format!("low pass at {hz:.1} Hz, the highest that the logs need"));
-        return common_hz;
+/// Cut-off and rate of the equations of a log without periods, Hz. A cut-off that is found in it, or in several, is remarked upon.
+fn low_pass(log: &mut Log, whole: &Log, settings: &LogSettings, common_hz: Option<f64>) -> [f64; 2] {
+    let [of_stated, of_found] = EQUATIONS_PER_CYCLE;
+    if let Some(hz) = settings.processing.cutoff_hz {
+        return [hz, of_stated * hz];
     }
     let segments: Vec<usize> = whole.segments.iter().map(|segment| segment.samples).collect();
-    let found = record(whole, &segments, settings).find_cutoff()?;
+    let hz = common_hz.unwrap_or_else(|| record(whole, &segments, settings).find_cutoff());
+    let of = if common_hz.is_some() { "of these logs" } else { "of this log" };
     let series = if settings.measured_velocity { "velocities" } else { "positions" };
-    let (hz, joint) = (found.hz, &robot.joints()[found.joint - 1].name);
-    log.origin.remarks.push(format!(
-        "low pass of the {series} at {hz:.1} Hz: above it no joint moves by more than its noise, below it \"{joint}\" does"
-    ));
-    Some(hz)
+    log.origin.remarks.push(format!("low pass of {hz:.1} Hz for the {series}, by the noise {of}"));
+    [hz, of_found * hz]
 }
 
 fn record<'a>(log: &'a Log, segments: &'a [usize], settings: &LogSettings) -> AperiodicRecord<'a> {
@@ -260,14 +256,18 @@ fn record<'a>(log: &'a Log, segments: &'a [usize], settings: &LogSettings) -> Ap
     }
 }
 
-/// Samples of a part of a log, by the cut-off that was `found` in all of it, or the one that is stated.
-fn aperiodic(log: &Log, robot: &Robot, settings: &LogSettings, found: Option<f64>) -> Result<Samples, Error> {
-    let processing = &Processing { cutoff_hz: settings.processing.cutoff_hz.or(found), ..settings.processing.clone() };
+/// Samples of a part of a log.
+fn aperiodic(
+    log: &Log,
+    robot: &Robot,
+    settings: &LogSettings,
+    [cutoff_hz, rate_hz]: [f64; 2],
+) -> Result<Samples, Error> {
+    let processing = &Processing { cutoff_hz: Some(cutoff_hz), ..settings.processing.clone() };
     let segments: Vec<usize> = log.segments.iter().map(|segment| segment.samples).collect();
     let record = record(log, &segments, settings);
     let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
-    let stated = settings.processing.cutoff_hz.map(|hz| EQUATIONS_PER_CYCLE * hz);
-    let thinned = stated.or(found).unwrap_or_else(|| processing.cutoff_hz(0.0)).min(log.rate_hz);
+    let thinned = rate_hz.min(log.rate_hz);
     let fault = |error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log));
     let samples = process_aperiodic(&record, robot, unit, thinned, processing).map_err(fault)?;
     let Some(link_q) = &log.link_q else { return Ok(samples) };

@@ -41,7 +41,7 @@ mod torque;
 pub use aperiodic::{AperiodicRecord, process_aperiodic};
 pub use butterworth::Butterworth;
 pub use covariance_operator::CovarianceOperator;
-pub use cutoff::{FoundCutoff, find_cutoff};
+pub use cutoff::find_cutoff;
 pub use differences::{differences, differences_periodic};
 pub use error::SignalError;
 pub use fourier_transform::FourierTransform;
