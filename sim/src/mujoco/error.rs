@@ -3,15 +3,18 @@
 use armid::dynamics::TermError;
 use std::path::PathBuf;
 
-use super::places::{FILE, VERSION};
+use super::layout::{LAYOUTS, versions};
+use super::places::files;
 
 /// Why a robot cannot be simulated by MuJoCo.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum MujocoError {
     /// The library is nowhere.
     #[error(
-        "found no {FILE} in {}, nor by the system's loader; run scripts/get-mujoco, which fetches MuJoCo {VERSION}",
-        searched.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+        "found no {} in {}, nor by the system's loader; run scripts/get-mujoco, which fetches MuJoCo {}",
+        files().join(" or "),
+        searched.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", "),
+        LAYOUTS[0].version
     )]
     NotFound {
         /// The folders in which it was looked for.
@@ -19,9 +22,10 @@ pub enum MujocoError {
     },
     /// The file named by the environment does not exist or cannot be read.
     #[error(
-        "{}, named by ARMID_MUJOCO_LIB: {reason}, expected the library of MuJoCo {VERSION}; run scripts/get-mujoco \
+        "{}, named by ARMID_MUJOCO_LIB: {reason}, expected the library of MuJoCo {}; run scripts/get-mujoco \
          and unset the variable, or name another file",
-        path.display()
+        path.display(),
+        versions()
     )]
     Unreadable {
         /// The file.
@@ -40,7 +44,11 @@ pub enum MujocoError {
         expected: u64,
     },
     /// The file is something else than this library for this machine.
-    #[error("{}: {reason}, expected the library of MuJoCo {VERSION} for this machine; run scripts/get-mujoco", path.display())]
+    #[error(
+        "{}: {reason}, expected the library of MuJoCo {} for this machine; run scripts/get-mujoco",
+        path.display(),
+        versions()
+    )]
     Unloadable {
         /// The file.
         path: PathBuf,
@@ -48,7 +56,7 @@ pub enum MujocoError {
         reason: String,
     },
     /// Another version.
-    #[error("{}: found MuJoCo {found}, expected {VERSION}; run scripts/get-mujoco", path.display())]
+    #[error("{}: found MuJoCo {found}, expected {}; run scripts/get-mujoco", path.display(), versions())]
     Version {
         /// The file.
         path: PathBuf,
