@@ -35,7 +35,6 @@ pub struct StudyResult {
 
 impl StudyResult {
     /// True base parameters of a truth, by [`Outcome::truth`](super::Outcome::truth).
-    #[must_use]
     pub fn truth(&self, index: usize, parameter: usize) -> f64 {
         match index.checked_sub(1) {
             None => self.parameters[parameter].truth,
@@ -44,7 +43,6 @@ impl StudyResult {
     }
 
     /// The findings under the first condition.
-    #[must_use]
     pub fn findings(&self) -> &Findings {
         &self.conditions[0].findings
     }
@@ -95,7 +93,6 @@ pub struct ReportInput {
 
 impl StudySetup {
     /// Assembles the stored summary.
-    #[must_use]
     pub fn result(
         &self,
         provenance: Provenance,
