@@ -6,24 +6,18 @@
 use std::fmt;
 use std::sync::OnceLock;
 
-macro_rules! named {
+macro_rules! names {
     ($(#[$about:meta])* $kind:ident { $($variant:ident = $name:literal,)* }) => {
         $(#[$about])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[non_exhaustive]
         pub enum $kind { $(#[doc = $name] $variant,)* }
 
-        impl $kind {
-            /// Its name.
-            #[must_use]
-            pub const fn name(self) -> &'static str {
-                match self { $(Self::$variant => $name,)* }
-            }
-        }
+        crate::named_variants! { $kind { $($variant: $name),* } }
     };
 }
 
-named! {
+names! {
     /// Something that a user sets; its documentation is its name.
     Setting {
         Map = "map",
@@ -54,7 +48,7 @@ named! {
     }
 }
 
-named! {
+names! {
     /// Something that a user does; its documentation is its name.
     Task {
         Robot = "robot",
