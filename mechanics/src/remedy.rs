@@ -185,7 +185,11 @@ struct InWords;
 
 impl Wording for InWords {
     fn setting(&self, setting: Setting, value: Option<&str>) -> String {
-        value.map_or_else(|| format!("`{}`", setting.name()), |value| format!("{} \"{value}\"", setting.name()))
+        match value {
+            None => format!("`{}`", setting.name()),
+            Some(value) if value.contains([' ', '=']) => format!("{} \"{value}\"", setting.name()),
+            Some(value) => format!("{} {value}", setting.name()),
+        }
     }
 
     fn task(&self, task: Task, to: &str, settings: &[(Setting, String)]) -> String {
