@@ -46,6 +46,14 @@ impl StudyResult {
     pub fn findings(&self) -> &Findings {
         &self.conditions[0].findings
     }
+
+    /// The estimator that figures show: the last of the plan that gave an estimate under the first condition.
+    #[must_use]
+    pub fn shown_estimator(&self) -> &str {
+        let (estimators, families) = (&self.plan.identification.estimators, &self.findings().families);
+        let gave = |name: &&String| families.iter().any(|score| score.estimator == **name && score.runs > 0);
+        estimators.iter().rev().find(gave).or(estimators.last()).map_or("", String::as_str)
+    }
 }
 
 /// One joint, as tables and figures name it.

@@ -10,8 +10,8 @@ use armid::trajectory::PeriodicTrajectory;
 use armid_io::output::pretty;
 use armid_io::{Error, LoadedRobot, output, trajectory};
 use armid_reports::{Axis, Figure, Group, Heading, Reference, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint};
-use armid_sim::Engine;
 use armid_sim::agreement::{Absent, Agreement, Breach, Case, EngineAgreement, agree, safe_motion};
+use armid_sim::{Engine, MujocoStatus};
 use miette::Result;
 use serde_json::{Value, json};
 
@@ -48,6 +48,10 @@ pub(crate) struct Arguments {
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
+    // A library that somebody names has to be in the comparison.
+    if let Some(fault) = MujocoStatus::named_but_unusable() {
+        return Err(Error::new(fault.to_string()).into());
+    }
     let loaded = arguments.robot.load()?;
     let folder = console.output().map_or_else(
         || report_folder("name of the robot", &format!("{}-agreement", loaded.robot.name())),

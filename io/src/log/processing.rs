@@ -2,7 +2,7 @@
 
 use armid::diagnosis::standing_joints;
 use armid::input::size::PERIOD_SAMPLES;
-use armid::model::Robot;
+use armid::model::{EffortInterface, Robot};
 use armid::signal::{
     AperiodicRecord, PeriodicRecord, Samples, SignalError, process, process_aperiodic, process_periods, recurrence,
 };
@@ -20,6 +20,9 @@ const NO_PERIOD: &str = "with --period none the log is taken as a motion without
 
 /// Samples by which the last of the periods that are found in an even log may be off a whole number.
 const LARGEST_SHIFT: f64 = 0.5;
+
+/// Places of a resting joint that are this near are one, rad or m.
+const SAME_REST: f64 = 2e-3;
 
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
@@ -76,7 +79,29 @@ pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) 
         }
         log.process(robot.clone(), settings)
     });
-    ProcessedLog::joined(processed.collect::<Result<_, _>>()?)
+    let mut processed = processed.collect::<Result<Vec<_>, _>>()?;
+    share_rests(&mut processed, robot.robot.dof());
+    ProcessedLog::joined(processed)
+}
+
+/// Gives a joint that rests in several logs at the same place, but for its noise, one place: equations would take the differences for motion.
+fn share_rests(logs: &mut [ProcessedLog], n: usize) {
+    for joint in 0..n {
+        let mut rests: Vec<(f64, &mut Samples)> = logs
+            .iter_mut()
+            .filter(|log| log.logs.iter().all(|log| log.recording.is_none()))
+            .flat_map(|log| [&mut log.samples].into_iter().chain(&mut log.parts).chain(&mut log.held_out))
+            .filter(|samples| standing_joints(samples).contains(&(joint + 1)))
+            .map(|samples| (samples.states.q[joint], samples))
+            .collect();
+        rests.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for same in rests.chunk_by_mut(|a, b| b.0 - a.0 < SAME_REST) {
+            let place = same.iter().map(|(place, _)| place).sum::<f64>() / same.len() as f64;
+            for (_, samples) in same {
+                samples.states.q.iter_mut().skip(joint).step_by(n).for_each(|q| *q = place);
+            }
+        }
+    }
 }
 
 /// A recording of armid's own says itself what counts.
@@ -124,6 +149,9 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
         stated => settings.effort.or(stated).unwrap_or_else(|| robot.robot.effort()),
     };
     log.effort_unit = Some(unit);
+    if unit == EffortInterface::Current {
+        log.exclude_coupled(&robot.robot);
+    }
     robot.check_constants(unit, &log.name, log.origin.with_constants().as_deref())?;
     let whole = log.between(from, until);
     if whole.is_empty() {

@@ -112,6 +112,17 @@ impl NoiseModel {
         self
     }
 
+    /// The same noise with white one of this variance in the place of joint `i`, which shares it with no other.
+    #[must_use]
+    pub fn with_white(mut self, i: usize, variance: f64) -> Self {
+        for (l, r) in self.lags.iter_mut().enumerate() {
+            r.row_mut(i).fill(0.0);
+            r.column_mut(i).fill(0.0);
+            r[(i, i)] = if l == 0 { variance } else { 0.0 };
+        }
+        self
+    }
+
     /// Number of joints n.
     #[must_use]
     pub fn dof(&self) -> usize {

@@ -1,11 +1,9 @@
 //! The sensitivity: what every effect of the real arm does to the estimates.
 
 use armid::experiment::Level;
-use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry};
+use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry, criterion_in_words};
 
-use super::criteria::criterion_in_words;
 use super::criteria_on_robots::effect_in_words;
-use super::selection::shown_estimator;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
 /// Biases below this many standard deviations are drawn as this many: they are invisible.
@@ -31,7 +29,7 @@ pub(super) fn section(input: &ReportInput, sensitivity: &EffectSensitivity) -> R
     for estimator in input.result.plan.identification.estimators.iter().rev() {
         section = section.figure(&glance(input, sensitivity, &of(estimator), estimator))?;
     }
-    let estimator = shown_estimator(input);
+    let estimator = input.result.shown_estimator();
     Ok(section
         .figure(&biases(input, &of(estimator), estimator))?
         .table(predictions(sensitivity))

@@ -1,8 +1,7 @@
 //! Trajectories against limits.
 
-use armid::study::{LimitExample, ReportInput};
+use armid::study::{LimitExample, ReportInput, capitalised, criterion_in_words};
 
-use super::criteria::{capitalised, criterion_in_words};
 use crate::{Cell, Column, DocumentError, Heading, Section, Table, TimeSeriesFigure, limits_figure};
 
 /// Designs that are drawn: of a grid the first few.

@@ -2,7 +2,6 @@
 
 use armid::study::{FamilyScore, ReportInput};
 
-use super::selection::shown_estimator;
 use crate::{
     Axis, Cell, Column, DocumentError, GroupStyle, Heading, ScatterFigure, ScatterGroup, ScatterPanel, ScatterPoint,
     Section, Table,
@@ -40,7 +39,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
     if sequences.is_empty() {
         return Ok(None);
     }
-    let estimator = shown_estimator(input);
+    let estimator = input.result.shown_estimator();
     let designs = &input.result.plan.designs;
     let score = |family: usize| {
         let scores = input.result.findings().families.iter();

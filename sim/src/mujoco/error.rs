@@ -3,7 +3,8 @@
 use armid::dynamics::TermError;
 use std::path::PathBuf;
 
-use super::places::{FILE, VERSION};
+use super::layout::{LAYOUTS, versions};
+use super::places::files;
 
 /// Why a robot cannot be simulated by MuJoCo.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
@@ -11,25 +12,32 @@ use super::places::{FILE, VERSION};
 pub enum MujocoError {
     /// The library is nowhere.
     #[error(
-        "found no {FILE} in {}, nor by the system's loader; run scripts/get-mujoco, which fetches MuJoCo {VERSION}",
-        searched.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", ")
+        "found no {} in {}, nor by the system's loader; run scripts/get-mujoco, which fetches MuJoCo {}",
+        files().join(" or "),
+        searched.iter().map(|path| path.display().to_string()).collect::<Vec<_>>().join(", "),
+        LAYOUTS[0].version
     )]
     NotFound { searched: Vec<PathBuf> },
     /// The file named by the environment does not exist or cannot be read.
     #[error(
-        "{}, named by ARMID_MUJOCO_LIB: {reason}, expected the library of MuJoCo {VERSION}; run scripts/get-mujoco \
+        "{}, named by ARMID_MUJOCO_LIB: {reason}, expected the library of MuJoCo {}; run scripts/get-mujoco \
          and unset the variable, or name another file",
-        path.display()
+        path.display(),
+        versions()
     )]
     Unreadable { path: PathBuf, reason: String },
     /// The file ends before the library does.
     #[error("{}: found {found} bytes, expected {expected}: the file is cut short; run scripts/get-mujoco", path.display())]
     Truncated { path: PathBuf, found: u64, expected: u64 },
     /// The file is something else than this library for this machine.
-    #[error("{}: {reason}, expected the library of MuJoCo {VERSION} for this machine; run scripts/get-mujoco", path.display())]
+    #[error(
+        "{}: {reason}, expected the library of MuJoCo {} for this machine; run scripts/get-mujoco",
+        path.display(),
+        versions()
+    )]
     Unloadable { path: PathBuf, reason: String },
     /// Another version.
-    #[error("{}: found MuJoCo {found}, expected {VERSION}; run scripts/get-mujoco", path.display())]
+    #[error("{}: found MuJoCo {found}, expected {}; run scripts/get-mujoco", path.display(), versions())]
     Version { path: PathBuf, found: String },
     /// The parameters are of another robot.
     #[error("the parameters are of {found} links, expected the robot's {expected}")]
