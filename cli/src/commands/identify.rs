@@ -175,6 +175,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         select: among,
         onset_speed: arguments.onset_speed.as_deref().map(|which| which == "found"),
         stribeck_speed: arguments.stribeck_speed,
+        ..IdentifySettings::default()
     };
     let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
     let files = model_files(arguments, &answer.log)?;

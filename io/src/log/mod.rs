@@ -11,6 +11,7 @@
 //! counted in its [`Origin`].
 
 mod arrangement;
+mod arrays;
 mod at_joints;
 mod bag;
 mod channels;
@@ -44,6 +45,7 @@ mod states;
 mod topics;
 mod unusable;
 
+pub use arrays::{ArrayTime, LogArrays};
 pub use channels::{ChannelFault, ChannelState};
 pub use csv::{parse as parse_csv, write as write_csv};
 pub use find::{FoundLogs, find, is_joint_states, is_table};
