@@ -3,6 +3,7 @@
 from __future__ import annotations
 
 import os
+import sys
 import warnings
 
 _PACKAGE = os.path.dirname(__file__)
@@ -44,14 +45,12 @@ class ArmidWarning(UserWarning):
 
 def warn(sentence: str) -> None:
     """Warn at the line of the caller outside this package."""
-    import sys
-
     level = 2
     frame = sys._getframe(1)
     while frame.f_back is not None and os.path.dirname(frame.f_code.co_filename) == _PACKAGE:
         frame = frame.f_back
         level += 1
-    warnings.warn(sentence, ArmidWarning, stacklevel=level - 1)
+    warnings.warn(sentence, ArmidWarning, stacklevel=level)
 
 
 for _class in (ArmidError, NotFoundError, ArmidWarning):

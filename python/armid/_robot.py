@@ -7,7 +7,7 @@ import os
 import tempfile
 from collections.abc import Callable, Mapping, Sequence
 from dataclasses import dataclass
-from typing import Any, Union, overload
+from typing import TYPE_CHECKING, Any, TypedDict, Union, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -20,11 +20,36 @@ from ._estimate import Estimate, Payload
 from ._log import Log, Path
 from ._study import Progress
 
+if TYPE_CHECKING:
+    from typing_extensions import Unpack
+
 ALL = "rigid+rotor+friction"
 
 Own = Callable[[Floats, Floats], Any]
 Logs = Union[Log, Path, Sequence[Union[Log, Path]]]
 Parameters = Union[ArrayLike, Mapping[str, float], None]
+
+
+class Settings(TypedDict, total=False):
+    """The keywords of `Robot.identify`, for checkers of types."""
+
+    columns: str
+    select: bool | str
+    period: float | str | None
+    start: float | None
+    until: float | None
+    held_out: float | str | Logs | None
+    measured_velocity: bool
+    effort: str | None
+    derivatives: str | None
+    cutoff_hz: float | None
+    reversal_fraction: float | None
+    samples: int | None
+    bandwidth_hz: float | None
+    onset_speed: str | None
+    stribeck_speed: bool
+    initial: Mapping[str, float] | None
+    progress: Progress | None
 
 
 @dataclass(frozen=True)
@@ -290,11 +315,13 @@ class Robot:
         )
 
     @overload
-    def identify(self, logs: Logs, estimator: str | Own = "wls", **settings: Any) -> Estimate: ...
+    def identify(  # type: ignore[overload-overlap]
+        self, logs: Logs, estimator: str | Own = "wls", **settings: Unpack[Settings]
+    ) -> Estimate: ...
 
     @overload
     def identify(
-        self, logs: Logs, estimator: Sequence[str | Own] | Mapping[str, str | Own], **settings: Any
+        self, logs: Logs, estimator: Sequence[str | Own] | Mapping[str, str | Own], **settings: Unpack[Settings]
     ) -> dict[str, Estimate]: ...
 
     def identify(
@@ -497,6 +524,7 @@ class Robot:
         Design
             The best inside all limits; where there is none, the nearest to them, and a warning.
         """
+        paths: list[str] = []
         asked = {
             "criterion": criterion,
             "payload": None if payload is None else (float(payload[0]), [float(x) for x in payload[1]]),
@@ -517,7 +545,7 @@ class Robot:
             "keep_above_m": keep_above,
             "max_acceleration": max_acceleration,
             "weighted": weighted,
-            "prior": [],
+            "prior": paths,
             "effects": json.dumps(dict(effects or {})),
             "predict": [os.fspath(one) for one in predict],
             "periods": periods,
@@ -528,7 +556,7 @@ class Robot:
                 path = os.path.join(folder, f"{number}.json") if isinstance(one, Estimate) else os.fspath(one)
                 if isinstance(one, Estimate):
                     one.write(path)
-                asked["prior"].append(path)  # type: ignore[attr-defined]
+                paths.append(path)
             toml, data = _armid.design(self._robot, asked, progress)
         found = Design(toml, data, self)
         if not found.is_feasible:

@@ -89,13 +89,16 @@ pub(crate) fn gram(
     check_lengths(&[("q", q), ("tau", tau)])?;
     let (n, p) = (regressor.rows(), regressor.cols());
     let tau = finite(tau, "tau", n)?;
-    let weights = weights.as_ref().map_or_else(|| Ok(vec![1.0; n]), |given| {
-        let weights = numbers(given, "weights", n)?;
-        match weights.iter().find(|weight| **weight < 0.0) {
-            Some(weight) => Err(unexpected(format!("a weight is {weight}, expected numbers not below zero"))),
-            None => Ok(weights.to_vec()),
-        }
-    })?;
+    let weights = weights.as_ref().map_or_else(
+        || Ok(vec![1.0; n]),
+        |given| {
+            let weights = numbers(given, "weights", n)?;
+            match weights.iter().find(|weight| **weight < 0.0) {
+                Some(weight) => Err(unexpected(format!("a weight is {weight}, expected numbers not below zero"))),
+                None => Ok(weights.to_vec()),
+            }
+        },
+    )?;
     let information = output(&mut information, &[p, p])?;
     let moment = output(&mut moment, &[p])?;
     py.detach(|| {

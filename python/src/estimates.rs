@@ -45,7 +45,11 @@ pub(crate) fn predict(
 pub(crate) fn payload(py: Python<'_>, robot: &Robot, without: (&str, &str), with: (&str, &str)) -> PyResult<String> {
     let side = |(name, text): (&str, &str)| -> Result<PayloadSide, Error> {
         let text = Text::new(name, text);
-        Ok(PayloadSide { estimate: estimate::parse(&text)?, name: text.name.clone(), inputs: Inputs::of_estimate(&text)? })
+        Ok(PayloadSide {
+            estimate: estimate::parse(&text)?,
+            name: text.name.clone(),
+            inputs: Inputs::of_estimate(&text)?,
+        })
     };
     let answer = py.detach(|| {
         let answer = payload_of(&robot.loaded, side(without)?, side(with)?)?;

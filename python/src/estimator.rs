@@ -41,12 +41,13 @@ impl PythonEstimator {
         let answer = self.0.function.bind(py).call1((w, y))?;
         let numpy = py.import("numpy")?;
         let numbers = |value: Bound<'_, PyAny>| numpy.call_method1("asarray", (value, "float64"));
-        match answer.cast::<PyTuple>() {
-            Ok(pair) if pair.len() == 2 => {
-                Ok((numbers(pair.get_item(0)?)?.extract()?, Some(numbers(pair.get_item(1)?)?.extract()?)))
-            }
-            _ => Ok((numbers(answer)?.extract()?, None)),
+        if let Ok(pair) = answer.cast::<PyTuple>()
+            && pair.len() == 2
+        {
+            let [beta, covariance] = [pair.get_item(0)?, pair.get_item(1)?];
+            return Ok((numbers(beta)?.extract()?, Some(numbers(covariance)?.extract()?)));
         }
+        Ok((numbers(answer)?.extract()?, None))
     }
 }
 
@@ -78,12 +79,11 @@ impl Estimator for PythonEstimator {
     }
 
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let (beta, covariance) =
-            Python::attach(|py| self.call(py, problem.observation)).map_err(|raised| {
-                let said = raised.to_string();
-                *self.0.raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(raised);
-                EstimationError::external(said)
-            })?;
+        let (beta, covariance) = Python::attach(|py| self.call(py, problem.observation)).map_err(|raised| {
+            let said = raised.to_string();
+            *self.0.raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(raised);
+            EstimationError::external(said)
+        })?;
         let ordinary = EstimatorKind::Ols.estimator().estimate(problem)?;
         let covariance = match covariance {
             Some(rows) => {

@@ -18,7 +18,7 @@ use crate::robot::Robot;
 use crate::watch::{Leaves, watched};
 
 /// How logs become samples: a mapping with these keys.
-#[derive(Clone, Debug, FromPyObject)]
+#[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Reading {
     period_s: Option<f64>,
@@ -190,7 +190,8 @@ pub(crate) fn identify(
         Ok((serde_json::to_value(&answer).map_err(Error::of)?, unfinished))
     })?;
     // What a callable raised says more than where it was called.
-    let (answer, unfinished) = answer.map_err(|fault| own.iter().find_map(PythonEstimator::raised).unwrap_or_else(|| exception(fault)))?;
+    let (answer, unfinished) =
+        answer.map_err(|fault| own.iter().find_map(PythonEstimator::raised).unwrap_or_else(|| exception(fault)))?;
     let texts = match answer {
         Value::Array(several) => several.iter().map(pretty).collect(),
         one => vec![pretty(&one)],

@@ -65,9 +65,9 @@ impl Shared {
     fn tell(&self, py: Python<'_>, callback: Option<&Py<PyAny>>) -> PyResult<()> {
         let Some(callback) = callback else { return Ok(()) };
         let latest = std::mem::take(&mut *self.latest.lock().unwrap_or_else(PoisonError::into_inner));
-        latest.iter().try_for_each(|Progress { work, done, total }| {
-            callback.call1(py, (*done, *total, name(*work))).map(|_| ())
-        })
+        latest
+            .iter()
+            .try_for_each(|Progress { work, done, total }| callback.call1(py, (*done, *total, name(*work))).map(|_| ()))
     }
 }
 
