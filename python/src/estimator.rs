@@ -36,11 +36,11 @@ impl PythonEstimator {
     }
 
     /// β and, where it gives one, C.
-    fn call(&self, py: Python<'_>, observation: &Observation) -> PyResult<(Vec<f64>, Option<Vec<Vec<f64>>>)> {
+    fn call<'py>(&self, py: Python<'py>, observation: &Observation) -> PyResult<(Vec<f64>, Option<Vec<Vec<f64>>>)> {
         let (w, y) = equations(py, observation)?;
         let answer = self.0.function.bind(py).call1((w, y))?;
         let numpy = py.import("numpy")?;
-        let numbers = |value: Bound<'_, PyAny>| numpy.call_method1("asarray", (value, "float64"));
+        let numbers = |value: Bound<'py, PyAny>| numpy.call_method1("asarray", (value, "float64"));
         if let Ok(pair) = answer.cast::<PyTuple>()
             && pair.len() == 2
         {

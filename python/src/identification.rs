@@ -1,6 +1,6 @@
 //! From logs to estimates.
 
-use armid::estimation::{EstimatorKind, candidate_terms};
+use armid::estimation::{Estimator, EstimatorKind, candidate_terms};
 use armid::model::Columns;
 use armid::model::format::parse_parameter_map;
 use armid::signal::{Derivatives, Processing};
@@ -151,7 +151,7 @@ pub(crate) fn identify(
     for asked in wanted.estimators {
         match asked {
             Asked::Listed(name) => {
-                let names = || EstimatorKind::ALL.map(|kind| kind.name()).join(", ");
+                let names = || EstimatorKind::ALL.iter().map(Estimator::name).collect::<Vec<_>>().join(", ");
                 let kind = EstimatorKind::parse(&name);
                 estimators.push(kind.ok_or_else(|| {
                     unexpected(format!("estimator is \"{name}\", expected a callable, or one of {}", names()))

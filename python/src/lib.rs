@@ -23,7 +23,8 @@ use pyo3::prelude::*;
 #[pymodule]
 mod _armid {
     #[pymodule_export]
-    const __version__: &str = env!("CARGO_PKG_VERSION");
+    #[pyo3(name = "__version__")]
+    const VERSION: &str = env!("CARGO_PKG_VERSION");
     #[pymodule_export]
     use crate::designs::{design, sample};
     #[pymodule_export]
