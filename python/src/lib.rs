@@ -22,9 +22,13 @@ use pyo3::prelude::*;
 /// What the package calls.
 #[pymodule]
 mod _armid {
-    #[pymodule_export]
-    #[pyo3(name = "__version__")]
-    const VERSION: &str = env!("CARGO_PKG_VERSION");
+    use pyo3::prelude::*;
+
+    #[pymodule_init]
+    fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        module.add("__version__", env!("CARGO_PKG_VERSION"))
+    }
+
     #[pymodule_export]
     use crate::designs::{design, sample};
     #[pymodule_export]
