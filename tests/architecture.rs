@@ -93,7 +93,7 @@ fn assert_none(faults: &[String]) {
 
 #[test]
 fn modules_of_the_core_stand_in_the_order_of_the_method() {
-    let expected = "seed provenance plain input observer lanes linalg optimiser statistics spatial model chains trajectory dynamics regressor base codegen \
+    let expected = "seed provenance plain input observer remedy lanes linalg optimiser statistics spatial model chains trajectory dynamics regressor base codegen \
                     excitation experiment signal estimation diagnosis calibration study conformance";
     assert_eq!(module_order().join(" "), expected);
 }
@@ -213,6 +213,21 @@ fn the_core_touches_neither_files_nor_clock_nor_terminal() {
         let attributes = source(&root().join(folder).join("lib.rs")).attributes;
         let forbids = attributes.iter().any(|attribute| attribute == "forbid(unsafe_code)");
         assert!(forbids, "{folder}/lib.rs: forbid(unsafe_code)");
+    }
+    assert_none(&faults);
+}
+
+#[test]
+fn texts_below_the_command_name_neither_flags_nor_commands() {
+    // What helps is a `Remedy`, which the command words as flags, and a library by its own names.
+    let is_flag = |text: &str| text.split("--").skip(1).any(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()));
+    let mut faults = Vec::new();
+    for folder in CORE.into_iter().chain(ABOVE_THE_CORE).filter(|folder| *folder != "cli/src") {
+        for (path, source) in library_files(&root().join(folder)) {
+            for text in source.texts.iter().filter(|word| is_flag(&word.text) || word.text.contains("`armid")) {
+                faults.push(format!("{}:{}: {}", shown(&path), text.line, text.text));
+            }
+        }
     }
     assert_none(&faults);
 }
@@ -413,6 +428,8 @@ fn the_reader_of_sources_sees_what_it_should() {
         #[cfg(not(test))]
         fn kept() { super::super::above(); }
         mod inner { use super::near; }
+        #[error("an {attribute}")]
+        struct Said;
         fn waves(x: f64) { assert!(x.sin() < f64::cos(x), "{}", crate::base::of!(x)); x.tan(); }
         "##,
     )
@@ -430,6 +447,8 @@ fn the_reader_of_sources_sees_what_it_should() {
     let macros: Vec<String> = source.macros.into_iter().map(|word| word.text).collect();
     assert_eq!(macros, ["assert", "of"]);
     assert!(source.paths.iter().any(|path| path.segments == ["f64", "cos"]));
+    let texts: Vec<&str> = source.texts.iter().map(|word| word.text.as_str()).collect();
+    assert_eq!(texts, ["use crate::text; // \" }", "use crate::raw; \" ", "\"an {attribute}\"", "\"{}\""]);
 }
 
 #[test]

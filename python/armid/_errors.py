@@ -29,10 +29,7 @@ class ArmidError(ValueError):
         self.place = place
 
     def __str__(self) -> str:
-        # Some hints name options of the command, which Python does not have.
-        if self.hint is None or "--" in self.hint or "`armid " in self.hint:
-            return self.message
-        return f"{self.message}\n→ {self.hint}"
+        return self.message if self.hint is None else f"{self.message}\n→ {self.hint}"
 
 
 class NotFoundError(ArmidError, FileNotFoundError):

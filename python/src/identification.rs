@@ -94,9 +94,14 @@ pub(crate) fn processed(robot: &Robot, logs: &[Log], settings: &LogSettings) -> 
         rate_hz: logs.iter().find_map(|log| log.rate_hz),
         settings: settings.clone(),
     };
-    let mut processed = process_all(all().cloned().collect(), &robot.loaded, settings)?;
+    Ok((samples(robot, all().cloned().collect(), settings)?, inputs))
+}
+
+/// Logs of a robot as samples.
+pub(crate) fn samples(robot: &Robot, logs: Vec<armid_io::Log>, settings: &LogSettings) -> Result<ProcessedLog, Error> {
+    let mut processed = process_all(logs, &robot.loaded, settings)?;
     processed.closed_loops = Some(armid_sim::closed_loop);
-    Ok((processed, inputs))
+    Ok(processed)
 }
 
 /// An estimator: a name of the list, or a name and a callable.

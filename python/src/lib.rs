@@ -16,6 +16,7 @@ mod robot;
 mod simulation;
 mod studies;
 mod watch;
+mod words;
 
 use pyo3::prelude::*;
 
@@ -26,6 +27,7 @@ mod _armid {
 
     #[pymodule_init]
     fn init(module: &Bound<'_, PyModule>) -> PyResult<()> {
+        armid::remedy::speak(&crate::words::Keywords);
         module.add("__version__", env!("CARGO_PKG_VERSION"))
     }
 
@@ -34,7 +36,7 @@ mod _armid {
     #[pymodule_export]
     use crate::dynamics::{forward_dynamics, gram, inverse_dynamics, mass_matrix, regressor};
     #[pymodule_export]
-    use crate::estimates::{payload, predict, student};
+    use crate::estimates::{export, payload, predict, report, student, validate};
     #[pymodule_export]
     use crate::identification::identify;
     #[pymodule_export]

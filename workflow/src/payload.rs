@@ -3,6 +3,7 @@
 use armid::base::{Method, reduce};
 use armid::estimation::{Estimate, Payload, payload as payload_of};
 use armid::model::{Columns, Robot};
+use armid::remedy::{Remedy, Task};
 use armid::seed::Seed;
 use armid_io::estimate::check_robot;
 use armid_io::{Error, Inputs, LoadedRobot};
@@ -70,7 +71,9 @@ pub fn payload(loaded: &LoadedRobot, without: PayloadSide, with: PayloadSide) ->
     let base = reduce(&loaded.robot, columns, Method::Structural, Seed::new(0))
         .map_err(|error| Error::new(format!("robot \"{}\": {error}", loaded.robot.name())))?;
     let found = payload_of(&base, &without.estimate, &with.estimate).map_err(|error| {
-        let help = "both logs must move every joint; `armid design` makes a motion that does";
+        let help = Remedy::from("both logs must move every joint; ")
+            .perform(Task::Design, "")
+            .say(" makes a motion that does");
         Error::new(format!("{}, {}: {error}", without.name, with.name)).help(help)
     })?;
     Ok(PayloadAnswer { found, robot: loaded.robot.clone(), without, with })

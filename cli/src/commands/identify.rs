@@ -7,17 +7,15 @@ use armid::model::Columns;
 use armid_io::log::HeldOut;
 use armid_io::output::pretty;
 use armid_io::{Error, ProcessedLog, output};
-use armid_workflow::identification::{IdentifySettings, identify};
+use armid_workflow::export::{Exchange, LogOfEstimate, PredictionError, prediction_of};
+use armid_workflow::identification::{IdentifySettings, Verdict, identify};
 use miette::Result;
 use serde_json::json;
 
 use super::drive_gains;
 use super::payload::{self, PayloadLogs};
-use crate::answers::estimate::EstimateAnswer;
-use crate::answers::exchange::Exchange;
+use crate::answers::estimate::estimate_text;
 use crate::answers::friction_speed::speeds_text;
-use crate::answers::model_file::{LogOfEstimate, prediction_of};
-use crate::answers::model_prediction::PredictionError;
 use crate::answers::selection::selection_text;
 use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, estimator, read_parameter_map};
@@ -179,11 +177,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     };
     let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
     let files = model_files(arguments, &answer.log)?;
-    let said: Vec<_> = answer.estimates.iter().map(|of| EstimateAnswer::new(&answer, of, &files)).collect();
+    let verdicts: Vec<_> = answer.estimates.iter().map(|of| Verdict::new(&answer, of, &files)).collect();
     let mut json = serde_json::to_value(&answer).map_err(Error::of)?;
-    match said.as_slice() {
-        [one] => json["verdict"] = one.verdict(),
-        several => several.iter().enumerate().for_each(|(k, one)| json[k]["verdict"] = one.verdict()),
+    match verdicts.as_slice() {
+        [one] => json["verdict"] = json!(one),
+        several => several.iter().enumerate().for_each(|(k, one)| json[k]["verdict"] = json!(one)),
     }
     if console.to_standard_output() {
         console.print(&pretty(&json))?;
@@ -193,7 +191,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         console.note(format!("wrote {}", path.display()));
     }
     let robot = &answer.log.robot.robot;
-    let mut text: String = said.iter().map(|said| said.text(console.verbose())).collect();
+    let said = answer.estimates.iter().zip(&verdicts);
+    let mut text: String =
+        said.map(|(of, verdict)| estimate_text(&answer.log, of, verdict, console.verbose())).collect();
     text += &answer.selection.as_ref().map(selection_text).unwrap_or_default();
     text += &answer.onset.as_ref().map(|onset| speeds_text(onset, robot, onset.predict_better())).unwrap_or_default();
     text += &answer.speeds.as_ref().map(|speeds| speeds_text(speeds, robot, true)).unwrap_or_default();

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::estimation::EstimatorKind;
 use armid::model::Columns;
+use armid::observer::Unobserved;
 use armid_io::log::HeldOut;
 use armid_io::output::{self, pretty};
 use armid_io::{Error, Inputs, LoadedRobot, Text, estimate};
@@ -72,7 +73,7 @@ fn of_logs(
     match other {
         Some(other) => prepared.take_shape(&other.estimate, &other.name)?,
         None if prepared.has_no_periods() => {
-            prepared.find_onset(columns)?;
+            prepared.find_onset(columns, &Unobserved)?;
         }
         None => {}
     }

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::model::Robot;
+use armid::remedy::{Remedy, Setting};
 
 use super::foreign_csv;
 use super::joint_log::Log;
@@ -66,8 +67,9 @@ pub fn find(
             let mut log = Log::read_as(path, &StateReading { mapping: parsed.as_ref(), robot })?;
             if let (Some(rate), None, false) = (rate_hz, &log.recording, is_table(path)) {
                 let message = format!("{} has the stamps of its messages, found a rate of {rate} Hz", log.name);
+                let help = Remedy::default().setting(Setting::Rate);
                 return Err(
-                    Error::mismatch(message).help("--rate is of tables without a column of times: leave it out")
+                    Error::mismatch(message).help(help.say(" is of tables without a column of times: leave it out"))
                 );
             }
             log.origin.mapping = mapping.filter(|_| log.recording.is_none()).map(str::to_owned);

@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use armid::model::Robot;
+use armid::remedy::{Remedy, Setting};
 
-use super::arrangement::HELP;
+use super::arrangement;
 use crate::error::Error;
 
 /// What the joints of a robot are called in a log: by their own names, or by those behind one prefix, `arm1/elbow` or
@@ -40,13 +41,14 @@ pub(super) fn names_in_log(
                 list(&mut prefixes.iter().copied())
             );
             let names = names.join("/");
-            let help = format!("those with {prefix} are chosen by --map \"q={names}, tau={names}\"");
+            let help = Remedy::from(format!("those with {prefix} are chosen by "))
+                .to(Setting::Map, format!("q={names}, tau={names}"));
             Err(Error::mismatch(message).help(help))
         }
         None => {
             let (found, wanted) = (list(&mut found.iter().copied()), wanted.join(", "));
             let message = format!("{name} holds the joints {found}, expected {wanted} of robot \"{}\"", robot.name());
-            Err(Error::mismatch(message).help(HELP))
+            Err(Error::mismatch(message).help(arrangement::help()))
         }
     }
 }
@@ -72,7 +74,7 @@ mod tests {
         assert_eq!((names[1].clone(), prefix.as_deref()), (format!("left/{}", joints[1]), Some("left/")));
         let fault = of(&["left_", "right_"]).unwrap_err();
         assert!(fault.message().contains("several prefixes, left_, right_"), "{fault}");
-        assert!(fault.hint().unwrap().contains(&format!("q=left_{}/left_{}", joints[0], joints[1])));
+        assert!(fault.remedy().unwrap().to_string().contains(&format!("q=left_{}/left_{}", joints[0], joints[1])));
         // No word of its own, so that it is part of another name.
         assert!(of(&["left"]).unwrap_err().message().contains("bag holds the joints finger, left"));
     }

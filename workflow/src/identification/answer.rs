@@ -3,6 +3,7 @@
 use armid::calibration::TransmissionStiffness;
 use armid::diagnosis::Suspicion;
 use armid::estimation::{Estimate, FrictionSpeeds, Selection, Termination, TorqueResidual};
+use armid::remedy::{Remedy, Setting};
 use armid_io::{Error, Inputs, ProcessedLog};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
@@ -57,12 +58,6 @@ impl Identified {
 }
 
 impl IdentifyAnswer {
-    /// Names of the robot's joints.
-    #[must_use]
-    pub fn joint_names(&self) -> Vec<String> {
-        self.log.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
-    }
-
     /// Did an observer end an estimator before it was at rest?
     #[must_use]
     pub fn was_interrupted(&self) -> bool {
@@ -99,7 +94,7 @@ impl IdentifyAnswer {
             json["gaps"] = gaps.json();
         }
         json["suspicions"] = self.suspicions.iter().map(|suspicion| suspicion_json(suspicion, &self.log)).collect();
-        json["joints"] = json!(self.joint_names());
+        json["joints"] = json!(self.log.joint_names());
         json["residual"] = json!(used);
         json["held_out"] = json!(held_out);
         json["logs"] = json!(self.log.reports);
@@ -139,14 +134,16 @@ fn suspicion_json(suspicion: &Suspicion, log: &ProcessedLog) -> Value {
 
 /// What to try about a suspicion: where all logs were read alike, with the mapping that does it.
 #[must_use]
-pub fn advice(suspicion: &Suspicion, log: &ProcessedLog) -> String {
+pub fn advice(suspicion: &Suspicion, log: &ProcessedLog) -> Remedy {
     let correction = suspicion.mistake.correction();
     let robot = &log.robot.robot;
     let mut mappings = log.reports.iter().map(|report| report.origin.corrected(&suspicion.mistake, robot));
     match mappings.next() {
         Some(first) if !first.is_empty() && mappings.all(|other| other == first) => {
-            let typed: Vec<String> = first.iter().map(|mapping| format!("--map \"{mapping}\"")).collect();
-            format!("{correction}, so: {}", typed.join(" or: "))
+            let typed = first.into_iter().enumerate();
+            typed.fold(correction, |so_far, (k, mapping)| {
+                so_far.say(if k == 0 { ", so: " } else { " or: " }).to(Setting::Map, mapping)
+            })
         }
         Some(_) | None => correction,
     }

@@ -6,6 +6,7 @@ use armid::estimation::{Estimator, EstimatorKind, FrictionSpeeds, candidate_term
 use armid::model::Columns;
 use armid::observer::Observer;
 use armid_io::{Error, Inputs, ProcessedLog};
+use armid_sim::closed_loop;
 
 use super::answer::{Identified, IdentifyAnswer};
 
@@ -45,7 +46,8 @@ impl Default for IdentifySettings {
 ///
 /// # Errors
 /// [`Error`] where the motion does not show the parameters, the equations have no answer, or the speeds at which friction falls
-/// are asked for and no column is one of Stribeck friction.
+/// are asked for and no column is one of Stribeck friction; of [`armid_io::ErrorKind::Interrupted`] where the observer ended the
+/// work before the estimators. What it ends within them is a last iterate.
 pub fn identify(
     mut log: ProcessedLog,
     inputs: Option<Inputs>,
@@ -54,9 +56,10 @@ pub fn identify(
 ) -> Result<IdentifyAnswer, Error> {
     let (mut columns, among) = (settings.columns, settings.select);
     let stated = log.robot.robot.clone();
+    log.closed_loops.get_or_insert(closed_loop);
     let seeks = settings.onset_speed.unwrap_or_else(|| among.is_some() || log.has_no_periods());
-    let mut onset = if seeks { log.find_onset(among.map_or(columns, basic))? } else { None };
-    let mut selection = among.map(|among| log.select(among)).transpose()?;
+    let mut onset = if seeks { log.find_onset(among.map_or(columns, basic), observer)? } else { None };
+    let mut selection = among.map(|among| log.select_watched(among, observer)).transpose()?;
     if let Some(selection) = &mut selection {
         selection.terms.splice(0..0, onset.as_ref().map(FrictionSpeeds::evidence));
         let named = Columns::parse_among(&selection.columns, &candidate_terms());
@@ -66,10 +69,10 @@ pub fn identify(
         // With the terms that were selected, the onset is another one.
         if onset.as_ref().is_some_and(FrictionSpeeds::predict_better) {
             log.robot.robot = stated;
-            onset = log.find_onset(columns)?;
+            onset = log.find_onset(columns, observer)?;
         }
     }
-    let speeds = match settings.stribeck_speed.then(|| log.find_stribeck_speeds(columns)).transpose()? {
+    let speeds = match settings.stribeck_speed.then(|| log.find_stribeck_speeds(columns, observer)).transpose()? {
         Some(None) => {
             let message = format!("the columns are {columns}, expected ones of Stribeck friction to find its speeds");
             return Err(Error::new(message).help("such columns are rigid+rotor+friction+stribeck"));
