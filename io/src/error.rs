@@ -158,6 +158,16 @@ impl Error {
         self
     }
 
+    /// The same error with more that helps, behind what helps already.
+    #[must_use]
+    pub(crate) fn more_help(mut self, help: Option<String>) -> Self {
+        self.help = match (self.help, help) {
+            (Some(first), Some(more)) => Some(format!("{first}\n{more}")),
+            (first, more) => first.or(more),
+        };
+        self
+    }
+
     /// The same error about a robot that the file of an estimate names: where nothing has that name, `help` says what to do.
     #[must_use]
     pub fn of_an_estimate(mut self, estimate: &str, help: &str) -> Self {

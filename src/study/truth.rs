@@ -41,7 +41,6 @@ impl Truth {
     }
 
     /// The vector φ of these columns, length p.
-    #[must_use]
     pub fn vector(&self, robot: &Robot, columns: Columns) -> DVector<f64> {
         self.parameters.vector(robot, columns)
     }

@@ -7,7 +7,7 @@
 //! | design a trajectory | [`design::design`] |
 //! | identify a log | [`identification::identify`] |
 //! | find what the last link carries, or torque constants by a known load | [`payload()`], [`drive_gains()`] |
-//! | perform a study | [`study::perform`], [`study::merge`], [`study::forecast`] |
+//! | perform a study | [`study::perform`], [`study::merge`] |
 //!
 //! From a robot to its parameters, on a simulated arm:
 //!

@@ -6,7 +6,7 @@ use armid::estimation::DriveGain;
 use armid_workflow::DriveGainsAnswer;
 
 use super::findings::paragraph;
-use crate::terminal::{Align, Table, number};
+use crate::terminal::{Table, number};
 
 /// Parameters that are listed for each joint.
 const LISTED: usize = 6;
@@ -57,17 +57,9 @@ impl DriveGainsText<'_> {
     }
 
     fn constants_table(&self) -> String {
-        let mut table = Table::new(&[
-            ("joint", Align::Left),
-            ("by", Align::Left),
-            ("torque constant", Align::Right),
-            ("95 % interval", Align::Right),
-            ("", Align::Right),
-            ("stated", Align::Right),
-            ("over stated", Align::Right),
-            ("95 % interval", Align::Right),
-            ("", Align::Right),
-        ]);
+        let mut table = Table::of(
+            "joint | by | #torque constant | #95 % interval | # | #stated | #over stated | #95 % interval | #",
+        );
         for joint in 0..self.0.robot.dof() {
             for (k, found) in self.0.found.iter().enumerate() {
                 let gain = &found.gains[joint];
@@ -118,7 +110,7 @@ impl DriveGainsText<'_> {
 
     /// The parameters that each joint's constant moves most, in standard deviations, of those that differ from zero.
     fn moves_table(&self) -> String {
-        let mut table = Table::new(&[("joint", Align::Left), ("parameters", Align::Left)]);
+        let mut table = Table::of("joint | parameters");
         for joint in 0..self.0.robot.dof() {
             let moved = self.0.stated.base.iter().zip(self.0.moved.iter().map(|row| row[joint]));
             let mut moved: Vec<_> = moved

@@ -37,6 +37,7 @@ Examples:
   armid identify R.mcap --estimator ols,wls --json
   armid identify log.csv --robot crs-a460 --period 10 --from 3 -o E.json
   armid identify log.csv --robot arm.urdf --map "t=time_ms, q=pos_[1-6] deg, tau=torque_[1-6]"
+  armid identify log.npz --robot arm.urdf --map "t=time, q=pos deg, tau=torque_[0-2]/-/torque_[4-5]"
   armid identify pos.csv cur.csv --robot arm.toml --rate 1000 --map "q=pos:j[1-6], current=cur:j[1-6]"
   armid identify bag --robot arm.urdf --map "topic=/arm/joint_states, q=joint[1-6], tau=joint[1-6] motor"
   armid identify a.csv b.csv --robot crs-a460 --held-out c.csv -o E.json
@@ -67,7 +68,7 @@ fn candidates(text: &str) -> Result<Columns, Error> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP, group = clap::ArgGroup::new("of_two").args(["payload", "drive_gains"]))]
 pub(crate) struct Arguments {
-    /// The logs: MCAP, tables, or TOML files with a [log] table
+    /// The logs: MCAP, bags, tables (text, gzip, NumPy, Parquet), LeRobot folders, or TOML files with a [log] table
     #[arg(required_unless_present_any = ["list", "payload", "drive_gains"], conflicts_with = "of_two", value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// Identify what the last link carries, from logs without it and with it

@@ -2,7 +2,7 @@
 
 use armid::diagnosis::standing_joints;
 use armid::input::size::PERIOD_SAMPLES;
-use armid::model::Robot;
+use armid::model::{EffortInterface, Robot};
 use armid::signal::{
     AperiodicRecord, PeriodicRecord, Processing, Samples, SignalError, process, process_aperiodic, process_periods,
     recurrence,
@@ -25,6 +25,9 @@ const LARGEST_SHIFT: f64 = 0.5;
 /// Equations in a cycle of a cut-off that is stated, and of one that is found. Means over half a cycle take most noise of the acceleration
 /// out of the equations.
 const EQUATIONS_PER_CYCLE: [f64; 2] = [4.0, 2.0];
+
+/// Places of a resting joint that are this near are one, rad or m.
+const SAME_REST: f64 = 2e-3;
 
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
@@ -97,14 +100,38 @@ pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) 
         let processed = logs.into_iter().map(|log| log.processed(robot.clone(), settings, common_hz));
         processed.collect::<Result<Vec<_>, Error>>()
     };
-    if alike.len() == 1 || settings.processing.cutoff_hz.is_some() {
-        return ProcessedLog::joined(process(alike, None)?);
+    let may_differ = alike.len() > 1 && settings.processing.cutoff_hz.is_none();
+    let mut processed = process(alike.clone(), None)?;
+    if may_differ {
+        let without_periods = processed.iter().filter(|log| log.has_no_periods());
+        let found: Vec<f64> = without_periods.map(|log| log.samples.position_band_hz[0]).collect();
+        let highest = found.iter().copied().fold(0.0, f64::max);
+        if found.iter().any(|hz| *hz < highest) {
+            processed = process(alike, Some(highest))?;
+        }
     }
-    let apart = process(alike.clone(), None)?;
-    let found: Vec<f64> =
-        apart.iter().filter(|log| log.has_no_periods()).map(|log| log.samples.position_band_hz[0]).collect();
-    let highest = found.iter().copied().fold(0.0, f64::max);
-    ProcessedLog::joined(if found.iter().any(|hz| *hz < highest) { process(alike, Some(highest))? } else { apart })
+    share_rests(&mut processed, robot.robot.dof());
+    ProcessedLog::joined(processed)
+}
+
+/// Gives a joint that rests in several logs at the same place, but for its noise, one place: equations would take the differences for motion.
+fn share_rests(logs: &mut [ProcessedLog], n: usize) {
+    for joint in 0..n {
+        let mut rests: Vec<(f64, &mut Samples)> = logs
+            .iter_mut()
+            .filter(|log| log.logs.iter().all(|log| log.recording.is_none()))
+            .flat_map(|log| [&mut log.samples].into_iter().chain(&mut log.parts).chain(&mut log.held_out))
+            .filter(|samples| standing_joints(samples).contains(&(joint + 1)))
+            .map(|samples| (samples.states.q[joint], samples))
+            .collect();
+        rests.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for same in rests.chunk_by_mut(|a, b| b.0 - a.0 < SAME_REST) {
+            let place = same.iter().map(|(place, _)| place).sum::<f64>() / same.len() as f64;
+            for (_, samples) in same {
+                samples.states.q.iter_mut().skip(joint).step_by(n).for_each(|q| *q = place);
+            }
+        }
+    }
 }
 
 /// A recording of armid's own says itself what counts.
@@ -157,6 +184,9 @@ fn foreign(
         stated => settings.effort.or(stated).unwrap_or_else(|| robot.robot.effort()),
     };
     log.effort_unit = Some(unit);
+    if unit == EffortInterface::Current {
+        log.exclude_coupled(&robot.robot);
+    }
     robot.check_constants(unit, &log.name, log.origin.with_constants().as_deref())?;
     let whole = log.between(from, until);
     if whole.is_empty() {

@@ -13,8 +13,7 @@
 //! Reference: D. N. Politis, "Adaptive bandwidth choice", J. Nonparametric Statistics 15(4-5), 2003.
 
 use nalgebra::DMatrix;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::covariance_operator::CovarianceOperator;
 
@@ -39,19 +38,7 @@ pub struct NoiseModel {
     degrees_of_freedom: f64,
 }
 
-impl Serialize for NoiseModel {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what does not fit together.
-impl<'de> Deserialize<'de> for NoiseModel {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+crate::plain::checked_when_read!(NoiseModel, |value| value.check().map(|()| value));
 
 impl NoiseModel {
     /// One weight for each lag, and square covariances of one size.
@@ -121,6 +108,17 @@ impl NoiseModel {
     pub fn scaled(mut self, factor: f64) -> Self {
         for r in &mut self.lags {
             *r *= factor;
+        }
+        self
+    }
+
+    /// The same noise with white one of this variance in the place of joint `i`, which shares it with no other.
+    #[must_use]
+    pub fn with_white(mut self, i: usize, variance: f64) -> Self {
+        for (l, r) in self.lags.iter_mut().enumerate() {
+            r.row_mut(i).fill(0.0);
+            r.column_mut(i).fill(0.0);
+            r[(i, i)] = if l == 0 { variance } else { 0.0 };
         }
         self
     }

@@ -1,8 +1,7 @@
 //! The input of estimation: states, torque, and the noise of both.
 
 use nalgebra::DMatrix;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::{Butterworth, Derivatives, FourierTransform, HarmonicSeries, NoiseModel, Processing, SignalError};
 use crate::dynamics::States;
@@ -70,19 +69,7 @@ fn usual_order() -> usize {
     Processing::default().filter_order
 }
 
-impl Serialize for Samples {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what does not fit together.
-impl<'de> Deserialize<'de> for Samples {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+crate::plain::checked_when_read!(Samples, |value| value.check().map(|()| value));
 
 impl Samples {
     /// Tables that have the size that they say.
