@@ -100,14 +100,14 @@ pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) 
         let processed = logs.into_iter().map(|log| log.processed(robot.clone(), settings, common_hz));
         processed.collect::<Result<Vec<_>, Error>>()
     };
-    let may_differ = alike.len() > 1 && settings.processing.cutoff_hz.is_none();
-    let mut processed = process(alike.clone(), None)?;
-    if may_differ {
+    let again = (alike.len() > 1 && settings.processing.cutoff_hz.is_none()).then(|| alike.clone());
+    let mut processed = process(alike, None)?;
+    if let Some(logs) = again {
         let without_periods = processed.iter().filter(|log| log.has_no_periods());
         let found: Vec<f64> = without_periods.map(|log| log.samples.position_band_hz[0]).collect();
         let highest = found.iter().copied().fold(0.0, f64::max);
         if found.iter().any(|hz| *hz < highest) {
-            processed = process(alike, Some(highest))?;
+            processed = process(logs, Some(highest))?;
         }
     }
     share_rests(&mut processed, robot.robot.dof());
