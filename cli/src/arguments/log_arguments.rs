@@ -140,13 +140,8 @@ impl LogArguments {
     }
 
     /// The logs that an estimate was made from, read and processed again, with what it held out; and what it was made from. `moved` is
-    /// where the logs are now, if anything; `change` is what differs from the settings of the estimate.
-    pub(crate) fn again(
-        &self,
-        estimate: &Text,
-        moved: &[PathBuf],
-        change: impl Fn(&mut LogSettings),
-    ) -> Result<(ProcessedLog, Inputs), Error> {
+    /// where the logs are now, if anything.
+    pub(crate) fn again(&self, estimate: &Text, moved: &[PathBuf]) -> Result<(ProcessedLog, Inputs), Error> {
         let Some(inputs) = Inputs::of_estimate(estimate)? else {
             let message = format!("{} does not state which logs it was made from", estimate.name);
             return Err(Error::new(message).help("identify again, with -o"));
@@ -154,9 +149,8 @@ impl LogArguments {
         let base_link = self.chain.base_link.clone().or_else(|| inputs.robot.base_link.clone());
         let tip_link = self.chain.tip_link.clone().or_else(|| inputs.robot.tip_link.clone());
         let arguments = Self::of_robot(self.robot.clone(), ChainArguments { base_link, tip_link });
-        let mut settings = inputs.settings.clone();
-        change(&mut settings);
-        let read = |logs: &[PathBuf]| arguments.process(logs, Some(&inputs), settings.held_out, Some(&settings));
+        let settings = &inputs.settings;
+        let read = |logs: &[PathBuf]| arguments.process(logs, Some(&inputs), settings.held_out, Some(settings));
         let logs = if moved.is_empty() { inputs.logs.iter().map(PathBuf::from).collect() } else { moved.to_vec() };
         let (mut prepared, now) = read(&logs)?;
         inputs.check_files(&now.files, &estimate.name)?;

@@ -3,6 +3,7 @@
 use armid::diagnosis::standing_joints;
 use armid::input::size::PERIOD_SAMPLES;
 use armid::model::{EffortInterface, Robot};
+use armid::remedy::{Remedy, Setting};
 use armid::signal::{
     AperiodicRecord, PeriodicRecord, Processing, Samples, SignalError, process, process_aperiodic, process_periods,
     recurrence,
@@ -17,17 +18,24 @@ use crate::error::Error;
 use crate::robot::LoadedRobot;
 
 /// What there is to do about a period that does not fit.
-const NO_PERIOD: &str = "with --period none the log is taken as a motion without periods";
+fn no_period() -> Remedy {
+    Remedy::from("with ").to(Setting::Period, "none").say(" the log is taken as a motion without periods")
+}
+
+/// Words, and the settings that cut a log.
+pub(super) fn by_cuts(words: &str) -> Remedy {
+    Remedy::from(words).setting(Setting::From).say(" and ").setting(Setting::Until)
+}
 
 /// Samples by which the last of the periods that are found in an even log may be off a whole number.
 const LARGEST_SHIFT: f64 = 0.5;
 
+/// Places of a resting joint that are this near are one, rad or m.
+const SAME_REST: f64 = 2e-3;
+
 /// Equations in a cycle of a cut-off that is stated, and of one that is found. Means over half a cycle take most noise of the acceleration
 /// out of the equations.
 const EQUATIONS_PER_CYCLE: [f64; 2] = [4.0, 2.0];
-
-/// Places of a resting joint that are this near are one, rad or m.
-const SAME_REST: f64 = 2e-3;
 
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
@@ -100,18 +108,18 @@ pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) 
         let processed = logs.into_iter().map(|log| log.processed(robot.clone(), settings, common_hz));
         processed.collect::<Result<Vec<_>, Error>>()
     };
-    let again = (alike.len() > 1 && settings.processing.cutoff_hz.is_none()).then(|| alike.clone());
-    let mut processed = process(alike, None)?;
-    if let Some(logs) = again {
-        let without_periods = processed.iter().filter(|log| log.has_no_periods());
-        let found: Vec<f64> = without_periods.map(|log| log.samples.position_band_hz[0]).collect();
-        let highest = found.iter().copied().fold(0.0, f64::max);
-        if found.iter().any(|hz| *hz < highest) {
-            processed = process(logs, Some(highest))?;
-        }
+    let joined = |mut processed: Vec<ProcessedLog>| {
+        share_rests(&mut processed, robot.robot.dof());
+        ProcessedLog::joined(processed)
+    };
+    if alike.len() == 1 || settings.processing.cutoff_hz.is_some() {
+        return joined(process(alike, None)?);
     }
-    share_rests(&mut processed, robot.robot.dof());
-    ProcessedLog::joined(processed)
+    let apart = process(alike.clone(), None)?;
+    let found: Vec<f64> =
+        apart.iter().filter(|log| log.has_no_periods()).map(|log| log.samples.position_band_hz[0]).collect();
+    let highest = found.iter().copied().fold(0.0, f64::max);
+    joined(if found.iter().any(|hz| *hz < highest) { process(alike, Some(highest))? } else { apart })
 }
 
 /// Gives a joint that rests in several logs at the same place, but for its noise, one place: equations would take the differences for motion.
@@ -138,16 +146,15 @@ fn share_rests(logs: &mut [ProcessedLog], n: usize) {
 fn refuse_cuts(log: &Log, settings: &LogSettings) -> Result<(), Error> {
     if let Some(period) = settings.period_s {
         let message = format!("{} states its own period, found a period of {period} s", log.name);
-        return Err(Error::new(message).help("leave out --period"));
+        return Err(Error::new(message).help(Remedy::from("leave out ").setting(Setting::Period)));
     }
     if settings.from_s != 0.0 || settings.until_s.is_some() {
         let message = format!("{} states its recorded part, found times to begin or to end at", log.name);
-        return Err(Error::new(message).help("leave out --from and --until"));
+        return Err(Error::new(message).help(by_cuts("leave out ")));
     }
     if settings.measured_velocity {
-        return Err(
-            Error::new(format!("{} holds no measured velocities", log.name)).help("leave out --measured-velocity")
-        );
+        let help = Remedy::from("leave out ").setting(Setting::MeasuredVelocity);
+        return Err(Error::new(format!("{} holds no measured velocities", log.name)).help(help));
     }
     Ok(())
 }
@@ -174,8 +181,8 @@ fn foreign(
     }
     if settings.measured_velocity && log.qd.is_none() {
         let message = format!("{} holds no measured velocities, expected a column qd for each joint", log.name);
-        return Err(Error::new(message)
-            .help("--map \"…, qd=velocity_[1-6]\" says which they are, or leave out --measured-velocity"));
+        let help = Remedy::set(Setting::Map, "…, qd=velocity_[1-6]").say(" says which they are, or leave out ");
+        return Err(Error::new(message).help(help.setting(Setting::MeasuredVelocity)));
     }
     // A robot that says what its efforts are decides where the log does not.
     let unit = match log.effort_unit {
@@ -239,28 +246,30 @@ fn part_that_repeats(log: &mut Log, whole: Log, settings: &LogSettings) -> (Opti
 fn nothing_left(log: &Log, settings: &LogSettings) -> Error {
     let end =
         log.segments.last().map_or(0.0, |last| last.start_s + last.samples.saturating_sub(1) as f64 / log.rate_hz);
+    let asked = Remedy::set(Setting::From, settings.from_s.to_string());
     let asked = match settings.until_s {
-        Some(until) => format!("--from {} --until {until}", settings.from_s),
-        None => format!("--from {}", settings.from_s),
+        Some(until) => asked.say(" ").to(Setting::Until, until.to_string()),
+        None => asked,
     };
     let message = format!("{asked} leaves nothing of {}, which spans 0 to {end:.3} s", log.name);
     Error::new(message).help("both count in seconds from the first sample of the log, whatever its stamps are")
 }
 
 /// What there is to do about a cut-off frequency that the rate of a log does not allow.
-fn below_nyquist(error: &SignalError, log: &Log) -> Option<String> {
+fn below_nyquist(error: &SignalError, log: &Log) -> Option<Remedy> {
     let SignalError::Cutoff { nyquist, .. } = error else { return None };
-    let milliseconds =
-        if log.rate_hz < 5.0 { "; are the stamps milliseconds? then --map \"t=… ms, …\" says so" } else { "" };
     // Two digits, rounded down, so that it stays below.
     let wanted = 0.8 * nyquist;
     let digit = 10_f64.powi(wanted.log10().floor() as i32 - 1);
     let wanted = (wanted / digit).floor() * digit;
-    Some(format!(
-        "--cutoff-hz {} is one that a log of {} Hz allows{milliseconds}",
-        (wanted * 1e6).round() / 1e6,
-        (log.rate_hz * 1e3).round() / 1e3
-    ))
+    let (wanted, rate_hz) = ((wanted * 1e6).round() / 1e6, (log.rate_hz * 1e3).round() / 1e3);
+    let help = Remedy::set(Setting::CutoffHz, wanted.to_string());
+    let help = help.say(format!(" is one that a log of {rate_hz} Hz allows"));
+    Some(if log.rate_hz < 5.0 {
+        help.say("; are the stamps milliseconds? then ").to(Setting::Map, "t=… ms, …").say(" says so")
+    } else {
+        help
+    })
 }
 
 /// Cut-off and rate of the equations of a log without periods, Hz. A cut-off that is found in it, or in several, is remarked upon.
@@ -315,7 +324,9 @@ fn periodic(
 ) -> Result<(Samples, Option<Samples>), Error> {
     if settings.measured_velocity {
         let message = format!("{}: velocities of a motion with a period come from its positions", log.name);
-        return Err(Error::new(message).help("leave out --measured-velocity, or --period"));
+        return Err(Error::new(message).help(
+            Remedy::from("leave out ").setting(Setting::MeasuredVelocity).say(", or ").setting(Setting::Period),
+        ));
     }
     let even = log.origin.timing.as_ref().is_none_or(|timing| timing.even);
     let log = &if even {
@@ -331,7 +342,7 @@ fn periodic(
             "a period of {period} s is {whole:.3} samples at the {} Hz of {}, expected a whole number of at least 8",
             log.rate_hz, log.name
         );
-        return Err(Error::new(message).help(NO_PERIOD));
+        return Err(Error::new(message).help(no_period()));
     }
     let period_samples = period_samples as usize;
     let mut starts = Vec::new();
@@ -353,7 +364,7 @@ fn periodic(
             log.name,
             log.len() as f64 / log.rate_hz
         );
-        return Err(Error::new(message).help(NO_PERIOD));
+        return Err(Error::new(message).help(no_period()));
     }
     let aside = if settings.held_out.is_share() {
         (share * starts.len() as f64).round() as usize
