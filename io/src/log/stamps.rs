@@ -165,7 +165,6 @@ fn whole(rate: f64, tolerance: f64) -> f64 {
 
 impl Timing {
     /// Sentences about what was not as it should be; none where all was well.
-    #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut found = Vec::new();
         if !self.even {
