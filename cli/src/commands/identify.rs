@@ -172,6 +172,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         select: among,
         onset_speed: arguments.onset_speed.as_deref().map(|which| which == "found"),
         stribeck_speed: arguments.stribeck_speed,
+        ..IdentifySettings::default()
     };
     let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
     let json = serde_json::to_value(&answer).map_err(Error::of)?;

@@ -1,5 +1,7 @@
 //! From a processed log to estimates and everything that is said of them.
 
+use std::sync::Arc;
+
 use armid::estimation::{Estimate, Estimator, EstimatorKind, FrictionSpeeds, Termination, candidate_terms};
 use armid::model::Columns;
 use armid::observer::Observer;
@@ -19,6 +21,8 @@ pub struct IdentifySettings {
     pub columns: Columns,
     /// The estimators, which share base, nominal set and closed loop.
     pub estimators: Vec<EstimatorKind>,
+    /// Estimators from outside, whose estimates come after those of the list.
+    pub others: Vec<Arc<dyn Estimator>>,
     /// Terms from which those that the data decide are selected; their columns take the place of [`Self::columns`].
     pub select: Option<Columns>,
     /// Finds the speeds in which Coulomb friction sets in, or takes those of the robot file. Where `None` they are found beside
@@ -33,6 +37,7 @@ impl Default for IdentifySettings {
         Self {
             columns: Columns::RIGID_ROTOR_FRICTION,
             estimators: vec![EstimatorKind::Wls],
+            others: Vec::new(),
             select: None,
             onset_speed: None,
             stribeck_speed: false,
@@ -79,7 +84,8 @@ pub fn identify(
         Some(speeds) => speeds,
         None => None,
     };
-    let estimators: Vec<&dyn Estimator> = settings.estimators.iter().map(|kind| kind.estimator()).collect();
+    let listed = settings.estimators.iter().map(|kind| kind.estimator());
+    let estimators: Vec<&dyn Estimator> = listed.chain(settings.others.iter().map(|own| &**own)).collect();
     let estimates = log.identify_watched(columns, &estimators, observer)?;
     // What was ended returns at once.
     let ended = estimates.iter().any(|one| matches!(one.termination, Termination::Interrupted { .. }));
