@@ -30,12 +30,12 @@ pub(super) fn by_cuts(words: &str) -> Remedy {
 /// Samples by which the last of the periods that are found in an even log may be off a whole number.
 const LARGEST_SHIFT: f64 = 0.5;
 
+/// Places of a resting joint that are this near are one, rad or m.
+const SAME_REST: f64 = 2e-3;
+
 /// Equations in a cycle of a cut-off that is stated, and of one that is found. Means over half a cycle take most noise of the acceleration
 /// out of the equations.
 const EQUATIONS_PER_CYCLE: [f64; 2] = [4.0, 2.0];
-
-/// Places of a resting joint that are this near are one, rad or m.
-const SAME_REST: f64 = 2e-3;
 
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
@@ -108,18 +108,18 @@ pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) 
         let processed = logs.into_iter().map(|log| log.processed(robot.clone(), settings, common_hz));
         processed.collect::<Result<Vec<_>, Error>>()
     };
-    let again = (alike.len() > 1 && settings.processing.cutoff_hz.is_none()).then(|| alike.clone());
-    let mut processed = process(alike, None)?;
-    if let Some(logs) = again {
-        let without_periods = processed.iter().filter(|log| log.has_no_periods());
-        let found: Vec<f64> = without_periods.map(|log| log.samples.position_band_hz[0]).collect();
-        let highest = found.iter().copied().fold(0.0, f64::max);
-        if found.iter().any(|hz| *hz < highest) {
-            processed = process(logs, Some(highest))?;
-        }
+    let joined = |mut processed: Vec<ProcessedLog>| {
+        share_rests(&mut processed, robot.robot.dof());
+        ProcessedLog::joined(processed)
+    };
+    if alike.len() == 1 || settings.processing.cutoff_hz.is_some() {
+        return joined(process(alike, None)?);
     }
-    share_rests(&mut processed, robot.robot.dof());
-    ProcessedLog::joined(processed)
+    let apart = process(alike.clone(), None)?;
+    let found: Vec<f64> =
+        apart.iter().filter(|log| log.has_no_periods()).map(|log| log.samples.position_band_hz[0]).collect();
+    let highest = found.iter().copied().fold(0.0, f64::max);
+    joined(if found.iter().any(|hz| *hz < highest) { process(alike, Some(highest))? } else { apart })
 }
 
 /// Gives a joint that rests in several logs at the same place, but for its noise, one place: equations would take the differences for motion.
