@@ -95,7 +95,7 @@ impl Exchange {
                 Self::Urdf | Self::Toml | Self::Json => edit_urdf(&source.text.content, &source.ends, parameters),
             };
             let EditedText { text, mut remarks } = edited.map_err(named)?;
-            let gravity = self.parse(&text, &source.ends).map(|model| model.robot.gravity());
+            let gravity = self.model(&text, &source.ends).map(|model| model.robot.gravity());
             if gravity.is_ok_and(|read| (read - robot.gravity()).amax() > ROUNDING) {
                 remarks.push(format!("gravity is that of {}: in the robot file it is another", source.text.name));
             }
@@ -116,7 +116,7 @@ impl Exchange {
         Ok((text, Vec::new()))
     }
 
-    fn parse(self, text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
+    fn model(self, text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
         if self == Self::Mjcf { parse_mjcf(text, ends) } else { parse_urdf(text, ends) }
     }
 
@@ -130,7 +130,7 @@ impl Exchange {
         let read = match self {
             Self::Urdf | Self::Mjcf => {
                 let ends = template.map_or_else(ChainEnds::default, |source| source.ends.clone());
-                self.parse(text, &ends).map(|ImportedModel { robot: read, parameters, .. }| match template {
+                self.model(text, &ends).map(|ImportedModel { robot: read, parameters, .. }| match template {
                     Some(_) => (read.clone().with_gravity(read.base().rotation * robot.gravity()), parameters),
                     None => (read, parameters),
                 })

@@ -3,7 +3,7 @@
 use armid::calibration::TransmissionStiffness;
 use armid::diagnosis::Suspicion;
 use armid::estimation::{Estimate, FrictionSpeeds, Selection, Termination, TorqueResidual};
-use armid_io::{Error, Inputs, ProcessedLog};
+use armid_io::{Inputs, ProcessedLog};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
