@@ -161,7 +161,8 @@ pub(crate) fn export(
     if let Some(language) = [Language::C, Language::Rust].into_iter().find(|language| language.name() == to) {
         let source = py.detach(|| export_source((&made.estimate, &made.name), &robot.loaded, language, path));
         let source = source.map_err(exception)?;
-        let fault = (!source.is_sound()).then(|| "the operations of the source code differ from the regressor".to_owned());
+        let fault =
+            (!source.is_sound()).then(|| "the operations of the source code differ from the regressor".to_owned());
         let answer = serde_json::to_string(&source).map_err(raised)?;
         return Ok((source.text, answer, fault));
     }

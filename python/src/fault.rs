@@ -11,7 +11,8 @@ pub(crate) fn exception(fault: Error) -> PyErr {
     };
     Python::attach(|py| {
         let made = py.import("armid._errors").and_then(|module| module.getattr(class));
-        let made = made.and_then(|class| class.call1((fault.to_string(), fault.remedy().map(ToString::to_string), fault.place())));
+        let made = made
+            .and_then(|class| class.call1((fault.to_string(), fault.remedy().map(ToString::to_string), fault.place())));
         made.map_or_else(|failed| failed, PyErr::from_value)
     })
 }
