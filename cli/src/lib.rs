@@ -7,7 +7,6 @@ use crate::terminal::{Console, Ending};
 mod answers;
 mod arguments;
 mod arms;
-mod cluster;
 mod commands;
 mod interrupt;
 mod monitor;

@@ -146,6 +146,37 @@ fn several_logs_make_one_fit_and_a_part_or_another_log_is_kept_aside() {
     // The filter sees two ends more: the farthest of 60 parameters moves by two standard deviations.
     assert!(distance(&whole, &both) < 3.0, "{}", distance(&whole, &both));
 
+    // The same in two files for each log: by the names that they share, and where they share none, by a table for each.
+    let side = |name: &str, rows: &[Row], headings: &str, of: fn(&Row) -> &Vec<f64>| {
+        write(folder.path(), name, &table(headings, ",", rows, |_, row| [vec![row.0], of(row).clone()].concat()))
+    };
+    let pair = |log: &str, rows: &[Row]| {
+        [
+            side(&format!("q_{log}.csv"), rows, "t,q1,q2,q3,q4,q5,q6", |row| &row.1),
+            side(&format!("i_{log}.csv"), rows, "t,i1,i2,i3,i4,i5,i6", |row| &row.2),
+        ]
+    };
+    let ([q_a, i_a], [q_b, i_b]) = (pair("a", &rows[..3000]), pair("b", &rows[3000..]));
+    let files = [q_a.as_str(), &i_a, &q_b, &i_b, "--held-out", "none", "--map"];
+    let starred = identify(&[&files[..], &["t=t, q=q_*:q[1-6], current=i_*:i[1-6]"][..]].concat());
+    assert_eq!((&starred["base"], starred["logs"].as_array().unwrap().len()), (&both["base"], 2));
+    let one = "t=t, q=q_a:q[1-6], current=i_a:i[1-6]";
+    let of_one = ["identify", "--robot", "staubli-tx40"].into_iter().chain(files).chain([one]);
+    let fault = stderr(&armid(of_one).code(2));
+    assert!(fault.contains("files = [\"q_b.csv\", \"i_b.csv\"]") && fault.contains("current=i_*:i[1-6]"), "{fault}");
+    let toml = "[log]\nfiles = [\"q_b.csv\", \"i_b.csv\"]\nt = \"t\"\nq = \"q_b:q[1-6]\"\ncurrent = \"i_b:i[1-6]\"\n";
+    let toml = write(folder.path(), "b.toml", toml);
+    let mixed = identify(&[&a, &toml, "--held-out", "none", "--map", "t=t, q=q[1-6], current=current[1-6]"]);
+    assert_eq!(mixed["base"], both["base"]);
+
+    // Motor 6 adds to the torque of joint 5: without its current neither is known.
+    let without = identify(&[&a, "--map", "t=t, q=q[1-6], current=current[1-5]/-"]);
+    let equations = without["logs"][0]["equations"].as_array().unwrap();
+    assert!(
+        equations[..4].iter().all(|count| count != 0) && equations[4..].iter().all(|count| count == 0),
+        "{equations:?}"
+    );
+
     let other = identify(&[&a, "--held-out", &b]);
     assert!(other["held_out"]["used_rows"]["total"].as_f64().unwrap() < 0.2);
     let cut = identify(&[&part("whole.csv", &rows), "--from", "1", "--until", "7", "--held-out", "50%"]);
@@ -294,8 +325,8 @@ fn slow_logs_and_parts_beyond_a_log_are_refused_with_what_helps() {
     let refused = |file: &str, more: &[&str]| {
         stderr(&armid(["identify", file, "--robot", "staubli-tx40"].iter().chain(more)).code(2))
     };
-    let fault = refused(&slow, &[]);
-    assert!(fault.contains("cut-off frequency is 10 Hz") && fault.contains("--cutoff-hz 8 "), "{fault}");
+    let fault = refused(&slow, &["--cutoff-hz", "12"]);
+    assert!(fault.contains("cut-off frequency is 12 Hz") && fault.contains("--cutoff-hz 8 "), "{fault}");
     assert!(identify(&[&slow, "--cutoff-hz", "8"])["base"].is_array());
 
     let whole = part("whole.csv", 1);

@@ -69,6 +69,11 @@ pub fn sqlite(bytes: &[u8]) {
     let _ = Log::read(&PATH);
 }
 
+/// Tables of other tools that are no text: arrays of NumPy, Parquet, gzip.
+pub fn table(bytes: &[u8]) {
+    let _ = Log::of_table(Path::new("fuzz"), bytes.to_vec());
+}
+
 /// TOML: robots, parameters, trajectories, studies, experiments.
 ///
 /// # Panics

@@ -169,6 +169,16 @@ impl Error {
         self
     }
 
+    /// The same error with more that helps, behind what helps already.
+    #[must_use]
+    pub(crate) fn more_help(mut self, help: Option<Remedy>) -> Self {
+        self.remedy = match (self.remedy, help) {
+            (Some(first), Some(more)) => Some(Remedy([first.say("\n").0, more.0].concat())),
+            (first, more) => first.or(more),
+        };
+        self
+    }
+
     /// The same error about a robot that the file of an estimate names: where nothing has that name, `help` says what to do.
     #[must_use]
     pub fn of_an_estimate(mut self, estimate: &str, help: impl Into<Remedy>) -> Self {
@@ -178,6 +188,12 @@ impl Error {
             self.remedy = Some(help.into());
         }
         self
+    }
+
+    /// What helps in words, where anything does.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        self.remedy.as_ref().map(ToString::to_string)
     }
 
     /// What helps, where anything does.

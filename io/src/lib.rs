@@ -3,7 +3,7 @@
 //! | from | to | by |
 //! |---|---|---|
 //! | a name or a file | [`LoadedRobot`]: robot, nominal parameters, text | [`robot::named`], [`robot::load`] |
-//! | MCAP or CSV | [`Log`] | [`Log::read`], [`log::parse_csv`], [`log::parse_mcap`] |
+//! | MCAP, bags, and tables as text, gzip, NumPy or Parquet | [`Log`] | [`Log::read`], [`log::parse_csv`], [`log::parse_mcap`] |
 //! | tables of any shape | [`Log`] | [`log::find`], [`log::parse_tables`] with a [`log::Mapping`] |
 //! | meshes of a URDF | shapes that a clearance is held against | [`LoadedRobot::hold_collision_shapes`], [`mesh::read`] |
 //! | a URDF | a `robot.toml`, a folder to begin with | [`robot::begin`], [`starter::Starter`] |

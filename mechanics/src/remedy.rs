@@ -6,24 +6,18 @@
 use std::fmt;
 use std::sync::OnceLock;
 
-macro_rules! named {
+macro_rules! names {
     ($(#[$about:meta])* $kind:ident { $($variant:ident = $name:literal,)* }) => {
         $(#[$about])*
         #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash)]
         #[non_exhaustive]
         pub enum $kind { $(#[doc = $name] $variant,)* }
 
-        impl $kind {
-            /// Its name.
-            #[must_use]
-            pub const fn name(self) -> &'static str {
-                match self { $(Self::$variant => $name,)* }
-            }
-        }
+        crate::named_variants! { $kind { $($variant: $name),* } }
     };
 }
 
-named! {
+names! {
     /// Something that a user sets; its documentation is its name.
     Setting {
         Map = "map",
@@ -54,7 +48,7 @@ named! {
     }
 }
 
-named! {
+names! {
     /// Something that a user does; its documentation is its name.
     Task {
         Robot = "robot",
@@ -191,7 +185,11 @@ struct InWords;
 
 impl Wording for InWords {
     fn setting(&self, setting: Setting, value: Option<&str>) -> String {
-        value.map_or_else(|| format!("`{}`", setting.name()), |value| format!("{} \"{value}\"", setting.name()))
+        match value {
+            None => format!("`{}`", setting.name()),
+            Some(value) if value.contains([' ', '=']) => format!("{} \"{value}\"", setting.name()),
+            Some(value) => format!("{} {value}", setting.name()),
+        }
     }
 
     fn task(&self, task: Task, to: &str, settings: &[(Setting, String)]) -> String {

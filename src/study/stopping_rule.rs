@@ -156,7 +156,6 @@ impl StoppingRule {
     }
 
     /// Is the interval of a look as narrow as is wanted?
-    #[must_use]
     pub fn is_met(&self, look: &Look) -> bool {
         look.share.is_some_and(|share| share < self.share)
     }

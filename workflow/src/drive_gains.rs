@@ -103,12 +103,10 @@ fn constants([without, with]: [&ProcessedLog; 2], [first, second]: [&Inputs; 2])
 }
 
 impl DriveGainsAnswer {
-    /// The result that has no bias by the noise of the currents, where it was found.
+    /// The result that has no bias by the noise of the currents, and so has intervals.
     #[must_use]
     pub fn taken(&self) -> &DriveGains {
-        let total = self.found.iter().find(|found| found.method == GainMethod::Total);
-        let total = total.filter(|found| found.termination.was_successful());
-        total.unwrap_or(&self.found[0])
+        self.found.iter().find(|found| found.method == GainMethod::Total).unwrap_or(&self.found[0])
     }
 
     /// Whether every gain was found.
@@ -128,7 +126,8 @@ impl DriveGainsAnswer {
     #[must_use]
     pub fn constant(&self, joint: usize, gain: &DriveGain) -> DriveGain {
         let stated = self.constants[joint];
-        DriveGain { value: stated * gain.value, std: stated * gain.std, ci95: gain.ci95.map(|end| stated * end) }
+        let ci95 = gain.ci95.map(|ends| ends.map(|end| stated * end));
+        DriveGain { value: stated * gain.value, std: gain.std.map(|std| stated * std), ci95 }
     }
 
     /// The lines that state the constants that were found; none where one was not.

@@ -21,19 +21,12 @@ pub enum Quantity {
     Acceleration,
 }
 
-impl Quantity {
-    /// All of them.
-    pub const ALL: [Self; 4] = [Self::Torque, Self::Regressor, Self::MassMatrix, Self::Acceleration];
-
-    /// Its name.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Torque => "torque",
-            Self::Regressor => "regressor",
-            Self::MassMatrix => "mass-matrix",
-            Self::Acceleration => "acceleration",
-        }
+armid::input::named! {
+    Quantity {
+        Torque: "torque",
+        Regressor: "regressor",
+        MassMatrix: "mass-matrix",
+        Acceleration: "acceleration",
     }
 }
 

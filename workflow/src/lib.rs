@@ -11,7 +11,7 @@
 //! | write a model or source code | [`export::export`], [`export::export_source`] |
 //! | draw a page | [`report`] |
 //! | find what the last link carries, or torque constants by a known load | [`payload()`], [`drive_gains()`] |
-//! | perform a study | [`study::perform`], [`study::merge`], [`study::forecast`] |
+//! | perform a study | [`study::perform`], [`study::merge`] |
 //!
 //! From a robot to its parameters, on a simulated arm:
 //!

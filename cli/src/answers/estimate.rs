@@ -4,7 +4,7 @@ use std::fmt::Write;
 
 use armid::estimation::TorqueResidual;
 use armid_io::ProcessedLog;
-use armid_workflow::identification::{Identified, Verdict};
+use armid_workflow::identification::Identified;
 use armid_workflow::numbers::{number, percent};
 
 use super::findings::{findings, paragraph};
@@ -79,8 +79,8 @@ pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
 }
 
 /// An estimate with everything that is said of it.
-pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verdict: &Verdict, verbose: bool) -> String {
-    let Identified { estimate, used, held_out, .. } = of;
+pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: bool) -> String {
+    let Identified { estimate, used, held_out, verdict, .. } = of;
     let time = |of: fn(&armid_io::log::LogReport) -> f64| prepared.reports.iter().map(of).sum::<f64>();
     let averaged = if prepared.samples.period_s.is_some() {
         let plural = if estimate.periods == 1 { "" } else { "s" };

@@ -43,7 +43,7 @@ pub(crate) struct LogArguments {
     chain: ChainArguments,
     /// What the columns of a table are: "t=time_ms ms, q=joint_[1-6] deg, current=i_[1-6] mA". Keys t, q, qd, tau, current;
     /// headings with [1-6] or [01-06] for the joints, or #2 for the second column, several with / between them (#1/#3/#2),
-    /// `file:heading` for files side by side; then unit, motor, gear=, sign=, offset_deg=, constant= (N·m/A), rated= (of %),
+    /// - for a torque that is left out, `file:heading` for files side by side, with * for what those of one log share; then unit, motor, gear=, sign=, offset_deg=, constant= (N·m/A), rated= (of %),
     /// values of each joint with / between them. Of joint states of ROS 2 the names of joints take the place of headings,
     /// without t, and topic=/arm/joint_states, alone or in front, says which are meant
     #[arg(long, value_name = "COLUMNS", help_heading = "Logs")]
@@ -69,7 +69,7 @@ pub(crate) struct LogArguments {
     /// Velocities and accelerations: through Fourier coefficients (the default), or filtered differences
     #[arg(long, value_parser = one_of(&Derivatives::ALL, Derivatives::name), help_heading = "Processing")]
     derivatives: Option<Derivatives>,
-    /// Cut-off of the low pass ahead of differences; 5 times the highest commanded frequency, at least 10
+    /// Highest frequency kept of the positions; found in the log by default
     #[arg(long, value_name = "HZ", help_heading = "Processing")]
     cutoff_hz: Option<f64>,
     /// Leave out equations of a joint slower than this share of its top speed, 0.02 by default; 0 keeps all
@@ -112,13 +112,16 @@ impl LogArguments {
         // What an estimate records of tables is of tables, and of joint states of joint states.
         let alike = remembered.filter(|inputs| {
             let were_states = !inputs.logs.is_empty() && inputs.logs.iter().all(|log| is_joint_states(Path::new(log)));
+            // What a table of TOML says is not overruled where no other log is beside it.
             let is_alike = if were_states { is_joint_states } else { is_table };
-            paths.iter().all(|path| is_alike(path))
+            let is_toml = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "toml");
+            paths.iter().all(|path| is_alike(path) || (!were_states && is_toml(path))) && !paths.iter().all(is_toml)
         });
         let mapping = self.map.clone().or_else(|| alike.and_then(|inputs| inputs.mapping.clone()));
         let rate_hz = self.rate.or_else(|| alike.and_then(|inputs| inputs.rate_hz));
         let arm = self.named_robot(paths, remembered)?;
-        let found = find(paths, mapping.as_deref(), rate_hz, arm.as_ref().map(|loaded| &loaded.robot))?;
+        let robot = arm.as_ref().map(|loaded| &loaded.robot);
+        let found = find(paths, mapping.as_deref(), rate_hz, robot, remembered.is_some())?;
         self.refuse_mapping_of_recordings(&found)?;
         let (robot, source) = self.robot(&found, remembered)?;
         let settings = match exactly {
@@ -127,7 +130,8 @@ impl LogArguments {
         };
         let names_itself = found.logs.iter().any(|log| log.recording.is_none());
         let files = found.logs.iter().flat_map(|log| log.origin.files.clone()).collect();
-        let mapping = found.logs.iter().find_map(|log| log.origin.mapping.clone());
+        let mapping =
+            mapping.filter(|_| names_itself).or_else(|| found.logs.iter().find_map(|log| log.origin.mapping.clone()));
         let mut prepared = process_all(found.logs, &robot, &settings)?;
         prepared.closed_loops = Some(armid_sim::closed_loop);
         let rate_hz = rate_hz.filter(|_| names_itself);
@@ -136,13 +140,8 @@ impl LogArguments {
     }
 
     /// The logs that an estimate was made from, read and processed again, with what it held out; and what it was made from. `moved` is
-    /// where the logs are now, if anything; `change` is what differs from the settings of the estimate.
-    pub(crate) fn again(
-        &self,
-        estimate: &Text,
-        moved: &[PathBuf],
-        change: impl Fn(&mut LogSettings),
-    ) -> Result<(ProcessedLog, Inputs), Error> {
+    /// where the logs are now, if anything.
+    pub(crate) fn again(&self, estimate: &Text, moved: &[PathBuf]) -> Result<(ProcessedLog, Inputs), Error> {
         let Some(inputs) = Inputs::of_estimate(estimate)? else {
             let message = format!("{} does not state which logs it was made from", estimate.name);
             return Err(Error::new(message).help("identify again, with -o"));
@@ -150,9 +149,8 @@ impl LogArguments {
         let base_link = self.chain.base_link.clone().or_else(|| inputs.robot.base_link.clone());
         let tip_link = self.chain.tip_link.clone().or_else(|| inputs.robot.tip_link.clone());
         let arguments = Self::of_robot(self.robot.clone(), ChainArguments { base_link, tip_link });
-        let mut settings = inputs.settings.clone();
-        change(&mut settings);
-        let read = |logs: &[PathBuf]| arguments.process(logs, Some(&inputs), settings.held_out, Some(&settings));
+        let settings = &inputs.settings;
+        let read = |logs: &[PathBuf]| arguments.process(logs, Some(&inputs), settings.held_out, Some(settings));
         let logs = if moved.is_empty() { inputs.logs.iter().map(PathBuf::from).collect() } else { moved.to_vec() };
         let (mut prepared, now) = read(&logs)?;
         inputs.check_files(&now.files, &estimate.name)?;
@@ -262,7 +260,7 @@ impl LogArguments {
         };
         if self.samples.is_some() && foreign && period_s.is_none() && !finds_period {
             let message = "--samples is of an averaged period, found a log without a period";
-            return Err(Error::new(message).help("--cutoff-hz sets how many equations a log without periods gives"));
+            return Err(Error::new(message).help("--cutoff-hz F gives a log without periods 4 F equations a second"));
         }
         Ok(LogSettings {
             period_s,

@@ -3,7 +3,7 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use armid::model::{Columns, StandardParameters};
+use armid::model::{Columns, Robot, StandardParameters};
 use armid_io::table::{Third, parse_states};
 use armid_io::{Error, LoadedRobot, Text};
 use armid_workflow::{DynamicsAnswer, Quantity, dynamics, regressor};
@@ -56,17 +56,21 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let states = parse_states(Text::read(&arguments.states)?, loaded.robot.dof(), third)?;
     let numbers = match arguments.quantity {
         Quantity::Regressor => regressor(&loaded.robot, arguments.columns, &states)?,
-        quantity => dynamics(&loaded.robot, &parameters(&loaded, arguments)?, quantity, &states)?,
+        quantity => {
+            let (parameters, robot) = parameters(&loaded, arguments)?;
+            dynamics(&robot, &parameters, quantity, &states)?
+        }
     };
     console.answer(&Answer { text: csv(&numbers), json: serde_json::to_value(&numbers).map_err(Error::of)? })?;
     Ok(Ending::Done)
 }
 
-fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<StandardParameters> {
+/// The parameters, and the robot with the laws of friction that they are of.
+fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<(StandardParameters, Robot)> {
     if let Some(path) = &arguments.parameters {
         return Ok(read_parameter_map(path, &loaded.robot)?);
     }
-    loaded.own.clone().ok_or_else(|| {
+    loaded.own.clone().map(|own| (own, loaded.robot.clone())).ok_or_else(|| {
         let message = format!(
             "--quantity {} of \"{}\" needs --parameters: its file has kinematics, limits and drives, and no inertia",
             arguments.quantity.name(),

@@ -121,12 +121,9 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         Target::Model(format) => {
             let into = arguments.into.as_deref().map(|path| template(path, format, &loaded)).transpose()?;
             let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
-            let (as_estimated, _) = again.again(&text, &arguments.log, |_| {})?;
-            let (all_rows, _) =
-                again.again(&text, &arguments.log, |settings| settings.processing.reversal_fraction = 0.0)?;
+            let (log, _) = again.again(&text, &arguments.log)?;
             let settings = ExportSettings { format, into, file };
-            let logs = [as_estimated, all_rows];
-            let answer = export((&estimate, &text.name), logs, &settings, &Watch::new(console))?;
+            let answer = export((&estimate, &text.name), log, &settings, &Watch::new(console))?;
             (answer.text.clone(), serde_json::to_value(&answer), model_file_text(&answer), answer.is_sound())
         }
         Target::Source(language) => {

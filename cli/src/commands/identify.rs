@@ -4,11 +4,9 @@ use std::path::PathBuf;
 
 use armid::estimation::{EstimatorKind, candidate_terms};
 use armid::model::Columns;
+use armid_io::Error;
 use armid_io::log::HeldOut;
-use armid_io::output::pretty;
-use armid_io::{Error, ProcessedLog, output};
-use armid_workflow::export::{Exchange, LogOfEstimate, PredictionError, prediction_of};
-use armid_workflow::identification::{IdentifySettings, Verdict, identify};
+use armid_workflow::identification::{IdentifySettings, identify};
 use miette::Result;
 use serde_json::json;
 
@@ -35,6 +33,7 @@ Examples:
   armid identify R.mcap --estimator ols,wls --json
   armid identify log.csv --robot crs-a460 --period 10 --from 3 -o E.json
   armid identify log.csv --robot arm.urdf --map "t=time_ms, q=pos_[1-6] deg, tau=torque_[1-6]"
+  armid identify log.npz --robot arm.urdf --map "t=time, q=pos deg, tau=torque_[0-2]/-/torque_[4-5]"
   armid identify pos.csv cur.csv --robot arm.toml --rate 1000 --map "q=pos:j[1-6], current=cur:j[1-6]"
   armid identify bag --robot arm.urdf --map "topic=/arm/joint_states, q=joint[1-6], tau=joint[1-6] motor"
   armid identify a.csv b.csv --robot crs-a460 --held-out c.csv -o E.json
@@ -65,7 +64,7 @@ fn candidates(text: &str) -> Result<Columns, Error> {
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP, group = clap::ArgGroup::new("of_two").args(["payload", "drive_gains"]))]
 pub(crate) struct Arguments {
-    /// The logs: MCAP, tables, or TOML files with a [log] table
+    /// The logs: MCAP, bags, tables (text, gzip, NumPy, Parquet), LeRobot folders, or TOML files with a [log] table
     #[arg(required_unless_present_any = ["list", "payload", "drive_gains"], conflicts_with = "of_two", value_name = "LOG")]
     logs: Vec<PathBuf>,
     /// Identify what the last link carries, from logs without it and with it
@@ -165,7 +164,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         prepared.hold_out(&others);
     }
     if let Some(path) = &arguments.start {
-        prepared.start = Some(read_parameter_map(path, &prepared.robot.robot)?);
+        prepared.start = Some(read_parameter_map(path, &prepared.robot.robot)?.0);
     }
     let settings = IdentifySettings {
         columns,
@@ -176,45 +175,20 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         ..IdentifySettings::default()
     };
     let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
-    let files = model_files(arguments, &answer.log)?;
-    let verdicts: Vec<_> = answer.estimates.iter().map(|of| Verdict::new(&answer, of, &files)).collect();
-    let mut json = serde_json::to_value(&answer).map_err(Error::of)?;
-    match verdicts.as_slice() {
-        [one] => json["verdict"] = json!(one),
-        several => several.iter().enumerate().for_each(|(k, one)| json[k]["verdict"] = json!(one)),
-    }
-    if console.to_standard_output() {
-        console.print(&pretty(&json))?;
-    }
-    if let Some(path) = console.output() {
-        output::write_text(path, &pretty(&json))?;
-        console.note(format!("wrote {}", path.display()));
-    }
+    let json = serde_json::to_value(&answer).map_err(Error::of)?;
     let robot = &answer.log.robot.robot;
-    let said = answer.estimates.iter().zip(&verdicts);
-    let mut text: String =
-        said.map(|(of, verdict)| estimate_text(&answer.log, of, verdict, console.verbose())).collect();
+    let said = answer.estimates.iter().map(|of| estimate_text(&answer.log, of, console.verbose()));
+    let mut text: String = said.collect();
     text += &answer.selection.as_ref().map(selection_text).unwrap_or_default();
     text += &answer.onset.as_ref().map(|onset| speeds_text(onset, robot, onset.predict_better())).unwrap_or_default();
     text += &answer.speeds.as_ref().map(|speeds| speeds_text(speeds, robot, true)).unwrap_or_default();
     text += &answer.transmissions.as_deref().map(transmission_text).unwrap_or_default();
-    console.show(&Answer { text, json })?;
+    console.deliver_json(&Answer { text, json })?;
     Ok(match answer.was_interrupted() {
         true => Ending::Interrupted,
         false if answer.is_sound() => Ending::Done,
         false => Ending::Negative,
     })
-}
-
-/// What a URDF and an MJCF of the logs would predict; nothing of a format in which no model of them can be made.
-fn model_files(arguments: &Arguments, prepared: &ProcessedLog) -> Result<Vec<(Exchange, PredictionError)>, Error> {
-    let mut settings = prepared.settings.clone();
-    // A file predicts the rows as well in which joints hardly move.
-    settings.processing.reversal_fraction = 0.0;
-    let (all_rows, _) = arguments.log.process(&arguments.logs, None, settings.held_out, Some(&settings))?;
-    let log = LogOfEstimate { as_estimated: prepared, all_rows: &all_rows };
-    let of = |format| Some((format, prediction_of(format, log).ok()?));
-    Ok([Exchange::Urdf, Exchange::Mjcf].into_iter().filter_map(of).collect())
 }
 
 fn list() -> Answer {

@@ -92,7 +92,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let text = Text::read(folder)?;
             let estimate = estimate::parse(&text)?;
             let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
-            let (log, inputs) = again.again(&text, &[], |_| {})?;
+            let (log, inputs) = again.again(&text, &[])?;
             pages.push(write_estimate_report(&output, (&estimate, &text.name), &log, &inputs)?);
             continue;
         }

@@ -21,6 +21,15 @@ impl Table {
         Self { align: columns.iter().map(|(_, align)| *align).collect(), rows: vec![headings] }
     }
 
+    /// The same by its headings, between bars: `#` begins that of a column that stands to the right.
+    pub(crate) fn of(headings: &str) -> Self {
+        let columns: Vec<(&str, Align)> = headings
+            .split(" | ")
+            .map(|heading| heading.strip_prefix('#').map_or((heading, Align::Left), |heading| (heading, Align::Right)))
+            .collect();
+        Self::new(&columns)
+    }
+
     /// Adds a row.
     pub(crate) fn row<S: Into<String>>(&mut self, cells: impl IntoIterator<Item = S>) {
         self.rows.push(cells.into_iter().map(Into::into).collect());

@@ -10,6 +10,7 @@ use nalgebra::DVector;
 
 use super::friction_speed::FrictionSpeeds;
 use super::linear_fit::LinearFit;
+use super::observation::LEAST_SHARE;
 use super::termination::Termination;
 use super::{
     ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Finding,
@@ -89,7 +90,7 @@ impl Identification {
     }
 
     /// What is estimated where a motion does not show every parameter, a joint stands still, say: the base that the equations of
-    /// these samples reveal, at most 500 states of them, by QR.
+    /// these samples reveal, at most 500 states of them, by QR. Rows that are no equations count for nothing.
     ///
     /// # Errors
     /// [`EstimationError::Columns`] as above.
@@ -98,17 +99,26 @@ impl Identification {
     /// If the samples are of another robot.
     pub fn on_motion(robot: &Robot, columns: Columns, samples: &Samples) -> Result<Self, EstimationError> {
         let (states, n) = (&samples.states, samples.dof());
+        let places = (0..states.len()).step_by(states.len().div_ceil(MOTION_STATES).max(1));
         let mut few = States::new(n);
-        for k in (0..states.len()).step_by(states.len().div_ceil(MOTION_STATES).max(1)) {
+        for k in places.clone() {
             few.push(states.q(k), states.qd(k), states.qdd(k));
         }
         let regressor = load_friction::regressor_of(robot, columns)?;
         // Which columns there are does not depend on how large the load is.
         let mut w = regressor.with_links(&vec![1.0; 10 * n]).stack(&few);
-        // A joint none of whose rows is an equation reveals nothing by its own torque.
-        for i in (0..n).filter(|&i| !samples.used.iter().skip(i).step_by(n).any(|used| *used)) {
-            for k in 0..few.len() {
-                w.row_mut(k * n + i).fill(0.0);
+        // What is no equation reveals nothing, and neither does a trace of a column of which all but that is in such rows.
+        let mut left_out = vec![0.0_f64; w.ncols()];
+        for (row, (k, i)) in places.flat_map(|k| (0..n).map(move |i| (k, i))).enumerate() {
+            if !samples.used.get(k / samples.block * n + i).is_some_and(|used| *used) {
+                for (largest, entry) in left_out.iter_mut().zip(w.row_mut(row).iter_mut()) {
+                    *largest = largest.max(std::mem::take(entry).abs());
+                }
+            }
+        }
+        for (mut column, left_out) in w.column_iter_mut().zip(left_out) {
+            if column.amax() < LEAST_SHARE * left_out {
+                column.fill(0.0);
             }
         }
         let base = BaseReduction::from_stack(regressor.parameters(), &w, Method::Qr);

@@ -16,7 +16,7 @@ use crate::signal::{NoiseModel, Samples};
 
 /// Largest entry of a column in the equations, over that in all rows, below which they do not show its parameter: what is fitted to
 /// traces of it says nothing of the rows in which it acts.
-const LEAST_SHARE: f64 = 1e-3;
+pub(super) const LEAST_SHARE: f64 = 1e-3;
 
 /// `y = W_b β + ε` over M blocks of samples of n joints: row `k n + i` is joint i, mean over block k.
 #[derive(Clone, Debug, PartialEq)]

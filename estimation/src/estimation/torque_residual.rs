@@ -117,8 +117,19 @@ impl TorqueResidual {
         let (mut used, mut all) = (Sums::new(n), Sums::new(n));
         for (samples, predicted) in parts.iter().zip(predicted) {
             let series = TorqueSeries::of_predicted(predicted, samples, bandwidth_hz)?;
+            // A joint without an equation and without torque was not measured.
+            let of = |i: usize| (samples.tau.iter().skip(i).step_by(n), samples.used.iter().skip(i).step_by(n));
+            let is_measured: Vec<bool> = (0..n)
+                .map(|i| {
+                    let (mut tau, mut used) = of(i);
+                    tau.any(|tau| *tau != 0.0) || used.any(|used| *used)
+                })
+                .collect();
             for (at, (measured, predicted)) in series.measured.iter().zip(&series.predicted).enumerate() {
                 let (k, i) = (at / n, at % n);
+                if !is_measured[i] {
+                    continue;
+                }
                 let residual = measured - predicted;
                 all.add(i, residual, *measured);
                 if samples.used.get(k / samples.block * n + i).is_some_and(|used| *used) {

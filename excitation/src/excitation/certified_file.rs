@@ -19,7 +19,6 @@ struct In {
 impl Certificate {
     /// The file of a trajectory with this certificate. [`PeriodicTrajectory::from_toml`] reads the motion, [`Self::in_toml`]
     /// the certificate.
-    #[must_use]
     pub fn to_toml_with(&self, trajectory: &PeriodicTrajectory) -> String {
         let table =
             toml::to_string(&Out { certificate: self }).expect("names, numbers and lists of them have a TOML form");

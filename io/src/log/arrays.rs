@@ -103,6 +103,7 @@ impl Log {
             qd,
             link_q,
             effort,
+            without_effort: Vec::new(),
             effort_unit,
             conversion: Default::default(),
             origin: Default::default(),

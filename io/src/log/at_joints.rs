@@ -53,6 +53,7 @@ impl Log {
             let gears = known(at, "torques")?;
             let map = coupling.transpose() * DMatrix::from_diagonal(&DVector::from_vec(gears));
             self.effort = mapped(&self.effort, &map);
+            self.exclude_coupled(robot);
         }
         if !conversion.offset.is_empty() {
             for row in self.q.chunks_exact_mut(n) {
@@ -62,6 +63,17 @@ impl Log {
             }
         }
         Ok(())
+    }
+
+    /// Leaves out the torque of a joint to which a motor adds whose effort is left out, of efforts that are those of motors.
+    pub(super) fn exclude_coupled(&mut self, robot: &Robot) {
+        let Some(coupling) = robot.coupling() else { return };
+        for row in self.excluded.chunks_exact_mut(robot.dof()) {
+            let motors = row.to_vec();
+            for (joint, excluded) in row.iter_mut().enumerate() {
+                *excluded |= motors.iter().enumerate().any(|(motor, out)| *out && coupling[(motor, joint)] != 0.0);
+            }
+        }
     }
 }
 
@@ -94,7 +106,11 @@ mod tests {
             effort: Some(AtMotors::RobotsGear),
             offset: vec![0.0, 0.0, 0.0, 0.0, 0.0, 1.0],
         };
+        log.excluded = vec![false; log.q.len()];
+        log.excluded[5] = true;
         log.bring_to_joints(&robot).unwrap();
+        // Its torque is part of that of joint 5.
+        assert_eq!(log.excluded[..7], [false, false, false, false, true, true, false]);
         let dot = |a: &[f64], b: &[f64]| a.iter().zip(b).take(6).map(|(a, b)| a * b).sum::<f64>();
         let at_motors = dot(&motor_speed, &motor_torque);
         assert!((dot(&log.qd.clone().unwrap(), &log.effort) - at_motors).abs() < 1e-12 * at_motors.abs());

@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use armid::input::size::RECORDING_BYTES;
 
 use super::joint_log::Log;
-use super::log_format::LogFormat;
+use super::log_format::{LogFormat, StatesReader};
 use super::origin::FileHash;
 use super::states::{self, RECORDED_BY};
 use super::topics::StateReading;
@@ -22,17 +22,17 @@ pub(super) fn read(folder: &Path, reading: &StateReading<'_>) -> Result<Log, Err
     let name = folder.display().to_string();
     let entries = fs::read_dir(folder).map_err(|error| Error::unreadable(folder, &error))?;
     let found: Vec<PathBuf> = entries.filter_map(|entry| entry.ok().map(|entry| entry.path())).collect();
-    let mut of_format: Vec<(LogFormat, Vec<PathBuf>)> = Vec::new();
-    for format in LogFormat::ALL {
+    let mut of_format: Vec<((LogFormat, StatesReader), Vec<PathBuf>)> = Vec::new();
+    for (format, reader) in LogFormat::of_states() {
         let files: Vec<PathBuf> = found.iter().filter(|path| format.is_whole_file(path)).cloned().collect();
         if !files.is_empty() {
-            of_format.push((format, files));
+            of_format.push(((format, reader), files));
         }
     }
     let endings = |of: &[LogFormat], between: &str| -> String {
         of.iter().map(|format| format.suffixes[0]).collect::<Vec<_>>().join(between)
     };
-    let (format, mut files) = match of_format.len() {
+    let ((_, reader), mut files) = match of_format.len() {
         1 => of_format.remove(0),
         0 if found.iter().any(|path| path.extension().is_some_and(|ending| ending == "zstd")) => {
             let message = format!("{name} is a bag whose files are compressed, expected plain ones");
@@ -41,12 +41,12 @@ pub(super) fn read(folder: &Path, reading: &StateReading<'_>) -> Result<Log, Err
         0 => {
             let message = format!(
                 "{name} is a folder without {} files, expected a bag of `ros2 bag record`, or a log file",
-                endings(&LogFormat::ALL, " or ")
+                endings(&LogFormat::of_states().map(|(format, _)| format).collect::<Vec<_>>(), " or ")
             );
             return Err(Error::new(message).help(RECORDED_BY));
         }
         _ => {
-            let formats: Vec<LogFormat> = of_format.into_iter().map(|(format, _)| format).collect();
+            let formats: Vec<LogFormat> = of_format.into_iter().map(|((format, _), _)| format).collect();
             let message = format!("{name} holds {} files, expected those of one bag", endings(&formats, " and "));
             return Err(Error::new(message).help("name the files of one bag"));
         }
@@ -54,7 +54,7 @@ pub(super) fn read(folder: &Path, reading: &StateReading<'_>) -> Result<Log, Err
     files.sort_by_key(|path| (number(path), path.clone()));
     let parts = files.iter().map(|path| {
         let bytes = read_bytes(path, &RECORDING_BYTES)?;
-        Ok((FileHash::of(path, &bytes), (format.topics)(path, &bytes)?))
+        Ok((FileHash::of(path, &bytes), (reader.topics)(path, &bytes)?))
     });
     states::log(&name, parts.collect::<Result<_, Error>>()?, reading)
 }

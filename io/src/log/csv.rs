@@ -54,6 +54,7 @@ pub fn write(recording: &Recording) -> String {
 #[cfg(test)]
 mod tests {
     use super::parse;
+    use crate::log::Mapping;
     use crate::text::Text;
     use armid::model::EffortInterface;
 
@@ -62,6 +63,35 @@ mod tests {
         let log = parse(Text::new("r.csv", "t,q1,current1\n0,1,2\n0.002,3,4\n0.004,5,6\n")).unwrap();
         assert_eq!((log.rate_hz, log.dof, log.effort_unit), (500.0, 1, Some(EffortInterface::Current)));
         assert_eq!((log.q, log.effort), (vec![1.0, 3.0, 5.0], vec![2.0, 4.0, 6.0]));
+    }
+
+    #[test]
+    fn headings_may_count_from_zero_and_a_single_joint_needs_no_number() {
+        for between in ["", "_"] {
+            let log =
+                parse(Text::new("r.csv", format!("t,q{0}0,q{0}1,tau{0}0,tau{0}1\n0,1,2,3,4\n1,5,6,7,8\n", between)));
+            let log = log.unwrap();
+            assert_eq!((log.dof, log.q, log.effort), (2, vec![1.0, 2.0, 5.0, 6.0], vec![3.0, 4.0, 7.0, 8.0]));
+        }
+        let log = parse(Text::new("r.csv", "time,position,torque\n0,1,2\n1,3,4\n")).unwrap();
+        assert_eq!((log.dof, log.q, log.effort), (1, vec![1.0, 3.0], vec![2.0, 4.0]));
+    }
+
+    #[test]
+    fn the_torque_of_a_joint_may_be_left_out_and_its_position_not() {
+        let text = "t,q1,q2,q3,tau1,tau3\n0,1,2,3,4,5\n1,6,7,8,9,10\n";
+        let of = |map: &str| {
+            crate::log::parse_tables(vec![Text::new("r.csv", text)], Some(&Mapping::parse(map).unwrap()), None)
+        };
+        let log = of("t=t, q=q[1-3], tau=tau1/-/tau3").unwrap();
+        assert_eq!(log.effort, [4.0, 0.0, 5.0, 9.0, 0.0, 10.0]);
+        assert_eq!(log.excluded, [false, true, false, false, true, false]);
+        assert_eq!(log.origin.remarks, ["joint 2: its effort is left out, and it gives no equation of its own"]);
+        assert_eq!(log.origin.columns[2], "tau from tau1 - tau3 in Nm");
+        for map in ["t=t, q=q1/-/q3, tau=tau1/tau1/tau3", "t=t, q=q[1-2], tau=-/-"] {
+            let fault = of(map).unwrap_err().to_string();
+            assert!(fault.contains("found \"-\", expected a column"), "{fault}");
+        }
     }
 
     #[test]

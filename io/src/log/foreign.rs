@@ -7,6 +7,7 @@ use armid::remedy::{Remedy, Setting};
 use armid_cdr::JointState;
 
 use super::conversion::Conversion;
+use super::foreign_csv::NONE;
 use super::joint_log::Log;
 use super::joint_names::names_in_log;
 use super::mapping::{ColumnMap, Mapping, Quantity, listed};
@@ -43,7 +44,8 @@ pub(super) fn log(name: &str, messages: &[Message], reading: &StateReading<'_>) 
         let more = plan.qd.as_ref().map(|(column, _)| column).into_iter().chain(&plan.link);
         [&plan.q, &plan.effort].into_iter().chain(more)
     };
-    let needed: BTreeSet<&String> = columns().flat_map(|column| &column.joints).collect();
+    let needed: BTreeSet<&String> =
+        columns().flat_map(|column| &column.joints).filter(|joint| *joint != NONE).collect();
     let rows = StateRows::of(name, messages, needed.into_iter().cloned().collect())?;
     let qd = match &plan.qd {
         Some((column, needed)) => match rows.velocities(&column.joints) {
@@ -74,6 +76,8 @@ pub(super) fn log(name: &str, messages: &[Message], reading: &StateReading<'_>) 
         },
         columns: columns().map(|column| (column.map.quantity, column.joints.clone())).collect(),
     });
+    let efforts = rows.values(&plan.effort.joints, |state: &JointState| &state.effort)?;
+    let without_effort: Vec<usize> = (0..dof).filter(|&joint| plan.effort.joints[joint] == NONE).collect();
     let raw = RawLog {
         name: name.to_owned(),
         dof,
@@ -85,7 +89,8 @@ pub(super) fn log(name: &str, messages: &[Message], reading: &StateReading<'_>) 
             Some(link) => Some(link.scaled(rows.values(&link.joints, |state: &JointState| &state.position)?)?),
             None => None,
         },
-        effort: plan.effort.scaled(rows.values(&plan.effort.joints, |state: &JointState| &state.effort)?)?,
+        effort: plan.effort.scaled(with_zeros(efforts, dof, &without_effort))?,
+        without_effort,
         effort_unit: is_mapped.then_some(effort_unit),
         conversion,
         origin: Origin {
@@ -97,6 +102,14 @@ pub(super) fn log(name: &str, messages: &[Message], reading: &StateReading<'_>) 
         joints: plan.joints,
     };
     raw.even(|row, message| Error::new(format!("{name}: message {}: {message}", row + 1)))
+}
+
+/// Rows of efforts with zeros where a joint has none.
+fn with_zeros(mut rows: Vec<f64>, dof: usize, without: &[usize]) -> Vec<f64> {
+    for &joint in without {
+        rows.iter_mut().skip(joint).step_by(dof).for_each(|effort| *effort = 0.0);
+    }
+    rows
 }
 
 impl Plan {
@@ -139,14 +152,15 @@ impl Plan {
                 let map = "q=joint[1-6] deg, tau=joint[1-6] motor gear=100";
                 Remedy::from("a map of joint states names joints: ").to(Setting::Map, map)
             };
-            let joints = listed(&map.columns, |joint| found.contains(joint))
-                .map_err(|fault| Error::new(format!("{key}: {fault}")))?;
+            let is_effort = matches!(quantity, Quantity::Torque | Quantity::Current);
+            let is_known = |joint: &str| found.contains(joint) || (is_effort && joint == NONE);
+            let joints = listed(&map.columns, is_known).map_err(|fault| Error::new(format!("{key}: {fault}")))?;
             if let Some(file) = &map.file {
                 let message =
                     format!("{key}: {name} holds joint states, found the file \"{file}\" in front of a joint");
                 return Err(Error::mismatch(message).help(help()));
             }
-            if let Some(missing) = joints.iter().find(|joint| !found.contains(joint.as_str())) {
+            if let Some(missing) = joints.iter().find(|joint| !is_known(joint)) {
                 let list = found.iter().copied().collect::<Vec<_>>().join(", ");
                 let message = format!("{key}: {name} holds no joint \"{missing}\", found {list}");
                 return Err(Error::mismatch(message).help(help()));
@@ -193,5 +207,33 @@ impl Column {
     /// The map with every joint written out.
     fn listed(&self) -> ColumnMap {
         ColumnMap { columns: self.joints.join("/"), ..self.map.clone() }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use armid_cdr::{JointState, Time};
+
+    use super::{Mapping, Message, StateReading, log};
+
+    #[test]
+    fn the_torque_of_a_joint_may_be_left_out_of_joint_states() {
+        let messages = [0, 1, 2].map(|k| Message {
+            recorded_ns: k,
+            state: JointState {
+                stamp: Time::from_ns(k * 1_000_000).unwrap(),
+                name: vec!["a".to_owned(), "b".to_owned()],
+                position: vec![k as f64, 0.5],
+                effort: vec![7.0, f64::NAN],
+                ..JointState::default()
+            },
+        });
+        let mapping = Mapping::parse("q=a/b, tau=a/-").unwrap();
+        let read = log("bag", &messages, &StateReading { mapping: Some(&mapping), robot: None }).unwrap();
+        assert_eq!((read.dof, read.q, read.effort), (2, vec![0.0, 0.5, 1.0, 0.5, 2.0, 0.5], [7.0, 0.0].repeat(3)));
+        assert_eq!(read.excluded, [false, true].repeat(3));
+        let mapping = Mapping::parse("q=a/-, tau=a/b").unwrap();
+        let fault = log("bag", &messages, &StateReading { mapping: Some(&mapping), robot: None }).unwrap_err();
+        assert_eq!(fault.to_string(), "q: bag holds no joint \"-\", found a, b");
     }
 }

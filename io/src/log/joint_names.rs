@@ -2,7 +2,7 @@
 
 use std::collections::BTreeSet;
 
-use armid::model::Robot;
+use armid::model::{EffortInterface, Robot};
 use armid::remedy::{Remedy, Setting};
 
 use super::arrangement;
@@ -46,11 +46,42 @@ pub(super) fn names_in_log(
             Err(Error::mismatch(message).help(help))
         }
         None => {
+            let help = paired(&wanted, found).map(|(names, by_name)| {
+                let (names, key) =
+                    (names.join("/"), if robot.effort() == EffortInterface::Current { "current" } else { "tau" });
+                let how =
+                    if by_name { "which end as the robot's do" } else { "as many, in this order as far as is known" };
+                Remedy::set(Setting::Map, format!("q={names}, {key}={names}"))
+                    .say(format!(" takes those of the log, {how}"))
+            });
             let (found, wanted) = (list(&mut found.iter().copied()), wanted.join(", "));
             let message = format!("{name} holds the joints {found}, expected {wanted} of robot \"{}\"", robot.name());
-            Err(Error::mismatch(message).help(arrangement::help()))
+            Err(Error::mismatch(message).help(help.unwrap_or_else(arrangement::help)))
         }
     }
+}
+
+/// The joints of a log that may be those of a robot: for each the one whose name ends most alike, or where that is not clear and there are
+/// as many, all of them in the order of their names and numbers. Whether the names say it.
+fn paired<'a>(wanted: &[&str], found: &BTreeSet<&'a str>) -> Option<(Vec<&'a str>, bool)> {
+    let alike = |a: &str, b: &str| a.chars().rev().zip(b.chars().rev()).take_while(|(a, b)| a == b).count();
+    let nearest = |joint: &&str| {
+        let most = found.iter().map(|name| alike(name, joint)).max().filter(|most| *most > 0)?;
+        let mut at_most = found.iter().filter(|name| alike(name, joint) == most);
+        at_most.next().filter(|_| at_most.next().is_none()).copied()
+    };
+    let by_name: Option<Vec<&str>> = wanted.iter().map(nearest).collect();
+    if let Some(names) = by_name.filter(|names| names.iter().collect::<BTreeSet<_>>().len() == wanted.len()) {
+        return Some((names, true));
+    }
+    // "joint10" comes behind "joint9".
+    let order = |name: &&str| {
+        let front = name.trim_end_matches(|c: char| c.is_ascii_digit());
+        (front.to_owned(), name[front.len()..].parse::<u64>().unwrap_or(0))
+    };
+    let mut names: Vec<&str> = found.iter().copied().collect();
+    names.sort_by_key(order);
+    (names.len() == wanted.len()).then_some((names, false))
 }
 
 #[cfg(test)]
@@ -74,7 +105,14 @@ mod tests {
         assert_eq!((names[1].clone(), prefix.as_deref()), (format!("left/{}", joints[1]), Some("left/")));
         let fault = of(&["left_", "right_"]).unwrap_err();
         assert!(fault.message().contains("several prefixes, left_, right_"), "{fault}");
-        assert!(fault.remedy().unwrap().to_string().contains(&format!("q=left_{}/left_{}", joints[0], joints[1])));
+        assert!(fault.hint().unwrap().contains(&format!("q=left_{}/left_{}", joints[0], joints[1])));
+        // Other names: those that end alike, or all of them.
+        let hint =
+            |names: &[&str]| names_in_log("bag", &robot, &names.iter().copied().collect()).unwrap_err().hint().unwrap();
+        let [a, b] = [joints[0], joints[1]].map(|joint| format!("my{joint}"));
+        let wanted = format!("q={a}/{b}, tau={a}/{b}\" takes those of the log, which end");
+        assert!(hint(&[&b, &a, "finger"]).contains(&wanted), "{}", hint(&[&b, &a, "finger"]));
+        assert!(hint(&["x10", "x9"]).contains("q=x9/x10, tau=x9/x10"), "{}", hint(&["x10", "x9"]));
         // No word of its own, so that it is part of another name.
         assert!(of(&["left"]).unwrap_err().message().contains("bag holds the joints finger, left"));
     }

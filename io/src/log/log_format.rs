@@ -1,23 +1,43 @@
-//! Kinds of files that hold joint states: how each begins, what it is called, and what reads it. Everything else is a table.
+//! Kinds of files that hold logs: how each begins, what it is called, and what reads it. Everything else is a table of text.
 
 use std::path::Path;
+
+use armid::input::size::{RECORDING_BYTES, TEXT_BYTES};
 
 use super::joint_log::Log;
 use super::origin::FileHash;
 use super::topics::{StateReading, Topics};
-use super::{mcap, sqlite, states};
-use crate::error::Error;
+use super::{gzip, lerobot, mcap, npy, parquet_table, sqlite, states};
+use crate::error::{Error, ErrorKind};
+use crate::table::LogTable;
+use crate::text::{Text, read_bytes};
 
-/// A kind of file that holds joint states.
+/// A kind of file that holds logs.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct LogFormat {
     /// What such a file is called in a sentence.
     pub(super) name: &'static str,
     /// How it begins.
-    pub(super) magic: &'static [u8],
+    magic: &'static [u8],
     /// How its name ends; first that of a whole file.
     pub(super) suffixes: &'static [&'static str],
-    /// Reads it as a log of its own.
+    /// What reads it.
+    pub(super) reader: Reader,
+}
+
+/// What reads a kind of file.
+#[derive(Clone, Copy, Debug)]
+pub(super) enum Reader {
+    /// It holds joint states.
+    States(StatesReader),
+    /// It holds columns.
+    Table(fn(&Path, Vec<u8>) -> Result<LogTable, Error>),
+}
+
+/// What reads joint states.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct StatesReader {
+    /// Reads a file as a log of its own.
     pub(super) log: fn(&Path, &[u8], &StateReading<'_>) -> Result<Log, Error>,
     /// Reads its joint states by topic, as one of several files.
     pub(super) topics: fn(&Path, &[u8]) -> Result<Topics, Error>,
@@ -25,33 +45,68 @@ pub(super) struct LogFormat {
 
 impl LogFormat {
     /// Every kind.
-    pub(super) const ALL: [Self; 2] = [
+    const ALL: [Self; 6] = [
         Self {
             name: "an MCAP file",
             magic: ::mcap::MAGIC,
             suffixes: &[".mcap", ".mcap.part"],
-            log: |path, bytes, reading| {
-                let mut log = mcap::parse_as(path, bytes, reading)?;
-                log.origin.files = vec![FileHash::of(path, bytes)];
-                Ok(log)
-            },
-            topics: |path, bytes| mcap::topics(&path.display().to_string(), bytes),
+            reader: Reader::States(StatesReader {
+                log: |path, bytes, reading| {
+                    let mut log = mcap::parse_as(path, bytes, reading)?;
+                    log.origin.files = vec![FileHash::of(path, bytes)];
+                    Ok(log)
+                },
+                topics: |path, bytes| mcap::topics(&path.display().to_string(), bytes),
+            }),
         },
         Self {
             name: "a bag in SQLite",
             magic: sqlite::MAGIC,
             suffixes: &[".db3"],
-            log: |path, bytes, reading| {
-                let name = path.display().to_string();
-                states::log(&name, vec![(FileHash::of(path, bytes), sqlite::topics(path)?)], reading)
-            },
-            topics: |path, _| sqlite::topics(path),
+            reader: Reader::States(StatesReader {
+                log: |path, bytes, reading| {
+                    let name = path.display().to_string();
+                    states::log(&name, vec![(FileHash::of(path, bytes), sqlite::topics(path)?)], reading)
+                },
+                topics: |path, _| sqlite::topics(path),
+            }),
+        },
+        Self { name: "a NumPy archive", magic: npy::ARCHIVE, suffixes: &[".npz"], reader: Reader::Table(npy::archive) },
+        Self { name: "a NumPy array", magic: npy::ARRAY, suffixes: &[".npy"], reader: Reader::Table(npy::array) },
+        Self {
+            name: "a Parquet table",
+            magic: parquet_table::MAGIC,
+            suffixes: &[".parquet"],
+            reader: Reader::Table(parquet_table::table),
+        },
+        Self {
+            name: "a table in gzip",
+            magic: gzip::MAGIC,
+            suffixes: &[".csv.gz", ".txt.gz", ".tsv.gz"],
+            reader: Reader::Table(|path, bytes| gzip::table(path, &bytes)),
         },
     ];
 
-    /// The kind that begins so.
-    pub(super) fn of_bytes(bytes: &[u8]) -> Option<Self> {
-        Self::ALL.into_iter().find(|format| bytes.starts_with(format.magic))
+    /// The kind that begins so; `None` for text.
+    ///
+    /// # Errors
+    /// [`Error`] where the name is that of a kind that begins in another way.
+    pub(super) fn of(path: &Path, bytes: &[u8]) -> Result<Option<Self>, Error> {
+        if let Some(format) = Self::ALL.into_iter().find(|format| bytes.starts_with(format.magic)) {
+            return Ok(Some(format));
+        }
+        let Some(format) = Self::ALL.into_iter().find(|format| format.is_whole_file(path)) else { return Ok(None) };
+        let magic: Vec<String> = format.magic.iter().map(|byte| format!("{byte:02X}")).collect();
+        let message = format!("{} does not begin as {} does", path.display(), format.name);
+        Err(Error::new(message).help(format!("expected the bytes {}", magic.join(" "))))
+    }
+
+    /// The kinds with joint states.
+    pub(super) fn of_states() -> impl Iterator<Item = (Self, StatesReader)> {
+        Self::ALL.into_iter().filter_map(|format| match format.reader {
+            Reader::States(reader) => Some((format, reader)),
+            Reader::Table(_) => None,
+        })
     }
 
     /// Whether a whole file of this kind is called so.
@@ -59,13 +114,74 @@ impl LogFormat {
         name_of(path).ends_with(self.suffixes[0])
     }
 
-    /// Whether a file of any kind is called so, a part of one too.
-    pub(super) fn is_named(path: &Path) -> bool {
+    /// Whether a file with joint states is called so, a part of one too.
+    pub(super) fn is_of_states(path: &Path) -> bool {
         let name = name_of(path);
-        Self::ALL.iter().flat_map(|format| format.suffixes).any(|suffix| name.ends_with(suffix))
+        Self::of_states().flat_map(|(format, _)| format.suffixes).any(|suffix| name.ends_with(suffix))
+    }
+}
+
+/// What can be read, for whoever has something else.
+pub(super) fn what_is_read() -> String {
+    let list: Vec<String> =
+        LogFormat::ALL.iter().map(|format| format!("{} ({})", format.name, format.suffixes.join(", "))).collect();
+    format!(
+        "a log is {}, a table of text (.csv, .txt, any other), a folder of `ros2 bag record`, or one of LeRobot ({})",
+        list.join(", "),
+        lerobot::INFO
+    )
+}
+
+/// Reads a table: text, or what a binary file or a folder holds by columns.
+///
+/// # Errors
+/// [`Error`] where it cannot be read, or is none.
+pub(super) fn table(path: &Path) -> Result<LogTable, Error> {
+    if lerobot::is_data_set(path) {
+        return lerobot::table(path);
+    }
+    table_of(path, read_bytes(path, &RECORDING_BYTES)?)
+}
+
+/// The same of the bytes of a file.
+///
+/// # Errors
+/// As [`table`].
+pub(super) fn table_of(path: &Path, bytes: Vec<u8>) -> Result<LogTable, Error> {
+    match LogFormat::of(path, &bytes)?.map(|format| (format.name, format.reader)) {
+        Some((_, Reader::Table(read))) => read(path, bytes).map_err(|error| match error.kind() {
+            ErrorKind::Unknown => error.help(what_is_read()),
+            _ => error,
+        }),
+        Some((name, Reader::States(_))) => {
+            Err(Error::mismatch(format!("{} is {name}, expected a table", path.display())).help(what_is_read()))
+        }
+        None => {
+            TEXT_BYTES.check(&path.display().to_string(), bytes.len() as f64).map_err(Error::from)?;
+            LogTable::of_text(Text::of_bytes(path, bytes).map_err(|error| error.help(what_is_read()))?)
+        }
     }
 }
 
 fn name_of(path: &Path) -> String {
     path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default()
+}
+
+#[cfg(test)]
+mod tests {
+    use std::path::Path;
+
+    use super::{LogFormat, table_of, what_is_read};
+
+    #[test]
+    fn what_is_no_log_is_answered_with_what_can_be_read() {
+        let all = what_is_read();
+        assert!(LogFormat::ALL.iter().all(|format| format.suffixes.iter().all(|suffix| all.contains(suffix))), "{all}");
+        for (name, bytes) in [("log.pt", &b"\x80\x02}q"[..]), ("log.mat", b"MATLAB 5.0\0\xFF")] {
+            let fault = table_of(Path::new(name), bytes.to_vec()).unwrap_err();
+            assert!(fault.message().starts_with(name) && fault.hint().as_deref() == Some(&all), "{fault}");
+        }
+        let fault = table_of(Path::new("q.npz"), b"t,q1\n".to_vec()).unwrap_err().to_string();
+        assert_eq!(fault, "q.npz does not begin as a NumPy archive does");
+    }
 }

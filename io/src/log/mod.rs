@@ -5,7 +5,8 @@
 //! | MCAP of `armid run` | the recording with its plan, its robot and its provenance |
 //! | MCAP of other tools, or a folder of `ros2 bag` with files in MCAP or SQLite | `sensor_msgs/msg/JointState` on `/joint_states`, on the one topic that has them, or on the one that a [`Mapping`] states; the rate comes from the stamps |
 //! | CSV of armid | `t,q1..qn,tau1..taun` (N·m) or `t,q1..qn,current1..currentn` (A) |
-//! | tables of other tools | any headings; a [`Mapping`] says what the columns are |
+//! | tables of other tools, as text, in gzip, as Parquet or as arrays of NumPy (`.npy`, `.npz`) | any headings; a [`Mapping`] says what the columns are |
+//! | a folder of LeRobot | frames of episodes; a [`Mapping`] says which features are positions and efforts |
 //!
 //! What something else recorded is brought onto an even grid, in segments without a break; what is left out on the way is
 //! counted in its [`Origin`].
@@ -22,21 +23,26 @@ mod find;
 mod foreign;
 mod foreign_csv;
 mod gaps;
+mod gzip;
 mod joint_log;
 mod joint_names;
+mod lerobot;
 mod log_file;
 mod log_format;
 mod mapping;
 mod mcap;
 mod mcap_contents;
 mod mcap_records;
+mod npy;
 mod origin;
+mod parquet_table;
 mod processed_log;
 mod processing;
 mod raw_log;
 mod reading;
 mod recorded;
 mod settings;
+mod side_by_side;
 mod sqlite;
 mod stamps;
 mod state_rows;

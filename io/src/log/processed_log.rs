@@ -76,6 +76,13 @@ pub struct LogReport {
     pub origin: Origin,
 }
 
+/// Whether every joint moves and has equations.
+fn shows_every_joint(samples: &Samples) -> bool {
+    let n = samples.dof();
+    let has_equations = |i: usize| samples.used.iter().skip(i).step_by(n).any(|used| *used);
+    standing_joints(samples).is_empty() && (0..n).all(has_equations)
+}
+
 impl LogReport {
     pub(super) fn new(log: &Log, gaps: Option<Gaps>, used: &Samples, held_out: Option<&Samples>) -> Self {
         let n = used.dof();
@@ -334,16 +341,18 @@ impl ProcessedLog {
         ResidualTrends::new(&robot, &observation, &self.samples, estimate).map_err(named)
     }
 
-    /// What is estimated: the robot's base, or where joints stand still, the base that the motion reveals.
+    /// What is estimated: the robot's base, or where joints stand still or their torque is left out, the base that the equations reveal.
     fn identification(&self, columns: Columns) -> Result<Identification, EstimationError> {
         self.identification_of(&self.robot.robot, columns)
     }
 
     fn identification_of(&self, robot: &Robot, columns: Columns) -> Result<Identification, EstimationError> {
-        if self.is_foreign() && !standing_joints(&self.samples).is_empty() {
-            return Identification::on_motion(robot, columns, &self.samples);
+        let all = Identification::new(robot, columns)?;
+        if self.is_foreign() && !self.parts.iter().all(shows_every_joint) {
+            let shown = Identification::on_motion(robot, columns, &self.samples)?;
+            return Ok(if shown.base().rank() < all.base().rank() { shown } else { all });
         }
-        Identification::new(robot, columns)
+        Ok(all)
     }
 
     fn is_foreign(&self) -> bool {
@@ -369,7 +378,11 @@ impl ProcessedLog {
             let at_rest = |joint| Suspicion { mistake: Mistake::AtRest { joint }, cost: 0.0, corrected_cost: 0.0 };
             return Ok(standing.into_iter().map(at_rest).collect());
         }
-        let log = Evidence { samples: &self.samples, held_out: self.held_out.first(), nominal: self.robot.guess() };
+        // A log in which a joint rests or has no torque says too little of the others to find a mistake in it.
+        let parts: Vec<Samples> = self.parts.iter().filter(|part| shows_every_joint(part)).cloned().collect();
+        let Ok(samples) = Samples::joined(parts) else { return Ok(Vec::new()) };
+        let held_out = self.held_out.iter().find(|part| shows_every_joint(part));
+        let log = Evidence { samples: &samples, held_out, nominal: self.robot.guess() };
         let found = diagnose(&self.robot.robot, columns, &log);
         Ok(found.map_err(|error| Error::new(format!("{}: {error}", self.name())))?.into_iter().collect())
     }

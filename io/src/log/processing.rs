@@ -2,10 +2,11 @@
 
 use armid::diagnosis::standing_joints;
 use armid::input::size::PERIOD_SAMPLES;
-use armid::model::Robot;
+use armid::model::{EffortInterface, Robot};
 use armid::remedy::{Remedy, Setting};
 use armid::signal::{
-    AperiodicRecord, PeriodicRecord, Samples, SignalError, process, process_aperiodic, process_periods, recurrence,
+    AperiodicRecord, PeriodicRecord, Processing, Samples, SignalError, process, process_aperiodic, process_periods,
+    recurrence,
 };
 
 use super::arrangement::arranged;
@@ -29,6 +30,13 @@ pub(super) fn by_cuts(words: &str) -> Remedy {
 /// Samples by which the last of the periods that are found in an even log may be off a whole number.
 const LARGEST_SHIFT: f64 = 0.5;
 
+/// Places of a resting joint that are this near are one, rad or m.
+const SAME_REST: f64 = 2e-3;
+
+/// Equations in a cycle of a cut-off that is stated, and of one that is found. Means over half a cycle take most noise of the acceleration
+/// out of the equations.
+const EQUATIONS_PER_CYCLE: [f64; 2] = [4.0, 2.0];
+
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
 
@@ -39,6 +47,16 @@ impl Log {
     /// # Errors
     /// [`Error`] where the log is of other joints, its period is no whole number of samples, or nothing is left.
     pub fn process(self, robot: LoadedRobot, settings: &LogSettings) -> Result<ProcessedLog, Error> {
+        self.processed(robot, settings, None)
+    }
+
+    /// The same, with a cut-off that was found in several logs.
+    fn processed(
+        self,
+        robot: LoadedRobot,
+        settings: &LogSettings,
+        common_hz: Option<f64>,
+    ) -> Result<ProcessedLog, Error> {
         let kept = settings.processing.samples_per_period;
         PERIOD_SAMPLES.check_count("number of samples that a period is reduced to", kept)?;
         let mut log = arranged(self, &robot.robot)?;
@@ -49,7 +67,7 @@ impl Log {
             refuse_cuts(&log, settings)?;
             (process(recording, &robot.robot, &settings.processing).map_err(fault)?, None)
         } else {
-            let (used, held_out) = foreign(&mut log, &robot, settings)?;
+            let (used, held_out) = foreign(&mut log, &robot, settings, common_hz)?;
             // What a joint at rest shows is estimated with it at rest.
             let at_rest = standing_joints(&used);
             (used.with_joints_at_rest(&at_rest), held_out.map(|samples| samples.with_joints_at_rest(&at_rest)))
@@ -69,22 +87,59 @@ impl Log {
     }
 }
 
-/// Samples of several logs of one robot. Logs that something else recorded at unlike rates are brought onto the lowest of them.
+/// Samples of several logs of one robot. Logs that something else recorded at unlike rates are brought onto the lowest of them, and those
+/// without periods pass the highest of the cut-offs that are found in them.
 ///
 /// # Errors
 /// As [`Log::process`] and [`ProcessedLog::joined`].
 pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) -> Result<ProcessedLog, Error> {
     let foreign = |log: &&Log| log.recording.is_none();
     let lowest = logs.iter().filter(foreign).map(|log| log.rate_hz).fold(f64::INFINITY, f64::min);
-    let processed = logs.into_iter().map(|mut log| {
+    let alike = logs.into_iter().map(|mut log| {
         if log.recording.is_none() && log.rate_hz > lowest * (1.0 + 1e-9) {
             let remark = format!("brought from {} Hz onto {lowest} Hz, the lowest rate of the logs", log.rate_hz);
             log = log.resampled(lowest);
             log.origin.remarks.push(remark);
         }
-        log.process(robot.clone(), settings)
+        log
     });
-    ProcessedLog::joined(processed.collect::<Result<_, _>>()?)
+    let alike: Vec<Log> = alike.collect();
+    let process = |logs: Vec<Log>, common_hz| {
+        let processed = logs.into_iter().map(|log| log.processed(robot.clone(), settings, common_hz));
+        processed.collect::<Result<Vec<_>, Error>>()
+    };
+    let joined = |mut processed: Vec<ProcessedLog>| {
+        share_rests(&mut processed, robot.robot.dof());
+        ProcessedLog::joined(processed)
+    };
+    if alike.len() == 1 || settings.processing.cutoff_hz.is_some() {
+        return joined(process(alike, None)?);
+    }
+    let apart = process(alike.clone(), None)?;
+    let found: Vec<f64> =
+        apart.iter().filter(|log| log.has_no_periods()).map(|log| log.samples.position_band_hz[0]).collect();
+    let highest = found.iter().copied().fold(0.0, f64::max);
+    joined(if found.iter().any(|hz| *hz < highest) { process(alike, Some(highest))? } else { apart })
+}
+
+/// Gives a joint that rests in several logs at the same place, but for its noise, one place: equations would take the differences for motion.
+fn share_rests(logs: &mut [ProcessedLog], n: usize) {
+    for joint in 0..n {
+        let mut rests: Vec<(f64, &mut Samples)> = logs
+            .iter_mut()
+            .filter(|log| log.logs.iter().all(|log| log.recording.is_none()))
+            .flat_map(|log| [&mut log.samples].into_iter().chain(&mut log.parts).chain(&mut log.held_out))
+            .filter(|samples| standing_joints(samples).contains(&(joint + 1)))
+            .map(|samples| (samples.states.q[joint], samples))
+            .collect();
+        rests.sort_by(|a, b| a.0.total_cmp(&b.0));
+        for same in rests.chunk_by_mut(|a, b| b.0 - a.0 < SAME_REST) {
+            let place = same.iter().map(|(place, _)| place).sum::<f64>() / same.len() as f64;
+            for (_, samples) in same {
+                samples.states.q.iter_mut().skip(joint).step_by(n).for_each(|q| *q = place);
+            }
+        }
+    }
 }
 
 /// A recording of armid's own says itself what counts.
@@ -105,7 +160,12 @@ fn refuse_cuts(log: &Log, settings: &LogSettings) -> Result<(), Error> {
 }
 
 /// Samples that are used, and those that are held out.
-fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result<(Samples, Option<Samples>), Error> {
+fn foreign(
+    log: &mut Log,
+    robot: &LoadedRobot,
+    settings: &LogSettings,
+    common_hz: Option<f64>,
+) -> Result<(Samples, Option<Samples>), Error> {
     let (from, until) = (settings.from_s, settings.until_s.unwrap_or(f64::INFINITY));
     if !(from.is_finite() && from >= 0.0) {
         return Err(Error::new(format!("skip is {from} s, expected seconds not below zero")));
@@ -131,6 +191,9 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
         stated => settings.effort.or(stated).unwrap_or_else(|| robot.robot.effort()),
     };
     log.effort_unit = Some(unit);
+    if unit == EffortInterface::Current {
+        log.exclude_coupled(&robot.robot);
+    }
     robot.check_constants(unit, &log.name, log.origin.with_constants().as_deref())?;
     let whole = log.between(from, until);
     if whole.is_empty() {
@@ -140,9 +203,10 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
     match period {
         Some(period) => periodic(&whole, &robot.robot, settings, period, share),
         None => {
+            let low_pass = low_pass(log, &whole, settings, common_hz);
             let (used, aside) = whole.split(whole.len() - (share * whole.len() as f64).round() as usize);
-            let used = aperiodic(&used, &robot.robot, settings)?;
-            Ok((used, if aside.is_empty() { None } else { Some(aperiodic(&aside, &robot.robot, settings)?) }))
+            let samples = |part: &Log| aperiodic(part, &robot.robot, settings, low_pass);
+            Ok((samples(&used)?, if aside.is_empty() { None } else { Some(samples(&aside)?) }))
         }
     }
 }
@@ -208,17 +272,41 @@ fn below_nyquist(error: &SignalError, log: &Log) -> Option<Remedy> {
     })
 }
 
-fn aperiodic(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples, Error> {
-    let processing = &settings.processing;
-    let segments: Vec<usize> = log.segments.iter().map(|segment| segment.samples).collect();
-    let record = AperiodicRecord {
+/// Cut-off and rate of the equations of a log without periods, Hz. A cut-off that is found in it, or in several, is remarked upon.
+fn low_pass(log: &mut Log, whole: &Log, settings: &LogSettings, common_hz: Option<f64>) -> [f64; 2] {
+    let [of_stated, of_found] = EQUATIONS_PER_CYCLE;
+    if let Some(hz) = settings.processing.cutoff_hz {
+        return [hz, of_stated * hz];
+    }
+    let segments: Vec<usize> = whole.segments.iter().map(|segment| segment.samples).collect();
+    let hz = common_hz.unwrap_or_else(|| record(whole, &segments, settings).find_cutoff());
+    let of = if common_hz.is_some() { "of these logs" } else { "of this log" };
+    let series = if settings.measured_velocity { "velocities" } else { "positions" };
+    log.origin.remarks.push(format!("low pass of {hz:.1} Hz for the {series}, by the noise {of}"));
+    [hz, of_found * hz]
+}
+
+fn record<'a>(log: &'a Log, segments: &'a [usize], settings: &LogSettings) -> AperiodicRecord<'a> {
+    AperiodicRecord {
         qd: log.qd.as_deref().filter(|_| settings.measured_velocity),
-        segments: &segments,
+        segments,
         excluded: &log.excluded,
         ..AperiodicRecord::new(log.dof, log.rate_hz, &log.q, &log.effort)
-    };
+    }
+}
+
+/// Samples of a part of a log.
+fn aperiodic(
+    log: &Log,
+    robot: &Robot,
+    settings: &LogSettings,
+    [cutoff_hz, rate_hz]: [f64; 2],
+) -> Result<Samples, Error> {
+    let processing = &Processing { cutoff_hz: Some(cutoff_hz), ..settings.processing.clone() };
+    let segments: Vec<usize> = log.segments.iter().map(|segment| segment.samples).collect();
+    let record = record(log, &segments, settings);
     let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
-    let thinned = (4.0 * processing.cutoff_hz(0.0)).min(log.rate_hz);
+    let thinned = rate_hz.min(log.rate_hz);
     let fault = |error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log));
     let samples = process_aperiodic(&record, robot, unit, thinned, processing).map_err(fault)?;
     let Some(link_q) = &log.link_q else { return Ok(samples) };

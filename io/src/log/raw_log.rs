@@ -28,7 +28,10 @@ pub(super) struct RawLog {
     pub(super) q: Vec<f64>,
     pub(super) qd: Option<Vec<f64>>,
     pub(super) link_q: Option<Vec<f64>>,
+    /// Zero where a joint has none.
     pub(super) effort: Vec<f64>,
+    /// Joints, from zero, whose effort was not measured or is not to be used.
+    pub(super) without_effort: Vec<usize>,
     pub(super) effort_unit: Option<EffortInterface>,
     pub(super) conversion: Conversion,
     pub(super) origin: Origin,
@@ -77,7 +80,13 @@ impl RawLog {
             self.qd = self.qd.as_deref().map(pick);
             self.link_q = self.link_q.as_deref().map(pick);
         }
-        let (faults, excluded) = channels::look(&self.q, &self.effort, n);
+        let (faults, mut excluded) = channels::look(&self.q, &self.effort, n);
+        for &joint in &self.without_effort {
+            excluded.resize(self.q.len(), false);
+            excluded.iter_mut().skip(joint).step_by(n).for_each(|excluded| *excluded = true);
+            let remark = format!("joint {}: its effort is left out, and it gives no equation of its own", joint + 1);
+            self.origin.remarks.push(remark);
+        }
         let repeated = channels::repeated_rows(&self.q, n) as f64 / kept.len().max(1) as f64;
         if repeated >= REPEATED {
             let remark = format!(

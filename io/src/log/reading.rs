@@ -5,15 +5,15 @@ use std::path::Path;
 use armid::input::size::RECORDING_BYTES;
 
 use super::joint_log::Log;
-use super::log_format::LogFormat;
+use super::log_format::{self, LogFormat, Reader};
 use super::topics::StateReading;
-use super::{bag, csv};
+use super::{bag, foreign_csv, lerobot};
 use crate::error::Error;
-use crate::text::{Text, read_bytes};
+use crate::text::read_bytes;
 
 impl Log {
-    /// Reads a log: a folder as a bag, MCAP and a bag's SQLite by their first bytes, CSV otherwise. An MCAP that was cut off is read to
-    /// its last whole chunk where its name ends in `.part`.
+    /// Reads a log: a folder as a data set of LeRobot or a bag, other files by their first bytes, or else as a table of text. An MCAP that
+    /// was cut off is read to its last whole chunk where its name ends in `.part`.
     ///
     /// # Errors
     /// [`Error`] where the file cannot be read or is no log.
@@ -26,18 +26,24 @@ impl Log {
     /// # Errors
     /// As [`Self::read`].
     pub(super) fn read_as(path: &Path, reading: &StateReading<'_>) -> Result<Self, Error> {
+        if lerobot::is_data_set(path) {
+            return foreign_csv::of_tables(vec![lerobot::table(path)?], None, None);
+        }
         if path.is_dir() {
             return bag::read(path, reading);
         }
         let bytes = read_bytes(path, &RECORDING_BYTES)?;
-        if let Some(format) = LogFormat::of_bytes(&bytes) {
-            return (format.log)(path, &bytes, reading);
+        if let Some(Reader::States(reader)) = LogFormat::of(path, &bytes)?.map(|format| format.reader) {
+            return (reader.log)(path, &bytes, reading);
         }
-        if let Some(format) = LogFormat::ALL.into_iter().find(|format| format.is_whole_file(path)) {
-            let magic: Vec<String> = format.magic.iter().map(|byte| format!("{byte:02X}")).collect();
-            let message = format!("{} does not begin as {} does", path.display(), format.name);
-            return Err(Error::new(message).help(format!("expected the bytes {}", magic.join(" "))));
-        }
-        csv::parse(Text::of_bytes(path, bytes)?)
+        Self::of_table(path, bytes)
+    }
+
+    /// Reads a log from the bytes of a table: text, or another kind by how it begins. `path` is what errors call it.
+    ///
+    /// # Errors
+    /// [`Error`] where it is none, or its headings do not say what its columns are.
+    pub fn of_table(path: &Path, bytes: Vec<u8>) -> Result<Self, Error> {
+        foreign_csv::of_tables(vec![log_format::table_of(path, bytes)?], None, None)
     }
 }

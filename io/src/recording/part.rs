@@ -103,7 +103,7 @@ mod tests {
         check_at_rest(&part_of(&path)).unwrap();
         for refused in [check_free(&path).unwrap_err(), create(&part_of(&path)).unwrap_err()] {
             assert!(refused.to_string().contains("R.mcap.part is there"), "{refused}");
-            assert!(refused.remedy().unwrap().to_string().contains("resume"));
+            assert!(refused.hint().unwrap().contains("resume"));
         }
         let draft = folder.path().join("R.mcap.part.new");
         let first = create_draft(&draft).unwrap();

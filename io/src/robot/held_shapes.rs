@@ -130,7 +130,7 @@ impl Meshes<'_> {
             Err(fault) => Err(fault.to_string()),
             Ok(Geometry::Mesh { file, .. }) => {
                 let path = self.packages.find(file, self.folder).map_err(|error| {
-                    let help = error.remedy().map_or_else(String::new, |help| format!("; {help}"));
+                    let help = error.hint().map_or_else(String::new, |help| format!("; {help}"));
                     format!("{error}{help}")
                 })?;
                 let read = || mesh::read(&path).map_err(|error| error.to_string());

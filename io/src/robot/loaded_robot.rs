@@ -65,7 +65,6 @@ enum TruthSource {
 
 impl LoadedRobot {
     /// What is known without an experiment: the nominal parameters, or the inertias of the file itself.
-    #[must_use]
     pub fn guess(&self) -> Option<&StandardParameters> {
         self.nominal.as_ref().or(self.own.as_ref())
     }

@@ -108,7 +108,6 @@ impl Journal {
     }
 
     /// The message about pieces that were not continued.
-    #[must_use]
     pub fn note(&self) -> Option<String> {
         let aside = self.put_aside.as_ref()?.display();
         Some(format!("begun anew; finished work of an interrupted study, which can be resumed, is kept in {aside}"))

@@ -7,14 +7,14 @@
 //! S grows by the point that is furthest from its hull, until that is within [`HULL_TOLERANCE`] or S has [`HULL_POINTS`]
 //! points. A distance to the body is then never above that to the hull of all points, and below it by the margin at most.
 //!
-//! Distances of points from a hull are those of `parry3d` (E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE Journal of Robotics and
-//! Automation 4(2), 1988).
+//! The corners next to a point are found by `parry3d` (E. G. Gilbert, D. W. Johnson, S. S. Keerthi, IEEE Journal of Robotics and
+//! Automation 4(2), 1988); the distance is that from a point of their hull, so that rounding in flat hulls cannot make it too small.
 
 use std::collections::BinaryHeap;
 
 use nalgebra::{Matrix3, SymmetricEigen, Vector3};
 use parry3d_f64::math::{Pose, Vector};
-use parry3d_f64::query::gjk::{ConstantPoint, CsoPoint, GJKResult, VoronoiSimplex, closest_points};
+use parry3d_f64::query::gjk::{ConstantPoint, CsoPoint, VoronoiSimplex, closest_points};
 use parry3d_f64::shape::SupportMap;
 
 use super::capsule::Capsule;
@@ -31,6 +31,9 @@ const SIDES: (usize, usize) = (8, HULL_POINTS / 2);
 
 /// Beyond this, m, a distance is not looked at more closely.
 const FAR: f64 = 1e6;
+
+/// A distance below this share of the simplex's size is that of a point inside.
+const ROUNDING: f64 = 1e-14;
 
 /// Every point within `margin` of the convex hull of some points.
 ///
@@ -100,13 +103,11 @@ impl Hull {
     }
 
     /// The furthest that the body reaches along a unit vector, m.
-    #[must_use]
     pub fn extent(&self, direction: &Vector3<f64>) -> f64 {
         self.points.iter().map(|p| direction.dot(p)).fold(f64::NEG_INFINITY, f64::max) + self.margin
     }
 
     /// The middle of the box around the points, along the axes of the frame.
-    #[must_use]
     pub fn middle(&self) -> Vector3<f64> {
         let along = |axis: usize| {
             let (low, high) = self
@@ -119,7 +120,6 @@ impl Hull {
     }
 
     /// A capsule that holds the body: about the line through its middle along which its points scatter most.
-    #[must_use]
     pub fn enclosing_capsule(&self) -> Capsule {
         let middle = self.middle();
         let scatter: Matrix3<f64> = self.points.iter().map(|p| (p - middle) * (p - middle).transpose()).sum();
@@ -192,19 +192,62 @@ impl PointHull {
         Self(points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect())
     }
 
-    /// No less than the distance of a point, m; zero inside.
+    /// The distance of a point, m, and no less but for rounding; zero inside.
     fn distance(&self, point: &Vector3<f64>) -> f64 {
         let point = Vector::new(point.x, point.y, point.z);
-        let to_corner = || self.0.iter().map(|corner| (*corner - point).length()).fold(f64::INFINITY, f64::min);
         let mut simplex = VoronoiSimplex::new();
         simplex.reset(CsoPoint::from_shapes(&Pose::IDENTITY, self, &ConstantPoint(point), Vector::X));
-        match closest_points(&Pose::IDENTITY, self, &ConstantPoint(point), FAR, true, &mut simplex) {
-            GJKResult::ClosestPoints(nearest, point, _) => (point - nearest).length(),
-            GJKResult::Intersection => 0.0,
-            // The iteration did not end.
-            GJKResult::Proximity(_) | GJKResult::NoIntersection(_) => to_corner(),
-        }
+        // What the iteration says of flat simplices may be false: only the corners that it ends with are taken.
+        let _ = closest_points(&Pose::IDENTITY, self, &ConstantPoint(point), FAR, true, &mut simplex);
+        let corners: Vec<Vector3<f64>> = (0..=simplex.dimension())
+            .map(|k| simplex.point(k).point)
+            .map(|corner| Vector3::new(corner.x, corner.y, corner.z))
+            .collect();
+        distance_of_origin(&corners)
     }
+}
+
+/// Distance of the origin from the hull of at most four points: the least over their faces, each by a point that is in it.
+fn distance_of_origin(corners: &[Vector3<f64>]) -> f64 {
+    let size = corners.iter().map(|corner| corner.norm()).fold(0.0, f64::max);
+    let faces = 1..1_usize << corners.len();
+    let distance = faces
+        .filter_map(|face| {
+            let mut of_face = (0..corners.len()).filter(|k| face >> k & 1 == 1).map(|k| corners[k]);
+            let first = of_face.next()?;
+            Some(point_of_face(first, &of_face.map(|corner| corner - first).collect::<Vec<_>>()).norm())
+        })
+        .fold(f64::INFINITY, f64::min);
+    if distance <= ROUNDING * size { 0.0 } else { distance }
+}
+
+/// A point of the face with a corner `a` and edges `e` from it, the one nearest to the origin where that is inside:
+///
+/// ```text
+/// a + Σ wᵢ eᵢ,   e w = −a,   then w ≥ 0 and Σ wᵢ ≤ 1 by cutting off and scaling
+/// ```
+fn point_of_face(a: Vector3<f64>, edges: &[Vector3<f64>]) -> Vector3<f64> {
+    let weights = match *edges {
+        [] => return a,
+        [e] => Vector3::new(-a.dot(&e) / e.norm_squared(), 0.0, 0.0),
+        // The part of a across the face is left over.
+        [e, f] => solved(&Matrix3::from_columns(&[e, f, e.cross(&f)]), &a),
+        [e, f, g, ..] => solved(&Matrix3::from_columns(&[e, f, g]), &a),
+    };
+    if weights.iter().any(|w| !w.is_finite()) {
+        return a;
+    }
+    let mut weights = weights.map(|w| w.max(0.0));
+    if edges.len() == 2 {
+        weights.z = 0.0;
+    }
+    weights /= weights.sum().max(1.0);
+    edges.iter().zip(weights.iter()).fold(a, |point, (edge, weight)| point + edge * *weight)
+}
+
+/// The solution of e w = −a; not a number where the face is flat.
+fn solved(edges: &Matrix3<f64>, a: &Vector3<f64>) -> Vector3<f64> {
+    edges.lu().solve(&-a).unwrap_or(Vector3::repeat(f64::NAN))
 }
 
 impl SupportMap for PointHull {
@@ -258,6 +301,24 @@ mod tests {
             }
         }
         assert_eq!(Hull::around(&[]), None);
+    }
+
+    /// Points of nearly a line, and sizes from 1e-33 to 2 m: a point was once taken to be inside.
+    #[test]
+    fn regression_a_flat_hull_with_sizes_far_apart_holds_its_points() {
+        let tiny = 1.65e-33;
+        let mut rng = Seed::new(5).stream("hull", 0);
+        let sizes = [0.0, tiny, 1.16e-19, 5e-10, 7.45e-9, 1.3e-4, 5.227e-4, -1.868, 0.3, 52.0, 1e3];
+        for round in 0..20_000 {
+            let count = 2 + round % 12;
+            let mut coordinate = |_: usize, _: usize| sizes[rng.random_range(0..sizes.len())];
+            let points: Vec<Vector3<f64>> = (0..count).map(|_| Vector3::from_fn(&mut coordinate)).collect();
+            let hull = Hull::around(&points).unwrap();
+            for axis in [Vector3::x(), Vector3::y(), Vector3::z()].into_iter().flat_map(|axis| [axis, -axis]) {
+                let furthest = points.iter().map(|p| axis.dot(p)).fold(f64::NEG_INFINITY, f64::max);
+                assert!(furthest <= hull.extent(&axis) + 1e-11, "{points:?} {hull:?}");
+            }
+        }
     }
 
     #[test]

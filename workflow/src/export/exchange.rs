@@ -1,12 +1,9 @@
 //! A robot with its parameters in the formats of other tools, and the same read back.
 
-use std::collections::BTreeMap;
-
 use armid::dynamics::Dynamics;
-use armid::estimation::Estimate;
 use armid::model::format::{
-    ChainEnds, EditedText, FormatError, ImportedModel, edit_mjcf, edit_urdf, note, parse_mjcf, parse_parameter_map,
-    parse_parameters, parse_urdf, write_parameters, write_urdf,
+    ChainEnds, EditedText, FormatError, ImportedModel, edit_mjcf, edit_urdf, law_map, note, parse_mjcf,
+    parse_parameter_map, parse_parameters, parse_urdf, write_parameters, write_urdf,
 };
 use armid::model::term::{COULOMB, ROTOR, VISCOUS};
 use armid::model::{Columns, Robot, StandardParameters};
@@ -38,18 +35,9 @@ pub enum Exchange {
     Json,
 }
 
-impl Exchange {
-    /// Its name.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Urdf => "urdf",
-            Self::Mjcf => "mjcf",
-            Self::Toml => "toml",
-            Self::Json => "json",
-        }
-    }
+armid::input::named! { Exchange { Urdf: "urdf", Mjcf: "mjcf", Toml: "toml", Json: "json" } }
 
+impl Exchange {
     /// How files of this format end.
     #[must_use]
     pub const fn extension(self) -> &'static str {
@@ -80,16 +68,6 @@ impl Exchange {
         }
     }
 
-    /// Where the speeds of friction stand that an estimate found, of files that have the coefficients alone.
-    pub(super) fn speeds(self, estimate: &Estimate) -> Option<String> {
-        let of = |(i, shapes): (usize, &BTreeMap<String, f64>)| -> Vec<String> {
-            shapes.iter().map(|(key, value)| format!("joint {}: {key} = {value}", i + 1)).collect()
-        };
-        let stated: Vec<String> = estimate.shape.iter().enumerate().flat_map(of).collect();
-        let is_bare = matches!(self, Self::Toml | Self::Json) && !stated.is_empty();
-        is_bare.then(|| format!("the speeds of friction stand in the robot file: {}", stated.join(", ")))
-    }
-
     /// The file that is edited in place, of what a robot was read from.
     #[must_use]
     pub fn template(self, loaded: &LoadedRobot) -> Option<&ChainSource> {
@@ -117,7 +95,7 @@ impl Exchange {
                 Self::Urdf | Self::Toml | Self::Json => edit_urdf(&source.text.content, &source.ends, parameters),
             };
             let EditedText { text, mut remarks } = edited.map_err(named)?;
-            let gravity = self.parse(&text, &source.ends).map(|model| model.robot.gravity());
+            let gravity = self.model(&text, &source.ends).map(|model| model.robot.gravity());
             if gravity.is_ok_and(|read| (read - robot.gravity()).amax() > ROUNDING) {
                 remarks.push(format!("gravity is that of {}: in the robot file it is another", source.text.name));
             }
@@ -129,15 +107,16 @@ impl Exchange {
             Self::Toml => write_parameters(robot, parameters, header),
             Self::Json => {
                 let ids = Columns::RIGID_ROTOR_FRICTION.and_those_of(parameters).parameters(robot);
+                let laws = law_map(robot, parameters).into_iter().map(|(name, value)| (name, value.into()));
                 let map: Map<String, Value> =
-                    ids.into_iter().map(|id| (id.to_string(), parameters.get(id).into())).collect();
+                    ids.into_iter().map(|id| (id.to_string(), parameters.get(id).into())).chain(laws).collect();
                 pretty(&Value::Object(map))
             }
         };
         Ok((text, Vec::new()))
     }
 
-    fn parse(self, text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
+    fn model(self, text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
         if self == Self::Mjcf { parse_mjcf(text, ends) } else { parse_urdf(text, ends) }
     }
 
@@ -151,13 +130,14 @@ impl Exchange {
         let read = match self {
             Self::Urdf | Self::Mjcf => {
                 let ends = template.map_or_else(ChainEnds::default, |source| source.ends.clone());
-                self.parse(text, &ends).map(|ImportedModel { robot: read, parameters, .. }| match template {
+                self.model(text, &ends).map(|ImportedModel { robot: read, parameters, .. }| match template {
                     Some(_) => (read.clone().with_gravity(read.base().rotation * robot.gravity()), parameters),
                     None => (read, parameters),
                 })
             }
-            Self::Toml => parse_parameters(text, robot, true).map(|file| (robot.clone(), file.parameters)),
-            Self::Json => parse_parameter_map(text, robot).map(|parameters| (robot.clone(), parameters)),
+            Self::Toml => parse_parameters(text, robot, true)
+                .map(|file| (robot.clone().with_drives(file.motors), file.parameters)),
+            Self::Json => parse_parameter_map(text, robot).map(|(parameters, robot)| (robot, parameters)),
         };
         read.map_err(|fault| Error::new(format!("the file does not read back: {}", fault.message)))
     }

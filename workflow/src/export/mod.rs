@@ -7,9 +7,7 @@ mod snapping;
 mod source;
 
 pub use exchange::{Exchange, Reloaded};
-pub use model_file::{
-    ExportSettings, KnownSum, Lacking, LogOfEstimate, ModelFile, WrittenParameter, export, prediction_of,
-};
+pub use model_file::{ExportSettings, KnownSum, Lacking, ModelFile, WrittenParameter, export, prediction_of};
 pub use model_prediction::{ModelPrediction, PredictionError};
 pub use snapping::Snapping;
 pub use source::{Recomputed, SourceFile, export_source};

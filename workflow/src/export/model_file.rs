@@ -62,6 +62,8 @@ pub struct ModelFile {
     pub left_out: Vec<&'static str>,
     /// How much the guess of the bodies counts.
     pub prior: PriorWeight,
+    /// 1/σ² of the residual of each joint: how much its equations count.
+    pub joint_weights: Vec<f64>,
     /// Where that guess comes from, link by link.
     pub bodies: Vec<BodyOrigin>,
     /// Whether every body can be one.
@@ -132,15 +134,6 @@ struct Intervals {
     sums: Vec<KnownSum>,
 }
 
-/// The log of an estimate, read again.
-#[derive(Clone, Copy)]
-pub struct LogOfEstimate<'a> {
-    /// As the estimate has it.
-    pub as_estimated: &'a ProcessedLog,
-    /// With the rows in which joints hardly move, that is with a `reversal_fraction` of zero: a file predicts those, too.
-    pub all_rows: &'a ProcessedLog,
-}
-
 /// Fits the model that a file of another tool can hold to the log of an estimate, which errors call `name`, and writes the file. An
 /// observer may end the comparison with terms that the format lacks: what was compared by then is kept.
 ///
@@ -148,22 +141,20 @@ pub struct LogOfEstimate<'a> {
 /// [`Error`] where the estimate is of another robot, no model of these terms explains the log, or the file does not read back.
 pub fn export(
     (estimate, name): (&Estimate, &str),
-    [mut as_estimated, mut all_rows]: [ProcessedLog; 2],
+    mut log: ProcessedLog,
     settings: &ExportSettings,
     observer: &dyn Observer,
 ) -> Result<ModelFile, Error> {
-    for log in [&mut as_estimated, &mut all_rows] {
-        log.take_shape(estimate, name)?;
-    }
-    let log = LogOfEstimate { as_estimated: &as_estimated, all_rows: &all_rows };
-    let (loaded, format) = (&log.as_estimated.robot, settings.format);
+    log.take_shape(estimate, name)?;
+    let (log, format) = (&log, settings.format);
+    let loaded = &log.robot;
     let estimated = columns_of(estimate, name)?;
     let named = |error| Error::mismatch(format!("{name}: {error}"));
     // With the laws of friction that the estimate found, of which a format may have a plainer one.
     let own = estimate.robot(&loaded.robot, estimated).map_err(named)?;
     let (robot, columns) = (format.robot(&own)?, format.columns(estimated));
     let guess = guess(loaded);
-    let fit = log.all_rows.fit_model(&robot, columns, &guess)?;
+    let fit = log.fit_model(&robot, columns, &guess)?;
     let template = settings.into.as_ref().or_else(|| format.template(loaded));
     let file_name = settings.name();
     // First without the number that the file is to say of itself.
@@ -172,10 +163,10 @@ pub fn export(
     let reload = Reloaded::compare(&robot, &fit.parameters, (&read, &found), columns)?;
     let model = Model { robot: &read, parameters: &found };
     let prediction = ModelPrediction::new(
-        PredictionError::of(&log.as_estimated.model_residual(&model, &file_name)?),
-        PredictionError::of(&log.as_estimated.residual(estimate, name)?),
+        PredictionError::of(&log.model_residual(&model, &file_name)?),
+        PredictionError::of(&log.residual(estimate, name)?),
     );
-    let header = header(estimate, log.as_estimated, &fit, &prediction.sentence("this file"));
+    let header = header(estimate, log, &fit, &prediction.sentence("this file"));
     let (text, written) = format.write(&robot, template, &fit.parameters, &header)?;
     let lacking = if prediction.good {
         Vec::new()
@@ -184,7 +175,7 @@ pub fn export(
         file.lacking(log, estimated, &guess, &own, observer)?
     };
     let snapped = if settings.into.is_none() { Snapping::of(loaded, &fit.parameters)? } else { None };
-    let intervals = Intervals::of(log.as_estimated, columns, &fit.parameters);
+    let intervals = Intervals::of(log, columns, &fit.parameters);
     Ok(ModelFile {
         robot: estimate.robot.clone(),
         estimator: estimate.estimator.clone(),
@@ -196,6 +187,7 @@ pub fn export(
         lacking,
         left_out: left_out(columns, estimated, &loaded.robot),
         prior: fit.weight,
+        joint_weights: fit.joint_weights,
         bodies: guess.origins,
         consistent: fit.parameters.links.iter().all(|link| link.check().is_ok()),
         parameters: parameters(&fit.parameters, &intervals),
@@ -203,8 +195,8 @@ pub fn export(
         termination: fit.termination,
         reload,
         snapped,
-        remarks: loaded.remarks.iter().cloned().chain(written).chain(format.speeds(estimate)).collect(),
-        joints: log.as_estimated.joint_names(),
+        remarks: loaded.remarks.iter().cloned().chain(written).collect(),
+        joints: log.joint_names(),
     })
 }
 
@@ -241,7 +233,7 @@ impl Fitted<'_> {
     /// What of the estimate would make the file better, the best first.
     fn lacking(
         &self,
-        log: LogOfEstimate<'_>,
+        log: &ProcessedLog,
         estimated: Columns,
         guess: &ModelGuess,
         own: &Robot,
@@ -263,42 +255,41 @@ impl Fitted<'_> {
             if observer.observe(Progress { work: Work::Steps, done, total }).is_break() {
                 break;
             }
-            let fit = log.all_rows.fit_model(robot, columns, guess)?;
+            let fit = log.fit_model(robot, columns, guess)?;
             found.push(self.compared(log, what, &Model { robot, parameters: &fit.parameters })?);
         }
         found.sort_by(|a, b| a.error_with_it.total_cmp(&b.error_with_it));
         // The best in any case; others where they help.
         let own = PredictionError::of(
-            &log.as_estimated.model_residual(&Model { robot: self.robot, parameters: self.parameters }, "the file")?,
+            &log.model_residual(&Model { robot: self.robot, parameters: self.parameters }, "the file")?,
         );
         let helps = |(place, lacking): &(usize, Lacking)| *place == 0 || lacking.error_with_it < HELPS * own.fit;
         Ok(found.into_iter().enumerate().filter(helps).map(|(_, lacking)| lacking).collect())
     }
 
-    fn compared(&self, log: LogOfEstimate<'_>, what: &'static str, richer: &Model<'_>) -> Result<Lacking, Error> {
-        let prepared = log.as_estimated;
-        let error = PredictionError::of(&prepared.model_residual(richer, what)?).fit;
+    fn compared(&self, log: &ProcessedLog, what: &'static str, richer: &Model<'_>) -> Result<Lacking, Error> {
+        let error = PredictionError::of(&log.model_residual(richer, what)?).fit;
         let named = |error: armid::estimation::EstimationError| Error::new(error.to_string());
-        let states = &prepared.samples.states;
+        let states = &log.samples.states;
         let own = Model { robot: self.robot, parameters: self.parameters }.predict(states).map_err(named)?;
         let other = richer.predict(states).map_err(named)?;
-        let (n, count) = (prepared.samples.dof(), prepared.samples.len().max(1) as f64);
+        let (n, count) = (log.samples.dof(), log.samples.len().max(1) as f64);
         let rms = |i: usize, of: &dyn Fn(usize) -> f64| -> f64 {
-            ((0..prepared.samples.len()).map(|k| of(k * n + i).powi(2)).sum::<f64>() / count).sqrt()
+            ((0..log.samples.len()).map(|k| of(k * n + i).powi(2)).sum::<f64>() / count).sqrt()
         };
         let lack: Vec<(f64, f64)> = (0..n)
             .map(|i| {
                 let lack = rms(i, &|at| other[at] - own[at]);
-                (lack, lack / rms(i, &|at| prepared.samples.tau[at]).max(f64::MIN_POSITIVE))
+                (lack, lack / rms(i, &|at| log.samples.tau[at]).max(f64::MIN_POSITIVE))
             })
             .collect();
         let joint = (0..n).fold(0, |most, i| if lack[i].1 > lack[most].1 { i } else { most });
         Ok(Lacking {
             term: what,
             error_with_it: error,
-            joint: prepared.robot.robot.joints()[joint].name.clone(),
+            joint: log.robot.robot.joints()[joint].name.clone(),
             torque_rms: lack[joint].0,
-            unit: prepared.samples.units[joint].clone(),
+            unit: log.samples.units[joint].clone(),
             torque_share: lack[joint].1,
         })
     }
@@ -307,12 +298,12 @@ impl Fitted<'_> {
 impl Intervals {
     /// By weighted least squares with the terms of the file; none where the motion does not separate them. An interval is wide enough
     /// to hold what is written.
-    fn of(prepared: &ProcessedLog, columns: Columns, parameters: &StandardParameters) -> Self {
-        let estimated = prepared.identify(columns, EstimatorKind::Wls);
-        let (Ok(estimate), Ok(observation)) = (estimated, prepared.observation(columns)) else {
+    fn of(log: &ProcessedLog, columns: Columns, parameters: &StandardParameters) -> Self {
+        let estimated = log.identify(columns, EstimatorKind::Wls);
+        let (Ok(estimate), Ok(observation)) = (estimated, log.observation(columns)) else {
             return Self::default();
         };
-        let Ok(expressions) = prepared.expressions(&estimate, "the fit") else { return Self::default() };
+        let Ok(expressions) = log.expressions(&estimate, "the fit") else { return Self::default() };
         let mut intervals = Self::default();
         for (row, (base, expression)) in estimate.base.iter().zip(expressions).enumerate() {
             let terms = observation.base.terms(row);
@@ -335,12 +326,12 @@ impl Intervals {
 ///
 /// # Errors
 /// [`Error`] where no model of the format's terms explains the log.
-pub fn prediction_of(format: Exchange, log: LogOfEstimate<'_>) -> Result<PredictionError, Error> {
-    let loaded = &log.as_estimated.robot;
+pub fn prediction_of(format: Exchange, log: &ProcessedLog) -> Result<PredictionError, Error> {
+    let loaded = &log.robot;
     let robot = format.robot(&loaded.robot)?;
-    let fit = log.all_rows.fit_model(&robot, format.columns(Columns::RIGID), &guess(loaded))?;
+    let fit = log.fit_model(&robot, format.columns(Columns::RIGID), &guess(loaded))?;
     let model = Model { robot: &robot, parameters: &fit.parameters };
-    Ok(PredictionError::of(&log.as_estimated.model_residual(&model, format.name())?))
+    Ok(PredictionError::of(&log.model_residual(&model, format.name())?))
 }
 
 /// What is known of the bodies before the log.

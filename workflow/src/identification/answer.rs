@@ -3,12 +3,13 @@
 use armid::calibration::TransmissionStiffness;
 use armid::diagnosis::Suspicion;
 use armid::estimation::{Estimate, FrictionSpeeds, Selection, Termination, TorqueResidual};
-use armid::remedy::{Remedy, Setting};
-use armid_io::{Error, Inputs, ProcessedLog};
+use armid_io::{Inputs, ProcessedLog};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
+use super::advice::advice;
 use super::friction_speed::speeds_json;
+use super::verdict::Verdict;
 
 /// The estimates of one identification, and everything that is said of them. It serialises to the command's file: one object for one
 /// estimator, a list for several.
@@ -43,18 +44,8 @@ pub struct Identified {
     pub held_out: Option<TorqueResidual>,
     /// What each base parameter stands for.
     pub expressions: Vec<String>,
-}
-
-impl Identified {
-    /// An estimate against the log that it was made from.
-    ///
-    /// # Errors
-    /// [`Error`] where it is of another robot or of other parameters.
-    pub fn new(estimate: Estimate, log: &ProcessedLog) -> Result<Self, Error> {
-        let (used, held_out) = log.residual(&estimate, "the estimate")?;
-        let expressions = log.expressions(&estimate, "the estimate")?;
-        Ok(Self { estimate, used, held_out, expressions })
-    }
+    /// What it is worth, and what to do about it.
+    pub verdict: Verdict,
 }
 
 impl IdentifyAnswer {
@@ -75,7 +66,7 @@ impl IdentifyAnswer {
 
     /// The estimate's own keys; beside each finding's numbers its sentence and advice; what it was made from.
     fn json(&self, identified: &Identified) -> Value {
-        let Identified { estimate, used, held_out, expressions } = identified;
+        let Identified { estimate, used, held_out, expressions, verdict } = identified;
         let mut json = serde_json::to_value(estimate).unwrap_or_default();
         if let Some(base) = json.get_mut("base").and_then(Value::as_array_mut) {
             for (value, expression) in base.iter_mut().zip(expressions) {
@@ -95,6 +86,7 @@ impl IdentifyAnswer {
         }
         json["suspicions"] = self.suspicions.iter().map(|suspicion| suspicion_json(suspicion, &self.log)).collect();
         json["joints"] = json!(self.log.joint_names());
+        json["verdict"] = json!(verdict);
         json["residual"] = json!(used);
         json["held_out"] = json!(held_out);
         json["logs"] = json!(self.log.reports);
@@ -130,21 +122,4 @@ fn suspicion_json(suspicion: &Suspicion, log: &ProcessedLog) -> Value {
     json["text"] = json!(suspicion.mistake.to_string());
     json["advice"] = json!(advice(suspicion, log));
     json
-}
-
-/// What to try about a suspicion: where all logs were read alike, with the mapping that does it.
-#[must_use]
-pub fn advice(suspicion: &Suspicion, log: &ProcessedLog) -> Remedy {
-    let correction = suspicion.mistake.correction();
-    let robot = &log.robot.robot;
-    let mut mappings = log.reports.iter().map(|report| report.origin.corrected(&suspicion.mistake, robot));
-    match mappings.next() {
-        Some(first) if !first.is_empty() && mappings.all(|other| other == first) => {
-            let typed = first.into_iter().enumerate();
-            typed.fold(correction, |so_far, (k, mapping)| {
-                so_far.say(if k == 0 { ", so: " } else { " or: " }).to(Setting::Map, mapping)
-            })
-        }
-        Some(_) | None => correction,
-    }
 }

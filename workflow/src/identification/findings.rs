@@ -43,95 +43,45 @@ const fn rank(finding: &Finding) -> usize {
 
 /// What many findings of a kind have in common, and what each is about.
 fn summary(found: &[&Finding]) -> Option<String> {
-    let list = |names: Vec<String>| names.join(", ");
     let count = found.len();
+    let list = || found.iter().filter_map(|finding| subject(finding)).collect::<Vec<_>>().join(", ");
     Some(match found.first()? {
         Finding::PoorlyDetermined { .. } => {
-            let names = found.iter().filter_map(|finding| match finding {
-                Finding::PoorlyDetermined { parameter, .. } => Some(parameter.clone()),
-                _ => None,
-            });
-            let names = list(names.collect());
-            format!("{count} parameters have a standard deviation of more than a third of their value: {names}")
+            format!("{count} parameters have a standard deviation of more than a third of their value: {}", list())
         }
-        Finding::NegativeDrive { .. } => {
-            let names = found.iter().filter_map(|finding| match finding {
-                Finding::NegativeDrive { parameter, .. } => Some(parameter.clone()),
-                _ => None,
-            });
-            format!("{count} drive parameters are negative: {}", list(names.collect()))
-        }
+        Finding::NegativeDrive { .. } => format!("{count} drive parameters are negative: {}", list()),
         Finding::InconsistentLink { .. } => {
-            let links = found.iter().filter_map(|finding| match finding {
-                Finding::InconsistentLink { link, .. } => Some(link.to_string()),
-                _ => None,
-            });
-            format!("the completed parameters of links {} are physically inconsistent", list(links.collect()))
+            format!("the completed parameters of links {} are physically inconsistent", list())
         }
-        Finding::ResidualAboveNoise { .. } => {
-            let joints = found.iter().filter_map(|finding| match finding {
-                Finding::ResidualAboveNoise { joint, ratio, .. } => Some(format!("{joint} ({ratio:.1} times)")),
-                _ => None,
+        Finding::ResidualAboveNoise { .. } => format!("the residual is above what noise explains at joints {}", list()),
+        Finding::LackOfFit { .. } => format!("own fits leave torque beyond noise at joints {}", list()),
+        Finding::ResidualCorrelated { .. } => format!("neighbouring residuals correlate at joints {}", list()),
+        Finding::Outliers { .. } => format!("equations are beyond 5 robust standard deviations at joints {}", list()),
+        Finding::LeftOut { .. } => format!("{count} parameters are left out: {}", list()),
+        Finding::BeyondShape { .. } => format!("the nominal bodies of links {} reach beyond their shapes", list()),
+        _ => return None,
+    })
+}
+
+/// The parameter, link or joint that a finding is about, with its number; `None` of a kind that stands alone.
+fn subject(finding: &Finding) -> Option<String> {
+    Some(match finding {
+        Finding::PoorlyDetermined { parameter, .. }
+        | Finding::NegativeDrive { parameter, .. }
+        | Finding::LeftOut { parameter, .. } => parameter.clone(),
+        Finding::InconsistentLink { link, .. } | Finding::BeyondShape { link } => link.to_string(),
+        Finding::ResidualAboveNoise { joint, ratio, .. } => format!("{joint} ({ratio:.1} times)"),
+        Finding::ResidualCorrelated { joint, correlation, .. } => format!("{joint} ({correlation:.2})"),
+        Finding::Outliers { joint, outliers, equations, .. } => format!("{joint} ({outliers} of {equations})"),
+        Finding::LackOfFit { joint, beyond_noise_rms, torque_rms, unit, most, .. } => {
+            let at = most.as_ref().map_or_else(String::new, |most| {
+                let (variable, [from, to], of) = (most.against.name(), most.range, &most.range_unit);
+                format!(", most at a {variable} of {from:.2} to {to:.2} {of}")
             });
-            format!("the residual is above what noise explains at joints {}", list(joints.collect()))
+            let share = 100.0 * beyond_noise_rms / torque_rms;
+            format!("{joint} ({beyond_noise_rms:.1e} {unit}, {share:.2} % of its torque{at})")
         }
-        Finding::LackOfFit { .. } => {
-            let joints = found.iter().filter_map(|finding| match finding {
-                Finding::LackOfFit { joint, beyond_noise_rms, torque_rms, unit, most, .. } => {
-                    let at = most.as_ref().map(|most| {
-                        let (variable, [from, to], of) = (most.against.name(), most.range, &most.range_unit);
-                        format!(", most at a {variable} of {from:.2} to {to:.2} {of}")
-                    });
-                    let share = 100.0 * beyond_noise_rms / torque_rms;
-                    let at = at.unwrap_or_default();
-                    Some(format!("{joint} ({beyond_noise_rms:.1e} {unit}, {share:.2} % of its torque{at})"))
-                }
-                _ => None,
-            });
-            format!("own fits leave torque beyond noise at joints {}", list(joints.collect()))
-        }
-        Finding::ResidualCorrelated { .. } => {
-            let joints = found.iter().filter_map(|finding| match finding {
-                Finding::ResidualCorrelated { joint, correlation, .. } => Some(format!("{joint} ({correlation:.2})")),
-                _ => None,
-            });
-            format!("neighbouring residuals correlate at joints {}", list(joints.collect()))
-        }
-        Finding::Outliers { .. } => {
-            let joints = found.iter().filter_map(|finding| match finding {
-                Finding::Outliers { joint, outliers, equations, .. } => {
-                    Some(format!("{joint} ({outliers} of {equations})"))
-                }
-                _ => None,
-            });
-            format!("equations are beyond 5 robust standard deviations at joints {}", list(joints.collect()))
-        }
-        Finding::LeftOut { .. } => {
-            let names = found.iter().filter_map(|finding| match finding {
-                Finding::LeftOut { parameter, .. } => Some(parameter.clone()),
-                _ => None,
-            });
-            format!("{count} parameters are left out: {}", list(names.collect()))
-        }
-        Finding::BeyondShape { .. } => {
-            let links = found.iter().filter_map(|finding| match finding {
-                Finding::BeyondShape { link } => Some(link.to_string()),
-                _ => None,
-            });
-            format!("the nominal bodies of links {} reach beyond their shapes", list(links.collect()))
-        }
-        Finding::LargeCondition { .. }
-        | Finding::Impossible { .. }
-        | Finding::HeldBack { .. }
-        | Finding::FewPeriods { .. }
-        | Finding::NoNoise
-        | Finding::NoiseFromResidual
-        | Finding::NearlyDependent { .. }
-        | Finding::MotionTakenAsExact
-        | Finding::DurbinWuHausman { .. }
-        | Finding::HiddenFromPositions { .. }
-        | Finding::MultipleShooting { .. }
-        | Finding::Unfinished { .. } => return None,
+        _ => return None,
     })
 }
 

@@ -2,13 +2,17 @@
 
 use std::sync::Arc;
 
-use armid::estimation::{Estimator, EstimatorKind, FrictionSpeeds, candidate_terms};
+use armid::estimation::{Estimate, Estimator, EstimatorKind, FrictionSpeeds, Termination, candidate_terms};
 use armid::model::Columns;
 use armid::observer::Observer;
 use armid_io::{Error, Inputs, ProcessedLog};
 use armid_sim::closed_loop;
 
 use super::answer::{Identified, IdentifyAnswer};
+use super::verdict::{FileError, Verdict};
+
+/// What errors call an estimate that is in no file.
+const NAME: &str = "the estimate";
 
 /// What is estimated, and by what.
 #[derive(Clone, Debug)]
@@ -83,11 +87,17 @@ pub fn identify(
     let listed = settings.estimators.iter().map(|kind| kind.estimator());
     let estimators: Vec<&dyn Estimator> = listed.chain(settings.others.iter().map(|own| &**own)).collect();
     let estimates = log.identify_watched(columns, &estimators, observer)?;
-    let suspicions = log.suspicions(columns)?;
-    let estimates =
-        estimates.into_iter().map(|estimate| Identified::new(estimate, &log)).collect::<Result<Vec<_>, Error>>()?;
+    // What was ended returns at once.
+    let ended = estimates.iter().any(|one| matches!(one.termination, Termination::Interrupted { .. }));
+    let (suspicions, files) = if ended { Default::default() } else { (log.suspicions(columns)?, FileError::all(&log)) };
+    let identified = |estimate: Estimate| {
+        let (used, held_out) = log.residual(&estimate, NAME)?;
+        let verdict = Verdict::new(&estimate, (&used, held_out.as_ref()), (&log, &suspicions), &files);
+        Ok(Identified { expressions: log.expressions(&estimate, NAME)?, verdict, estimate, used, held_out })
+    };
+    let estimates = estimates.into_iter().map(identified).collect::<Result<Vec<_>, Error>>()?;
     let transmissions = match estimates.first() {
-        Some(first) => log.transmissions(&first.estimate, "the estimate")?,
+        Some(first) => log.transmissions(&first.estimate, NAME)?,
         None => None,
     };
     Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions })

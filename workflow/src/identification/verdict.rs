@@ -1,12 +1,14 @@
 //! The first screen of an estimate: what it predicts, what the motion determines, and the one or two findings that matter.
 
-use armid::estimation::{Against, Finding, Trend};
+use armid::diagnosis::Suspicion;
+use armid::estimation::{Against, Estimate, Finding, TorqueResidual, Trend};
 use armid::remedy::{Remedy, Setting};
+use armid_io::ProcessedLog;
 use serde::Serialize;
 
-use super::answer::{Identified, IdentifyAnswer, advice};
+use super::advice::advice;
 use super::findings::{Group, groups};
-use crate::export::{Exchange, PredictionError};
+use crate::export::{Exchange, prediction_of};
 
 /// Findings on the first screen.
 const SHOWN: usize = 2;
@@ -54,6 +56,14 @@ pub struct FileError {
     pub total: f64,
 }
 
+impl FileError {
+    /// Those of a URDF and an MJCF; nothing of a format in which no model of the log can be made.
+    pub(super) fn all(log: &ProcessedLog) -> Vec<Self> {
+        let of = |to| Some(Self { to, total: prediction_of(to, log).ok()?.shown() });
+        [Exchange::Urdf, Exchange::Mjcf].into_iter().filter_map(of).collect()
+    }
+}
+
 /// What was found, and what to do.
 #[derive(Clone, Debug, Serialize)]
 pub struct Advised {
@@ -64,19 +74,24 @@ pub struct Advised {
 }
 
 impl Verdict {
-    /// What one of the estimates of an answer is worth; `files` are the errors of model files of the same log.
-    #[must_use]
-    pub fn new(answer: &IdentifyAnswer, of: &Identified, files: &[(Exchange, PredictionError)]) -> Self {
-        let (estimate, log) = (&of.estimate, &answer.log);
+    /// Of an estimate with its residual, as [`ProcessedLog::residual`] has it, in a log with these suspicions; `files` are what model
+    /// files of the log would predict.
+    pub(super) fn new(
+        estimate: &Estimate,
+        (used, held_out): (&TorqueResidual, Option<&TorqueResidual>),
+        (log, suspicions): (&ProcessedLog, &[Suspicion]),
+        files: &[FileError],
+    ) -> Self {
         let joints = log.joint_names();
-        let rows = &of.held_out.as_ref().unwrap_or(&of.used).all;
+        let rows = &held_out.unwrap_or(used).all;
         let shares = joints.iter().zip(&rows.share);
         let shares = shares.filter_map(|(joint, share)| Some(JointShare { name: joint.clone(), share: (*share)? }));
         let is_doubtful = |finding: &&Finding| matches!(finding, Finding::PoorlyDetermined { .. });
         let doubtful = estimate.findings.iter().filter(is_doubtful).count();
-        let suspicions = answer.suspicions.iter();
-        let mut findings: Vec<Advised> =
-            suspicions.map(|of| Advised { text: vec![of.mistake.to_string()], advice: advice(of, log) }).collect();
+        let mut findings: Vec<Advised> = suspicions
+            .iter()
+            .map(|of| Advised { text: vec![of.mistake.to_string()], advice: advice(of, log) })
+            .collect();
         let open = SHOWN.saturating_sub(findings.len());
         let groups = groups(&estimate.findings);
         let matter = groups.iter().take(open).take_while(|group| group.matters()).map(Group::said);
@@ -91,12 +106,12 @@ impl Verdict {
             findings.push(Advised { text: vec![trend.sentence(&joints[trend.joint])], advice: action(trend) });
         }
         Self {
-            of: if of.held_out.is_some() { "held-out" } else { "fit" },
+            of: if held_out.is_some() { "held-out" } else { "fit" },
             total: rows.total,
             worst_joint: shares.max_by(|a, b| a.share.total_cmp(&b.share)),
             determined: estimate.base.len() - doubtful,
             parameters: estimate.base.len(),
-            files: files.iter().map(|&(to, error)| FileError { to, total: error.shown() }).collect(),
+            files: files.to_vec(),
             findings,
             groups: in_groups,
         }

@@ -101,16 +101,6 @@ impl Performance<'_> {
         self.setup.plan()
     }
 
-    /// How many designs belong to this part.
-    pub(super) fn planned_designs(&self) -> usize {
-        (0..self.order.designs()).filter(|&index| self.part.holds(index)).count()
-    }
-
-    /// How many runs belong to this part.
-    pub(super) fn planned_runs(&self) -> usize {
-        (0..self.order.len()).filter(|&position| self.part.holds(position)).count()
-    }
-
     /// How many planned runs are not finished.
     pub(super) fn missing(&self, work: &FinishedWork) -> usize {
         let wanted = self.wanted();
@@ -211,7 +201,7 @@ impl Performance<'_> {
     }
 
     /// The bound after the experiments of all designs of a sequence.
-    pub(super) fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>, Error> {
+    fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>, Error> {
         let mut exact = Vec::new();
         for design in sequence {
             let plan = self.setup.experiment(&design.trajectory);

@@ -154,7 +154,7 @@ impl ColumnMap {
     }
 
     /// The same as [`Self::parse`] reads it, behind its key.
-    pub(super) fn text(&self) -> String {
+    pub(crate) fn text(&self) -> String {
         let quoted = |text: &str| {
             if text.contains(char::is_whitespace) { format!("'{text}'") } else { text.to_owned() }
         };
