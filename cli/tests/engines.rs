@@ -37,6 +37,21 @@ fn identity_engines_agree_and_say_so_in_numbers_and_a_figure() {
 }
 
 #[test]
+fn identity_every_version_of_mujoco_gives_the_same_bits() {
+    let newer = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../third_party/mujoco-4.0.0");
+    let name = if cfg!(target_os = "macos") { "libmujoco.4.0.0.dylib" } else { "libmujoco.so.4.0.0" };
+    let library = newer.join(name);
+    assert!(library.exists(), "run scripts/get-mujoco 4.0.0");
+    let folder = temporary();
+    let output = folder.path().join("agreement");
+    let arguments = ["agree", "planar-2r", "--json", "-o", output.to_str().unwrap()];
+    let doctor = json(&with_library(&library, ["doctor", "--json"]).success());
+    assert_eq!(doctor["mujoco"]["version"], "4.0.0");
+    let found = json(&with_library(&library, arguments).success());
+    assert_eq!(found, json(&armid(arguments).success()));
+}
+
+#[test]
 fn a_library_that_is_not_there_not_whole_or_another_is_named_with_what_to_run() {
     let folder = temporary();
     let experiment = experiment(folder.path(), 1);
@@ -55,6 +70,10 @@ fn a_library_that_is_not_there_not_whole_or_another_is_named_with_what_to_run() 
         let fault = stderr(&with_library(&library, ["run", &experiment, "--arm", "mujoco"]).code(2));
         let fault: String = fault.split_whitespace().filter(|word| *word != "│").collect::<Vec<_>>().join(" ");
         assert!(fault.contains(reason) && fault.contains("scripts/get-mujoco"), "{fault}");
+        let agreement = folder.path().join("agreement");
+        let fault = stderr(&with_library(&library, ["agree", "planar-2r", "-o", agreement.to_str().unwrap()]).code(2));
+        assert!(fault.contains("ARMID_MUJOCO_LIB") || fault.contains("scripts/get-mujoco"), "{fault}");
+        assert!(!agreement.exists(), "a comparison without the library that was named");
         let doctor = json(&with_library(&library, ["doctor", "--json"]).success());
         assert_eq!(doctor["engines"], serde_json::json!(["analytic", "rapier"]));
         assert!(doctor["mujoco"]["missing"].as_str().unwrap().contains(reason), "{}", doctor["mujoco"]);

@@ -63,5 +63,5 @@ pub use estimate::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, est
 pub use figures::*;
 pub use heading::Heading;
 pub use residual::{ResidualDiagnostics, ResidualTrace};
-pub use study::{criteria_figure, robots_answer, robots_document, study_document};
+pub use study::{criteria_figure, robots_document, study_document};
 pub use style::{Dash, Group, GroupStyle, Marker};

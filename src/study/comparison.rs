@@ -176,6 +176,27 @@ impl Evidence<'_> {
 }
 
 impl Comparison {
+    /// The comparison with the family `reference` behind: another over it. `None` where it is neither of the two.
+    #[must_use]
+    pub fn over(&self, reference: &str) -> Option<Self> {
+        if self.second == reference {
+            return Some(self.clone());
+        }
+        (self.first == reference).then(|| self.turned())
+    }
+
+    /// Second over first: the inverse of a ratio, the negative of a difference, each with its interval.
+    pub(super) fn turned(&self) -> Self {
+        let turned = |x: f64| if self.metric.is_logarithmic() { -x } else { 1.0 / x };
+        Self {
+            first: self.second.clone(),
+            second: self.first.clone(),
+            difference: turned(self.difference),
+            interval: self.interval.map(|i| Interval { low: turned(i.high), high: turned(i.low) }),
+            ..self.clone()
+        }
+    }
+
     /// The family with the smaller value; `None` of equal ones.
     fn smaller(&self) -> Option<String> {
         let none = if self.metric.is_logarithmic() { 0.0 } else { 1.0 };
@@ -287,6 +308,23 @@ mod tests {
         assert!((high / (0.25 * above(T_1, LN_2)) - 1.0).abs() < 1e-9, "{high}");
         assert!((found.p.unwrap() - (1.0 - 2.0_f64.atan() / std::f64::consts::FRAC_PI_2)).abs() < 1e-12);
         assert_eq!(found.better, None);
+    }
+
+    #[test]
+    fn analytic_a_comparison_turned_round_is_the_inverse_or_the_negative() {
+        let of = |metric, [low, difference, high]: [f64; 3]| {
+            crate::study::small_results::compared(metric, ["a", "b"], [low, difference, high], Some(1))
+        };
+        let ratio = of(Metric::Si, [0.5, 2.0, 4.0]);
+        assert_eq!((ratio.over("b"), ratio.over("c")), (Some(ratio.clone()), None));
+        let inverse = ratio.over("a").unwrap();
+        assert_eq!((inverse.first.as_str(), inverse.second.as_str(), inverse.better.as_deref()), ("b", "a", Some("b")));
+        assert_eq!((inverse.difference, inverse.interval), (0.5, Some(Interval { low: 0.25, high: 2.0 })));
+        let negative = of(Metric::LogVolume, [-1.0, 2.0, 3.0]).over("a").unwrap();
+        assert_eq!((negative.difference, negative.interval), (-2.0, Some(Interval { low: -3.0, high: 1.0 })));
+        for c in [ratio, of(Metric::LogVolume, [-1.0, 2.0, 3.0])] {
+            assert_eq!(c.over("a").unwrap().over("b"), Some(c));
+        }
     }
 
     #[test]

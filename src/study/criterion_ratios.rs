@@ -51,15 +51,13 @@ impl CriterionRatios {
                 _ => continue,
             };
             for criterion in CRITERIA {
-                let pairs = [[criterion, REFERENCE], [REFERENCE, criterion]];
-                let found = part.findings.comparisons.iter().find(|c| {
-                    let pair = [c.first.as_str(), c.second.as_str()];
-                    c.metric == Metric::Prediction && Some(&c.estimator) == estimator && pairs.contains(&pair)
-                });
+                let all = part.findings.comparisons.iter();
+                let of_estimator = all.filter(|c| c.metric == Metric::Prediction && Some(&c.estimator) == estimator);
+                let found = of_estimator.filter_map(|c| c.over(REFERENCE)).find(|c| c.first == criterion);
                 ratios.extend(found.map(|c| EffectRatio {
                     effect: effect.clone(),
                     criterion: criterion.to_owned(),
-                    error: RobotDifference::of(c, c.first == REFERENCE),
+                    error: RobotDifference::of(&c),
                 }));
             }
         }

@@ -6,6 +6,7 @@
 //! This module comes after every module that identifies, so that none of them can name the [`Truth`].
 
 mod agreement;
+mod answer;
 mod effect_sensitivity;
 mod bound;
 mod experiment_sequence;
@@ -22,6 +23,7 @@ mod family_plan;
 mod family_score;
 mod criterion_correlation;
 mod criterion_ratios;
+mod criterion_words;
 mod grid;
 mod measured_motion;
 mod metric;
@@ -33,8 +35,10 @@ mod plan_error;
 mod point_to_point;
 pub mod radkhah2007;
 mod random_truth;
+mod ranking;
 mod replication;
 mod result;
+mod robots_answer;
 mod robots_summary;
 mod run_id;
 mod run_order;
@@ -43,6 +47,8 @@ mod scorer;
 mod plan_size;
 mod setup;
 mod shared_start;
+#[cfg(test)]
+mod small_results;
 mod status_count;
 mod stopping_rule;
 mod stored_work;
@@ -65,6 +71,7 @@ pub use comparison::Comparison;
 pub use condition::{Condition, ConditionResult};
 pub use criterion_correlation::CriterionCorrelation;
 pub use criterion_ratios::{CriterionRatios, EffectRatio};
+pub use criterion_words::{capitalised, criterion_in_words, criterion_pair_in_words};
 pub use design::StudyDesign;
 pub use effect_sensitivity::{EffectSensitivity, ParameterBias, SensitivityEntry};
 pub use error::StudyError;
@@ -83,6 +90,7 @@ pub use plan::{ExperimentSettings, IdentificationSettings, StudyPlan, Validation
 pub use plan_error::StudyPlanError;
 pub use point_to_point::PointToPointMove;
 pub use random_truth::{Centre, RandomTruths, TruthError};
+pub use ranking::{Ranking, Tally};
 pub use replication::Replication;
 pub use result::{JointLine, ParameterLine, ReportInput, StudyResult};
 pub use robots_summary::{AgreementCounts, RobotDifference, RobotResult, RobotsComparison, RobotsSummary};

@@ -138,18 +138,9 @@ impl RobotResult {
 }
 
 impl RobotDifference {
-    /// The difference with the family `second` behind, where the comparison has it in front.
-    pub(super) fn of(c: &Comparison, is_turned: bool) -> Self {
-        let value = |x: f64| match (is_turned, c.metric.is_logarithmic()) {
-            (false, _) => x,
-            (true, false) => 1.0 / x,
-            (true, true) => -x,
-        };
-        let interval = c.interval.map(|i| {
-            let (a, b) = (value(i.low), value(i.high));
-            Interval { low: a.min(b), high: a.max(b) }
-        });
-        Self { difference: value(c.difference), interval, p_adjusted: c.p_adjusted, better: c.better.clone() }
+    pub(super) fn of(c: &Comparison) -> Self {
+        let Comparison { difference, interval, p_adjusted, better, .. } = c.clone();
+        Self { difference, interval, p_adjusted, better }
     }
 }
 
@@ -166,7 +157,6 @@ impl AgreementCounts {
     }
 
     /// The number of comparisons with this agreement.
-    #[must_use]
     pub const fn of(&self, agreement: Agreement) -> usize {
         match agreement {
             Agreement::Same => self.same,
@@ -192,7 +182,8 @@ fn side_by_side(results: &[StudyResult], compare_with: &[String]) -> Vec<RobotsC
         for (condition, part) in result.conditions.iter().enumerate() {
             for c in &part.findings.comparisons {
                 let is_turned = compare_with.contains(&c.first) && !compare_with.contains(&c.second);
-                let (first, second) = if is_turned { (&c.second, &c.first) } else { (&c.first, &c.second) };
+                let c = if is_turned { c.turned() } else { c.clone() };
+                let (first, second) = (&c.first, &c.second);
                 let next = pairs.len();
                 let pair = *pairs.entry([first.clone(), second.clone()]).or_insert(next);
                 let estimators = &result.plan.identification.estimators;
@@ -207,7 +198,7 @@ fn side_by_side(results: &[StudyResult], compare_with: &[String]) -> Vec<RobotsC
                     robots: vec![None; results.len()],
                     agreement: Agreement::OneRobot,
                 });
-                row.robots[robot] = Some(RobotDifference::of(c, is_turned));
+                row.robots[robot] = Some(RobotDifference::of(&c));
             }
         }
     }

@@ -1,9 +1,7 @@
 //! Do the differences between criteria hold in every scenario, and on every arm?
 
-use armid::study::{Comparison, ConditionResult, Metric, ReportInput};
+use armid::study::{Comparison, ConditionResult, Metric, ReportInput, criterion_in_words};
 
-use super::criteria::criterion_in_words;
-use super::selection::shown_estimator;
 use crate::{
     Axis, Cell, Column, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow, Level, Section, Table,
 };
@@ -34,7 +32,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
     if !drawn && !compared {
         return Ok(None);
     }
-    let estimator = shown_estimator(input);
+    let estimator = input.result.shown_estimator();
     let mut section = Section::new("Does it hold in other scenarios?");
     if compared {
         section = section
@@ -53,7 +51,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
 
 /// Many conditions, where the study compares with one family alone: each other family against it, condition by condition.
 fn beside_one_family(input: &ReportInput) -> Result<Option<Section>, DocumentError> {
-    let (parts, estimator) = (&input.result.conditions, shown_estimator(input));
+    let (parts, estimator) = (&input.result.conditions, input.result.shown_estimator());
     let [reference] = &input.result.plan.compare_with[..] else { return Ok(None) };
     if input.result.findings().comparisons.is_empty() {
         return Ok(None);
@@ -72,16 +70,9 @@ fn beside_one_family(input: &ReportInput) -> Result<Option<Section>, DocumentErr
 /// The ratio of every other family to one, by condition.
 fn against(parts: &[ConditionResult], reference: &str, metric: Metric, estimator: &str) -> IntervalFigure {
     let of = |part: &ConditionResult, family: &str| {
-        let found = part.findings.comparisons.iter().find(|c| {
-            let names = [c.first.as_str(), c.second.as_str()];
-            c.estimator == estimator && c.metric == metric && names.contains(&family) && names.contains(&reference)
-        })?;
-        let interval = found.interval?;
-        Some(if found.second == reference {
-            around(found.difference, interval.low, interval.high)
-        } else {
-            around(1.0 / found.difference, 1.0 / interval.high, 1.0 / interval.low)
-        })
+        let of_metric = part.findings.comparisons.iter().filter(|c| c.estimator == estimator && c.metric == metric);
+        let found = of_metric.filter_map(|c| c.over(reference)).find(|c| c.first == family)?;
+        found.interval.map(|i| around(found.difference, i.low, i.high))
     };
     let others: Vec<&str> = parts
         .first()
@@ -196,18 +187,7 @@ fn around(point: f64, low: f64, high: f64) -> Interval {
 fn comparisons(parts: &[ConditionResult], estimator: &str) -> Table {
     let mut table = Table::new(
         "Differences between criteria in every scenario, first over second (log volume: first minus second), with 95 % intervals, what is repeated independently, and the p-value as Holm adjusts it within a scenario.",
-        vec![
-            Column::text("scenario"),
-            Column::text("metric"),
-            Column::text("first"),
-            Column::text("second"),
-            Column::number("difference", ""),
-            Column::number("low", ""),
-            Column::number("high", ""),
-            Column::text("unit"),
-            Column::number("adjusted p", ""),
-            Column::text("better"),
-        ],
+        Column::list("scenario | metric | first | second | #difference | #low | #high | unit | #adjusted p | better"),
     );
     for part in parts {
         for c in part.findings.comparisons.iter().filter(|c| c.estimator == estimator) {
@@ -243,19 +223,10 @@ fn over_truths(parts: &[ConditionResult], estimator: &str, count: usize) -> Inte
 fn truths(parts: &[ConditionResult], estimator: &str) -> Table {
     let mut table = Table::new(
         "Differences between criteria over random arms, first over second: geometric mean with its 95 % interval, the range over arms, and for how many of them the first is better.",
-        vec![
-            Column::text("scenario"),
-            Column::text("metric"),
-            Column::text("first"),
-            Column::text("second"),
-            Column::number("ratio", ""),
-            Column::number("low", ""),
-            Column::number("high", ""),
-            Column::number("smallest", ""),
-            Column::number("largest", ""),
-            Column::number("first better", ""),
-            Column::number("arms", ""),
-        ],
+        Column::list(
+            "scenario | metric | first | second | #ratio | #low | #high | #smallest | #largest | \
+             #first better | #arms",
+        ),
     );
     for part in parts {
         for c in part.findings.over_truths.iter().filter(|c| c.estimator == estimator) {

@@ -1,9 +1,8 @@
 //! How the optimiser got there.
 
 use armid::excitation::CriterionKind;
-use armid::study::{ReportInput, StudyDesign};
+use armid::study::{ReportInput, StudyDesign, criterion_in_words};
 
-use super::criteria::criterion_in_words;
 use crate::design::{convergence_panel, value_axis};
 use crate::{ConvergenceFigure, ConvergencePanel, Curve, DocumentError, GroupStyle, Heading, Section};
 

@@ -1,9 +1,8 @@
 //! Criterion value against achieved error, and the spread of the error by criterion.
 
 use armid::statistics::Spread;
-use armid::study::{FamilyScore, ReportInput, StudyDesign};
+use armid::study::{FamilyScore, ReportInput, StudyDesign, criterion_in_words};
 
-use super::selection::shown_estimator;
 use crate::{
     Axis, BoxFigure, BoxRow, Distribution, DocumentError, Group, Heading, Quantiles, ScatterFigure, ScatterGroup,
     ScatterPanel, ScatterPoint, Section,
@@ -20,7 +19,7 @@ const VALUES: [Value; 3] = [
 
 pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let result = &input.result;
-    let estimator = shown_estimator(input);
+    let estimator = input.result.shown_estimator();
     let index = result.plan.identification.estimators.iter().position(|name| name == estimator).unwrap_or_default();
     let groups = Group::assign(result.plan.designs.iter().map(|family| criterion_in_words(&family.name)));
     let spread = &result.findings().design_prediction[index];
@@ -82,22 +81,6 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
         |family| family.reference_spread,
     );
     Section::new("Criteria and errors").figure(&prediction)?.figure(&parameters)?.figure(&scatter)
-}
-
-/// The name of a group of designs as it is written in prose.
-pub(super) fn criterion_in_words(name: &str) -> String {
-    match name {
-        "condition" => "condition number".to_owned(),
-        "condition-scaled" => "column-normalised condition number".to_owned(),
-        _ if name.ends_with("-optimal") => capitalised(name),
-        _ => name.to_owned(),
-    }
-}
-
-/// `text` with a capital at its beginning.
-pub(super) fn capitalised(text: &str) -> String {
-    let mut rest = text.chars();
-    rest.next().into_iter().flat_map(char::to_uppercase).chain(rest).collect()
 }
 
 /// One box per criterion and estimator.

@@ -1,8 +1,7 @@
 //! The front figure: two criteria relative to a third, effect by effect, on several robots.
 
-use armid::study::CriterionRatios;
+use armid::study::{CriterionRatios, capitalised, criterion_in_words};
 
-use super::criteria::{capitalised, criterion_in_words};
 use crate::{Group, Heading, Interval, Ratio, RatioFigure, RatioPanel};
 
 /// Effects that are shown: with the exact model six rows, which for two criteria on two robots are 24 marks.

@@ -1,11 +1,9 @@
 //! The sensitivity: what every effect of the real arm does to the estimates.
 
 use armid::experiment::Level;
-use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry};
+use armid::study::{EffectSensitivity, ReportInput, SensitivityEntry, criterion_in_words};
 
-use super::criteria::criterion_in_words;
 use super::criteria_on_robots::effect_in_words;
-use super::selection::shown_estimator;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
 /// Biases below this many standard deviations are drawn as this many: they are invisible.
@@ -31,7 +29,7 @@ pub(super) fn section(input: &ReportInput, sensitivity: &EffectSensitivity) -> R
     for estimator in input.result.plan.identification.estimators.iter().rev() {
         section = section.figure(&glance(input, sensitivity, &of(estimator), estimator))?;
     }
-    let estimator = shown_estimator(input);
+    let estimator = input.result.shown_estimator();
     Ok(section
         .figure(&biases(input, &of(estimator), estimator))?
         .table(predictions(sensitivity))
@@ -124,17 +122,10 @@ fn biases(input: &ReportInput, shown: &[&SensitivityEntry], estimator: &str) -> 
 
 /// Prediction and kinds of parameters, for every estimator.
 fn predictions(sensitivity: &EffectSensitivity) -> Table {
-    let mut columns = vec![
-        Column::text("scenario"),
-        Column::text("estimator"),
-        Column::text("what it is"),
-        Column::number("runs", ""),
-        Column::number("failed", ""),
-        Column::number("prediction", "N·m"),
-        Column::number("prediction", "ratio"),
-        Column::number("low", ""),
-        Column::number("high", ""),
-    ];
+    let mut columns = Column::list(
+        "scenario | estimator | what it is | #runs | #failed | #prediction [N·m] | #prediction [ratio] | #low | \
+         #high",
+    );
     columns.extend(sensitivity.kinds.iter().map(|kind| Column::number(kind, "ratio")));
     let caption = "Every effect with every estimator: torque prediction RMSE (geometric mean over runs), its ratio to the error without the effect with a 95 % interval from runs in pairs, and the error ratio of each kind of parameter.";
     let number = |value: Option<f64>, digits| value.map_or(Cell::Missing, |value| Cell::number(value, digits));
@@ -161,17 +152,9 @@ fn predictions(sensitivity: &EffectSensitivity) -> Table {
 fn worst(input: &ReportInput, sensitivity: &EffectSensitivity) -> Table {
     let mut table = Table::new(
         "The three base parameters that each effect biases most, with 95 % intervals: in standard deviations that the estimator states, and in reference units.",
-        vec![
-            Column::text("scenario"),
-            Column::text("estimator"),
-            Column::text("parameter"),
-            Column::number("bias", "std"),
-            Column::number("low", ""),
-            Column::number("high", ""),
-            Column::number("bias", "ref. units"),
-            Column::number("low", ""),
-            Column::number("high", ""),
-        ],
+        Column::list(
+            "scenario | estimator | parameter | #bias [std] | #low | #high | #bias [ref. units] | #low | #high",
+        ),
     );
     for entry in &sensitivity.entries {
         for &i in entry.worst.iter().take(3) {

@@ -1,9 +1,7 @@
 //! Which estimator: all of them on the same recordings, under every condition.
 
-use armid::study::{ConditionResult, EstimatorComparison, Metric, ReportInput};
+use armid::study::{ConditionResult, EstimatorComparison, Metric, ReportInput, criterion_in_words};
 
-use super::criteria::criterion_in_words;
-use super::selection::shown_estimator;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Heading, HeatFigure, Section, Table};
 
 /// Metrics by which estimators are shown beside each other, with the word of each.
@@ -47,7 +45,7 @@ fn compared<'a>(
 /// Error of each estimator over that of the best one, condition by condition; `None` where no arm was asked for the metric.
 fn glance(input: &ReportInput, family: &str, metric: Metric, word: &str) -> Option<HeatFigure> {
     let estimators = &input.result.plan.identification.estimators;
-    let (conditions, shown) = (&input.result.conditions, shown_estimator(input));
+    let (conditions, shown) = (&input.result.conditions, input.result.shown_estimator());
     let rows: Vec<Vec<Option<f64>>> = conditions
         .iter()
         .map(|condition| {
@@ -91,7 +89,7 @@ fn table(input: &ReportInput, family: &str) -> Table {
     columns.extend([Column::number("coverage", "%"), Column::number("runs", ""), Column::number("failed", "")]);
     let caption = format!(
         "Estimators against {}: error over its error for torque prediction, torque measured on fresh motions, and parameters in SI units; how many parameters' stated 95 % intervals cover the true value; runs with an estimate, and without.",
-        shown_estimator(input)
+        input.result.shown_estimator()
     );
     let number = |value: Option<f64>| value.map_or(Cell::Missing, |value| Cell::number(value, 3));
     let mut table = Table::new(caption, columns);

@@ -2,7 +2,7 @@
 
 use armid::study::{FamilyPlan, FamilyScore, HarmonicsPlan, Metric, ReportInput};
 
-use super::selection::{GROUPS, shown_estimator};
+use super::selection::GROUPS;
 use crate::{Axis, Cell, ColourMap, Column, DocumentError, Figure, Heading, HeatFigure, Section, Table};
 
 /// Whether a study is drawn as a grid: one with more families of designs than colours can show.
@@ -34,7 +34,7 @@ fn groups(columns: &[(String, String)]) -> Vec<(String, usize)> {
 
 pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let plan = &input.result.plan;
-    let estimator = shown_estimator(input);
+    let estimator = input.result.shown_estimator();
     let score = |family: &FamilyPlan| {
         let scores = input.result.findings().families.iter();
         scores.filter(|score| score.estimator == estimator).find(|score| score.family == family.name)
@@ -116,18 +116,10 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let table = plan.designs.iter().filter_map(score).fold(
         Table::new(
             "Every combination: geometric means over designs, with 95 % t intervals over designs (over runs of an only design); smaller is better.",
-            vec![
-                Column::text("criterion, trajectories, harmonics"),
-                Column::number("designs", ""),
-                Column::number("runs", ""),
-                Column::number("prediction", "N·m"),
-                Column::number("low", ""),
-                Column::number("high", ""),
-                Column::number("parameters", "ref. units"),
-                Column::number("low", ""),
-                Column::number("high", ""),
-                Column::number("log volume", ""),
-            ],
+            Column::list(
+                "criterion, trajectories, harmonics | #designs | #runs | #prediction [N·m] | #low | #high | \
+                 #parameters [ref. units] | #low | #high | #log volume",
+            ),
         ),
         |table, score| table.row(row(score)),
     );

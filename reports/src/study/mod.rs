@@ -2,7 +2,6 @@
 
 mod effect_sensitivity;
 mod estimators;
-mod answer;
 mod conditions;
 mod convergence;
 mod correlations;
@@ -22,4 +21,4 @@ mod selection;
 
 pub use criteria_on_robots::criteria_figure;
 pub use page::study_document;
-pub use robots::{robots_answer, robots_document};
+pub use robots::robots_document;

@@ -3,12 +3,11 @@
 use armid::statistics::Interval;
 use armid::study::{Comparison, Metric, MotionKind, ReportInput};
 
-use super::selection::shown_estimator;
 use crate::{Cell, Column, Section, Table};
 
 /// Criteria by kinds of motion, and their ratios by kind.
 pub(super) fn section(input: &ReportInput) -> Section {
-    let (findings, estimator) = (input.result.findings(), shown_estimator(input));
+    let (findings, estimator) = (input.result.findings(), input.result.shown_estimator());
     let kinds = |unit: &str| MotionKind::ALL.map(|kind| Column::number(kind.title(), unit));
     let mut columns = vec![Column::text("criterion")];
     columns.extend(kinds("N·m"));
@@ -36,9 +35,9 @@ pub(super) fn section(input: &ReportInput) -> Section {
         );
         for [family, over] in pairs {
             let of = |metric: Metric| {
-                let mut of_metric =
-                    findings.comparisons.iter().filter(|c| c.estimator == estimator && c.metric == metric);
-                of_metric.find_map(|c| ratio(c, family, over))
+                let of_metric = findings.comparisons.iter().filter(|c| c.estimator == estimator && c.metric == metric);
+                let c = of_metric.filter_map(|c| c.over(over)).find(|c| c.first == family)?;
+                Some(with_interval(c.difference, c.interval))
             };
             let cells = Metric::OF_MOTIONS.map(|metric| of(metric).map_or(Cell::Missing, Cell::text));
             ratios = ratios.row([vec![Cell::text(family), Cell::text(over)], cells.to_vec()].concat());
@@ -58,19 +57,6 @@ fn compared<'a>(all: &'a [Comparison], estimator: &str, compare_with: &[String])
             .map(|[first, second]| if first == reference { [second, first] } else { [first, second] })
             .collect(),
         None => pairs.take(1).collect(),
-    }
-}
-
-/// The ratio of a family to another, where a comparison is of these two.
-fn ratio(c: &Comparison, family: &str, over: &str) -> Option<String> {
-    let interval = c.interval;
-    match (c.first.as_str(), c.second.as_str()) {
-        (first, second) if (first, second) == (family, over) => Some(with_interval(c.difference, interval)),
-        (first, second) if (first, second) == (over, family) => {
-            let inverse = interval.map(|i| Interval { low: 1.0 / i.high, high: 1.0 / i.low });
-            Some(with_interval(1.0 / c.difference, inverse))
-        }
-        (_, _) => None,
     }
 }
 

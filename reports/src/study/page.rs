@@ -4,8 +4,8 @@ use armid::study::ReportInput;
 
 use super::selection::GROUPS;
 use super::{
-    answer, conditions, convergence, correlations, criteria, effect_sensitivity, estimators, grid, limits, motions,
-    overview, parameters, prediction, radkhah2007, rounds,
+    conditions, convergence, correlations, criteria, effect_sensitivity, estimators, grid, limits, motions, overview,
+    parameters, prediction, radkhah2007, rounds,
 };
 use crate::{Document, DocumentError};
 
@@ -51,7 +51,7 @@ pub fn study_document(input: &ReportInput) -> Result<Document, DocumentError> {
     if let Some(section) = estimators::section(input)? {
         document = document.section(section);
     }
-    for paragraph in answer::answer(input) {
+    for paragraph in result.answer() {
         document = document.summary(paragraph);
     }
     if let Some(section) = conditions::section(input)? {

@@ -1,9 +1,7 @@
 //! Parameter by parameter: bias, spread against its bound, coverage.
 
-use armid::study::{FamilyScore, ReportInput};
+use armid::study::{FamilyScore, ReportInput, criterion_in_words};
 
-use super::criteria::criterion_in_words;
-use super::selection::shown_estimator;
 use crate::{
     Axis, Band, Cell, Column, CoverageFigure, CoverageRow, DocumentError, Group, Heading, Interval, IntervalFigure,
     IntervalRow, Level, Section, Table,
@@ -11,7 +9,7 @@ use crate::{
 
 pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let result = &input.result;
-    let estimator = shown_estimator(input);
+    let estimator = input.result.shown_estimator();
     let families: Vec<&FamilyScore> =
         result.findings().families.iter().filter(|f| f.estimator == estimator && f.runs > 1).collect();
     let section = Section::new("Parameters");
@@ -75,19 +73,10 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
 fn table(input: &ReportInput, families: &[&FamilyScore]) -> Table {
     let mut table = Table::new(
         "Every base parameter for every criterion. Bound: the Cramér–Rao standard deviation at the noise-free motion, all raw samples of all periods.",
-        vec![
-            Column::text("parameter"),
-            Column::text("combination"),
-            Column::text("unit"),
-            Column::text("criterion"),
-            Column::number("true value", ""),
-            Column::number("bias", ""),
-            Column::number("std", ""),
-            Column::number("stated std", ""),
-            Column::number("bound", ""),
-            Column::number("RMSE", ""),
-            Column::number("coverage", "%"),
-        ],
+        Column::list(
+            "parameter | combination | unit | criterion | #true value | #bias | #std | #stated std | #bound | \
+             #RMSE | #coverage [%]",
+        ),
     );
     for (i, parameter) in input.result.parameters.iter().enumerate() {
         for family in families {

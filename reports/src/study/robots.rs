@@ -1,17 +1,15 @@
 //! The page of one study on several robots: what one robot says, beside what the others say.
 
-use armid::study::{Agreement, Metric, RobotDifference, RobotsComparison, RobotsSummary};
+use armid::study::{
+    Metric, RobotDifference, RobotsComparison, RobotsSummary, criterion_in_words, criterion_pair_in_words,
+};
 
-use super::criteria::{capitalised, criterion_in_words};
 use super::overview::TESTED;
 use super::selection::GROUPS;
 use crate::{
     Axis, Cell, Column, Document, DocumentError, Group, Heading, Interval, IntervalFigure, IntervalRow, Level, Section,
     Table,
 };
-
-/// Metrics that the answer tells of.
-const TOLD: [Metric; 2] = [Metric::Prediction, Metric::Measured];
 
 /// The page of one study on several robots, with the answer, every comparison robot by robot, and links to the pages of the
 /// robots.
@@ -26,11 +24,11 @@ pub fn robots_document(summary: &RobotsSummary) -> Result<Document, DocumentErro
         robots.join(", "),
         summary.conditions.len()
     ));
-    for paragraph in robots_answer(summary) {
+    for paragraph in summary.answer() {
         document = document.summary(paragraph);
     }
     document = document.section(pages(summary));
-    let pairs = pairs(summary);
+    let pairs = summary.pairs();
     // Hundreds of sections show nothing: the table at the end has every pair.
     if pairs.len() <= GROUPS {
         for pair in &pairs {
@@ -52,70 +50,9 @@ pub fn robots_document(summary: &RobotsSummary) -> Result<Document, DocumentErro
     Ok(document)
 }
 
-/// The answer in paragraphs: whether the robots agree, then pair by pair.
-#[must_use]
-pub fn robots_answer(summary: &RobotsSummary) -> Vec<String> {
-    let estimator = shown_estimator(summary);
-    let mut paragraphs = Vec::new();
-    for metric in TOLD {
-        let counts = summary.agreements.iter().find(|c| c.metric == metric && c.estimator == estimator);
-        let Some(counts) = counts else { continue };
-        let [same, in_part, reversed, undecided, alone] = Agreement::ALL.map(|agreement| counts.of(agreement));
-        let significant = same + in_part + reversed;
-        let mut words = format!(
-            "**{}: {same} of {significant} significant comparisons agree on every robot, {reversed} are reversed.** Significant on some robots only: {in_part}. Not significant on any: {undecided}.",
-            capitalised(metric.title())
-        );
-        if alone > 0 {
-            words += &format!(" Compared on one robot alone: {alone}.");
-        }
-        paragraphs.push(words);
-    }
-    for pair in pairs(summary) {
-        paragraphs.extend(sentence(summary, pair, estimator));
-    }
-    paragraphs
-}
-
-/// In how many scenarios, and which, the robots agree on a pair of criteria in the first score.
-fn sentence(summary: &RobotsSummary, [first, second]: [&str; 2], estimator: &str) -> Option<String> {
-    let rows = rows(summary, [first, second], Metric::Prediction, estimator);
-    if rows.is_empty() {
-        return None;
-    }
-    let (mut better, mut worse) = (0, 0);
-    for row in rows.iter().filter(|row| row.agreement == Agreement::Same) {
-        match row.robots.iter().flatten().find_map(|one| one.better.as_deref()) {
-            Some(family) if family == first => better += 1,
-            Some(_) => worse += 1,
-            None => {}
-        }
-    }
-    let named = |agreement: Agreement| -> (usize, String) {
-        let of = rows.iter().filter(|row| row.agreement == agreement);
-        let names: Vec<&str> = of.map(|row| row.condition.as_str()).collect();
-        (names.len(), format!("{} in {} ({})", agreement.words(), names.len(), names.join("; ")))
-    };
-    let parts = [
-        (better, format!("better on every robot in {better}")),
-        (worse, format!("worse on every robot in {worse}")),
-        named(Agreement::Reversed),
-        named(Agreement::InPart),
-        named(Agreement::Undecided),
-        named(Agreement::OneRobot),
-    ];
-    let parts: Vec<String> = parts.into_iter().filter(|(count, _)| *count > 0).map(|(_, words)| words).collect();
-    Some(format!("**{}**, {} scenarios: {}.", against(first, second), rows.len(), parts.join(", ")))
-}
-
 /// Where the page of each robot is, and what stands behind it.
 fn pages(summary: &RobotsSummary) -> Section {
-    let columns = vec![
-        Column::text("robot"),
-        Column::number("base parameters", ""),
-        Column::number("designs", ""),
-        Column::number("runs", ""),
-    ];
+    let columns = Column::list("robot | #base parameters | #designs | #runs");
     let mut table = Table::new("The study on each robot: one plan, performed on one after the other.", columns);
     for robot in &summary.robots {
         table = table.row(vec![
@@ -134,9 +71,9 @@ fn pages(summary: &RobotsSummary) -> Section {
 /// A pair of families on every robot, condition by condition.
 fn of_pair(summary: &RobotsSummary, pair: [&str; 2]) -> Result<Section, DocumentError> {
     let [first, second] = pair;
-    let estimator = shown_estimator(summary);
-    let rows = rows(summary, pair, Metric::Prediction, estimator);
-    let mut section = Section::new(against(first, second));
+    let estimator = summary.shown_estimator();
+    let rows = summary.rows(pair, Metric::Prediction, estimator);
+    let mut section = Section::new(criterion_pair_in_words(first, second));
     let figure = figure(summary, pair, &rows);
     if figure.rows.iter().any(|row| row.cells.iter().any(Option::is_some)) {
         section = section.figure(&figure)?;
@@ -148,7 +85,7 @@ fn of_pair(summary: &RobotsSummary, pair: [&str; 2]) -> Result<Section, Document
         format!(
             "{}, {}, with 95 % intervals, estimator {estimator}; bold if significant in the robot's own study.",
             Metric::Prediction.title(),
-            against(first, second)
+            criterion_pair_in_words(first, second)
         ),
         columns,
     );
@@ -167,9 +104,9 @@ fn figure(summary: &RobotsSummary, [first, second]: [&str; 2], rows: &[&RobotsCo
     IntervalFigure {
         heading: Heading::new(
             format!("robots-{}-over-{}", slug(first), slug(second)),
-            format!("{} on each robot", against(first, second)),
+            format!("{} on each robot", criterion_pair_in_words(first, second)),
         )
-        .subtitle(format!("{}, estimator {}", Metric::Prediction.title(), shown_estimator(summary)))
+        .subtitle(format!("{}, estimator {}", Metric::Prediction.title(), summary.shown_estimator()))
         .caption(format!(
             "Ratio of geometric means over designs with its 95 % t interval; left of 1 is better than {in_words}."
         )),
@@ -193,7 +130,7 @@ fn every_score(summary: &RobotsSummary) -> Section {
         vec![Column::text("scenario"), Column::text("metric"), Column::text("first"), Column::text("second")];
     columns.extend(summary.robots.iter().map(|robot| Column::number(&robot.robot, "")));
     columns.push(Column::text("robots"));
-    let estimator = shown_estimator(summary);
+    let estimator = summary.shown_estimator();
     let mut table = Table::new(
         format!(
             "First over second on each robot (log volume: first minus second) with 95 % intervals, estimator {estimator}; bold if significant in the robot's own study."
@@ -205,11 +142,6 @@ fn every_score(summary: &RobotsSummary) -> Section {
         table = table.row(cells(row, names.map(Cell::text).to_vec()));
     }
     Section::new("Every score on each robot").text(TESTED).table(table)
-}
-
-/// A pair of criteria in words.
-fn against(first: &str, second: &str) -> String {
-    format!("{} against {}", capitalised(&criterion_in_words(first)), criterion_in_words(second))
 }
 
 /// What each robot says, behind what the row is about.
@@ -224,36 +156,6 @@ fn written(one: &RobotDifference) -> String {
     let interval = one.interval.map_or_else(String::new, |i| format!(" [{:.2}, {:.2}]", i.low, i.high));
     let words = format!("{:.2}{interval}", one.difference);
     if one.better.is_some() { format!("**{words}**") } else { words }
-}
-
-/// Pairs of families, in the order in which they were found.
-fn pairs(summary: &RobotsSummary) -> Vec<[&str; 2]> {
-    let mut pairs: Vec<[&str; 2]> = Vec::new();
-    for row in &summary.comparisons {
-        let pair = [row.first.as_str(), row.second.as_str()];
-        if !pairs.contains(&pair) {
-            pairs.push(pair);
-        }
-    }
-    pairs
-}
-
-/// A pair in one metric under every condition.
-fn rows<'a>(
-    summary: &'a RobotsSummary,
-    [first, second]: [&str; 2],
-    metric: Metric,
-    estimator: &str,
-) -> Vec<&'a RobotsComparison> {
-    let all = summary.comparisons.iter();
-    all.filter(|row| row.metric == metric && row.estimator == estimator && row.first == first && row.second == second)
-        .collect()
-}
-
-/// The estimator that is shown: the last of the plan that was compared.
-fn shown_estimator(summary: &RobotsSummary) -> &str {
-    let compared = |name: &&String| summary.agreements.iter().any(|counts| counts.estimator == **name);
-    summary.estimators.iter().rev().find(compared).map_or("", String::as_str)
 }
 
 /// A name as a part of a file's name.

@@ -1,15 +1,10 @@
-//! The functions of MuJoCo 3.17.0 that are used, and where the fields stand that are read.
+//! The functions of MuJoCo that are used.
 //!
-//! Written by hand after `mujoco.h`, `mjmodel.h` and `mjdata.h` of that version: of some thousand fields seven are
-//! needed, so the two structures stay opaque and only offsets are known. Tests compare every offset with what a C
-//! compiler makes of the headers, and what is read there with what the library's own access functions give.
+//! Written by hand after `mujoco.h` of the versions in [`super::layout`], in which they are the same.
 #![allow(unsafe_code, reason = "functions of a C library")]
 #![allow(non_snake_case, reason = "they carry the names of mujoco.h")]
 
 use std::ffi::{c_char, c_int, c_void};
-
-/// `mjVERSION_HEADER` of 3.17.0, which `mj_version()` must give.
-pub(super) const VERSION_NUMBER: c_int = 3_017_000;
 
 /// `mjModel`, opaque.
 #[repr(C)]
@@ -29,44 +24,6 @@ pub(super) struct RawSpec {
     _opaque: [u8; 0],
 }
 
-/// Offsets in `mjModel`, bytes, where pointers have 64 bits.
-pub(super) mod model_offset {
-    /// `mjtSize nq`, 64 bits: number of coordinates.
-    pub(in super::super) const NQ: usize = 0;
-    /// `mjtSize nv`: number of degrees of freedom.
-    pub(in super::super) const NV: usize = 8;
-    /// `mjtNum opt.timestep`, s.
-    pub(in super::super) const TIMESTEP: usize = 792;
-    /// `int opt.integrator`.
-    pub(in super::super) const INTEGRATOR: usize = 1040;
-}
-
-/// Offsets in `mjData`, bytes, where pointers have 64 bits; all but the first of `mjtNum*`.
-pub(super) mod data_offset {
-    /// `mjWarningStat warning[]`; the first is `mjWARN_INERTIA`, and its second `int` counts.
-    pub(in super::super) const WARNING: usize = 160_264;
-    /// `qpos`, nq.
-    pub(in super::super) const QPOS: usize = 160_688;
-    /// `qvel`, nv.
-    pub(in super::super) const QVEL: usize = 160_696;
-    /// `qfrc_applied`, nv.
-    pub(in super::super) const QFRC_APPLIED: usize = 160_744;
-    /// `qacc`, nv.
-    pub(in super::super) const QACC: usize = 160_784;
-    /// `qfrc_inverse`, nv.
-    pub(in super::super) const QFRC_INVERSE: usize = 161_440;
-}
-
-/// `mjINT_EULER` of `mjtIntegrator`.
-pub(super) const INTEGRATOR_EULER: c_int = 0;
-/// `mjINT_RK4` of `mjtIntegrator`.
-pub(super) const INTEGRATOR_RK4: c_int = 1;
-
-const _: () = assert!(
-    cfg!(target_pointer_width = "64") && cfg!(target_endian = "little"),
-    "the layout of MuJoCo is known for 64 bits, little endian"
-);
-
 /// Declares the table of functions and how it is filled.
 macro_rules! functions {
     ($($(#[$doc:meta])* fn $name:ident($($argument:ident: $kind:ty),*) $(-> $result:ty)?;)*) => {
@@ -82,7 +39,7 @@ macro_rules! functions {
             /// The name of the first function that is missing.
             ///
             /// # Safety
-            /// `library` must be MuJoCo 3.17.0, and outlive what is returned.
+            /// `library` must be MuJoCo of a version in [`super::layout`], and outlive what is returned.
             pub(super) unsafe fn of(library: &libloading::Library) -> Result<Self, &'static str> {
                 Ok(Self {
                     $($name: {

@@ -7,13 +7,15 @@ use std::path::{Path, PathBuf};
 use std::sync::{Mutex, OnceLock, PoisonError};
 
 use super::MujocoError;
-use super::functions::{Functions, VERSION_NUMBER};
-use super::places::{FILE, Surroundings, VERSION};
+use super::functions::Functions;
+use super::layout::DataLayout;
+use super::places::{Surroundings, files};
 use super::shared_object::{Contents, contents};
 
-/// MuJoCo, of the version whose layout is known.
+/// MuJoCo, of a version whose layout is known.
 pub(super) struct Library {
     path: PathBuf,
+    pub(super) layout: &'static DataLayout,
     pub(super) functions: Functions,
     /// Keeps the functions where they are.
     _handle: libloading::Library,
@@ -50,16 +52,18 @@ impl Library {
         if let Some(path) = around.named() {
             return Self::open(&path);
         }
-        let searched = around.folders();
-        if let Some(path) = searched.iter().map(|folder| folder.join(FILE)).find(|path| path.exists()) {
+        let (searched, names) = (around.folders(), files());
+        let mut places = names.iter().flat_map(|name| searched.iter().map(move |folder| folder.join(name)));
+        if let Some(path) = places.find(|path| path.exists()) {
             return Self::open(&path);
         }
         // A bare name is what the system's loader looks for in its own places.
-        let path = Path::new(FILE);
-        match load(path) {
-            Ok(handle) => Self::check(path, handle),
-            Err(_) => Err(MujocoError::NotFound { searched }),
+        for name in names.iter().map(Path::new) {
+            if let Ok(handle) = load(name) {
+                return Self::check(name, handle);
+            }
         }
+        Err(MujocoError::NotFound { searched })
     }
 
     /// Loads the library from a file.
@@ -90,10 +94,10 @@ impl Library {
             Ok(version) => unsafe { version() },
             Err(_) => return Err(unloadable(path, "found a library without mj_version")),
         };
-        if version != VERSION_NUMBER {
+        let Some(layout) = DataLayout::of_number(version) else {
             return Err(MujocoError::Version { path: path.to_path_buf(), found: dotted(version) });
-        }
-        // SAFETY: the version is the one that the table was written for, and the handle is kept beside it.
+        };
+        // SAFETY: the version is one that the table was written for, and the handle is kept beside it.
         let functions = unsafe { Functions::of(&handle) }
             .map_err(|name| unloadable(path, &format!("found a library without {name}")))?;
         // SAFETY: `mju_user_warning` is a global `void (*)(const char*)`; it is set before any other function runs, by
@@ -104,7 +108,7 @@ impl Library {
                 Err(_) => return Err(unloadable(path, "found a library without mju_user_warning")),
             }
         }
-        Ok(Self { path: path.to_path_buf(), functions, _handle: handle })
+        Ok(Self { path: path.to_path_buf(), layout, functions, _handle: handle })
     }
 
     /// Its file.
@@ -113,8 +117,8 @@ impl Library {
     }
 
     /// Its version.
-    pub(super) fn version(&self) -> String {
-        VERSION.to_owned()
+    pub(super) fn version(&self) -> &'static str {
+        self.layout.version
     }
 
     /// The loaded file, to look up what only tests need.

@@ -1,4 +1,4 @@
-//! MuJoCo 3.17.0 as a plant, for independent checks.
+//! MuJoCo as a plant, for independent checks.
 //!
 //! ```text
 //! H(q) q̈ + c(q, q̇) + g(q) = τ − friction(q̇)          H with rotor inertia, as joint and tendon armature
@@ -9,8 +9,8 @@
 //!
 //! The library is found when the first plant is made, never when armid is built: it is looked for where
 //! `ARMID_MUJOCO_LIB` says and nowhere else, or in `third_party/mujoco` of the repository that armid was built in and
-//! of the folders above the program, in the user's cache, and by the system's loader. Only version 3.17.0 is taken,
-//! since where its fields stand depends on the version. `scripts/get-mujoco` fetches it.
+//! of the folders above the program, in the user's cache, and by the system's loader. Versions 3.17.0 and 4.0.0
+//! are taken, since where its fields stand depends on the version. `scripts/get-mujoco` fetches the first.
 //!
 //! The only `unsafe` of armid is in `functions`, `library` and `model`. Bits are reproducible on one machine; between
 //! machines they depend on the C library's sine and cosine.
@@ -19,6 +19,7 @@
 
 mod error;
 mod functions;
+mod layout;
 mod library;
 mod mjcf;
 mod model;

@@ -10,7 +10,8 @@ use std::sync::{Mutex, PoisonError};
 use armid::model::{Robot, StandardParameters};
 
 use super::MujocoError;
-use super::functions::{INTEGRATOR_EULER, INTEGRATOR_RK4, RawData, RawModel, data_offset, model_offset};
+use super::functions::{RawData, RawModel};
+use super::layout::{INTEGRATOR_EULER, INTEGRATOR_RK4, model_offset};
 use super::library::Library;
 use super::mjcf::mjcf;
 
@@ -83,7 +84,7 @@ impl MujocoModel {
 
     /// Takes the model over.
     fn with_data(library: &'static Library, model: NonNull<RawModel>, dof: usize) -> Result<Self, MujocoError> {
-        let f = &library.functions;
+        let (f, layout) = (&library.functions, library.layout);
         // SAFETY: offsets are those of the version that `library` is; both fields are 64-bit integers.
         let sizes = unsafe {
             let size = |offset| model.as_ptr().cast::<i64>().byte_add(offset).read();
@@ -107,29 +108,27 @@ impl MujocoModel {
             NonNull::new(found).expect("mj_makeData allocates every vector of length nv")
         };
         // SAFETY: the offset lies inside `mjData`; `mjWarningStat` is two ints, the second of which counts.
-        let singular = unsafe { data.cast::<c_int>().byte_add(data_offset::WARNING).add(1) };
+        let singular = unsafe { data.cast::<c_int>().byte_add(layout.warning).add(1) };
         Ok(Self {
             library,
             model,
             data,
             dof,
-            positions: vector(data_offset::QPOS),
-            velocities: vector(data_offset::QVEL),
-            applied: vector(data_offset::QFRC_APPLIED),
-            accelerations: vector(data_offset::QACC),
-            inverse: vector(data_offset::QFRC_INVERSE),
+            positions: vector(layout.qpos),
+            velocities: vector(layout.qvel),
+            applied: vector(layout.qfrc_applied),
+            accelerations: vector(layout.qacc),
+            inverse: vector(layout.qfrc_inverse),
             singular,
         })
     }
 
     /// Number of joints n.
-    #[must_use]
     pub fn dof(&self) -> usize {
         self.dof
     }
 
     /// Joint coordinates and velocities now, n each.
-    #[must_use]
     pub fn state(&self) -> (&[f64], &[f64]) {
         (self.read(self.positions), self.read(self.velocities))
     }
@@ -165,7 +164,6 @@ impl MujocoModel {
     }
 
     /// The accelerations that the last forward dynamics found, n.
-    #[must_use]
     pub fn acceleration(&self) -> &[f64] {
         self.read(self.accelerations)
     }

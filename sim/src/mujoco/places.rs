@@ -4,18 +4,20 @@ use std::env;
 use std::ffi::OsString;
 use std::path::{Path, PathBuf};
 
-/// The version whose layout is known.
-pub(super) const VERSION: &str = "3.17.0";
+use super::layout::LAYOUTS;
 
-/// The name of the library's file.
-#[cfg(target_os = "macos")]
-pub(super) const FILE: &str = "libmujoco.3.17.0.dylib";
-/// The name of the library's file.
-#[cfg(windows)]
-pub(super) const FILE: &str = "mujoco.dll";
-/// The name of the library's file.
-#[cfg(not(any(target_os = "macos", windows)))]
-pub(super) const FILE: &str = "libmujoco.so.3.17.0";
+/// Names of the library's file, one for each version that is taken.
+pub(super) fn files() -> [String; LAYOUTS.len()] {
+    LAYOUTS.map(|layout| {
+        if cfg!(target_os = "macos") {
+            format!("libmujoco.{}.dylib", layout.version)
+        } else if cfg!(windows) {
+            "mujoco.dll".to_owned()
+        } else {
+            format!("libmujoco.so.{}", layout.version)
+        }
+    })
+}
 
 /// Names a library that takes precedence.
 pub(super) const VARIABLE: &str = "ARMID_MUJOCO_LIB";

@@ -19,7 +19,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::blocks::BlockedEquations;
 use crate::estimation::Observation;
-use crate::model::term::VISCOUS;
+use crate::model::term::{LOAD_FRICTION, Scale, TermInput, VISCOUS};
 
 /// Laws whose size all joints share.
 pub(super) const SHARED: usize = 3;
@@ -60,8 +60,9 @@ pub(super) fn of_joint(blocks: &BlockedEquations, observation: &Observation, joi
     let torque: Vec<f64> = (&regressor * smooth).iter().copied().collect();
     let rate = differences(&torque, blocks.periodic);
     let curvature = differences(&rate, blocks.periodic);
-    let sign: Vec<f64> = qd.iter().map(|v| libm::tanh(v / (AT_REST * rms))).collect();
-    let friction: Vec<f64> = load.iter().zip(&sign).map(|(load, sign)| load.abs() * sign).collect();
+    let shape = [Scale::new(AT_REST * rms), Scale::new(0.0)];
+    let input = |(&qd, &load)| TermInput { q: 0.0, qd, qdd: 0.0, load, warmth: 0.0, shape };
+    let friction: Vec<f64> = qd.iter().zip(&load).map(|at| LOAD_FRICTION.torque(&input(at))).collect();
     let shared = [friction, rate, curvature].map(|function| DMatrix::from_column_slice(function.len(), 1, &function));
     let mut own = vec![
         bumps(&[(&speed, 12)]),

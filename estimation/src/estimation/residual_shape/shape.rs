@@ -1,6 +1,12 @@
 //! Shapes that a residual may have, and what each would be a sign of.
+//!
+//! Most are torque terms that the model may lack: their law is the term's own.
 
 use crate::model::JointKind;
+use crate::model::term::{
+    COULOMB, Dimension, LOAD_FRICTION, POSITION_COSINE, POSITION_SINE, QUADRATIC_VISCOUS, SPRING, STRIBECK, Scale,
+    Term, TermInput, VISCOUS,
+};
 
 /// What a residual is held against.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -21,7 +27,6 @@ impl Against {
     pub const ALL: [Self; 4] = [Self::Time, Self::Speed, Self::Load, Self::Position];
 
     /// As in `the residual follows …`.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Time => "time",
@@ -32,7 +37,7 @@ impl Against {
     }
 }
 
-/// Speeds, as a part of the RMS, below which friction near rest shows.
+/// Stribeck velocity, as a part of the RMS of the speed, of the friction near rest that is looked for.
 const NEAR_REST: f64 = 0.3;
 
 /// A joint at one equation.
@@ -47,76 +52,114 @@ pub(super) struct Point {
     pub(super) position: f64,
 }
 
-/// What a term that the model lacks would add to the torque.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
-#[serde(rename_all = "kebab-case")]
-pub enum ResidualShape {
+/// What a shape is in proportion to.
+#[derive(Clone, Copy, Debug)]
+enum Law {
+    /// The law of a term, with the plain sign in place of a smooth one.
+    Term(Term),
+    /// The time.
+    Time,
+    /// The load.
+    Load,
+}
+
+/// What belongs to one shape.
+struct Entry {
+    against: Against,
+    law: Law,
+    /// How the residual goes, and what would show so: where the coefficient is negative, and where it is positive.
+    words: [[&'static str; 2]; 2],
+}
+
+macro_rules! shapes {
+    ($($(#[$doc:meta])* $shape:ident: $against:ident, $law:expr, $more:literal => $more_of:literal, $less:literal => $less_of:literal;)*) => {
+        /// What a term that the model lacks would add to the torque.
+        #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize)]
+        #[serde(rename_all = "kebab-case")]
+        pub enum ResidualShape {
+            $($(#[$doc])* $shape,)*
+        }
+
+        impl ResidualShape {
+            /// Every one.
+            pub const ALL: &'static [Self] = &[$(Self::$shape,)*];
+
+            const fn entry(self) -> Entry {
+                match self {
+                    $(Self::$shape => Entry {
+                        against: Against::$against,
+                        law: $law,
+                        words: [[$less, $less_of], [$more, $more_of]],
+                    },)*
+                }
+            }
+        }
+    };
+}
+
+shapes! {
     /// t/T: a change over the whole record.
-    Drift,
+    Drift: Time, Law::Time,
+        "rises over the record" => "a sensor that drifts or a gear that warms up",
+        "falls over the record" => "a sensor that drifts or a gear that warms up";
     /// sgn q̇.
-    Coulomb,
+    Coulomb: Speed, Law::Term(COULOMB),
+        "steps up where the speed changes its sign" => "Coulomb friction that the model lacks",
+        "steps down where the speed changes its sign" => "friction that the model has too much of";
     /// q̇.
-    Viscous,
+    Viscous: Speed, Law::Term(VISCOUS),
+        "grows with speed" => "viscous friction that the model lacks",
+        "falls with speed" => "friction that the model has too much of";
     /// q̇ |q̇|.
-    Quadratic,
+    Quadratic: Speed, Law::Term(QUADRATIC_VISCOUS),
+        "grows with the square of speed" => "friction with the square of speed that the model lacks",
+        "falls with the square of speed" => "friction that flattens out at speed";
     /// sgn q̇ exp(−(q̇/v)²), v 0.3 of the RMS.
-    NearRest,
+    NearRest: Speed, Law::Term(STRIBECK),
+        "is along the motion near rest" => "Stribeck friction that the model lacks",
+        "is against the motion near rest" => "friction that sets in softly from rest";
     /// τ_l.
-    Gain,
+    Gain: Load, Law::Load,
+        "grows with load" => "a wrong torque constant or gear ratio of this joint",
+        "falls with load" => "a wrong torque constant or gear ratio of this joint";
     /// |τ_l| sgn q̇.
-    LoadFriction,
+    LoadFriction: Load, Law::Term(LOAD_FRICTION),
+        "grows with load along the motion" => "load-dependent friction that the model lacks",
+        "grows with load against the motion" => "a gear that loses less under load than the model says";
     /// q.
-    Spring,
+    Spring: Position, Law::Term(SPRING),
+        "grows with position" => "a spring or a cable that the model lacks",
+        "falls with position" => "a spring that pushes away from zero, a gravity compensator say,";
     /// cos q sgn q̇.
-    CosineFriction,
+    CosineFriction: Position, Law::Term(POSITION_COSINE),
+        "along the motion changes with position" => "friction that depends on position",
+        "along the motion changes with position" => "friction that depends on position";
     /// sin q sgn q̇.
-    SineFriction,
+    SineFriction: Position, Law::Term(POSITION_SINE),
+        "along the motion changes with position" => "friction that depends on position",
+        "along the motion changes with position" => "friction that depends on position";
 }
 
 impl ResidualShape {
-    /// Every one.
-    pub const ALL: [Self; 10] = [
-        Self::Drift,
-        Self::Coulomb,
-        Self::Viscous,
-        Self::Quadratic,
-        Self::NearRest,
-        Self::Gain,
-        Self::LoadFriction,
-        Self::Spring,
-        Self::CosineFriction,
-        Self::SineFriction,
-    ];
-
     /// In which figure it shows.
-    #[must_use]
     pub const fn against(self) -> Against {
-        match self {
-            Self::Drift => Against::Time,
-            Self::Coulomb | Self::Viscous | Self::Quadratic | Self::NearRest => Against::Speed,
-            Self::Gain | Self::LoadFriction => Against::Load,
-            Self::Spring | Self::CosineFriction | Self::SineFriction => Against::Position,
-        }
+        self.entry().against
+    }
+
+    /// How the residual goes, and what would show so.
+    pub(super) fn words(self, positive: bool) -> [&'static str; 2] {
+        self.entry().words[usize::from(positive)]
     }
 
     /// The shape at one equation.
     pub(super) fn at(self, point: &Point) -> f64 {
-        let v = point.velocity;
-        let sign = if v == 0.0 { 0.0 } else { v.signum() };
-        match self {
-            Self::Drift => point.time,
-            Self::Coulomb => sign,
-            Self::Viscous => v,
-            Self::Quadratic => v * v.abs(),
-            Self::NearRest => {
-                let x = v / (NEAR_REST * point.speed_rms).max(f64::MIN_POSITIVE);
-                sign * libm::exp(-x * x)
-            }
-            Self::Gain => point.load,
-            Self::LoadFriction => point.load.abs() * sign,
-            Self::Spring => point.position,
-            Self::CosineFriction => libm::cos(point.position) * sign,
-            Self::SineFriction => libm::sin(point.position) * sign,
+        let near_rest = (NEAR_REST * point.speed_rms).max(f64::MIN_POSITIVE);
+        let shape = [0.0, if self == Self::NearRest { near_rest } else { 1.0 }].map(Scale::new);
+        let Point { time, velocity: qd, load, position: q, .. } = *point;
+        match self.entry().law {
+            Law::Time => time,
+            Law::Load => load,
+            Law::Term(term) => term.torque(&TermInput { q, qd, qdd: 0.0, load, warmth: 0.0, shape }),
         }
     }
 
@@ -126,57 +169,17 @@ impl ResidualShape {
             JointKind::Revolute => ("N·m", "rad"),
             JointKind::Prismatic => ("N", "m"),
         };
-        match self {
-            Self::Drift | Self::Coulomb | Self::NearRest | Self::CosineFriction | Self::SineFriction => {
-                effort.to_owned()
-            }
-            Self::Viscous => format!("{effort} per {coordinate}/s"),
-            Self::Quadratic => format!("{effort} per ({coordinate}/s)²"),
-            Self::Gain | Self::LoadFriction => format!("{effort} per {effort}"),
-            Self::Spring => format!("{effort} per {coordinate}"),
-        }
-    }
-
-    /// How the residual goes, where the coefficient is positive or negative.
-    pub(super) const fn course(self, positive: bool) -> &'static str {
-        match (self, positive) {
-            (Self::Drift, true) => "the residual rises over the record",
-            (Self::Drift, false) => "the residual falls over the record",
-            (Self::Coulomb, true) => "the residual steps up where the speed changes its sign",
-            (Self::Coulomb, false) => "the residual steps down where the speed changes its sign",
-            (Self::Viscous, true) => "the residual grows with speed",
-            (Self::Viscous, false) => "the residual falls with speed",
-            (Self::Quadratic, true) => "the residual grows with the square of speed",
-            (Self::Quadratic, false) => "the residual falls with the square of speed",
-            (Self::NearRest, true) => "the residual is along the motion near rest",
-            (Self::NearRest, false) => "the residual is against the motion near rest",
-            (Self::Gain, true) => "the residual grows with load",
-            (Self::Gain, false) => "the residual falls with load",
-            (Self::LoadFriction, true) => "the residual grows with load along the motion",
-            (Self::LoadFriction, false) => "the residual grows with load against the motion",
-            (Self::Spring, true) => "the residual grows with position",
-            (Self::Spring, false) => "the residual falls with position",
-            (Self::CosineFriction | Self::SineFriction, _) => "the residual along the motion changes with position",
-        }
-    }
-
-    /// What would look like it.
-    pub(super) const fn sign_of(self, positive: bool) -> &'static str {
-        match (self, positive) {
-            (Self::Drift, _) => "as a sensor that drifts or a gear that warms up would show",
-            (Self::Coulomb, true) => "as Coulomb friction that the model lacks would show",
-            (Self::Viscous, true) => "as viscous friction that the model lacks would show",
-            (Self::Quadratic, true) => "as friction with the square of speed that the model lacks would show",
-            (Self::Coulomb | Self::Viscous, false) => "as friction that the model has too much of would show",
-            (Self::Quadratic, false) => "as friction that flattens out at speed would show",
-            (Self::NearRest, true) => "as Stribeck friction that the model lacks would show",
-            (Self::NearRest, false) => "as friction that sets in softly from rest would show",
-            (Self::Gain, _) => "as a wrong torque constant or gear ratio of this joint would show",
-            (Self::LoadFriction, true) => "as load-dependent friction that the model lacks would show",
-            (Self::LoadFriction, false) => "as a gear that loses less under load than the model says would show",
-            (Self::Spring, true) => "as a spring or a cable that the model lacks would show",
-            (Self::Spring, false) => "as a spring that pushes away from zero, a gravity compensator say, would show",
-            (Self::CosineFriction | Self::SineFriction, _) => "as friction that depends on position would show",
+        let dimension = match self.entry().law {
+            Law::Time => COULOMB.entry().dimension,
+            Law::Load => LOAD_FRICTION.entry().dimension,
+            Law::Term(term) => term.entry().dimension,
+        };
+        match dimension {
+            Dimension { effort: 1, .. } => format!("{effort} per {effort}"),
+            Dimension { coordinate: 1, per_time: 1, .. } => format!("{effort} per {coordinate}/s"),
+            Dimension { coordinate: 2, per_time: 2, .. } => format!("{effort} per ({coordinate}/s)²"),
+            Dimension { coordinate: 1, .. } => format!("{effort} per {coordinate}"),
+            _ => effort.to_owned(),
         }
     }
 }

@@ -7,7 +7,7 @@ use super::{Against, ResidualShape, ResidualTrends};
 use crate::chains::random_robot;
 use crate::dynamics::{Dynamics, States};
 use crate::estimation::{EstimatorKind, Identification};
-use crate::model::{Columns, EffortInterface};
+use crate::model::{Columns, EffortInterface, JointKind};
 use crate::seed::Seed;
 use crate::signal::{AperiodicRecord, Processing, Samples, process_aperiodic};
 
@@ -78,7 +78,7 @@ fn joints() -> Vec<String> {
 /// All but a gain: what is left of a joint's load when its links' parameters have taken theirs is too little for a coefficient.
 #[test]
 fn analytic_each_shape_in_the_torque_of_one_joint_is_named_with_its_coefficient() {
-    for shape in ResidualShape::ALL.into_iter().filter(|&shape| shape != ResidualShape::Gain) {
+    for &shape in ResidualShape::ALL.iter().filter(|&&shape| shape != ResidualShape::Gain) {
         // Friction is a shape of its own where the model has none.
         let in_friction = matches!(shape, ResidualShape::Coulomb | ResidualShape::Viscous);
         let columns = if in_friction { Columns::RIGID } else { Columns::RIGID_ROTOR_FRICTION };
@@ -104,10 +104,31 @@ fn analytic_each_shape_in_the_torque_of_one_joint_is_named_with_its_coefficient(
         // Of all that resemble it, it takes the most.
         assert!(own.iter().all(|other| other.share <= trend.share), "{own:?}");
         let sentences = found.sentences(shape.against(), &joints());
-        let named = format!("two: {}", shape.course(true));
+        let [course, cause] = shape.words(true);
+        let named = format!("two: the residual {course}");
         assert!(sentences.iter().any(|sentence| sentence.starts_with(&named)), "{sentences:?}");
-        assert!(sentences.iter().any(|sentence| sentence.contains(shape.sign_of(true))), "{sentences:?}");
+        assert!(sentences.iter().any(|sentence| sentence.contains(cause)), "{sentences:?}");
     }
+}
+
+#[test]
+fn analytic_shapes_are_the_functions_of_their_descriptions() {
+    let (velocity, speed_rms, load, position) = (-0.4, 0.5, -3.0, 0.7);
+    let point = |velocity| Point { time: 0.25, velocity, speed_rms, load, position };
+    let near_rest = -libm::exp(-(velocity / 0.15) * (velocity / 0.15));
+    let (cosine, sine) = (libm::cos(position), libm::sin(position));
+    // Drift, Coulomb, viscous, quadratic, near rest, gain, friction of the load, spring, cosine and sine of friction.
+    let expected = [0.25, -1.0, velocity, -0.16000000000000003, near_rest, load, load, position, -cosine, -sine];
+    let bits = |values: &[f64]| values.iter().map(|value| value.to_bits()).collect::<Vec<_>>();
+    let at = |velocity| ResidualShape::ALL.iter().map(|shape| shape.at(&point(velocity))).collect::<Vec<f64>>();
+    assert_eq!(bits(&at(velocity)), bits(&expected));
+    // At rest friction is undecided.
+    assert_eq!(at(0.0), [0.25, 0.0, 0.0, 0.0, 0.0, load, 0.0, position, 0.0, 0.0]);
+    let units = ["N·m", "N·m", "N·m per rad/s", "N·m per (rad/s)²", "N·m", "N·m per N·m", "N·m per N·m", "N·m per rad"];
+    for (shape, unit) in ResidualShape::ALL.iter().zip(units.into_iter().chain(["N·m"; 2])) {
+        assert_eq!(shape.unit(JointKind::Revolute), unit, "{shape:?}");
+    }
+    assert_eq!(ResidualShape::Quadratic.unit(JointKind::Prismatic), "N per (m/s)²");
 }
 
 #[test]

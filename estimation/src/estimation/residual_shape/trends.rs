@@ -51,15 +51,13 @@ impl Trend {
     /// The sentence that it supports.
     #[must_use]
     pub fn sentence(&self, joint: &str) -> String {
-        let positive = self.slope > 0.0;
+        let [course, cause] = self.shape.words(self.slope > 0.0);
         format!(
-            "{joint}: {}, by {} ({} to {}) {}, {} ({}; {:.0} % of the residual's power).",
-            self.shape.course(positive),
+            "{joint}: the residual {course}, by {} ({} to {}) {}, as {cause} would show ({}; {:.0} % of the residual's power).",
             three(self.slope),
             three(self.ci95[0]),
             three(self.ci95[1]),
             self.unit,
-            self.shape.sign_of(positive),
             probability(self.p_adjusted),
             100.0 * self.share
         )
@@ -165,7 +163,7 @@ impl ResidualTrends {
             let mut all = Vec::new();
             for (joint, trace) in traces.iter().enumerate() {
                 let rows: Vec<usize> = rows(joint).filter(|&row| observation.used[row]).collect();
-                for shape in ResidualShape::ALL.into_iter().filter(|shape| shape.against() == against) {
+                for &shape in ResidualShape::ALL.iter().filter(|shape| shape.against() == against) {
                     all.extend(tests.trend(joint, kinds[joint], &rows, trace, shape));
                 }
             }

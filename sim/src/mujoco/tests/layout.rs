@@ -4,31 +4,38 @@
 
 use std::ffi::c_int;
 use std::fmt::Write;
+use std::path::Path;
 use std::process::Command;
 
 use super::robots::{bundled_robots, chains};
 use crate::mujoco::MujocoModel;
-use crate::mujoco::functions::{
-    INTEGRATOR_EULER, INTEGRATOR_RK4, RawData, RawModel, VERSION_NUMBER, data_offset, model_offset,
-};
-use crate::mujoco::library::Library;
+use crate::mujoco::functions::{RawData, RawModel};
+use crate::mujoco::layout::{DataLayout, INTEGRATOR_EULER, INTEGRATOR_RK4, LAYOUTS, model_offset};
 
 #[test]
-fn published_offsets_are_what_a_c_compiler_makes_of_the_headers() {
-    let library = Library::get().unwrap_or_else(|fault| panic!("{fault}"));
-    let include = library.path().parent().unwrap().join("include");
-    assert!(include.is_dir(), "no headers in {}; run scripts/get-mujoco", include.display());
+fn published_offsets_are_what_a_c_compiler_makes_of_the_headers_of_each_version() {
+    let third_party = Path::new(env!("CARGO_MANIFEST_DIR")).join("../third_party");
+    for layout in &LAYOUTS {
+        let folder = if *layout == LAYOUTS[0] { "mujoco".to_owned() } else { format!("mujoco-{}", layout.version) };
+        let include = third_party.join(&folder).join("include");
+        assert!(include.is_dir(), "no headers in {}; run scripts/get-mujoco {}", include.display(), layout.version);
+        check_headers(layout, &include);
+    }
+}
+
+/// Compiles assertions on every offset.
+fn check_headers(layout: &DataLayout, include: &Path) {
     let expected = [
         ("offsetof(mjModel, nq)", model_offset::NQ),
         ("offsetof(mjModel, nv)", model_offset::NV),
         ("offsetof(mjModel, opt.timestep)", model_offset::TIMESTEP),
         ("offsetof(mjModel, opt.integrator)", model_offset::INTEGRATOR),
-        ("offsetof(mjData, warning)", data_offset::WARNING),
-        ("offsetof(mjData, qpos)", data_offset::QPOS),
-        ("offsetof(mjData, qvel)", data_offset::QVEL),
-        ("offsetof(mjData, qfrc_applied)", data_offset::QFRC_APPLIED),
-        ("offsetof(mjData, qacc)", data_offset::QACC),
-        ("offsetof(mjData, qfrc_inverse)", data_offset::QFRC_INVERSE),
+        ("offsetof(mjData, warning)", layout.warning),
+        ("offsetof(mjData, qpos)", layout.qpos),
+        ("offsetof(mjData, qvel)", layout.qvel),
+        ("offsetof(mjData, qfrc_applied)", layout.qfrc_applied),
+        ("offsetof(mjData, qacc)", layout.qacc),
+        ("offsetof(mjData, qfrc_inverse)", layout.qfrc_inverse),
         ("offsetof(mjWarningStat, number)", size_of::<c_int>()),
         ("sizeof(mjWarningStat)", 2 * size_of::<c_int>()),
         ("sizeof(mjtSize)", size_of::<i64>()),
@@ -38,7 +45,7 @@ fn published_offsets_are_what_a_c_compiler_makes_of_the_headers() {
         ("mjSTAGE_NONE", 0),
         ("mjINT_EULER", usize::try_from(INTEGRATOR_EULER).unwrap()),
         ("mjINT_RK4", usize::try_from(INTEGRATOR_RK4).unwrap()),
-        ("mjVERSION_HEADER", usize::try_from(VERSION_NUMBER).unwrap()),
+        ("mjVERSION_HEADER", usize::try_from(layout.number).unwrap()),
     ];
     let mut source = String::from("#include <stddef.h>\n#include <mujoco/mujoco.h>\n");
     for (what, value) in &expected {

@@ -1,0 +1,25 @@
+//! Names of groups of designs, as sentences write them.
+
+/// The name of a group of designs in prose: `condition` is the condition number.
+#[must_use]
+pub fn criterion_in_words(name: &str) -> String {
+    match name {
+        "condition" => "condition number".to_owned(),
+        "condition-scaled" => "column-normalised condition number".to_owned(),
+        _ if name.ends_with("-optimal") => capitalised(name),
+        _ => name.to_owned(),
+    }
+}
+
+/// Two groups of designs that are compared.
+#[must_use]
+pub fn criterion_pair_in_words(first: &str, second: &str) -> String {
+    format!("{} against {}", capitalised(&criterion_in_words(first)), criterion_in_words(second))
+}
+
+/// `text` with a capital at its beginning.
+#[must_use]
+pub fn capitalised(text: &str) -> String {
+    let mut rest = text.chars();
+    rest.next().into_iter().flat_map(char::to_uppercase).chain(rest).collect()
+}

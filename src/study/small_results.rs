@@ -1,0 +1,93 @@
+//! Results of studies that tests write down: scores and comparisons alone.
+
+use super::comparison::Comparison;
+use super::condition::{Condition, ConditionResult};
+use super::evidence::Findings;
+use super::family_score::FamilyScore;
+use super::metric::Metric;
+use super::plan::StudyPlan;
+use super::result::StudyResult;
+use crate::experiment::Effects;
+use crate::provenance::Provenance;
+use crate::statistics::Interval;
+
+/// The only estimator.
+pub(super) const ESTIMATOR: &str = "wls";
+
+/// A family by its torque error.
+pub(super) fn score(family: &str, prediction: Option<f64>) -> FamilyScore {
+    let mut values = vec![None; Metric::ALL.len()];
+    values[0] = prediction;
+    FamilyScore {
+        family: family.to_owned(),
+        estimator: ESTIMATOR.to_owned(),
+        designs: 1,
+        runs: usize::from(prediction.is_some()),
+        failures: 0,
+        intervals: vec![None; values.len()],
+        values,
+        std_over_bound: None,
+        bound_in_units: None,
+        prediction_spread: None,
+        reference_spread: None,
+        parameters: Vec::new(),
+        coverage: 0.95,
+    }
+}
+
+/// `[first, second]` by a difference inside its interval; `better` is the place of the better one.
+pub(super) fn compared(
+    metric: Metric,
+    pair: [&str; 2],
+    [low, difference, high]: [f64; 3],
+    better: Option<usize>,
+) -> Comparison {
+    Comparison {
+        metric,
+        estimator: ESTIMATOR.to_owned(),
+        first: pair[0].to_owned(),
+        second: pair[1].to_owned(),
+        difference,
+        interval: Some(Interval { low, high }),
+        unit: None,
+        degrees_of_freedom: None,
+        p: None,
+        p_adjusted: None,
+        better: better.map(|place| pair[place].to_owned()),
+    }
+}
+
+/// One scenario.
+pub(super) fn scenario(name: &str, families: Vec<FamilyScore>, comparisons: Vec<Comparison>) -> ConditionResult {
+    ConditionResult {
+        condition: Condition { name: name.to_owned(), engine: "analytic".to_owned(), effects: Effects::none() },
+        statuses: Vec::new(),
+        findings: Findings {
+            families,
+            comparisons,
+            estimator_comparisons: Vec::new(),
+            over_truths: Vec::new(),
+            design_prediction: Vec::new(),
+            criterion_correlations: Vec::new(),
+        },
+    }
+}
+
+/// A study of these scenarios, by the plan of `experiments/01-criteria` with the estimator of the scores.
+pub(super) fn study(conditions: Vec<ConditionResult>, compare_with: &[&str]) -> StudyResult {
+    let mut plan = StudyPlan::from_toml(include_str!("../../experiments/01-criteria/study.toml")).unwrap();
+    plan.identification.estimators = vec![ESTIMATOR.to_owned()];
+    plan.compare_with = compare_with.iter().map(|&name| name.to_owned()).collect();
+    StudyResult {
+        plan,
+        provenance: Provenance::new("arm", "", None),
+        joints: Vec::new(),
+        parameters: Vec::new(),
+        designs: Vec::new(),
+        bounds: Vec::new(),
+        drawn_truths: Vec::new(),
+        conditions,
+        effect_sensitivity: None,
+        radkhah2007: None,
+    }
+}
