@@ -43,9 +43,10 @@ pub(crate) struct LogArguments {
     chain: ChainArguments,
     /// What the columns of a table are: "t=time_ms ms, q=joint_[1-6] deg, current=i_[1-6] mA". Keys t, q, qd, tau, current;
     /// headings with [1-6] or [01-06] for the joints, or #2 for the second column, several with / between them (#1/#3/#2),
-    /// - for a torque that is left out, `file:heading` for files side by side, with * for what those of one log share; then unit, motor, gear=, sign=, offset_deg=, constant= (N·m/A), rated= (of %),
-    /// values of each joint with / between them. Of joint states of ROS 2 the names of joints take the place of headings,
-    /// without t, and topic=/arm/joint_states, alone or in front, says which are meant
+    /// `-` in the place of a torque that is left out, `file:heading` for files side by side, with * for what those of one log
+    /// share; then unit, motor, gear=, sign=, offset_deg=, constant= (N·m/A), rated= (of %), values of each joint with / between
+    /// them. Of joint states of ROS 2 the names of joints take the place of headings, without t, and topic=/arm/joint_states,
+    /// alone or in front, says which are meant
     #[arg(long, value_name = "COLUMNS", help_heading = "Logs")]
     map: Option<String>,
     /// Rows per second of a table without a column of times

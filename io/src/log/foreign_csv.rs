@@ -103,6 +103,9 @@ fn by_mapping(tables: &[LogTable], mapping: &Mapping, has_rate: bool) -> Result<
         if columns.contains(&None) && (!is_effort || columns.iter().all(Option::is_none)) {
             return Err(Error::new(format!("{key}: found \"{NONE}\", expected a column")).help(WITHOUT_TORQUE));
         }
+        if let Some(held) = tables[table].columns() {
+            columns.iter().flatten().try_for_each(|&column| held.numbers(column).map(drop))?;
+        }
         if let Some((other, _)) = matches.next()
             && map.quantity != Quantity::Time
         {
@@ -164,9 +167,11 @@ fn is_called(path: &str, name: &str) -> bool {
     path == name || path.rsplit(['/', '\\']).next() == Some(name) || stem(path) == name
 }
 
-fn stem(path: &str) -> &str {
+/// The name of a file without folder and endings.
+pub(super) fn stem(path: &str) -> &str {
     let name = path.rsplit(['/', '\\']).next().unwrap_or(path);
-    name.rsplit_once('.').map_or(name, |(stem, _)| stem)
+    let plain = name.strip_suffix(".gz").unwrap_or(name);
+    plain.rsplit_once('.').map_or(plain, |(stem, _)| stem)
 }
 
 /// With the unit that the mapping says, or that the heading ends with, or SI.
@@ -202,7 +207,7 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
                 });
                 let one = || {
                     at(prefix)
-                        .filter(|&column| rows.columns().is_none_or(|table| table.is_numbers(column)))
+                        .filter(|&column| rows.columns().is_none_or(|table| table.numbers(column).is_ok()))
                         .map(|column| vec![column])
                 };
                 if quantity == Quantity::Time { one() } else { numbered.or_else(one) }

@@ -5,6 +5,7 @@ use std::path::{Path, PathBuf};
 
 use armid::remedy::{Remedy, Setting};
 
+use super::foreign_csv;
 use super::mapping::Mapping;
 use crate::error::Error;
 
@@ -21,19 +22,10 @@ pub(super) fn logs(mapping: &Mapping, paths: &[PathBuf]) -> Result<Vec<(Mapping,
     if !names.iter().any(|name| name.contains(STAR)) {
         return Ok(vec![(mapping.clone(), paths.to_vec())]);
     }
-    let mut logs: Vec<(String, Vec<PathBuf>)> = Vec::new();
-    for path in paths {
-        let Some(shared) = names.iter().find_map(|name| shared(path, name)) else {
-            let message = format!("{} is none of {}, the files of the mapping", path.display(), names.join(", "));
-            return Err(
-                Error::unknown(message).help("* stands for what the names of the files of one log have in common")
-            );
-        };
-        match logs.iter_mut().find(|(known, _)| *known == shared) {
-            Some((_, files)) => files.push(path.clone()),
-            None => logs.push((shared, vec![path.clone()])),
-        }
-    }
+    let logs = grouped(&names, paths).map_err(|path| {
+        let message = format!("{} is none of {}, the files of the mapping", path.display(), names.join(", "));
+        Error::unknown(message).help("* stands for what the names of the files of one log have in common")
+    })?;
     for (shared, files) in &logs {
         if files.len() != names.len() {
             let named: Vec<String> = files.iter().map(|file| file.display().to_string()).collect();
@@ -121,6 +113,22 @@ fn renamed(mapping: &Mapping, name: impl Fn(&str) -> String) -> Mapping {
     mapping
 }
 
+/// The files by what the `*` of one of these names stands for in theirs, in their order.
+///
+/// # Errors
+/// The file that has none of the names.
+fn grouped<'a>(names: &[impl AsRef<str>], paths: &'a [PathBuf]) -> Result<Vec<(String, Vec<PathBuf>)>, &'a Path> {
+    let mut logs: Vec<(String, Vec<PathBuf>)> = Vec::new();
+    for path in paths {
+        let shared = names.iter().find_map(|name| shared(path, name.as_ref())).ok_or(path.as_path())?;
+        match logs.iter_mut().find(|(known, _)| *known == shared) {
+            Some((_, files)) => files.push(path.clone()),
+            None => logs.push((shared, vec![path.clone()])),
+        }
+    }
+    Ok(logs)
+}
+
 /// What the `*` of a name stands for in that of a file, with or without its ending.
 fn shared(path: &Path, name: &str) -> Option<String> {
     let (front, back) = name.split_once(STAR)?;
@@ -129,11 +137,8 @@ fn shared(path: &Path, name: &str) -> Option<String> {
     between(&stem(path)).or_else(|| between(&whole))
 }
 
-/// The name of a file without its endings.
 fn stem(path: &Path) -> String {
-    let name = path.file_name().map(|name| name.to_string_lossy().into_owned()).unwrap_or_default();
-    let plain = name.strip_suffix(".gz").unwrap_or(&name);
-    plain.rsplit_once('.').map_or(plain, |(stem, _)| stem).to_owned()
+    foreign_csv::stem(&path.to_string_lossy()).to_owned()
 }
 
 /// The names with a `*` in the place of the begin or the end that they have in common, if that makes whole logs of all files.
@@ -160,14 +165,7 @@ fn guessed(names: &[&str], paths: &[PathBuf]) -> Option<(Vec<String>, Vec<Vec<Pa
     ];
     starred.into_iter().flatten().find_map(|starred| {
         let is_name = |name: &String| name.len() > 1;
-        let mut logs: Vec<(String, Vec<PathBuf>)> = Vec::new();
-        for path in paths {
-            let text = starred.iter().find_map(|name| shared(path, name))?;
-            match logs.iter_mut().find(|(known, _)| *known == text) {
-                Some((_, files)) => files.push(path.clone()),
-                None => logs.push((text, vec![path.clone()])),
-            }
-        }
+        let logs = grouped(&starred, paths).ok()?;
         let whole = starred.iter().all(is_name) && logs.iter().all(|(_, files)| files.len() == names.len());
         whole.then(|| (starred, logs.into_iter().map(|(_, files)| files).collect()))
     })

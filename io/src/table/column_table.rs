@@ -68,11 +68,6 @@ impl ColumnTable {
         self.columns.iter().map(|column| column.name.clone()).collect()
     }
 
-    /// Whether a column holds numbers.
-    pub(crate) fn is_numbers(&self, column: usize) -> bool {
-        self.columns[column].values.is_ok()
-    }
-
     /// Number of columns.
     pub(crate) fn width(&self) -> usize {
         self.columns.len()
@@ -88,6 +83,17 @@ impl ColumnTable {
         self.columns[column].unit
     }
 
+    /// The values of a column.
+    ///
+    /// # Errors
+    /// [`Error`] where it holds no numbers.
+    pub(crate) fn numbers(&self, column: usize) -> Result<&Vec<f64>, Error> {
+        let column = &self.columns[column];
+        column.values.as_ref().map_err(|what| {
+            Error::new(format!("{}: {} holds {what}; expected a column of numbers", self.name, column.name))
+        })
+    }
+
     /// Some columns, row after row.
     ///
     /// # Errors
@@ -95,12 +101,9 @@ impl ColumnTable {
     pub(crate) fn values(&self, columns: &[usize]) -> Result<Vec<f64>, Error> {
         let mut found: Vec<&Vec<f64>> = Vec::with_capacity(columns.len());
         for &at in columns {
-            let column = &self.columns[at];
-            let values = column.values.as_ref().map_err(|what| {
-                Error::new(format!("{}: {} holds {what}; expected a column of numbers", self.name, column.name))
-            })?;
+            let values = self.numbers(at)?;
             if let Some(first) = found.first().filter(|first| first.len() != values.len()) {
-                let (name, other) = (&self.columns[columns[0]].name, &column.name);
+                let (name, other) = (&self.columns[columns[0]].name, &self.columns[at].name);
                 let (a, b) = (first.len(), values.len());
                 let message = format!("{}: {name} has {a} rows and {other} has {b}, expected as many", self.name);
                 return Err(Error::mismatch(message));
