@@ -104,7 +104,9 @@ fn by_mapping(tables: &[LogTable], mapping: &Mapping, has_rate: bool) -> Result<
             return Err(Error::new(format!("{key}: found \"{NONE}\", expected a column")).help(WITHOUT_TORQUE));
         }
         if let Some(held) = tables[table].columns() {
-            columns.iter().flatten().try_for_each(|&column| held.numbers(column).map(drop))?;
+            for &column in columns.iter().flatten() {
+                held.numbers(column)?;
+            }
         }
         if let Some((other, _)) = matches.next()
             && map.quantity != Quantity::Time
