@@ -15,9 +15,10 @@
 //! standard deviations of all base parameters is 0.8 to 1.4, once 1.6. By 10 Hz and means over
 //! 25 ms it is 1.1 to 1.7, and of single rotors up to 12.
 
+use super::fourier_transform::FourierTransform;
 use super::fourier_transform::smooth_length;
+use super::harmonics::HarmonicSeries;
 use super::periodic::column;
-use super::{FourierTransform, HarmonicSeries};
 
 /// Power of the motion over that of the noise at the cut-off.
 const ABOVE_NOISE: f64 = 20.0;

@@ -6,8 +6,9 @@
 use std::fmt::Write;
 
 use super::tree::{ChainEnds, ImportedModel};
+use crate::model::joint::{Joint, JointKind};
+use crate::model::parameters::DriveParameters;
 use crate::model::term::{COULOMB, OFFSET, ROTOR, Term, VISCOUS};
-use crate::model::{DriveParameters, Joint, JointKind};
 use crate::spatial::Inertia;
 
 /// Column at which comments begin.
