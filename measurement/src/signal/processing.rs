@@ -32,7 +32,6 @@ impl Derivatives {
     pub const ALL: [Self; 2] = [Self::Fourier, Self::Differences];
 
     /// Its name on the command line and in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Fourier => "fourier",
@@ -41,7 +40,6 @@ impl Derivatives {
     }
 
     /// The route with this name.
-    #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         Self::ALL.into_iter().find(|route| route.name() == name)
     }
@@ -106,7 +104,6 @@ impl Default for Processing {
 
 impl Processing {
     /// The cut-off for a motion whose highest commanded frequency is `highest_hz`, Hz.
-    #[must_use]
     pub fn cutoff_hz(&self, highest_hz: f64) -> f64 {
         self.cutoff_hz.unwrap_or((5.0 * highest_hz).max(10.0))
     }
