@@ -52,20 +52,7 @@ pub enum GainMethod {
     Ridge,
 }
 
-impl GainMethod {
-    /// Every method.
-    pub const ALL: [Self; 4] = [Self::LeastSquares, Self::Weighted, Self::Total, Self::Ridge];
-
-    /// What commands and files call it.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::LeastSquares => "ols",
-            Self::Weighted => "wls",
-            Self::Total => "tls",
-            Self::Ridge => "ridge",
-        }
-    }
-}
+crate::input::named! { GainMethod { LeastSquares: "ols", Weighted: "wls", Total: "tls", Ridge: "ridge" } }
 
 /// The gain of one drive.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]

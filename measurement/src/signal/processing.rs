@@ -27,23 +27,7 @@ pub enum Derivatives {
     Differences,
 }
 
-impl Derivatives {
-    /// Every route.
-    pub const ALL: [Self; 2] = [Self::Fourier, Self::Differences];
-
-    /// Its name on the command line and in files.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fourier => "fourier",
-            Self::Differences => "differences",
-        }
-    }
-
-    /// The route with this name.
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|route| route.name() == name)
-    }
-}
+crate::input::named! { Derivatives { Fourier: "fourier", Differences: "differences" } }
 
 /// Which low pass torque goes through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]

@@ -17,18 +17,7 @@ pub enum Stage {
     Runs,
 }
 
-impl Stage {
-    /// In the order in which they are performed.
-    pub const ALL: [Self; 2] = [Self::Designs, Self::Runs];
-
-    /// Its name, also of folders.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Designs => "designs",
-            Self::Runs => "runs",
-        }
-    }
-}
+armid::input::named! { Stage { Designs: "designs", Runs: "runs" } }
 
 /// Share `k` of `n`, counted from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
