@@ -18,9 +18,8 @@ use super::{
 #[derive(Debug)]
 pub struct CoulombDirection;
 
-impl CoulombDirection {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for CoulombDirection {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fd",
         name: "direction",
         meaning: "Coulomb friction forward above mean",
@@ -37,12 +36,6 @@ impl CoulombDirection {
         needs: Needs::MOTION,
         shapes: &[ShapeParameter::COULOMB_VELOCITY],
     };
-}
-
-impl TermLaw for CoulombDirection {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -17,9 +17,8 @@ use super::{
 #[derive(Debug)]
 pub struct LoadFriction;
 
-impl LoadFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for LoadFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fl",
         name: "load",
         meaning: "Coulomb friction per transmitted torque",
@@ -34,12 +33,6 @@ impl LoadFriction {
         shapes: &[ShapeParameter::COULOMB_VELOCITY],
         ..CoulombFriction::ENTRY
     };
-}
-
-impl TermLaw for LoadFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -13,9 +13,8 @@ use super::{
 #[derive(Debug)]
 pub struct Offset;
 
-impl Offset {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for Offset {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fo",
         name: "offset",
         meaning: "offset",
@@ -32,12 +31,6 @@ impl Offset {
         needs: Needs::MOTION,
         shapes: &[],
     };
-}
-
-impl TermLaw for Offset {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

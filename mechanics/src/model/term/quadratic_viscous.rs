@@ -18,9 +18,8 @@ use super::{
 #[derive(Debug)]
 pub struct QuadraticViscousFriction;
 
-impl QuadraticViscousFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for QuadraticViscousFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fq",
         name: "quadratic",
         meaning: "friction with the square of speed",
@@ -36,12 +35,6 @@ impl QuadraticViscousFriction {
         prior: Prior { key: "quadratic_nm_s2_rad2", of: PriorOf::Unit, default: Some(1.0) },
         ..ViscousFriction::ENTRY
     };
-}
-
-impl TermLaw for QuadraticViscousFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -13,9 +13,8 @@ use super::{
 #[derive(Debug)]
 pub struct ViscousFriction;
 
-impl ViscousFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for ViscousFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fv",
         name: "viscous",
         meaning: "viscous friction",
@@ -32,12 +31,6 @@ impl ViscousFriction {
         needs: Needs::MOTION,
         shapes: &[],
     };
-}
-
-impl TermLaw for ViscousFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
