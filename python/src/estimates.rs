@@ -38,22 +38,16 @@ impl Made {
         Ok(Self { estimate: estimate::parse(&text)?, inputs: Inputs::of_estimate(&text)?, name: text.name })
     }
 
-    /// The logs that it was made from, processed again as it was made; `change` is what differs. Where none are given, they are read again.
-    fn log(
-        &self,
-        robot: &Robot,
-        [logs, held_out]: &[Vec<Log>; 2],
-        change: impl Fn(&mut LogSettings),
-    ) -> Result<(ProcessedLog, &Inputs), Error> {
+    /// The logs that it was made from, processed again as it was made. Where none are given, they are read again.
+    fn log(&self, robot: &Robot, [logs, held_out]: &[Vec<Log>; 2]) -> Result<(ProcessedLog, &Inputs), Error> {
         let name = &self.name;
         let inputs = self.inputs.as_ref();
         let inputs = inputs.ok_or_else(|| Error::new(format!("{name} does not state what it was made from")))?;
         inputs.check_robot(&robot.loaded, name)?;
-        let mut settings = inputs.settings.clone();
-        change(&mut settings);
+        let settings = inputs.settings.clone();
         let read = |paths: &[PathBuf]| -> Result<ProcessedLog, Error> {
             let of = Some(&robot.loaded.robot);
-            samples(robot, find(paths, inputs.mapping.as_deref(), inputs.rate_hz, of)?.logs, &settings)
+            samples(robot, find(paths, inputs.mapping.as_deref(), inputs.rate_hz, of, false)?.logs, &settings)
         };
         if !logs.is_empty() {
             let (mut log, _) = processed(robot, logs, &settings)?;
@@ -180,9 +174,8 @@ pub(crate) fn export(
             Ok(ChainSource { text: Text::read(path)?, ends })
         };
         let settings = ExportSettings { format, into: into.as_deref().map(template).transpose()?, file: path };
-        let (as_estimated, _) = made.log(&robot, &logs, |_| {})?;
-        let (all_rows, _) = made.log(&robot, &logs, |settings| settings.processing.reversal_fraction = 0.0)?;
-        let file = exported((&made.estimate, &made.name), [as_estimated, all_rows], &settings, observer)?;
+        let (log, _) = made.log(&robot, &logs)?;
+        let file = exported((&made.estimate, &made.name), log, &settings, observer)?;
         let fault = (!file.is_sound()).then(|| file.prediction.sentence(&file.name));
         Ok((file.text.clone(), serde_json::to_string(&file).map_err(Error::of)?, fault))
     })?;
@@ -201,7 +194,7 @@ pub(crate) fn report(
     let made = Made::parse(file).map_err(exception)?;
     let (robot, logs) = (robot.clone(), kept(logs));
     let page = watched(py, None, Leaves::Files, move |_| {
-        let (log, inputs) = made.log(&robot, &logs, |_| {})?;
+        let (log, inputs) = made.log(&robot, &logs)?;
         write_estimate_report(&folder, (&made.estimate, &made.name), &log, inputs)
     })?;
     page.map_err(exception)

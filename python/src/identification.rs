@@ -184,7 +184,7 @@ pub(crate) fn identify(
         }
         if let Some(text) = start {
             let start = parse_parameter_map(&text.content, &robot.loaded.robot);
-            log.start = Some(start.map_err(|fault| Error::of_format(&text, &fault))?);
+            log.start = Some(start.map_err(|fault| Error::of_format(&text, &fault))?.0);
         }
         let answer = identified(log, Some(inputs), &settings_of, observer)?;
         let unfinished = answer.estimates.iter().map(|one| {

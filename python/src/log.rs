@@ -58,7 +58,7 @@ impl Log {
         robot: Option<&Robot>,
     ) -> PyResult<Self> {
         let of = robot.map(|robot| &robot.loaded.robot);
-        let found = py.detach(|| find(&paths, mapping.as_deref(), rate_hz, of)).map_err(exception)?;
+        let found = py.detach(|| find(&paths, mapping.as_deref(), rate_hz, of, false)).map_err(exception)?;
         let (count, mut logs) = (found.logs.len(), found.logs.into_iter());
         let (Some(log), 1) = (logs.next(), count) else {
             let message = format!("the paths hold {count} logs, expected one: a list of logs goes to identify");
