@@ -2,11 +2,13 @@
 
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use std::collections::BTreeMap;
+mod support;
+
 use std::path::Path;
 use std::process::Output;
 
 use parquet::file::reader::{FileReader, SerializedFileReader};
+use support::{files, summary};
 
 /// A study of seconds: a planar arm, two families, two designs each, three runs.
 const PLAN: &str = r#"
@@ -87,31 +89,6 @@ fn refused(folder: &Path, arguments: &[&str], words: &[&str]) {
 fn succeeds(folder: &Path, arguments: &[&str]) {
     let output = armid(folder, arguments);
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
-}
-
-/// Every file below a folder but those that hold wall times and dates.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let mut found = BTreeMap::new();
-    let mut open = vec![folder.to_path_buf()];
-    while let Some(next) = open.pop() {
-        for entry in std::fs::read_dir(&next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else {
-                let name = path.strip_prefix(folder).unwrap().display().to_string();
-                if !["timing.parquet", "provenance.json"].contains(&name.as_str()) {
-                    found.insert(name, std::fs::read(&path).unwrap());
-                }
-            }
-        }
-    }
-    found
-}
-
-/// The stored summary of a study.
-fn summary(folder: &Path) -> serde_json::Value {
-    serde_json::from_str(&std::fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
 }
 
 /// Every interval of comparisons, scores and correlations with its own estimate, and what they are of.
@@ -318,8 +295,7 @@ fn random_truths_are_the_same_for_every_design_and_number_of_threads() {
     succeeds(at, &["study", "truths.toml", "--jobs", "1", "-o", "one"]);
     succeeds(at, &["study", "truths.toml", "--jobs", "2", "-o", "two"]);
     assert!(files(&at.join("one")) == files(&at.join("two")), "one and two threads differ");
-    let summary = std::fs::read_to_string(at.join("one/summary.json")).unwrap();
-    let summary: serde_json::Value = serde_json::from_str(&summary).unwrap();
+    let summary = summary(&at.join("one"));
     assert_eq!(summary["drawn_truths"].as_array().unwrap().len(), 3);
     let over = &summary["conditions"][0]["findings"]["over_truths"];
     assert!(over.as_array().unwrap().iter().all(|c| c["truths"] == 3), "{over}");
@@ -477,8 +453,7 @@ fn antithetic_noise_falls_out_of_a_bias_and_runs_count_in_pairs() {
     std::fs::write(at.join("antithetic.toml"), &paired).unwrap();
     let bias_widths = |name: &str| -> Vec<f64> {
         succeeds(at, &["study", &format!("{name}.toml"), "-o", name]);
-        let text = std::fs::read_to_string(at.join(name).join("summary.json")).unwrap();
-        let summary: serde_json::Value = serde_json::from_str(&text).unwrap();
+        let summary = summary(&at.join(name));
         let score = &summary["conditions"][0]["findings"]["families"][0];
         assert_eq!(score["runs"], 16);
         let parameters = score["parameters"].as_array().unwrap();

@@ -4,11 +4,10 @@
 
 mod support;
 
-use std::collections::BTreeMap;
 use std::path::Path;
 
 use serde_json::Value;
-use support::{armid_in, stderr, temporary};
+use support::{armid_in, files, stderr, summary, temporary};
 
 /// A study of seconds: two planar arms, of which the first has a family of its own.
 const PLAN: &str = r#"
@@ -86,27 +85,6 @@ fn with_plan() -> tempfile::TempDir {
     std::fs::write(arms.join("truth.toml"), include_str!("../../models/planar-2r/truth.toml")).unwrap();
     std::fs::write(folder.path().join("study.toml"), PLAN).unwrap();
     folder
-}
-
-/// Every file below a folder but those that hold wall times and dates.
-fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
-    let (mut found, mut open) = (BTreeMap::new(), vec![folder.to_path_buf()]);
-    while let Some(next) = open.pop() {
-        for entry in std::fs::read_dir(&next).unwrap() {
-            let path = entry.unwrap().path();
-            if path.is_dir() {
-                open.push(path);
-            } else if !["timing.parquet", "provenance.json"].iter().any(|name| path.ends_with(name)) {
-                let name = path.strip_prefix(folder).unwrap().display().to_string();
-                found.insert(name, std::fs::read(&path).unwrap());
-            }
-        }
-    }
-    found
-}
-
-fn summary(folder: &Path) -> Value {
-    serde_json::from_str(&std::fs::read_to_string(folder.join("summary.json")).unwrap()).unwrap()
 }
 
 /// What went wrong, on one line.

@@ -48,7 +48,6 @@ impl StudyResult {
     }
 
     /// The estimator that figures show: the last of the plan that gave an estimate under the first condition.
-    #[must_use]
     pub fn shown_estimator(&self) -> &str {
         let (estimators, families) = (&self.plan.identification.estimators, &self.findings().families);
         let gave = |name: &&String| families.iter().any(|score| score.estimator == **name && score.runs > 0);

@@ -69,7 +69,7 @@ pub(crate) struct LogArguments {
     /// Velocities and accelerations: through Fourier coefficients (the default), or filtered differences
     #[arg(long, value_parser = one_of(&Derivatives::ALL, Derivatives::name), help_heading = "Processing")]
     derivatives: Option<Derivatives>,
-    /// Cut-off of the low pass ahead of differences; 5 times the highest commanded frequency, at least 10
+    /// Highest frequency kept of the positions; found in the log by default
     #[arg(long, value_name = "HZ", help_heading = "Processing")]
     cutoff_hz: Option<f64>,
     /// Leave out equations of a joint slower than this share of its top speed, 0.02 by default; 0 keeps all
@@ -260,7 +260,7 @@ impl LogArguments {
         };
         if self.samples.is_some() && foreign && period_s.is_none() && !finds_period {
             let message = "--samples is of an averaged period, found a log without a period";
-            return Err(Error::new(message).help("--cutoff-hz sets how many equations a log without periods gives"));
+            return Err(Error::new(message).help("--cutoff-hz F gives a log without periods 4 F equations a second"));
         }
         Ok(LogSettings {
             period_s,

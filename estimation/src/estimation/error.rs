@@ -90,6 +90,9 @@ pub enum EstimationError {
     /// An estimator from outside failed, in its own words.
     #[error("{0}")]
     External(ExternalError),
+    /// An observer ended the work before there was anything to return.
+    #[error("interrupted")]
+    Interrupted,
     /// The equations themselves are at fault.
     #[error("least squares: {0}")]
     LeastSquares(#[from] LeastSquaresError),

@@ -23,7 +23,7 @@ impl Certificate {
         let table =
             toml::to_string(&Out { certificate: self }).expect("names, numbers and lists of them have a TOML form");
         format!(
-            "{}\n# Value of the criteria and use of the limits; `armid run` verifies it again.\n{table}",
+            "{}\n# Value of the criteria and use of the limits; a run verifies it again.\n{table}",
             trajectory.to_toml()
         )
     }

@@ -95,7 +95,7 @@ pub(super) fn of_plan(
         let found = 1e3 * fastest.speed;
         if found > line {
             let found = format!("point \"{}\" at {found:.0} mm/s", fastest.point);
-            let remedy = "choose a slower --speed";
+            let remedy = "choose a slower speed";
             return Err(Preflight::Plan.refuse(found, Expectation::AtMost { limit: line, unit: "mm/s", remedy }));
         }
     }

@@ -76,7 +76,7 @@ impl Trip {
             Self::SoftLimit => "a position or a set-point is outside the soft limits",
             Self::Overspeed => "a joint is faster than its limit allows",
             Self::ReducedSpeed => {
-                "the flange, or a point that the robot file names, is faster than --reduced-speed allows"
+                "the flange, or a point that the robot file names, is faster than the reduced speed allows"
             }
             Self::FollowingError => "the arm is too far from its command",
             Self::CurrentClamp => "the motor current is above the clamp for long, or again and again",

@@ -124,38 +124,32 @@ impl NoiseModel {
     }
 
     /// Number of joints n.
-    #[must_use]
     pub fn dof(&self) -> usize {
         self.lags[0].nrows()
     }
 
     /// Covariance of one sample, R(0), n × n.
-    #[must_use]
     pub fn covariance(&self) -> &DMatrix<f64> {
         &self.lags[0]
     }
 
     /// Standard deviation of one sample, per joint.
-    #[must_use]
     pub fn std(&self) -> Vec<f64> {
         self.lags[0].diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
     }
 
     /// Number of lags other than zero.
-    #[must_use]
     pub fn length(&self) -> usize {
         self.lags.len() - 1
     }
 
     /// Correlation of joint `i` with itself `l` samples later; zero beyond the last lag.
-    #[must_use]
     pub fn correlation(&self, i: usize, l: usize) -> f64 {
         let variance = self.lags[0][(i, i)];
         if variance > 0.0 { self.lags.get(l).map_or(0.0, |r| r[(i, i)] / variance) } else { 0.0 }
     }
 
     /// Independent samples that R(0) was measured from.
-    #[must_use]
     pub fn degrees_of_freedom(&self) -> f64 {
         self.degrees_of_freedom
     }
@@ -165,7 +159,6 @@ impl NoiseModel {
     ///
     /// # Panics
     /// If the rows of W are no multiple of n.
-    #[must_use]
     pub fn apply(&self, w: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, rows) = (self.dof(), w.nrows());
         assert!(rows.is_multiple_of(n), "{rows} rows are no multiple of {n} joints");
@@ -173,7 +166,6 @@ impl NoiseModel {
     }
 
     /// C for `count` samples, to be applied more than once.
-    #[must_use]
     pub fn operator(&self, count: usize) -> CovarianceOperator {
         let lags = self.lags.iter().zip(&self.weights).map(|(r, &weight)| r * weight).collect();
         CovarianceOperator::new(lags, self.wraps, count)

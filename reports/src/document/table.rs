@@ -84,7 +84,6 @@ impl Cell {
     /// assert_eq!(Cell::fixed(95.25, 1).written(), "95.2");
     /// assert_eq!(Cell::number(f64::NAN, 3).written(), "–");
     /// ```
-    #[must_use]
     pub fn written(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),

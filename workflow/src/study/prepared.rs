@@ -48,7 +48,6 @@ impl PreparedStudy {
     }
 
     /// The plan.
-    #[must_use]
     pub fn plan(&self) -> &StudyPlan {
         self.setup.plan()
     }

@@ -14,13 +14,13 @@ use crate::terminal::{Answer, Console, Ending};
 const SCRIPT: &str = include_str!("slurm-study");
 
 const AFTER_HELP: &str = "\
-The folder of -o must be on a file system that all nodes share. Designs are one array of tasks, runs a second that
-waits for it; a last job merges them, or submits again what is incomplete. squeue shows the jobs, scancel ends them,
-and the same line goes on with what is finished.
+The folder of -o must be on a file system that all nodes share. Designs are one array of tasks, runs
+a second that waits for it; a last job merges them, or submits again what is incomplete. squeue
+shows the jobs, scancel ends them; the same line goes on with what is finished.
 
 Examples:
   armid study submit 01-criteria --engine slurm --runs 1000 --array 200 -o /shared/01
-  armid study submit my/study.toml --engine slurm -o /shared/my -- --partition=long --mem=1G --time=2:00:00";
+  armid study submit S --engine slurm -o /shared/S -- --partition=long --mem=1G --time=2:00:00";
 
 /// What to submit, and how.
 #[derive(Debug, clap::Args)]

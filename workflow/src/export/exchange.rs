@@ -12,7 +12,7 @@ use armid::seed::Seed;
 use armid_io::output::pretty;
 use armid_io::robot::ChainSource;
 use armid_io::{Error, LoadedRobot};
-use miette::Result;
+use serde::Serialize;
 use serde_json::{Map, Value};
 
 /// States on which what was read back is compared.
@@ -22,26 +22,25 @@ const STATES: usize = 200;
 const ROUNDING: f64 = 1e-9;
 
 /// A format that other tools read.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(crate) enum Exchange {
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Exchange {
+    /// A URDF: rigid bodies, viscous and Coulomb friction.
     Urdf,
+    /// An MJCF: rotor inertia, too.
     Mjcf,
+    /// A file of parameters, with every term.
     Toml,
+    /// A map of names to values, with every term.
     Json,
 }
 
-impl Exchange {
-    pub(crate) const fn name(self) -> &'static str {
-        match self {
-            Self::Urdf => "urdf",
-            Self::Mjcf => "mjcf",
-            Self::Toml => "toml",
-            Self::Json => "json",
-        }
-    }
+armid::input::named! { Exchange { Urdf: "urdf", Mjcf: "mjcf", Toml: "toml", Json: "json" } }
 
+impl Exchange {
     /// How files of this format end.
-    pub(crate) const fn extension(self) -> &'static str {
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
         match self {
             Self::Mjcf => "xml",
             other => other.name(),
@@ -49,7 +48,7 @@ impl Exchange {
     }
 
     /// The terms that it has a place for, of a model that was estimated with some.
-    pub(crate) fn columns(self, estimated: Columns) -> Columns {
+    pub(super) fn columns(self, estimated: Columns) -> Columns {
         let friction = Columns::RIGID.with(VISCOUS).with(COULOMB);
         match self {
             Self::Urdf => friction,
@@ -59,18 +58,19 @@ impl Exchange {
     }
 
     /// The robot with the laws of friction that a reader of the file has: URDF and MJCF have a plain sign.
-    pub(crate) fn robot(self, robot: &Robot) -> Result<Robot> {
+    pub(super) fn robot(self, robot: &Robot) -> Result<Robot, Error> {
         match self {
             Self::Urdf | Self::Mjcf => {
                 let plain = robot.clone().with_joints(|joint| joint.drive.coulomb_velocity = 0.0);
-                Ok(plain.map_err(|fault| Error::new(fault.to_string()))?)
+                plain.map_err(Error::of)
             }
             Self::Toml | Self::Json => Ok(robot.clone()),
         }
     }
 
     /// The file that is edited in place, of what a robot was read from.
-    pub(crate) fn template(self, loaded: &LoadedRobot) -> Option<&ChainSource> {
+    #[must_use]
+    pub fn template(self, loaded: &LoadedRobot) -> Option<&ChainSource> {
         match self {
             Self::Urdf => loaded.urdf.as_ref(),
             // A tendon that stands for a coupled motor is written anew.
@@ -81,13 +81,13 @@ impl Exchange {
 
     /// The file's text, and what the reader must know of it. `header` is its comment, where the format has any; a `template` is that file
     /// with other numbers.
-    pub(crate) fn write(
+    pub(super) fn write(
         self,
         robot: &Robot,
         template: Option<&ChainSource>,
         parameters: &StandardParameters,
         header: &str,
-    ) -> Result<(String, Vec<String>)> {
+    ) -> Result<(String, Vec<String>), Error> {
         if let Some(source) = template {
             let named = |fault: FormatError| Error::new(format!("{}: {fault}", source.text.name));
             let edited = match self {
@@ -95,7 +95,7 @@ impl Exchange {
                 Self::Urdf | Self::Toml | Self::Json => edit_urdf(&source.text.content, &source.ends, parameters),
             };
             let EditedText { text, mut remarks } = edited.map_err(named)?;
-            let gravity = self.parse(&text, &source.ends).map(|model| model.robot.gravity());
+            let gravity = self.model(&text, &source.ends).map(|model| model.robot.gravity());
             if gravity.is_ok_and(|read| (read - robot.gravity()).amax() > ROUNDING) {
                 remarks.push(format!("gravity is that of {}: in the robot file it is another", source.text.name));
             }
@@ -103,8 +103,7 @@ impl Exchange {
         }
         let text = match self {
             Self::Urdf => write_urdf(robot, parameters, header),
-            Self::Mjcf => armid_sim::mjcf_for_exchange(robot, parameters, header)
-                .map_err(|error| Error::new(error.to_string()))?,
+            Self::Mjcf => armid_sim::mjcf_for_exchange(robot, parameters, header).map_err(Error::of)?,
             Self::Toml => write_parameters(robot, parameters, header),
             Self::Json => {
                 let ids = Columns::RIGID_ROTOR_FRICTION.and_those_of(parameters).parameters(robot);
@@ -117,21 +116,21 @@ impl Exchange {
         Ok((text, Vec::new()))
     }
 
-    fn parse(self, text: &str, ends: &ChainEnds) -> std::result::Result<ImportedModel, FormatError> {
+    fn model(self, text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
         if self == Self::Mjcf { parse_mjcf(text, ends) } else { parse_urdf(text, ends) }
     }
 
     /// The robot and its parameters as a reader of the file sees them, gravity being that of the robot file where it was edited in place.
-    pub(crate) fn read(
+    pub(super) fn read(
         self,
         text: &str,
         robot: &Robot,
         template: Option<&ChainSource>,
-    ) -> Result<(Robot, StandardParameters)> {
+    ) -> Result<(Robot, StandardParameters), Error> {
         let read = match self {
             Self::Urdf | Self::Mjcf => {
                 let ends = template.map_or_else(ChainEnds::default, |source| source.ends.clone());
-                self.parse(text, &ends).map(|ImportedModel { robot: read, parameters, .. }| match template {
+                self.model(text, &ends).map(|ImportedModel { robot: read, parameters, .. }| match template {
                     Some(_) => (read.clone().with_gravity(read.base().rotation * robot.gravity()), parameters),
                     None => (read, parameters),
                 })
@@ -140,33 +139,36 @@ impl Exchange {
                 .map(|file| (robot.clone().with_drives(file.motors), file.parameters)),
             Self::Json => parse_parameter_map(text, robot).map(|(parameters, robot)| (robot, parameters)),
         };
-        Ok(read.map_err(|fault| Error::new(format!("the file does not read back: {}", fault.message)))?)
+        read.map_err(|fault| Error::new(format!("the file does not read back: {}", fault.message)))
     }
 }
 
 /// What a file says when it is read back.
-pub(crate) struct Reloaded {
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Reloaded {
     /// Random states at which it was asked.
-    pub(crate) states: usize,
+    pub states: usize,
     /// Largest difference of its torque, links and rotors as far as the format has them, from `Y φ`, over the largest
     /// torque of the joint.
-    pub(crate) difference: f64,
+    #[serde(rename = "largest_relative_difference")]
+    pub difference: f64,
     /// Largest difference of a friction coefficient that the format has, over its size.
-    pub(crate) friction: f64,
+    #[serde(rename = "largest_friction_difference")]
+    pub friction: f64,
 }
 
 impl Reloaded {
     /// The torque of what the file says, by the recursion, against the regressor of the robot itself times the parameters, as far as
     /// `columns` has them.
-    pub(crate) fn compare(
+    pub(super) fn compare(
         robot: &Robot,
         parameters: &StandardParameters,
         (read, found): (&Robot, &StandardParameters),
         columns: Columns,
-    ) -> Result<Self> {
+    ) -> Result<Self, Error> {
         if read.dof() != robot.dof() || found.drives.len() != parameters.drives.len() {
             let (found, expected) = (read.dof(), robot.dof());
-            return Err(Error::new(format!("the file reads back with {found} joints, expected {expected}")).into());
+            return Err(Error::new(format!("the file reads back with {found} joints, expected {expected}")));
         }
         let mut found = found.clone();
         let friction = [VISCOUS, COULOMB].into_iter().flat_map(|term| {
@@ -181,7 +183,7 @@ impl Reloaded {
         for drive in &mut found.drives {
             *drive = drive.only(|term| columns.has(term));
         }
-        let regressor = JointTorqueRegressor::new(robot, columns).map_err(|fault| Error::new(fault.to_string()))?;
+        let regressor = JointTorqueRegressor::new(robot, columns).map_err(Error::of)?;
         let n = robot.dof();
         let phi = parameters.vector(robot, columns);
         let mut dynamics = Dynamics::new(read, &found);
@@ -205,7 +207,7 @@ impl Reloaded {
         Ok(Self { states: STATES, difference, friction })
     }
 
-    pub(crate) fn is_sound(&self) -> bool {
+    pub(super) fn is_sound(&self) -> bool {
         self.difference <= ROUNDING && self.friction <= ROUNDING
     }
 }

@@ -6,14 +6,16 @@ use armid::study::{CriterionRatios, ReportInput, RobotsSummary};
 use armid_io::Error;
 use armid_io::output::write_text;
 use armid_io::study::write_ratios;
-use armid_reports::{Document, DocumentError, Figure, criteria_figure, robots_document, study_document};
+use armid_reports::{DocumentError, Figure, criteria_figure, robots_document, study_document};
+
+use super::page::{cannot_be_drawn, write_document};
 
 /// Draws the report of a study; returns the page.
 ///
 /// # Errors
 /// [`Error`] where a figure cannot be drawn or written.
 pub fn write_report(folder: &Path, input: &ReportInput) -> Result<PathBuf, Error> {
-    write_document(folder, &study_document(input).map_err(cannot_be_drawn)?)
+    write_document(folder, study_document(input))
 }
 
 /// Draws the page of one study on several robots; returns it.
@@ -21,7 +23,7 @@ pub fn write_report(folder: &Path, input: &ReportInput) -> Result<PathBuf, Error
 /// # Errors
 /// [`Error`] where a figure cannot be drawn or written.
 pub fn write_robots_report(folder: &Path, summary: &RobotsSummary) -> Result<PathBuf, Error> {
-    write_document(folder, &robots_document(summary).map_err(cannot_be_drawn)?)
+    write_document(folder, robots_document(summary))
 }
 
 /// Draws criteria under single effects on several robots, and stores the numbers beside the figure; returns the figure.
@@ -34,17 +36,4 @@ pub fn write_criteria(folder: &Path, robots: &[CriterionRatios]) -> Result<PathB
     write_text(&path, &figure.svg().map_err(DocumentError::from).map_err(cannot_be_drawn)?)?;
     write_ratios(&path.with_extension("json"), robots)?;
     Ok(path)
-}
-
-fn write_document(folder: &Path, document: &Document) -> Result<PathBuf, Error> {
-    let page = folder.join("report.html");
-    for (name, svg) in document.svg_files().map_err(cannot_be_drawn)? {
-        write_text(&folder.join(name), svg)?;
-    }
-    write_text(&page, &document.html().map_err(cannot_be_drawn)?)?;
-    Ok(page)
-}
-
-fn cannot_be_drawn(error: DocumentError) -> Error {
-    Error::new(format!("the report cannot be drawn: {error}"))
 }

@@ -1,19 +1,17 @@
-//! `armid report E.json`: the page of an estimate, from its file and the logs that it names.
+//! The page of an estimate: torque measured and predicted, residuals, parameters, and a verdict with its reason.
 
 use std::path::{Path, PathBuf};
 
 use armid::estimation::{Against, Estimate, ResidualTrends, TorqueResidual, TorqueSeries};
 use armid::signal::Samples;
-use armid_io::output::write_text;
-use armid_io::{Error, Inputs, ProcessedLog, Text, estimate};
+use armid_io::{Error, Inputs, ProcessedLog};
 use armid_reports::{
     EstimateInput, ParameterRow, ResidualDiagnostics, ResidualShares, ResidualTrace, TorqueTrace, estimate_document,
 };
-use miette::Result;
 
-use super::findings::grouped;
-use super::labels::{joint_names, percent};
-use crate::arguments::{ChainArguments, LogArguments};
+use super::page::write_document;
+use crate::identification::grouped;
+use crate::numbers::percent;
 
 /// Points of a line on the page, at most.
 const POINTS: usize = 1500;
@@ -21,29 +19,18 @@ const POINTS: usize = 1500;
 /// Share of the torque that a model may leave unexplained to be called good on rows that it has not seen.
 const GOOD: f64 = 0.1;
 
-/// Draws the page of an estimate into a folder; the path of the page. The robot is that of the estimate, from where the estimate
-/// says or from `robot`.
-pub(crate) fn report(
-    path: &Path,
-    folder: Option<&Path>,
-    robot: Option<&str>,
-    chain: &ChainArguments,
-) -> Result<PathBuf> {
-    let text = Text::read(path)?;
-    let estimate = estimate::parse(&text)?;
-    let (prepared, inputs) = LogArguments::of_robot(robot.map(str::to_owned), chain.clone()).again(&text, &[])?;
-    let page = Page { estimate: &estimate, prepared: &prepared, name: &text.name };
-    let input = page.input(&inputs)?;
-    let fault = |error: armid_reports::DocumentError| Error::new(format!("the report cannot be drawn: {error}"));
-    let document = estimate_document(&input).map_err(fault)?;
-    let stem = path.file_stem().map_or_else(|| "estimate".into(), |stem| stem.to_string_lossy().into_owned());
-    let folder = folder.map_or_else(|| Path::new("reports").join(stem), Path::to_path_buf);
-    for (name, svg) in document.svg_files().map_err(fault)? {
-        write_text(&folder.join(name), svg)?;
-    }
-    let file = folder.join("report.html");
-    write_text(&file, &document.html().map_err(fault)?)?;
-    Ok(file)
+/// Draws the page of an estimate, which errors call `name`, from the logs that it was made from; returns the page.
+///
+/// # Errors
+/// [`Error`] where the estimate is of another robot or of other parameters, or the page cannot be written.
+pub fn write_estimate_report(
+    folder: &Path,
+    (estimate, name): (&Estimate, &str),
+    log: &ProcessedLog,
+    inputs: &Inputs,
+) -> Result<PathBuf, Error> {
+    let page = Page { estimate, prepared: log, name };
+    write_document(folder, estimate_document(&page.input(inputs)?))
 }
 
 struct Page<'a> {
@@ -56,7 +43,7 @@ impl Page<'_> {
     fn input(&self, inputs: &Inputs) -> Result<EstimateInput, Error> {
         let (used, held_out) = self.prepared.residual(self.estimate, self.name)?;
         let expressions = self.prepared.expressions(self.estimate, self.name)?;
-        let joints = joint_names(self.prepared);
+        let joints = self.prepared.joint_names();
         let aside = !self.prepared.held_out.is_empty();
         let parts = if aside { &self.prepared.held_out[..1] } else { &self.prepared.parts[..1] };
         let series = self.prepared.series(self.estimate, self.name, parts)?;
