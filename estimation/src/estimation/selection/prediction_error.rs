@@ -17,8 +17,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::evidence::{HeldOutChange, HeldOutData};
 use super::restriction::Restriction;
+use crate::estimation::error::EstimationError;
+use crate::estimation::factorisation::Factorisation;
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::{EstimationError, Factorisation, Observation};
+use crate::estimation::observation::Observation;
 use crate::linalg::{BlockWhitening, LeastSquares};
 use crate::statistics::student_quantile;
 
