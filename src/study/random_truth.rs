@@ -79,7 +79,6 @@ pub struct TruthError {
 
 impl RandomTruths {
     /// This many, with the spreads that a study has unless it says otherwise.
-    #[must_use]
     pub const fn of(count: usize) -> Self {
         Self {
             count,

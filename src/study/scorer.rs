@@ -70,7 +70,6 @@ pub struct Score {
 
 impl Scorer {
     /// A scorer for the base parameters `base` of `robot`, predicting on `validation`.
-    #[must_use]
     pub fn new(
         robot: &Robot,
         truths: &[Truth],

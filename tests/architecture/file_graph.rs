@@ -46,6 +46,7 @@ impl<'a> FileGraph<'a> {
                 if let [name] = rest
                     && (folder.is_empty() || file.starts_with(&format!("{folder}/")))
                     && let Some(holder) = self.exports.get(&(folder, name.clone()))
+                    && (self.files.contains_key(holder) || self.folders.contains(holder))
                     && holder != file
                     && !file.starts_with(&format!("{holder}/"))
                 {

@@ -52,7 +52,6 @@ pub struct Suspicion {
 }
 
 /// Joints that stand still, counted from one.
-#[must_use]
 pub fn standing_joints(samples: &Samples) -> Vec<usize> {
     let n = samples.dof();
     (0..n).filter(|&i| range(&samples.states.q, i, n) < REST).map(|i| i + 1).collect()

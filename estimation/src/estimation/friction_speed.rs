@@ -83,19 +83,16 @@ pub struct FrictionSpeeds {
 
 impl FrictionSpeeds {
     /// Joints, from one, whose speed the data do not show.
-    #[must_use]
     pub fn not_shown(&self) -> Vec<usize> {
         self.joints.iter().filter(|joint| joint.speed.is_none()).map(|joint| joint.joint).collect()
     }
 
     /// Whether torque that was not fitted is predicted better with these speeds, by its 95 % interval.
-    #[must_use]
     pub fn predict_better(&self) -> bool {
         self.held_out.is_some_and(|change| change.is_improvement())
     }
 
     /// What they are as a candidate of a selection.
-    #[must_use]
     pub fn evidence(&self) -> TermEvidence {
         let coefficients = self.joints.iter().filter(|joint| joint.speed.is_some()).count();
         let verdict = match (coefficients, self.predict_better()) {
@@ -110,7 +107,6 @@ impl FrictionSpeeds {
     ///
     /// # Panics
     /// If the robot has fewer joints than this is of.
-    #[must_use]
     pub fn robot(&self, robot: &Robot) -> Robot {
         let speeds = self.joints.iter().filter_map(|of| of.speed.map(|speed| (of.joint - 1, speed.value)));
         with_speeds(robot, self.shape, speeds)

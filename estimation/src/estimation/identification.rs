@@ -162,7 +162,6 @@ impl Identification {
     }
 
     /// The base parameters.
-    #[must_use]
     pub const fn base(&self) -> &BaseReduction {
         &self.base
     }

@@ -181,13 +181,11 @@ impl Observation {
     }
 
     /// Number of blocks M.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.y.len() / self.dof
     }
 
     /// Number of equations: used rows.
-    #[must_use]
     pub fn equations(&self) -> usize {
         self.used.iter().filter(|used| **used).count()
     }
@@ -228,7 +226,6 @@ impl Observation {
     }
 
     /// `y − W_b β`, n·M; zero in rows that are no equation.
-    #[must_use]
     pub fn residual(&self, beta: &DVector<f64>) -> DVector<f64> {
         let mut residual = self.y.clone();
         let negative: Vec<f64> = beta.iter().map(|value| -value).collect();

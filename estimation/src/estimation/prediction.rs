@@ -104,7 +104,6 @@ impl Validation {
     }
 
     /// Whether every joint's relative difference is at most `limit`.
-    #[must_use]
     pub fn is_within(&self, limit: f64) -> bool {
         self.relative_rms.iter().all(|&r| r <= limit)
     }

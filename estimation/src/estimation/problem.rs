@@ -49,7 +49,6 @@ pub struct EstimationProblem<'a> {
 
 impl<'a> EstimationProblem<'a> {
     /// The equations alone.
-    #[must_use]
     pub const fn new(observation: &'a Observation) -> Self {
         let closed_loop = Err(&ClosedLoopError::NotGiven);
         Self {
@@ -100,7 +99,6 @@ impl<'a> EstimationProblem<'a> {
     }
 
     /// Reports the steps of an iteration so far, of `total` at most. The termination of one that is to end here.
-    #[must_use]
     pub fn ended_after(&self, iterations: usize, total: usize) -> Option<Termination> {
         let seen = self.observer.observe(Progress { work: Work::Steps, done: iterations, total });
         seen.is_break().then_some(Termination::Interrupted { iterations })

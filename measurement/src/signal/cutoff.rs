@@ -36,7 +36,6 @@ const LEAST_HZ: f64 = 10.0;
 /// let rows: Vec<f64> = (0..4000).map(at).collect();
 /// assert!((30.0..36.0).contains(&find_cutoff(&rows, 1, 1000.0)));
 /// ```
-#[must_use]
 pub fn find_cutoff(rows: &[f64], dof: usize, rate_hz: f64) -> f64 {
     let count = rows.len() / dof;
     let transform = FourierTransform::new(smooth_length(count));

@@ -282,7 +282,6 @@ impl Samples {
     ///
     /// # Panics
     /// If torque and states have not the same size.
-    #[must_use]
     pub fn exact(states: States, tau: Vec<f64>, units: Vec<String>, rate_hz: f64) -> Self {
         assert_eq!(states.q.len(), tau.len(), "one torque per joint and sample");
         Self {

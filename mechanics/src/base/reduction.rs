@@ -143,7 +143,6 @@ impl BaseReduction {
     ///
     /// # Panics
     /// If W has not one column per parameter.
-    #[must_use]
     pub fn from_stack(parameters: &[ParameterId], w: &DMatrix<f64>, method: Method) -> Self {
         assert_eq!(w.ncols(), parameters.len(), "one column per parameter");
         let qr = LeftToRight::new(w, RankTolerance::default());

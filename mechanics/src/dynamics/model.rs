@@ -63,7 +63,6 @@ impl Dynamics {
     ///
     /// # Panics
     /// If the parameters are not those of as many links and drives as the robot has.
-    #[must_use]
     pub fn new(robot: &Robot, parameters: &StandardParameters) -> Self {
         let n = robot.dof();
         assert!(

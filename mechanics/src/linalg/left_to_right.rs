@@ -41,7 +41,6 @@ pub struct LeftToRight {
 
 impl LeftToRight {
     /// Factors A (m × n). `2 m n b + n b²` operations.
-    #[must_use]
     pub fn new(a: &DMatrix<f64>, tolerance: RankTolerance) -> Self {
         let (scaled, lengths) = normalised_columns(a);
         let longest = lengths.iter().copied().fold(0.0, f64::max);

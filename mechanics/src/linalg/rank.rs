@@ -33,7 +33,6 @@ pub struct RankRevealingQr {
 
 impl RankRevealingQr {
     /// Factors A (m × n). `4 m n²` operations.
-    #[must_use]
     pub fn new(a: &DMatrix<f64>, tolerance: RankTolerance) -> Self {
         let (scaled, lengths) = normalised_columns(a);
         let longest = lengths.iter().copied().fold(0.0, f64::max);

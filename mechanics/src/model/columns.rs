@@ -105,13 +105,11 @@ impl Columns {
     }
 
     /// The choice with this name, of the terms in the list.
-    #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         Self::parse_among(name, Term::ALL)
     }
 
     /// The choice with this name, of these terms.
-    #[must_use]
     pub fn parse_among(name: &str, known: &[Term]) -> Option<Self> {
         let mut words = name.split('+').map(str::trim);
         if words.next()? != RIGID {
@@ -167,7 +165,6 @@ impl Columns {
     }
 
     /// The words that [`Columns::parse`] reads beside `rigid`, of terms that motion and torque are enough to estimate.
-    #[must_use]
     pub fn words() -> Vec<&'static str> {
         let mut words = vec![FRICTION];
         for term in Term::ALL.iter().filter(|term| term.entry().needs.is_estimable()) {

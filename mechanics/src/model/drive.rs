@@ -44,7 +44,6 @@ pub struct Drive {
 
 impl Drive {
     /// An ideal drive: 1 N·m of joint torque per ampere, no noise, no quantisation, plain sign. For closed forms.
-    #[must_use]
     pub const fn ideal() -> Self {
         Self {
             gear: 1.0,

@@ -22,7 +22,6 @@ pub struct BaseState {
 
 impl BaseState {
     /// A base at rest under this gravity, m/s².
-    #[must_use]
     pub fn at_rest(gravity: Vector3<f64>) -> Self {
         Self { velocity: Motion::zero(), acceleration: Motion::zero(), gravity }
     }

@@ -72,7 +72,6 @@ impl ErrorSpending {
 }
 
 /// The interval at a look whose bound is `bound`; `None` of fewer than two values, or where it is infinite.
-#[must_use]
 pub fn repeated_interval(values: &[f64], bound: f64) -> Option<Interval> {
     let n = values.len();
     if n < 2 {

@@ -35,7 +35,6 @@ pub struct TableLine {
 pub(super) const MAX_LINK_MASS: f64 = 10.0;
 
 /// Puts estimates of the rigid base parameters beside Table II. `estimates` holds one β̂ per run.
-#[must_use]
 pub fn compare_with_table_two(
     base: &BaseReduction,
     expressions: &[String],

@@ -60,7 +60,6 @@ impl PayloadBody {
     }
 
     /// Whether the body lies in the joint 95 % region of the free estimate.
-    #[must_use]
     pub fn is_within(&self) -> bool {
         self.chi_squared <= self.chi_squared_limit
     }

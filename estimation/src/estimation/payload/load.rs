@@ -141,7 +141,6 @@ pub fn payload(base: &BaseReduction, without: &Estimate, with: &Estimate) -> Res
 
 impl Payload {
     /// Whether the arm changed as a load on its last link changes it.
-    #[must_use]
     pub fn is_of_a_load(&self) -> bool {
         self.widened_by <= TOO_WIDE
     }

@@ -107,7 +107,6 @@ impl Beside {
 }
 
 /// The terms that can be candidates: those of the list, and the lag of the currents.
-#[must_use]
 pub fn candidate_terms() -> Vec<Term> {
     Term::ALL.iter().copied().chain([CURRENT_LAG]).collect()
 }

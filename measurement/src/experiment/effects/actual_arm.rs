@@ -75,7 +75,6 @@ impl ActualArm {
     ///
     /// # Panics
     /// If the parameters are not those of as many drives as the robot has joints.
-    #[must_use]
     pub fn new(effects: &Effects, robot: &Robot, truth: &StandardParameters) -> Self {
         assert_eq!(truth.drives.len(), robot.dof(), "one drive for each joint");
         let seed = effects.seed();

@@ -38,7 +38,6 @@ impl Effects {
 
     /// What a design expects where nothing else is declared: load-dependent friction and elasticity, each at its realistic
     /// level.
-    #[must_use]
     pub fn expected_by_default() -> Self {
         let kinds = [Kind::LoadFriction, Kind::Elasticity];
         kinds.into_iter().fold(Self::none(), |effects, kind| effects.with(kind, kind.entry().realistic))

@@ -163,7 +163,6 @@ impl EffectKind {
     }
 
     /// The effect of this name.
-    #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }

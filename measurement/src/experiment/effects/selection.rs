@@ -43,7 +43,6 @@ impl Default for Effects {
 
 impl Effects {
     /// No effect at all: the arm that the identification model describes.
-    #[must_use]
     pub const fn none() -> Self {
         Self { magnitudes: BTreeMap::new(), seed: Seed::new(0) }
     }
@@ -66,7 +65,6 @@ impl Effects {
     }
 
     /// One effect alone.
-    #[must_use]
     pub fn only(kind: EffectKind, level: Level) -> Self {
         Self::none().with(kind, kind.magnitude(level))
     }

@@ -16,7 +16,6 @@ pub struct Product {
 
 impl Product {
     /// The rational number `numerator / denominator`.
-    #[must_use]
     pub const fn constant(numerator: i32, denominator: i32) -> Self {
         Self { numerator, denominator, powers: Vec::new() }
     }

@@ -79,7 +79,6 @@ pub fn parse_parameter_map(text: &str, robot: &Robot) -> Result<(StandardParamet
 }
 
 /// The numbers of a robot's laws of friction with which the parameters act, by the names that [`parse_parameter_map`] reads.
-#[must_use]
 pub fn law_map(robot: &Robot, parameters: &StandardParameters) -> BTreeMap<String, f64> {
     let of = |(index, drive): (usize, &DriveParameters)| {
         let value = move |shape: &ShapeParameter| robot.joints()[index].drive.shape(shape);

@@ -12,7 +12,6 @@ use crate::model::robot::Robot;
 ///
 /// First moments and inertias are about the origin of each link's frame, where they are stored. `header` stands on top
 /// as a comment.
-#[must_use]
 pub fn write_parameters(robot: &Robot, parameters: &StandardParameters, header: &str) -> String {
     let mut out: String = header.lines().map(|line| format!("# {line}\n")).collect();
     for (joint, link) in robot.joints().iter().zip(&parameters.links) {

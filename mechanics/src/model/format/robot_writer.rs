@@ -29,7 +29,6 @@ const TERMS: [(Term, &str); 4] = [
 ///
 /// Reading it gives the robot and the parameters of the URDF. What a simulation needs beside them is assumed, and marked: the
 /// rate of the servo, and that friction of a joint is smooth about rest.
-#[must_use]
 pub fn write_robot(model: &ImportedModel, path: &str, ends: &ChainEnds) -> String {
     let mut out = Lines::default();
     out.comment(

@@ -16,9 +16,8 @@ use super::number::Number;
 #[derive(Debug)]
 pub struct CoulombFriction;
 
-impl CoulombFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for CoulombFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fc",
         name: "coulomb",
         meaning: "Coulomb friction",
@@ -35,12 +34,6 @@ impl CoulombFriction {
         needs: Needs::MOTION,
         shapes: &[ShapeParameter::COULOMB_VELOCITY],
     };
-}
-
-impl TermLaw for CoulombFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -20,9 +20,8 @@ use super::number::Number;
 #[derive(Debug)]
 pub struct CoulombDirection;
 
-impl CoulombDirection {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for CoulombDirection {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fd",
         name: "direction",
         meaning: "Coulomb friction forward above mean",
@@ -39,12 +38,6 @@ impl CoulombDirection {
         needs: Needs::MOTION,
         shapes: &[ShapeParameter::COULOMB_VELOCITY],
     };
-}
-
-impl TermLaw for CoulombDirection {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

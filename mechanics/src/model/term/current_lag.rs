@@ -23,9 +23,8 @@ pub struct CurrentLag;
 /// Time by which the reported torque leads; in no list.
 pub const CURRENT_LAG: Term = Term::new(&CurrentLag);
 
-impl CurrentLag {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for CurrentLag {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Tl",
         name: "current-lag",
         meaning: "time by which the reported torque leads the one that acts",
@@ -42,12 +41,6 @@ impl CurrentLag {
         shapes: &[],
         ..ViscousFriction::ENTRY
     };
-}
-
-impl TermLaw for CurrentLag {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     /// Zero: the arm itself has no such torque.
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

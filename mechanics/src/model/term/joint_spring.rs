@@ -25,9 +25,10 @@ impl JointSpring {
         default: 0.0,
         smooths: false,
     };
+}
 
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for JointSpring {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Ks",
         name: "spring",
         meaning: "stiffness of the spring",
@@ -44,12 +45,6 @@ impl JointSpring {
         needs: Needs::MOTION,
         shapes: &[Self::REST],
     };
-}
-
-impl TermLaw for JointSpring {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

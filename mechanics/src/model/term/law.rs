@@ -20,11 +20,8 @@ use super::number::{Number, Slope};
 /// /// Air drag, `g = v |v|`.
 /// #[derive(Debug)]
 /// struct Drag;
-/// static ENTRY: TermEntry = TermEntry { symbol: "Fr", name: "drag", ..ViscousFriction::ENTRY };
 /// impl TermLaw for Drag {
-///     fn entry(&self) -> &'static TermEntry {
-///         &ENTRY
-///     }
+///     const ENTRY: TermEntry = TermEntry { symbol: "Fr", name: "drag", ..ViscousFriction::ENTRY };
 ///     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
 ///         x.qd * x.qd.magnitude()
 ///     }
@@ -34,7 +31,7 @@ use super::number::{Number, Slope};
 /// ```
 pub trait TermLaw: fmt::Debug + Send + Sync + 'static {
     /// Everything but the law.
-    fn entry(&self) -> &'static TermEntry;
+    const ENTRY: TermEntry;
 
     /// `g`, effort per unit of the coefficient.
     fn law<R: Number>(&self, x: &TermInput<R>) -> R;
@@ -49,7 +46,7 @@ pub trait TermLaw: fmt::Debug + Send + Sync + 'static {
     /// another function of it.
     fn structure_at(&self, shape: &Shapes) -> Structure {
         let _ = shape;
-        TermLaw::entry(self).structure
+        Self::ENTRY.structure
     }
 }
 
@@ -73,7 +70,7 @@ pub trait TorqueTerm: fmt::Debug + Send + Sync {
 
 impl<T: TermLaw> TorqueTerm for T {
     fn entry(&self) -> &'static TermEntry {
-        TermLaw::entry(self)
+        const { &T::ENTRY }
     }
 
     #[inline]

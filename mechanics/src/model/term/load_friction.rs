@@ -18,9 +18,8 @@ use super::number::Number;
 #[derive(Debug)]
 pub struct LoadFriction;
 
-impl LoadFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for LoadFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fl",
         name: "load",
         meaning: "Coulomb friction per transmitted torque",
@@ -35,12 +34,6 @@ impl LoadFriction {
         shapes: &[ShapeParameter::COULOMB_VELOCITY],
         ..CoulombFriction::ENTRY
     };
-}
-
-impl TermLaw for LoadFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -14,21 +14,14 @@ use super::number::Number;
 #[derive(Debug)]
 pub struct MotorCoulombFriction;
 
-impl MotorCoulombFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for MotorCoulombFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fcm",
         meaning: "Coulomb friction of the motor",
         place: Place::CoupledMotor,
         key: ByJoint { revolute: "motor_coulomb_nm", prismatic: "motor_coulomb_n" },
         ..CoulombFriction::ENTRY
     };
-}
-
-impl TermLaw for MotorCoulombFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

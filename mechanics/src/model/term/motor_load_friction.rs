@@ -10,21 +10,14 @@ use super::number::Number;
 #[derive(Debug)]
 pub struct MotorLoadFriction;
 
-impl MotorLoadFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for MotorLoadFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Flm",
         meaning: "Coulomb friction of the motor per transmitted torque",
         place: Place::CoupledMotor,
         key: ByJoint { revolute: "motor_load_friction", prismatic: "motor_load_friction" },
         ..LoadFriction::ENTRY
     };
-}
-
-impl TermLaw for MotorLoadFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -10,21 +10,14 @@ use super::stribeck::Stribeck;
 #[derive(Debug)]
 pub struct MotorStribeck;
 
-impl MotorStribeck {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for MotorStribeck {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fsm",
         meaning: "static above Coulomb friction of the motor",
         place: Place::CoupledMotor,
         key: ByJoint { revolute: "motor_stribeck_nm", prismatic: "motor_stribeck_n" },
         ..Stribeck::ENTRY
     };
-}
-
-impl TermLaw for MotorStribeck {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -15,9 +15,8 @@ use super::number::Number;
 #[derive(Debug)]
 pub struct Offset;
 
-impl Offset {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for Offset {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fo",
         name: "offset",
         meaning: "offset",
@@ -34,12 +33,6 @@ impl Offset {
         needs: Needs::MOTION,
         shapes: &[],
     };
-}
-
-impl TermLaw for Offset {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

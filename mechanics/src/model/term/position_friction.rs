@@ -31,9 +31,8 @@ const WAVE: ShapeParameter = ShapeParameter {
     smooths: false,
 };
 
-impl PositionCosine {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for PositionCosine {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fpc",
         name: "position",
         meaning: "cosine of position-dependent Coulomb friction",
@@ -46,23 +45,6 @@ impl PositionCosine {
         shapes: &[ShapeParameter::COULOMB_VELOCITY, WAVE],
         ..CoulombFriction::ENTRY
     };
-}
-
-impl PositionSine {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
-        symbol: "Fps",
-        meaning: "sine of position-dependent Coulomb friction",
-        key: ByJoint { revolute: "position_sine_nm", prismatic: "position_sine_n" },
-        structure: Structure::Function { family: "sine times smooth sign", odd: false },
-        ..PositionCosine::ENTRY
-    };
-}
-
-impl TermLaw for PositionCosine {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
@@ -71,9 +53,13 @@ impl TermLaw for PositionCosine {
 }
 
 impl TermLaw for PositionSine {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
+    const ENTRY: TermEntry = TermEntry {
+        symbol: "Fps",
+        meaning: "sine of position-dependent Coulomb friction",
+        key: ByJoint { revolute: "position_sine_nm", prismatic: "position_sine_n" },
+        structure: Structure::Function { family: "sine times smooth sign", odd: false },
+        ..PositionCosine::ENTRY
+    };
 
     #[inline]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

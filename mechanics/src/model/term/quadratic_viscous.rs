@@ -19,9 +19,8 @@ use super::viscous::ViscousFriction;
 #[derive(Debug)]
 pub struct QuadraticViscousFriction;
 
-impl QuadraticViscousFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for QuadraticViscousFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fq",
         name: "quadratic",
         meaning: "friction with the square of speed",
@@ -37,12 +36,6 @@ impl QuadraticViscousFriction {
         prior: Prior { key: "quadratic_nm_s2_rad2", of: PriorOf::Unit, default: Some(1.0) },
         ..ViscousFriction::ENTRY
     };
-}
-
-impl TermLaw for QuadraticViscousFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -17,9 +17,8 @@ use super::number::Number;
 #[derive(Debug)]
 pub struct RotorInertia;
 
-impl RotorInertia {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for RotorInertia {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Ia",
         name: "rotor",
         meaning: "rotor inertia",
@@ -36,12 +35,6 @@ impl RotorInertia {
         needs: Needs::MOTION,
         shapes: &[],
     };
-}
-
-impl TermLaw for RotorInertia {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -26,9 +26,10 @@ impl Stribeck {
         default: 0.05,
         smooths: false,
     };
+}
 
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for Stribeck {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fs",
         name: "stribeck",
         meaning: "static above Coulomb friction",
@@ -40,12 +41,6 @@ impl Stribeck {
         shapes: &[ShapeParameter::COULOMB_VELOCITY, Self::VELOCITY],
         ..CoulombFriction::ENTRY
     };
-}
-
-impl TermLaw for Stribeck {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -15,9 +15,8 @@ use super::number::Number;
 #[derive(Debug)]
 pub struct ViscousFriction;
 
-impl ViscousFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for ViscousFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fv",
         name: "viscous",
         meaning: "viscous friction",
@@ -34,12 +33,6 @@ impl ViscousFriction {
         needs: Needs::MOTION,
         shapes: &[],
     };
-}
-
-impl TermLaw for ViscousFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

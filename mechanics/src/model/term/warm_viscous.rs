@@ -16,9 +16,8 @@ use super::viscous::ViscousFriction;
 #[derive(Debug)]
 pub struct WarmViscousFriction;
 
-impl WarmViscousFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for WarmViscousFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fw",
         name: "warming",
         meaning: "viscous friction of the warm gear above the cold one's",
@@ -31,12 +30,6 @@ impl WarmViscousFriction {
         needs: Needs { warmth: true, ..Needs::MOTION },
         ..ViscousFriction::ENTRY
     };
-}
-
-impl TermLaw for WarmViscousFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
