@@ -72,7 +72,8 @@ fn identity_a_validation_and_a_model_file_of_the_library_are_those_of_the_comman
     armid(["run", &plan, "--seed", "9", "-o", &other]).success();
     armid(["identify", &log, "-o", &estimate]).success();
     let told = json(&armid(["validate", &estimate, &other, "--json"]).success());
-    let written = json(&armid(["export", &estimate, "--to", "mjcf", "-o", &model, "--json"]).success());
+    // An MJCF has no place for a soft onset of friction, which carries more than the noise of this log.
+    let written = json(&armid(["export", &estimate, "--to", "mjcf", "-o", &model, "--json"]).code(1));
 
     let processed = |log: &str, settings: &LogSettings| {
         let read = Log::read(log.as_ref()).unwrap();

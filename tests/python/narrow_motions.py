@@ -139,14 +139,17 @@ class Scored:
         return predicted, self.masses(model.body_mass[-self.n:])
 
     def estimate(self, path):
-        """Prediction by the base parameters of an estimate of links, rotors, viscous and Coulomb friction, offsets and friction of the load."""
+        """Prediction by the base parameters of an estimate."""
         answer = json.loads(path.read_text(encoding="utf-8"))
         beta = {parameter["name"]: parameter["value"] for parameter in answer["base"]}
-        get = lambda name: np.array([beta.get(f"{name}{j + 1}", 0.0) for j in range(self.n)])
-        onset = [speeds.get("coulomb_velocity_rad_s", 0.0) for speeds in answer.get("shape") or [{}] * self.n]
-        links = self.columns[:, :, :10 * self.n] @ np.array([get(name) for name in TEN]).T.ravel()
-        sign = np.where(np.array(onset) > 0, np.tanh(self.v / np.maximum(onset, 1e-9)), np.sign(self.v))
-        rest = get("Ia") * self.a + get("Fv") * self.v + (get("Fc") + get("Fl") * np.abs(links)) * sign + get("Fo")
-        known = {f"{name}{j + 1}" for name in [*TEN, "Ia", "Fv", "Fc", "Fl", "Fo"] for j in range(self.n)}
-        assert set(beta) <= known, set(beta) - known
-        return links + rest
+        shapes = answer.get("shape") or [{}] * self.n
+        onset = np.array([shape.get("coulomb_velocity_rad_s", 0.0) for shape in shapes])
+        wave = np.array([shape.get("friction_wave_rad", 1.0) for shape in shapes])
+        of = lambda name: np.array([beta.pop(f"{name}{j + 1}", 0.0) for j in range(self.n)])
+        links = self.columns[:, :, :10 * self.n] @ np.array([of(name) for name in TEN]).T.ravel()
+        sign = np.where(onset > 0, np.tanh(self.v / np.maximum(onset, 1e-9)), np.sign(self.v))
+        coulomb = of("Fc") + of("Fl") * np.abs(links) + of("Fpc") * np.cos(self.q / wave) + of("Fps") * np.sin(self.q / wave)
+        rest = of("Ia") * self.a + (of("Fv") + of("Fq") * np.abs(self.v)) * self.v + of("Fd") * sign**2 + of("Fo")
+        spring = of("Ks") * self.q
+        assert not beta, f"the laws of {list(beta)} are not written here"
+        return links + coulomb * sign + rest + spring

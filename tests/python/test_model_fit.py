@@ -17,8 +17,8 @@ from semidefinite import TEN, Program, guess_of, regressor
 RUNS, JOINTS, RATE, TIME, CUTOFF = 20, 3, 100, 25.0, 10.0
 # Draw of the narrow motions, and how near to the program's the error of a file is, as a factor.
 SEED, NEAR = 1, 1.1
-# Edges of the filter, in periods of the cut-off; part of its top speed below which a joint hardly moves.
-EDGE, SLOW = 2.0, 0.02
+# Edges of the filter, in periods of the cut-off.
+EDGE = 2.0
 
 
 def link(name, mass, com, moments):
@@ -105,13 +105,9 @@ class ModelFit(unittest.TestCase):
         w, block = regressor(model, q, v, a), round(RATE / (4 * CUTOFF))
         coulomb = slice(11 * JOINTS, 12 * JOINTS)
         w[:, :, coulomb] = signal.filtfilt(b, c, w[:, :, coulomb], axis=0)
-        # A joint that hardly moves shows nothing.
-        slow = np.abs(v) < SLOW * np.abs(v).max(axis=0)
         blocks, edge = len(t) // block, round(EDGE / CUTOFF * RATE / block)
         mean = lambda x: x[:blocks * block].reshape(blocks, block, *x.shape[1:]).mean(axis=1)[edge:-edge]
-        rests = mean(slow.astype(float)) > 0
         w, y = mean(w), mean(y)
-        w[rests], y[rests] = 0.0, 0.0
         count = len(y)
         y = y.ravel()
         for to, columns in (("urdf", 12), ("mjcf", 13)):

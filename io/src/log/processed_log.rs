@@ -435,12 +435,14 @@ impl ProcessedLog {
         Validation::of_model(model, &self.samples).map_err(|error| Error::mismatch(format!("{name}: {error}")))
     }
 
-    /// The model with these terms that explains the logs best near a guess; `robot` has the friction laws of its file.
+    /// The model with these terms that explains the logs best near a guess, rows in which joints hardly move included; `robot` has the
+    /// friction laws of its file.
     ///
     /// # Errors
     /// [`Error`] as [`fit_model`] has them.
     pub fn fit_model(&self, robot: &Robot, columns: Columns, guess: &ModelGuess) -> Result<ModelFit, Error> {
-        fit_model(robot, columns, &self.samples, guess).map_err(|error| self.unestimated(&error))
+        let samples = self.samples.clone().with_slow_blocks();
+        fit_model(robot, columns, &samples, guess).map_err(|error| self.unestimated(&error))
     }
 
     /// Measured and predicted torque of each log, and of what is held out, below the bandwidth of the settings.

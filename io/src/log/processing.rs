@@ -399,10 +399,11 @@ fn average(log: &Log, robot: &Robot, settings: &LogSettings, starts: &[usize], c
     if !log.excluded.is_empty() {
         // What was at fault in one period is in the average.
         let block = samples.block;
-        for (at, used) in samples.used.iter_mut().enumerate() {
+        for (at, (used, slow)) in samples.used.iter_mut().zip(&mut samples.slow).enumerate() {
             let (m, i) = (at / n, at % n);
             let at_fault = |first: usize| (m * block..(m + 1) * block).any(|k| log.excluded[(first + k) * n + i]);
-            *used &= !starts.iter().any(|&first| at_fault(first));
+            let sound = !starts.iter().any(|&first| at_fault(first));
+            (*used, *slow) = (*used && sound, *slow && sound);
         }
     }
     Ok(samples)

@@ -203,15 +203,18 @@ pub fn process_aperiodic(
             keep(&mut excluded, &kept, n);
         }
     }
-    let mut used = used_blocks(&states, block, processing.reversal_fraction);
-    leave_out_edges(&mut used, &kept, [block, n], EDGE_CYCLES / cutoff_hz * record.rate_hz);
-    for (block, rows) in used.chunks_exact_mut(n).zip(excluded.chunks(n * block)) {
-        for (i, used) in block.iter_mut().enumerate() {
-            *used &= !rows.iter().skip(i).step_by(n).any(|&excluded| excluded);
+    let moves = used_blocks(&states, block, processing.reversal_fraction);
+    let mut usable = vec![true; moves.len()];
+    leave_out_edges(&mut usable, &kept, [block, n], EDGE_CYCLES / cutoff_hz * record.rate_hz);
+    for (block, rows) in usable.chunks_exact_mut(n).zip(excluded.chunks(n * block)) {
+        for (i, usable) in block.iter_mut().enumerate() {
+            *usable &= !rows.iter().skip(i).step_by(n).any(|&excluded| excluded);
         }
     }
+    let of = |moving: bool| usable.iter().zip(&moves).map(|(&usable, &moves)| usable && moves == moving).collect();
     Ok(Samples {
-        used,
+        used: of(true),
+        slow: of(false),
         states,
         link_q: None,
         tau,

@@ -63,8 +63,10 @@ pub fn process_periods(
         let count = (blocks * (average.periods - 1)) as f64;
         NoiseModel::adaptive(|l| scatter.lag(l, blocks), blocks / 4, true, count).scaled(1.0 / average.periods as f64)
     });
+    let used = used_blocks(&states, block, processing.reversal_fraction);
     Ok(Samples {
-        used: used_blocks(&states, block, processing.reversal_fraction),
+        slow: used.iter().map(|used| !used).collect(),
+        used,
         states,
         link_q: None,
         tau: low_pass.apply(&average, &transform),

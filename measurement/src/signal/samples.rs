@@ -36,6 +36,9 @@ pub struct Samples {
     pub block: usize,
     /// Which blocks are an equation of which joint, M × n row-major.
     pub used: Vec<bool>,
+    /// Which of the others are no equation only because the joint hardly moves, M × n row-major; empty where there are none.
+    #[serde(default)]
+    pub slow: Vec<bool>,
     /// Samples per second, Hz.
     pub rate_hz: f64,
     /// The period that the samples cover once, s; `None` for a record without periods.
@@ -92,6 +95,7 @@ impl Samples {
             ("tau", self.tau.len(), samples * n),
             ("units", self.units.len(), n),
             ("used", self.used.len(), self.blocks() * n),
+            ("slow", if self.slow.is_empty() { self.used.len() } else { self.slow.len() }, self.blocks() * n),
             ("position_band_hz", self.position_band_hz.len(), n),
             ("position_floor", self.position_floor.len().max(n), n),
             ("position_noise", self.position_noise.as_ref().map_or(n, Vec::len), n),
@@ -206,7 +210,10 @@ impl Samples {
             all.states.qd.extend(part.states.qd);
             all.states.qdd.extend(part.states.qdd);
             all.tau.extend(part.tau);
+            all.slow.resize(all.used.len(), false);
+            all.slow.extend(part.slow);
             all.used.extend(part.used);
+            all.slow.resize(all.used.len(), false);
             for (band, other) in all.position_band_hz.iter_mut().zip(part.position_band_hz) {
                 *band = band.min(other);
             }
@@ -234,7 +241,18 @@ impl Samples {
             self.states.q.iter_mut().skip(i).step_by(n).for_each(|q| *q = mean);
             self.states.qd.iter_mut().skip(i).step_by(n).for_each(|qd| *qd = 0.0);
             self.states.qdd.iter_mut().skip(i).step_by(n).for_each(|qdd| *qdd = 0.0);
-            self.used.iter_mut().skip(i).step_by(n).for_each(|used| *used = false);
+            for rows in [&mut self.used, &mut self.slow] {
+                rows.iter_mut().skip(i).step_by(n).for_each(|row| *row = false);
+            }
+        }
+        self
+    }
+
+    /// The same with the blocks as equations in which a joint hardly moves: a model that is to be used predicts those too.
+    #[must_use]
+    pub fn with_slow_blocks(mut self) -> Self {
+        for (used, slow) in self.used.iter_mut().zip(std::mem::take(&mut self.slow)) {
+            *used |= slow;
         }
         self
     }
@@ -269,6 +287,7 @@ impl Samples {
         Self {
             position_band_hz: vec![0.5 * rate_hz; states.dof],
             used: vec![true; tau.len()],
+            slow: Vec::new(),
             states,
             link_q: None,
             tau,
