@@ -127,8 +127,8 @@ mod tests {
     fn shown(change: impl FnOnce(&mut Snapshot)) -> String {
         let entry = bundled().iter().find(|entry| entry.name == "crs-a460").unwrap();
         let robot = parse_robot(entry.robot).unwrap();
-        let q = [-20.0, 80.0, 0.0, 179.0, -50.0, 12.0].map(f64::to_radians).to_vec();
-        let row = JointRow { stamp_ns: 7, q, qd: Vec::new(), effort: vec![0.5, 4.2, -1.1, 0.2, 0.1, -2.9] };
+        let q = [-20.0, 80.0, 0.0, 90.0, -50.0, 12.0].map(f64::to_radians).to_vec();
+        let row = JointRow { stamp_ns: 7, q, qd: Vec::new(), effort: vec![0.5, 4.2, -1.1, 0.2, 0.1, -0.9] };
         let used = [("following-error", 0.12), ("soft-limit", 0.94), ("stale-state", 0.3)];
         let used: BTreeMap<String, f64> = used.into_iter().map(|(name, used)| (name.to_owned(), used)).collect();
         let (mode, doing, phase) = (Mode::Trajectory, Activity::Experiment, Phase::Record);

@@ -13,7 +13,7 @@ pub enum StudyPlanError {
     Name { key: &'static str, found: String, names: Vec<String> },
     /// A name that no family has that could be meant.
     #[error("{key} is \"{found}\", expected one of the families: {}", families.join(", "))]
-    Family { key: &'static str, found: String, families: Vec<String> },
+    Family { key: String, found: String, families: Vec<String> },
     /// Columns that cannot be estimated.
     #[error("identification.columns: {fault}")]
     Columns { found: String, fault: ColumnsError },
@@ -43,8 +43,8 @@ impl StudyPlanError {
     /// Where in the text the fault's key stands: the first line with that key and the value that was found.
     fn place(&self, text: &str) -> std::ops::Range<usize> {
         let (key, found) = match self {
-            Self::Name { key, found, .. } | Self::Family { key, found, .. } => (*key, found.as_str()),
-            Self::Number { key, found, .. } => (key.as_str(), found.as_str()),
+            Self::Name { key, found, .. } => (*key, found.as_str()),
+            Self::Family { key, found, .. } | Self::Number { key, found, .. } => (key.as_str(), found.as_str()),
             Self::Twice { key, found } => (*key, found.as_str()),
             Self::Columns { found, .. } => ("columns", found.as_str()),
             Self::Robots { found, .. } => ("robots", found.first().map_or("", String::as_str)),
@@ -85,8 +85,12 @@ pub(super) fn expected(fault: &ExpectedEffectError) -> StudyPlanError {
     }
 }
 
-pub(super) fn family_name<'a>(key: &'static str, found: &str, names: impl Iterator<Item = &'a str>) -> StudyPlanError {
-    StudyPlanError::Family { key, found: found.to_owned(), families: names.map(str::to_owned).collect() }
+pub(super) fn family_name<'a>(
+    key: impl Into<String>,
+    found: &str,
+    names: impl Iterator<Item = &'a str>,
+) -> StudyPlanError {
+    StudyPlanError::Family { key: key.into(), found: found.to_owned(), families: names.map(str::to_owned).collect() }
 }
 
 pub(super) fn name<'a>(key: &'static str, found: &str, names: impl IntoIterator<Item = &'a str>) -> StudyPlanError {

@@ -11,6 +11,7 @@
 use super::metric::Metric;
 use super::plan::StudyPlan;
 use super::plan_error::{StudyPlanError, family_name, number};
+use crate::remedy::{Remedy, Setting};
 use crate::statistics::{ErrorSpending, Interval, mean, repeated_interval};
 
 /// Starts at the first look.
@@ -98,9 +99,11 @@ impl StoppingRule {
     /// [`StudyPlanError`] where the plan lacks one of them, they have too few starts or not equally many, or the plan
     /// draws truths: those are the same for all starts, so that more starts say no more about other arms.
     pub fn families(&self, plan: &StudyPlan) -> Result<[usize; 2], StudyPlanError> {
+        // As its reader calls it.
+        let until = Remedy::default().setting(Setting::Until).to_string();
         let find = |found: &str| {
             let names = plan.designs.iter().map(|family| family.name.as_str());
-            names.clone().position(|name| name == found).ok_or_else(|| family_name("until", found, names))
+            names.clone().position(|name| name == found).ok_or_else(|| family_name(until.as_str(), found, names))
         };
         let families = [find(&self.first)?, find(&self.second)?];
         let starts = families.map(|family| plan.designs[family].starts);
@@ -186,7 +189,7 @@ mod tests {
         let plan = StudyPlan::from_toml(PLAN).unwrap();
         assert!(rule.families(&plan).is_ok());
         let other = StoppingRule { first: "nobody".to_owned(), ..rule.clone() };
-        assert!(other.families(&plan).unwrap_err().to_string().contains("until is \"nobody\""));
+        assert!(other.families(&plan).unwrap_err().to_string().contains("`until` is \"nobody\""));
         let mut few = plan.clone();
         few.designs.iter_mut().for_each(|family| family.starts = family.starts.min(3));
         assert!(rule.families(&few).unwrap_err().to_string().contains("at least 4"));
