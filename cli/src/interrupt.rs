@@ -85,7 +85,6 @@ impl std::error::Error for Interrupted {}
 impl miette::Diagnostic for Interrupted {}
 
 /// An arm moves while this value exists: signals ask to stop, and none ends the process.
-#[must_use]
 pub(crate) struct Moving(());
 
 /// Makes a panic say no more than its message while an arm moves: a backtrace takes a tenth of a second, and the arm is asked

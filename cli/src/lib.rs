@@ -18,7 +18,6 @@ use armid_io::{Error, ErrorKind};
 use clap::Parser;
 
 /// Everything between the arguments of the process and its exit status.
-#[must_use]
 pub fn main() -> ExitCode {
     terminal::install_reporter();
     armid::remedy::speak(&terminal::Flags);

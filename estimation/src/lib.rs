@@ -5,7 +5,7 @@
 pub use armid_measurement::{experiment, signal};
 use armid_mechanics::plain;
 pub use armid_mechanics::{
-    base, chains, dynamics, linalg, model, observer, provenance, regressor, remedy, seed, spatial, statistics,
+    base, chains, dynamics, input, linalg, model, observer, provenance, regressor, remedy, seed, spatial, statistics,
     trajectory,
 };
 

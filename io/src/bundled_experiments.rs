@@ -14,7 +14,6 @@ pub struct BundledFile {
 include!(concat!(env!("OUT_DIR"), "/bundled_experiments.rs"));
 
 /// The file of this name in the folder that is called so, with or without its number, with or without `experiments/`.
-#[must_use]
 pub fn find(name: &str, file: &str) -> Option<&'static BundledFile> {
     let name = name.trim_end_matches('/').trim_start_matches("./");
     let name = name.strip_prefix("experiments/").unwrap_or(name);
@@ -24,7 +23,6 @@ pub fn find(name: &str, file: &str) -> Option<&'static BundledFile> {
 }
 
 /// The folders that hold a file of this name.
-#[must_use]
 pub fn names(file: &str) -> Vec<&'static str> {
     FILES.iter().filter(|entry| entry.file == file).map(|entry| entry.folder).collect()
 }

@@ -78,13 +78,11 @@ impl Error {
     }
 
     /// An observer ended work on this before there was anything to return.
-    #[must_use]
     pub fn interrupted(name: &str) -> Self {
         Self { kind: ErrorKind::Interrupted, ..Self::new(format!("{name}: interrupted")) }
     }
 
     /// A file cannot be read.
-    #[must_use]
     pub fn unreadable(path: &Path, error: &io::Error) -> Self {
         let message = format!("{} cannot be read: {error}", path.display());
         let missing = error.kind() == io::ErrorKind::NotFound;
@@ -100,14 +98,12 @@ impl Error {
     }
 
     /// A file cannot be written.
-    #[must_use]
     pub fn unwritable(path: &Path, error: &io::Error) -> Self {
         let message = format!("{} cannot be written: {error}", path.display());
         Self { kind: ErrorKind::Unwritable(error.kind()), ..Self::new(message) }
     }
 
     /// An error of one of the core's text formats, shown in the text.
-    #[must_use]
     pub fn of_format(text: &Text, error: &FormatError) -> Self {
         let shown = Self::new(&error.message).maybe_help(suggestion::from_list_in(&error.message));
         match &error.span {
@@ -117,7 +113,6 @@ impl Error {
     }
 
     /// An error of the reader of JSON, shown in the text.
-    #[must_use]
     pub fn of_json(text: &Text, error: &serde_json::Error) -> Self {
         let message = error.to_string();
         let message = message.split(" at line ").next().unwrap_or_default();
@@ -125,7 +120,6 @@ impl Error {
     }
 
     /// An error of the reader of TOML, shown in the text.
-    #[must_use]
     pub fn of_toml(text: &Text, error: &toml::de::Error) -> Self {
         let message = error.message().trim_end();
         Self::new(message).at(text, error.span().unwrap_or(0..0), "here").maybe_help(suggestion::from_list_in(message))
@@ -191,31 +185,26 @@ impl Error {
     }
 
     /// What helps in words, where anything does.
-    #[must_use]
     pub fn hint(&self) -> Option<String> {
         self.remedy.as_ref().map(ToString::to_string)
     }
 
     /// What helps, where anything does.
-    #[must_use]
     pub const fn remedy(&self) -> Option<&Remedy> {
         self.remedy.as_ref()
     }
 
     /// What kind of error it is.
-    #[must_use]
     pub const fn kind(&self) -> ErrorKind {
         self.kind
     }
 
     /// What was found and what was expected, without the place.
-    #[must_use]
     pub fn message(&self) -> &str {
         &self.message
     }
 
     /// The text's name, and line and column in it, both counted from one; `None` where the error is about no place.
-    #[must_use]
     pub fn place(&self) -> Option<(&str, usize, usize)> {
         self.place.as_ref().map(|place| (place.source.name(), place.line, place.column))
     }

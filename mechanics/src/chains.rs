@@ -33,7 +33,6 @@ pub struct ChainRecipe {
 
 impl ChainRecipe {
     /// Mixed conventions, one joint in four prismatic, upright, not coupled.
-    #[must_use]
     pub const fn new(dof: usize) -> Self {
         Self { dof, prismatic: 0.25, convention: None, coupled: false, tilted: false }
     }
@@ -121,21 +120,18 @@ impl ChainRecipe {
 ///
 /// # Panics
 /// If `dof` is zero.
-#[must_use]
 pub fn random_robot(rng: &mut impl Rng, dof: usize) -> (Robot, StandardParameters) {
     ChainRecipe::new(dof).draw(rng)
 }
 
 /// A random point of the state space: positions within ±2.5 rad, velocities within ±2 rad/s, accelerations within
 /// ±10 rad/s², as `(q, qd, qdd)` of length n each.
-#[must_use]
 pub fn random_state(rng: &mut impl Rng, dof: usize) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
     let mut draw = |bound: f64| (0..dof).map(|_| rng.random_range(-bound..bound)).collect();
     (draw(2.5), draw(2.0), draw(10.0))
 }
 
 /// The inertia of eight random point masses about a random centre: 1 kg to 8 kg within a few decimetres.
-#[must_use]
 pub fn random_inertia(rng: &mut impl Rng) -> Inertia {
     let mut point = |scale: f64| Vector3::from_fn(|_, _| rng.random_range(-scale..scale));
     let centre = point(0.2);
@@ -172,7 +168,6 @@ fn random_drive(rng: &mut impl Rng, coupled: bool) -> DriveParameters {
 ///
 /// # Panics
 /// Never: the robot is valid by construction.
-#[must_use]
 pub fn planar_2r() -> Robot {
     let joint = |name: &str, a: f64| {
         let row = DhRow { offset_deg: 0.0, d: 0.0, a, alpha_deg: 0.0 };
@@ -204,7 +199,6 @@ pub fn planar_2r() -> Robot {
 ///
 /// # Panics
 /// If the limits are those of no joint.
-#[must_use]
 pub fn with_limits(robot: &Robot, limits: Limits) -> Robot {
     robot.clone().with_joints(|joint| joint.limits = limits).expect("limits of a joint")
 }
@@ -213,7 +207,6 @@ pub fn with_limits(robot: &Robot, limits: Limits) -> Robot {
 ///
 /// # Panics
 /// Never: the robot is bundled.
-#[must_use]
 pub fn crs_a460() -> Robot {
     let robot = parse_robot(bundled()[0].robot).expect("a bundled robot");
     robot.with_joints(|joint| joint.limits.acceleration = 12.566).expect("a positive limit")
@@ -223,7 +216,6 @@ pub fn crs_a460() -> Robot {
 ///
 /// # Panics
 /// Never: the parameters are bundled.
-#[must_use]
 pub fn crs_a460_nominal() -> StandardParameters {
     parse_nominal(bundled()[0].nominal, &crs_a460()).expect("bundled parameters").parameters
 }

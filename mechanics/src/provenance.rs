@@ -19,7 +19,6 @@ pub struct Provenance {
 
 impl Provenance {
     /// Provenance of a value that was computed from `robot_text` by this version of armid.
-    #[must_use]
     pub fn new(robot: &str, robot_text: &str, seed: Option<Seed>) -> Self {
         Self {
             version: env!("CARGO_PKG_VERSION").to_owned(),
@@ -31,13 +30,11 @@ impl Provenance {
 }
 
 /// SHA-256 of a text, as lower-case hexadecimal digits.
-#[must_use]
 pub fn sha256(text: &str) -> String {
     sha256_of_bytes(text.as_bytes())
 }
 
 /// SHA-256 of bytes, as lower-case hexadecimal digits.
-#[must_use]
 pub fn sha256_of_bytes(bytes: &[u8]) -> String {
     Sha256::digest(bytes).iter().map(|byte| format!("{byte:02x}")).collect()
 }

@@ -90,13 +90,11 @@ pub struct Remedy(pub Vec<Part>);
 
 impl Remedy {
     /// Begins with a setting and its value.
-    #[must_use]
     pub fn set(setting: Setting, value: impl Into<String>) -> Self {
         Self::default().to(setting, value)
     }
 
     /// Begins with a task that is done to something, which may be nothing.
-    #[must_use]
     pub fn task(task: Task, to: &str) -> Self {
         Self::default().perform(task, to)
     }

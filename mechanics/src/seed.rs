@@ -32,7 +32,6 @@ pub struct Seed(u64);
 
 impl Seed {
     /// A seed from a number that a person wrote down.
-    #[must_use]
     pub const fn new(value: u64) -> Self {
         Self(value)
     }

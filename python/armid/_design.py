@@ -7,7 +7,6 @@ from typing import TYPE_CHECKING, Any
 
 import numpy as np
 
-from . import _armid
 from ._arrays import Floats
 
 if TYPE_CHECKING:
@@ -73,8 +72,7 @@ class Design:
         q, qd, qdd : array (N, n)
             Position, velocity, acceleration: rad, rad/s, rad/s² (m for a prismatic joint).
         """
-        t, (q, qd, qdd) = _armid.sample(self.robot._robot, self._motion(), float(rate))
-        return t, q, qd, qdd
+        return self.robot.sample(self, rate)
 
     def to_csv(self, path: Path, rate: float) -> None:
         """Write the set-points of one period as a table with the columns t, q1, …, qd1, …, qdd1, …"""
@@ -82,9 +80,6 @@ class Design:
         names = [f"{name}{joint + 1}" for name in ("q", "qd", "qdd") for joint in range(q.shape[1])]
         table = np.column_stack([t, q, qd, qdd])
         np.savetxt(path, table, fmt="%.17g", delimiter=",", header=",".join(["t", *names]), comments="")
-
-    def _motion(self) -> dict[str, str | None]:
-        return {"name": "the design", "text": self._toml}
 
     def __repr__(self) -> str:
         limits = "inside all limits" if self.is_feasible else "outside of a limit"

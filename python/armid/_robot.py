@@ -428,10 +428,12 @@ class Robot:
             "stribeck_speed": stribeck_speed,
             "initial": None if initial is None else json.dumps({name: float(value) for name, value in initial.items()}),
         }
-        found = _armid.identify(self._robot, self._logs(logs), others, reading, wanted, progress)
+        used = self._logs(logs)
+        found = _armid.identify(self._robot, used, others, reading, wanted, progress)
         estimates = {}
         for name, (text, unfinished) in zip(asked, found):
             estimates[name] = Estimate(text, self)
+            estimates[name]._logs = (used, others)
             estimates[name]._warn(unfinished)
         return next(iter(estimates.values())) if is_one else estimates
 
@@ -565,6 +567,26 @@ class Robot:
             warn(f"no design keeps all limits: the nearest exceeds that of {violation['limit']} at {where} by {excess:.3g}")
         return found
 
+    def sample(self, trajectory: Design | Path, rate: float) -> tuple[Floats, Floats, Floats, Floats]:
+        """Set-points of one period of a trajectory.
+
+        Parameters
+        ----------
+        trajectory : Design, name or path
+            The motion.
+        rate : float
+            Samples per second, Hz; a period must hold a whole number of them.
+
+        Returns
+        -------
+        t : array (N,)
+            Time, s.
+        q, qd, qdd : array (N, n)
+            Position, velocity, acceleration: rad, rad/s, rad/s² (m for a prismatic joint).
+        """
+        t, (q, qd, qdd) = _armid.sample(self._robot, _motion(trajectory), float(rate))
+        return t, q, qd, qdd
+
     def simulate(
         self,
         trajectory: Design | Path,
@@ -618,9 +640,7 @@ class Robot:
             "periods": periods,
             "noise": noise,
         }
-        is_design = isinstance(trajectory, Design)
-        motion = trajectory._motion() if is_design else {"name": os.fspath(trajectory), "text": None}  # type: ignore
-        log, ending = _armid.simulate(self._robot, motion, experiment, progress)
+        log, ending = _armid.simulate(self._robot, _motion(trajectory), experiment, progress)
         if ending is not None:
             warn(ending)
         return Log(log)
@@ -630,8 +650,13 @@ class Robot:
 
         Both must be of the same columns. Compare logs of the same motion, recorded on one day.
         """
-        text = _armid.payload(self._robot, ("the estimate without", without.to_json()), ("that with", with_.to_json()))
-        return Payload(text)
+        text = _armid.payload(self._robot, ("the estimate without", without._text), ("that with", with_._text))
+        payload = Payload(text)
+        if payload.data["negative_mass"] is not None:
+            warn("the mass is below zero: more than a load changed between the logs, or they are exchanged")
+        elif payload.data["chi_squared"] > payload.data["chi_squared_limit"]:
+            warn(f"the arm changed by more than a load explains: intervals are {payload.data['widened_by']:.2g} times as wide")
+        return payload
 
     def __repr__(self) -> str:
         return f"<armid.Robot {self.name!r} of {self.dof} joints>"
@@ -641,6 +666,12 @@ class Robot:
         if name is None:
             raise ArmidError(f'robot "{self.name}" came with a recording, expected one of a file to pickle')
         return Robot.load, (name, base_link, tip_link)
+
+
+def _motion(trajectory: Design | Path) -> dict[str, str | None]:
+    if isinstance(trajectory, Design):
+        return {"name": "the design", "text": trajectory.to_toml()}
+    return {"name": os.fspath(trajectory), "text": None}
 
 
 def _room(out: Floats | None, single: bool) -> Floats | None:

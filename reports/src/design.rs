@@ -9,7 +9,6 @@ use crate::{
 
 /// How the designs of several starts converged, beside the best of random draws where there is one; `None` where no start has
 /// a history.
-#[must_use]
 pub fn design_convergence(robot: &str, designs: &[Design], baseline: Option<&Design>) -> Option<ConvergenceFigure> {
     let criterion = &designs.first()?.criterion;
     let optimised = designs.iter().map(|design| ("optimiser", 0, design));
@@ -57,7 +56,6 @@ pub(crate) fn curve(label: &str, style: GroupStyle, history: &[HistoryPoint]) ->
 }
 
 /// A design against its limits, one panel per joint that has any; `None` where no joint has.
-#[must_use]
 pub fn limits_figure(example: &LimitExample, joints: &[String], heading: Heading) -> Option<TimeSeriesFigure> {
     let quantities = [
         ("position", &example.position),

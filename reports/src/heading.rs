@@ -22,7 +22,6 @@ pub struct Heading {
 
 impl Heading {
     /// A heading without subtitle and caption.
-    #[must_use]
     pub fn new(name: impl Into<String>, title: impl Into<String>) -> Self {
         Self { name: name.into(), title: title.into(), subtitle: String::new(), caption: String::new() }
     }

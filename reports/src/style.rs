@@ -97,7 +97,6 @@ impl GroupStyle {
         Self { colour: Colour(0x00, 0x00, 0x00), marker: Marker::Cross, dash: Dash::Dashed, width_px: 1.6 };
 
     /// The style of the `index`-th group, counted from 0; colours repeat after 8.
-    #[must_use]
     pub fn nth(index: usize) -> Self {
         let (colour, marker, dash) = CYCLE[index % CYCLE.len()];
         Self { colour, marker, dash, width_px: 1.6 }
@@ -110,7 +109,6 @@ impl GroupStyle {
     /// assert_eq!(GroupStyle::of("d-optimal"), GroupStyle::of("D-optimal"));
     /// assert!(GroupStyle::of("another").is_none());
     /// ```
-    #[must_use]
     pub fn of(name: &str) -> Option<Self> {
         let index = match name.to_lowercase().as_str() {
             "condition" | "condition number" | "wls" => 0,
@@ -149,7 +147,6 @@ pub struct Group {
 
 impl Group {
     /// A group with a style of its own.
-    #[must_use]
     pub fn new(label: impl Into<String>, style: GroupStyle) -> Self {
         Self { label: label.into(), style }
     }
@@ -162,7 +159,6 @@ impl Group {
     /// assert_eq!(groups[0].style, GroupStyle::of("d-optimal").unwrap());
     /// assert_eq!(groups[1].style, GroupStyle::nth(0));
     /// ```
-    #[must_use]
     pub fn assign<I: IntoIterator<Item = S>, S: Into<String>>(names: I) -> Vec<Self> {
         let names: Vec<String> = names.into_iter().map(Into::into).collect();
         let mut taken: Vec<GroupStyle> = names.iter().filter_map(|name| GroupStyle::of(name)).collect();

@@ -68,7 +68,6 @@ pub struct SimulatedArm {
 
 impl SimulatedArm {
     /// The arm with this truth. Its servo is tuned by the `nominal` parameters, or by the true ones where there are none.
-    #[must_use]
     pub fn of(robot: &Robot, nominal: Option<&StandardParameters>, truth: Truth, engine: Engine) -> Self {
         let nominal = nominal.unwrap_or(&truth.parameters).clone();
         Self { robot: robot.clone(), nominal, truth, engine, effects: Effects::none(), robot_text: "".into() }

@@ -32,7 +32,6 @@ impl Agreement {
     }
 
     /// What the robots that have both families say: the better one on each, `None` if not significant.
-    #[must_use]
     pub fn of(better: &[Option<&str>]) -> Self {
         if better.len() < 2 {
             return Self::OneRobot;

@@ -16,7 +16,6 @@ use crate::regressor::JointTorqueRegressor;
 use crate::signal::torque_per_current;
 
 /// Covariance of the joint torques in one raw sample, from the noise of the robot's sensors, (N·m)², n × n.
-#[must_use]
 pub fn torque_covariance(robot: &Robot) -> DMatrix<f64> {
     let variance = DVector::from_iterator(
         robot.dof(),
@@ -31,7 +30,6 @@ pub fn torque_covariance(robot: &Robot) -> DMatrix<f64> {
 
 /// Cramér–Rao standard deviations of the base parameters (b), from the exact states of one period of which each
 /// stands for `weight` raw samples, over `periods` periods; `None` where the motion does not excite all of them.
-#[must_use]
 pub fn cramer_rao_std(
     regressor: &JointTorqueRegressor,
     base: &BaseReduction,

@@ -38,7 +38,6 @@ pub struct EffectRatio {
 impl CriterionRatios {
     /// The ratios of a study with an exact model and with each single effect at its realistic level, last estimator, first
     /// engine. Other levels and combinations are left out: they repeat these effects.
-    #[must_use]
     pub fn of(result: &StudyResult) -> Self {
         let plan = &result.plan;
         let (estimator, engine) = (plan.identification.estimators.last(), plan.engines.first());

@@ -1,7 +1,6 @@
 //! Names of groups of designs, as sentences write them.
 
 /// The name of a group of designs in prose: `condition` is the condition number.
-#[must_use]
 pub fn criterion_in_words(name: &str) -> String {
     match name {
         "condition" => "condition number".to_owned(),
@@ -12,13 +11,11 @@ pub fn criterion_in_words(name: &str) -> String {
 }
 
 /// Two groups of designs that are compared.
-#[must_use]
 pub fn criterion_pair_in_words(first: &str, second: &str) -> String {
     format!("{} against {}", capitalised(&criterion_in_words(first)), criterion_in_words(second))
 }
 
 /// `text` with a capital at its beginning.
-#[must_use]
 pub fn capitalised(text: &str) -> String {
     let mut rest = text.chars();
     rest.next().into_iter().flat_map(char::to_uppercase).chain(rest).collect()

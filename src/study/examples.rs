@@ -1,6 +1,8 @@
 //! Examples that the figures of a report show: a design against its limits, a measured torque against its prediction.
 
-use super::{ScoredEstimate, StudyDesign, StudySetup};
+use super::design::StudyDesign;
+use super::outcome::ScoredEstimate;
+use super::setup::StudySetup;
 use crate::dynamics::{Dynamics, States};
 use crate::model::{Robot, StandardParameters};
 use crate::signal::Samples;
@@ -41,7 +43,6 @@ pub struct LimitExample {
 impl LimitExample {
     /// One period of a trajectory against the limits of a robot; no samples of what has no limit, and none of torques
     /// without nominal parameters.
-    #[must_use]
     pub fn of(robot: &Robot, nominal: Option<&StandardParameters>, trajectory: &PeriodicTrajectory) -> Self {
         let states = trajectory.sample(SAMPLES);
         let n = states.dof;
@@ -132,7 +133,6 @@ fn times(period_s: f64, count: usize) -> Vec<f64> {
 
 /// The exact states of one period, as the scorer sees them: positions, velocities and held torques of the plant, and
 /// the accelerations that the true parameters give them.
-#[must_use]
 pub fn exact_states(dynamics: &mut Dynamics, q: &[f64], qd: &[f64], tau: &[f64]) -> States {
     let n = dynamics.dof();
     let mut states = States::new(n);

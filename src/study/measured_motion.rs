@@ -16,7 +16,6 @@ pub struct MeasuredMotions(Vec<Observation>);
 
 impl MeasuredMotions {
     /// The equations of each motion.
-    #[must_use]
     pub fn new(motions: Vec<Observation>) -> Self {
         Self(motions)
     }

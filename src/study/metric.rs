@@ -26,20 +26,17 @@ pub enum Metric {
     Static,
 }
 
-impl Metric {
-    /// Every metric, the first deciding.
-    pub const ALL: [Self; 9] = [
-        Self::Prediction,
-        Self::PredictionOfRating,
-        Self::LogVolume,
-        Self::Reference,
-        Self::Si,
-        Self::Measured,
-        Self::Slow,
-        Self::PointToPoint,
-        Self::Static,
-    ];
+// The first decides.
+crate::input::named! { Metric as title {
+    Prediction: "torque prediction RMSE, N·m", PredictionOfRating: "torque prediction RMSE, share of the rating",
+    LogVolume: "log volume of the error, reference units", Reference: "parameter RMSE, reference units",
+    Si: "parameter RMSE, SI units", Measured: "RMSE against measured torque, N·m",
+    Slow: "torque prediction RMSE on slow motions, N·m",
+    PointToPoint: "torque prediction RMSE on moves from point to point, N·m",
+    Static: "torque prediction RMSE on static poses, N·m"
+} }
 
+impl Metric {
     /// Those of the first table, in which a study compares designs; predictions on other kinds of motion have a table of their own.
     pub const OF_ERRORS: [Self; 6] =
         [Self::Prediction, Self::PredictionOfRating, Self::LogVolume, Self::Reference, Self::Si, Self::Measured];
@@ -47,21 +44,6 @@ impl Metric {
     /// The torque prediction RMSE on each kind of motion, in the order of
     /// [`MotionKind::ALL`](super::MotionKind::ALL).
     pub const OF_MOTIONS: [Self; 4] = [Self::Prediction, Self::Slow, Self::PointToPoint, Self::Static];
-
-    /// Name in tables.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::Prediction => "torque prediction RMSE, N·m",
-            Self::PredictionOfRating => "torque prediction RMSE, share of the rating",
-            Self::LogVolume => "log volume of the error, reference units",
-            Self::Reference => "parameter RMSE, reference units",
-            Self::Si => "parameter RMSE, SI units",
-            Self::Measured => "RMSE against measured torque, N·m",
-            Self::Slow => "torque prediction RMSE on slow motions, N·m",
-            Self::PointToPoint => "torque prediction RMSE on moves from point to point, N·m",
-            Self::Static => "torque prediction RMSE on static poses, N·m",
-        }
-    }
 
     /// Whether two values are compared by their difference rather than their ratio.
     pub const fn is_logarithmic(self) -> bool {

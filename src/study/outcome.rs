@@ -1,6 +1,6 @@
 //! The outcome of one run of a study: small, and enough for every figure.
 
-use super::RunError;
+use super::run_error::RunError;
 use super::run_id::RunId;
 use super::scorer::Score;
 use crate::estimation::Estimate;
@@ -55,7 +55,6 @@ impl Outcome {
 
 impl ScoredEstimate {
     /// An estimate and its score.
-    #[must_use]
     pub fn new(estimate: &Estimate, score: Score) -> Self {
         Self {
             estimator: estimate.estimator.clone(),
@@ -69,7 +68,6 @@ impl ScoredEstimate {
     }
 
     /// An estimator that gave no estimate, and why.
-    #[must_use]
     pub fn failed(estimator: &str, failure: RunError) -> Self {
         Self {
             estimator: estimator.to_owned(),

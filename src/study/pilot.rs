@@ -63,7 +63,6 @@ pub struct StudySize {
 impl VarianceComponents {
     /// From a pilot's logarithms of ratios, by pair of starts and by run: every pair has as many runs, and run r of every
     /// pair is on the same truth where truths are drawn, one for each run. `None` of fewer than two pairs or runs.
-    #[must_use]
     pub fn of(logs: &[Vec<f64>], truths: bool) -> Option<Self> {
         let (starts, runs) = (logs.len(), logs.first()?.len());
         if starts < 2 || runs < 2 || logs.iter().any(|of_pair| of_pair.len() != runs) {

@@ -11,7 +11,7 @@
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::Truth;
+use super::truth::Truth;
 use crate::model::Columns;
 use crate::model::term::Term;
 use crate::seed::Seed;
@@ -79,7 +79,6 @@ pub struct TruthError {
 
 impl RandomTruths {
     /// This many, with the spreads that a study has unless it says otherwise.
-    #[must_use]
     pub const fn of(count: usize) -> Self {
         Self {
             count,

@@ -105,7 +105,6 @@ type Place = [usize; 4];
 
 impl RobotsSummary {
     /// Sets the results of one study on several robots side by side.
-    #[must_use]
     pub fn of(results: &[StudyResult]) -> Self {
         let first = results.first().map(|result| &result.plan);
         let compare_with = first.map_or_else(Vec::new, |plan| plan.compare_with.clone());

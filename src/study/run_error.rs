@@ -39,13 +39,11 @@ crate::input::named! { RunErrorKind {
 
 impl RunError {
     /// An arm that could not begin.
-    #[must_use]
     pub fn arm(fault: &ArmError) -> Self {
         Self { kind: RunErrorKind::Arm, reason: format!("arm: {fault}") }
     }
 
     /// A motion that diverged at time `t`, s.
-    #[must_use]
     pub fn diverged(t: f64, divergence: &DivergenceError) -> Self {
         let kind = match divergence {
             DivergenceError::Speed { .. } => RunErrorKind::DivergedSpeed,
@@ -56,19 +54,16 @@ impl RunError {
     }
 
     /// A guard that ended the experiment at time `t`, s.
-    #[must_use]
     pub fn tripped(t: f64, trip: &TripReport) -> Self {
         Self { kind: RunErrorKind::Tripped, reason: format!("tripped at t = {t:.3} s: {trip}") }
     }
 
     /// A recording that could not be processed.
-    #[must_use]
     pub fn signal(fault: &impl std::fmt::Display) -> Self {
         Self { kind: RunErrorKind::Signal, reason: format!("signal: {fault}") }
     }
 
     /// An estimator that gave nothing.
-    #[must_use]
     pub fn estimator(fault: &impl std::fmt::Display) -> Self {
         Self { kind: RunErrorKind::Estimator, reason: fault.to_string() }
     }

@@ -14,7 +14,6 @@ pub struct RunOrder {
 
 impl RunOrder {
     /// The order for designs with so many runs each, under so many conditions.
-    #[must_use]
     pub fn new(runs: Vec<usize>, conditions: usize) -> Self {
         let mut first = vec![0];
         for &runs in &runs {

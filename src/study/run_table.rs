@@ -50,7 +50,6 @@ pub enum RunNumber {
 
 impl RunNumber {
     /// Every number of a run.
-    #[must_use]
     pub fn all(estimators: usize, parameters: usize) -> Vec<Self> {
         let mut all = vec![Self::Truth];
         for estimator in 0..estimators {

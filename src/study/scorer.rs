@@ -11,8 +11,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Truth;
 use super::measured_motion::MeasuredMotions;
+use super::truth::Truth;
 use super::validation::{MotionKind, ValidationMotions};
 use crate::base::BaseReduction;
 use crate::dynamics::States;
@@ -70,7 +70,6 @@ pub struct Score {
 
 impl Scorer {
     /// A scorer for the base parameters `base` of `robot`, predicting on `validation`.
-    #[must_use]
     pub fn new(
         robot: &Robot,
         truths: &[Truth],

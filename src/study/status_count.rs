@@ -13,7 +13,6 @@ pub struct StatusCount {
 
 impl StatusCount {
     /// Counts the statuses of runs, sorted by name.
-    #[must_use]
     pub fn of<'a>(outcomes: impl IntoIterator<Item = &'a Outcome>) -> Vec<Self> {
         let mut counts = std::collections::BTreeMap::new();
         for outcome in outcomes {

@@ -117,7 +117,6 @@ impl StoppingRule {
     }
 
     /// Numbers of starts at which a study of at most `starts` is looked at, and the bound of each look.
-    #[must_use]
     pub fn looks(starts: usize) -> Vec<(usize, f64)> {
         let mut looks = Vec::new();
         let mut next = FIRST_LOOK;
@@ -131,7 +130,6 @@ impl StoppingRule {
     }
 
     /// The logarithm of the ratio of a pair of starts by the values of their runs; `None` where one of them has none.
-    #[must_use]
     pub fn log_ratio(first: &[f64], second: &[f64]) -> Option<f64> {
         let mean_log = |values: &[f64]| {
             let logs: Vec<f64> = values.iter().map(|&value| libm::log(value)).collect();
@@ -141,7 +139,6 @@ impl StoppingRule {
     }
 
     /// The interval by the logarithms of the ratios of all pairs of starts so far.
-    #[must_use]
     pub fn look(starts: usize, bound: f64, logs: &[f64]) -> Look {
         let interval = repeated_interval(logs, bound);
         let back = |i: Interval| Interval { low: libm::exp(i.low), high: libm::exp(i.high) };

@@ -25,7 +25,6 @@ struct Beside {
 
 impl Truth {
     /// An arm without effects beside its parameters.
-    #[must_use]
     pub const fn of(parameters: StandardParameters) -> Self {
         Self { parameters, effects: Effects::none(), motors: Vec::new() }
     }

@@ -7,7 +7,6 @@
 /// assert!(bundled().iter().all(|robot| truth_text(robot.name).is_some()));
 /// assert!(truth_text("no such robot").is_none());
 /// ```
-#[must_use]
 pub fn truth_text(robot: &str) -> Option<&'static str> {
     match robot {
         "crs-a460" => Some(include_str!("../../models/crs-a460/truth.toml")),

@@ -83,20 +83,9 @@ pub enum MotionKind {
     Static,
 }
 
-impl MotionKind {
-    /// Every kind.
-    pub const ALL: [Self; 4] = [Self::Random, Self::Slow, Self::PointToPoint, Self::Static];
-
-    /// Name in tables.
-    pub const fn title(self) -> &'static str {
-        match self {
-            Self::Random => "random",
-            Self::Slow => "slow",
-            Self::PointToPoint => "point to point",
-            Self::Static => "static",
-        }
-    }
-}
+crate::input::named! { MotionKind as title {
+    Random: "random", Slow: "slow", PointToPoint: "point to point", Static: "static"
+} }
 
 /// The validation motions of a study.
 ///

@@ -27,7 +27,6 @@ const AT_REST: f64 = 1e-12;
 /// For every base parameter the interval of values that links of at most `max_mass` kg inside their shapes can have.
 ///
 /// A link without a shape of its own takes those of its neighbours nearest to the base.
-#[must_use]
 pub fn feasible_ranges(robot: &Robot, base: &BaseReduction, max_mass: f64) -> Vec<Interval> {
     let shapes: Vec<Vec<Capsule>> = (0..robot.dof()).map(|link| shapes_of(robot, link)).collect();
     (0..base.rank())

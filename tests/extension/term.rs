@@ -16,24 +16,20 @@ use armid::seed::Seed;
 #[derive(Debug)]
 struct Drag;
 
-static ENTRY: TermEntry = TermEntry {
-    symbol: "Fa",
-    name: "drag",
-    meaning: "drag of the air",
-    group: "drag",
-    dimension: Dimension { effort: 0, coordinate: 2, per_time: 2 },
-    unit: ByJoint { revolute: "N·m·s²/rad²", prismatic: "N·s²/m²" },
-    key: ByJoint { revolute: "drag_nm_s2_rad2", prismatic: "drag_n_s2_m2" },
-    dissipation: Dissipation::Always,
-    structure: Structure::Function { family: "v |v|", odd: true },
-    prior: Prior { key: "drag", of: PriorOf::Value, default: Some(0.5) },
-    ..ViscousFriction::ENTRY
-};
-
 impl TermLaw for Drag {
-    fn entry(&self) -> &'static TermEntry {
-        &ENTRY
-    }
+    const ENTRY: TermEntry = TermEntry {
+        symbol: "Fa",
+        name: "drag",
+        meaning: "drag of the air",
+        group: "drag",
+        dimension: Dimension { effort: 0, coordinate: 2, per_time: 2 },
+        unit: ByJoint { revolute: "N·m·s²/rad²", prismatic: "N·s²/m²" },
+        key: ByJoint { revolute: "drag_nm_s2_rad2", prismatic: "drag_n_s2_m2" },
+        dissipation: Dissipation::Always,
+        structure: Structure::Function { family: "v |v|", odd: true },
+        prior: Prior { key: "drag", of: PriorOf::Value, default: Some(0.5) },
+        ..ViscousFriction::ENTRY
+    };
 
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
         x.qd * x.qd.magnitude()

@@ -104,26 +104,22 @@ fn constants([without, with]: [&ProcessedLog; 2], [first, second]: [&Inputs; 2])
 
 impl DriveGainsAnswer {
     /// The result that has no bias by the noise of the currents, and so has intervals.
-    #[must_use]
     pub fn taken(&self) -> &DriveGains {
         self.found.iter().find(|found| found.method == GainMethod::Total).unwrap_or(&self.found[0])
     }
 
     /// Whether every gain was found.
-    #[must_use]
     pub fn is_sound(&self) -> bool {
         let converged = self.found.iter().all(|found| found.termination.was_successful());
         converged && self.taken().hidden().is_empty()
     }
 
     /// Name of a joint.
-    #[must_use]
     pub fn joint(&self, joint: usize) -> &str {
         &self.robot.joints()[joint].name
     }
 
     /// The constant of a joint by a gain.
-    #[must_use]
     pub fn constant(&self, joint: usize, gain: &DriveGain) -> DriveGain {
         let stated = self.constants[joint];
         let ci95 = gain.ci95.map(|ends| ends.map(|end| stated * end));
@@ -131,7 +127,6 @@ impl DriveGainsAnswer {
     }
 
     /// The lines that state the constants that were found; none where one was not.
-    #[must_use]
     pub fn corrected(&self) -> Option<String> {
         let taken = self.taken();
         if !taken.hidden().is_empty() {

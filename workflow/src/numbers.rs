@@ -1,7 +1,6 @@
 //! Numbers as they are read.
 
 /// A number for reading: four significant digits, without an exponent where that is readable.
-#[must_use]
 pub fn number(value: f64) -> String {
     if value == 0.0 || !value.is_finite() {
         return match value {
@@ -22,13 +21,11 @@ pub fn number(value: f64) -> String {
 }
 
 /// A share in percent.
-#[must_use]
 pub fn percent(share: Option<f64>) -> String {
     share.map_or_else(|| "–".to_owned(), |share| format!("{:.2} %", 100.0 * share))
 }
 
 /// An error in percent: two digits after the point below ten percent, so that a small difference is seen.
-#[must_use]
 pub fn error_percent(share: f64) -> String {
     let value = 100.0 * share;
     if value < 10.0 { format!("{value:.2} %") } else { format!("{value:.1} %") }

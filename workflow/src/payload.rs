@@ -78,14 +78,12 @@ pub fn payload(loaded: &LoadedRobot, without: PayloadSide, with: PayloadSide) ->
 
 impl PayloadAnswer {
     /// Whether the body was found, agrees with the estimates and weighs something, and is all that changed.
-    #[must_use]
     pub fn is_sound(&self) -> bool {
         let Payload { body, negative_mass, .. } = &self.found;
         body.termination.was_successful() && body.is_within() && negative_mass.is_none() && self.found.is_of_a_load()
     }
 
     /// Name of the link that carries it.
-    #[must_use]
     pub fn link(&self) -> &str {
         self.robot.link_name(self.robot.dof())
     }

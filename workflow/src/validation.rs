@@ -53,7 +53,6 @@ impl ValidationVerdict {
     }
 
     /// `passed` or `failed`.
-    #[must_use]
     pub const fn word(passed: bool) -> &'static str {
         if passed { "passed" } else { "failed" }
     }
@@ -61,7 +60,6 @@ impl ValidationVerdict {
 
 impl ValidationAnswer {
     /// Do all predict the log within the limit?
-    #[must_use]
     pub fn passed(&self) -> bool {
         self.verdicts.iter().all(|one| one.validation.is_within(one.limit))
     }

@@ -117,7 +117,7 @@ pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: b
         None => {}
     }
     if verbose && let Some(standard) = &estimate.standard {
-        let mut table = Table::new(&[("standard parameter", Align::Left), ("value", Align::Right)]);
+        let mut table = Table::of("standard parameter | #value");
         for parameter in standard {
             table.row([parameter.name.clone(), format!("{:.6}", parameter.value)]);
         }

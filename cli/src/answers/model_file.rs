@@ -7,7 +7,7 @@ use armid_workflow::export::{ModelFile, Snapping, SourceFile};
 use armid_workflow::numbers::{error_percent, number};
 
 use super::findings::paragraph;
-use crate::terminal::{Align, Table};
+use crate::terminal::Table;
 
 pub(crate) fn model_file_text(file: &ModelFile) -> String {
     let mut text = format!("{}\n", file.prediction.sentence(&file.name));
@@ -68,12 +68,7 @@ fn snapping_text(Snapping { joints, largest_angle_rad, torque, torque_units }: &
         joints.join(", "),
         torque.states,
     );
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("difference RMS", Align::Right),
-        ("largest", Align::Right),
-        ("of its torque", Align::Right),
-    ]);
+    let mut table = Table::of("joint | #difference RMS | #largest | #of its torque");
     for (i, name) in names.iter().enumerate() {
         let of = |value: f64| format!("{value:.1e} {}", torque_units[i]);
         let share = format!("{} %", number(100.0 * torque.relative_rms[i]));

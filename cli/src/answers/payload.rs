@@ -5,7 +5,7 @@ use std::fmt::Write;
 use armid::estimation::{NegativeMass, NegativeMassCause};
 use armid_workflow::PayloadAnswer;
 
-use crate::terminal::{Align, Table, number};
+use crate::terminal::{Table, number};
 
 /// A load with everything that is said of it.
 pub(crate) fn text(answer: &PayloadAnswer) -> String {
@@ -14,15 +14,7 @@ pub(crate) fn text(answer: &PayloadAnswer) -> String {
     let mut text =
         format!("load on link \"{}\" of \"{}\", in its frame: {with} against {without}\n", answer.link(), robot.name());
     text += &found.negative_mass.map(negative).unwrap_or_default();
-    let mut table = Table::new(&[
-        ("parameter", Align::Left),
-        ("value", Align::Right),
-        ("std", Align::Right),
-        ("95 % interval", Align::Right),
-        ("", Align::Right),
-        ("unit", Align::Left),
-        ("of the body", Align::Right),
-    ]);
+    let mut table = Table::of("parameter | #value | #std | #95 % interval | # | unit | #of the body");
     for parameter in &found.parameters {
         let [value, std, low, high] = match parameter.shown {
             Some(shown) => [shown.value, shown.std, shown.ci95[0], shown.ci95[1]].map(number),

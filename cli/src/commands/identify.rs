@@ -17,7 +17,7 @@ use crate::answers::friction_speed::speeds_text;
 use crate::answers::selection::selection_text;
 use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, estimator, read_parameter_map};
-use crate::terminal::{Align, Answer, Console, Ending, Table, Watch};
+use crate::terminal::{Answer, Console, Ending, Table, Watch};
 
 const AFTER_HELP: &str = r#"A log is a recording of `armid run`, an MCAP of ROS 2 joint states, a table of any shape, or a
 TOML whose [log] table says what the columns are. Joint states need --map only for other names or units of
@@ -192,7 +192,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 }
 
 fn list() -> Answer {
-    let mut table = Table::new(&[("estimator", Align::Left), ("what it does", Align::Left)]);
+    let mut table = Table::of("estimator | what it does");
     for kind in EstimatorKind::ALL {
         let (mut words, others) = (kind.estimator().summary().to_owned(), kind.aliases());
         if !others.is_empty() {

@@ -12,7 +12,7 @@ use miette::Result;
 use crate::answers::estimate::left_out;
 use crate::answers::findings::paragraph;
 use crate::arguments::LogArguments;
-use crate::terminal::{Align, Answer, Console, Ending, Table};
+use crate::terminal::{Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 The verdict is `passed` (exit 0) where every joint's difference, as a share of its measured
@@ -70,15 +70,7 @@ fn verdict_text(of: &ValidationVerdict, log: &ProcessedLog) -> String {
     for remark in &of.remarks {
         let _ = writeln!(text, "{}", paragraph(remark, 2));
     }
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("difference RMS", Align::Right),
-        ("", Align::Left),
-        ("of the measured", Align::Right),
-        ("", Align::Left),
-        ("below the bandwidth", Align::Right),
-        ("on all rows", Align::Right),
-    ]);
+    let mut table = Table::of("joint | #difference RMS |  | #of the measured |  | #below the bandwidth | #on all rows");
     let (validation, residual) = (&of.validation, &of.residual);
     for (i, joint) in log.joint_names().into_iter().enumerate() {
         let share = validation.relative_rms[i];

@@ -16,7 +16,8 @@ use std::fmt;
 
 use nalgebra::{DMatrix, DVector, Matrix3, Vector3};
 
-use super::{CalibrationError, Measured};
+use super::error::CalibrationError;
+use super::measured::Measured;
 use crate::base::{BaseReduction, Method};
 use crate::linalg::{LeastSquares, LeastSquaresError, RankTolerance};
 use crate::model::{Columns, Robot};
@@ -81,7 +82,6 @@ pub struct KnownLoads {
 
 /// A payload about the origin of the last link's frame, from its mass (kg), its centre there (m), and its moments of
 /// inertia about that centre along the frame's axes (kg·m²).
-#[must_use]
 pub fn payload(mass_kg: f64, centre_m: [f64; 3], inertia_kg_m2: [f64; 3]) -> Inertia {
     let about = Matrix3::from_diagonal(&Vector3::from(inertia_kg_m2));
     Inertia::from_com(mass_kg, Vector3::from(centre_m), about)

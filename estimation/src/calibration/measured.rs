@@ -15,7 +15,6 @@ pub struct Measured {
 
 impl Measured {
     /// A value whose standard deviation was estimated with some degrees of freedom.
-    #[must_use]
     pub fn new(value: f64, std: f64, freedom: f64) -> Self {
         let half = student_quantile(0.975, freedom) * std;
         Self { value, std, ci95: [value - half, value + half] }

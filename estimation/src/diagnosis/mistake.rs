@@ -112,7 +112,6 @@ impl Mistake {
     }
 
     /// What to try.
-    #[must_use]
     pub fn correction(&self) -> Remedy {
         let map = |words: &str, map: &str| Remedy::from(words).to(Setting::Map, map);
         match self {

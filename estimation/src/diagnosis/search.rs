@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::Mistake;
 use super::evidence::{DEGREE, Instants, Model};
+use super::mistake::Mistake;
 use super::slope::Slopes;
 use crate::base::BaseError;
 use crate::model::{Columns, Robot, StandardParameters};
@@ -52,7 +52,6 @@ pub struct Suspicion {
 }
 
 /// Joints that stand still, counted from one.
-#[must_use]
 pub fn standing_joints(samples: &Samples) -> Vec<usize> {
     let n = samples.dof();
     (0..n).filter(|&i| range(&samples.states.q, i, n) < REST).map(|i| i + 1).collect()

@@ -18,8 +18,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::EstimationError;
+use super::factorisation::Factorisation;
+use super::identification::Identification;
+use super::observation::Observation;
+use super::residual::residual_noise;
 use super::ridge::Shrunk;
-use super::{EstimationError, Factorisation, Identification, Observation, Termination, residual_noise};
+use super::termination::Termination;
 use crate::estimation::linear_fit::LinearFit;
 use crate::linalg::{LeastSquares, LeastSquaresError, product, transpose_product};
 use crate::signal::Samples;
@@ -52,21 +57,7 @@ pub enum GainMethod {
     Ridge,
 }
 
-impl GainMethod {
-    /// Every method.
-    pub const ALL: [Self; 4] = [Self::LeastSquares, Self::Weighted, Self::Total, Self::Ridge];
-
-    /// What commands and files call it.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::LeastSquares => "ols",
-            Self::Weighted => "wls",
-            Self::Total => "tls",
-            Self::Ridge => "ridge",
-        }
-    }
-}
+crate::input::named! { GainMethod { LeastSquares: "ols", Weighted: "wls", Total: "tls", Ridge: "ridge" } }
 
 /// The gain of one drive.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize)]
@@ -97,7 +88,6 @@ pub struct DriveGains {
 impl DriveGains {
     /// Joints whose gain is not 1, at a level of 5 % over all joints together (Bonferroni): their stated constants are wrong. None by a
     /// method that has no intervals.
-    #[must_use]
     pub fn wrong(&self) -> Vec<usize> {
         let Some(freedom) = self.degrees_of_freedom else { return Vec::new() };
         let t = student_quantile(1.0 - 0.025 / self.gains.len() as f64, freedom);
@@ -106,7 +96,6 @@ impl DriveGains {
     }
 
     /// Joints whose gain the load does not show: the 95 % interval holds zero, has no end, or is not there.
-    #[must_use]
     pub fn hidden(&self) -> Vec<usize> {
         let is_hidden = |gain: &DriveGain| !gain.ci95.is_some_and(|ends| ends[0] > 0.0 && ends[1].is_finite());
         (0..self.gains.len()).filter(|&joint| is_hidden(&self.gains[joint])).collect()

@@ -127,7 +127,6 @@ impl EstimationError {
     }
 
     /// What an estimator from outside returned, for a caller that knows its errors.
-    #[must_use]
     pub fn as_external(&self) -> Option<&(dyn Error + Send + Sync + 'static)> {
         match self {
             Self::External(ExternalError(error)) => Some(&**error),

@@ -5,7 +5,10 @@ use std::collections::BTreeMap;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::{EstimationError, Finding, Termination, load_friction};
+use super::error::EstimationError;
+use super::finding::Finding;
+use super::load_friction;
+use super::termination::Termination;
 use crate::base::BaseReduction;
 use crate::model::term::Sign;
 use crate::model::{Columns, ParameterId, Robot};
@@ -210,32 +213,27 @@ impl Estimate {
     }
 
     /// β̂, length b.
-    #[must_use]
     pub fn beta(&self) -> DVector<f64> {
         DVector::from_iterator(self.base.len(), self.base.iter().map(|p| p.value))
     }
 
     /// Standard deviations, length b.
-    #[must_use]
     pub fn std(&self) -> DVector<f64> {
         DVector::from_iterator(self.base.len(), self.base.iter().map(|p| p.std))
     }
 
     /// Half widths of the 95 % intervals, length b.
-    #[must_use]
     pub fn half_width(&self) -> DVector<f64> {
         DVector::from_iterator(self.base.len(), self.base.iter().map(|p| 0.5 * (p.ci95[1] - p.ci95[0])))
     }
 
     /// Names of the base parameters, b.
-    #[must_use]
     pub fn names(&self) -> Vec<String> {
         self.base.iter().map(|p| p.name.clone()).collect()
     }
 
     /// The information of the estimate on β, `C⁻¹` (b × b), as a prior for the next experiment; `None` where the covariance is
     /// not positive definite.
-    #[must_use]
     pub fn information(&self) -> Option<DMatrix<f64>> {
         // Through standard deviations, so that unlike units do no harm.
         let (covariance, std) = (self.covariance_matrix(), self.std());
@@ -246,7 +244,6 @@ impl Estimate {
     }
 
     /// Covariance of β̂, b × b.
-    #[must_use]
     pub fn covariance_matrix(&self) -> DMatrix<f64> {
         let b = self.base.len();
         DMatrix::from_fn(b, b, |i, j| self.covariance[i][j])

@@ -18,8 +18,9 @@ use std::sync::OnceLock;
 use nalgebra::{DMatrix, DVector};
 
 use super::discrepancy::Discrepancy;
+use super::error::EstimationError;
+use super::observation::Observation;
 use super::residual::{ResidualScale, scatter_noise};
-use super::{EstimationError, Observation};
 use crate::linalg::product::add_product;
 use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
 use crate::signal::Samples;
@@ -95,13 +96,11 @@ impl<'a> Factorisation<'a> {
     }
 
     /// The observation that was factored.
-    #[must_use]
     pub const fn observation(&self) -> &'a Observation {
         self.observation
     }
 
     /// Number of samples that stand for all: those of the groups' factors.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.groups.iter().map(|group| group.rows.nrows() / self.observation.dof).sum()
     }
@@ -141,7 +140,6 @@ impl<'a> Factorisation<'a> {
 
     /// `1/(√(M_i M_j) (1 − b/E)) Σ_k r_ik r_jk` of the residual of β (b), n × n: the covariance of one sample's noise as far
     /// from the residual, R(0) of [`residual_noise`](super::residual_noise).
-    #[must_use]
     pub fn residual_covariance(&self, beta: &DVector<f64>) -> DMatrix<f64> {
         ResidualScale::of(self.observation).covariance(&self.residual_products(beta))
     }
@@ -164,7 +162,6 @@ impl<'a> Factorisation<'a> {
     }
 
     /// `Σ_k r_k r_kᵀ` over all samples, n × n, for the residual of β (b).
-    #[must_use]
     pub fn residual_products(&self, beta: &DVector<f64>) -> DMatrix<f64> {
         let n = self.observation.dof;
         let mut products = DMatrix::zeros(n, n);

@@ -196,7 +196,6 @@ pub struct MisfitPart {
 
 impl Finding {
     /// Whether it is a comparison with noise, which says nothing where there is none.
-    #[must_use]
     pub const fn compares_with_noise(&self) -> bool {
         matches!(
             self,
@@ -211,7 +210,6 @@ impl Finding {
     }
 
     /// Advice.
-    #[must_use]
     pub const fn advice(&self) -> &'static str {
         match self {
             Self::PoorlyDetermined { .. } => "do not interpret them one by one; predicted torque depends on their sums",

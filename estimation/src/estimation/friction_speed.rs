@@ -28,10 +28,13 @@
 //! separate", SIAM J. Numer. Anal. 10(2), 1973; L. Kaufman, "A variable projection method for solving separable nonlinear least squares
 //! problems", BIT 15, 1975, for the derivative that leaves out how β moves.
 
+use super::error::EstimationError;
+use super::observation::Observation;
 use super::selection::{HeldOutChange, TermEvidence, Verdict, change_between};
 use super::speed_columns::SpeedColumns;
 use super::speed_search::{Search, SpeedValue, change};
-use super::{EstimationError, Observation, Termination, load_fit, load_friction};
+use super::termination::Termination;
+use super::{load_fit, load_friction};
 use crate::base::BaseReduction;
 use crate::model::term::ShapeParameter;
 use crate::model::{Columns, Robot};
@@ -80,19 +83,16 @@ pub struct FrictionSpeeds {
 
 impl FrictionSpeeds {
     /// Joints, from one, whose speed the data do not show.
-    #[must_use]
     pub fn not_shown(&self) -> Vec<usize> {
         self.joints.iter().filter(|joint| joint.speed.is_none()).map(|joint| joint.joint).collect()
     }
 
     /// Whether torque that was not fitted is predicted better with these speeds, by its 95 % interval.
-    #[must_use]
     pub fn predict_better(&self) -> bool {
         self.held_out.is_some_and(|change| change.is_improvement())
     }
 
     /// What they are as a candidate of a selection.
-    #[must_use]
     pub fn evidence(&self) -> TermEvidence {
         let coefficients = self.joints.iter().filter(|joint| joint.speed.is_some()).count();
         let verdict = match (coefficients, self.predict_better()) {
@@ -107,7 +107,6 @@ impl FrictionSpeeds {
     ///
     /// # Panics
     /// If the robot has fewer joints than this is of.
-    #[must_use]
     pub fn robot(&self, robot: &Robot) -> Robot {
         let speeds = self.joints.iter().filter_map(|of| of.speed.map(|speed| (of.joint - 1, speed.value)));
         with_speeds(robot, self.shape, speeds)

@@ -1,13 +1,24 @@
 //! The list of estimators.
 
-use super::{
-    ClosedLoopInputError, ClosedLoopOutputError, ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary,
-    ConsistentReweighted, ConsistentWeighted, DirectInverseIdentification, EntropicPrior, EssentialParameters,
-    Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior, ExtendedKalmanFilter,
-    InstrumentalVariables, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares, ParticleFilter,
-    PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression, TotalLeastSquares,
-    WeightedLeastSquares,
+use super::closed_loop::{
+    ClosedLoopInputError, ClosedLoopOutputError, DirectInverseIdentification, InstrumentalVariables,
 };
+use super::error::EstimationError;
+use super::essential::EssentialParameters;
+use super::estimate::Estimate;
+use super::estimator::Estimator;
+use super::law::LawException;
+use super::motion::{MaximumLikelihood, TotalLeastSquares};
+use super::ordinary::OrdinaryLeastSquares;
+use super::physical::{
+    ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
+    EntropicPrior, EuclideanPrior, PullbackPrior,
+};
+use super::problem::EstimationProblem;
+use super::recursive::{ExtendedKalmanFilter, ParticleFilter};
+use super::ridge::RidgeRegression;
+use super::robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey};
+use super::weighted::WeightedLeastSquares;
 
 /// Makes the enum, and everything that enumerates it, from one list.
 macro_rules! estimators {
@@ -30,7 +41,6 @@ macro_rules! estimators {
             pub const ALL: &'static [Self] = &[$(Self::$kind,)*];
 
             /// The estimator itself.
-            #[must_use]
             pub fn estimator(self) -> &'static dyn Estimator {
                 match self {
                     $(Self::$kind => &$estimator,)*
@@ -93,14 +103,12 @@ estimators! {
 
 impl EstimatorKind {
     /// Its name on the command line and in files.
-    #[must_use]
     pub fn name(self) -> &'static str {
         self.estimator().name()
     }
 
     /// Other names that it is asked for by: algorithms of the literature that give its estimate. The equations are linear in the
     /// parameters, so that every Kalman filter has the posterior of `ekf`, and both networks come to rest at `wls`.
-    #[must_use]
     pub const fn aliases(self) -> &'static [&'static str] {
         match self {
             Self::Wls => &["adaline", "hopfield-tank"],
@@ -116,7 +124,6 @@ impl EstimatorKind {
     /// use armid::estimation::EstimatorKind;
     /// assert_eq!(EstimatorKind::parse("ukf"), Some(EstimatorKind::Ekf));
     /// ```
-    #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.name() == name || kind.aliases().contains(&name))
     }

@@ -25,33 +25,14 @@ pub enum EstimatorLaw {
     Coverage,
 }
 
-impl EstimatorLaw {
-    /// Every law.
-    pub const ALL: [Self; 8] = [
-        Self::Recovery,
-        Self::TorqueUnits,
-        Self::ParameterUnits,
-        Self::TooFewEquations,
-        Self::Determinism,
-        Self::Report,
-        Self::Misfit,
-        Self::Coverage,
-    ];
-
-    /// In one sentence.
-    pub const fn sentence(self) -> &'static str {
-        match self {
-            Self::Recovery => "exact equations give the true parameters",
-            Self::TorqueUnits => "the unit of torque scales parameters and standard deviations",
-            Self::ParameterUnits => "the unit of a parameter scales its value and standard deviation",
-            Self::TooFewEquations => "fewer equations than parameters are refused",
-            Self::Determinism => "equal input gives equal bits",
-            Self::Report => "the estimate is complete and consistent in itself",
-            Self::Misfit => "a residual far above the noise is reported",
-            Self::Coverage => "95 % intervals cover the truth in about 95 % of cases",
-        }
-    }
-}
+crate::input::named! { EstimatorLaw as sentence {
+    Recovery: "exact equations give the true parameters",
+    TorqueUnits: "the unit of torque scales parameters and standard deviations",
+    ParameterUnits: "the unit of a parameter scales its value and standard deviation",
+    TooFewEquations: "fewer equations than parameters are refused", Determinism: "equal input gives equal bits",
+    Report: "the estimate is complete and consistent in itself", Misfit: "a residual far above the noise is reported",
+    Coverage: "95 % intervals cover the truth in about 95 % of cases"
+} }
 
 impl fmt::Display for EstimatorLaw {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {

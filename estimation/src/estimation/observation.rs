@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{EstimationError, load_friction};
+use super::error::EstimationError;
+use super::load_friction;
 use crate::base::{BaseReduction, Category};
 use crate::linalg::LeastSquaresError;
 use crate::linalg::product::add_product;
@@ -180,13 +181,11 @@ impl Observation {
     }
 
     /// Number of blocks M.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.y.len() / self.dof
     }
 
     /// Number of equations: used rows.
-    #[must_use]
     pub fn equations(&self) -> usize {
         self.used.iter().filter(|used| **used).count()
     }
@@ -227,7 +226,6 @@ impl Observation {
     }
 
     /// `y − W_b β`, n·M; zero in rows that are no equation.
-    #[must_use]
     pub fn residual(&self, beta: &DVector<f64>) -> DVector<f64> {
         let mut residual = self.y.clone();
         let negative: Vec<f64> = beta.iter().map(|value| -value).collect();

@@ -1,7 +1,8 @@
 //! Torque prediction by an estimate, and its validation.
 
+use super::error::EstimationError;
+use super::estimate::Estimate;
 use super::residual::joint_rms;
-use super::{Estimate, EstimationError};
 use crate::dynamics::{Dynamics, States};
 use crate::model::{Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;
@@ -103,7 +104,6 @@ impl Validation {
     }
 
     /// Whether every joint's relative difference is at most `limit`.
-    #[must_use]
     pub fn is_within(&self, limit: f64) -> bool {
         self.relative_rms.iter().all(|&r| r <= limit)
     }

@@ -2,7 +2,11 @@
 
 use std::borrow::Cow;
 
-use super::{ClosedLoop, ClosedLoopError, EstimationError, Factorisation, Observation, ProblemPart, Termination};
+use super::closed_loop::{ClosedLoop, ClosedLoopError};
+use super::error::{EstimationError, ProblemPart};
+use super::factorisation::Factorisation;
+use super::observation::Observation;
+use super::termination::Termination;
 use crate::model::{Robot, StandardParameters};
 use crate::observer::{Observer, Progress, Unobserved, Work};
 use crate::signal::Samples;
@@ -45,7 +49,6 @@ pub struct EstimationProblem<'a> {
 
 impl<'a> EstimationProblem<'a> {
     /// The equations alone.
-    #[must_use]
     pub const fn new(observation: &'a Observation) -> Self {
         let closed_loop = Err(&ClosedLoopError::NotGiven);
         Self {
@@ -96,7 +99,6 @@ impl<'a> EstimationProblem<'a> {
     }
 
     /// Reports the steps of an iteration so far, of `total` at most. The termination of one that is to end here.
-    #[must_use]
     pub fn ended_after(&self, iterations: usize, total: usize) -> Option<Termination> {
         let seen = self.observer.observe(Progress { work: Work::Steps, done: iterations, total });
         seen.is_break().then_some(Termination::Interrupted { iterations })

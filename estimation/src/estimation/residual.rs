@@ -2,12 +2,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Observation;
+use super::observation::Observation;
 use crate::linalg::BlockWhitening;
 use crate::signal::{LagProducts, NoiseModel};
 
 /// The noise that scattered over periods; `None` where nothing was repeated or some joint with equations did not scatter at all.
-#[must_use]
 pub fn scatter_noise(observation: &Observation) -> Option<NoiseModel> {
     let mut noise = observation.noise.clone()?;
     let variance = noise.covariance().diagonal();
@@ -30,7 +29,6 @@ const UNMEASURED: f64 = 1e-30;
 /// ```
 /// over all k that have a partner; in a period the last instant is followed by the first. With this divisor R(0) is
 /// never indefinite.
-#[must_use]
 pub fn residual_noise(observation: &Observation, r: &DVector<f64>) -> NoiseModel {
     let (dof, wraps, count) = (observation.dof, observation.periodic, observation.samples());
     let scale = ResidualScale::of(observation);

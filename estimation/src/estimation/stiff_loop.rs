@@ -29,7 +29,6 @@ pub struct StiffLoop {
 impl StiffLoop {
     /// About the motion `states` of an arm with `parameters`, from which a joint deviates by `compliance` (rad per N·m). Search
     /// begins from `nominal`.
-    #[must_use]
     pub fn new(
         robot: &Robot,
         columns: Columns,

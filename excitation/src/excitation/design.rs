@@ -81,13 +81,11 @@ impl Design {
 }
 
 /// The best of a set of designs by their own criterion, among those that hold all limits; the first of equals.
-#[must_use]
 pub fn best_of(designs: &[Design]) -> Option<&Design> {
     designs.iter().filter(|design| design.termination.is_feasible()).min_by(|x, y| x.cost().total_cmp(&y.cost()))
 }
 
 /// Where no design holds all limits, the one that exceeds them least, relative; the first of equals.
-#[must_use]
 pub fn nearest_of(designs: &[Design]) -> Option<&Design> {
     let excess = |design: &Design| match &design.termination {
         Termination::Infeasible { worst, .. } => worst.ratio,

@@ -40,7 +40,6 @@ impl Information {
     /// The information on the `kept` columns of `regressor`, of trajectories with `samples` samples, with rows divided
     /// by the noise `sigma` of each joint (n; all ones for an unweighted criterion), and `prior` added (b × b, per
     /// torque row).
-    #[must_use]
     pub fn new(
         regressor: JointTorqueRegressor,
         kept: &[usize],

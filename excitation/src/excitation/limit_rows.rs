@@ -33,7 +33,6 @@ pub struct LimitRows {
 impl LimitRows {
     /// The limits of `robot`, of which the parts `margins` may be used; excess up to `tolerance` relative to the limit
     /// counts as none.
-    #[must_use]
     pub fn new(robot: &Robot, basis: &MotionBasis, margins: &Margins, tolerance: f64) -> Self {
         let intervals = robot
             .joints()

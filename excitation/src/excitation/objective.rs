@@ -45,7 +45,6 @@ struct Discrepancies {
 
 impl InformationObjective {
     /// This criterion on this information of this family of trajectories.
-    #[must_use]
     pub fn new(information: Information, sampled: SampledBasis, criterion: Arc<dyn Criterion>) -> Self {
         let b = information.columns();
         let (n, samples) = (sampled.basis().dof(), sampled.samples());

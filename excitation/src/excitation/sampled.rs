@@ -62,7 +62,6 @@ pub struct SampledBasis {
 
 impl SampledBasis {
     /// `samples` samples of a family.
-    #[must_use]
     pub fn new(basis: MotionBasis, samples: usize) -> Self {
         let tables = basis.shapes().iter().map(|shape| ShapeTable::new(&**shape, samples)).collect();
         Self { basis, samples, tables }

@@ -12,7 +12,6 @@ pub struct WatchedProblem<'a> {
 
 impl DesignProblem {
     /// This problem, for a search that reports to an observer and ends when it says so, with the best iterate so far.
-    #[must_use]
     pub const fn watched_by<'a>(&'a self, observer: &'a dyn Observer) -> WatchedProblem<'a> {
         WatchedProblem { problem: self, observer }
     }

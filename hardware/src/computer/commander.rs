@@ -86,7 +86,6 @@ pub struct Commander {
 
 impl Commander {
     /// A commander that holds `q`, deciding every `dt` s.
-    #[must_use]
     pub fn new(limits: Vec<JointLimits>, watchdog: Watchdog, dt: f64, q: &[f64]) -> Self {
         let qd = vec![0.0; q.len()];
         let (q, replacement) = (q.to_vec(), Replacement::default());

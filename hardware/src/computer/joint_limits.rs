@@ -17,7 +17,6 @@ pub struct JointLimits {
 
 impl JointLimits {
     /// The limits of a robot's joints.
-    #[must_use]
     pub fn of_robot(robot: &Robot) -> Vec<Self> {
         let of = |joint: &armid::model::Joint| Self {
             name: joint.name.clone(),

@@ -32,7 +32,6 @@ const UNSTATED_SPEED: f64 = 1.0;
 
 impl Approach {
     /// The approach of a robot between two poses of its joints.
-    #[must_use]
     pub fn new(robot: &Robot, settings: &GuardSettings, from: &[f64], to: &[f64]) -> Self {
         let part = settings.approach_speed;
         let duration = robot.joints().iter().zip(from.iter().zip(to)).map(|(joint, (from, to))| {

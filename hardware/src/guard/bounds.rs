@@ -36,7 +36,6 @@ impl JointBounds {
     ///
     /// An effort that is a torque is held against what the clamped currents give at the joint,
     /// `|τ_j| ≤ clamp · Σ_i |C_ij| N_i Kt_i i_max,i`, with the coupling `C` of the motors.
-    #[must_use]
     pub fn of_robot(robot: &Robot, settings: &GuardSettings) -> Vec<Self> {
         let motors: Vec<f64> =
             robot.joints().iter().map(|joint| joint.drive.torque_per_ampere() * joint.drive.current_limit).collect();

@@ -10,7 +10,6 @@ pub struct Confirmation {
 
 impl Confirmation {
     /// What a person is asked.
-    #[must_use]
     pub fn question(robot: &str) -> String {
         format!(
             "This moves \"{robot}\". The emergency stop works and is in reach, the arm is homed, nobody is within its\n\
@@ -19,13 +18,11 @@ impl Confirmation {
     }
 
     /// By typing the robot's name.
-    #[must_use]
     pub fn typed(robot: &str, answer: &str) -> Option<Self> {
         (answer.trim() == robot).then_some(Self { how: "confirmed by typing the robot's name" })
     }
 
     /// By the option `--yes-the-estop-works`.
-    #[must_use]
     pub const fn on_the_command_line() -> Self {
         Self { how: "confirmed on the command line" }
     }

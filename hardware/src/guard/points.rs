@@ -7,7 +7,6 @@ use armid::model::Robot;
 pub(super) type Places = Vec<[f64; 3]>;
 
 /// Names of the points: the flange first, then those of the robot file.
-#[must_use]
 pub(super) fn names(robot: &Robot) -> Vec<String> {
     let named = robot.points().iter().map(|point| point.name.clone());
     std::iter::once("flange".to_owned()).chain(named).collect()
@@ -15,7 +14,6 @@ pub(super) fn names(robot: &Robot) -> Vec<String> {
 
 /// Where the points are. The flange is the origin of the last link's frame: where the arm ends by the standard
 /// Denavit-Hartenberg rule; by the modified one it is on the last axis, and a named point says where the arm ends.
-#[must_use]
 pub(super) fn places(robot: &Robot, q: &[f64]) -> Places {
     let poses = robot.poses(q);
     let flange = poses.last().map_or([0.0; 3], |pose| pose.translation.into());
@@ -24,7 +22,6 @@ pub(super) fn places(robot: &Robot, q: &[f64]) -> Places {
 }
 
 /// The point that went furthest between two moments, and how far, m.
-#[must_use]
 pub(super) fn furthest(before: &Places, now: &Places) -> (usize, f64) {
     let distances = before.iter().zip(now).map(|(a, b)| distance(a, b)).enumerate();
     distances.fold((0, 0.0), |most, found| if found.1 > most.1 { found } else { most })
@@ -62,7 +59,6 @@ pub(super) fn fastest(robot: &Robot, steps: usize, dt: f64, at: &mut dyn FnMut(u
 }
 
 /// The fastest point in the periodic motion of a plan: the ramps run the same path and are no faster.
-#[must_use]
 pub fn fastest_point(robot: &Robot, plan: &ExperimentPlan, layout: &Layout) -> Fastest {
     let command = Command::new(plan, layout);
     let n = robot.dof();

@@ -5,7 +5,6 @@ use std::fmt::Write;
 use super::{GuardSettings, Mode, Trip};
 
 /// The table in Markdown, with the bounds for states that come at `rate_hz`.
-#[must_use]
 pub fn table(settings: &GuardSettings, rate_hz: f64) -> String {
     let mut text =
         "| trip | what is wrong | trajectory handed over | set-points streamed | robot controller | bound, ms |\n\

@@ -118,7 +118,6 @@ impl Trip {
     }
 
     /// What is asked for where nothing subscribes to `disable`: the end of the motion.
-    #[must_use]
     pub const fn mildest(mode: Mode) -> SafeAction {
         match mode {
             Mode::Trajectory => SafeAction::Cancel,

@@ -21,7 +21,6 @@ pub struct Watch {
 
 impl Watch {
     /// A watch over motions whose states come at `rate_hz`.
-    #[must_use]
     pub fn new(robot: &Robot, bounds: &[JointBounds], settings: &GuardSettings, mode: Mode, rate_hz: f64) -> Self {
         let checks = check::all(robot, bounds, settings, mode, rate_hz);
         let (used, settings) = (vec![0.0; checks.len()], settings.clone());
@@ -90,7 +89,6 @@ impl Watch {
 }
 
 /// What a trip is to the reader of the recording, before it is known what came of its action.
-#[must_use]
 pub(super) fn report(trip: Trip, reason: String, settings: &GuardSettings, mode: Mode, rate_hz: f64) -> TripReport {
     let rest = Rest::NotConfirmed { reason: "not observed yet".to_owned() };
     let bound_ms = trip.bound_ms(settings, rate_hz);

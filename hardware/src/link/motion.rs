@@ -24,7 +24,6 @@ pub struct PlanMotion<'a> {
 
 impl<'a> PlanMotion<'a> {
     /// The motion of `plan`, whose layout is known, for a robot with `dof` joints.
-    #[must_use]
     pub fn new(plan: &'a ExperimentPlan, layout: &Layout, dof: usize) -> Self {
         Self { command: Command::new(plan, layout), dof, duration_s: layout.samples() as f64 / plan.rate_hz }
     }

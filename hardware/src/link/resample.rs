@@ -39,7 +39,6 @@ pub struct Resampler {
 
 impl Resampler {
     /// A grid of `samples` ticks at `rate_hz` (Hz) that begins at `start_ns` of the robot's clock.
-    #[must_use]
     pub fn new(start_ns: i64, rate_hz: f64, samples: usize) -> Self {
         let reach_ns = (2.1e9 / rate_hz).round() as i64;
         Self { start_ns, rate_hz, next: 0, samples, reach_ns, last: None }

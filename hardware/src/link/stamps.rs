@@ -74,7 +74,6 @@ pub struct StampWatch {
 
 impl StampWatch {
     /// Watches a stream that should have a message every `period_s` seconds.
-    #[must_use]
     pub fn new(period_s: f64) -> Self {
         Self { period_s, last: None, clock: ClockWatch::default(), findings: StampFindings::default() }
     }

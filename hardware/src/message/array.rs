@@ -36,7 +36,6 @@ impl Message for Float64MultiArray {}
 
 impl Float64MultiArray {
     /// A plain list.
-    #[must_use]
     pub fn list(data: Vec<f64>) -> Self {
         Self { layout: ArrayLayout::default(), data }
     }

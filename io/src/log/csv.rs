@@ -27,7 +27,6 @@ const fn prefix(unit: EffortInterface) -> &'static str {
 }
 
 /// A recording as such a table.
-#[must_use]
 pub fn write(recording: &Recording) -> String {
     let prefix = prefix(recording.effort_unit);
     let mut text = "t".to_owned();

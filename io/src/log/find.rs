@@ -98,13 +98,11 @@ pub fn find(
 }
 
 /// Whether a path is that of a table, or of a folder that holds one: neither a bag nor a recording nor a TOML by its name.
-#[must_use]
 pub fn is_table(path: &Path) -> bool {
     !is_joint_states(path) && path.extension().is_none_or(|ending| ending != "toml")
 }
 
 /// Whether a path is that of a bag, of one of its files or of an MCAP, by its name.
-#[must_use]
 pub fn is_joint_states(path: &Path) -> bool {
     (path.is_dir() && !lerobot::is_data_set(path)) || LogFormat::is_of_states(path)
 }

@@ -133,13 +133,11 @@ impl ProcessedLog {
     }
 
     /// What the logs are called.
-    #[must_use]
     pub fn name(&self) -> String {
         self.logs.iter().map(|log| log.name.as_str()).collect::<Vec<_>>().join(", ")
     }
 
     /// Names of the robot's joints.
-    #[must_use]
     pub fn joint_names(&self) -> Vec<String> {
         self.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
     }
@@ -360,7 +358,6 @@ impl ProcessedLog {
     }
 
     /// Whether they are logs of other tools without periods: the onset of friction is then looked for unless something else is asked.
-    #[must_use]
     pub fn has_no_periods(&self) -> bool {
         self.is_foreign() && self.samples.period_s.is_none()
     }

@@ -82,7 +82,6 @@ pub(super) fn log(name: &str, metadata: &BTreeMap<String, String>, contents: &Co
 impl Log {
     /// The log of an experiment that was recorded in this program; `robot` holds the texts of its files, where they are to go
     /// with it.
-    #[must_use]
     pub fn of_recording(name: &str, recording: Recording, robot: Option<RecordedRobot>) -> Self {
         Self {
             name: name.to_owned(),

@@ -27,7 +27,6 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
 }
 
 /// JSON with one key per line, and a final newline.
-#[must_use]
 pub fn pretty(value: &serde_json::Value) -> String {
     format!("{value:#}\n")
 }

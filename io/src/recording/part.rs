@@ -10,7 +10,6 @@ use crate::error::Error;
 use crate::output::regular_file;
 
 /// `R.mcap.part` for `R.mcap`: what a file is called that is not whole.
-#[must_use]
 pub fn part_of(path: &Path) -> PathBuf {
     let mut part = path.as_os_str().to_owned();
     part.push(".part");

@@ -14,7 +14,6 @@ pub struct PackagePath(Vec<PathBuf>);
 
 impl PackagePath {
     /// These folders.
-    #[must_use]
     pub fn new(folders: Vec<PathBuf>) -> Self {
         Self(folders)
     }

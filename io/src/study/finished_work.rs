@@ -48,7 +48,6 @@ pub struct FinishedWork {
 
 impl FinishedWork {
     /// No work yet, of the study whose plan has this hash.
-    #[must_use]
     pub fn new(setup: &StudySetup, identity: &str) -> Self {
         let order = setup.run_order();
         Self {

@@ -19,7 +19,6 @@ pub struct Command<'a> {
 
 impl<'a> Command<'a> {
     /// The commanded motion of a plan whose layout is known.
-    #[must_use]
     pub fn new(plan: &'a ExperimentPlan, layout: &Layout) -> Self {
         let at = |sample: usize| sample as f64 / plan.rate_hz;
         let (ramp_in, ramp_out) = (layout.span(Phase::RampIn), layout.span(Phase::RampOut));

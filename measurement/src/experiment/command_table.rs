@@ -19,7 +19,6 @@ pub struct CommandTable {
 
 impl CommandTable {
     /// Tabulates a plan for a servo that takes `per_sample` steps for each recorded sample.
-    #[must_use]
     pub fn new(plan: &ExperimentPlan, layout: &Layout, per_sample: usize) -> Self {
         let command = Command::new(plan, layout);
         let dof = plan.trajectory.dof();

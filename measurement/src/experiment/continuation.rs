@@ -12,7 +12,7 @@
 use super::arm::{Arm, ArmError, Ending, Flow, Sink};
 use super::command::Command;
 use super::layout::Layout;
-use super::phase::Phase;
+use super::phase::{Phase, PhaseSpan};
 use super::plan::ExperimentPlan;
 use super::plan_error::PlanError;
 use super::plan_mismatch::PlanMismatchError;
@@ -130,7 +130,7 @@ pub struct Joined<'a> {
     whole: &'a mut dyn Sink,
     flow: Flow,
     /// The spans of the second part.
-    rest: Vec<super::PhaseSpan>,
+    rest: Vec<PhaseSpan>,
 }
 
 impl Sink for Joined<'_> {

@@ -43,7 +43,6 @@ pub struct JointPid {
 
 impl JointPid {
     /// Gains for motors that turn this load and give `per_ampere` (N·m/A) up to `limit` (A).
-    #[must_use]
     pub fn new(tuning: &ServoTuning, load: &MotorLoad, per_ampere: &[f64], limit: &[f64]) -> Self {
         let n = load.inertia.len();
         let base = std::f64::consts::TAU * tuning.bandwidth_hz;

@@ -3,7 +3,7 @@
 use crate::model::term::ROTOR;
 use nalgebra::{DMatrix, Vector3};
 
-use super::{Plant, PlantError};
+use super::plant::{Plant, PlantError};
 use crate::model::{DhConvention, DhRow, Drive, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters};
 use crate::spatial::{Inertia, Placement};
 use crate::trajectory::{FourierJoint, FourierTrajectory};
@@ -57,19 +57,16 @@ fn robot(dof: usize, coupling: Option<DMatrix<f64>>) -> Robot {
 }
 
 /// One vertical hinge: no gravity, no friction.
-#[must_use]
 pub fn single() -> Robot {
     robot(1, None)
 }
 
 /// Two vertical hinges whose second motor is driven through the first: `C = [1 0; 1 1]`.
-#[must_use]
 pub fn coupled() -> Robot {
     robot(2, Some(DMatrix::from_row_slice(2, 2, &[1.0, 0.0, 1.0, 1.0])))
 }
 
 /// Rotors alone: [`FlyWheels`] is the plant with these parameters.
-#[must_use]
 pub fn parameters(dof: usize) -> StandardParameters {
     let mut set = StandardParameters::zero(dof);
     for (link, drive) in set.links.iter_mut().zip(&mut set.drives) {
@@ -80,7 +77,6 @@ pub fn parameters(dof: usize) -> StandardParameters {
 }
 
 /// A trajectory of one harmonic per joint, period 2 s, that keeps within the limits.
-#[must_use]
 pub fn trajectory(dof: usize) -> FourierTrajectory {
     let joint = |i: usize| FourierJoint {
         name: format!("hinge{}", i + 1),
@@ -100,7 +96,6 @@ pub struct FlyWheels {
 
 impl FlyWheels {
     /// At rest at zero.
-    #[must_use]
     pub fn new(dof: usize) -> Self {
         Self { q: vec![0.0; dof], qd: vec![0.0; dof] }
     }

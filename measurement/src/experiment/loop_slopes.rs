@@ -22,7 +22,6 @@ pub struct LoopSlopes {
 
 impl LoopSlopes {
     /// By so many parameters, none of which the loop depends on yet, for `joints` joints.
-    #[must_use]
     pub fn new(joints: usize, directions: usize) -> Self {
         let zero = || vec![0.0; joints * directions];
         Self { directions, fresh: true, last_error: zero(), rate: zero(), integral: zero(), motor: zero(), tau: zero() }

@@ -2,14 +2,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{ServoError, Transmission};
+use super::servo_error::ServoError;
+use super::transmission::Transmission;
 use crate::dynamics::Dynamics;
 use crate::model::term::{COULOMB, VISCOUS};
 use crate::model::{Robot, StandardParameters};
 
 /// The pose at which gains are placed: every joint a quarter of its range above the middle of it, 45° where it has no
 /// limits. An arm with its elbow half bent, neither folded nor stretched; n, rad (m).
-#[must_use]
 pub fn gain_pose(robot: &Robot) -> Vec<f64> {
     robot
         .joints()

@@ -50,7 +50,6 @@ pub struct ExperimentPlan {
 
 impl ExperimentPlan {
     /// The usual experiment around a motion: 1 kHz, settle 1 s, ramps of 2 s, 1 period discarded, 10 recorded.
-    #[must_use]
     pub fn new(trajectory: impl Into<PeriodicTrajectory>) -> Self {
         Self {
             trajectory: trajectory.into(),

@@ -62,7 +62,6 @@ pub enum PlantError {
 
 impl PlantError {
     /// The first entry of a state that is not finite, if there is one.
-    #[must_use]
     pub fn of_state(q: &[f64], qd: &[f64]) -> Option<Self> {
         let look = |values: &[f64], quantity| {
             values.iter().position(|x| !x.is_finite()).map(|i| Self::NotFinite {

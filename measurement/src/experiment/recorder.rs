@@ -77,7 +77,6 @@ pub struct WatchedRecorder<'a> {
 
 impl<'a> WatchedRecorder<'a> {
     /// For the experiment of this plan.
-    #[must_use]
     pub fn new(plan: &ExperimentPlan, observer: &'a dyn Observer) -> Self {
         // A plan that has no layout is refused before its first sample.
         let total = plan.layout().map_or(0, |layout| layout.samples());

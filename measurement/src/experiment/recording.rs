@@ -57,7 +57,6 @@ crate::plain::checked_when_read!(Recording, |value| value.check().map(|()| value
 
 impl Recording {
     /// What a recording of a plan begins with, of a robot whose file has this text: everything but samples.
-    #[must_use]
     pub fn begun(robot: &Robot, robot_text: &str, plan: &ExperimentPlan, layout: &Layout, seed: Option<Seed>) -> Self {
         Self {
             robot: robot.name().to_owned(),

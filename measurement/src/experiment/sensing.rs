@@ -55,7 +55,6 @@ impl Default for Sensing {
 
 impl Sensing {
     /// Sensors that read exactly what is there.
-    #[must_use]
     pub const fn ideal() -> Self {
         Self {
             encoders: false,
@@ -68,7 +67,6 @@ impl Sensing {
     }
 
     /// Encoders that count, currents without fault.
-    #[must_use]
     pub const fn noise_free() -> Self {
         Self {
             encoders: true,

@@ -37,7 +37,6 @@ fn multiply_transposed(matrix: &DMatrix<f64>, x: &[f64], out: &mut [f64]) {
 
 impl Transmission {
     /// The transmission that a robot's file describes.
-    #[must_use]
     pub fn new(robot: &Robot) -> Self {
         Self {
             per_ampere: robot.joints().iter().map(|joint| joint.drive.torque_per_ampere()).collect(),

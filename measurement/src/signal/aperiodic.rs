@@ -14,10 +14,15 @@
 
 use std::ops::Range;
 
+use super::butterworth::Butterworth;
+use super::cutoff::find_cutoff;
+use super::differences::differences;
+use super::error::SignalError;
 use super::error::check_finite;
 use super::periodic::{column, effort_units, put_column, used_blocks};
+use super::processing::{Derivatives, Processing, TorqueFilter};
+use super::samples::Samples;
 use super::torque::{map_rows, torque_map};
-use super::{Butterworth, Derivatives, Processing, Samples, SignalError, TorqueFilter, differences, find_cutoff};
 use crate::dynamics::States;
 use crate::model::{EffortInterface, Robot};
 
@@ -43,7 +48,6 @@ pub struct AperiodicRecord<'a> {
 
 impl<'a> AperiodicRecord<'a> {
     /// A record without measured velocities, in one segment, of which every sample counts.
-    #[must_use]
     pub const fn new(dof: usize, rate_hz: f64, q: &'a [f64], effort: &'a [f64]) -> Self {
         Self { dof, rate_hz, q, qd: None, effort, segments: &[], excluded: &[] }
     }
@@ -52,7 +56,6 @@ impl<'a> AperiodicRecord<'a> {
     ///
     /// # Panics
     /// If the segments have more samples than there are.
-    #[must_use]
     pub fn find_cutoff(&self) -> f64 {
         let spans = self.spans(self.q.len() / self.dof).into_iter();
         let (first, count) = spans.max_by_key(|(_, count)| *count).unwrap_or_default();

@@ -11,9 +11,10 @@
 //! The cut-off is at least 10 Hz, since below it little noise is won. No record shows more than a quarter of its rate: the rule takes all
 //! above it for noise. A Hann window keeps the ends of the record out of the spectrum.
 
+use super::fourier_transform::FourierTransform;
 use super::fourier_transform::smooth_length;
+use super::harmonics::HarmonicSeries;
 use super::periodic::column;
-use super::{FourierTransform, HarmonicSeries};
 
 /// Power of the motion over that of the noise at the cut-off.
 const ABOVE_NOISE: f64 = 20.0;
@@ -31,7 +32,6 @@ const LEAST_HZ: f64 = 10.0;
 /// let rows: Vec<f64> = (0..4000).map(at).collect();
 /// assert!((30.0..36.0).contains(&find_cutoff(&rows, 1, 1000.0)));
 /// ```
-#[must_use]
 pub fn find_cutoff(rows: &[f64], dof: usize, rate_hz: f64) -> f64 {
     let count = rows.len() / dof;
     let transform = FourierTransform::new(smooth_length(count));

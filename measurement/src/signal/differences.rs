@@ -16,7 +16,6 @@
 /// assert_eq!(v, [1.0, 0.0, -1.0, 0.0]);
 /// assert_eq!(a, [0.0, -2.0, 0.0, 2.0]);
 /// ```
-#[must_use]
 pub fn differences_periodic(x: &[f64], h: f64) -> (Vec<f64>, Vec<f64>) {
     let n = x.len();
     (0..n).map(|k| central(x[(k + n - 1) % n], x[k], x[(k + 1) % n], h)).unzip()
@@ -24,7 +23,6 @@ pub fn differences_periodic(x: &[f64], h: f64) -> (Vec<f64>, Vec<f64>) {
 
 /// First and second derivative of a signal, sampled every `h` seconds; the first and the last sample take the
 /// derivatives of the parabola through the three samples next to them. Fewer than three samples give zeros.
-#[must_use]
 pub fn differences(x: &[f64], h: f64) -> (Vec<f64>, Vec<f64>) {
     let n = x.len();
     if n < 3 {

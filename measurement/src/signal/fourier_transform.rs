@@ -25,7 +25,6 @@ pub struct FourierTransform {
 
 impl FourierTransform {
     /// A transform of `len` samples.
-    #[must_use]
     pub fn new(len: usize) -> Self {
         let roots = (0..len)
             .map(|k| {

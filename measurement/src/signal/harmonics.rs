@@ -12,7 +12,7 @@
 
 use nalgebra::Complex;
 
-use super::FourierTransform;
+use super::fourier_transform::FourierTransform;
 
 /// Which harmonics of the measured positions are kept.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -54,7 +54,6 @@ impl HarmonicSeries {
     ///
     /// # Panics
     /// If the transform is of another length than `x`.
-    #[must_use]
     pub fn new(transform: &FourierTransform, x: &[f64], period_s: f64) -> Self {
         let spectrum = transform.forward_real(x);
         let n = x.len();
@@ -63,13 +62,11 @@ impl HarmonicSeries {
     }
 
     /// The highest harmonic that it holds.
-    #[must_use]
     pub fn highest(&self) -> usize {
         self.lines.len().saturating_sub(1)
     }
 
     /// Amplitude of harmonic `h`, in the unit of the signal; zero beyond the highest.
-    #[must_use]
     pub fn amplitude(&self, h: usize) -> f64 {
         self.lines.get(h).map_or(0.0, |line| line.norm())
     }
@@ -83,7 +80,6 @@ impl HarmonicSeries {
 
     /// The last harmonic at which the signal still outweighs white noise of variance `variance` per sample, for N
     /// samples, and the power at the end of its own spectrum; see [`Bandwidth::NoiseFloor`].
-    #[must_use]
     pub fn last_above_noise(&self, variance: f64, samples: usize) -> usize {
         let floor = self.floor(variance, samples);
         let power = self.smoothed_power();
@@ -92,7 +88,6 @@ impl HarmonicSeries {
     }
 
     /// The last harmonic whose mean power is `ratio` times the largest of the upper half of the spectrum, which is taken for noise.
-    #[must_use]
     pub fn last_above_upper_half(&self, ratio: f64) -> usize {
         let power = self.smoothed_power();
         let middle = power.len() / 2;
@@ -102,7 +97,6 @@ impl HarmonicSeries {
 
     /// Power of a line that is noise: that of white noise of variance `variance` per sample, for N samples, and not less than the mean
     /// of the last eighth of the lines.
-    #[must_use]
     pub fn floor(&self, variance: f64, samples: usize) -> f64 {
         let end = &self.lines[self.lines.len() - self.highest() / 8..];
         let power = end.iter().map(Complex::norm_sqr).sum::<f64>() / end.len().max(1) as f64;
@@ -111,7 +105,6 @@ impl HarmonicSeries {
 
     /// Share of each line's power that is signal beside noise of power `floor`: 1 − floor/power, not below zero. A line times its share is what is
     /// expected of the signal, given the line (Wiener).
-    #[must_use]
     pub fn signal_shares(&self, floor: f64) -> Vec<f64> {
         let share = |power: f64| if power > floor { 1.0 - floor / power } else { 0.0 };
         self.smoothed_power().into_iter().enumerate().map(|(h, p)| if h == 0 { 1.0 } else { share(p) }).collect()
@@ -142,7 +135,6 @@ impl HarmonicSeries {
     }
 
     /// Value, first and second derivative at time `t` (s).
-    #[must_use]
     pub fn evaluate(&self, t: f64) -> [f64; 3] {
         let w = std::f64::consts::TAU / self.period_s;
         let mut sum = [self.lines.first().map_or(0.0, |line| line.re), 0.0, 0.0];
@@ -157,7 +149,6 @@ impl HarmonicSeries {
     ///
     /// # Panics
     /// If the transform has not more than twice as many samples as the series has harmonics.
-    #[must_use]
     pub fn samples(&self, transform: &FourierTransform) -> (Vec<f64>, Vec<f64>, Vec<f64>) {
         let n = transform.len();
         assert!(2 * self.highest() < n, "{n} samples for {} harmonics", self.highest());

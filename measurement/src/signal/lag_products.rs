@@ -9,7 +9,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::FourierTransform;
+use super::fourier_transform::FourierTransform;
 use super::fourier_transform::smooth_length;
 use crate::linalg::product::transposed_product;
 
@@ -30,14 +30,12 @@ pub struct LagProducts {
 
 impl LagProducts {
     /// Of `x`, N × n row-major; `wraps` where the samples are one period.
-    #[must_use]
     pub fn new(x: &[f64], dof: usize, wraps: bool) -> Self {
         let series = (0..dof).flat_map(|i| x.iter().skip(i).step_by(dof).copied()).collect();
         Self { dof, wraps, series, all: Vec::new() }
     }
 
     /// c(l), n × n, for a lag shorter than the series.
-    #[must_use]
     pub fn at(&mut self, l: usize) -> DMatrix<f64> {
         let (n, count) = (self.dof, self.series.len() / self.dof.max(1));
         if l <= FEW_LAGS {

@@ -55,14 +55,12 @@ impl NoiseModel {
 
     /// Noise without correlation in time, covariance `covariance` (n × n) known to `degrees_of_freedom`; `wraps` where
     /// the samples are one period.
-    #[must_use]
     pub fn white(covariance: DMatrix<f64>, wraps: bool, degrees_of_freedom: f64) -> Self {
         Self { lags: vec![covariance], weights: vec![1.0], wraps, degrees_of_freedom }
     }
 
     /// Chooses the number of lags by the rule above. `lag(l)` gives R(l), measured from `count` independent samples;
     /// at most `limit` lags are asked for.
-    #[must_use]
     pub fn adaptive(mut lag: impl FnMut(usize) -> DMatrix<f64>, limit: usize, wraps: bool, count: f64) -> Self {
         let variance = lag(0);
         let n = variance.nrows();

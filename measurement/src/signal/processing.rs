@@ -14,7 +14,8 @@
 //! Filtering torque as well makes it worse there, where the Coulomb columns were not filtered alike. 125 to 500 equations a period
 //! are equally good; at 1000 the noise of the acceleration shows, and coverage falls to 84 %.
 
-use super::{Bandwidth, SignalError};
+use super::error::SignalError;
+use super::harmonics::Bandwidth;
 
 /// How velocity and acceleration are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
@@ -27,25 +28,7 @@ pub enum Derivatives {
     Differences,
 }
 
-impl Derivatives {
-    /// Every route.
-    pub const ALL: [Self; 2] = [Self::Fourier, Self::Differences];
-
-    /// Its name on the command line and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fourier => "fourier",
-            Self::Differences => "differences",
-        }
-    }
-
-    /// The route with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|route| route.name() == name)
-    }
-}
+crate::input::named! { Derivatives { Fourier: "fourier", Differences: "differences" } }
 
 /// Which low pass torque goes through.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]
@@ -106,7 +89,6 @@ impl Default for Processing {
 
 impl Processing {
     /// The cut-off for a motion whose highest commanded frequency is `highest_hz`, Hz.
-    #[must_use]
     pub fn cutoff_hz(&self, highest_hz: f64) -> f64 {
         self.cutoff_hz.unwrap_or((5.0 * highest_hz).max(10.0))
     }

@@ -46,7 +46,6 @@ pub struct Recurrence {
 
 /// Looks for the part of a record in which the positions `q` (N × `dof`, row-major, even in time) repeat, and for their period where
 /// `period_samples` does not state it. `None` where there are fewer than three periods, or they are less than half of the motion.
-#[must_use]
 pub fn recurrence(q: &[f64], dof: usize, period_samples: Option<f64>) -> Option<Recurrence> {
     let record = Record::new(q, dof)?;
     let found = match period_samples {

@@ -35,7 +35,6 @@ pub enum Interpolation {
 ///
 /// # Panics
 /// If `rows` has not `width` values for each time.
-#[must_use]
 pub fn resample(t: &[f64], rows: &[f64], width: usize, rate_hz: f64, count: usize, way: Interpolation) -> Vec<f64> {
     assert_eq!(rows.len(), t.len() * width, "one row per time");
     let mut even = Vec::with_capacity(count * width);

@@ -3,7 +3,12 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::{Butterworth, Derivatives, FourierTransform, HarmonicSeries, NoiseModel, Processing, SignalError};
+use super::butterworth::Butterworth;
+use super::error::SignalError;
+use super::fourier_transform::FourierTransform;
+use super::harmonics::HarmonicSeries;
+use super::noise::NoiseModel;
+use super::processing::{Derivatives, Processing};
 use crate::dynamics::States;
 use crate::provenance::Provenance;
 
@@ -259,7 +264,6 @@ impl Samples {
     ///
     /// # Panics
     /// If torque and states have not the same size.
-    #[must_use]
     pub fn exact(states: States, tau: Vec<f64>, units: Vec<String>, rate_hz: f64) -> Self {
         assert_eq!(states.q.len(), tau.len(), "one torque per joint and sample");
         Self {

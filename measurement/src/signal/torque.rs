@@ -11,14 +11,12 @@ use nalgebra::DMatrix;
 use crate::model::{EffortInterface, Robot};
 
 /// The matrix that turns motor currents (n, A) into joint torques (n, N·m; N for a prismatic joint).
-#[must_use]
 pub fn torque_per_current(robot: &Robot) -> DMatrix<f64> {
     torque_map(robot, EffortInterface::Current)
 }
 
 /// The matrix that turns efforts as the arm reports them (n) into joint torques (n, N·m; N for a prismatic joint): that
 /// of the drives for motor currents in A, the identity for torques.
-#[must_use]
 pub fn torque_map(robot: &Robot, effort: EffortInterface) -> DMatrix<f64> {
     let n = robot.dof();
     if effort == EffortInterface::Torque {

@@ -2,7 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::{BaseReduction, Method};
+use super::method::Method;
+use super::reduction::BaseReduction;
 use crate::linalg::{LeftToRight, RankRevealingQr, RankTolerance, RowFactor, normalised_columns};
 use crate::model::ParameterId;
 
@@ -46,7 +47,6 @@ impl Radkhah2007Sets {
     /// ([`RankRevealingQr::indispensable`]) does not depend on the columns that were taken out before: those are combinations
     /// of columns that stay. Whether f_i raises the rank of L, and by which α it does not, is what QR from left to right finds. The
     /// tests follow the procedure to the letter.
-    #[must_use]
     pub fn of(phi_tot: &DMatrix<f64>) -> Self {
         let tolerance = RankTolerance::default();
         // Step 4 first, so that the rest need not look at zero columns again.

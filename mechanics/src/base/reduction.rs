@@ -3,7 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::{BaseMotion, Method, NearlyDependent};
+use super::method::Method;
+use super::nearly_dependent::NearlyDependent;
+use super::structural::BaseMotion;
 use crate::linalg::{LeftToRight, RankTolerance, product};
 use crate::model::ParameterId;
 
@@ -141,7 +143,6 @@ impl BaseReduction {
     ///
     /// # Panics
     /// If W has not one column per parameter.
-    #[must_use]
     pub fn from_stack(parameters: &[ParameterId], w: &DMatrix<f64>, method: Method) -> Self {
         assert_eq!(w.ncols(), parameters.len(), "one column per parameter");
         let qr = LeftToRight::new(w, RankTolerance::default());

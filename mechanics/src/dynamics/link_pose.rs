@@ -23,7 +23,6 @@ pub struct LinkPose {
 
 impl LinkPose {
     /// The pose that this joint gives its link.
-    #[must_use]
     pub fn new(joint: &Joint) -> Self {
         let (before, after) = (&joint.before, &joint.after);
         let z = Vector3::z();

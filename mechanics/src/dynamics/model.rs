@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, Vector3};
 use super::articulated::{self, ArticulatedJoint};
 use super::composite;
 use super::joint_frames::{JointChain, JointPose, Turns};
-use super::{LinkPose, TermState, TorqueTerms};
+use super::link_pose::LinkPose;
+use super::torque_terms::{TermState, TorqueTerms};
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::spatial::{Force, Inertia, Motion};
 
@@ -62,7 +63,6 @@ impl Dynamics {
     ///
     /// # Panics
     /// If the parameters are not those of as many links and drives as the robot has.
-    #[must_use]
     pub fn new(robot: &Robot, parameters: &StandardParameters) -> Self {
         let n = robot.dof();
         assert!(

@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 
-use super::Dynamics;
+use super::model::Dynamics;
 use crate::model::{JointKind, Robot, StandardParameters};
 use crate::seed::Seed;
 
@@ -42,7 +42,6 @@ impl TorqueDifference {
     ///
     /// # Panics
     /// If the models have unlike numbers of joints.
-    #[must_use]
     pub fn new(a: (&Robot, &StandardParameters), b: (&Robot, &StandardParameters), states: usize) -> Self {
         let n = a.0.dof();
         assert_eq!(n, b.0.dof(), "models with as many joints");

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::PlacedTerm;
+use super::placed_term::PlacedTerm;
 use crate::model::term::{Shapes, Slope, Term, TermBlock, TermInput};
 use crate::model::{Columns, ParameterId, Robot, StandardParameters};
 
@@ -59,7 +59,6 @@ pub struct TorqueTerms {
 
 impl TorqueTerms {
     /// The terms among these columns of a robot.
-    #[must_use]
     pub fn new(robot: &Robot, columns: Columns) -> Self {
         let dof = robot.dof();
         let parameters = columns.parameters(robot).split_off(10 * dof);

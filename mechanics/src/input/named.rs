@@ -1,6 +1,7 @@
 //! Enumerations whose variants have names in files and on the command line.
 
-/// Gives an enumeration `ALL`, `name` and `parse`, by a list of its variants and their names.
+/// Gives an enumeration `ALL`, `name` and `parse`, by a list of its variants and their names; `ALL` and words for a reader under another
+/// name where it says `as`.
 ///
 /// ```
 /// # use armid_mechanics as armid;
@@ -16,20 +17,25 @@
 #[doc(hidden)]
 #[macro_export]
 macro_rules! named_variants {
-    ($of:ident { $($variant:ident: $name:literal),* $(,)? }) => {
+    ($of:ident as $words:ident { $($variant:ident: $name:literal),* $(,)? }) => {
         impl $of {
             /// All, in the order of the list.
             pub const ALL: [Self; [$($name),*].len()] = [$(Self::$variant),*];
 
-            /// Its name in files and on the command line.
+            /// Its name, as files, the command line or a reader has it.
             #[must_use]
-            pub const fn name(self) -> &'static str {
+            pub const fn $words(self) -> &'static str {
                 match self {
                     $(Self::$variant => $name,)*
                 }
             }
+        }
+    };
+    ($of:ident { $($variant:ident: $name:literal),* $(,)? }) => {
+        $crate::named_variants! { $of as name { $($variant: $name),* } }
 
-            /// The one of this name.
+        impl $of {
+            /// The one of this name, in files and on the command line.
             #[must_use]
             pub fn parse(name: &str) -> Option<Self> {
                 Self::ALL.into_iter().find(|one| one.name() == name)

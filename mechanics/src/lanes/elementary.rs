@@ -17,7 +17,6 @@ const LN_2: [f64; 2] = [0.693_147_180_369_123_8, 1.908_214_929_270_587_7e-10];
 
 /// Sine and cosine, within 1.5 units in the last place of 1 for |x| < 10⁵ rad.
 #[inline(always)]
-#[must_use]
 pub fn sin_cos<V: Lane>(x: V) -> (V, V) {
     let c = |value: f64| x.splat(value);
     let k = (x * c(std::f64::consts::FRAC_2_PI)).nearest();
@@ -52,7 +51,6 @@ pub fn sin_cos<V: Lane>(x: V) -> (V, V) {
 
 /// Sines and cosines of N numbers.
 #[inline(always)]
-#[must_use]
 pub fn sines<const N: usize, V: Lane>(x: &[V; N]) -> [(V, V); N] {
     let mut out = [(x[0], x[0]); N];
     for i in 0..N {
@@ -63,7 +61,6 @@ pub fn sines<const N: usize, V: Lane>(x: &[V; N]) -> [(V, V); N] {
 
 /// Hyperbolic tangent, within 4e-16; exactly ±1 beyond ±20.
 #[inline(always)]
-#[must_use]
 pub fn tanh<V: Lane>(x: V) -> V {
     let c = |value: f64| x.splat(value);
     // In this order NaN stays NaN.
@@ -81,7 +78,6 @@ pub fn tanh<V: Lane>(x: V) -> V {
 
 /// `eˣ`, within 4 units in the last place for |x| < 690; beyond, as at ±690.
 #[inline(always)]
-#[must_use]
 pub fn exp<V: Lane>(x: V) -> V {
     let c = |value: f64| x.splat(value);
     // In this order NaN stays NaN.

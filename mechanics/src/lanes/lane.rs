@@ -35,7 +35,6 @@ pub trait Lane: Copy + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Se
     fn power_of_two(self) -> Self;
 
     /// A function of single numbers, lane by lane.
-    #[must_use]
     fn each<const K: usize>(x: [Self; K], f: impl FnMut([f64; K]) -> f64) -> Self;
 }
 

@@ -19,7 +19,6 @@ pub struct Wide<S: Simd> {
 impl<S: Simd> Wide<S> {
     /// These numbers.
     #[inline(always)]
-    #[must_use]
     pub fn new(simd: S, x: S::f64s) -> Self {
         Self { simd, x }
     }

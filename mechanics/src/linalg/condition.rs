@@ -3,10 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::reflection::norm;
-use super::triangular_factor;
+use super::triangular::triangular_factor;
 
 /// Singular values of A (m × n), largest first, through its triangular factor.
-#[must_use]
 pub fn singular_values(a: &DMatrix<f64>) -> DVector<f64> {
     let mut values = triangular_factor(a).svd(false, false).singular_values;
     values.as_mut_slice().sort_by(|x, y| y.total_cmp(x));
@@ -24,7 +23,6 @@ pub fn singular_values(a: &DMatrix<f64>) -> DVector<f64> {
 /// assert!((condition(&a) - 6.0).abs() < 1e-14);
 /// assert!((condition_scaled(&a) - 1.0).abs() < 1e-14);
 /// ```
-#[must_use]
 pub fn condition(a: &DMatrix<f64>) -> f64 {
     if a.ncols() == 0 {
         return 1.0;
@@ -37,13 +35,11 @@ pub fn condition(a: &DMatrix<f64>) -> f64 {
 }
 
 /// Condition number of A with each column scaled to unit length, which does not depend on the parameters' units.
-#[must_use]
 pub fn condition_scaled(a: &DMatrix<f64>) -> f64 {
     condition(&normalised_columns(a).0)
 }
 
 /// A with each column divided by its length, and the lengths (n); a zero column stays as it is.
-#[must_use]
 pub fn normalised_columns(a: &DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     let mut scaled = a.clone();
     let mut lengths = DVector::zeros(a.ncols());

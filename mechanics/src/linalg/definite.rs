@@ -16,7 +16,6 @@ use super::product::product;
 /// assert!((inverse - dmatrix![5.0, -2.0; -2.0, 4.0] / 16.0).amax() < 1e-15);
 /// assert!(definite_inverse(dmatrix![1.0, 2.0; 2.0, 1.0]).is_none());
 /// ```
-#[must_use]
 pub fn definite_inverse(a: DMatrix<f64>) -> Option<DMatrix<f64>> {
     let n = a.nrows();
     let factor = Cholesky::new(a)?.unpack();

@@ -27,7 +27,6 @@ pub struct Gram {
 
 impl Gram {
     /// No rows yet, for b columns.
-    #[must_use]
     pub fn new(columns: usize) -> Self {
         Self { upper: DMatrix::zeros(columns, columns), moment: DVector::zeros(columns), energy: 0.0, rows: 0 }
     }

@@ -2,10 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use super::RankTolerance;
 use super::condition::normalised_columns;
-use super::dot;
+use super::dot::dot;
 use super::reflection::{Reflection, norm};
+use super::tolerance::RankTolerance;
 
 /// QR that walks the columns of A from left to right and keeps a column if and only if it is independent of those kept
 /// before it; the others are combinations of the kept ones.
@@ -41,7 +41,6 @@ pub struct LeftToRight {
 
 impl LeftToRight {
     /// Factors A (m × n). `2 m n b + n b²` operations.
-    #[must_use]
     pub fn new(a: &DMatrix<f64>, tolerance: RankTolerance) -> Self {
         let (scaled, lengths) = normalised_columns(a);
         let longest = lengths.iter().copied().fold(0.0, f64::max);

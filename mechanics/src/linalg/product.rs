@@ -16,7 +16,6 @@ const SUMS: usize = 8;
 ///
 /// # Panics
 /// If A has not as many columns as B has rows.
-#[must_use]
 pub fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     assert_eq!(a.ncols(), b.nrows(), "inner sizes agree");
     let mut c = DMatrix::zeros(a.nrows(), b.ncols());
@@ -28,7 +27,6 @@ pub fn product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
 ///
 /// # Panics
 /// If the matrices have not the same number of rows.
-#[must_use]
 pub fn transpose_product(a: &DMatrix<f64>, b: &DMatrix<f64>) -> DMatrix<f64> {
     assert_eq!(a.nrows(), b.nrows(), "as many rows in both");
     transposed_product(a.as_slice(), b.as_slice(), a.nrows())
@@ -42,7 +40,6 @@ pub fn add_product(a: &[f64], b: &[f64], rows: usize, c: &mut [f64]) {
 }
 
 /// `Aᵀ B` by columns of `rows` entries.
-#[must_use]
 pub fn transposed_product(a: &[f64], b: &[f64], rows: usize) -> DMatrix<f64> {
     let columns = |of: &[f64]| of.len().checked_div(rows).unwrap_or(0);
     let (m, n) = (columns(a), columns(b));

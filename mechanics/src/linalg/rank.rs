@@ -2,9 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::RankTolerance;
 use super::condition::normalised_columns;
 use super::reflection::{Reflection, norm};
+use super::tolerance::RankTolerance;
 
 /// Householder QR with column pivoting of A, its columns scaled to unit length: the column with the longest residual
 /// comes next.
@@ -33,7 +33,6 @@ pub struct RankRevealingQr {
 
 impl RankRevealingQr {
     /// Factors A (m × n). `4 m n²` operations.
-    #[must_use]
     pub fn new(a: &DMatrix<f64>, tolerance: RankTolerance) -> Self {
         let (scaled, lengths) = normalised_columns(a);
         let longest = lengths.iter().copied().fold(0.0, f64::max);

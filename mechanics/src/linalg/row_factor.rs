@@ -48,7 +48,6 @@ pub struct RowFactor {
 
 impl RowFactor {
     /// No rows yet, for rows of `columns` numbers.
-    #[must_use]
     pub fn new(columns: usize) -> Self {
         let stride = columns.next_multiple_of(VECTOR);
         let block = vec![0.0; BLOCK * stride + VECTOR];
@@ -76,7 +75,6 @@ impl RowFactor {
     }
 
     /// R, columns × columns. Fewer rows than columns leave zeros below.
-    #[must_use]
     pub fn finish(mut self) -> DMatrix<f64> {
         self.absorb();
         let b = self.columns;

@@ -8,7 +8,6 @@ use super::reflection::{Reflection, norm};
 ///
 /// R has the singular values and the linear dependencies of A, so anything that needs only those may work on R. No
 /// column is exchanged. Householder reflections, `2 m n²` operations; the signs of R's rows are not normalised.
-#[must_use]
 pub fn triangular_factor(a: &DMatrix<f64>) -> DMatrix<f64> {
     let (m, n) = a.shape();
     let mut columns: Vec<Vec<f64>> = a.column_iter().map(|c| c.iter().copied().collect()).collect();
@@ -32,7 +31,6 @@ pub fn triangular_factor(a: &DMatrix<f64>) -> DMatrix<f64> {
 /// use nalgebra::{dmatrix, dvector};
 /// assert_eq!(solve_upper(&dmatrix![2.0, 1.0; 0.0, 4.0], &dvector![5.0, 4.0]), dvector![2.0, 1.0]);
 /// ```
-#[must_use]
 pub fn solve_upper(r: &DMatrix<f64>, b: &DVector<f64>) -> DVector<f64> {
     let mut x = b.clone();
     for i in (0..b.len()).rev() {

@@ -35,7 +35,6 @@ static ROBOTS: [BundledRobot; 4] =
 ///     assert_eq!(parse_robot(entry.robot).unwrap().name(), entry.name);
 /// }
 /// ```
-#[must_use]
 pub fn bundled() -> &'static [BundledRobot] {
     &ROBOTS
 }

@@ -2,8 +2,10 @@
 
 use std::fmt;
 
+use super::columns_error::ColumnsError;
+use super::parameter_id::{ParameterId, ParameterKind};
+use super::robot::Robot;
 use super::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, ShapeParameter, Term, VISCOUS};
-use super::{ColumnsError, ParameterId, ParameterKind, Robot};
 
 /// Terms of one model at most.
 pub const MOST_TERMS: usize = 24;
@@ -103,13 +105,11 @@ impl Columns {
     }
 
     /// The choice with this name, of the terms in the list.
-    #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         Self::parse_among(name, Term::ALL)
     }
 
     /// The choice with this name, of these terms.
-    #[must_use]
     pub fn parse_among(name: &str, known: &[Term]) -> Option<Self> {
         let mut words = name.split('+').map(str::trim);
         if words.next()? != RIGID {
@@ -165,7 +165,6 @@ impl Columns {
     }
 
     /// The words that [`Columns::parse`] reads beside `rigid`, of terms that motion and torque are enough to estimate.
-    #[must_use]
     pub fn words() -> Vec<&'static str> {
         let mut words = vec![FRICTION];
         for term in Term::ALL.iter().filter(|term| term.entry().needs.is_estimable()) {

@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::MotorCircuit;
+use super::motor_circuit::MotorCircuit;
 use super::term::{Scale, ShapeParameter, Shapes, Term};
 
 /// One drive. Everything here is either on a data sheet or measured by an experiment of its own; where it is neither,
@@ -44,7 +44,6 @@ pub struct Drive {
 
 impl Drive {
     /// An ideal drive: 1 N·m of joint torque per ampere, no noise, no quantisation, plain sign. For closed forms.
-    #[must_use]
     pub const fn ideal() -> Self {
         Self {
             gear: 1.0,

@@ -13,7 +13,6 @@
 /// assert!(smooth_sign(0.05, 0.01) > 0.9999);
 /// ```
 #[inline]
-#[must_use]
 pub fn smooth_sign(v: f64, v_s: f64) -> f64 {
     if v_s > 0.0 {
         let x = v / v_s;

@@ -59,7 +59,6 @@ pub struct Hull {
 
 impl Hull {
     /// A body around finite points (m); `None` of none.
-    #[must_use]
     pub fn around(points: &[Vector3<f64>]) -> Option<Self> {
         let mut points = points.to_vec();
         points.sort_by(|a, b| a.x.total_cmp(&b.x).then(a.y.total_cmp(&b.y)).then(a.z.total_cmp(&b.z)));
@@ -90,7 +89,6 @@ impl Hull {
     /// ```text
     /// margin = radius (1 − cos(π / sides))
     /// ```
-    #[must_use]
     pub fn cylinder(placement: &Placement, radius: f64, half_length: f64) -> Self {
         let margin = |sides: usize| radius * (1.0 - libm::cos(std::f64::consts::PI / sides as f64));
         let sides = (SIDES.0..SIDES.1).find(|&sides| margin(sides) <= HULL_TOLERANCE).unwrap_or(SIDES.1);
@@ -187,7 +185,6 @@ pub struct PointHull(Vec<Vector>);
 
 impl PointHull {
     /// The hull of `points`, m.
-    #[must_use]
     pub fn new(points: &[Vector3<f64>]) -> Self {
         Self(points.iter().map(|p| Vector::new(p.x, p.y, p.z)).collect())
     }

@@ -1,6 +1,6 @@
 //! One joint: what it moves along, where it stands, and how far, how fast and how hard it may go.
 
-use super::Drive;
+use super::drive::Drive;
 use crate::spatial::{Force, Motion, Placement};
 use nalgebra::Vector3;
 
@@ -169,7 +169,6 @@ impl Joint {
 
 /// Sine and cosine of an angle in degrees, exact at multiples of 90: a DH table's right angles stay right, so that
 /// columns that vanish by geometry vanish to the last bit.
-#[must_use]
 pub fn exact_sincos(degrees: f64) -> (f64, f64) {
     let quarter = degrees / 90.0;
     if quarter.fract() == 0.0 && quarter.abs() < 1e9 {

@@ -40,7 +40,7 @@ impl MotorCircuit {
 
     /// Voltage at the terminals, V, for a current (A), its slope (A/s) and the speed of the shaft (rad/s).
     pub fn voltage(&self, current: f64, slope: f64, speed: f64) -> f64 {
-        let brushes = self.brush_drop * super::smooth_sign(current, Self::BRUSH_CURRENT);
+        let brushes = self.brush_drop * super::friction::smooth_sign(current, Self::BRUSH_CURRENT);
         self.resistance * current + self.inductance * slope + self.back_emf * speed + brushes
     }
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::JointKind;
+use super::joint::JointKind;
 use super::term::Term;
 
 /// Which quantity a parameter is.
@@ -87,7 +87,6 @@ impl ParameterId {
     /// assert_eq!(ParameterId::parse("Iyy1").map(|id| id.index), Some(0));
     /// assert_eq!(ParameterId::parse("Iyy0"), None);
     /// ```
-    #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         let symbol = name.trim_end_matches(|c: char| c.is_ascii_digit());
         let number: usize = name[symbol.len()..].parse().ok()?;

@@ -9,8 +9,10 @@
 use std::fmt;
 use std::ops::{Index, IndexMut};
 
+use super::columns::Columns;
+use super::parameter_id::{ParameterId, ParameterKind};
+use super::robot::Robot;
 use super::term::Term;
-use super::{Columns, ParameterId, ParameterKind, Robot};
 use crate::spatial::Inertia;
 
 /// The coefficients of the torque terms of one joint or motor. One that was never set is zero.
@@ -31,7 +33,6 @@ pub struct DriveParameters {
 
 impl DriveParameters {
     /// These coefficients, all others zero.
-    #[must_use]
     pub fn of(values: &[(Term, f64)]) -> Self {
         let mut drive = Self::default();
         for &(term, value) in values {
@@ -96,7 +97,6 @@ pub struct StandardParameters {
 
 impl StandardParameters {
     /// All zero, for a robot of `dof` joints.
-    #[must_use]
     pub fn zero(dof: usize) -> Self {
         Self { links: vec![Inertia::zero(); dof], drives: vec![DriveParameters::default(); dof] }
     }
@@ -139,7 +139,6 @@ impl StandardParameters {
     ///
     /// # Panics
     /// If the vector's length is not the number of columns.
-    #[must_use]
     pub fn from_vector(robot: &Robot, columns: Columns, phi: &[f64]) -> Self {
         let ids = columns.parameters(robot);
         assert_eq!(ids.len(), phi.len(), "one value per column");

@@ -13,7 +13,6 @@ const WITH_PARABOLAS: usize = 30;
 /// `WITH_PARABOLAS` evaluations golden sections follow, two of which take away 30 % of the interval at least. A
 /// tolerance below the spacing of numbers there counts as that spacing; with an end or a tolerance that is NaN the start
 /// is returned.
-#[must_use]
 pub fn climb(
     mut value: impl FnMut(f64) -> f64,
     from: (f64, f64),

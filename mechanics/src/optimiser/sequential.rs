@@ -101,7 +101,6 @@ const SUFFICIENT: f64 = 1e-4;
 
 impl Sequential {
     /// Starts at `x`, which the linear limits allow.
-    #[must_use]
     pub fn new(
         x: Vec<f64>,
         objective: &mut dyn Objective,

@@ -1,13 +1,11 @@
 //! Sums over slices in a fixed order, so that their last bit depends on nothing but the numbers.
 
 /// Scalar product `Σ x y` in a fixed order.
-#[must_use]
 pub fn dot(x: &[f64], y: &[f64]) -> f64 {
     sum(x, y, |x, y| x * y)
 }
 
 /// `Σ y x²` in a fixed order.
-#[must_use]
 pub fn square(x: &[f64], y: &[f64]) -> f64 {
     sum(x, y, |x, y| x * x * y)
 }

@@ -66,7 +66,6 @@ impl Weights {
 impl<V: Lane> BodyRegressor<V> {
     /// For bodies with spatial velocity `v` and acceleration `a`, each in its own frame.
     #[inline(always)]
-    #[must_use]
     pub fn of(v: &LaneMotion<V>, a: &LaneMotion<V>) -> Self {
         let ([x, y, z], [dx, dy, dz]) = (v.ang, a.ang);
         let (xx, yy, zz) = (x * x, y * y, z * z);
@@ -132,7 +131,6 @@ impl<V: Lane> BodyRegressor<V> {
 impl BodyRegressor {
     /// For a body with spatial velocity `v` and acceleration `a`, in its own frame.
     #[inline]
-    #[must_use]
     pub fn new(v: &Motion, a: &Motion) -> Self {
         Self::of(&v.into(), &a.into())
     }

@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::BodyRegressor;
+use super::body::BodyRegressor;
 use crate::dynamics::{LinkPose, TermState, TorqueTerms};
 use crate::lanes::{Lane, sines_and_cosines};
 use crate::model::{Columns, ColumnsError, ParameterId, Robot, StandardParameters};
@@ -64,7 +64,6 @@ impl JointTorqueRegressor {
     ///
     /// # Panics
     /// If the parameters are not those of as many links as the robot has.
-    #[must_use]
     pub fn with_load(robot: &Robot, columns: Columns, parameters: &StandardParameters) -> Self {
         assert_eq!(parameters.links.len(), robot.dof(), "parameters of one link for each joint");
         let mut regressor = Self::without_load(robot, columns);

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::JointTorqueRegressor;
+use super::joint_torque::JointTorqueRegressor;
 use crate::spatial::Motion;
 
 /// A prescribed state of motion of the base, everything in the frame of the base.
@@ -22,7 +22,6 @@ pub struct BaseState {
 
 impl BaseState {
     /// A base at rest under this gravity, m/s².
-    #[must_use]
     pub fn at_rest(gravity: Vector3<f64>) -> Self {
         Self { velocity: Motion::zero(), acceleration: Motion::zero(), gravity }
     }

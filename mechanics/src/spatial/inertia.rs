@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector3};
 
-use super::{Force, Motion};
+use super::vectors::{Force, Motion};
 
 /// Inertia of one body about the origin of its frame: mass, first moment, rotational inertia.
 ///
@@ -37,20 +37,17 @@ pub enum InertiaError {
 
 impl Inertia {
     /// No body at all.
-    #[must_use]
     pub fn zero() -> Self {
         Self { mass: 0.0, first_moment: Vector3::zeros(), rotational: Matrix3::zeros() }
     }
 
     /// From mass, centre of mass and inertia about the centre of mass (Steiner): `I = I_c + m (cᵀc 1 − c cᵀ)`.
-    #[must_use]
     pub fn from_com(mass: f64, com: Vector3<f64>, about_com: Matrix3<f64>) -> Self {
         let steiner = (Matrix3::from_diagonal_element(com.norm_squared()) - com * com.transpose()) * mass;
         Self { mass, first_moment: com * mass, rotational: about_com + steiner }
     }
 
     /// From mass (kg), centre of mass (m), and one radius of gyration (m) about every axis through it, as of a ball.
-    #[must_use]
     pub fn with_gyration(mass: f64, com: [f64; 3], radius: f64) -> Self {
         Self::from_com(mass, Vector3::from(com), Matrix3::from_diagonal_element(mass * radius * radius))
     }
@@ -63,7 +60,6 @@ impl Inertia {
     /// let body = Inertia::with_moments(2.0, [0.0, 0.0, 0.5], [0.01, 0.02, 0.03, 0.001, 0.0, 0.0]);
     /// assert_eq!(body.to_array(), [2.0, 0.0, 0.0, 1.0, 0.51, 0.001, 0.0, 0.52, 0.0, 0.03]);
     /// ```
-    #[must_use]
     pub fn with_moments(mass: f64, com: [f64; 3], [xx, yy, zz, xy, xz, yz]: [f64; 6]) -> Self {
         Self::from_com(mass, Vector3::from(com), Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz))
     }
@@ -75,7 +71,6 @@ impl Inertia {
     }
 
     /// From the ten in the order of `NOTATION.md`.
-    #[must_use]
     pub fn from_array(p: &[f64; 10]) -> Self {
         Self {
             mass: p[0],

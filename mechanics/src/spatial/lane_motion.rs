@@ -1,6 +1,6 @@
 //! Motions and placements in lanes: what [`Motion`] and [`Placement`](super::Placement) are for one sample, for several at once.
 
-use super::Motion;
+use super::vectors::Motion;
 use crate::lanes::Lane;
 
 /// A vector of each of several samples.
@@ -8,14 +8,12 @@ pub type Three<V> = [V; 3];
 
 /// `a × b`.
 #[inline(always)]
-#[must_use]
 pub fn cross<V: Lane>(a: &Three<V>, b: &Three<V>) -> Three<V> {
     [a[1] * b[2] - a[2] * b[1], a[2] * b[0] - a[0] * b[2], a[0] * b[1] - a[1] * b[0]]
 }
 
 /// `a + b`.
 #[inline(always)]
-#[must_use]
 pub fn sum<V: Lane>(a: &Three<V>, b: &Three<V>) -> Three<V> {
     [a[0] + b[0], a[1] + b[1], a[2] + b[2]]
 }
@@ -47,7 +45,6 @@ pub struct LanePlacement<V> {
 impl<V: Lane> LaneMotion<V> {
     /// One motion for all samples; `one` says how many there are.
     #[inline(always)]
-    #[must_use]
     pub fn splat(one: V, motion: &Motion) -> Self {
         let Motion { ang, lin } = motion;
         Self {

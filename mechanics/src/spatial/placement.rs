@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{Force, Motion};
+use super::vectors::{Force, Motion};
 
 /// The pose of a child frame in its parent: `x_parent = R x_child + p`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,37 +34,31 @@ impl Placement {
     }
 
     /// The child stands on its parent.
-    #[must_use]
     pub fn identity() -> Self {
         Self { rotation: Matrix3::identity(), translation: Vector3::zeros() }
     }
 
     /// From a rotation matrix and an origin.
-    #[must_use]
     pub const fn new(rotation: Matrix3<f64>, translation: Vector3<f64>) -> Self {
         Self { rotation, translation }
     }
 
     /// A translation by `(x, y, z)` m.
-    #[must_use]
     pub fn translation(x: f64, y: f64, z: f64) -> Self {
         Self { rotation: Matrix3::identity(), translation: Vector3::new(x, y, z) }
     }
 
     /// A rotation about x by an angle whose sine and cosine are given, so that right angles can be exact.
-    #[must_use]
     pub fn rotation_x(sin: f64, cos: f64) -> Self {
         Self { rotation: Matrix3::new(1.0, 0.0, 0.0, 0.0, cos, -sin, 0.0, sin, cos), translation: Vector3::zeros() }
     }
 
     /// A rotation about y by an angle whose sine and cosine are given.
-    #[must_use]
     pub fn rotation_y(sin: f64, cos: f64) -> Self {
         Self { rotation: Matrix3::new(cos, 0.0, sin, 0.0, 1.0, 0.0, -sin, 0.0, cos), translation: Vector3::zeros() }
     }
 
     /// A rotation about z by an angle whose sine and cosine are given.
-    #[must_use]
     pub fn rotation_z(sin: f64, cos: f64) -> Self {
         Self { rotation: Matrix3::new(cos, -sin, 0.0, sin, cos, 0.0, 0.0, 0.0, 1.0), translation: Vector3::zeros() }
     }

@@ -26,13 +26,11 @@ macro_rules! six_vector {
     ($name:ident) => {
         impl $name {
             /// Six zeros.
-            #[must_use]
             pub fn zero() -> Self {
                 Self { ang: Vector3::zeros(), lin: Vector3::zeros() }
             }
 
             /// From the angular and the linear part.
-            #[must_use]
             pub const fn new(ang: Vector3<f64>, lin: Vector3<f64>) -> Self {
                 Self { ang, lin }
             }

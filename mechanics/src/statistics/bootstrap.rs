@@ -2,7 +2,8 @@
 
 use rand::RngExt;
 
-use super::{Interval, quantile};
+use super::interval::Interval;
+use super::sample::quantile;
 use crate::seed::{Seed, Stream};
 
 /// Draws of the two-layer bootstrap: designs are drawn with replacement, then runs within each design drawn (A. C. Davison
@@ -16,7 +17,6 @@ pub struct TwoLayerDraws<'a> {
 
 impl<'a> TwoLayerDraws<'a> {
     /// `sizes` holds the number of runs of each design, one entry per design and one list per criterion.
-    #[must_use]
     pub fn new(sizes: &'a [&'a [usize]], seed: Seed) -> Self {
         Self { rng: seed.stream("bootstrap", 0), sizes }
     }
@@ -36,7 +36,6 @@ impl<'a> TwoLayerDraws<'a> {
 
 /// The interval between the percentiles of the statistic's values on `resamples` draws; `None` where more than half of them
 /// were undefined and left out.
-#[must_use]
 pub fn percentile_interval(values: &[f64], resamples: usize, level: f64) -> Option<Interval> {
     if 2 * values.len() < resamples {
         return None;

@@ -16,7 +16,6 @@ const ROUNDING: f64 = 1e-17;
 /// use armid::statistics::chi_squared_quantile;
 /// assert!((chi_squared_quantile(0.95, 10.0) - 18.307_038_053_275).abs() < 1e-11);
 /// ```
-#[must_use]
 pub fn chi_squared_quantile(p: f64, freedom: f64) -> f64 {
     if !((0.0..1.0).contains(&p) && freedom > 0.0 && freedom.is_finite()) {
         return f64::NAN;

@@ -7,7 +7,10 @@
 //! ```
 //! B. L. Welch, *Biometrika* 34 (1947), 28–35; S. Holm, *Scandinavian Journal of Statistics* 6 (1979), 65–70.
 
-use super::{Interval, f_tail, mean, student_quantile, variance};
+use super::distribution::student_quantile;
+use super::f_distribution::f_tail;
+use super::interval::Interval;
+use super::sample::{mean, variance};
 
 /// The difference of two means, how sure it is, and how surprising it would be where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -31,7 +34,6 @@ pub struct MeanDifference {
 /// // With one degree of freedom T is Cauchy's: P(|T| ≥ 1) = 1/2.
 /// assert!((student_p_value(-1.0, 1.0) - 0.5).abs() < 1e-14);
 /// ```
-#[must_use]
 pub fn student_p_value(t: f64, freedom: f64) -> f64 {
     // t² is the F of one and ν degrees of freedom.
     f_tail(t * t, 1.0, freedom)
@@ -47,7 +49,6 @@ pub fn student_p_value(t: f64, freedom: f64) -> f64 {
 /// // s/√n = 1, t = 2 with one degree of freedom: p = 1 − (2/π) arctan 2.
 /// assert!((found.p - (1.0 - 2.0_f64.atan() / std::f64::consts::FRAC_PI_2)).abs() < 1e-13);
 /// ```
-#[must_use]
 pub fn paired_difference(differences: &[f64], level: f64) -> Option<MeanDifference> {
     let n = differences.len();
     if n < 2 {
@@ -59,7 +60,6 @@ pub fn paired_difference(differences: &[f64], level: f64) -> Option<MeanDifferen
 
 /// Difference of the means of two independent samples whose variances may differ, first less second, with Welch's interval at confidence
 /// `level`; `None` where either has fewer than two values, or one is no finite number.
-#[must_use]
 pub fn welch_difference(first: &[f64], second: &[f64], level: f64) -> Option<MeanDifference> {
     if first.len() < 2 || second.len() < 2 {
         return None;
@@ -96,7 +96,6 @@ fn mean_difference(difference: f64, squared_error: f64, freedom: f64, level: f64
 /// use armid::statistics::holm_adjusted;
 /// assert_eq!(holm_adjusted(&[0.5, 0.25, 0.125]), [0.5, 0.5, 0.375]);
 /// ```
-#[must_use]
 pub fn holm_adjusted(p: &[f64]) -> Vec<f64> {
     let mut order: Vec<usize> = (0..p.len()).collect();
     order.sort_by(|&a, &b| p[a].total_cmp(&p[b]));

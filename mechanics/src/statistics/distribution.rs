@@ -34,7 +34,6 @@ fn rise(mut x: f64, step: impl Fn(f64) -> f64) -> f64 {
 /// assert!((normal_quantile(0.975) - 1.959_963_984_540_054).abs() < 1e-15);
 /// assert_eq!(normal_quantile(0.1), -normal_quantile(0.9));
 /// ```
-#[must_use]
 pub fn normal_quantile(p: f64) -> f64 {
     if p < 0.5 {
         return -normal_quantile(1.0 - p);
@@ -64,7 +63,6 @@ pub fn normal_quantile(p: f64) -> f64 {
 /// assert!((student_quantile(0.975, 10.0) - 2.228_138_851_986).abs() < 1e-12);
 /// assert!((student_quantile(0.975, f64::INFINITY) - 1.959_963_984_540).abs() < 1e-12);
 /// ```
-#[must_use]
 pub fn student_quantile(p: f64, freedom: f64) -> f64 {
     if p < 0.5 {
         return -student_quantile(1.0 - p, freedom);

@@ -24,7 +24,6 @@ const MANY: f64 = 1e7;
 /// // With 2 and 2 degrees of freedom the tail is 1/(1 + F).
 /// assert!((f_tail(3.0, 2.0, 2.0) - 0.25).abs() < 1e-15);
 /// ```
-#[must_use]
 pub fn f_tail(f: f64, first: f64, second: f64) -> f64 {
     let is_sound = first > 0.0 && second > 0.0 && first.is_finite();
     if f.is_nan() || !is_sound {

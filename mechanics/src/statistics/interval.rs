@@ -1,6 +1,7 @@
 //! Intervals at a stated confidence.
 
-use super::{mean, normal_quantile, student_quantile, variance};
+use super::distribution::{normal_quantile, student_quantile};
+use super::sample::{mean, variance};
 
 /// A two-sided interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -19,7 +20,6 @@ impl Interval {
 }
 
 /// Interval for the mean of independent values by Student's t at confidence `level`; `None` of fewer than two.
-#[must_use]
 pub fn t_interval(values: &[f64], level: f64) -> Option<Interval> {
     let n = values.len();
     if n < 2 {
@@ -31,14 +31,12 @@ pub fn t_interval(values: &[f64], level: f64) -> Option<Interval> {
 }
 
 /// Wilson's score interval for a proportion of `hits` in `trials` at confidence `level` (E. B. Wilson, JASA 22, 1927).
-#[must_use]
 pub fn wilson_interval(hits: usize, trials: usize, level: f64) -> Option<Interval> {
     share_interval(hits as f64 / trials.max(1) as f64, trials, level)
 }
 
 /// Wilson's score interval for a share `p` of `trials`, which need not be a whole number of them: trials that are all alike
 /// within groups count as one for each group.
-#[must_use]
 pub fn share_interval(p: f64, trials: usize, level: f64) -> Option<Interval> {
     if trials == 0 {
         return None;

@@ -1,12 +1,13 @@
 //! Correlation of ranks.
 
-use super::{Interval, mean, normal_quantile};
+use super::distribution::normal_quantile;
+use super::interval::Interval;
+use super::sample::mean;
 
 /// Fewest pairs of which a rank correlation has an interval.
 const FEWEST: usize = 4;
 
 /// Spearman's rank correlation of paired values, ties sharing their mean rank; `None` where either side is constant.
-#[must_use]
 pub fn rank_correlation(x: &[f64], y: &[f64]) -> Option<f64> {
     let (rx, ry) = (ranks(x), ranks(y));
     let (mx, my) = (mean(&rx), mean(&ry));
@@ -34,7 +35,6 @@ pub fn rank_correlation(x: &[f64], y: &[f64]) -> Option<f64> {
 /// let interval = rank_correlation_interval(0.5, 53, 0.95).unwrap();
 /// assert!((interval.low - 0.2499).abs() < 1e-4 && (interval.high - 0.6876).abs() < 1e-3);
 /// ```
-#[must_use]
 pub fn rank_correlation_interval(rho: f64, n: usize, level: f64) -> Option<Interval> {
     let is_inside = rho.abs() < 1.0;
     if n < FEWEST || !is_inside {

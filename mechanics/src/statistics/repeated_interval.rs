@@ -15,7 +15,9 @@
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, PI};
 
-use super::{Interval, mean, normal_quantile, student_quantile, variance};
+use super::distribution::{normal_quantile, student_quantile};
+use super::interval::Interval;
+use super::sample::{mean, variance};
 
 /// How the error is spent over the looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -70,7 +72,6 @@ impl ErrorSpending {
 }
 
 /// The interval at a look whose bound is `bound`; `None` of fewer than two values, or where it is infinite.
-#[must_use]
 pub fn repeated_interval(values: &[f64], bound: f64) -> Option<Interval> {
     let n = values.len();
     if n < 2 {

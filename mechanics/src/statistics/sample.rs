@@ -1,13 +1,11 @@
 //! What describes a sample: mean, variance, quantiles.
 
 /// Arithmetic mean; 0 of nothing.
-#[must_use]
 pub fn mean(values: &[f64]) -> f64 {
     if values.is_empty() { 0.0 } else { values.iter().sum::<f64>() / values.len() as f64 }
 }
 
 /// Unbiased sample variance, with n − 1; 0 of fewer than two values.
-#[must_use]
 pub fn variance(values: &[f64]) -> f64 {
     if values.len() < 2 {
         return 0.0;
@@ -17,14 +15,12 @@ pub fn variance(values: &[f64]) -> f64 {
 }
 
 /// Root of the mean square; 0 of nothing.
-#[must_use]
 pub fn root_mean_square(values: &[f64]) -> f64 {
     if values.is_empty() { 0.0 } else { (values.iter().map(|v| v * v).sum::<f64>() / values.len() as f64).sqrt() }
 }
 
 /// The `p` quantile by linear interpolation between order statistics (Hyndman & Fan 1996, definition 7); `None` of
 /// nothing.
-#[must_use]
 pub fn quantile(values: &[f64], p: f64) -> Option<f64> {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
@@ -56,7 +52,6 @@ pub struct Spread {
 
 impl Spread {
     /// The five numbers of a sample; `None` of nothing.
-    #[must_use]
     pub fn of(values: &[f64]) -> Option<Self> {
         let mut sorted = values.to_vec();
         sorted.sort_by(f64::total_cmp);

@@ -36,7 +36,6 @@ impl CustomTrajectory {
     ///
     /// Its serialised form is a table of names, numbers and lists of them, as TOML has it, and should have a key `family`
     /// with a name of its own.
-    #[must_use]
     pub fn new<M: PeriodicMotion + Clone + fmt::Debug + Serialize + 'static>(motion: M) -> Self {
         Self(Box::new(motion))
     }

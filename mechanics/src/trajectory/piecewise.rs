@@ -30,7 +30,6 @@ pub struct PiecewisePolynomial {
 
 impl PiecewisePolynomial {
     /// Pieces of equal length.
-    #[must_use]
     pub fn uniform(pieces: Vec<Vec<f64>>) -> Self {
         let count = pieces.len();
         Self { knots: (0..=count).map(|k| TAU * k as f64 / count as f64).collect(), pieces }

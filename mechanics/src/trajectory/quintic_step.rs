@@ -32,7 +32,6 @@ pub struct QuinticStep {
 
 impl QuinticStep {
     /// At `u`, taken as 0 below 0 and as 1 above 1.
-    #[must_use]
     pub fn at(u: f64) -> Self {
         let u = u.clamp(0.0, 1.0);
         let cube = u * u * u;

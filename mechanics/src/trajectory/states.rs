@@ -27,13 +27,11 @@ pub struct States {
 
 impl States {
     /// No samples of `dof` joints.
-    #[must_use]
     pub const fn new(dof: usize) -> Self {
         Self { dof, q: Vec::new(), qd: Vec::new(), qdd: Vec::new() }
     }
 
     /// `len` samples of `dof` joints, all zero.
-    #[must_use]
     pub fn with_len(dof: usize, len: usize) -> Self {
         let zeros = vec![0.0; dof * len];
         Self { dof, q: zeros.clone(), qd: zeros.clone(), qdd: zeros }

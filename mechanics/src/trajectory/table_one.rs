@@ -12,7 +12,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{FourierJoint, FourierTrajectory};
+use super::fourier::{FourierJoint, FourierTrajectory};
 
 /// Velocity amplitudes a of joints 1 to 6, rad/s, harmonics 1 to 5.
 const A: [[f64; 5]; 6] = [
@@ -41,7 +41,6 @@ const Q0: [f64; 6] = [0.0, 1.813, -1.184, 0.087, -0.415, 0.124];
 const PERIOD_S: f64 = 10.0;
 
 /// Table I as it is printed, in the angles it is printed in.
-#[must_use]
 pub fn printed() -> FourierTrajectory {
     let joints =
         (0..6).map(|i| FourierJoint { name: format!("joint{}", i + 1), a: A[i].to_vec(), b: B[i].to_vec(), q0: Q0[i] });
@@ -49,7 +48,6 @@ pub fn printed() -> FourierTrajectory {
 }
 
 /// Table I with b5 of joint 1 as −0.150 and the angles counted from the arm straight up, as in the robot file.
-#[must_use]
 pub fn corrected() -> FourierTrajectory {
     let mut trajectory = printed();
     trajectory.joints[0].b[4] = -0.150;

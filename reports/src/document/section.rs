@@ -86,7 +86,6 @@ impl RenderedFigure {
 
 impl Section {
     /// A section without content.
-    #[must_use]
     pub fn new(heading: impl Into<String>) -> Self {
         Self { heading: heading.into(), blocks: Vec::new() }
     }
@@ -105,13 +104,11 @@ impl Section {
     }
 
     /// Adds a bulleted list.
-    #[must_use]
     pub fn list<I: IntoIterator<Item = S>, S: Into<String>>(self, items: I) -> Self {
         self.block(Block::List(items.into_iter().map(Into::into).collect()))
     }
 
     /// Adds a bulleted list of links, each a text and an address relative to the page.
-    #[must_use]
     pub fn links<I: IntoIterator<Item = (S, S)>, S: Into<String>>(self, links: I) -> Self {
         self.block(Block::Links(links.into_iter().map(|(text, address)| (text.into(), address.into())).collect()))
     }
@@ -133,7 +130,6 @@ impl Section {
 
 impl Document {
     /// A document without content.
-    #[must_use]
     pub fn new(title: impl Into<String>) -> Self {
         Self { title: title.into(), ..Self::default() }
     }

@@ -52,25 +52,21 @@ pub enum Cell {
 
 impl Cell {
     /// A text.
-    #[must_use]
     pub fn text(text: impl Into<String>) -> Self {
         Self::Text(text.into())
     }
 
     /// A number with `digits` significant digits.
-    #[must_use]
     pub fn number(value: f64, digits: usize) -> Self {
         Self::Number { value, digits }
     }
 
     /// A number with `decimals` digits after the point.
-    #[must_use]
     pub fn fixed(value: f64, decimals: usize) -> Self {
         Self::Fixed { value, decimals }
     }
 
     /// A count.
-    #[must_use]
     pub fn count(value: usize) -> Self {
         Self::Fixed { value: value as f64, decimals: 0 }
     }
@@ -123,7 +119,6 @@ impl Column {
     /// use armid_reports::document::Column;
     /// assert_eq!(Column::list("joint | #torque [N·m]"), [Column::text("joint"), Column::number("torque", "N·m")]);
     /// ```
-    #[must_use]
     pub fn list(headings: &str) -> Vec<Self> {
         let column = |heading: &str| match heading.strip_prefix('#') {
             None => Self::text(heading),
@@ -136,13 +131,11 @@ impl Column {
     }
 
     /// A column of texts.
-    #[must_use]
     pub fn text(label: impl Into<String>) -> Self {
         Self { label: label.into(), unit: String::new(), numeric: false }
     }
 
     /// A column of numbers.
-    #[must_use]
     pub fn number(label: impl Into<String>, unit: impl Into<String>) -> Self {
         Self { label: label.into(), unit: unit.into(), numeric: true }
     }
@@ -153,7 +146,6 @@ impl Table {
     pub const FOLDED_FROM: usize = 25;
 
     /// A table without rows.
-    #[must_use]
     pub fn new(caption: impl Into<String>, columns: Vec<Column>) -> Self {
         Self { caption: caption.into(), columns, rows: Vec::new() }
     }

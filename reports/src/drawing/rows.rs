@@ -24,7 +24,6 @@ pub struct Band {
 
 impl Band {
     /// The range from `low` to `high`.
-    #[must_use]
     pub fn new(low: f64, high: f64, label: impl Into<String>) -> Self {
         Self { low, high, label: label.into() }
     }
@@ -41,7 +40,6 @@ pub struct Level {
 
 impl Level {
     /// A level at `value`.
-    #[must_use]
     pub fn new(value: f64, label: impl Into<String>) -> Self {
         Self { value, label: label.into() }
     }

@@ -63,7 +63,6 @@ pub struct Bar {
 
 impl Bar {
     /// A bar from zero to `value`.
-    #[must_use]
     pub fn new(value: f64) -> Self {
         Self { value, interval: None }
     }

@@ -64,7 +64,6 @@ pub struct Distribution {
 
 impl Distribution {
     /// A box without points.
-    #[must_use]
     pub fn of(quantiles: Quantiles) -> Self {
         Self { quantiles: Some(quantiles), points: Vec::new() }
     }

@@ -63,7 +63,6 @@ pub struct Curve {
 
 impl Curve {
     /// A start of group `label`.
-    #[must_use]
     pub fn new(label: impl Into<String>, style: GroupStyle, points: Vec<(f64, f64)>) -> Self {
         Self { label: label.into(), style, points }
     }

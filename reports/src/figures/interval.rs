@@ -65,7 +65,6 @@ pub struct Interval {
 
 impl Interval {
     /// A point with its interval.
-    #[must_use]
     pub fn new(point: f64, low: f64, high: f64) -> Self {
         Self { point, low, high }
     }

@@ -82,7 +82,6 @@ pub struct ScatterPoint {
 
 impl ScatterPoint {
     /// A point without error bar.
-    #[must_use]
     pub fn new(x: f64, y: f64) -> Self {
         Self { x, y, interval: None }
     }

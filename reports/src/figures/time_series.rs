@@ -73,7 +73,6 @@ pub struct Line {
 
 impl Line {
     /// A line through `(times[k], values[k])`.
-    #[must_use]
     pub fn new(label: impl Into<String>, style: GroupStyle, times: Vec<f64>, values: Vec<f64>) -> Self {
         Self { label: label.into(), style, times, values }
     }
@@ -90,7 +89,6 @@ pub struct Limit {
 
 impl Limit {
     /// A limit at `value`.
-    #[must_use]
     pub fn new(value: f64, label: impl Into<String>) -> Self {
         Self { value, label: label.into() }
     }

@@ -12,7 +12,6 @@ const EFFECTS: usize = 5;
 /// Rows are the exact model and the five single effects that move the first criterion furthest from the reference on the first
 /// robot, by the logarithm of the ratio. On that robot every effect that is left out is closer to 1 than these, so that none
 /// of them extends the range of answers. Effects are sorted by that ratio, the largest first.
-#[must_use]
 pub fn criteria_figure(robots: &[CriterionRatios]) -> RatioFigure {
     let first = robots.first();
     let (mut criteria, mut effects): (Vec<&str>, Vec<Option<&str>>) = (Vec::new(), Vec::new());

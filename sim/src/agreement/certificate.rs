@@ -98,7 +98,6 @@ pub struct Breach {
 ///
 /// An engine that cannot simulate the robot is absent, one that breaks off has failed, each with the reason; the others
 /// are compared.
-#[must_use]
 pub fn agree(case: &Case<'_>, engines: &[Engine]) -> Agreement {
     let mut smooth = case.truth.clone();
     for drive in &mut smooth.drives {

@@ -33,7 +33,6 @@ pub enum MujocoStatus {
 
 impl MujocoStatus {
     /// Looks for the library and loads it.
-    #[must_use]
     pub fn now() -> Self {
         match Library::get() {
             Ok(library) => Self::Found { path: library.path().to_path_buf(), version: library.version() },
@@ -42,7 +41,6 @@ impl MujocoStatus {
     }
 
     /// Why the library that `ARMID_MUJOCO_LIB` names cannot be used; `None` where none is named, or where it can.
-    #[must_use]
     pub fn named_but_unusable() -> Option<MujocoError> {
         Surroundings::now().named()?;
         Library::get().err()

@@ -120,7 +120,6 @@ impl RapierPlant {
     /// The engine's own mass matrix in the present state, rotors included, n × n.
     ///
     /// The rotors are those that the plant gives to the engine; the links are assembled by the engine from its bodies.
-    #[must_use]
     pub fn mass_matrix(&mut self) -> DMatrix<f64> {
         let mass = self.engine.mass_matrix();
         match &self.rotors {

@@ -43,7 +43,6 @@ pub struct Quantity {
 
 impl Quantity {
     /// A number without an interval.
-    #[must_use]
     pub fn new(name: impl Into<String>, value: f64, samples: usize) -> Self {
         Self { name: name.into(), value, interval: None, samples }
     }

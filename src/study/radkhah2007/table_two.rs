@@ -24,7 +24,6 @@ pub struct TableTwoRow {
 }
 
 /// Table II, column by column, top to bottom.
-#[must_use]
 pub fn table_two() -> Vec<TableTwoRow> {
     use ParameterKind::{Ixx, Ixy, Ixz, Iyy, Iyz, Izz, M, Mcx, Mcy, Mcz};
     let id = |kind, link: usize| ParameterId { kind, index: link - 1 };

@@ -1,6 +1,6 @@
 //! Table II of `radkhah2007` beside the truth of the simulation and what armid estimates.
 
-use super::table_two;
+use super::table_two::table_two;
 use crate::base::BaseReduction;
 use crate::model::JointKind;
 use crate::statistics::Interval;
@@ -35,7 +35,6 @@ pub struct TableLine {
 pub(super) const MAX_LINK_MASS: f64 = 10.0;
 
 /// Puts estimates of the rigid base parameters beside Table II. `estimates` holds one β̂ per run.
-#[must_use]
 pub fn compare_with_table_two(
     base: &BaseReduction,
     expressions: &[String],

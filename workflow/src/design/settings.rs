@@ -95,7 +95,6 @@ pub struct DesignSettings {
 
 impl DesignSettings {
     /// The defaults: all limits of the robot, eight starts, a period of 10 s and five harmonics.
-    #[must_use]
     pub fn new(goal: DesignGoal) -> Self {
         Self {
             goal,

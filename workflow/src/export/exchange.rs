@@ -39,7 +39,6 @@ armid::input::named! { Exchange { Urdf: "urdf", Mjcf: "mjcf", Toml: "toml", Json
 
 impl Exchange {
     /// How files of this format end.
-    #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
             Self::Mjcf => "xml",
@@ -69,7 +68,6 @@ impl Exchange {
     }
 
     /// The file that is edited in place, of what a robot was read from.
-    #[must_use]
     pub fn template(self, loaded: &LoadedRobot) -> Option<&ChainSource> {
         match self {
             Self::Urdf => loaded.urdf.as_ref(),

@@ -202,7 +202,6 @@ pub fn export(
 
 impl ModelFile {
     /// Whether the file is what was asked for.
-    #[must_use]
     pub fn is_sound(&self) -> bool {
         self.prediction.good && self.termination.was_successful() && self.reload.is_sound()
     }

@@ -26,7 +26,6 @@ impl PredictionError {
     }
 
     /// Of what is held out, or else of the fit.
-    #[must_use]
     pub fn shown(&self) -> f64 {
         self.held_out.unwrap_or(self.fit)
     }
@@ -51,7 +50,6 @@ impl ModelPrediction {
     }
 
     /// "arm.urdf predicts this log with 8.6 % (estimate: 8.4 %; held-out part: 9.1 %)".
-    #[must_use]
     pub fn sentence(&self, name: &str) -> String {
         let held_out =
             self.file.held_out.map_or_else(String::new, |error| format!("; held-out part: {}", error_percent(error)));

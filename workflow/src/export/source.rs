@@ -98,7 +98,6 @@ pub fn export_source(
 
 impl SourceFile {
     /// Whether the operations are the model.
-    #[must_use]
     pub fn is_sound(&self) -> bool {
         self.reload.largest_relative_difference <= ROUNDING
     }

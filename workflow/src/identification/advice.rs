@@ -5,7 +5,6 @@ use armid::remedy::{Remedy, Setting};
 use armid_io::ProcessedLog;
 
 /// What to try about a suspicion: where all logs were read alike, with the mapping that does it.
-#[must_use]
 pub fn advice(suspicion: &Suspicion, log: &ProcessedLog) -> Remedy {
     let correction = suspicion.mistake.correction();
     let robot = &log.robot.robot;

@@ -50,13 +50,11 @@ pub struct Identified {
 
 impl IdentifyAnswer {
     /// Did an observer end an estimator before it was at rest?
-    #[must_use]
     pub fn was_interrupted(&self) -> bool {
         self.estimates.iter().any(|one| matches!(one.estimate.termination, Termination::Interrupted { .. }))
     }
 
     /// Did every search end as it should, and does nothing speak against the log?
-    #[must_use]
     pub fn is_sound(&self) -> bool {
         let mut used = self.onset.iter().filter(|onset| onset.predict_better()).chain(&self.speeds);
         self.estimates.iter().all(|one| one.estimate.termination.was_successful())

@@ -116,7 +116,6 @@ pub(super) fn groups(all: &[Finding]) -> Vec<Group<'_>> {
 }
 
 /// Sentences of each kind of finding, the most important kind first, and its advice.
-#[must_use]
 pub fn grouped(all: &[Finding]) -> Vec<(Vec<String>, String)> {
     groups(all).iter().map(Group::said).collect()
 }

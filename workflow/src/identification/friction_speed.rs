@@ -5,7 +5,6 @@ use armid::model::Robot;
 use serde_json::{Value, json};
 
 /// Names of the joints whose speed the data do not show.
-#[must_use]
 pub fn hidden_speeds<'a>(speeds: &FrictionSpeeds, robot: &'a Robot) -> Vec<&'a str> {
     let hidden = speeds.joints.iter().filter(|of| of.speed.is_none());
     hidden.map(|of| robot.joints()[of.joint - 1].name.as_str()).collect()

@@ -17,19 +17,7 @@ pub enum Stage {
     Runs,
 }
 
-impl Stage {
-    /// In the order in which they are performed.
-    pub const ALL: [Self; 2] = [Self::Designs, Self::Runs];
-
-    /// Its name, also of folders.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Designs => "designs",
-            Self::Runs => "runs",
-        }
-    }
-}
+armid::input::named! { Stage { Designs: "designs", Runs: "runs" } }
 
 /// Share `k` of `n`, counted from one.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -63,13 +51,11 @@ pub struct Part {
 
 impl Part {
     /// Does the work at this place of the stage's list belong to it?
-    #[must_use]
     pub fn holds(self, position: usize) -> bool {
         self.shard.is_none_or(|shard| position % shard.n == shard.k - 1)
     }
 
     /// Is it the whole study, to be summed up?
-    #[must_use]
     pub fn is_whole(self) -> bool {
         self.shard.is_none() && self.stage != Some(Stage::Designs)
     }

@@ -66,7 +66,6 @@ pub enum ClosedLoopError {
 
 impl ClosedLoopError {
     /// Whether other parameters may do: the trial point is at fault, nothing is missing.
-    #[must_use]
     pub const fn is_of_parameters(&self) -> bool {
         matches!(self, Self::MassMatrix { .. } | Self::Diverged { .. })
     }

@@ -66,7 +66,6 @@ impl ModelGuess {
     /// assert_eq!(uniform.origins, [BodyOrigin::Length; 3]);
     /// assert!(uniform.parameters.links.iter().all(|link| link.check().is_ok()));
     /// ```
-    #[must_use]
     pub fn new(robot: &Robot, stated: Option<&StandardParameters>, shapes: &[(usize, Solid)]) -> Self {
         let n = robot.dof();
         let mut parameters = stated.cloned().unwrap_or_else(|| StandardParameters::zero(n));

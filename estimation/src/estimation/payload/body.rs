@@ -11,8 +11,9 @@ use nalgebra::{DMatrix, DVector};
 use super::change::Fitted;
 use crate::base::{BaseReduction, LOAD_UNITS};
 use crate::estimation::consistent_set::definite_inverse;
+use crate::estimation::error::EstimationError;
 use crate::estimation::model_fit::fit_body;
-use crate::estimation::{EstimationError, Termination};
+use crate::estimation::termination::Termination;
 use crate::model::ParameterKind;
 use crate::spatial::Inertia;
 use crate::statistics::chi_squared_quantile;
@@ -59,7 +60,6 @@ impl PayloadBody {
     }
 
     /// Whether the body lies in the joint 95 % region of the free estimate.
-    #[must_use]
     pub fn is_within(&self) -> bool {
         self.chi_squared <= self.chi_squared_limit
     }

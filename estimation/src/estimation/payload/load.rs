@@ -3,7 +3,9 @@
 use super::body::PayloadBody;
 use super::change::{Change, Fitted};
 use crate::base::{BaseReduction, Category};
-use crate::estimation::{BaseEstimate, Estimate, EstimationError, Termination};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::{BaseEstimate, Estimate};
+use crate::estimation::termination::Termination;
 use crate::model::{JointKind, ParameterKind};
 use crate::statistics::student_quantile;
 
@@ -139,7 +141,6 @@ pub fn payload(base: &BaseReduction, without: &Estimate, with: &Estimate) -> Res
 
 impl Payload {
     /// Whether the arm changed as a load on its last link changes it.
-    #[must_use]
     pub fn is_of_a_load(&self) -> bool {
         self.widened_by <= TOO_WIDE
     }

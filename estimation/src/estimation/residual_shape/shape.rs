@@ -22,20 +22,7 @@ pub enum Against {
     Position,
 }
 
-impl Against {
-    /// Every one.
-    pub const ALL: [Self; 4] = [Self::Time, Self::Speed, Self::Load, Self::Position];
-
-    /// As in `the residual follows …`.
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Time => "time",
-            Self::Speed => "speed",
-            Self::Load => "load",
-            Self::Position => "position",
-        }
-    }
-}
+crate::input::named! { Against { Time: "time", Speed: "speed", Load: "load", Position: "position" } }
 
 /// Stribeck velocity, as a part of the RMS of the speed, of the friction near rest that is looked for.
 const NEAR_REST: f64 = 0.3;

@@ -4,7 +4,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::shape::{Against, Point, ResidualShape};
 use super::whiteness::{Whiteness, probability};
-use crate::estimation::{Estimate, EstimationError, Factorisation, Observation, residual_noise};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::factorisation::Factorisation;
+use crate::estimation::observation::Observation;
+use crate::estimation::residual::residual_noise;
 use crate::linalg::BlockWhitening;
 use crate::model::{JointKind, Robot};
 use crate::signal::Samples;
@@ -49,7 +53,6 @@ pub struct Trend {
 
 impl Trend {
     /// The sentence that it supports.
-    #[must_use]
     pub fn sentence(&self, joint: &str) -> String {
         let [course, cause] = self.shape.words(self.slope > 0.0);
         format!(
@@ -175,7 +178,6 @@ impl ResidualTrends {
     }
 
     /// Sentences on what the residual follows of a variable, the largest share first; one that says so where it follows nothing.
-    #[must_use]
     pub fn sentences(&self, against: Against, joints: &[String]) -> Vec<String> {
         if self.noise_free {
             return vec!["This log has no noise: a residual of rounding and filters has no shape to name.".to_owned()];
@@ -193,7 +195,6 @@ impl ResidualTrends {
     }
 
     /// Sentences on the autocorrelation, joint by joint.
-    #[must_use]
     pub fn whiteness_sentences(&self, joints: &[String]) -> Vec<String> {
         let of = joints.iter().zip(&self.whiteness);
         of.filter_map(|(joint, of)| of.as_ref().map(|of| of.sentence(joint))).collect()

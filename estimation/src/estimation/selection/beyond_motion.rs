@@ -13,7 +13,8 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::current_lag::LaggedTorque;
-use crate::estimation::{EstimationError, Observation};
+use crate::estimation::error::EstimationError;
+use crate::estimation::observation::Observation;
 use crate::model::term::{CURRENT_LAG, Term, WARM_VISCOUS};
 use crate::model::{ParameterId, ParameterKind, Robot};
 use crate::signal::Samples;
@@ -106,7 +107,6 @@ impl Beside {
 }
 
 /// The terms that can be candidates: those of the list, and the lag of the currents.
-#[must_use]
 pub fn candidate_terms() -> Vec<Term> {
     Term::ALL.iter().copied().chain([CURRENT_LAG]).collect()
 }

@@ -30,7 +30,6 @@ pub enum Still {
 
 impl Still {
     /// What an obstacle of a robot file is to a distance.
-    #[must_use]
     pub fn of(obstacle: &Obstacle) -> Self {
         match obstacle {
             Obstacle::Floor { z } => Self::HalfSpace { normal: Vector3::z(), offset: *z },

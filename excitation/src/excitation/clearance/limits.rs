@@ -48,7 +48,6 @@ pub struct ClearanceLimits {
 
 impl ClearanceLimits {
     /// At least `clearance` (m) between all bodies of `scene`, watched on a grid of `samples`.
-    #[must_use]
     pub fn new(scene: Scene, basis: &MotionBasis, samples: usize, clearance: f64) -> Self {
         let states = States::with_len(basis.dof(), samples);
         let sampled = SampledBasis::new(basis.clone(), samples);

@@ -50,7 +50,6 @@ impl Scene {
     ///
     /// Two links are left out where no link between them has a shape, since their shapes meet in a joint, and where the
     /// robot says that they may touch.
-    #[must_use]
     pub fn new(robot: &Robot) -> Self {
         let n = robot.dof();
         let bodies: Vec<(usize, Solid)> =

@@ -29,7 +29,6 @@ pub struct TouchingLinks {
 
 /// Pairs of links of which two bodies come within `clearance` (m) in at least 95 % of 400 postures drawn evenly within the
 /// position limits, within ±π or ±1 m where there are none. The postures are the same for every robot of as many joints.
-#[must_use]
 pub fn touching_links(robot: &Robot, clearance: f64) -> Vec<TouchingLinks> {
     let mut scene = Scene::new(robot);
     let mut near: BTreeMap<(usize, usize), usize> = BTreeMap::new();

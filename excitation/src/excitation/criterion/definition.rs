@@ -17,7 +17,6 @@ pub struct Score {
 
 impl Score {
     /// A value that nothing has smoothed.
-    #[must_use]
     pub const fn exact(value: f64) -> Self {
         Self { value, exact: value }
     }

@@ -23,7 +23,6 @@ pub struct IOptimal {
 
 impl IOptimal {
     /// Of predictions with this mean square G, b × b.
-    #[must_use]
     pub const fn new(gram: DMatrix<f64>) -> Self {
         Self { gram: Some(gram) }
     }

@@ -27,7 +27,6 @@ pub struct ModelError {
 
 impl ModelError {
     /// Of these predictions.
-    #[must_use]
     pub const fn new(prediction: Prediction) -> Self {
         Self { prediction: Some(prediction) }
     }

@@ -28,7 +28,6 @@ pub struct PayloadOptimal {
 
 impl PayloadOptimal {
     /// For designs on this base; `None` where it shows nothing of a load.
-    #[must_use]
     pub fn of(base: &BaseReduction) -> Option<Self> {
         let (rows, columns) = (base.inertial_rows(), base.columns_of_last_link());
         let shown = base.of_load().kept;

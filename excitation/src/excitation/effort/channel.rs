@@ -34,7 +34,6 @@ impl Channel {
     }
 
     /// All efforts of a robot that have a limit: torques, then currents.
-    #[must_use]
     pub fn all(robot: &Robot) -> Vec<Self> {
         let n = robot.dof();
         let mut channels: Vec<Self> = robot
@@ -68,7 +67,6 @@ impl Channel {
 
     /// Those of `channels` that can be the first to be reached: where a torque and a current are multiples of each
     /// other, only the tighter one.
-    #[must_use]
     pub fn binding(channels: &[Self]) -> Vec<Self> {
         let scale = |channel: &Self| channel.weights[channel.joint].abs();
         let alone = |channel: &Self| channel.single().is_some_and(|(joint, _)| joint == channel.joint);

@@ -36,7 +36,6 @@ pub struct EffortLimits {
 
 impl EffortLimits {
     /// The part `use_at_most` of the limits of `channels`, watched on a grid of `samples` per period.
-    #[must_use]
     pub fn new(
         model: EffortModel,
         channels: &[Channel],

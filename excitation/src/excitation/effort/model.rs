@@ -81,7 +81,6 @@ impl EffortModel {
     ///
     /// # Panics
     /// If the parameters or their deviations are not those of the robot.
-    #[must_use]
     pub fn new(robot: &Robot, nominal: &StandardParameters, spread: Option<&ParameterSpread>) -> Self {
         let n = robot.dof();
         let columns = Columns::default().and_those_of(nominal);

@@ -19,14 +19,12 @@ pub struct ParameterSpread {
 impl ParameterSpread {
     /// How many standard deviations a limit must leave so that one side of a normal distribution keeps within it with
     /// this probability (at least one half): its quantile.
-    #[must_use]
     pub fn multiple_of(confidence: f64) -> f64 {
         crate::statistics::normal_quantile(confidence)
     }
 
     /// From the shares that a `nominal.toml` states: of the mass, of the length of the first moment, of the trace of
     /// the inertia for each of its elements, of rotor inertia and friction; the offset's is absolute.
-    #[must_use]
     pub fn of(robot: &Robot, nominal: &StandardParameters, shares: &RelativeUncertainty, multiple: f64) -> Self {
         use ParameterKind as Kind;
         let deviations = Columns::default()

@@ -54,7 +54,6 @@ pub struct EffectTorques {
 
 impl EffectTorques {
     /// Of motions of `robot` with `samples` samples of a period of `period_s` s.
-    #[must_use]
     pub fn new(robot: &Robot, expected: &ExpectedEffects, samples: usize, period_s: f64) -> Self {
         let nominal = expected.nominal();
         let columns = Columns::RIGID_ROTOR_FRICTION.and_those_of(nominal);

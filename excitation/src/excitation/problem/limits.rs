@@ -107,7 +107,6 @@ impl DesignLimits {
     }
 
     /// Position, velocity, acceleration and jerk alone, on the period and not on ramps: neither torque, current nor clearance.
-    #[must_use]
     pub fn of_motion() -> Self {
         Self {
             nominal: None,

@@ -41,7 +41,6 @@ const WORDS: [&str; 9] =
 
 impl ColumnMap {
     /// The columns of a quantity by their headings, in SI units at the joints.
-    #[must_use]
     pub fn new(quantity: Quantity, columns: impl Into<String>) -> Self {
         Self {
             quantity,

@@ -13,7 +13,6 @@ const LARGEST_GEAR: f64 = 500.0;
 
 /// The mapping by which a log was read, with the columns of every joint written out, corrected of a mistake: what `--map` is to
 /// say. Several where the data do not show which, the likeliest first; none where the correction is none of the mapping.
-#[must_use]
 pub(crate) fn corrected(
     read_as: &Mapping,
     columns: &[(Quantity, Vec<String>)],

@@ -101,7 +101,6 @@ impl Unit {
     }
 
     /// One of these units by what it is called, capitals or not.
-    #[must_use]
     pub fn parse(name: &str, among: &[Self]) -> Option<Self> {
         let small = name.to_lowercase();
         among
@@ -125,7 +124,6 @@ impl Unit {
     }
 
     /// The unit that a heading ends with, `pos_deg` or `pos [deg]`, and what stands in front of it.
-    #[must_use]
     pub fn of_heading<'a>(heading: &'a str, among: &[Self]) -> Option<(Self, &'a str)> {
         let heading = heading.trim();
         for (open, close) in [('[', ']'), ('(', ')')] {

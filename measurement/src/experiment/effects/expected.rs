@@ -2,8 +2,10 @@
 
 use nalgebra::DMatrix;
 
+use super::actual_arm::ActualArm;
 use super::actual_arm::Coupling;
-use super::{ActualArm, EffectKind as Kind, Effects};
+use super::kind::EffectKind as Kind;
+use super::selection::Effects;
 use crate::excitation::{EffectLaw, ExcitationError, ExpectedEffect, ExpectedEffects};
 use crate::model::{DriveParameters, Robot, StandardParameters};
 
@@ -36,7 +38,6 @@ impl Effects {
 
     /// What a design expects where nothing else is declared: load-dependent friction and elasticity, each at its realistic
     /// level.
-    #[must_use]
     pub fn expected_by_default() -> Self {
         let kinds = [Kind::LoadFriction, Kind::Elasticity];
         kinds.into_iter().fold(Self::none(), |effects, kind| effects.with(kind, kind.entry().realistic))

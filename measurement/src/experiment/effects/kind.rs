@@ -1,6 +1,6 @@
 //! The list of effects: name, unit, two levels, and what each means.
 
-use super::Level;
+use super::level::Level;
 
 /// What one effect is.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -163,7 +163,6 @@ impl EffectKind {
     }
 
     /// The effect of this name.
-    #[must_use]
     pub fn parse(name: &str) -> Option<Self> {
         Self::ALL.iter().copied().find(|kind| kind.name() == name)
     }

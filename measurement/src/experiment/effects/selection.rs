@@ -6,7 +6,8 @@ use std::fmt;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::{EffectKind, Level};
+use super::kind::EffectKind;
+use super::level::Level;
 use crate::seed::Seed;
 
 /// The key of the seed among the effects.
@@ -42,7 +43,6 @@ impl Default for Effects {
 
 impl Effects {
     /// No effect at all: the arm that the identification model describes.
-    #[must_use]
     pub const fn none() -> Self {
         Self { magnitudes: BTreeMap::new(), seed: Seed::new(0) }
     }
@@ -65,7 +65,6 @@ impl Effects {
     }
 
     /// One effect alone.
-    #[must_use]
     pub fn only(kind: EffectKind, level: Level) -> Self {
         Self::none().with(kind, kind.magnitude(level))
     }

@@ -1,6 +1,6 @@
 //! One coefficient of K, as it is printed.
 
-use super::Symbol;
+use super::symbol::Symbol;
 use crate::model::Robot;
 
 /// A rational factor times powers of letters: `−2·d4²/a2`.
@@ -16,7 +16,6 @@ pub struct Product {
 
 impl Product {
     /// The rational number `numerator / denominator`.
-    #[must_use]
     pub const fn constant(numerator: i32, denominator: i32) -> Self {
         Self { numerator, denominator, powers: Vec::new() }
     }

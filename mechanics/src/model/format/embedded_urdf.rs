@@ -12,7 +12,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::tree::ChainEnds;
 
 /// What a robot file says of its URDF.
@@ -78,7 +78,6 @@ pub fn urdf_of(text: &str) -> Result<Option<UrdfReference>, FormatError> {
 }
 
 /// A robot file with the text of its URDF at the end: whole by itself, every line before as it was.
-#[must_use]
 pub fn embed_urdf(text: &str, urdf: &str) -> String {
     let end = if text.ends_with('\n') { "" } else { "\n" };
     format!("{text}{end}\n[embedded]\nurdf = {}\n", toml_text(urdf))

@@ -3,14 +3,15 @@
 use std::fmt::Write;
 
 use super::shape_parameters::laws;
-use crate::model::{Columns, Robot, StandardParameters};
+use crate::model::columns::Columns;
+use crate::model::parameters::StandardParameters;
+use crate::model::robot::Robot;
 
 /// Writes a set of parameters as TOML that [`parse_parameters`](super::parse_parameters) reads back to the last bit, with the numbers of
 /// the robot's laws of friction that they were estimated with.
 ///
 /// First moments and inertias are about the origin of each link's frame, where they are stored. `header` stands on top
 /// as a comment.
-#[must_use]
 pub fn write_parameters(robot: &Robot, parameters: &StandardParameters, header: &str) -> String {
     let mut out: String = header.lines().map(|line| format!("# {line}\n")).collect();
     for (joint, link) in robot.joints().iter().zip(&parameters.links) {

@@ -13,7 +13,9 @@ use std::fmt::Write;
 use nalgebra::Matrix3;
 
 use super::tree::moved;
-use crate::model::{Joint, JointKind, Robot, StandardParameters};
+use crate::model::joint::{Joint, JointKind};
+use crate::model::parameters::StandardParameters;
+use crate::model::robot::Robot;
 use crate::spatial::{Inertia, Placement};
 
 /// What is written for a limit that is not stated: URDF asks for a number.
@@ -31,7 +33,6 @@ const NO_LIMIT: f64 = 1e9;
 /// let text = write_urdf(&robot, &nominal, "a guess");
 /// assert_eq!(parse_urdf(&text, &ChainEnds::default()).unwrap().robot.dof(), 6);
 /// ```
-#[must_use]
 pub fn write_urdf(robot: &Robot, parameters: &StandardParameters, header: &str) -> String {
     let mut out = "<?xml version=\"1.0\"?>\n<!--\n".to_owned();
     // Writing to a String cannot fail.

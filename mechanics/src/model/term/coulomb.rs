@@ -5,18 +5,19 @@
 //! ```
 //! The smooth sign with velocity scale `v_s`; the plain sign where `v_s` is 0, which no engine simulates.
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, ShapeParameter, Sign, Structure,
-    TermEntry, TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
 };
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]
 pub struct CoulombFriction;
 
-impl CoulombFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for CoulombFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fc",
         name: "coulomb",
         meaning: "Coulomb friction",
@@ -33,12 +34,6 @@ impl CoulombFriction {
         needs: Needs::MOTION,
         shapes: &[ShapeParameter::COULOMB_VELOCITY],
     };
-}
-
-impl TermLaw for CoulombFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

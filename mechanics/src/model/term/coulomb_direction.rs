@@ -9,18 +9,19 @@
 //!
 //! Source: P. I. Corke, B. Armstrong-Hélouvry, ICRA 1994, give both directions for every joint of the PUMA 560.
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, ShapeParameter, Shapes, Sign,
-    Structure, TermEntry, TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
 };
+use super::input::{Shapes, TermInput};
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]
 pub struct CoulombDirection;
 
-impl CoulombDirection {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for CoulombDirection {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fd",
         name: "direction",
         meaning: "Coulomb friction forward above mean",
@@ -37,12 +38,6 @@ impl CoulombDirection {
         needs: Needs::MOTION,
         shapes: &[ShapeParameter::COULOMB_VELOCITY],
     };
-}
-
-impl TermLaw for CoulombDirection {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

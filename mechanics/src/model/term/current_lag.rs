@@ -9,10 +9,12 @@
 //! The torque changes with all parameters at once, so that no law of one moment gives this column: the term is in no list, no engine and no file
 //! of parameters has it, and `estimation::select` finds its column.
 
-use super::{
-    ByJoint, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, Sign, Structure, Term, TermEntry, TermInput,
-    TermLaw, ViscousFriction,
-};
+use super::entry::{ByJoint, Dimension, Dissipation, Needs, Place, Prior, PriorOf, Sign, Structure, TermEntry};
+use super::handle::Term;
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
+use super::viscous::ViscousFriction;
 
 /// See the module.
 #[derive(Debug)]
@@ -21,9 +23,8 @@ pub struct CurrentLag;
 /// Time by which the reported torque leads; in no list.
 pub const CURRENT_LAG: Term = Term::new(&CurrentLag);
 
-impl CurrentLag {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for CurrentLag {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Tl",
         name: "current-lag",
         meaning: "time by which the reported torque leads the one that acts",
@@ -40,12 +41,6 @@ impl CurrentLag {
         shapes: &[],
         ..ViscousFriction::ENTRY
     };
-}
-
-impl TermLaw for CurrentLag {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     /// Zero: the arm itself has no such torque.
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -1,6 +1,6 @@
 //! The properties of a term beside its law.
 
-use crate::model::JointKind;
+use crate::model::joint::JointKind;
 
 /// In which coordinate a term acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -67,7 +67,6 @@ pub struct ByJoint {
 
 impl ByJoint {
     /// That of a joint of this kind.
-    #[must_use]
     pub const fn of(self, kind: JointKind) -> &'static str {
         match kind {
             JointKind::Revolute => self.revolute,
@@ -76,7 +75,6 @@ impl ByJoint {
     }
 
     /// Whether a text is one of the two.
-    #[must_use]
     pub fn is(self, text: &str) -> bool {
         self.revolute == text || self.prismatic == text
     }
@@ -138,13 +136,11 @@ impl Needs {
     pub const MOTION: Self = Self { load: false, warmth: false, rate: false };
 
     /// Whether motion and torque are enough to estimate the coefficient: the torque of the links is estimated beside it.
-    #[must_use]
     pub const fn is_estimable(self) -> bool {
         !self.warmth && !self.rate
     }
 
     /// Whether the motion alone is enough.
-    #[must_use]
     pub const fn is_motion(self) -> bool {
         !self.load && !self.warmth && !self.rate
     }

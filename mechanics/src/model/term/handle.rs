@@ -4,9 +4,13 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
+use super::entry::{Place, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TorqueTerm;
 use super::list::Listed;
-use super::{Place, Slope, Structure, TermEntry, TermInput, TorqueTerm};
-use crate::model::{JointKind, Robot};
+use super::number::Slope;
+use crate::model::joint::JointKind;
+use crate::model::robot::Robot;
 
 /// A term of the model. Two are equal where their symbols are; they are ordered as the list is, those from outside last.
 #[derive(Clone, Copy)]
@@ -17,43 +21,36 @@ pub struct Term {
 
 impl Term {
     /// A term that is not in the list.
-    #[must_use]
     pub const fn new(law: &'static dyn TorqueTerm) -> Self {
         Self { law, listed: None }
     }
 
     /// Its law.
-    #[must_use]
     pub const fn law(self) -> &'static dyn TorqueTerm {
         self.law
     }
 
     /// Everything but its law.
-    #[must_use]
     pub fn entry(self) -> &'static TermEntry {
         self.law.entry()
     }
 
     /// Symbol of its coefficient.
-    #[must_use]
     pub fn symbol(self) -> &'static str {
         self.entry().symbol
     }
 
     /// Unit of its coefficient on a joint of this kind.
-    #[must_use]
     pub fn unit(self, kind: JointKind) -> &'static str {
         self.entry().unit.of(kind)
     }
 
     /// Whether it is a part of the mass matrix.
-    #[must_use]
     pub fn is_inertia(self) -> bool {
         self.entry().structure == Structure::Inertia
     }
 
     /// Whether joint or motor `index` of a robot has it.
-    #[must_use]
     pub fn is_at(self, robot: &Robot, index: usize) -> bool {
         match self.entry().place {
             Place::Joint | Place::Motor => true,
@@ -62,13 +59,11 @@ impl Term {
     }
 
     /// Whether it acts in the coordinates of motors.
-    #[must_use]
     pub fn is_motors(self) -> bool {
         self.entry().place != Place::Joint
     }
 
     /// `g` of one entry.
-    #[must_use]
     pub fn torque(self, x: &TermInput<f64>) -> f64 {
         let mut out = [0.0];
         self.law.torques(&x.block(), &mut out);
@@ -76,7 +71,6 @@ impl Term {
     }
 
     /// `∂g/∂(q, q̇, q̈, τ_t)` of one entry.
-    #[must_use]
     pub fn slopes(self, x: &TermInput<f64>) -> [f64; Slope::COUNT] {
         let mut out = [[0.0; Slope::COUNT]];
         self.law.slopes(&x.block(), &mut out);

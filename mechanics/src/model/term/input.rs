@@ -1,6 +1,6 @@
 //! What a torque law may depend on.
 
-use super::{Number, Scale};
+use super::number::{Number, Scale};
 
 /// The largest number of shape parameters of one law.
 pub const MOST_SHAPES: usize = 2;
@@ -43,7 +43,6 @@ impl<R: Number> TermInput<R> {
 
 impl TermInput<f64> {
     /// A block of this one alone.
-    #[must_use]
     pub fn block(&self) -> TermBlock<'_> {
         use std::slice::from_ref;
         TermBlock {
@@ -81,7 +80,6 @@ impl TermBlock<'_> {
     /// # Panics
     /// If there is no such entry.
     #[inline(always)]
-    #[must_use]
     pub fn at(&self, k: usize) -> TermInput<f64> {
         TermInput {
             q: self.q[k],
@@ -97,6 +95,5 @@ impl TermBlock<'_> {
 /// A number of each of several runs.
 pub trait Runs: Number {
     /// A law that is written for single samples, run by run.
-    #[must_use]
     fn apart(input: &TermInput<Self>, law: impl FnMut(&TermInput<f64>) -> f64) -> Self;
 }

@@ -6,10 +6,12 @@
 //! `q_0` is the angle at which the spring is at rest, from the robot file; an error of it is an offset. A spring at a
 //! lever, whose torque is a sine of the angle, is another law.
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, ShapeParameter, Sign, Structure,
-    TermEntry, TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
 };
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]
@@ -23,9 +25,10 @@ impl JointSpring {
         default: 0.0,
         smooths: false,
     };
+}
 
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for JointSpring {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Ks",
         name: "spring",
         meaning: "stiffness of the spring",
@@ -42,12 +45,6 @@ impl JointSpring {
         needs: Needs::MOTION,
         shapes: &[Self::REST],
     };
-}
-
-impl TermLaw for JointSpring {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::{Number, Shapes, Slope, Structure, TermBlock, TermEntry, TermInput};
+use super::entry::{Structure, TermEntry};
+use super::input::{Shapes, TermBlock, TermInput};
+use super::number::{Number, Slope};
 
 /// The law of a term as it is written, once for values, slopes and lanes.
 ///
@@ -18,11 +20,8 @@ use super::{Number, Shapes, Slope, Structure, TermBlock, TermEntry, TermInput};
 /// /// Air drag, `g = v |v|`.
 /// #[derive(Debug)]
 /// struct Drag;
-/// static ENTRY: TermEntry = TermEntry { symbol: "Fr", name: "drag", ..ViscousFriction::ENTRY };
 /// impl TermLaw for Drag {
-///     fn entry(&self) -> &'static TermEntry {
-///         &ENTRY
-///     }
+///     const ENTRY: TermEntry = TermEntry { symbol: "Fr", name: "drag", ..ViscousFriction::ENTRY };
 ///     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
 ///         x.qd * x.qd.magnitude()
 ///     }
@@ -32,7 +31,7 @@ use super::{Number, Shapes, Slope, Structure, TermBlock, TermEntry, TermInput};
 /// ```
 pub trait TermLaw: fmt::Debug + Send + Sync + 'static {
     /// Everything but the law.
-    fn entry(&self) -> &'static TermEntry;
+    const ENTRY: TermEntry;
 
     /// `g`, effort per unit of the coefficient.
     fn law<R: Number>(&self, x: &TermInput<R>) -> R;
@@ -47,7 +46,7 @@ pub trait TermLaw: fmt::Debug + Send + Sync + 'static {
     /// another function of it.
     fn structure_at(&self, shape: &Shapes) -> Structure {
         let _ = shape;
-        TermLaw::entry(self).structure
+        Self::ENTRY.structure
     }
 }
 
@@ -71,7 +70,7 @@ pub trait TorqueTerm: fmt::Debug + Send + Sync {
 
 impl<T: TermLaw> TorqueTerm for T {
     fn entry(&self) -> &'static TermEntry {
-        TermLaw::entry(self)
+        const { &T::ENTRY }
     }
 
     #[inline]

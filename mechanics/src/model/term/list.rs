@@ -1,6 +1,8 @@
 //! The list of terms. A new one is its file, its `mod` line, and its line here.
 
-use super::{Runs, Term, TermInput, TermLaw};
+use super::handle::Term;
+use super::input::{Runs, TermInput};
+use super::law::TermLaw;
 
 macro_rules! terms {
     ($($(#[$doc:meta])* $name:ident: $law:ident;)*) => {
@@ -18,7 +20,6 @@ macro_rules! terms {
 
             /// The law of N coordinates in several runs at once.
             #[inline(always)]
-            #[must_use]
             pub fn torques_of_runs<R: Runs, const N: usize>(self, input: impl Fn(usize) -> TermInput<R>) -> [R; N] {
                 // Loops: the closure of an array's maker is compiled without the processor's lanes, each product a call.
                 let mut out = [input(0).q; N];

@@ -8,18 +8,18 @@
 //! Source: A. C. Bittencourt, S. Gunnarsson, "Static friction in a robot joint", *J. Dyn. Syst. Meas. Control* 134(5), 2012:
 //! Coulomb friction linear in the load, some hundredths of it.
 
-use super::{
-    ByJoint, CoulombFriction, Dimension, Dissipation, Needs, Number, Prior, PriorOf, ShapeParameter, Structure,
-    TermEntry, TermInput, TermLaw,
-};
+use super::coulomb::CoulombFriction;
+use super::entry::{ByJoint, Dimension, Dissipation, Needs, Prior, PriorOf, ShapeParameter, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]
 pub struct LoadFriction;
 
-impl LoadFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for LoadFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fl",
         name: "load",
         meaning: "Coulomb friction per transmitted torque",
@@ -34,12 +34,6 @@ impl LoadFriction {
         shapes: &[ShapeParameter::COULOMB_VELOCITY],
         ..CoulombFriction::ENTRY
     };
-}
-
-impl TermLaw for LoadFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

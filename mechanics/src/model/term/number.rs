@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use crate::model::smooth_sign;
+use crate::model::friction::smooth_sign;
 
 /// A positive number that laws divide by: a velocity scale. An engine that shares one evaluation among several runs
 /// multiplies by the reciprocal instead, which it computes once.
@@ -16,7 +16,6 @@ pub struct Scale {
 
 impl Scale {
     /// From the number.
-    #[must_use]
     pub fn new(value: f64) -> Self {
         Self { value, reciprocal: if value == 0.0 { 0.0 } else { 1.0 / value } }
     }
@@ -96,13 +95,11 @@ impl Slope {
     pub const COUNT: usize = 4;
 
     /// The variable of number `index` in `(q, q̇, q̈, τ_t)`.
-    #[must_use]
     pub fn variable(value: f64, index: usize) -> Self {
         Self { value, by: std::array::from_fn(|k| if k == index { 1.0 } else { 0.0 }) }
     }
 
     /// A number that does not vary.
-    #[must_use]
     pub const fn fixed(value: f64) -> Self {
         Self { value, by: [0.0; Self::COUNT] }
     }

@@ -4,18 +4,19 @@
 //! g = 1        φ = Fo
 //! ```
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, Sign, Structure, TermEntry,
-    TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, Sign, Structure, TermEntry,
 };
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]
 pub struct Offset;
 
-impl Offset {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for Offset {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fo",
         name: "offset",
         meaning: "offset",
@@ -32,12 +33,6 @@ impl Offset {
         needs: Needs::MOTION,
         shapes: &[],
     };
-}
-
-impl TermLaw for Offset {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -9,10 +9,11 @@
 //! Source: B. Armstrong, "Friction: experimental determination, modeling and compensation", ICRA 1988, for friction of the PUMA that
 //! depends on position.
 
-use super::{
-    ByJoint, CoulombFriction, Dissipation, Number, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
-    TermInput, TermLaw,
-};
+use super::coulomb::CoulombFriction;
+use super::entry::{ByJoint, Dissipation, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// The cosine; see the module.
 #[derive(Debug)]
@@ -30,9 +31,8 @@ const WAVE: ShapeParameter = ShapeParameter {
     smooths: false,
 };
 
-impl PositionCosine {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for PositionCosine {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fpc",
         name: "position",
         meaning: "cosine of position-dependent Coulomb friction",
@@ -45,23 +45,6 @@ impl PositionCosine {
         shapes: &[ShapeParameter::COULOMB_VELOCITY, WAVE],
         ..CoulombFriction::ENTRY
     };
-}
-
-impl PositionSine {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
-        symbol: "Fps",
-        meaning: "sine of position-dependent Coulomb friction",
-        key: ByJoint { revolute: "position_sine_nm", prismatic: "position_sine_n" },
-        structure: Structure::Function { family: "sine times smooth sign", odd: false },
-        ..PositionCosine::ENTRY
-    };
-}
-
-impl TermLaw for PositionCosine {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
@@ -70,9 +53,13 @@ impl TermLaw for PositionCosine {
 }
 
 impl TermLaw for PositionSine {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
+    const ENTRY: TermEntry = TermEntry {
+        symbol: "Fps",
+        meaning: "sine of position-dependent Coulomb friction",
+        key: ByJoint { revolute: "position_sine_nm", prismatic: "position_sine_n" },
+        structure: Structure::Function { family: "sine times smooth sign", odd: false },
+        ..PositionCosine::ENTRY
+    };
 
     #[inline]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

@@ -9,18 +9,18 @@
 //! Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, *Automatica* 30(7), 1994; A. C. Bittencourt, S. Gunnarsson,
 //! *J. Dyn. Syst. Meas. Control* 134(5), 2012, for the bend.
 
-use super::{
-    ByJoint, Dimension, Dissipation, Number, Prior, PriorOf, Sign, Structure, TermEntry, TermInput, TermLaw,
-    ViscousFriction,
-};
+use super::entry::{ByJoint, Dimension, Dissipation, Prior, PriorOf, Sign, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
+use super::viscous::ViscousFriction;
 
 /// See the module.
 #[derive(Debug)]
 pub struct QuadraticViscousFriction;
 
-impl QuadraticViscousFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for QuadraticViscousFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fq",
         name: "quadratic",
         meaning: "friction with the square of speed",
@@ -36,12 +36,6 @@ impl QuadraticViscousFriction {
         prior: Prior { key: "quadratic_nm_s2_rad2", of: PriorOf::Unit, default: Some(1.0) },
         ..ViscousFriction::ENTRY
     };
-}
-
-impl TermLaw for QuadraticViscousFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

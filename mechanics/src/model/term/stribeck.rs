@@ -8,10 +8,11 @@
 //! Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, *Automatica* 30(7), 1994, eq. 6 with exponent 2; `v_S` of
 //! the size that TUM-ICS/BIRDy states for the TX40.
 
-use super::{
-    ByJoint, CoulombFriction, Dissipation, Number, Prior, PriorOf, ShapeParameter, Structure, TermEntry, TermInput,
-    TermLaw,
-};
+use super::coulomb::CoulombFriction;
+use super::entry::{ByJoint, Dissipation, Prior, PriorOf, ShapeParameter, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]
@@ -25,9 +26,10 @@ impl Stribeck {
         default: 0.05,
         smooths: false,
     };
+}
 
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for Stribeck {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fs",
         name: "stribeck",
         meaning: "static above Coulomb friction",
@@ -39,12 +41,6 @@ impl Stribeck {
         shapes: &[ShapeParameter::COULOMB_VELOCITY, Self::VELOCITY],
         ..CoulombFriction::ENTRY
     };
-}
-
-impl TermLaw for Stribeck {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

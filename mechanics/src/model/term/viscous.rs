@@ -4,18 +4,19 @@
 //! g = v        φ = Fv
 //! ```
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, Sign, Structure, TermEntry,
-    TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, Sign, Structure, TermEntry,
 };
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]
 pub struct ViscousFriction;
 
-impl ViscousFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for ViscousFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fv",
         name: "viscous",
         meaning: "viscous friction",
@@ -32,12 +33,6 @@ impl ViscousFriction {
         needs: Needs::MOTION,
         shapes: &[],
     };
-}
-
-impl TermLaw for ViscousFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {

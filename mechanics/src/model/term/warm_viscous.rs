@@ -6,18 +6,18 @@
 //! `w` is the temperature of the gear above that of a cold one, 1 at its rated power. Without a record of temperature
 //! nothing of it shows, and the gear counts as cold.
 
-use super::{
-    ByJoint, Dissipation, Needs, Number, Prior, PriorOf, Sign, Structure, TermEntry, TermInput, TermLaw,
-    ViscousFriction,
-};
+use super::entry::{ByJoint, Dissipation, Needs, Prior, PriorOf, Sign, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
+use super::viscous::ViscousFriction;
 
 /// See the module.
 #[derive(Debug)]
 pub struct WarmViscousFriction;
 
-impl WarmViscousFriction {
-    /// Everything but the law.
-    pub const ENTRY: TermEntry = TermEntry {
+impl TermLaw for WarmViscousFriction {
+    const ENTRY: TermEntry = TermEntry {
         symbol: "Fw",
         name: "warming",
         meaning: "viscous friction of the warm gear above the cold one's",
@@ -30,12 +30,6 @@ impl WarmViscousFriction {
         needs: Needs { warmth: true, ..Needs::MOTION },
         ..ViscousFriction::ENTRY
     };
-}
-
-impl TermLaw for WarmViscousFriction {
-    fn entry(&self) -> &'static TermEntry {
-        &Self::ENTRY
-    }
 
     #[inline(always)]
     fn law<R: Number>(&self, x: &TermInput<R>) -> R {
