@@ -40,13 +40,6 @@ const EQUATIONS_PER_CYCLE: f64 = 4.0;
 /// leave out little near reversals.
 const EQUATIONS_HZ: f64 = 40.0;
 
-/// Places of a resting joint that are this near are one, rad or m.
-const SAME_REST: f64 = 2e-3;
-
-/// Equations in a cycle of a cut-off that is stated, and of one that is found. Means over half a cycle take most noise of the acceleration
-/// out of the equations.
-const EQUATIONS_PER_CYCLE: [f64; 2] = [4.0, 2.0];
-
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
 
