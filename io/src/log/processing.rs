@@ -33,9 +33,12 @@ const LARGEST_SHIFT: f64 = 0.5;
 /// Places of a resting joint that are this near are one, rad or m.
 const SAME_REST: f64 = 2e-3;
 
-/// Equations in a cycle of a cut-off that is stated, and of one that is found. Means over half a cycle take most noise of the acceleration
-/// out of the equations.
-const EQUATIONS_PER_CYCLE: [f64; 2] = [4.0, 2.0];
+/// Equations in a cycle of a cut-off that is stated.
+const EQUATIONS_PER_CYCLE: f64 = 4.0;
+
+/// Rate of the equations where the cut-off is found, Hz. Means over 25 ms take most noise of the acceleration out of them at any cut-off, and
+/// leave out little near reversals.
+const EQUATIONS_HZ: f64 = 40.0;
 
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
@@ -274,16 +277,15 @@ fn below_nyquist(error: &SignalError, log: &Log) -> Option<Remedy> {
 
 /// Cut-off and rate of the equations of a log without periods, Hz. A cut-off that is found in it, or in several, is remarked upon.
 fn low_pass(log: &mut Log, whole: &Log, settings: &LogSettings, common_hz: Option<f64>) -> [f64; 2] {
-    let [of_stated, of_found] = EQUATIONS_PER_CYCLE;
     if let Some(hz) = settings.processing.cutoff_hz {
-        return [hz, of_stated * hz];
+        return [hz, EQUATIONS_PER_CYCLE * hz];
     }
     let segments: Vec<usize> = whole.segments.iter().map(|segment| segment.samples).collect();
     let hz = common_hz.unwrap_or_else(|| record(whole, &segments, settings).find_cutoff());
     let of = if common_hz.is_some() { "of these logs" } else { "of this log" };
     let series = if settings.measured_velocity { "velocities" } else { "positions" };
     log.origin.remarks.push(format!("low pass of {hz:.1} Hz for the {series}, by the noise {of}"));
-    [hz, of_found * hz]
+    [hz, EQUATIONS_HZ]
 }
 
 fn record<'a>(log: &'a Log, segments: &'a [usize], settings: &LogSettings) -> AperiodicRecord<'a> {

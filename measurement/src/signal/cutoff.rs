@@ -8,12 +8,8 @@
 //! the motion hardly shows. Hence the factor 20. All joints pass the same filter, so that sums of their accelerations stay sums. The noise
 //! of the torque has no part in it: it biases nothing.
 //!
-//! The cut-off is at least 10 Hz: means over half a cycle of less would leave out too much near reversals. No record shows more than a
-//! quarter of its rate: the rule takes all above it for noise. A Hann window keeps the ends of the record out of the spectrum.
-//!
-//! Arms of three makers in MuJoCo under a PD servo, 30 s at 1 kHz and 250 Hz, encoders of 12, 14 and 16 bit: the RMS of errors over
-//! standard deviations of all base parameters is 0.8 to 1.4, once 1.6. By 10 Hz and means over
-//! 25 ms it is 1.1 to 1.7, and of single rotors up to 12.
+//! The cut-off is at least 10 Hz, since below it little noise is won. No record shows more than a quarter of its rate: the rule takes all
+//! above it for noise. A Hann window keeps the ends of the record out of the spectrum.
 
 use super::fourier_transform::FourierTransform;
 use super::fourier_transform::smooth_length;
