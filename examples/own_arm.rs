@@ -8,7 +8,6 @@ use armid::dynamics::Dynamics;
 use armid::estimation::{EstimatorKind, Identification};
 use armid::experiment::{Arm, ArmError, Command, Ending, ExperimentPlan, RawSample, Recording, Rest, Sink, record};
 use armid::model::{Columns, Robot, StandardParameters};
-use armid::provenance::Provenance;
 use armid::signal::{Processing, process};
 use armid_io::{LoadedRobot, robot, trajectory};
 
@@ -21,21 +20,8 @@ impl Arm for Exact {
     fn perform(&mut self, plan: &ExperimentPlan, sink: &mut dyn Sink) -> Result<Ending, ArmError> {
         let (n, layout) = (self.robot.dof(), plan.check(self.robot.dof())?);
         sink.begin(&Recording {
-            robot: self.robot.name().to_owned(),
-            robot_text: String::new(),
-            dof: n,
-            rate_hz: plan.rate_hz,
-            joints: self.robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             effort_unit: armid::model::EffortInterface::Torque,
-            phases: layout.spans.clone(),
-            trajectory: plan.trajectory.clone(),
-            period_samples: layout.period_samples,
-            t: Vec::new(),
-            q: Vec::new(),
-            effort: Vec::new(),
-            voltage: Vec::new(),
-            link_q: Vec::new(),
-            provenance: Provenance::new(self.robot.name(), "", None),
+            ..Recording::begun(&self.robot, "", plan, &layout, None)
         });
         let (command, mut dynamics) = (Command::new(plan, &layout), Dynamics::new(&self.robot, &self.parameters));
         let [mut q, mut qd, mut qdd, mut tau] = [(); 4].map(|()| vec![0.0; n]);

@@ -55,8 +55,8 @@ fn library_files(folder: &Path) -> Vec<(PathBuf, Source)> {
 const CORE: [&str; 5] = ["mechanics/src", "excitation/src", "measurement/src", "estimation/src", "src"];
 
 /// Sources of the other crates.
-const ABOVE_THE_CORE: [&str; 7] =
-    ["cdr/src", "io/src", "sim/src", "hardware/src", "reports/src", "workflow/src", "cli/src"];
+const ABOVE_THE_CORE: [&str; 8] =
+    ["cdr/src", "io/src", "sim/src", "hardware/src", "reports/src", "workflow/src", "cli/src", "python/src"];
 
 /// Every source file of the core that is compiled into it, with the folder of its crate.
 fn core_files() -> Vec<(PathBuf, PathBuf, Source)> {
@@ -93,7 +93,7 @@ fn assert_none(faults: &[String]) {
 
 #[test]
 fn modules_of_the_core_stand_in_the_order_of_the_method() {
-    let expected = "seed provenance plain input observer lanes linalg optimiser statistics spatial model chains trajectory dynamics regressor base codegen \
+    let expected = "seed provenance plain input observer remedy lanes linalg optimiser statistics spatial model chains trajectory dynamics regressor base codegen \
                     excitation experiment signal estimation diagnosis calibration study conformance";
     assert_eq!(module_order().join(" "), expected);
 }
@@ -139,7 +139,7 @@ fn a_module_of_the_core_imports_only_from_those_above_it() {
 #[test]
 fn crates_depend_as_the_house_is_built() {
     // The manifest, and which of our own crates it may name.
-    let allowed: [(&str, &[&str]); 14] = [
+    let allowed: [(&str, &[&str]); 15] = [
         ("mechanics/Cargo.toml", &[]),
         ("excitation/Cargo.toml", &["armid-mechanics"]),
         ("measurement/Cargo.toml", &["armid-mechanics", "armid-excitation"]),
@@ -155,6 +155,7 @@ fn crates_depend_as_the_house_is_built() {
             "cli/Cargo.toml",
             &["armid", "armid-cdr", "armid-io", "armid-sim", "armid-hardware", "armid-reports", "armid-workflow"],
         ),
+        ("python/Cargo.toml", &["armid", "armid-io", "armid-sim", "armid-workflow"]),
         ("fuzz/Cargo.toml", &["armid", "armid-cdr", "armid-io", "armid-hardware", "armid-reports"]),
         ("examples/Cargo.toml", &["armid", "armid-io", "armid-sim", "armid-workflow"]),
     ];
@@ -212,6 +213,21 @@ fn the_core_touches_neither_files_nor_clock_nor_terminal() {
         let attributes = source(&root().join(folder).join("lib.rs")).attributes;
         let forbids = attributes.iter().any(|attribute| attribute == "forbid(unsafe_code)");
         assert!(forbids, "{folder}/lib.rs: forbid(unsafe_code)");
+    }
+    assert_none(&faults);
+}
+
+#[test]
+fn texts_below_the_command_name_neither_flags_nor_commands() {
+    // What helps is a `Remedy`, which the command words as flags, and a library by its own names.
+    let is_flag = |text: &str| text.split("--").skip(1).any(|rest| rest.starts_with(|c: char| c.is_ascii_lowercase()));
+    let mut faults = Vec::new();
+    for folder in CORE.into_iter().chain(ABOVE_THE_CORE).filter(|folder| *folder != "cli/src") {
+        for (path, source) in library_files(&root().join(folder)) {
+            for text in source.texts.iter().filter(|word| is_flag(&word.text) || word.text.contains("`armid")) {
+                faults.push(format!("{}:{}: {}", shown(&path), text.line, text.text));
+            }
+        }
     }
     assert_none(&faults);
 }
@@ -412,6 +428,8 @@ fn the_reader_of_sources_sees_what_it_should() {
         #[cfg(not(test))]
         fn kept() { super::super::above(); }
         mod inner { use super::near; }
+        #[error("an {attribute}")]
+        struct Said;
         fn waves(x: f64) { assert!(x.sin() < f64::cos(x), "{}", crate::base::of!(x)); x.tan(); }
         "##,
     )
@@ -429,6 +447,8 @@ fn the_reader_of_sources_sees_what_it_should() {
     let macros: Vec<String> = source.macros.into_iter().map(|word| word.text).collect();
     assert_eq!(macros, ["assert", "of"]);
     assert!(source.paths.iter().any(|path| path.segments == ["f64", "cos"]));
+    let texts: Vec<&str> = source.texts.iter().map(|word| word.text.as_str()).collect();
+    assert_eq!(texts, ["use crate::text; // \" }", "use crate::raw; \" ", "\"an {attribute}\"", "\"{}\""]);
 }
 
 #[test]

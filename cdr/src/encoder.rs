@@ -53,6 +53,22 @@ macro_rules! numbers {
     };
 }
 
+macro_rules! sequences {
+    ($($method:ident($($argument:ty),*));*) => {
+        $(fn $method(self, $(_: $argument),*) -> Result<Self, CdrError> {
+            Ok(self)
+        })*
+    };
+}
+
+macro_rules! unsupported {
+    ($($method:ident($($argument:ty),*) -> $ok:ty: $kind:literal;)*) => {
+        $(fn $method(self, $(_: $argument),*) -> Result<$ok, CdrError> {
+            self.unsupported($kind)
+        })*
+    };
+}
+
 impl ser::Serializer for &mut Encoder {
     type Ok = ();
     type Error = CdrError;
@@ -89,48 +105,28 @@ impl ser::Serializer for &mut Encoder {
         }
     }
 
-    fn serialize_tuple(self, _: usize) -> Result<Self, CdrError> {
-        Ok(self)
-    }
-
-    fn serialize_tuple_struct(self, _: &'static str, _: usize) -> Result<Self, CdrError> {
-        Ok(self)
-    }
-
-    fn serialize_struct(self, _: &'static str, _: usize) -> Result<Self, CdrError> {
-        Ok(self)
+    sequences! {
+        serialize_tuple(usize); serialize_tuple_struct(&'static str, usize); serialize_struct(&'static str, usize)
     }
 
     fn serialize_newtype_struct<T: Serialize + ?Sized>(self, _: &'static str, value: &T) -> Result<(), CdrError> {
         value.serialize(self)
     }
 
-    fn serialize_char(self, _: char) -> Result<(), CdrError> {
-        self.unsupported("a character")
-    }
-
-    fn serialize_bytes(self, _: &[u8]) -> Result<(), CdrError> {
-        self.unsupported("bytes")
-    }
-
-    fn serialize_none(self) -> Result<(), CdrError> {
-        self.unsupported("an option")
+    unsupported! {
+        serialize_char(char) -> (): "a character";
+        serialize_bytes(&[u8]) -> (): "bytes";
+        serialize_none() -> (): "an option";
+        serialize_unit() -> (): "a unit";
+        serialize_unit_struct(&'static str) -> (): "a unit";
+        serialize_unit_variant(&'static str, u32, &'static str) -> (): "an enumeration";
+        serialize_tuple_variant(&'static str, u32, &'static str, usize) -> Impossible<(), CdrError>: "an enumeration";
+        serialize_map(Option<usize>) -> Impossible<(), CdrError>: "a map";
+        serialize_struct_variant(&'static str, u32, &'static str, usize) -> Impossible<(), CdrError>: "an enumeration";
     }
 
     fn serialize_some<T: Serialize + ?Sized>(self, _: &T) -> Result<(), CdrError> {
         self.unsupported("an option")
-    }
-
-    fn serialize_unit(self) -> Result<(), CdrError> {
-        self.unsupported("a unit")
-    }
-
-    fn serialize_unit_struct(self, _: &'static str) -> Result<(), CdrError> {
-        self.unsupported("a unit")
-    }
-
-    fn serialize_unit_variant(self, _: &'static str, _: u32, _: &'static str) -> Result<(), CdrError> {
-        self.unsupported("an enumeration")
     }
 
     fn serialize_newtype_variant<T: Serialize + ?Sized>(
@@ -143,84 +139,33 @@ impl ser::Serializer for &mut Encoder {
         self.unsupported("an enumeration")
     }
 
-    fn serialize_tuple_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Impossible<(), CdrError>, CdrError> {
-        self.unsupported("an enumeration")
-    }
-
-    fn serialize_map(self, _: Option<usize>) -> Result<Impossible<(), CdrError>, CdrError> {
-        self.unsupported("a map")
-    }
-
-    fn serialize_struct_variant(
-        self,
-        _: &'static str,
-        _: u32,
-        _: &'static str,
-        _: usize,
-    ) -> Result<Impossible<(), CdrError>, CdrError> {
-        self.unsupported("an enumeration")
-    }
-
     fn is_human_readable(&self) -> bool {
         false
     }
 }
 
-impl ser::SerializeSeq for &mut Encoder {
-    type Ok = ();
-    type Error = CdrError;
+/// Entries one after the other, each in its own alignment.
+macro_rules! entries {
+    ($($of:ident::$method:ident($($name:ident)?);)*) => {
+        $(impl ser::$of for &mut Encoder {
+            type Ok = ();
+            type Error = CdrError;
 
-    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), CdrError> {
-        value.serialize(&mut **self)
-    }
+            fn $method<T: Serialize + ?Sized>(&mut self, $($name: &'static str,)? value: &T) -> Result<(), CdrError> {
+                $(self.what = $name;)?
+                value.serialize(&mut **self)
+            }
 
-    fn end(self) -> Result<(), CdrError> {
-        Ok(())
-    }
+            fn end(self) -> Result<(), CdrError> {
+                Ok(())
+            }
+        })*
+    };
 }
 
-impl ser::SerializeTuple for &mut Encoder {
-    type Ok = ();
-    type Error = CdrError;
-
-    fn serialize_element<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), CdrError> {
-        value.serialize(&mut **self)
-    }
-
-    fn end(self) -> Result<(), CdrError> {
-        Ok(())
-    }
-}
-
-impl ser::SerializeTupleStruct for &mut Encoder {
-    type Ok = ();
-    type Error = CdrError;
-
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, value: &T) -> Result<(), CdrError> {
-        value.serialize(&mut **self)
-    }
-
-    fn end(self) -> Result<(), CdrError> {
-        Ok(())
-    }
-}
-
-impl ser::SerializeStruct for &mut Encoder {
-    type Ok = ();
-    type Error = CdrError;
-
-    fn serialize_field<T: Serialize + ?Sized>(&mut self, name: &'static str, value: &T) -> Result<(), CdrError> {
-        self.what = name;
-        value.serialize(&mut **self)
-    }
-
-    fn end(self) -> Result<(), CdrError> {
-        Ok(())
-    }
+entries! {
+    SerializeSeq::serialize_element();
+    SerializeTuple::serialize_element();
+    SerializeTupleStruct::serialize_field();
+    SerializeStruct::serialize_field(name);
 }

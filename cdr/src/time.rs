@@ -41,13 +41,11 @@ impl Time {
     }
 
     /// Nanoseconds since the clock's zero.
-    #[must_use]
     pub fn ns(self) -> i64 {
         i64::from(self.sec) * 1_000_000_000 + i64::from(self.nanosec)
     }
 
     /// Seconds since the clock's zero; exact to a nanosecond for durations, to a quarter of a microsecond for dates.
-    #[must_use]
     pub fn seconds(self) -> f64 {
         self.ns() as f64 * 1e-9
     }

@@ -7,7 +7,6 @@ use crate::terminal::{Console, Ending};
 mod answers;
 mod arguments;
 mod arms;
-mod cluster;
 mod commands;
 mod interrupt;
 mod monitor;
@@ -15,19 +14,24 @@ mod terminal;
 
 use std::process::ExitCode;
 
+use armid_io::{Error, ErrorKind};
 use clap::Parser;
 
 /// Everything between the arguments of the process and its exit status.
 #[must_use]
 pub fn main() -> ExitCode {
     terminal::install_reporter();
+    armid::remedy::speak(&terminal::Flags);
     let line = CommandLine::parse();
     let console = Console::new(line.global);
     let next_step = line.command.next_step();
     let outcome = interrupt::watch().and_then(|()| commands::carry_out(line.command, &console));
     match outcome {
         Ok(ending) => ending.exit_code(),
-        Err(report) if report.is::<interrupt::Interrupted>() => {
+        Err(report)
+            if report.is::<interrupt::Interrupted>()
+                || report.downcast_ref::<Error>().is_some_and(|error| error.kind() == ErrorKind::Interrupted) =>
+        {
             console.alarm(&report.to_string());
             Ending::Interrupted.exit_code()
         }

@@ -10,8 +10,9 @@ use armid::observer::Unobserved;
 use armid_io::log::process_all;
 use armid_io::{Inputs, Log, LogSettings};
 use armid_workflow::design::{DesignGoal, DesignSettings, design};
+use armid_workflow::export::{Exchange, ExportSettings, export};
 use armid_workflow::identification::{IdentifySettings, identify};
-use armid_workflow::{ReductionSettings, reduce};
+use armid_workflow::{ReductionSettings, reduce, validate};
 use support::{armid, experiment, json, temporary};
 
 #[test]
@@ -47,11 +48,7 @@ fn identity_the_file_of_an_estimate_is_the_answer_of_the_library() {
     let [log, out] = ["R.mcap", "E.json"].map(|name| folder.path().join(name).to_str().unwrap().to_owned());
     armid(["run", &experiment(folder.path(), 3), "-o", &log]).success();
     armid(["identify", &log, "--estimator", "ols,wls", "-o", &out]).success();
-    let mut written: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&out).unwrap()).unwrap();
-    // The first screen is the command's own.
-    for one in written.as_array_mut().unwrap() {
-        assert!(one.as_object_mut().unwrap().remove("verdict").is_some());
-    }
+    let written: serde_json::Value = serde_json::from_str(&std::fs::read_to_string(&out).unwrap()).unwrap();
 
     let read = Log::read(log.as_ref()).unwrap();
     let robot = read.robot().unwrap();
@@ -63,4 +60,38 @@ fn identity_the_file_of_an_estimate_is_the_answer_of_the_library() {
     let answer = identify(processed, Some(inputs), &settings, &Unobserved).unwrap();
     assert!(answer.is_sound() && !answer.was_interrupted());
     assert_eq!(serde_json::to_value(&answer).unwrap(), written);
+}
+
+#[test]
+fn identity_a_validation_and_a_model_file_of_the_library_are_those_of_the_command() {
+    let folder = temporary();
+    let path = |name: &str| folder.path().join(name).to_str().unwrap().to_owned();
+    let [log, other, estimate, model] = ["R.mcap", "other.mcap", "E.json", "M.xml"].map(path);
+    let plan = experiment(folder.path(), 3);
+    armid(["run", &plan, "-o", &log]).success();
+    armid(["run", &plan, "--seed", "9", "-o", &other]).success();
+    armid(["identify", &log, "-o", &estimate]).success();
+    let told = json(&armid(["validate", &estimate, &other, "--json"]).success());
+    let written = json(&armid(["export", &estimate, "--to", "mjcf", "-o", &model, "--json"]).success());
+
+    let processed = |log: &str, settings: &LogSettings| {
+        let read = Log::read(log.as_ref()).unwrap();
+        let robot = read.robot().unwrap();
+        process_all(vec![read], &robot, settings).unwrap()
+    };
+    let settings = LogSettings::default();
+    let identified = armid_io::estimate::read(estimate.as_ref()).unwrap();
+    let own = validate((std::slice::from_ref(&identified), &estimate), &processed(&other, &settings), [None; 2], 0.1);
+    let own = own.unwrap();
+    assert!(own.passed());
+    let mut own = serde_json::to_value(own).unwrap();
+    // Two names of one file: as it was typed, and as it was read.
+    own["logs"] = told["logs"].clone();
+    assert_eq!(own, told);
+
+    let log = processed(&log, &settings);
+    let settings = ExportSettings { format: Exchange::Mjcf, into: None, file: Some(model.clone().into()) };
+    let own = export((&identified, &estimate), log, &settings, &Unobserved).unwrap();
+    assert_eq!(own.text, std::fs::read_to_string(&model).unwrap());
+    assert_eq!(serde_json::to_value(&own).unwrap(), written);
 }

@@ -81,6 +81,16 @@ fn a_load_on_an_arm_of_a_urdf_is_found_within_its_intervals() {
         let off = (a["value"].as_f64().unwrap() - b["value"].as_f64().unwrap()) / a["std"].as_f64().unwrap();
         assert!(off.abs() < 1e-6, "{a} {b}");
     }
+
+    // The logs the other way round: no load takes weight away.
+    let exchanged = ["identify", "--payload", "--without", &loaded, "--with", &empty, "--robot", &robot, "--map", MAP];
+    let done = armid(exchanged.iter().copied().chain(["--json"])).code(1);
+    let found = json(&done);
+    assert_eq!(found["negative_mass"]["cause"], "lighter", "{found}");
+    assert!(found["parameters"][0]["shown"].is_null() && found["body"]["mass_kg"].as_f64().unwrap() > 0.0, "{found}");
+    let said = armid(exchanged).code(1);
+    let said = String::from_utf8_lossy(&said.get_output().stdout).into_owned();
+    assert!(said.contains("the arm is lighter in the log with the load"), "{said}");
 }
 
 /// The simulated tool is a ball of 3 cm: `measurement/src/experiment/effects/tool.rs`.

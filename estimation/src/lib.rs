@@ -5,7 +5,8 @@
 pub use armid_measurement::{experiment, signal};
 use armid_mechanics::plain;
 pub use armid_mechanics::{
-    base, chains, dynamics, linalg, model, observer, provenance, regressor, seed, spatial, statistics, trajectory,
+    base, chains, dynamics, linalg, model, observer, provenance, regressor, remedy, seed, spatial, statistics,
+    trajectory,
 };
 
 pub mod estimation;

@@ -4,8 +4,8 @@
 
 use armid_mechanics::plain;
 pub use armid_mechanics::{
-    base, chains, dynamics, linalg, model, observer, optimiser, provenance, regressor, seed, spatial, statistics,
-    trajectory,
+    base, chains, dynamics, input, linalg, model, observer, optimiser, provenance, regressor, seed, spatial,
+    statistics, trajectory,
 };
 
 pub mod excitation;

@@ -53,7 +53,6 @@ pub fn guarded_ros2(
 
 impl GuardedRos2 {
     /// What the guard did and saw.
-    #[must_use]
     pub fn record(&self) -> GuardRecord {
         let (passed, approach) = self.guarded.arm().before();
         let mut record = self.guarded.record().clone();
@@ -63,7 +62,6 @@ impl GuardedRos2 {
     }
 
     /// What the stamps of the last motion showed.
-    #[must_use]
     pub fn findings(&self) -> &StampFindings {
         self.guarded.arm().machine().findings()
     }

@@ -11,6 +11,7 @@ use std::sync::Arc;
 
 use armid::input::SizeError;
 use armid::model::format::FormatError;
+use armid::remedy::{Remedy, Setting, Task};
 use miette::{Diagnostic, LabeledSpan, NamedSource, SourceCode};
 
 use crate::suggestion;
@@ -30,6 +31,8 @@ pub enum ErrorKind {
     Invalid,
     /// Two things that are well by themselves do not belong together: a recording and another robot, say.
     Mismatch,
+    /// An observer ended the work before there was anything to return.
+    Interrupted,
 }
 
 /// Something is wrong with what was given.
@@ -37,7 +40,7 @@ pub enum ErrorKind {
 pub struct Error {
     kind: ErrorKind,
     message: String,
-    help: Option<String>,
+    remedy: Option<Remedy>,
     place: Option<Box<Place>>,
 }
 
@@ -56,7 +59,7 @@ struct Place {
 impl Error {
     /// Something is not as expected.
     pub fn new(message: impl Into<String>) -> Self {
-        Self { kind: ErrorKind::Invalid, message: shortened(message.into()), help: None, place: None }
+        Self { kind: ErrorKind::Invalid, message: shortened(message.into()), remedy: None, place: None }
     }
 
     /// Something is not as another part of armid expects, in that part's own words.
@@ -74,17 +77,25 @@ impl Error {
         Self { kind: ErrorKind::Mismatch, ..Self::new(message) }
     }
 
+    /// An observer ended work on this before there was anything to return.
+    #[must_use]
+    pub fn interrupted(name: &str) -> Self {
+        Self { kind: ErrorKind::Interrupted, ..Self::new(format!("{name}: interrupted")) }
+    }
+
     /// A file cannot be read.
     #[must_use]
     pub fn unreadable(path: &Path, error: &io::Error) -> Self {
         let message = format!("{} cannot be read: {error}", path.display());
         let missing = error.kind() == io::ErrorKind::NotFound;
         let made_by = match path.extension().and_then(|extension| extension.to_str()) {
-            Some("json") if missing => Some("`armid identify LOG -o"),
-            Some("mcap") if missing => Some("`armid run EXPERIMENT -o"),
+            Some("json") if missing => Some((Task::Identify, "LOG")),
+            Some("mcap") if missing => Some((Task::Run, "EXPERIMENT")),
             _ => None,
         };
-        let help = made_by.map(|command| format!("{command} {}` makes such a file", path.display()));
+        let place = path.display().to_string();
+        let makes = |task: Remedy| task.with(Setting::Output, &place).say(" makes such a file");
+        let help = made_by.map(|(task, of)| makes(Remedy::task(task, of)));
         Self { kind: ErrorKind::Unreadable(error.kind()), ..Self::new(message).maybe_help(help) }
     }
 
@@ -146,23 +157,23 @@ impl Error {
 
     /// The same error with what helps.
     #[must_use]
-    pub fn help(mut self, help: impl Into<String>) -> Self {
-        self.help = Some(help.into());
+    pub fn help(mut self, help: impl Into<Remedy>) -> Self {
+        self.remedy = Some(help.into());
         self
     }
 
     /// The same error with what helps, where anything does.
     #[must_use]
-    pub fn maybe_help(mut self, help: Option<String>) -> Self {
-        self.help = help.or(self.help);
+    pub fn maybe_help(mut self, help: Option<impl Into<Remedy>>) -> Self {
+        self.remedy = help.map(Into::into).or(self.remedy);
         self
     }
 
     /// The same error with more that helps, behind what helps already.
     #[must_use]
-    pub(crate) fn more_help(mut self, help: Option<String>) -> Self {
-        self.help = match (self.help, help) {
-            (Some(first), Some(more)) => Some(format!("{first}\n{more}")),
+    pub(crate) fn more_help(mut self, help: Option<Remedy>) -> Self {
+        self.remedy = match (self.remedy, help) {
+            (Some(first), Some(more)) => Some(Remedy([first.say("\n").0, more.0].concat())),
             (first, more) => first.or(more),
         };
         self
@@ -170,19 +181,25 @@ impl Error {
 
     /// The same error about a robot that the file of an estimate names: where nothing has that name, `help` says what to do.
     #[must_use]
-    pub fn of_an_estimate(mut self, estimate: &str, help: &str) -> Self {
+    pub fn of_an_estimate(mut self, estimate: &str, help: impl Into<Remedy>) -> Self {
         if self.kind == ErrorKind::Unknown {
             let looked = "looked for from the current folder and from that of the estimate";
             self.message = shortened(format!("{}: named by {estimate}, {looked}", self.message));
-            self.help = Some(help.to_owned());
+            self.remedy = Some(help.into());
         }
         self
     }
 
+    /// What helps in words, where anything does.
+    #[must_use]
+    pub fn hint(&self) -> Option<String> {
+        self.remedy.as_ref().map(ToString::to_string)
+    }
+
     /// What helps, where anything does.
     #[must_use]
-    pub fn hint(&self) -> Option<&str> {
-        self.help.as_deref()
+    pub const fn remedy(&self) -> Option<&Remedy> {
+        self.remedy.as_ref()
     }
 
     /// What kind of error it is.
@@ -253,7 +270,7 @@ impl std::error::Error for Error {}
 
 impl Diagnostic for Error {
     fn help<'a>(&'a self) -> Option<Box<dyn fmt::Display + 'a>> {
-        self.help.as_ref().map(|help| Box::new(help) as Box<dyn fmt::Display>)
+        self.remedy.as_ref().map(|remedy| Box::new(remedy) as Box<dyn fmt::Display>)
     }
 
     fn source_code(&self) -> Option<&dyn SourceCode> {

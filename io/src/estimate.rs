@@ -4,12 +4,13 @@ use std::path::Path;
 
 use armid::estimation::Estimate;
 use armid::provenance::sha256;
+use armid::remedy::{Remedy, Setting, Task};
 
 use crate::error::Error;
 use crate::robot::LoadedRobot;
 use crate::text::Text;
 
-const EXPECTED: &str = "expected an estimate of `armid identify`";
+const EXPECTED: &str = "expected an estimate";
 
 /// Reads a file that holds one estimate.
 ///
@@ -26,7 +27,7 @@ pub fn read(path: &Path) -> Result<Estimate, Error> {
 pub fn parse(text: &Text) -> Result<Estimate, Error> {
     if is_list(text) {
         let message = format!("{} holds a list of estimates, expected one", text.name);
-        return Err(Error::new(message).help("name one --estimator in `armid identify`"));
+        return Err(Error::new(message).help(Remedy::from("identify with one ").setting(Setting::Estimator)));
     }
     let estimate = serde_json::from_str(&text.content).map_err(|error| Error::of_json(text, &error).help(EXPECTED))?;
     check_lengths(&estimate, text)?;
@@ -45,7 +46,8 @@ pub fn parse_all(text: &Text) -> Result<Vec<Estimate>, Error> {
         serde_json::from_str(&text.content).map_err(|error| Error::of_json(text, &error).help(EXPECTED))?;
     if estimates.is_empty() {
         let message = format!("{} holds an empty list, expected at least one estimate", text.name);
-        return Err(Error::new(message).help(format!("`armid identify LOG -o {}` makes such a file", text.name)));
+        let help = Remedy::task(Task::Identify, "LOG").with(Setting::Output, &text.name).say(" makes such a file");
+        return Err(Error::new(message).help(help));
     }
     estimates.iter().try_for_each(|estimate| check_lengths(estimate, text))?;
     Ok(estimates)
@@ -92,8 +94,12 @@ pub fn check_robot(estimate: &Estimate, name: &str, loaded: &LoadedRobot) -> Res
 }
 
 pub(crate) fn mismatch(name: &str, what: &str, found: &str, expected: &str) -> Error {
-    Error::mismatch(format!("{name}: the {what} is \"{found}\", expected \"{expected}\""))
-        .help(format!("`armid identify LOG --robot … -o {name}` estimates again, of the robot at hand"))
+    Error::mismatch(format!("{name}: the {what} is \"{found}\", expected \"{expected}\"")).help(
+        Remedy::task(Task::Identify, "LOG")
+            .with(Setting::Robot, "…")
+            .with(Setting::Output, name)
+            .say(" estimates again, of the robot at hand"),
+    )
 }
 
 #[cfg(test)]

@@ -77,7 +77,6 @@ impl Inputs {
     }
 
     /// A file that both were made from, the same bytes in times that both use; none where there is no such file.
-    #[must_use]
     pub fn shared_file<'a>(&self, other: &'a Self) -> Option<&'a FileHash> {
         let span = |inputs: &Self| (inputs.settings.from_s, inputs.settings.until_s.unwrap_or(f64::INFINITY));
         let ((a_from, a_until), (b_from, b_until)) = (span(self), span(other));

@@ -4,13 +4,17 @@ use std::path::PathBuf;
 
 use armid::estimation::Estimate;
 use armid::excitation::DesignProblem;
+use armid::remedy::{Remedy, Setting, Task};
 
 use crate::error::Error;
 use crate::estimate::{check_robot, mismatch, read};
 use crate::robot::LoadedRobot;
 
 /// What makes an estimate that a design can add to.
-const AGAIN: &str = "`armid identify LOG --estimator wls -o E.json` makes an estimate that a design can add to";
+fn again() -> Remedy {
+    let again = Remedy::task(Task::Identify, "LOG").with(Setting::Estimator, "wls").with(Setting::Output, "E.json");
+    again.say(" makes an estimate that a design can add to")
+}
 
 /// Sets a problem's noise and prior information by earlier estimates of the same robot and base parameters.
 ///
@@ -27,11 +31,11 @@ pub fn set_prior(problem: &mut DesignProblem, loaded: &LoadedRobot, paths: &[Pat
         check(&estimate, problem, loaded, &name)?;
         if let Some(bad) = estimate.noise_std.iter().find(|std| !(std.is_finite() && **std > 0.0)) {
             let message = format!("{name}: a noise_std is {bad}, expected a finite number above zero");
-            return Err(Error::new(message).help(AGAIN));
+            return Err(Error::new(message).help(again()));
         }
         let information = estimate.information().ok_or_else(|| {
             Error::new(format!("{name}: the covariance is not positive definite, expected that of an identified base"))
-                .help(AGAIN)
+                .help(again())
         })?;
         let known = match sum.take() {
             None => information,

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::model::format::ChainEnds;
 use armid::model::{Joint, JointKind};
+use armid::remedy::{Remedy, Setting, Task};
 
 use crate::error::Error;
 use crate::output::{make_folder, write_text};
@@ -96,9 +97,9 @@ fn without_bounds(loaded: &LoadedRobot) -> Vec<&str> {
 
 fn experiment(loaded: &LoadedRobot) -> String {
     format!(
-        "# The motion that excites {name}, and how it is performed. `armid run experiment.toml -o log.csv` rehearses it on a\n\
-         # simulated arm with the inertias of the URDF; --arm ros2 performs it on a ROS 2 arm.\n\
-         name = \"excitation\"\nrobot = \"robot.toml\"\ntrajectory = \"trajectory.toml\"   # of `armid design`\n\
+        "# The motion that excites {name}, and how it is performed: rehearsed on a simulated arm with the inertias of the\n\
+         # URDF, or by the arm itself, arm = \"ros2\".\n\
+         name = \"excitation\"\nrobot = \"robot.toml\"\ntrajectory = \"trajectory.toml\"   # of a design\n\
          rate_hz = 500                    # samples per second\n\
          periods = 5                      # that count, after one that does not; each takes {PERIOD_S} s\n",
         name = loaded.robot.name()
@@ -110,7 +111,7 @@ fn log(loaded: &LoadedRobot) -> String {
     let revolute = loaded.robot.joints().iter().all(|joint| joint.kind == JointKind::Revolute);
     let degrees = if revolute { "deg where in degrees; " } else { "" };
     format!(
-        "# What the columns of the log are. As it stands: those of `armid run -o log.csv`. For the log of the arm, put its\n\
+        "# What the columns of the log are. As it stands: those of a run into log.csv. For the log of the arm, put its\n\
          # headings here: [1-{n}] stands for the numbers of the joints, #2 for the second column of a table without headings.\n\
          [log]\nfiles = [\"log.csv\"]              # several stand side by side: q = \"positions:j[1-{n}]\"\n\
          robot = \"robot.toml\"\n\
@@ -131,16 +132,37 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
             joints.join(", ")
         ),
     };
+    let line = |task: Task, of: &str, settings: &[(Setting, &str)]| {
+        let task = settings.iter().fold(Remedy::task(task, of), |task, (setting, value)| task.with(*setting, value));
+        task.to_string().trim_matches('`').to_owned()
+    };
+    let run = |settings: &[(Setting, &str)]| line(Task::Run, "experiment.toml", settings);
+    let export = |to, file| line(Task::Export, "E.json", &[(Setting::To, to), (Setting::Output, file)]);
+    let design = [
+        (Setting::Criterion, "d-optimal"),
+        (Setting::Period, &PERIOD_S.to_string()),
+        (Setting::Harmonics, &HARMONICS.to_string()),
+        (Setting::Starts, "4"),
+        (Setting::Output, "trajectory.toml"),
+    ];
+    let first = [
+        line(Task::Design, "robot.toml", &design),
+        run(&[(Setting::Output, "log.csv")]),
+        line(Task::Identify, "log.toml", &[(Setting::Output, "E.json")]),
+    ];
+    let then = [
+        run(&[(Setting::Seed, "2"), (Setting::Output, "other.csv")]),
+        line(Task::Validate, "E.json other.csv", &[]),
+        line(Task::Report, "E.json", &[(Setting::Output, "report")]),
+        export("urdf", "identified.urdf"),
+        export("c", "identified.c"),
+    ];
     format!(
-        "# {name}\n\nMade by `armid init` from {urdf}. The next three commands, in this folder:\n{gaps}\n\
-         ```sh\n\
-         armid design robot.toml --criterion d-optimal --period {PERIOD_S} --harmonics {HARMONICS} --starts 4 -o trajectory.toml\n\
-         armid run experiment.toml -o log.csv\n\
-         armid identify log.toml -o E.json\n\
-         ```\n\n\
+        "# {name}\n\nMade by {init} from {urdf}. The next three commands, in this folder:\n{gaps}\n\
+         ```sh\n{first}\n```\n\n\
          1. designs a motion that excites the parameters inside the limits of `robot.toml`;\n\
-         2. rehearses it on a simulated arm. The arm itself performs `trajectory.toml` by its own means, or by ROS 2\n   \
-            (`armid run --help`): its log then takes the place of `log.csv`, and `log.toml` says what the columns are;\n\
+         2. rehearses it on a simulated arm. The arm itself performs `trajectory.toml` by its own means, or by ROS 2:\n   \
+            its log then takes the place of `log.csv`, and `log.toml` says what the columns are;\n\
          3. estimates the parameters, with intervals, and says what it found in the log.\n\n\
          | file | says |\n|---|---|\n\
          | `{urdf}` | kinematics, limits, nominal inertias |\n\
@@ -148,12 +170,9 @@ fn readme(loaded: &LoadedRobot, urdf: &str) -> String {
          | `experiment.toml` | how often and how fast the motion is sampled |\n\
          | `log.toml` | what the columns of the log are |\n\n\
          Afterwards:\n\n\
-         ```sh\n\
-         armid run experiment.toml --seed 2 -o other.csv\n\
-         armid validate E.json other.csv\n\
-         armid report E.json -o report\n\
-         armid export E.json --to urdf -o identified.urdf\n\
-         armid export E.json --to c -o identified.c\n\
-         ```\n"
+         ```sh\n{then}\n```\n",
+        init = Remedy::task(Task::Init, ""),
+        first = first.join("\n"),
+        then = then.join("\n"),
     )
 }

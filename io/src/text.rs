@@ -72,7 +72,6 @@ impl Text {
     }
 
     /// Line and column of a byte, both counted from one.
-    #[must_use]
     pub fn position(&self, offset: usize) -> (usize, usize) {
         let mut offset = offset.min(self.content.len());
         while !self.content.is_char_boundary(offset) {

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use armid::excitation::Certificate;
 use armid::model::Robot;
+use armid::remedy::{Remedy, Setting, Task};
 use armid::study::radkhah2007::table_one;
 use armid::trajectory::{PeriodicTrajectory, TrajectoryError};
 
@@ -29,21 +30,25 @@ pub fn load(name: &str, beside: Option<&Path>, robot: &Robot) -> Result<Periodic
         "table-one-printed" => table_one::printed(),
         _ => {
             let error = Error::unknown(format!("trajectory file not found: {}", path.display()));
-            let made = format!("`armid design ROBOT --criterion d-optimal -o {}` makes it", path.display());
-            let near = suggestion::help(name, &NAMES);
-            return Err(error.help(if name.ends_with(".toml") { made } else { near }));
+            let is_file = name.ends_with(".toml");
+            let made = || a_design().with(Setting::Output, &path.display().to_string()).say(" makes it");
+            return Err(error.help(if is_file { made() } else { suggestion::help(name, &NAMES).into() }));
         }
     };
     if trajectory.joints.len() != robot.dof() {
         let message =
             format!("trajectory \"{name}\" moves 6 joints, expected the {} of \"{}\"", robot.dof(), robot.name());
-        return Err(Error::mismatch(message)
-            .help("`armid design ROBOT --criterion d-optimal -o T.toml` makes one for this robot"));
+        let help = a_design().with(Setting::Output, "T.toml").say(" makes one for this robot");
+        return Err(Error::mismatch(message).help(help));
     }
     for (moved, joint) in trajectory.joints.iter_mut().zip(robot.joints()) {
         moved.name.clone_from(&joint.name);
     }
     Ok(trajectory.into())
+}
+
+fn a_design() -> Remedy {
+    Remedy::task(Task::Design, "ROBOT").with(Setting::Criterion, "d-optimal")
 }
 
 /// The certificate in a trajectory file; `None` where it has none, or the trajectory is compiled in.
@@ -77,9 +82,7 @@ pub fn parse(text: &Text, robot: &Robot) -> Result<PeriodicTrajectory, Error> {
         return Ok(trajectory);
     }
     let message = format!("{}: found the joints {}, expected {}", text.name, found.join(", "), expected.join(", "));
-    let help = format!(
-        "a trajectory for \"{}\" names its joints in their order from the base outwards; `armid design` makes one",
-        robot.name()
-    );
-    Err(Error::mismatch(message).help(help))
+    let words =
+        format!("a trajectory for \"{}\" names its joints in their order from the base outwards; ", robot.name());
+    Err(Error::mismatch(message).help(Remedy::from(words).perform(Task::Design, "").say(" makes one")))
 }

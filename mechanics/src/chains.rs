@@ -42,7 +42,6 @@ impl ChainRecipe {
     ///
     /// # Panics
     /// If `dof` is zero.
-    #[must_use]
     pub fn draw(&self, rng: &mut impl Rng) -> (Robot, StandardParameters) {
         let joints: Vec<Joint> = (0..self.dof).map(|i| self.joint(i, rng)).collect();
         let coupling = (self.coupled && self.dof > 1).then(|| {

@@ -14,6 +14,7 @@ pub mod provenance;
 pub mod plain;
 pub mod input;
 pub mod observer;
+pub mod remedy;
 pub mod lanes;
 pub mod linalg;
 pub mod optimiser;

@@ -45,7 +45,6 @@ pub struct Progress {
 
 impl Progress {
     /// Is nothing left?
-    #[must_use]
     pub const fn is_complete(&self) -> bool {
         self.done >= self.total
     }

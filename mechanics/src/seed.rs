@@ -38,13 +38,11 @@ impl Seed {
     }
 
     /// The number itself.
-    #[must_use]
     pub const fn value(self) -> u64 {
         self.0
     }
 
     /// The stream of random numbers for one purpose and one run.
-    #[must_use]
     pub fn stream(self, purpose: &str, run: u64) -> Stream {
         let mut rng = ChaCha8Rng::from_seed(self.key(purpose));
         rng.set_stream(run);
@@ -52,7 +50,6 @@ impl Seed {
     }
 
     /// The random numbers of one run.
-    #[must_use]
     pub const fn of_run(self, run: u64) -> RunNoise {
         RunNoise { seed: self, run, opposite: false }
     }
@@ -102,13 +99,11 @@ impl RunNoise {
     }
 
     /// What symmetrical numbers are multiplied with: 1, or −1.
-    #[must_use]
     pub const fn sign(self) -> f64 {
         if self.opposite { -1.0 } else { 1.0 }
     }
 
     /// The stream for one purpose; its numbers have no sign yet.
-    #[must_use]
     pub fn stream(self, purpose: &str) -> Stream {
         self.seed.stream(purpose, self.run)
     }

@@ -153,15 +153,7 @@ fn found(input: &EstimateInput) -> Section {
 }
 
 fn parameters(input: &EstimateInput) -> Section {
-    let columns = vec![
-        Column::text("parameter"),
-        Column::text("unit"),
-        Column::number("value", ""),
-        Column::number("std", ""),
-        Column::number("from", ""),
-        Column::number("to", ""),
-        Column::text("stands for"),
-    ];
+    let columns = Column::list("parameter | unit | #value | #std | #from | #to | stands for");
     let table = input.parameters.iter().fold(Table::new("Base parameters with 95 % intervals", columns), |table, p| {
         table.row(vec![
             Cell::text(p.name.clone()),

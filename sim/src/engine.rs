@@ -34,26 +34,9 @@ pub struct EngineError {
     pub reason: String,
 }
 
+armid::input::named! { Engine { Analytic: "analytic", Rapier: "rapier", Mujoco: "mujoco" } }
+
 impl Engine {
-    /// Every engine.
-    pub const ALL: [Self; 3] = [Self::Analytic, Self::Rapier, Self::Mujoco];
-
-    /// Its name on the command line and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Analytic => "analytic",
-            Self::Rapier => "rapier",
-            Self::Mujoco => "mujoco",
-        }
-    }
-
-    /// The engine of this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|engine| engine.name() == name)
-    }
-
     /// A plant of this robot with these, true, parameters, at rest at zero.
     ///
     /// # Errors

@@ -17,6 +17,7 @@ use crate::{AnalyticPlant, BatchRun, Engine, EngineError};
 
 /// Why a simulated arm cannot be built, or cannot perform a plan.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 #[non_exhaustive]
 pub enum SimulationError {
     /// The engine cannot simulate the robot.
@@ -30,12 +31,7 @@ pub enum SimulationError {
     Arm(#[from] ArmError),
     /// The closed loop ran away.
     #[error("the noise-free motion diverged at t = {t:.3} s: {reason}")]
-    Diverged {
-        /// When, s.
-        t: f64,
-        /// What went wrong.
-        reason: String,
-    },
+    Diverged { t: f64, reason: String },
 }
 
 /// A robot that can be simulated: its model, what its servo assumes, what it is truly made of, and the engine.
@@ -97,19 +93,16 @@ impl SimulatedArm {
     }
 
     /// The robot.
-    #[must_use]
     pub const fn robot(&self) -> &Robot {
         &self.robot
     }
 
     /// The parameters that its servo is tuned by.
-    #[must_use]
     pub const fn nominal(&self) -> &StandardParameters {
         &self.nominal
     }
 
     /// What it is made of.
-    #[must_use]
     pub const fn truth(&self) -> &Truth {
         &self.truth
     }

@@ -21,7 +21,6 @@ impl Agreement {
     pub const ALL: [Self; 5] = [Self::Same, Self::InPart, Self::Reversed, Self::Undecided, Self::OneRobot];
 
     /// In words.
-    #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
             Self::Same => "the same on every robot",

@@ -18,7 +18,6 @@ const COUNTED: [Metric; 3] = [Metric::Prediction, Metric::Measured, Metric::Refe
 
 impl StudyResult {
     /// The answer in paragraphs, what was found in bold (`**`); none where the study compares nothing.
-    #[must_use]
     pub fn answer(&self) -> Vec<String> {
         let mut paragraphs = self.effects();
         paragraphs.extend(criteria(&self.conditions, &self.plan.compare_with, self.shown_estimator()));

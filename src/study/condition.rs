@@ -33,7 +33,6 @@ pub struct ConditionResult {
 
 impl StudyPlan {
     /// Every condition of the plan, in the order in which conditions are numbered.
-    #[must_use]
     pub fn conditions(&self) -> Vec<Condition> {
         let none = [Effects::none()];
         let sets = if self.effect_sets.is_empty() { &none[..] } else { &self.effect_sets };

@@ -36,7 +36,6 @@ pub struct StudyDesign {
 
 impl StudyDesign {
     /// The values that may predict the error of a design, all of the columns that are estimated; smaller is better.
-    #[must_use]
     pub fn values(&self) -> Vec<(&'static str, f64)> {
         let smallest = self.certificate.spectrum.first().copied().unwrap_or(0.0);
         vec![
@@ -52,7 +51,6 @@ impl StudyDesign {
 
     /// The value by which the design was made, smaller is better; the condition number of a fixed trajectory. Of a
     /// criterion that a certificate does not state, that of the optimiser.
-    #[must_use]
     pub fn own_value(&self) -> f64 {
         let criterion = self.criterion.unwrap_or(CriterionKind::Condition);
         let stated = self.values().iter().find(|(value, _)| *value == criterion.name()).map(|(_, value)| *value);

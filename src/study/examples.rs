@@ -88,14 +88,12 @@ pub struct PredictionExample {
 
 impl StudySetup {
     /// A design against its limits, with the torque of the nominal parameters.
-    #[must_use]
     pub fn limit_example(&self, index: usize, design: &StudyDesign) -> LimitExample {
         let family = self.plan.designs[design.family].name.clone();
         LimitExample { family, design: index, ..LimitExample::of(&self.robot, Some(&self.nominal), &design.trajectory) }
     }
 
     /// Measured torque of a validation experiment beside what an estimate of `design` predicts for its states.
-    #[must_use]
     pub fn prediction_example(
         &self,
         design: &StudyDesign,

@@ -31,7 +31,6 @@ impl StudySetup {
     }
 
     /// Families from the first experiment of a sequence to `family` itself.
-    #[must_use]
     pub(super) fn families_of_sequence(&self, family: usize) -> Vec<usize> {
         let mut sequence = vec![family];
         while let Some(before) = self.predecessor(sequence[sequence.len() - 1]) {
@@ -42,7 +41,6 @@ impl StudySetup {
     }
 
     /// Indices of the designs from the first experiment of a sequence to design `index` itself: those of one start.
-    #[must_use]
     pub fn sequence(&self, index: usize) -> Vec<usize> {
         let designs = self.designs();
         let (family, start) = designs[index];
@@ -65,7 +63,6 @@ impl StudySetup {
     }
 
     /// Cramér–Rao standard deviations after all experiments of a sequence, from the exact motion of one period of each.
-    #[must_use]
     pub fn bound_of_sequence(&self, exact: &[States]) -> Vec<f64> {
         let Some(first) = exact.first() else { return vec![f64::INFINITY; self.base.rank()] };
         let mut all = States::new(first.dof);
@@ -80,7 +77,6 @@ impl StudySetup {
     /// The outcome of one run from what came of its experiments, in the order of the sequence: every estimate made, all
     /// combined; `measured` scores them too. A failed experiment is the reason in the outcome. An observer may end estimators that
     /// iterate: the outcome is then not that of the run.
-    #[must_use]
     pub fn outcome(
         &self,
         id: RunId,

@@ -87,7 +87,6 @@ impl FamilyPlan {
     }
 
     /// The effects that its designs expect.
-    #[must_use]
     pub fn expected_effects(&self) -> Effects {
         if self.expected.is_none() { Effects::expected_by_default() } else { self.expected.clone() }
     }

@@ -50,13 +50,11 @@ pub struct FamilyScore {
 
 impl FamilyScore {
     /// The geometric mean over designs in one metric (of a log volume the value); `None` where it is not defined.
-    #[must_use]
     pub fn value(&self, metric: Metric) -> Option<f64> {
         self.values.get(place_of(metric)).copied().flatten()
     }
 
     /// Its 95 % interval.
-    #[must_use]
     pub fn interval(&self, metric: Metric) -> Option<Interval> {
         self.intervals.get(place_of(metric)).copied().flatten()
     }
@@ -64,7 +62,6 @@ impl FamilyScore {
     /// The bound of one experiment where `experiments` make up the whole, `bound √k`: as long as it falls, an experiment
     /// gains more than the same number of samples of those before it; where it stands still, the design has nothing left
     /// to add.
-    #[must_use]
     pub fn bound_per_experiment(&self, experiments: usize) -> Option<f64> {
         self.bound_in_units.map(|bound| bound * libm::sqrt(experiments as f64))
     }

@@ -22,7 +22,6 @@ impl MeasuredMotions {
     }
 
     /// Torque prediction RMSE of an estimate β̂ (b), N·m; `None` where no row was used.
-    #[must_use]
     pub fn rmse(&self, beta: &DVector<f64>) -> Option<f64> {
         let rows: usize = self.0.iter().map(Observation::equations).sum();
         // Rows that are not used are zero on both sides.

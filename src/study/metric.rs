@@ -49,7 +49,6 @@ impl Metric {
     pub const OF_MOTIONS: [Self; 4] = [Self::Prediction, Self::Slow, Self::PointToPoint, Self::Static];
 
     /// Name in tables.
-    #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
             Self::Prediction => "torque prediction RMSE, N·m",
@@ -65,7 +64,6 @@ impl Metric {
     }
 
     /// Whether two values are compared by their difference rather than their ratio.
-    #[must_use]
     pub const fn is_logarithmic(self) -> bool {
         matches!(self, Self::LogVolume)
     }

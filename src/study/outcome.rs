@@ -43,13 +43,11 @@ pub struct ScoredEstimate {
 
 impl Outcome {
     /// The run that it belongs to.
-    #[must_use]
     pub const fn id(&self) -> RunId {
         RunId { design: self.design, condition: self.condition, run: self.run }
     }
 
     /// `ok`, or the kind of failure that ended the run.
-    #[must_use]
     pub fn status(&self) -> &'static str {
         self.failure.as_ref().map_or("ok", |failure| failure.kind.name())
     }

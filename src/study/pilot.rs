@@ -95,14 +95,12 @@ impl VarianceComponents {
     }
 
     /// The half width over the ratio that a study of this size can expect; infinite of one start or truth.
-    #[must_use]
     pub fn share(&self, size: StudySize) -> f64 {
         share(self.variance(size), size)
     }
 
     /// The half width over the ratio that a study of this size stays below with probability `assurance`; infinite of one start
     /// or truth.
-    #[must_use]
     pub fn share_with(&self, size: StudySize, assurance: f64) -> f64 {
         let Some(freedom) = size.freedom() else { return f64::INFINITY };
         // The same draws for every size, so that more starts never need a wider interval by chance.
@@ -142,7 +140,6 @@ impl VarianceComponents {
 
     /// The fewest starts that give this half width, with probability [`ASSURANCE`], from so many runs of each, on as many truths where
     /// they are drawn; `None` where no number of starts does.
-    #[must_use]
     pub fn fewest(&self, share: f64, runs: usize) -> Option<StudySize> {
         let size = |starts| StudySize { starts, truths: self.truths.map(|_| runs), runs };
         let of = |starts| self.share_with(size(starts), ASSURANCE);

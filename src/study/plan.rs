@@ -252,13 +252,11 @@ impl StudyPlan {
     }
 
     /// Does the plan ask for this way?
-    #[must_use]
     pub fn reduces_variance(&self, way: VarianceReduction) -> bool {
         self.variance_reduction.contains(&way)
     }
 
     /// How many runs in succession share their noise: 2 where it is antithetic.
-    #[must_use]
     pub fn runs_of_noise(&self) -> usize {
         if self.reduces_variance(VarianceReduction::AntitheticNoise) { 2 } else { 1 }
     }
@@ -279,7 +277,6 @@ impl StudyPlan {
     }
 
     /// Index of the truth in this run of every design: 0 is the robot's own.
-    #[must_use]
     pub fn truth_of(&self, run: u64) -> usize {
         // Runs with opposite noise are on the same arm.
         let unit = if self.reduces_variance(VarianceReduction::AntitheticNoise) { run / 2 } else { run };
@@ -343,7 +340,6 @@ impl StudyPlan {
     }
 
     /// Runs of each design of a family.
-    #[must_use]
     pub fn runs_of(&self, family: usize) -> usize {
         self.designs[family].runs.unwrap_or(self.runs)
     }

@@ -6,61 +6,26 @@ use crate::model::{ColumnsError, format::FormatError};
 
 /// Why a plan cannot be carried out.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum StudyPlanError {
     /// A name that is not in the list.
     #[error("{key} is \"{found}\", expected one of {}", names.join(", "))]
-    Name {
-        /// The key.
-        key: &'static str,
-        /// What was found.
-        found: String,
-        /// The names that there are.
-        names: Vec<String>,
-    },
+    Name { key: &'static str, found: String, names: Vec<String> },
     /// A name that no family has that could be meant.
     #[error("{key} is \"{found}\", expected one of the families: {}", families.join(", "))]
-    Family {
-        /// The key.
-        key: &'static str,
-        /// What was found.
-        found: String,
-        /// The families that could be meant.
-        families: Vec<String>,
-    },
+    Family { key: &'static str, found: String, families: Vec<String> },
     /// Columns that cannot be estimated.
     #[error("identification.columns: {fault}")]
-    Columns {
-        /// What was found.
-        found: String,
-        /// Why not.
-        fault: ColumnsError,
-    },
+    Columns { found: String, fault: ColumnsError },
     /// An entry that is in its list already.
     #[error("{key} has \"{found}\" twice, expected each once")]
-    Twice {
-        /// The key.
-        key: &'static str,
-        /// The entry.
-        found: String,
-    },
+    Twice { key: &'static str, found: String },
     /// A number out of range.
     #[error("{key} is {found}, expected {expected}")]
-    Number {
-        /// The key.
-        key: String,
-        /// What was found.
-        found: String,
-        /// What is possible.
-        expected: &'static str,
-    },
+    Number { key: String, found: String, expected: &'static str },
     /// Robots that do not make one study each.
     #[error("robots is [{}], expected {expected}", quoted(found))]
-    Robots {
-        /// What was found.
-        found: Vec<String>,
-        /// What is possible.
-        expected: &'static str,
-    },
+    Robots { found: Vec<String>, expected: &'static str },
     /// More than may be asked for.
     #[error(transparent)]
     Size(#[from] SizeError),
@@ -71,7 +36,6 @@ pub enum StudyPlanError {
 
 impl StudyPlanError {
     /// The fault at its place in the plan's text.
-    #[must_use]
     pub fn in_text(&self, text: &str) -> FormatError {
         FormatError::at(text, self.place(text), self.to_string())
     }

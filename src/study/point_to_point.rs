@@ -50,25 +50,21 @@ impl PointToPointMove {
     }
 
     /// The pose that it begins at, n, rad or m.
-    #[must_use]
     pub fn from(&self) -> &[f64] {
         &self.from
     }
 
     /// The pose that it ends at, n, rad or m.
-    #[must_use]
     pub fn to(&self) -> &[f64] {
         &self.to
     }
 
     /// How long it takes, s.
-    #[must_use]
     pub const fn duration_s(&self) -> f64 {
         self.duration_s
     }
 
     /// `count` states from the first pose to the last, at `t_k = k T / (count − 1)`.
-    #[must_use]
     pub fn sample(&self, count: usize) -> States {
         let n = self.from.len();
         let (mut q, mut qd, mut qdd) = (vec![0.0; n], vec![0.0; n], vec![0.0; n]);

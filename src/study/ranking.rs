@@ -30,7 +30,6 @@ pub struct Tally {
 
 impl ConditionResult {
     /// The family with the smallest torque error; the first of equal ones, `None` where none has a value.
-    #[must_use]
     pub fn best_family(&self, estimator: &str) -> Option<&str> {
         let scores = self.findings.families.iter().filter(|score| score.estimator == estimator);
         let valued = scores.filter_map(|score| Some((score.value(Metric::Prediction)?, score.family.as_str())));
@@ -38,7 +37,6 @@ impl ConditionResult {
     }
 
     /// The ranking with one estimator; `None` where the best family was compared with no other.
-    #[must_use]
     pub fn ranking(&self, estimator: &str) -> Option<Ranking> {
         let best = self.best_family(estimator)?;
         let over_best = |metric: Metric| -> Vec<Comparison> {

@@ -33,7 +33,6 @@ pub enum Replication {
 
 impl Replication {
     /// Name in tables, that of stored results.
-    #[must_use]
     pub const fn words(self) -> &'static str {
         match self {
             Self::PairedDesigns => "paired designs",

@@ -35,7 +35,6 @@ pub struct StudyResult {
 
 impl StudyResult {
     /// True base parameters of a truth, by [`Outcome::truth`](super::Outcome::truth).
-    #[must_use]
     pub fn truth(&self, index: usize, parameter: usize) -> f64 {
         match index.checked_sub(1) {
             None => self.parameters[parameter].truth,
@@ -44,13 +43,11 @@ impl StudyResult {
     }
 
     /// The findings under the first condition.
-    #[must_use]
     pub fn findings(&self) -> &Findings {
         &self.conditions[0].findings
     }
 
     /// The estimator that figures show: the last of the plan that gave an estimate under the first condition.
-    #[must_use]
     pub fn shown_estimator(&self) -> &str {
         let (estimators, families) = (&self.plan.identification.estimators, &self.findings().families);
         let gave = |name: &&String| families.iter().any(|score| score.estimator == **name && score.runs > 0);
@@ -95,7 +92,6 @@ pub struct ReportInput {
 
 impl StudySetup {
     /// Assembles the stored summary.
-    #[must_use]
     pub fn result(
         &self,
         provenance: Provenance,

@@ -10,7 +10,6 @@ const TOLD: [Metric; 2] = [Metric::Prediction, Metric::Measured];
 
 impl RobotsSummary {
     /// The answer in paragraphs, what was found in bold (`**`).
-    #[must_use]
     pub fn answer(&self) -> Vec<String> {
         let estimator = self.shown_estimator();
         let mut paragraphs = Vec::new();
@@ -33,7 +32,6 @@ impl RobotsSummary {
     }
 
     /// Pairs of families, in the order in which they were found.
-    #[must_use]
     pub fn pairs(&self) -> Vec<[&str; 2]> {
         let mut pairs: Vec<[&str; 2]> = Vec::new();
         for row in &self.comparisons {
@@ -46,14 +44,12 @@ impl RobotsSummary {
     }
 
     /// A pair in one metric under every condition.
-    #[must_use]
     pub fn rows(&self, [first, second]: [&str; 2], metric: Metric, estimator: &str) -> Vec<&RobotsComparison> {
         let of_metric = self.comparisons.iter().filter(|row| row.metric == metric && row.estimator == estimator);
         of_metric.filter(|row| row.first == first && row.second == second).collect()
     }
 
     /// The estimator that is shown: the last of the plan that was compared.
-    #[must_use]
     pub fn shown_estimator(&self) -> &str {
         let compared = |name: &&String| self.agreements.iter().any(|counts| counts.estimator == **name);
         self.estimators.iter().rev().find(compared).map_or("", String::as_str)

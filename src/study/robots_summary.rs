@@ -157,7 +157,6 @@ impl AgreementCounts {
     }
 
     /// The number of comparisons with this agreement.
-    #[must_use]
     pub const fn of(&self, agreement: Agreement) -> usize {
         match agreement {
             Agreement::Same => self.same,

@@ -32,32 +32,10 @@ pub enum RunErrorKind {
     Estimator,
 }
 
-impl RunErrorKind {
-    /// Every kind.
-    pub const ALL: [Self; 7] = [
-        Self::Arm,
-        Self::DivergedNotFinite,
-        Self::DivergedSpeed,
-        Self::DivergedEngine,
-        Self::Tripped,
-        Self::Signal,
-        Self::Estimator,
-    ];
-
-    /// Name in rows and summaries.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Arm => "arm",
-            Self::DivergedNotFinite => "diverged-not-finite",
-            Self::DivergedSpeed => "diverged-speed",
-            Self::DivergedEngine => "diverged-engine",
-            Self::Tripped => "tripped",
-            Self::Signal => "signal",
-            Self::Estimator => "estimator",
-        }
-    }
-}
+crate::input::named! { RunErrorKind {
+    Arm: "arm", DivergedNotFinite: "diverged-not-finite", DivergedSpeed: "diverged-speed",
+    DivergedEngine: "diverged-engine", Tripped: "tripped", Signal: "signal", Estimator: "estimator"
+} }
 
 impl RunError {
     /// An arm that could not begin.

@@ -24,37 +24,31 @@ impl RunOrder {
     }
 
     /// How many runs there are.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.first[self.runs.len()]
     }
 
     /// Is there none?
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.len() == 0
     }
 
     /// How many conditions there are.
-    #[must_use]
     pub const fn conditions(&self) -> usize {
         self.conditions
     }
 
     /// How many designs there are.
-    #[must_use]
     pub fn designs(&self) -> usize {
         self.runs.len()
     }
 
     /// Runs of a design under one condition.
-    #[must_use]
     pub fn runs(&self, design: usize) -> usize {
         self.runs[design]
     }
 
     /// The run at a position below [`RunOrder::len`].
-    #[must_use]
     pub fn id(&self, position: usize) -> RunId {
         // Of designs without runs, which begin at the same position, the last one is meant.
         let design = self.first.partition_point(|&first| first <= position).saturating_sub(1);
@@ -64,7 +58,6 @@ impl RunOrder {
     }
 
     /// The position of a run of the study.
-    #[must_use]
     pub fn position(&self, id: RunId) -> usize {
         self.first[id.design] + id.condition * self.runs[id.design] + id.run as usize
     }

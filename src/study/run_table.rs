@@ -69,7 +69,6 @@ impl RunNumber {
 
     /// Its value in an outcome, `None` where the run or the estimator gave none; `truths` are the true base parameters (b)
     /// by [`Outcome::truth`].
-    #[must_use]
     pub fn of(self, outcome: &Outcome, truths: &[DVector<f64>]) -> Option<f64> {
         let scored = |estimator: usize| outcome.estimates.get(estimator).filter(|estimate| estimate.score.is_some());
         match self {

@@ -95,19 +95,16 @@ impl Scorer {
     }
 
     /// The true base parameters β of each truth, length b; the robot's own first.
-    #[must_use]
     pub fn truths(&self) -> &[DVector<f64>] {
         &self.truths
     }
 
     /// The declared unit of each base parameter, length b.
-    #[must_use]
     pub const fn units(&self) -> &DVector<f64> {
         &self.units
     }
 
     /// The score of an estimate β̂ (b) of the arm with one of the truths, and of what that arm measured afterwards.
-    #[must_use]
     pub fn score(&self, estimate: &DVector<f64>, truth: usize, measured: Option<&MeasuredMotions>) -> Score {
         let error = estimate - &self.truths[truth];
         let joint_rmse_nm = self.random.rmse(&error);

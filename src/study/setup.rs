@@ -119,56 +119,47 @@ impl StudySetup {
     }
 
     /// The plan.
-    #[must_use]
     pub const fn plan(&self) -> &StudyPlan {
         &self.plan
     }
 
     /// The robot.
-    #[must_use]
     pub const fn robot(&self) -> &Robot {
         &self.robot
     }
 
     /// The reduction to base parameters.
-    #[must_use]
     pub const fn base(&self) -> &BaseReduction {
         &self.base
     }
 
     /// The true parameters of the arm in this run.
-    #[must_use]
     pub fn truth(&self, run: u64) -> &Truth {
         &self.truths[self.plan.truth_of(run)]
     }
 
     /// The scorer, which holds the truth.
-    #[must_use]
     pub const fn scorer(&self) -> &Scorer {
         &self.scorer
     }
 
     /// How recordings are processed.
-    #[must_use]
     pub const fn processing(&self) -> &Processing {
         &self.processing
     }
 
     /// The motions on which predictions are tested.
-    #[must_use]
     pub const fn validation(&self) -> &ValidationMotions {
         &self.validation
     }
 
     /// Every design of the plan as (family, start), in the order in which designs are numbered.
-    #[must_use]
     pub fn designs(&self) -> Vec<(usize, usize)> {
         let families = self.plan.designs.iter().enumerate();
         families.flat_map(|(family, plan)| (0..plan.starts).map(move |start| (family, start))).collect()
     }
 
     /// The experiment that performs a trajectory.
-    #[must_use]
     pub fn experiment(&self, trajectory: &PeriodicTrajectory) -> ExperimentPlan {
         let settings = &self.plan.experiment;
         ExperimentPlan {
@@ -180,20 +171,17 @@ impl StudySetup {
     }
 
     /// The order of all runs.
-    #[must_use]
     pub fn run_order(&self) -> RunOrder {
         let runs = self.designs().into_iter().map(|(family, _)| self.plan.runs_of(family)).collect();
         RunOrder::new(runs, self.plan.conditions().len())
     }
 
     /// Every number of a run that findings are made of.
-    #[must_use]
     pub fn run_numbers(&self) -> Vec<RunNumber> {
         RunNumber::all(self.plan.identification.estimators.len(), self.base.rank())
     }
 
     /// The random numbers of one run: the same under every condition, and what the plan's [`VarianceReduction`] makes of them.
-    #[must_use]
     pub fn noise_of(&self, design: usize, run: u64) -> RunNoise {
         let (family, start) = self.designs()[design];
         let before = self.plan.designs[..family].iter().map(|family| family.of_starts.unwrap_or(family.starts));
@@ -209,7 +197,6 @@ impl StudySetup {
 
     /// Cramér–Rao standard deviations of the base parameters (b), at the exact motion of one period of the closed
     /// loop; infinite where the motion does not excite all of them.
-    #[must_use]
     pub fn bound(&self, exact: &States) -> Vec<f64> {
         self.bound_with_weight(exact, self.raw_samples() / exact.len() as f64)
     }
@@ -228,7 +215,6 @@ impl StudySetup {
 
     /// One run: performs the experiment on `arm`, processes what it recorded, estimates and scores. Any failure
     /// is a reason in the outcome.
-    #[must_use]
     pub fn trial(&self, id: RunId, design: &StudyDesign, arm: &mut dyn Arm) -> Outcome {
         self.outcome(id, vec![record(arm, &self.experiment(&design.trajectory))], None, &Unobserved)
     }
@@ -269,7 +255,6 @@ impl StudySetup {
 
     /// Every estimator of the plan on the same samples, each with its score against one of the truths; those that simulate
     /// need to know the experiment behind the samples, and fail.
-    #[must_use]
     pub fn estimates(&self, samples: &Samples, truth: usize) -> Vec<ScoredEstimate> {
         let closed_loop = Err(ClosedLoopError::NoReference);
         self.scored(&Processed { samples: samples.clone(), closed_loop }, truth, None, &Unobserved)

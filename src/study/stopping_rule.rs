@@ -100,18 +100,18 @@ impl StoppingRule {
     pub fn families(&self, plan: &StudyPlan) -> Result<[usize; 2], StudyPlanError> {
         let find = |found: &str| {
             let names = plan.designs.iter().map(|family| family.name.as_str());
-            names.clone().position(|name| name == found).ok_or_else(|| family_name("--until", found, names))
+            names.clone().position(|name| name == found).ok_or_else(|| family_name("until", found, names))
         };
         let families = [find(&self.first)?, find(&self.second)?];
         let starts = families.map(|family| plan.designs[family].starts);
         if starts[0] != starts[1] {
-            return Err(number("design.starts", starts[1], "as many as the other family of --until"));
+            return Err(number("design.starts", starts[1], "as many as the other family of the stopping rule"));
         }
         if starts[0] < FIRST_LOOK {
-            return Err(number("design.starts", starts[0], "at least 4, the first look of --until"));
+            return Err(number("design.starts", starts[0], "at least 4, the first look of the stopping rule"));
         }
         if let Some(truths) = plan.truths.as_ref().filter(|truths| truths.count > 1) {
-            return Err(number("truths.count", truths.count, "one arm: its starts are the units of --until"));
+            return Err(number("truths.count", truths.count, "one arm: its starts are the units of the stopping rule"));
         }
         Ok(families)
     }
@@ -156,7 +156,6 @@ impl StoppingRule {
     }
 
     /// Is the interval of a look as narrow as is wanted?
-    #[must_use]
     pub fn is_met(&self, look: &Look) -> bool {
         look.share.is_some_and(|share| share < self.share)
     }
@@ -190,7 +189,7 @@ mod tests {
         let plan = StudyPlan::from_toml(PLAN).unwrap();
         assert!(rule.families(&plan).is_ok());
         let other = StoppingRule { first: "nobody".to_owned(), ..rule.clone() };
-        assert!(other.families(&plan).unwrap_err().to_string().contains("--until is \"nobody\""));
+        assert!(other.families(&plan).unwrap_err().to_string().contains("until is \"nobody\""));
         let mut few = plan.clone();
         few.designs.iter_mut().for_each(|family| family.starts = family.starts.min(3));
         assert!(rule.families(&few).unwrap_err().to_string().contains("at least 4"));

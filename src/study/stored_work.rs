@@ -5,37 +5,17 @@ use crate::input::{FileNameError, check_file_name};
 
 /// Stored work does not fit.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum StoredWorkError {
     /// A number that points at nothing.
     #[error("{what} is {found}, expected less than {count}")]
-    Index {
-        /// Which number.
-        what: String,
-        /// What was found.
-        found: usize,
-        /// How many there are.
-        count: usize,
-    },
+    Index { what: String, found: usize, count: usize },
     /// Another number, or a list of another length, than this study has.
     #[error("{what} is {found}, expected {expected}")]
-    Number {
-        /// Which number, or the length of which list.
-        what: String,
-        /// What was found.
-        found: usize,
-        /// What would fit.
-        expected: usize,
-    },
+    Number { what: String, found: usize, expected: usize },
     /// Estimates by another estimator than the plan names there.
     #[error("an estimator of {run} is {found}, expected {planned}")]
-    Estimator {
-        /// The run.
-        run: String,
-        /// What was found.
-        found: String,
-        /// The estimator of the plan.
-        planned: String,
-    },
+    Estimator { run: String, found: String, planned: String },
     /// The plan of stored results cannot be one.
     #[error(transparent)]
     Plan(#[from] StudyPlanError),

@@ -48,7 +48,6 @@ impl StudyPlans {
     }
 
     /// The plan on each robot, in order.
-    #[must_use]
     pub fn plans(&self) -> &[StudyPlan] {
         match self {
             Self::One(plan) => std::slice::from_ref(&**plan),
@@ -81,7 +80,6 @@ impl StudyPlan {
     }
 
     /// What the folder of a study on this robot is called beside those on others: the robot's name, or its path in one word.
-    #[must_use]
     pub fn robot_folder(&self) -> String {
         folder_of(&self.robot)
     }

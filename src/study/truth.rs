@@ -36,12 +36,19 @@ impl Truth {
     /// [`FormatError`] with line and column, for either part.
     pub fn from_toml(text: &str, robot: &Robot) -> Result<Self, FormatError> {
         let file = parse_parameters(text, robot, true)?;
+        let laws = |drive: &Drive| (drive.coulomb_velocity.to_bits(), drive.shapes.clone());
+        for (joint, motor) in robot.joints().iter().zip(&file.motors) {
+            if laws(&joint.drive) != laws(motor) {
+                let message =
+                    format!("drive \"{}\" has other speeds of friction, expected those of the robot file", joint.name);
+                return Err(FormatError::at(text, 0..0, message));
+            }
+        }
         let beside: Beside = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
         Ok(Self { parameters: file.parameters, effects: beside.effects, motors: file.motors })
     }
 
     /// The vector φ of these columns, length p.
-    #[must_use]
     pub fn vector(&self, robot: &Robot, columns: Columns) -> DVector<f64> {
         self.parameters.vector(robot, columns)
     }

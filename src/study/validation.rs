@@ -88,7 +88,6 @@ impl MotionKind {
     pub const ALL: [Self; 4] = [Self::Random, Self::Slow, Self::PointToPoint, Self::Static];
 
     /// Name in tables.
-    #[must_use]
     pub const fn title(self) -> &'static str {
         match self {
             Self::Random => "random",
@@ -114,6 +113,7 @@ pub struct ValidationMotions {
 
 /// Why validation motions cannot be drawn.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum ValidationError {
     /// A random trajectory cannot be made.
     #[error(transparent)]
@@ -123,12 +123,7 @@ pub enum ValidationError {
         "none of {draws} draws of a {} validation motion is inside the torque ratings by the nominal parameters, expected \
          ratings that carry the arm at rest", kind.title()
     )]
-    Rating {
-        /// Of which kind.
-        kind: MotionKind,
-        /// How many were drawn.
-        draws: u64,
-    },
+    Rating { kind: MotionKind, draws: u64 },
 }
 
 impl ValidationMotions {
@@ -158,19 +153,16 @@ impl ValidationMotions {
     }
 
     /// The random trajectories: those that predictions are tested on, and those that an arm performs beside its runs.
-    #[must_use]
     pub fn random(&self) -> &[PeriodicTrajectory] {
         &self.random
     }
 
     /// The moves from point to point.
-    #[must_use]
     pub fn moves(&self) -> &[PointToPointMove] {
         &self.moves
     }
 
     /// The states of one kind on which predictions are tested, motion by motion.
-    #[must_use]
     pub fn states(&self, kind: MotionKind) -> Vec<States> {
         let random = || self.random[..self.tested].iter().map(|motion| motion.sample(self.samples));
         match kind {

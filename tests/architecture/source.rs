@@ -37,6 +37,8 @@ pub(crate) struct Source {
     pub(crate) logic: Vec<usize>,
     /// Names that the file hands on: the path after `pub use`, and the name it has from then on.
     pub(crate) exports: Vec<(Vec<String>, String)>,
+    /// Every string, those of macros and attributes too, documentation aside.
+    pub(crate) texts: Vec<Word>,
     /// Attributes of the whole file, as text.
     pub(crate) attributes: Vec<String>,
     inline: usize,
@@ -119,8 +121,12 @@ impl Source {
         let is = |k: usize, mark: char| matches!(tokens.get(k), Some(TokenTree::Punct(p)) if p.as_char() == mark);
         let mut k = 0;
         while k < tokens.len() {
-            if let TokenTree::Group(group) = &tokens[k] {
-                self.scan(group.stream());
+            match &tokens[k] {
+                TokenTree::Group(group) => self.scan(group.stream()),
+                TokenTree::Literal(literal) => {
+                    self.texts.push(Word { text: literal.to_string(), line: line(literal.span()) });
+                }
+                TokenTree::Ident(_) | TokenTree::Punct(_) => {}
             }
             let Some(first) = ident(k) else {
                 k += 1;
@@ -162,6 +168,18 @@ impl<'a> Visit<'a> for Source {
         if !is_test_only(&function.attrs) {
             visit::visit_impl_item(self, item);
         }
+    }
+
+    fn visit_attribute(&mut self, attribute: &'a syn::Attribute) {
+        if let syn::Meta::List(list) = &attribute.meta {
+            let mut inner = Self::default();
+            inner.scan(list.tokens.clone());
+            self.texts.append(&mut inner.texts);
+        }
+    }
+
+    fn visit_lit_str(&mut self, text: &'a syn::LitStr) {
+        self.texts.push(Word { text: text.value(), line: line(text.span()) });
     }
 
     fn visit_item_mod(&mut self, module: &'a syn::ItemMod) {

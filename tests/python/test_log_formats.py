@@ -67,15 +67,15 @@ class LogFormats(unittest.TestCase):
         return path
 
     @classmethod
-    def run_armid(cls, *words):
+    def run_armid(cls, *words, estimator="ols"):
         settings = ["--robot", "crs-a460", "--period", PERIOD, "--columns", "rigid", "--held-out", "none", "--reversal-fraction", 0,
-                    "--samples", ROWS, "--estimator", "ols", "--json"]
+                    "--samples", ROWS, "--estimator", estimator, "--json"]
         command = [ARMID, "identify", *words, *settings]
         return subprocess.run([str(word) for word in command], capture_output=True, text=True)
 
     @classmethod
-    def answer(cls, *words):
-        done = cls.run_armid(*words)
+    def answer(cls, *words, estimator="ols"):
+        done = cls.run_armid(*words, estimator=estimator)
         if done.returncode not in (0, 1):
             raise AssertionError(done.stderr)
         return json.loads(done.stdout)
@@ -194,6 +194,13 @@ class LogFormats(unittest.TestCase):
             rest = [i for i in range(6) if i not in left_out]
             self.fits(found, self.w[:, rest].reshape(-1, 60), mean[:, rest].reshape(-1))
             self.assertEqual([answer["logs"][0]["equations"][i] for i in left_out], [0] * len(left_out))
+            # Weights are the scatter of what was measured.
+            scatter = (self.tau.reshape(PERIODS, ROWS, 6) - mean)[..., rest].reshape(-1, len(rest))
+            root = np.linalg.inv(np.linalg.cholesky(scatter.T @ scatter))
+            weighted = self.answer(self.csv, "--map", f"t=t, q=q[1-6], tau={columns}", estimator="wls")
+            self.assertNotEqual(weighted["interval_basis"], "residual")
+            weighted = {parameter["name"]: parameter["value"] for parameter in weighted["base"]}
+            self.fits(weighted, (root @ self.w[:, rest]).reshape(-1, 60), (mean[:, rest] @ root.T).reshape(-1))
             self.assertIn(f"joint {left_out[0] + 1}: its effort is left out", " ".join(answer["logs"][0]["remarks"]))
         self.assertLess(len(found), len(self.plain))
 

@@ -5,6 +5,8 @@ use armid::estimation::{
     drive_gains as drive_gains_of, moved_by_gains,
 };
 use armid::model::{Columns, Robot};
+use armid::observer::Unobserved;
+use armid::remedy::{Remedy, Setting, Task};
 use armid::spatial::Inertia;
 use armid_io::{Error, Inputs, ProcessedLog};
 use serde::{Serialize, Serializer};
@@ -13,8 +15,11 @@ use serde_json::{Map, Value, json};
 use crate::payload::check_apart;
 
 /// What helps where a gain is not shown.
-const MORE: &str = "a load further from the axes, a heavier one, or more motion shows more: `armid design ROBOT --payload KG` makes a \
-                    motion for it; `armid calibrate torque-constant` needs no load";
+fn more() -> Remedy {
+    let help = Remedy::from("a load further from the axes, a heavier one, or more motion shows more: ");
+    let help = help.perform(Task::Design, "ROBOT").with(Setting::Payload, "KG").say(" makes a motion for it; ");
+    help.perform(Task::CalibrateTorqueConstant, "").say(" needs no load")
+}
 
 /// The torque constants of all drives, and everything that is said of them. It serialises to the keys of the command's answer.
 #[derive(Clone, Debug)]
@@ -52,10 +57,11 @@ pub fn drive_gains(
 ) -> Result<DriveGainsAnswer, Error> {
     let constants = constants([&without, with], [&inputs, &inputs_with])?;
     if without.has_no_periods() {
-        without.find_onset(columns)?;
+        without.find_onset(columns, &Unobserved)?;
     }
     let observations = without.gain_equations(with, columns, load)?;
-    let named = |error: EstimationError| Error::new(format!("{}, {}: {error}", without.name(), with.name())).help(MORE);
+    let named =
+        |error: EstimationError| Error::new(format!("{}, {}: {error}", without.name(), with.name())).help(more());
     let [first, second] = &observations;
     let found = GainMethod::ALL.iter().map(|&method| drive_gains_of(first, second, load, method));
     let found = found.collect::<Result<Vec<_>, _>>().map_err(named)?;
@@ -83,25 +89,24 @@ fn constants([without, with]: [&ProcessedLog; 2], [first, second]: [&Inputs; 2])
             "joint \"{}\" is driven by several motors, expected one motor for each joint: its torque has no gain of its own",
             robot.joints()[joint].name
         );
-        return Err(Error::new(message).help("`armid calibrate torque-constant` measures each motor's by its back-EMF"));
+        let help = Remedy::task(Task::CalibrateTorqueConstant, "").say(" measures each motor's by its back-EMF");
+        return Err(Error::new(message).help(help));
     }
     let (stated, again) = (without.stated_constants()?, with.stated_constants()?);
     if stated != again {
         let message = format!("{} states other torque constants than {}", with.name(), without.name());
         return Err(
-            Error::mismatch(message).help("`armid identify --drive-gains --robot ROBOT` takes one robot file for both")
+            Error::mismatch(message).help(Remedy::set(Setting::Robot, "ROBOT").say(" is one robot file for both"))
         );
     }
     Ok(stated)
 }
 
 impl DriveGainsAnswer {
-    /// The result that has no bias by the noise of the currents, where it was found.
+    /// The result that has no bias by the noise of the currents, and so has intervals.
     #[must_use]
     pub fn taken(&self) -> &DriveGains {
-        let total = self.found.iter().find(|found| found.method == GainMethod::Total);
-        let total = total.filter(|found| found.termination.was_successful());
-        total.unwrap_or(&self.found[0])
+        self.found.iter().find(|found| found.method == GainMethod::Total).unwrap_or(&self.found[0])
     }
 
     /// Whether every gain was found.
@@ -121,7 +126,8 @@ impl DriveGainsAnswer {
     #[must_use]
     pub fn constant(&self, joint: usize, gain: &DriveGain) -> DriveGain {
         let stated = self.constants[joint];
-        DriveGain { value: stated * gain.value, std: stated * gain.std, ci95: gain.ci95.map(|end| stated * end) }
+        let ci95 = gain.ci95.map(|ends| ends.map(|end| stated * end));
+        DriveGain { value: stated * gain.value, std: gain.std.map(|std| stated * std), ci95 }
     }
 
     /// The lines that state the constants that were found; none where one was not.

@@ -2,12 +2,16 @@
 //!
 //! | to | call |
 //! |---|---|
+//! | evaluate the equations of motion | [`dynamics()`], [`regressor`] |
 //! | find the base parameters | [`reduce`] |
 //! | simulate a loaded robot | [`simulated_arm`], [`simulate`] |
 //! | design a trajectory | [`design::design`] |
 //! | identify a log | [`identification::identify`] |
+//! | predict another log | [`validate`], [`validate_model`] |
+//! | write a model or source code | [`export::export`], [`export::export_source`] |
+//! | draw a page | [`report`] |
 //! | find what the last link carries, or torque constants by a known load | [`payload()`], [`drive_gains()`] |
-//! | perform a study | [`study::perform`], [`study::merge`], [`study::forecast`] |
+//! | perform a study | [`study::perform`], [`study::merge`] |
 //!
 //! From a robot to its parameters, on a simulated arm:
 //!
@@ -37,13 +41,20 @@
 mod counter;
 pub mod design;
 mod drive_gains;
+mod dynamics;
+pub mod export;
 pub mod identification;
+pub mod numbers;
 mod payload;
 mod reduction;
+pub mod report;
 mod simulation;
 pub mod study;
+mod validation;
 
 pub use drive_gains::{DriveGainsAnswer, drive_gains};
+pub use dynamics::{DynamicsAnswer, Quantity, dynamics, parameters_of, regressor};
 pub use payload::{PayloadAnswer, PayloadSide, columns_of, payload};
 pub use reduction::{ReductionAnswer, ReductionSettings, reduce};
 pub use simulation::{Simulated, SimulationSettings, simulate, simulated_arm};
+pub use validation::{ValidationAnswer, ValidationVerdict, validate, validate_model};

@@ -3,14 +3,12 @@
 use armid::base::{Method, reduce};
 use armid::estimation::{Estimate, Payload, payload as payload_of};
 use armid::model::{Columns, Robot};
+use armid::remedy::{Remedy, Task};
 use armid::seed::Seed;
 use armid_io::estimate::check_robot;
 use armid_io::{Error, Inputs, LoadedRobot};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
-
-/// Standard deviations wider than by this factor: the arm changed in more than a load.
-const TOO_WIDE: f64 = 3.0;
 
 /// An estimate of the arm without or with its load.
 #[derive(Clone, Debug)]
@@ -70,23 +68,20 @@ pub fn payload(loaded: &LoadedRobot, without: PayloadSide, with: PayloadSide) ->
     let base = reduce(&loaded.robot, columns, Method::Structural, Seed::new(0))
         .map_err(|error| Error::new(format!("robot \"{}\": {error}", loaded.robot.name())))?;
     let found = payload_of(&base, &without.estimate, &with.estimate).map_err(|error| {
-        let help = "both logs must move every joint; `armid design` makes a motion that does";
+        let help = Remedy::from("both logs must move every joint; ")
+            .perform(Task::Design, "")
+            .say(" makes a motion that does");
         Error::new(format!("{}, {}: {error}", without.name, with.name)).help(help)
     })?;
     Ok(PayloadAnswer { found, robot: loaded.robot.clone(), without, with })
 }
 
 impl PayloadAnswer {
-    /// Whether the arm changed as a load on its last link changes it.
-    #[must_use]
-    pub fn is_of_a_load(&self) -> bool {
-        self.found.widened_by <= TOO_WIDE
-    }
-
-    /// Whether the body was found, agrees with the estimates, and is all that changed.
+    /// Whether the body was found, agrees with the estimates and weighs something, and is all that changed.
     #[must_use]
     pub fn is_sound(&self) -> bool {
-        self.found.body.termination.was_successful() && self.found.body.is_within() && self.is_of_a_load()
+        let Payload { body, negative_mass, .. } = &self.found;
+        body.termination.was_successful() && body.is_within() && negative_mass.is_none() && self.found.is_of_a_load()
     }
 
     /// Name of the link that carries it.
@@ -99,7 +94,7 @@ impl PayloadAnswer {
 impl Serialize for PayloadAnswer {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let found = &self.found;
-        let body = found.inertia();
+        let body = found.body.inertia;
         let centre = body.first_moment / body.mass;
         let combinations: Vec<Value> = found
             .combinations
@@ -125,6 +120,7 @@ impl Serialize for PayloadAnswer {
             "parameters": found.parameters,
             "combinations": combinations,
             "covariance": found.combinations.covariance,
+            "negative_mass": found.negative_mass,
             "body": {
                 "mass_kg": body.mass,
                 "com_m": centre.as_slice(),
@@ -138,6 +134,8 @@ impl Serialize for PayloadAnswer {
             "chi_squared": found.chi_squared,
             "chi_squared_limit": found.chi_squared_limit,
             "widened_by": found.widened_by,
+            "friction_change": found.friction_change,
+            "offset_change": found.offset_change,
             "inputs": { "without": self.without.inputs, "with": self.with.inputs },
         })
         .serialize(serializer)

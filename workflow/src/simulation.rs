@@ -50,7 +50,6 @@ pub struct Simulated {
 
 impl Simulated {
     /// The recording as a log.
-    #[must_use]
     pub fn log(&self) -> Log {
         let name = format!("simulated {}", self.recording.robot);
         Log::of_recording(&name, self.recording.clone(), None)

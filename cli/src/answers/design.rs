@@ -10,7 +10,7 @@ use armid_workflow::design::{DesignAnswer, Gain, HeaviestLoad};
 
 use crate::answers::clearance;
 use crate::answers::separating::SeparatingExperiment;
-use crate::terminal::{Align, Destination, Table, number};
+use crate::terminal::{Destination, Table, number};
 
 /// How a start ended, in words.
 fn ending(design: &Design, robot: &Robot) -> String {
@@ -109,8 +109,7 @@ impl DesignText<'_> {
                 ending(best, answer.problem.robot())
             );
         }
-        let mut worth =
-            Table::new(&[("", Align::Left), ("rigid columns", Align::Right), ("all columns", Align::Right)]);
+        let mut worth = Table::of(" | #rigid columns | #all columns");
         for (name, rigid, all) in [
             ("condition number", certificate.condition, certificate.condition_all),
             ("with columns of unit length", certificate.condition_scaled, certificate.condition_scaled_all),
@@ -122,7 +121,7 @@ impl DesignText<'_> {
             worth.row(["bias susceptibility, ref. units per N·m".to_owned(), "–".to_owned(), number(bias)]);
         }
         text.push_str(&worth.render(2));
-        let mut limits = Table::new(&[("limit", Align::Left), ("used", Align::Right), ("most", Align::Left)]);
+        let mut limits = Table::of("limit | #used | most");
         let worst = &certificate.worst;
         for limit in LimitKind::ALL {
             let Some(case) = worst.of(limit) else { continue };
@@ -184,13 +183,7 @@ impl DesignText<'_> {
             let _ = writeln!(text, "  {}", figure.display());
         }
         if verbose {
-            let mut starts = Table::new(&[
-                ("start", Align::Right),
-                ("value", Align::Right),
-                ("iterations", Align::Right),
-                ("evaluations", Align::Right),
-                ("ended", Align::Left),
-            ]);
+            let mut starts = Table::of("#start | #value | #iterations | #evaluations | ended");
             for (start, design) in answer.designs.iter().enumerate() {
                 starts.row([
                     start.to_string(),

@@ -2,10 +2,11 @@
 
 use std::fmt::Write;
 
+use armid::estimation::DriveGain;
 use armid_workflow::DriveGainsAnswer;
 
 use super::findings::paragraph;
-use crate::terminal::{Align, Table, number};
+use crate::terminal::{Table, number};
 
 /// Parameters that are listed for each joint.
 const LISTED: usize = 6;
@@ -56,33 +57,27 @@ impl DriveGainsText<'_> {
     }
 
     fn constants_table(&self) -> String {
-        let mut table = Table::new(&[
-            ("joint", Align::Left),
-            ("by", Align::Left),
-            ("torque constant", Align::Right),
-            ("95 % interval", Align::Right),
-            ("", Align::Right),
-            ("stated", Align::Right),
-            ("over stated", Align::Right),
-            ("95 % interval", Align::Right),
-            ("", Align::Right),
-        ]);
+        let mut table = Table::of(
+            "joint | by | #torque constant | #95 % interval | # | #stated | #over stated | #95 % interval | #",
+        );
         for joint in 0..self.0.robot.dof() {
             for (k, found) in self.0.found.iter().enumerate() {
                 let gain = &found.gains[joint];
                 let constant = self.0.constant(joint, gain);
                 let first = |text: String| if k == 0 { text } else { String::new() };
-                let five = |value: f64| format!("{value:.5}");
+                let end = |gain: &DriveGain, k: usize, digits: usize| {
+                    gain.ci95.map_or_else(String::new, |ends| format!("{:.digits$}", ends[k]))
+                };
                 table.row([
                     first(self.0.joint(joint).to_owned()),
                     found.method.name().to_owned(),
-                    format!("{} N·m/A", five(constant.value)),
-                    five(constant.ci95[0]),
-                    five(constant.ci95[1]),
+                    format!("{:.5} N·m/A", constant.value),
+                    end(&constant, 0, 5),
+                    end(&constant, 1, 5),
                     first(number(self.0.constants[joint])),
                     format!("{:.4}", gain.value),
-                    format!("{:.4}", gain.ci95[0]),
-                    format!("{:.4}", gain.ci95[1]),
+                    end(gain, 0, 4),
+                    end(gain, 1, 4),
                 ]);
             }
         }
@@ -92,8 +87,9 @@ impl DriveGainsText<'_> {
     fn sentences(&self) -> Vec<String> {
         let taken = self.0.taken();
         let mut all = vec![format!(
-            "The noise of the currents draws ols, wls and ridge towards zero, and tls not; what follows is by {}. The load is taken as \
-             exact: a mass that is one per cent too large makes every constant one per cent too large.",
+            "ols, wls and ridge have no intervals: the noise of the currents draws them towards zero, by more than they scatter. What \
+             follows is by {}. The load is taken as exact: a mass that is one per cent too large makes every constant one per cent too \
+             large.",
             taken.method.name()
         )];
         let (wrong, hidden) = (taken.wrong(), taken.hidden());
@@ -114,7 +110,7 @@ impl DriveGainsText<'_> {
 
     /// The parameters that each joint's constant moves most, in standard deviations, of those that differ from zero.
     fn moves_table(&self) -> String {
-        let mut table = Table::new(&[("joint", Align::Left), ("parameters", Align::Left)]);
+        let mut table = Table::of("joint | parameters");
         for joint in 0..self.0.robot.dof() {
             let moved = self.0.stated.base.iter().zip(self.0.moved.iter().map(|row| row[joint]));
             let mut moved: Vec<_> = moved

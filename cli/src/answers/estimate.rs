@@ -2,27 +2,14 @@
 
 use std::fmt::Write;
 
-use armid::estimation::{Estimate, TorqueResidual};
+use armid::estimation::TorqueResidual;
 use armid_io::ProcessedLog;
-use armid_workflow::identification::{Identified, IdentifyAnswer};
-use serde_json::Value;
+use armid_workflow::identification::Identified;
+use armid_workflow::numbers::{number, percent};
 
-use super::exchange::Exchange;
 use super::findings::{findings, paragraph};
-use super::labels::{joint_names, percent};
-use super::model_prediction::PredictionError;
-use super::verdict::Verdict;
-use crate::terminal::{Align, Table, number};
-
-/// An estimate with everything that is said of it.
-pub(crate) struct EstimateAnswer<'a> {
-    estimate: &'a Estimate,
-    prepared: &'a ProcessedLog,
-    used: &'a TorqueResidual,
-    held_out: Option<&'a TorqueResidual>,
-    expressions: &'a [String],
-    verdict: Verdict,
-}
+use super::verdict::verdict_text;
+use crate::terminal::{Align, Table};
 
 /// Residuals joint by joint, and in total.
 pub(crate) fn residual_table(
@@ -91,101 +78,83 @@ pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
     text
 }
 
-impl<'a> EstimateAnswer<'a> {
-    /// One of the estimates of an answer.
-    pub(crate) fn new(answer: &'a IdentifyAnswer, of: &'a Identified, files: &[(Exchange, PredictionError)]) -> Self {
-        let Identified { estimate, used, held_out, expressions } = of;
-        let (prepared, held_out) = (&answer.log, held_out.as_ref());
-        // Equations that no test of a shape can use have none.
-        let trends = prepared.residual_trends(estimate, "the estimate").ok();
-        let said = (answer.suspicions.as_slice(), files);
-        let verdict = Verdict::new(estimate, prepared, used, held_out, said, trends.as_ref());
-        Self { estimate, prepared, used, held_out, expressions, verdict }
+/// An estimate with everything that is said of it.
+pub(crate) fn estimate_text(prepared: &ProcessedLog, of: &Identified, verbose: bool) -> String {
+    let Identified { estimate, used, held_out, verdict, .. } = of;
+    let time = |of: fn(&armid_io::log::LogReport) -> f64| prepared.reports.iter().map(of).sum::<f64>();
+    let averaged = if prepared.samples.period_s.is_some() {
+        let plural = if estimate.periods == 1 { "" } else { "s" };
+        format!("{} period{plural} averaged", estimate.periods)
+    } else {
+        "no periods".to_owned()
+    };
+    let mut text = format!(
+        "{} by {}: {} base parameters of \"{}\" ({})\n",
+        prepared.name(),
+        estimate.estimator,
+        estimate.base.len(),
+        estimate.robot,
+        estimate.columns,
+    );
+    let _ = writeln!(text, "\n{}", verdict_text(verdict));
+    let _ = writeln!(text, "torque below {} Hz that the estimate does not explain", number(used.bandwidth_hz));
+    text += &residual_table(&prepared.joint_names(), &estimate.units, used, held_out.as_ref());
+    let sentence = format!(
+        "{} s used, {} s held out, {averaged}; {} samples; condition {} ({} with columns of unit length)",
+        number(time(|report| report.used_s)),
+        number(time(|report| report.held_out_s)),
+        estimate.samples,
+        number(estimate.condition),
+        number(estimate.condition_scaled),
+    );
+    let _ = write!(text, "\n{}", paragraph(&sentence, 2));
+    text += &left_out(prepared);
+    text.push('\n');
+    text += &parameters(of, verbose);
+    match estimate.consistent {
+        Some(true) => text.push_str("\nthe full set of parameters is physically consistent\n"),
+        Some(false) => text.push_str("\nthe full set of parameters is not physically consistent\n"),
+        None => {}
     }
-
-    /// The keys of the first screen.
-    pub(crate) fn verdict(&self) -> Value {
-        self.verdict.json()
-    }
-
-    pub(crate) fn text(&self, verbose: bool) -> String {
-        let estimate = self.estimate;
-        let time = |of: fn(&armid_io::log::LogReport) -> f64| self.prepared.reports.iter().map(of).sum::<f64>();
-        let averaged = if self.prepared.samples.period_s.is_some() {
-            let plural = if estimate.periods == 1 { "" } else { "s" };
-            format!("{} period{plural} averaged", estimate.periods)
-        } else {
-            "no periods".to_owned()
-        };
-        let mut text = format!(
-            "{} by {}: {} base parameters of \"{}\" ({})\n",
-            self.prepared.name(),
-            estimate.estimator,
-            estimate.base.len(),
-            estimate.robot,
-            estimate.columns,
-        );
-        let _ = writeln!(text, "\n{}", self.verdict.text());
-        let _ = writeln!(text, "torque below {} Hz that the estimate does not explain", number(self.used.bandwidth_hz));
-        text += &residual_table(&joint_names(self.prepared), &estimate.units, self.used, self.held_out);
-        let sentence = format!(
-            "{} s used, {} s held out, {averaged}; {} samples; condition {} ({} with columns of unit length)",
-            number(time(|report| report.used_s)),
-            number(time(|report| report.held_out_s)),
-            estimate.samples,
-            number(estimate.condition),
-            number(estimate.condition_scaled),
-        );
-        let _ = write!(text, "\n{}", paragraph(&sentence, 2));
-        text += &left_out(self.prepared);
-        text.push('\n');
-        text += &self.parameters(verbose);
-        match estimate.consistent {
-            Some(true) => text.push_str("\nthe full set of parameters is physically consistent\n"),
-            Some(false) => text.push_str("\nthe full set of parameters is not physically consistent\n"),
-            None => {}
+    if verbose && let Some(standard) = &estimate.standard {
+        let mut table = Table::new(&[("standard parameter", Align::Left), ("value", Align::Right)]);
+        for parameter in standard {
+            table.row([parameter.name.clone(), format!("{:.6}", parameter.value)]);
         }
-        if verbose && let Some(standard) = &estimate.standard {
-            let mut table = Table::new(&[("standard parameter", Align::Left), ("value", Align::Right)]);
-            for parameter in standard {
-                table.row([parameter.name.clone(), format!("{:.6}", parameter.value)]);
-            }
-            let _ = write!(text, "\n{}", table.render(2));
-        }
-        text.push_str(&findings(&estimate.findings, self.verdict.groups()));
-        text
+        let _ = write!(text, "\n{}", table.render(2));
     }
+    text.push_str(&findings(&estimate.findings, verdict.groups));
+    text
+}
 
-    fn parameters(&self, verbose: bool) -> String {
-        let declares = self.estimate.base.iter().any(|parameter| parameter.declared_std > 0.0);
-        let mut headings = vec![("parameter", Align::Left), ("value", Align::Right), ("std", Align::Right)];
+fn parameters(Identified { estimate, expressions, .. }: &Identified, verbose: bool) -> String {
+    let declares = estimate.base.iter().any(|parameter| parameter.declared_std > 0.0);
+    let mut headings = vec![("parameter", Align::Left), ("value", Align::Right), ("std", Align::Right)];
+    if declares {
+        // In squares: what the robot file declares, and no residual shows.
+        headings.push(("of it declared", Align::Right));
+    }
+    headings.extend([("95 % interval", Align::Right), ("", Align::Right), ("unit", Align::Left)]);
+    if verbose {
+        headings.push(("stands for", Align::Left));
+    }
+    let mut table = Table::new(&headings);
+    for (parameter, expression) in estimate.base.iter().zip(expressions) {
+        let decimals = decimals(parameter.std);
+        let shown = |number: f64| if number.is_finite() { format!("{number:.decimals$}") } else { "–".to_owned() };
+        let [value, low, high] = [parameter.value, parameter.ci95[0], parameter.ci95[1]].map(shown);
+        let std = format!("{:.decimals$}", parameter.std);
+        let mut row = vec![parameter.name.clone(), value, std];
         if declares {
-            // In squares: what the robot file declares, and no residual shows.
-            headings.push(("of it declared", Align::Right));
+            row.push(format!("{:.decimals$}", parameter.declared_std));
         }
-        headings.extend([("95 % interval", Align::Right), ("", Align::Right), ("unit", Align::Left)]);
+        row.extend([low, high, parameter.unit.clone()]);
         if verbose {
-            headings.push(("stands for", Align::Left));
+            row.push(if *expression == parameter.name { String::new() } else { expression.clone() });
         }
-        let mut table = Table::new(&headings);
-        for (parameter, expression) in self.estimate.base.iter().zip(self.expressions) {
-            let decimals = decimals(parameter.std);
-            let shown =
-                |number: f64| if number.is_finite() { format!("{number:.decimals$}") } else { "–".to_owned() };
-            let [value, low, high] = [parameter.value, parameter.ci95[0], parameter.ci95[1]].map(shown);
-            let std = format!("{:.decimals$}", parameter.std);
-            let mut row = vec![parameter.name.clone(), value, std];
-            if declares {
-                row.push(format!("{:.decimals$}", parameter.declared_std));
-            }
-            row.extend([low, high, parameter.unit.clone()]);
-            if verbose {
-                row.push(if *expression == parameter.name { String::new() } else { expression.clone() });
-            }
-            table.row(row);
-        }
-        table.render(2)
+        table.row(row);
     }
+    table.render(2)
 }
 
 /// Decimals that show two digits of a standard deviation.

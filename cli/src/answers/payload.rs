@@ -2,6 +2,7 @@
 
 use std::fmt::Write;
 
+use armid::estimation::{NegativeMass, NegativeMassCause};
 use armid_workflow::PayloadAnswer;
 
 use crate::terminal::{Align, Table, number};
@@ -12,6 +13,7 @@ pub(crate) fn text(answer: &PayloadAnswer) -> String {
     let (without, with) = (&without.name, &with.name);
     let mut text =
         format!("load on link \"{}\" of \"{}\", in its frame: {with} against {without}\n", answer.link(), robot.name());
+    text += &found.negative_mass.map(negative).unwrap_or_default();
     let mut table = Table::new(&[
         ("parameter", Align::Left),
         ("value", Align::Right),
@@ -30,7 +32,7 @@ pub(crate) fn text(answer: &PayloadAnswer) -> String {
         table.row([parameter.name.clone(), value, std, low, high, unit, number(parameter.consistent)]);
     }
     text += &table.render(2);
-    let body = found.inertia();
+    let body = found.body.inertia;
     let centre: Vec<String> = (body.first_moment / body.mass).iter().map(|&x| number(x)).collect();
     let _ = writeln!(
         text,
@@ -39,6 +41,12 @@ pub(crate) fn text(answer: &PayloadAnswer) -> String {
         centre.join(", "),
         number(found.body.chi_squared),
         number(found.body.chi_squared_limit)
+    );
+    let _ = writeln!(
+        text,
+        "between the logs friction changed by {} %, and offsets by {} of the residual of their joints, as both logs show",
+        number(100.0 * found.friction_change),
+        number(found.offset_change)
     );
     if found.chi_squared > found.chi_squared_limit {
         let _ = writeln!(
@@ -49,8 +57,29 @@ pub(crate) fn text(answer: &PayloadAnswer) -> String {
             number(found.widened_by)
         );
     }
-    if !answer.is_of_a_load() {
+    if !found.is_of_a_load() {
         text += "→ record both logs on the same day with the same motion, or look for what else changed\n";
     }
     text
+}
+
+/// Why there is no mass.
+fn negative(mass: NegativeMass) -> String {
+    let NegativeMass { free, cause } = mass;
+    let [low, high] = free.ci95.map(number);
+    let (why, action) = match cause {
+        NegativeMassCause::ArmChanged => (
+            "the arm changed by more than a load explains",
+            "record both logs on the same day, with one calibration of the torques",
+        ),
+        NegativeMassCause::Lighter => (
+            "the arm is lighter in the log with the load",
+            "exchange --without and --with, or reverse the torques in --map (tau=… sign=-)",
+        ),
+        NegativeMassCause::NotShown => (
+            "this motion does not show the mass, or there is no load",
+            "move the joints that lift the load further: `armid design ROBOT --payload KG` makes a motion",
+        ),
+    };
+    format!("no mass: both logs give {} kg ({low} to {high}); {why}\n→ {action}\n\n", number(free.value))
 }

@@ -10,7 +10,7 @@ use serde_json::{Value, json};
 
 use super::findings::paragraph;
 use crate::arms::{Experiment, Performed, Speed};
-use crate::terminal::{Align, Answer, Table, number};
+use crate::terminal::{Answer, Table, number};
 
 /// An RMS error above this part of the range of a joint's command counts as not following it.
 const NOT_FOLLOWED: f64 = 0.1;
@@ -154,7 +154,7 @@ impl Done {
 
 /// How close each check of the guard came to its limit.
 fn watched(guard: &GuardRecord) -> Table {
-    let mut table = Table::new(&[("guard", Align::Left), ("used", Align::Right), ("trips within", Align::Right)]);
+    let mut table = Table::of("guard | #used | #trips within");
     for trip in Trip::ALL {
         let Some(used) = guard.used.get(trip.name()) else { continue };
         let bound = trip.bound_ms(&guard.settings, guard.rate_hz);
@@ -179,15 +179,7 @@ fn not_followed(experiment: &Experiment, tracking: &Tracking) -> Vec<String> {
 
 /// How the servo followed while it counted.
 fn followed(robot: &Robot, tracking: &Tracking) -> Table {
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("error RMS", Align::Right),
-        ("peak", Align::Right),
-        ("effort peak", Align::Right),
-        ("of rating", Align::Right),
-        ("current peak", Align::Right),
-        ("of limit", Align::Right),
-    ]);
+    let mut table = Table::of("joint | #error RMS | #peak | #effort peak | #of rating | #current peak | #of limit");
     for (i, joint) in robot.joints().iter().enumerate() {
         let error = |value: f64| match joint.kind {
             JointKind::Revolute => format!("{} mdeg", number(1e3 * value.to_degrees())),

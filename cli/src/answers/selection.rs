@@ -4,20 +4,12 @@ use armid::estimation::{HeldOutData, Selection, TermEvidence, Verdict};
 
 use super::findings::paragraph;
 use super::friction_speed::change_text;
-use crate::terminal::{Align, Table, number};
+use crate::terminal::{Table, number};
 
 /// The table of all candidates, and what it means.
 pub(crate) fn selection_text(selection: &Selection) -> String {
-    let mut table = Table::new(&[
-        ("term", Align::Left),
-        ("coefficients", Align::Right),
-        ("F", Align::Right),
-        ("probability", Align::Right),
-        ("ΔAIC", Align::Right),
-        ("ΔBIC", Align::Right),
-        ("change of the squared error", Align::Right),
-        ("verdict", Align::Left),
-    ]);
+    let mut table =
+        Table::of("term | #coefficients | #F | #probability | #ΔAIC | #ΔBIC | #change of the squared error | verdict");
     for term in &selection.terms {
         table.row(row(term));
     }

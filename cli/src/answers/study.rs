@@ -101,19 +101,9 @@ fn over_truths(text: &mut String, findings: &Findings, estimator: &str) {
 }
 
 fn families(result: &StudyResult) -> Table {
-    let mut table = Table::new(&[
-        ("criterion", Align::Left),
-        ("estimator", Align::Left),
-        ("designs", Align::Right),
-        ("runs", Align::Right),
-        ("prediction N·m", Align::Right),
-        ("of rating", Align::Right),
-        ("log volume", Align::Right),
-        ("reference", Align::Right),
-        ("SI", Align::Right),
-        ("measured N·m", Align::Right),
-        ("coverage %", Align::Right),
-    ]);
+    let mut table = Table::of(
+        "criterion | estimator | #designs | #runs | #prediction N·m | #of rating | #log volume | #reference | #SI | #measured N·m | #coverage %",
+    );
     for family in &result.findings().families {
         let mut row =
             vec![family.family.clone(), family.estimator.clone(), family.designs.to_string(), family.runs.to_string()];

@@ -3,20 +3,12 @@
 use armid::calibration::{Measured, StiffnessVerdict, TransmissionStiffness};
 
 use super::findings::paragraph;
-use crate::terminal::{Align, Table, number};
+use crate::terminal::{Table, number};
 
 /// The table of all transmissions, and what it means.
 pub(crate) fn transmission_text(transmissions: &[TransmissionStiffness]) -> String {
-    let mut table = Table::new(&[
-        ("transmission", Align::Left),
-        ("stiffness", Align::Right),
-        ("95 %", Align::Right),
-        ("", Align::Left),
-        ("rotor", Align::Right),
-        ("wind-up RMS, mrad (mm)", Align::Right),
-        ("noise of it", Align::Right),
-        ("verdict", Align::Left),
-    ]);
+    let mut table =
+        Table::of("transmission | #stiffness | #95 % |  | #rotor | #wind-up RMS, mrad (mm) | #noise of it | verdict");
     let or_dash = |value: Option<String>| value.unwrap_or_else(|| "–".to_owned());
     for one in transmissions {
         let ends = |measured: Measured| format!("{} to {}", number(measured.ci95[0]), number(measured.ci95[1]));

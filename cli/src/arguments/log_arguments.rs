@@ -69,7 +69,7 @@ pub(crate) struct LogArguments {
     /// Velocities and accelerations: through Fourier coefficients (the default), or filtered differences
     #[arg(long, value_parser = one_of(&Derivatives::ALL, Derivatives::name), help_heading = "Processing")]
     derivatives: Option<Derivatives>,
-    /// Cut-off of the low pass ahead of differences; 5 times the highest commanded frequency, at least 10
+    /// Highest frequency kept of the positions; found in the log by default
     #[arg(long, value_name = "HZ", help_heading = "Processing")]
     cutoff_hz: Option<f64>,
     /// Leave out equations of a joint slower than this share of its top speed, 0.02 by default; 0 keeps all
@@ -140,13 +140,8 @@ impl LogArguments {
     }
 
     /// The logs that an estimate was made from, read and processed again, with what it held out; and what it was made from. `moved` is
-    /// where the logs are now, if anything; `change` is what differs from the settings of the estimate.
-    pub(crate) fn again(
-        &self,
-        estimate: &Text,
-        moved: &[PathBuf],
-        change: impl Fn(&mut LogSettings),
-    ) -> Result<(ProcessedLog, Inputs), Error> {
+    /// where the logs are now, if anything.
+    pub(crate) fn again(&self, estimate: &Text, moved: &[PathBuf]) -> Result<(ProcessedLog, Inputs), Error> {
         let Some(inputs) = Inputs::of_estimate(estimate)? else {
             let message = format!("{} does not state which logs it was made from", estimate.name);
             return Err(Error::new(message).help("identify again, with -o"));
@@ -154,9 +149,8 @@ impl LogArguments {
         let base_link = self.chain.base_link.clone().or_else(|| inputs.robot.base_link.clone());
         let tip_link = self.chain.tip_link.clone().or_else(|| inputs.robot.tip_link.clone());
         let arguments = Self::of_robot(self.robot.clone(), ChainArguments { base_link, tip_link });
-        let mut settings = inputs.settings.clone();
-        change(&mut settings);
-        let read = |logs: &[PathBuf]| arguments.process(logs, Some(&inputs), settings.held_out, Some(&settings));
+        let settings = &inputs.settings;
+        let read = |logs: &[PathBuf]| arguments.process(logs, Some(&inputs), settings.held_out, Some(settings));
         let logs = if moved.is_empty() { inputs.logs.iter().map(PathBuf::from).collect() } else { moved.to_vec() };
         let (mut prepared, now) = read(&logs)?;
         inputs.check_files(&now.files, &estimate.name)?;
@@ -266,7 +260,7 @@ impl LogArguments {
         };
         if self.samples.is_some() && foreign && period_s.is_none() && !finds_period {
             let message = "--samples is of an averaged period, found a log without a period";
-            return Err(Error::new(message).help("--cutoff-hz sets how many equations a log without periods gives"));
+            return Err(Error::new(message).help("--cutoff-hz F gives a log without periods 4 F equations a second"));
         }
         Ok(LogSettings {
             period_s,

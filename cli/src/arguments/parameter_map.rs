@@ -6,8 +6,8 @@ use armid::model::format::parse_parameter_map;
 use armid::model::{Robot, StandardParameters};
 use armid_io::{Error, Text};
 
-/// Reads one, TOML or JSON; parameters that it leaves out are zero.
-pub(crate) fn read_parameter_map(path: &Path, robot: &Robot) -> Result<StandardParameters, Error> {
+/// Reads one, TOML or JSON, and the robot with the laws of friction that it states; parameters that it leaves out are zero.
+pub(crate) fn read_parameter_map(path: &Path, robot: &Robot) -> Result<(StandardParameters, Robot), Error> {
     let text = Text::read(path)?;
     parse_parameter_map(&text.content, robot).map_err(|error| Error::of_format(&text, &error))
 }

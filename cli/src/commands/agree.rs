@@ -16,7 +16,7 @@ use miette::Result;
 use serde_json::{Value, json};
 
 use crate::arguments::RobotArguments;
-use crate::terminal::{Align, Answer, Console, Ending, Table, number, report_folder};
+use crate::terminal::{Answer, Console, Ending, Table, number, report_folder};
 
 const AFTER_HELP: &str = "\
 Free motion has no torque and no friction and lasts a quarter of a second; the reference is the
@@ -113,14 +113,7 @@ fn text(agreement: &Agreement, breaches: &[Breach], loaded: &LoadedRobot, drawn:
         number(agreement.travel),
         number(agreement.step_s),
     );
-    let mut engines = Table::new(&[
-        ("engine", Align::Left),
-        ("order", Align::Right),
-        ("error, rad (m)", Align::Right),
-        ("of the way", Align::Right),
-        ("energy", Align::Right),
-        ("torque residual", Align::Right),
-    ]);
+    let mut engines = Table::of("engine | #order | #error, rad (m) | #of the way | #energy | #torque residual");
     for own in &agreement.engines {
         let error = own.free * agreement.travel;
         let order = own.order.map_or_else(|| "–".to_owned(), |order| format!("{order:.3}"));
@@ -130,12 +123,7 @@ fn text(agreement: &Agreement, breaches: &[Breach], loaded: &LoadedRobot, drawn:
     }
     text.push_str(&engines.render(2));
     if !agreement.pairs.is_empty() {
-        let mut pairs = Table::new(&[
-            ("engines", Align::Left),
-            ("free motion", Align::Right),
-            ("closed loop", Align::Right),
-            ("at joint", Align::Left),
-        ]);
+        let mut pairs = Table::of("engines | #free motion | #closed loop | at joint");
         for pair in &agreement.pairs {
             let most = pair.largest();
             let joint = pair.closed_loop.iter().position(|&d| d == most);

@@ -6,7 +6,6 @@ use armid::model::Columns;
 use armid::spatial::Inertia;
 use armid_io::Error;
 use armid_io::log::HeldOut;
-use armid_io::output::{self, pretty};
 use armid_workflow::drive_gains;
 use miette::Result;
 
@@ -25,13 +24,6 @@ pub(super) fn run(
     let (with, inputs_with) = log.process(with, Some(&inputs), HeldOut::Nothing, None)?;
     let answer = drive_gains((without, inputs), (&with, inputs_with), columns, load)?;
     let json = serde_json::to_value(&answer).map_err(Error::of)?;
-    if console.to_standard_output() {
-        console.print(&pretty(&json))?;
-    }
-    if let Some(path) = console.output() {
-        output::write_text(path, &pretty(&json))?;
-        console.note(format!("wrote {}", path.display()));
-    }
-    console.show(&Answer { text: DriveGainsText(&answer).text(), json })?;
+    console.deliver_json(&Answer { text: DriveGainsText(&answer).text(), json })?;
     Ok(if answer.is_sound() { Ending::Done } else { Ending::Negative })
 }

@@ -3,13 +3,11 @@
 use std::fmt::Write;
 use std::path::PathBuf;
 
-use armid::dynamics::{Dynamics, States};
-use armid::model::{Columns, StandardParameters};
-use armid::regressor::JointTorqueRegressor;
+use armid::model::{Columns, Robot, StandardParameters};
 use armid_io::table::{Third, parse_states};
 use armid_io::{Error, LoadedRobot, Text};
+use armid_workflow::{DynamicsAnswer, Quantity, dynamics, regressor};
 use miette::Result;
-use serde_json::{Value, json};
 
 use crate::arguments::{RobotArguments, columns, one_of, read_parameter_map};
 use crate::terminal::{Answer, Console, Ending};
@@ -32,28 +30,6 @@ Examples:
   armid dynamics crs-a460 --states S.csv --quantity regressor --columns rigid+rotor+friction
   armid dynamics arm.urdf --states S.csv --quantity mass-matrix";
 
-/// What is evaluated.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Quantity {
-    Torque,
-    Regressor,
-    MassMatrix,
-    Acceleration,
-}
-
-impl Quantity {
-    const ALL: [Self; 4] = [Self::Torque, Self::Regressor, Self::MassMatrix, Self::Acceleration];
-
-    const fn name(self) -> &'static str {
-        match self {
-            Self::Torque => "torque",
-            Self::Regressor => "regressor",
-            Self::MassMatrix => "mass-matrix",
-            Self::Acceleration => "acceleration",
-        }
-    }
-}
-
 /// Evaluate the model on states
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
@@ -74,39 +50,27 @@ pub(crate) struct Arguments {
     columns: Columns,
 }
 
-/// A table of numbers with headings; the first columns are counts.
-struct Numbers {
-    headings: Vec<String>,
-    counts: usize,
-    rows: Vec<Vec<f64>>,
-}
-
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let loaded = arguments.robot.load()?;
     let third = if arguments.quantity == Quantity::Acceleration { Third::Effort } else { Third::Acceleration };
     let states = parse_states(Text::read(&arguments.states)?, loaded.robot.dof(), third)?;
     let numbers = match arguments.quantity {
-        Quantity::Regressor => regressor(&loaded, arguments.columns, &states)?,
+        Quantity::Regressor => regressor(&loaded.robot, arguments.columns, &states)?,
         quantity => {
-            let parameters = parameters(&loaded, arguments)?;
-            with_parameters(&loaded, &parameters, quantity, &states)
+            let (parameters, robot) = parameters(&loaded, arguments)?;
+            dynamics(&robot, &parameters, quantity, &states)?
         }
     };
-    let json = json!({
-        "robot": loaded.robot.name(),
-        "quantity": arguments.quantity.name(),
-        "headings": numbers.headings,
-        "rows": numbers.rows.iter().map(|row| numbers.json_row(row)).collect::<Vec<_>>(),
-    });
-    console.answer(&Answer { text: numbers.csv(), json })?;
+    console.answer(&Answer { text: csv(&numbers), json: serde_json::to_value(&numbers).map_err(Error::of)? })?;
     Ok(Ending::Done)
 }
 
-fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<StandardParameters> {
+/// The parameters, and the robot with the laws of friction that they are of.
+fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<(StandardParameters, Robot)> {
     if let Some(path) = &arguments.parameters {
         return Ok(read_parameter_map(path, &loaded.robot)?);
     }
-    loaded.own.clone().ok_or_else(|| {
+    loaded.own.clone().map(|own| (own, loaded.robot.clone())).ok_or_else(|| {
         let message = format!(
             "--quantity {} of \"{}\" needs --parameters: its file has kinematics, limits and drives, and no inertia",
             arguments.quantity.name(),
@@ -116,75 +80,15 @@ fn parameters(loaded: &LoadedRobot, arguments: &Arguments) -> Result<StandardPar
     })
 }
 
-fn with_parameters(
-    loaded: &LoadedRobot,
-    parameters: &StandardParameters,
-    quantity: Quantity,
-    states: &States,
-) -> Numbers {
-    let n = loaded.robot.dof();
-    let mut dynamics = Dynamics::new(&loaded.robot, parameters);
-    let mut rows = Vec::new();
-    let numbered = |prefix: &str| (1..=n).map(|k| format!("{prefix}{k}")).collect::<Vec<_>>();
-    for k in 0..states.len() {
-        let (q, qd, third) = (states.q(k), states.qd(k), states.qdd(k));
-        let mut out = vec![0.0; n];
-        match quantity {
-            Quantity::Acceleration => dynamics.forward(q, qd, third, &mut out),
-            Quantity::MassMatrix => {
-                let m = dynamics.mass_matrix(q);
-                for i in 0..n {
-                    rows.push([k as f64, (i + 1) as f64].into_iter().chain(m.row(i).iter().copied()).collect());
-                }
-                continue;
-            }
-            Quantity::Torque | Quantity::Regressor => dynamics.inverse(q, qd, third, &mut out),
+/// Every number with the digits that bring back its bits.
+fn csv(numbers: &DynamicsAnswer) -> String {
+    let mut text = numbers.headings.join(",");
+    text.push('\n');
+    for row in &numbers.rows {
+        for (k, value) in row.iter().enumerate() {
+            let _ = write!(text, "{}{value}", if k == 0 { "" } else { "," });
         }
-        rows.push(out);
-    }
-    match quantity {
-        Quantity::Acceleration => Numbers { headings: numbered("qdd"), counts: 0, rows },
-        Quantity::MassMatrix => {
-            let headings = ["sample".to_owned(), "row".to_owned()].into_iter().chain(numbered("m")).collect();
-            Numbers { headings, counts: 2, rows }
-        }
-        Quantity::Torque | Quantity::Regressor => Numbers { headings: numbered("tau"), counts: 0, rows },
-    }
-}
-
-fn regressor(loaded: &LoadedRobot, columns: Columns, states: &States) -> Result<Numbers> {
-    let regressor = JointTorqueRegressor::new(&loaded.robot, columns);
-    let regressor = regressor.map_err(|fault| Error::new(format!("--columns {columns}: {fault}")))?;
-    let (n, p) = (regressor.rows(), regressor.cols());
-    let names = regressor.parameters().iter().map(ToString::to_string);
-    let headings = ["sample".to_owned(), "joint".to_owned()].into_iter().chain(names).collect();
-    let mut rows = Vec::with_capacity(states.len() * n);
-    let mut y = vec![0.0; n * p];
-    for k in 0..states.len() {
-        regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y);
-        for (i, row) in y.chunks_exact(p).enumerate() {
-            rows.push([k as f64, (i + 1) as f64].into_iter().chain(row.iter().copied()).collect());
-        }
-    }
-    Ok(Numbers { headings, counts: 2, rows })
-}
-
-impl Numbers {
-    /// Every number with the digits that bring back its bits.
-    fn csv(&self) -> String {
-        let mut text = self.headings.join(",");
         text.push('\n');
-        for row in &self.rows {
-            for (k, value) in row.iter().enumerate() {
-                let _ = write!(text, "{}{value}", if k == 0 { "" } else { "," });
-            }
-            text.push('\n');
-        }
-        text
     }
-
-    fn json_row(&self, row: &[f64]) -> Vec<Value> {
-        let (counts, values) = row.split_at(self.counts);
-        counts.iter().map(|&count| json!(count as u64)).chain(values.iter().map(|&value| json!(value))).collect()
-    }
+    text
 }

@@ -2,22 +2,18 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::base::{BaseReduction, Method, reduce};
 use armid::codegen::Language;
-use armid::estimation::Estimate;
 use armid::model::format::ChainEnds;
-use armid::seed::Seed;
 use armid_io::estimate::{self, check_robot};
 use armid_io::inputs::RobotSource;
 use armid_io::robot::ChainSource;
 use armid_io::{Error, Inputs, LoadedRobot, Text};
+use armid_workflow::export::{Exchange, ExportSettings, export, export_source};
 use miette::Result;
 
-use crate::answers::exchange::Exchange;
-use crate::answers::model_file::{LogOfEstimate, ModelFile, columns_of};
-use crate::answers::source::SourceAnswer;
+use crate::answers::model_file::{model_file_text, source_text};
 use crate::arguments::{ChainArguments, LogArguments, one_of};
-use crate::terminal::{Console, Destination, Ending, report_folder};
+use crate::terminal::{Answer, Console, Destination, Ending, Watch, report_folder};
 
 const AFTER_HELP: &str = "\
 urdf, mjcf, toml and json need the mass, centre of mass and inertia of each link; torque shows sums of
@@ -103,7 +99,7 @@ impl Target {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let text = Text::read(&arguments.estimate)?;
     let estimate = estimate::parse(&text)?;
-    let mut loaded = match Inputs::of_estimate(&text)?.map(|inputs| inputs.robot) {
+    let loaded = match Inputs::of_estimate(&text)?.map(|inputs| inputs.robot) {
         // The estimate records which file its robot came from.
         Some(RobotSource { name: Some(name), base_link, tip_link, .. }) if arguments.robot.is_none() => {
             let chain = ChainArguments {
@@ -120,29 +116,25 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     let destination = destination(&loaded, arguments.to, console)?;
     check_robot(&estimate, &text.name, &loaded)?;
-    let format = match arguments.to {
-        Target::Model(format) => format,
+    let file = destination.path().map(Path::to_path_buf);
+    let (written, json, words, sound) = match arguments.to {
+        Target::Model(format) => {
+            let into = arguments.into.as_deref().map(|path| template(path, format, &loaded)).transpose()?;
+            let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
+            let (log, _) = again.again(&text, &arguments.log)?;
+            let settings = ExportSettings { format, into, file };
+            let answer = export((&estimate, &text.name), log, &settings, &Watch::new(console))?;
+            (answer.text.clone(), serde_json::to_value(&answer), model_file_text(&answer), answer.is_sound())
+        }
         Target::Source(language) => {
-            let base = base_of(&text, &estimate, &mut loaded)?;
-            let source = SourceAnswer::new(&text.name, &estimate, &base, &loaded, language)?;
-            console.deliver(&destination, &source.text)?;
-            console.show(&source.answer(&destination))?;
-            return Ok(if searched && source.is_sound() { Ending::Done } else { Ending::Negative });
+            let answer = export_source((&estimate, &text.name), &loaded, language, file)?;
+            (answer.text.clone(), serde_json::to_value(&answer), source_text(&answer), answer.is_sound())
         }
     };
-    let into = arguments.into.as_deref().map(|path| template(path, format, &loaded)).transpose()?;
-    let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
-    let (mut as_estimated, _) = again.again(&text, &arguments.log, |_| {})?;
-    let (mut all_rows, _) =
-        again.again(&text, &arguments.log, |settings| settings.processing.reversal_fraction = 0.0)?;
-    for log in [&mut as_estimated, &mut all_rows] {
-        log.take_shape(&estimate, &text.name)?;
-    }
-    let log = LogOfEstimate { as_estimated: &as_estimated, all_rows: &all_rows };
-    let file = ModelFile::new((&estimate, &text.name), log, (format, into.as_ref()), &destination)?;
-    console.deliver(&destination, &file.text)?;
-    console.show(&file.answer(&destination))?;
-    Ok(if searched && file.is_sound() { Ending::Done } else { Ending::Negative })
+    console.deliver(&destination, &written)?;
+    let text = format!("{destination}\n{words}");
+    console.show(&Answer { text, json: json.map_err(Error::of)? })?;
+    Ok(if searched && sound { Ending::Done } else { Ending::Negative })
 }
 
 /// The file that gets the numbers.
@@ -163,15 +155,4 @@ fn destination(loaded: &LoadedRobot, target: Target, console: &Console) -> Resul
         let folder = report_folder("name of the robot", &format!("{name}-identified"))?;
         Ok(folder.join(format!("{name}.{}", target.extension())))
     })
-}
-
-/// The base parameters that an estimate of this very robot is of, which then has the shape parameters of the estimate.
-fn base_of(text: &Text, estimate: &Estimate, loaded: &mut LoadedRobot) -> Result<BaseReduction> {
-    let columns = columns_of(estimate, &text.name)?;
-    let named = |error| Error::mismatch(format!("{}: {error}", text.name));
-    loaded.robot = estimate.robot(&loaded.robot, columns).map_err(named)?;
-    let robot = &loaded.robot;
-    let base = reduce(robot, columns, Method::Structural, Seed::new(0))
-        .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
-    Ok(base)
 }

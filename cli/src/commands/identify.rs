@@ -4,20 +4,16 @@ use std::path::PathBuf;
 
 use armid::estimation::{EstimatorKind, candidate_terms};
 use armid::model::Columns;
+use armid_io::Error;
 use armid_io::log::HeldOut;
-use armid_io::output::pretty;
-use armid_io::{Error, ProcessedLog, output};
 use armid_workflow::identification::{IdentifySettings, identify};
 use miette::Result;
 use serde_json::json;
 
 use super::drive_gains;
 use super::payload::{self, PayloadLogs};
-use crate::answers::estimate::EstimateAnswer;
-use crate::answers::exchange::Exchange;
+use crate::answers::estimate::estimate_text;
 use crate::answers::friction_speed::speeds_text;
-use crate::answers::model_file::{LogOfEstimate, prediction_of};
-use crate::answers::model_prediction::PredictionError;
 use crate::answers::selection::selection_text;
 use crate::answers::transmission::transmission_text;
 use crate::arguments::{KnownLoadArguments, LogArguments, columns, estimator, read_parameter_map};
@@ -168,7 +164,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         prepared.hold_out(&others);
     }
     if let Some(path) = &arguments.start {
-        prepared.start = Some(read_parameter_map(path, &prepared.robot.robot)?);
+        prepared.start = Some(read_parameter_map(path, &prepared.robot.robot)?.0);
     }
     let settings = IdentifySettings {
         columns,
@@ -176,45 +172,23 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         select: among,
         onset_speed: arguments.onset_speed.as_deref().map(|which| which == "found"),
         stribeck_speed: arguments.stribeck_speed,
+        ..IdentifySettings::default()
     };
     let answer = identify(prepared, Some(inputs), &settings, &Watch::new(console))?;
-    let files = model_files(arguments, &answer.log)?;
-    let said: Vec<_> = answer.estimates.iter().map(|of| EstimateAnswer::new(&answer, of, &files)).collect();
-    let mut json = serde_json::to_value(&answer).map_err(Error::of)?;
-    match said.as_slice() {
-        [one] => json["verdict"] = one.verdict(),
-        several => several.iter().enumerate().for_each(|(k, one)| json[k]["verdict"] = one.verdict()),
-    }
-    if console.to_standard_output() {
-        console.print(&pretty(&json))?;
-    }
-    if let Some(path) = console.output() {
-        output::write_text(path, &pretty(&json))?;
-        console.note(format!("wrote {}", path.display()));
-    }
+    let json = serde_json::to_value(&answer).map_err(Error::of)?;
     let robot = &answer.log.robot.robot;
-    let mut text: String = said.iter().map(|said| said.text(console.verbose())).collect();
+    let said = answer.estimates.iter().map(|of| estimate_text(&answer.log, of, console.verbose()));
+    let mut text: String = said.collect();
     text += &answer.selection.as_ref().map(selection_text).unwrap_or_default();
     text += &answer.onset.as_ref().map(|onset| speeds_text(onset, robot, onset.predict_better())).unwrap_or_default();
     text += &answer.speeds.as_ref().map(|speeds| speeds_text(speeds, robot, true)).unwrap_or_default();
     text += &answer.transmissions.as_deref().map(transmission_text).unwrap_or_default();
-    console.show(&Answer { text, json })?;
+    console.deliver_json(&Answer { text, json })?;
     Ok(match answer.was_interrupted() {
         true => Ending::Interrupted,
         false if answer.is_sound() => Ending::Done,
         false => Ending::Negative,
     })
-}
-
-/// What a URDF and an MJCF of the logs would predict; nothing of a format in which no model of them can be made.
-fn model_files(arguments: &Arguments, prepared: &ProcessedLog) -> Result<Vec<(Exchange, PredictionError)>, Error> {
-    let mut settings = prepared.settings.clone();
-    // A file predicts the rows as well in which joints hardly move.
-    settings.processing.reversal_fraction = 0.0;
-    let (all_rows, _) = arguments.log.process(&arguments.logs, None, settings.held_out, Some(&settings))?;
-    let log = LogOfEstimate { as_estimated: prepared, all_rows: &all_rows };
-    let of = |format| Some((format, prediction_of(format, log).ok()?));
-    Ok([Exchange::Urdf, Exchange::Mjcf].into_iter().filter_map(of).collect())
 }
 
 fn list() -> Answer {

@@ -25,7 +25,7 @@ impl Command {
             }
             Self::Export(_) => "`armid identify LOG -o E.json` makes an estimate, `armid export --help` shows examples",
             Self::Study(_) => {
-                "`armid study STUDY --dry-run` checks a plan and says what it costs, `armid study --help` shows examples"
+                "`armid study STUDY --runs 1` performs a small study, `armid study --help` shows examples"
             }
             Self::Report(_) => {
                 "`armid identify LOG -o E.json` makes an estimate, `armid study STUDY -o DIR` results, `armid report --help` shows examples"

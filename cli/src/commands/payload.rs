@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use armid::estimation::EstimatorKind;
 use armid::model::Columns;
+use armid::observer::Unobserved;
 use armid_io::log::HeldOut;
-use armid_io::output::{self, pretty};
 use armid_io::{Error, Inputs, LoadedRobot, Text, estimate};
 use armid_workflow::{PayloadSide, columns_of, payload};
 use miette::Result;
@@ -40,14 +40,7 @@ pub(super) fn run(
     let loaded = again.or(robot).ok_or_else(|| Error::new("no robot is named, expected --robot ROBOT"))?;
     let answer = payload(&loaded, without, with)?;
     let json = serde_json::to_value(&answer).map_err(Error::of)?;
-    if console.to_standard_output() {
-        console.print(&pretty(&json))?;
-    }
-    if let Some(path) = console.output() {
-        output::write_text(path, &pretty(&json))?;
-        console.note(format!("wrote {}", path.display()));
-    }
-    console.show(&Answer { text: text(&answer), json })?;
+    console.deliver_json(&Answer { text: text(&answer), json })?;
     Ok(if answer.is_sound() { Ending::Done } else { Ending::Negative })
 }
 
@@ -72,7 +65,7 @@ fn of_logs(
     match other {
         Some(other) => prepared.take_shape(&other.estimate, &other.name)?,
         None if prepared.has_no_periods() => {
-            prepared.find_onset(columns)?;
+            prepared.find_onset(columns, &Unobserved)?;
         }
         None => {}
     }

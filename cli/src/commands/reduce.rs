@@ -77,7 +77,7 @@ fn text(ReductionAnswer { robot, columns, base, trajectory, findings }: &Reducti
         Category::Representative => "each stands for a combination",
         Category::Combination => "found only within these combinations",
     };
-    let mut counts = Table::new(&[("category", Align::Left), ("number", Align::Right), ("meaning", Align::Left)]);
+    let mut counts = Table::of("category | #number | meaning");
     for category in Category::ALL {
         counts.row([category.name(), &base.count(category).to_string(), meaning(category)]);
     }
@@ -98,7 +98,7 @@ fn text(ReductionAnswer { robot, columns, base, trajectory, findings }: &Reducti
         let _ = write!(text, "\n{}", list.render(2));
     }
     if base.count(Category::Representative) > 0 {
-        let mut combinations = Table::new(&[("representative", Align::Left), ("base parameter", Align::Left)]);
+        let mut combinations = Table::of("representative | base parameter");
         for (row, &column) in base.kept.iter().enumerate() {
             if base.categories[column] == Category::Representative {
                 combinations.row([base.parameters[column].to_string(), expressions[row].clone()]);

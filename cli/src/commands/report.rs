@@ -3,14 +3,15 @@
 use std::path::{Path, PathBuf};
 
 use armid::study::CriterionRatios;
-use armid_io::Error;
 use armid_io::study::{read_ratios, read_robots, read_study};
-use armid_workflow::study::{write_criteria, write_report, write_robots_report};
+use armid_io::{Error, Text, estimate};
+use armid_workflow::report::{
+    ComparisonAnswer, write_comparison, write_criteria, write_estimate_report, write_report, write_robots_report,
+};
 use miette::Result;
 use serde_json::json;
 
-use crate::answers::{comparison, estimate_page};
-use crate::arguments::ChainArguments;
+use crate::arguments::{ChainArguments, LogArguments};
 use crate::terminal::{Answer, Console, Ending};
 
 const AFTER_HELP: &str = "\
@@ -58,7 +59,9 @@ enum Figure {
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     if let Some([first, second]) = arguments.compare.as_deref() {
         let folder = console.output().map_or_else(|| PathBuf::from("reports/comparison"), Path::to_path_buf);
-        console.show(&comparison::report(first, second, &folder)?)?;
+        let answer = write_comparison(&folder, first, second)?;
+        let json = serde_json::to_value(&answer).map_err(Error::of)?;
+        console.show(&Answer { text: comparison_text(&answer), json })?;
         return Ok(Ending::Done);
     }
     if let Some(Figure::Criteria) = arguments.figure {
@@ -84,7 +87,13 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
                 }
                 output => output.map(Path::to_path_buf),
             };
-            pages.push(estimate_page::report(folder, output.as_deref(), arguments.robot.as_deref(), &arguments.chain)?);
+            let stem = folder.file_stem().unwrap_or_else(|| "estimate".as_ref());
+            let output = output.unwrap_or_else(|| Path::new("reports").join(stem));
+            let text = Text::read(folder)?;
+            let estimate = estimate::parse(&text)?;
+            let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
+            let (log, inputs) = again.again(&text, &[])?;
+            pages.push(write_estimate_report(&output, (&estimate, &text.name), &log, &inputs)?);
             continue;
         }
         if !folder.is_dir() {
@@ -112,4 +121,15 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let lines: Vec<String> = pages.iter().map(|page: &PathBuf| page.display().to_string()).collect();
     console.show(&Answer { text: lines.join("\n") + "\n", json: json!({ "pages": lines }) })?;
     Ok(Ending::Done)
+}
+
+fn comparison_text(ComparisonAnswer { page, labels: [first, second], comparison }: &ComparisonAnswer) -> String {
+    format!(
+        "{}: {first} and {second}: {} parameters, {:.0} % differ by more than 1.96 standard deviations (noise alone: 5 %), RMS {:.2}\n  {}\n",
+        comparison.robot,
+        comparison.parameters.len(),
+        100.0 * comparison.beyond,
+        comparison.rms_difference_std,
+        page.display()
+    )
 }

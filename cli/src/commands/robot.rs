@@ -77,13 +77,7 @@ fn write(arguments: &Arguments, name: &str, place: &Path, console: &Console) -> 
 
 fn list() -> Answer {
     let robots: Vec<Robot> = bundled().iter().filter_map(|entry| parse_robot(entry.robot).ok()).collect();
-    let mut table = Table::new(&[
-        ("robot", Align::Left),
-        ("joints", Align::Right),
-        ("kinds", Align::Left),
-        ("effort", Align::Left),
-        ("parameters", Align::Right),
-    ]);
+    let mut table = Table::of("robot | #joints | kinds | effort | #parameters");
     for robot in &robots {
         let kinds: String = robot.joints().iter().map(|joint| kind_letter(joint.kind)).collect();
         let parameters = Columns::RIGID_ROTOR_FRICTION.parameters(robot).len();
@@ -174,15 +168,7 @@ const fn effort(interface: EffortInterface) -> &'static str {
 }
 
 fn chain(robot: &Robot) -> Table {
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("kind", Align::Left),
-        ("frame", Align::Left),
-        ("offset °", Align::Right),
-        ("d m", Align::Right),
-        ("a m", Align::Right),
-        ("alpha °", Align::Right),
-    ]);
+    let mut table = Table::of("joint | kind | frame | #offset ° | #d m | #a m | #alpha °");
     for joint in robot.joints() {
         let (frame, row) = match &joint.dh {
             Some((DhConvention::Standard, row)) => ("standard DH", Some(row)),
@@ -201,14 +187,7 @@ fn chain(robot: &Robot) -> Table {
 }
 
 fn limits(robot: &Robot) -> Table {
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("position", Align::Right),
-        ("", Align::Left),
-        ("velocity", Align::Right),
-        ("acceleration", Align::Right),
-        ("effort", Align::Right),
-    ]);
+    let mut table = Table::of("joint | #position |  | #velocity | #acceleration | #effort");
     for joint in robot.joints() {
         let (low, high) = joint.limits.position;
         let revolute = joint.kind == JointKind::Revolute;
@@ -227,18 +206,9 @@ fn limits(robot: &Robot) -> Table {
 }
 
 fn drives(robot: &Robot) -> Table {
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("gear", Align::Right),
-        ("Kt N·m/A", Align::Right),
-        ("limit A", Align::Right),
-        ("counts/turn", Align::Right),
-        ("sign", Align::Right),
-        ("noise A", Align::Right),
-        ("range A", Align::Right),
-        ("bits", Align::Right),
-        ("Coulomb rad/s", Align::Right),
-    ]);
+    let mut table = Table::of(
+        "joint | #gear | #Kt N·m/A | #limit A | #counts/turn | #sign | #noise A | #range A | #bits | #Coulomb rad/s",
+    );
     for joint in robot.joints() {
         let drive = &joint.drive;
         table.row([

@@ -118,6 +118,18 @@ impl Console {
         self.print_answer(answer)
     }
 
+    /// The answer of a command whose result is JSON: it goes where `-o` says, and the answer to standard output.
+    pub(crate) fn deliver_json(&self, answer: &Answer) -> Result<()> {
+        if self.to_standard_output() {
+            self.print(&pretty(&answer.json))?;
+        }
+        if let Some(path) = self.output() {
+            output::write_text(path, &pretty(&answer.json))?;
+            self.note(format!("wrote {}", path.display()));
+        }
+        self.show(answer)
+    }
+
     fn print_answer(&self, answer: &Answer) -> Result<()> {
         if self.json() { self.print(&pretty(&answer.json)) } else { self.print(&answer.text) }
     }

@@ -1,6 +1,7 @@
 //! The command under test.
 #![allow(dead_code, reason = "each test file uses its own share")]
 
+use std::collections::BTreeMap;
 use std::ffi::OsStr;
 use std::path::{Path, PathBuf};
 
@@ -53,4 +54,27 @@ pub(crate) fn write(folder: &Path, name: &str, text: &str) -> String {
 pub(crate) fn experiment(folder: &Path, periods: usize) -> String {
     let text = format!("name = \"first\"\nrobot = \"crs-a460\"\ntrajectory = \"table-one\"\nperiods = {periods}\n");
     write(folder, "experiment.toml", &text)
+}
+
+/// Every file below a folder but those that hold wall times and dates.
+pub(crate) fn files(folder: &Path) -> BTreeMap<String, Vec<u8>> {
+    let (mut found, mut open) = (BTreeMap::new(), vec![folder.to_path_buf()]);
+    while let Some(next) = open.pop() {
+        for entry in std::fs::read_dir(&next).expect("a folder") {
+            let path = entry.expect("an entry").path();
+            if path.is_dir() {
+                open.push(path);
+            } else if !["timing.parquet", "provenance.json"].iter().any(|name| path.ends_with(name)) {
+                let name = path.strip_prefix(folder).expect("a path below it").display().to_string();
+                found.insert(name, std::fs::read(&path).expect("a file"));
+            }
+        }
+    }
+    found
+}
+
+/// The stored summary of a study.
+pub(crate) fn summary(folder: &Path) -> serde_json::Value {
+    let text = std::fs::read_to_string(folder.join("summary.json")).expect("a summary");
+    serde_json::from_str(&text).expect("JSON")
 }

@@ -4,6 +4,7 @@ use crate::linalg::LeastSquaresError;
 
 /// Why there is no result.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum CalibrationError {
     /// The interface gives no motor voltage.
     #[error(
@@ -13,20 +14,8 @@ pub enum CalibrationError {
     NoVoltage,
     /// The recording does not have what the calibration needs.
     #[error("{quantity}: {found}, expected {expected}")]
-    Unfit {
-        /// What does not fit.
-        quantity: &'static str,
-        /// What was found.
-        found: String,
-        /// What was expected.
-        expected: &'static str,
-    },
+    Unfit { quantity: &'static str, found: String, expected: &'static str },
     /// The equations are rank-deficient or cannot be solved: the motion does not determine a parameter.
     #[error("the motion does not separate {parameter} from the others: {fault}")]
-    NotExcited {
-        /// What cannot be separated.
-        parameter: &'static str,
-        /// Why.
-        fault: LeastSquaresError,
-    },
+    NotExcited { parameter: &'static str, fault: LeastSquaresError },
 }

@@ -54,7 +54,6 @@ pub struct HiddenLoad {
 
 impl HiddenLoad {
     /// Advice.
-    #[must_use]
     pub const fn advice(&self) -> &'static str {
         "attach the payload further from this joint's axis, take a heavier one, or move the joint more; or measure the \
          back-EMF"

@@ -29,7 +29,6 @@ impl Measured {
     }
 
     /// Whether the interval covers a value.
-    #[must_use]
     pub fn covers(&self, value: f64) -> bool {
         self.ci95[0] <= value && value <= self.ci95[1]
     }

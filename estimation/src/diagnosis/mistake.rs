@@ -2,6 +2,8 @@
 
 use std::fmt;
 
+use crate::remedy::{Remedy, Setting};
+
 /// A mistake in a log or about the robot. Joints are counted from one.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
 #[serde(tag = "mistake", rename_all = "kebab-case")]
@@ -111,63 +113,61 @@ impl Mistake {
 
     /// What to try.
     #[must_use]
-    pub fn correction(&self) -> String {
+    pub fn correction(&self) -> Remedy {
+        let map = |words: &str, map: &str| Remedy::from(words).to(Setting::Map, map);
         match self {
-            Self::Degrees => "state the unit: --map \"q=… deg\"".to_owned(),
-            Self::Radians => "state the unit: --map \"q=… rad\"".to_owned(),
+            Self::Degrees => map("state the unit: ", "q=… deg"),
+            Self::Radians => map("state the unit: ", "q=… rad"),
             Self::PositionUnit { factor } => {
-                format!(
-                    "state the side and the gears, about {:.0} on average: --map \"q=… motor gear=…\"; or the unit",
-                    factor.recip()
-                )
+                let words = format!("state the side and the gears, about {:.0} on average: ", factor.recip());
+                map(&words, "q=… motor gear=…").say("; or the unit")
             }
-            Self::MotorAngles => "state the side: --map \"q=… motor\", with gear=… where the robot has none".to_owned(),
-            Self::MotorTorques => {
-                "state the side: --map \"tau=… motor\", with gear=… where the robot has none".to_owned()
-            }
+            Self::MotorAngles => map("state the side: ", "q=… motor").say(", with gear=… where the robot has none"),
+            Self::MotorTorques => map("state the side: ", "tau=… motor").say(", with gear=… where the robot has none"),
             Self::EffortUnit { factor } if *factor == 1e-3 => {
-                "state the unit: --map \"current=… mA\" or \"tau=… mNm\"".to_owned()
+                map("state the unit: ", "current=… mA").say(" or ").to(Setting::Map, "tau=… mNm")
             }
-            Self::EffortUnit { .. } => {
-                "state what they are: --map \"current=… % rated=…\" (A), or \"tau=… % rated=…\" (N·m)".to_owned()
-            }
-            Self::EffortsReversed { .. } => "reverse all of them: --map \"tau=… sign=-\" (or current)".to_owned(),
-            Self::EffortsSmall { .. } => {
-                "state what they are: --map \"current=… constant=… gear=…\" for currents, or \"tau=… motor \
-                                          gear=…\" for torques at the motors"
-                    .to_owned()
-            }
+            Self::EffortUnit { .. } => map("state what they are: ", "current=… % rated=…")
+                .say(" (A), or ")
+                .to(Setting::Map, "tau=… % rated=…")
+                .say(" (N·m)"),
+            Self::EffortsReversed { .. } => map("reverse all of them: ", "tau=… sign=-").say(" (or current)"),
+            Self::EffortsSmall { .. } => map("state what they are: ", "current=… constant=… gear=…")
+                .say(" for currents, or ")
+                .to(Setting::Map, "tau=… motor gear=…")
+                .say(" for torques at the motors"),
             Self::Gravity { direction: [x, y, z] } => {
                 format!("turn gravity_m_s2 in the robot file along [{x}, {y}, {z}], or the base as it is mounted")
+                    .into()
             }
             Self::PositionSign { joint } => {
-                format!("turn the sign of its position: --map \"q=… sign=…\", − at joint {joint}")
+                map("turn the sign of its position: ", "q=… sign=…").say(format!(", − at joint {joint}"))
             }
             Self::EffortSign { joint } => {
-                format!("turn the sign of its effort: --map \"tau=… sign=…\" (or current), − at joint {joint}")
+                map("turn the sign of its effort: ", "tau=… sign=…").say(format!(" (or current), − at joint {joint}"))
             }
             Self::EitherSign { joint } => {
-                format!("turn the sign of its position or of its effort: --map \"… sign=…\", − at joint {joint}")
+                map("turn the sign of its position or of its effort: ", "… sign=…").say(format!(", − at joint {joint}"))
             }
-            Self::PositionsSwapped { joints: [a, b] } => format!("exchange the columns of q{a} and q{b}"),
+            Self::PositionsSwapped { joints: [a, b] } => format!("exchange the columns of q{a} and q{b}").into(),
             Self::EffortsSwapped { joints: [a, b] } => {
-                format!("exchange the columns of the efforts of joints {a} and {b}")
+                format!("exchange the columns of the efforts of joints {a} and {b}").into()
             }
-            Self::JointsSwapped { joints: [a, b] } => format!("exchange the columns of joints {a} and {b}"),
+            Self::JointsSwapped { joints: [a, b] } => format!("exchange the columns of joints {a} and {b}").into(),
             Self::PositionScale { joint, factor } => {
-                format!("check the gear ratio of joint {joint}: its positions times {factor:.4}")
+                format!("check the gear ratio of joint {joint}: its positions times {factor:.4}").into()
             }
             Self::EffortScale { joint, factor } => {
-                format!("check gear ratio and torque constant of joint {joint}: its efforts times {factor:.4}")
+                format!("check gear ratio and torque constant of joint {joint}: its efforts times {factor:.4}").into()
             }
             Self::ZeroOffset { joint, degrees } => {
-                format!("add the offset of its zero: --map \"q=… offset_deg=…\", {degrees} at joint {joint}")
+                map("add the offset of its zero: ", "q=… offset_deg=…").say(format!(", {degrees} at joint {joint}"))
             }
             Self::NoEffort { joint } => {
-                format!("check the column that is mapped to the effort of joint {joint}")
+                format!("check the column that is mapped to the effort of joint {joint}").into()
             }
             Self::AtRest { joint } => {
-                format!("the parameters that only the motion of joint {joint} excites are left out of this fit")
+                format!("the parameters that only the motion of joint {joint} excites are left out of this fit").into()
             }
         }
     }

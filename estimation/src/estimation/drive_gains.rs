@@ -10,8 +10,8 @@
 //! the same in both logs, and the load's own parameters are taken as exact: an error of θ is one of the gains.
 //!
 //! The noise of y stands in the columns of A, so that the first three draw κ towards zero, by about the share of the noise in
-//! the power of what the load moves; their intervals do not hold that. Total least squares has no such bias and is maximum likelihood
-//! for normal noise.
+//! the power of what the load moves. No interval of their scatter holds that, so they have none. Total least squares has no such bias and is
+//! maximum likelihood for normal noise.
 //!
 //! References: M. Gautier, S. Briot, "Global identification of joint drive gains and dynamic parameters of robots", Journal of Dynamic
 //! Systems, Measurement, and Control 136(5), 2014; J. Swevers and others as in [`super::MaximumLikelihood`] for noise of one side only.
@@ -73,10 +73,10 @@ impl GainMethod {
 pub struct DriveGain {
     /// True over stated torque constant.
     pub value: f64,
-    /// Standard deviation.
-    pub std: f64,
-    /// 95 % interval.
-    pub ci95: [f64; 2],
+    /// Standard deviation; `None` by a method that noise biases.
+    pub std: Option<f64>,
+    /// 95 % interval; `None` as above.
+    pub ci95: Option<[f64; 2]>,
 }
 
 /// Gains and parameters of an arm, from both logs.
@@ -86,30 +86,29 @@ pub struct DriveGains {
     pub method: GainMethod,
     /// The gain of each joint, n.
     pub gains: Vec<DriveGain>,
-    /// Covariance of the gains, n × n.
-    pub covariance: DMatrix<f64>,
     /// The base parameters without the load, by true torques, b.
     pub beta: DVector<f64>,
-    /// Independent samples behind the standard deviations.
-    pub degrees_of_freedom: f64,
+    /// Independent samples behind the standard deviations; `None` where there are none.
+    pub degrees_of_freedom: Option<f64>,
     /// How it ended.
     pub termination: Termination,
 }
 
 impl DriveGains {
-    /// Joints whose gain is not 1, at a level of 5 % over all joints together (Bonferroni): their stated constants are wrong.
+    /// Joints whose gain is not 1, at a level of 5 % over all joints together (Bonferroni): their stated constants are wrong. None by a
+    /// method that has no intervals.
     #[must_use]
     pub fn wrong(&self) -> Vec<usize> {
-        let each = 0.05 / self.gains.len() as f64;
-        let t = student_quantile(1.0 - 0.5 * each, self.degrees_of_freedom);
-        let is_wrong = |gain: &DriveGain| (gain.value - 1.0).abs() > t * gain.std;
+        let Some(freedom) = self.degrees_of_freedom else { return Vec::new() };
+        let t = student_quantile(1.0 - 0.025 / self.gains.len() as f64, freedom);
+        let is_wrong = |gain: &DriveGain| gain.std.is_some_and(|std| (gain.value - 1.0).abs() > t * std);
         (0..self.gains.len()).filter(|&joint| is_wrong(&self.gains[joint])).collect()
     }
 
-    /// Joints whose gain the load does not show: the 95 % interval holds zero, or has no end.
+    /// Joints whose gain the load does not show: the 95 % interval holds zero, has no end, or is not there.
     #[must_use]
     pub fn hidden(&self) -> Vec<usize> {
-        let is_hidden = |gain: &DriveGain| !(gain.ci95[0] > 0.0 && gain.ci95[1].is_finite());
+        let is_hidden = |gain: &DriveGain| !gain.ci95.is_some_and(|ends| ends[0] > 0.0 && ends[1].is_finite());
         (0..self.gains.len()).filter(|&joint| is_hidden(&self.gains[joint])).collect()
     }
 }
@@ -130,15 +129,17 @@ pub fn drive_gains(
     let alike = vec![1.0; without.dof];
     let plain = logs.linear(&alike)?;
     if method == GainMethod::LeastSquares {
-        return logs.found(method, &plain, &alike);
+        return Ok(logs.result(method, plain.x, Termination::Direct, None));
     }
     let weights: Vec<f64> = logs.rms(&plain.x).iter().map(|rms| 1.0 / rms.max(f64::MIN_POSITIVE)).collect();
     let weighted = logs.linear(&weights)?;
     match method {
-        GainMethod::LeastSquares | GainMethod::Weighted => logs.found(method, &weighted, &weights),
+        GainMethod::LeastSquares | GainMethod::Weighted => {
+            Ok(logs.result(method, weighted.x, Termination::Direct, None))
+        }
         GainMethod::Ridge => {
             let shrunk = logs.shrunk(&weighted, &weights)?;
-            logs.found(method, &shrunk, &weights)
+            Ok(logs.result(method, shrunk.beta, Termination::Direct, None))
         }
         GainMethod::Total => logs.total(&weighted, &weights),
     }
@@ -201,12 +202,10 @@ struct TwoLogs<'a> {
     known: [DVector<f64>; 2],
 }
 
-/// A solution, `(WᵀPW)⁻¹` of its equations (with a penalty where there is one), and a bias that is known.
+/// A solution, and `(WᵀPW)⁻¹` of its equations.
 struct Solved {
     x: DVector<f64>,
     inverse: DMatrix<f64>,
-    bias: DVector<f64>,
-    termination: Termination,
 }
 
 impl<'a> TwoLogs<'a> {
@@ -252,13 +251,7 @@ impl<'a> TwoLogs<'a> {
     fn linear(&self, weights: &[f64]) -> Result<Solved, EstimationError> {
         let parts = [0, 1].map(|log| (self.rows(log, weights), weighted(&self.known[log], weights)));
         let fit = self.solve(&parts)?;
-        let bias = DVector::zeros(fit.solution().len());
-        Ok(Solved {
-            x: fit.solution().clone(),
-            inverse: fit.inverse_information(),
-            bias,
-            termination: Termination::Direct,
-        })
+        Ok(Solved { x: fit.solution().clone(), inverse: fit.inverse_information() })
     }
 
     fn solve(&self, parts: &[(DMatrix<f64>, DVector<f64>); 2]) -> Result<LeastSquares, EstimationError> {
@@ -302,7 +295,7 @@ impl<'a> TwoLogs<'a> {
     }
 
     /// The penalty of Hoerl, Kennard and Baldwin.
-    fn shrunk(&self, plain: &Solved, weights: &[f64]) -> Result<Solved, EstimationError> {
+    fn shrunk(&self, plain: &Solved, weights: &[f64]) -> Result<Shrunk, EstimationError> {
         let size = plain.x.len();
         let fit = LeastSquares::from_factors(
             plain.x.clone(),
@@ -311,17 +304,7 @@ impl<'a> TwoLogs<'a> {
             f64::NAN,
         )?;
         let mean = self.rms(&plain.x).iter().zip(weights).map(|(rms, weight)| (rms * weight).powi(2)).sum::<f64>();
-        let shrunk = Shrunk::of(&fit, mean / self.joints() as f64).ok_or(EstimationError::NotDefinite)?;
-        Ok(Solved { x: shrunk.beta, inverse: shrunk.inverse, bias: shrunk.bias, termination: Termination::Direct })
-    }
-
-    /// The result of linear equations.
-    fn found(&self, method: GainMethod, solved: &Solved, weights: &[f64]) -> Result<DriveGains, EstimationError> {
-        let squared: Vec<f64> = weights.iter().map(|weight| weight * weight).collect();
-        let parts = [0, 1].map(|log| (self.rows(log, &squared), self.residual(log, &solved.x)));
-        let (covariance, freedom) = self.covariance(&solved.inverse, &parts);
-        let covariance = covariance + &solved.bias * solved.bias.transpose();
-        Ok(self.result(method, solved, &covariance, freedom))
+        Shrunk::of(&fit, mean / self.joints() as f64).ok_or(EstimationError::NotDefinite)
     }
 
     /// `A⁻¹ Bᵀ C B A⁻¹` with B the weighted columns of each log and C by its residual, and what C is known to.
@@ -376,13 +359,11 @@ impl<'a> TwoLogs<'a> {
         });
         let (covariance, freedom) = self.covariance(&inverse, &parts);
         // From g to κ.
-        let slope = DVector::from_fn(b + n, |j, _| if j < b { 1.0 } else { -1.0 / (x[j] * x[j]) });
-        let covariance = DMatrix::from_fn(b + n, b + n, |i, j| covariance[(i, j)] * slope[i] * slope[j]);
+        let std = (b..b + n).map(|j| covariance[(j, j)].max(0.0).sqrt() / (x[j] * x[j])).collect();
         for i in 0..n {
             x[b + i] = 1.0 / x[b + i];
         }
-        let solved = Solved { x, inverse, bias: DVector::zeros(b + n), termination };
-        Ok(self.result(GainMethod::Total, &solved, &covariance, freedom))
+        Ok(self.result(GainMethod::Total, x, termination, Some((std, freedom))))
     }
 
     /// ∂(g (w β + ℓ))/∂(β, g) of a log, and `y − g (w β + ℓ)`; zero in rows that are no equation.
@@ -401,20 +382,29 @@ impl<'a> TwoLogs<'a> {
         (jacobian, error)
     }
 
-    fn result(&self, method: GainMethod, solved: &Solved, covariance: &DMatrix<f64>, freedom: f64) -> DriveGains {
+    /// With the standard deviation of each gain and what it is known to, where noise does not bias them.
+    fn result(
+        &self,
+        method: GainMethod,
+        x: DVector<f64>,
+        termination: Termination,
+        spread: Option<(Vec<f64>, f64)>,
+    ) -> DriveGains {
         let (n, b) = (self.joints(), self.rank());
-        let t = student_quantile(0.975, freedom);
         let gain = |i: usize| {
-            let (value, std) = (solved.x[b + i], covariance[(b + i, b + i)].max(0.0).sqrt());
-            DriveGain { value, std, ci95: [value - t * std, value + t * std] }
+            let (value, spread) = (x[b + i], spread.as_ref().map(|(std, freedom)| (std[i], *freedom)));
+            let ends = |(std, freedom)| {
+                let half = student_quantile(0.975, freedom) * std;
+                [value - half, value + half]
+            };
+            DriveGain { value, std: spread.map(|(std, _)| std), ci95: spread.map(ends) }
         };
         DriveGains {
             method,
             gains: (0..n).map(gain).collect(),
-            covariance: covariance.view((b, b), (n, n)).into_owned(),
-            beta: solved.x.rows(0, b).into_owned(),
-            degrees_of_freedom: freedom,
-            termination: solved.termination,
+            beta: x.rows(0, b).into_owned(),
+            degrees_of_freedom: spread.map(|(_, freedom)| freedom),
+            termination,
         }
     }
 }

@@ -12,71 +12,37 @@ use crate::signal::SignalError;
 
 /// Why there is no estimate.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum EstimationError {
     /// Fewer equations than parameters.
     #[error("{equations} equations for {parameters} base parameters, expected at least as many; use more samples")]
-    TooFewEquations {
-        /// Equations.
-        equations: usize,
-        /// Base parameters.
-        parameters: usize,
-    },
+    TooFewEquations { equations: usize, parameters: usize },
     /// The equations show no base parameter: every joint stands still.
     #[error(
         "no base parameter acts in the {equations} equations, expected at least one; use samples in which joints move"
     )]
-    NothingActs {
-        /// Equations.
-        equations: usize,
-    },
+    NothingActs { equations: usize },
     /// The trajectory does not separate a base parameter from those before it.
     #[error(
         "base parameter {parameter} is not excited: {independent:.1e} of its column is independent of those before \
          it, expected more than {least:.1e}; use another trajectory, or reduce for this one"
     )]
-    NotExcited {
-        /// Its name.
-        parameter: String,
-        /// The fraction of its column that is independent.
-        independent: f64,
-        /// The least fraction that counts.
-        least: f64,
-    },
+    NotExcited { parameter: String, independent: f64, least: f64 },
     /// A base parameter acts in rows that are no equation.
     #[error(
         "base parameter {parameter} is not shown by the equations: its column is {share:.0e} there of what it is in the rows that are \
          left out; use rows nearer to reversals of its joint, or leave its term out"
     )]
-    OutsideOfEquations {
-        /// Its name.
-        parameter: String,
-        /// Largest entry of its column in the equations, over that in all rows.
-        share: f64,
-    },
+    OutsideOfEquations { parameter: String, share: f64 },
     /// Two inputs that belong together differ in size.
     #[error("{quantity}: {found}, expected {expected}")]
-    Count {
-        /// What is counted.
-        quantity: &'static str,
-        /// What was found.
-        found: usize,
-        /// What was expected.
-        expected: usize,
-    },
+    Count { quantity: &'static str, found: usize, expected: usize },
     /// The reduction is not one of the regressor's parameters.
     #[error("the {found} parameters of the reduction are not the regressor's {expected}")]
-    OtherParameters {
-        /// Parameters of the reduction.
-        found: usize,
-        /// Parameters of the regressor.
-        expected: usize,
-    },
+    OtherParameters { found: usize, expected: usize },
     /// The regressor lacks a parameter of the estimate.
     #[error("parameter of the estimate: {parameter}, expected one of the regressor's")]
-    UnknownParameter {
-        /// Its name.
-        parameter: String,
-    },
+    UnknownParameter { parameter: String },
     /// A term among the columns cannot be estimated from motion and torque.
     #[error("{0}")]
     Columns(#[from] ColumnsError),
@@ -85,66 +51,33 @@ pub enum EstimationError {
         "friction of the load: the fit still changes by {change:.1e} after {rounds} rounds, expected at most {rest}; leave \"load\" \
          out of the columns"
     )]
-    LoadNotAtRest {
-        /// Change of the last round: of the parameters in standard deviations; of gains, of the torque as a part of the measured one.
-        change: f64,
-        /// Rounds.
-        rounds: usize,
-        /// Change at which it rests.
-        rest: f64,
-    },
+    LoadNotAtRest { change: f64, rounds: usize, rest: f64 },
     /// The estimate is of another base.
     #[error("base parameters: {}, expected {}", found.join(" "), expected.join(" "))]
-    OtherBase {
-        /// Names of the estimate.
-        found: Vec<String>,
-        /// Names of the base.
-        expected: Vec<String>,
-    },
+    OtherBase { found: Vec<String>, expected: Vec<String> },
     /// Two estimates are of two robots.
     #[error("robot of the second estimate: {second}, expected {first}")]
-    OtherRobot {
-        /// Robot of the first.
-        first: String,
-        /// Robot of the second.
-        second: String,
-    },
+    OtherRobot { first: String, second: String },
     /// Two estimates share no base parameter.
     #[error("parameters: none in both estimates, expected the same base parameters")]
     NothingShared,
     /// An estimator from outside gave something that is no number.
     #[error("{quantity}: found one that is not finite, expected finite numbers")]
-    NotFinite {
-        /// Of what.
-        quantity: &'static str,
-    },
+    NotFinite { quantity: &'static str },
     /// The covariance of an estimate is not positive definite.
     #[error("covariance: one that is not positive definite, expected a positive definite one")]
     NotDefinite,
     /// The estimator needs something that the problem does not hold.
     #[error("estimator \"{estimator}\" needs {part}, and the problem holds none")]
-    Missing {
-        /// Name of the estimator.
-        estimator: String,
-        /// What it needs.
-        part: ProblemPart,
-    },
+    Missing { estimator: String, part: ProblemPart },
     /// An estimator that simulates the arm in closed loop cannot.
     #[error("estimator \"{estimator}\" simulates the arm in closed loop: {reason}")]
-    ClosedLoop {
-        /// Name of the estimator.
-        estimator: String,
-        /// What is missing, or what went wrong.
-        reason: ClosedLoopError,
-    },
+    ClosedLoop { estimator: String, reason: ClosedLoopError },
     /// The simulated motion does not excite a parameter that the measured one does.
     #[error(
         "base parameter {parameter} has no instrument: the simulated motion does not excite it, the measured one does"
     )]
-    NoInstrument {
-        /// Its name.
-        parameter: String,
-    },
+    NoInstrument { parameter: String },
     /// Instruments that do not go with the regressor.
     #[error("instruments: ZᵀW is singular, expected a simulated motion that goes with the measured one")]
     WeakInstruments,
@@ -157,6 +90,9 @@ pub enum EstimationError {
     /// An estimator from outside failed, in its own words.
     #[error("{0}")]
     External(ExternalError),
+    /// An observer ended the work before there was anything to return.
+    #[error("interrupted")]
+    Interrupted,
     /// The equations themselves are at fault.
     #[error("least squares: {0}")]
     LeastSquares(#[from] LeastSquaresError),

@@ -3,8 +3,7 @@
 use std::collections::BTreeMap;
 
 use nalgebra::{Cholesky, DMatrix, DVector};
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::{EstimationError, Finding, Termination, load_friction};
 use crate::base::BaseReduction;
@@ -115,19 +114,7 @@ pub struct Estimate {
     pub provenance: Option<Provenance>,
 }
 
-impl Serialize for Estimate {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what does not fit together.
-impl<'de> Deserialize<'de> for Estimate {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+crate::plain::checked_when_read!(Estimate, |value| value.check().map(|()| value));
 
 impl Estimate {
     /// Tables of the size that they say, and intervals around their values.

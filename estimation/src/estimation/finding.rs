@@ -223,7 +223,7 @@ impl Finding {
                  intervals hold what the residual shows of it"
             }
             Self::LackOfFit { .. } => {
-                "look at the figures of the residual (`armid report`) for a law that the model lacks; thousandths of the torque \
+                "look at the figures of the residual in the report for a law that the model lacks; thousandths of the torque \
                  may be the encoders' counts, which repeat with the motion. The intervals hold what the residual shows of it"
             }
             Self::ResidualCorrelated { .. } => "check the residual over time and over velocity for what is missing",
@@ -267,9 +267,9 @@ impl Finding {
                 "the estimate is that of the whole motion all the same; an arm with the parameters of `wls` runs away: look for a \
                  sign, a unit or a torque constant first"
             }
-            Self::Impossible { .. } => "`armid identify --select` looks for the term that the model lacks",
+            Self::Impossible { .. } => "identify with selected terms: that looks for the term that the model lacks",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
-                "`armid export` fits bodies and drives that can be real to the log; simulate with its file"
+                "an export fits bodies and drives that can be real to the log; simulate with its file"
             }
         }
     }

@@ -35,6 +35,7 @@ use super::{EstimationError, Observation, Termination, load_fit, load_friction};
 use crate::base::BaseReduction;
 use crate::model::term::ShapeParameter;
 use crate::model::{Columns, Robot};
+use crate::observer::Observer;
 use crate::signal::Samples;
 use crate::statistics::student_quantile;
 
@@ -118,6 +119,7 @@ impl FrictionSpeeds {
         (columns, base): (Columns, &BaseReduction),
         samples: &Samples,
         shape: ShapeParameter,
+        observer: &dyn Observer,
     ) -> Result<Option<Self>, EstimationError> {
         let equations_of = |robot: &Robot| Equations::of(robot, columns, base, samples);
         let begun = equations_of(robot)?;
@@ -132,7 +134,7 @@ impl FrictionSpeeds {
             let (mut equations, mut from) = (begun.clone(), stated.clone());
             for round in 1.. {
                 let sought_columns = SpeedColumns::of(robot, &equations.linear, samples, shape);
-                let mut search = Search::new(&equations.at_load, samples, &sought_columns, &sought);
+                let mut search = Search::new(&equations.at_load, samples, &sought_columns, &sought, observer);
                 let (speeds, termination) = search.ended(&from)?;
                 let moved = with_speeds(robot, shape, joints.iter().copied().zip(speeds.iter().copied()));
                 let is_linear = equations.linear.linear_at.is_none();

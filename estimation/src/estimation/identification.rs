@@ -9,7 +9,9 @@ use std::sync::Arc;
 use nalgebra::DVector;
 
 use super::friction_speed::FrictionSpeeds;
+use super::linear_fit::LinearFit;
 use super::observation::LEAST_SHARE;
+use super::termination::Termination;
 use super::{
     ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Finding,
     Observation, Validation, load_fit, load_friction, observe, validate,
@@ -183,7 +185,8 @@ impl Identification {
         self.estimate_watched(samples, estimators, &Unobserved)
     }
 
-    /// The same, reporting to an observer, which may end estimators that iterate: the estimate is then the last iterate.
+    /// The same, reporting to an observer, which may end estimators that iterate: the estimate is then the last iterate. One that
+    /// simulates and was ended before its first iterate is the weighted linear fit, from which it begins.
     ///
     /// # Errors
     /// As [`Self::estimate_by`].
@@ -197,7 +200,14 @@ impl Identification {
         let equations = Factorisation::new(&observation)?;
         let problem = self.problem(&observation, samples).with_factorisation(&equations).with_observer(observer);
         let estimated = |estimator: &&dyn Estimator| {
-            let mut estimate = without_noise_that_is_not(estimator.estimate(&problem)?, samples);
+            let found = match estimator.estimate(&problem) {
+                Err(EstimationError::Interrupted) => {
+                    let linear = LinearFit::weighted(&equations)?;
+                    linear.estimate(estimator.name(), &problem, &linear.fit, Termination::Interrupted { iterations: 0 })
+                }
+                found => found,
+            };
+            let mut estimate = without_noise_that_is_not(found?, samples);
             estimate.withhold_impossible(&self.base);
             Ok(estimate)
         };
@@ -208,13 +218,14 @@ impl Identification {
     /// with them is that of an identification of [`FrictionSpeeds::robot`]; its intervals take them as exact.
     ///
     /// # Errors
-    /// As [`Self::estimate`].
+    /// As [`Self::estimate`]; [`EstimationError::Interrupted`] where the observer ended the search.
     pub fn friction_speeds(
         &self,
         samples: &Samples,
         shape: ShapeParameter,
+        observer: &dyn Observer,
     ) -> Result<Option<FrictionSpeeds>, EstimationError> {
-        FrictionSpeeds::found(&self.robot, (self.columns(), &self.base), samples, shape)
+        FrictionSpeeds::found(&self.robot, (self.columns(), &self.base), samples, shape, observer)
     }
 
     /// The equations of one experiment.

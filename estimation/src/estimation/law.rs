@@ -39,7 +39,6 @@ impl EstimatorLaw {
     ];
 
     /// In one sentence.
-    #[must_use]
     pub const fn sentence(self) -> &'static str {
         match self {
             Self::Recovery => "exact equations give the true parameters",

@@ -69,7 +69,6 @@ pub use closed_loop::{
 };
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
-pub use consistent_set::ConsistentSet;
 pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equations, moved_by_gains};
 pub use error::{EstimationError, ExternalError, ProblemPart};
 pub use essential::EssentialParameters;
@@ -88,7 +87,7 @@ pub use model_fit::{BodyOrigin, ModelFit, ModelGuess, PriorWeight, fit_model};
 pub use motion::{MaximumLikelihood, TotalLeastSquares};
 pub use observation::Observation;
 pub use ordinary::OrdinaryLeastSquares;
-pub use payload::{Payload, PayloadParameter, PayloadValue, payload};
+pub use payload::{NegativeMass, NegativeMassCause, Payload, PayloadBody, PayloadParameter, PayloadValue, payload};
 pub use physical::{
     ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
     EntropicPrior, EuclideanPrior, PullbackPrior,

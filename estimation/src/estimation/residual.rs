@@ -6,11 +6,22 @@ use super::Observation;
 use crate::linalg::BlockWhitening;
 use crate::signal::{LagProducts, NoiseModel};
 
-/// The noise that scattered over periods; `None` where nothing was repeated or some joint did not scatter at all.
+/// The noise that scattered over periods; `None` where nothing was repeated or some joint with equations did not scatter at all.
 #[must_use]
 pub fn scatter_noise(observation: &Observation) -> Option<NoiseModel> {
-    observation.noise.clone().filter(|noise| BlockWhitening::new(noise.covariance()).is_ok())
+    let mut noise = observation.noise.clone()?;
+    let variance = noise.covariance().diagonal();
+    for (i, _) in variance.iter().enumerate().filter(|(_, variance)| **variance == 0.0) {
+        // Torque that was not measured did not scatter, and is in no equation.
+        if !observation.used.iter().skip(i).step_by(observation.dof).any(|used| *used) {
+            noise = noise.with_white(i, UNMEASURED * variance.amax());
+        }
+    }
+    Some(noise).filter(|noise| BlockWhitening::new(noise.covariance()).is_ok())
 }
+
+/// Variance of torque that was not measured, over the largest that was: none, but one that can be divided by.
+const UNMEASURED: f64 = 1e-30;
 
 /// Lag covariances of the residual `r` (n·M), corrected for the b parameters that were fitted:
 ///

@@ -1,12 +1,15 @@
 //! The search for the speeds of laws of friction, as the module of [`FrictionSpeeds`](super::FrictionSpeeds) states it: damped
 //! Gauss–Newton on the projected equations.
 
+use std::ops::ControlFlow;
+
 use nalgebra::{DMatrix, DVector, QR};
 
 use super::linear_fit::LinearFit;
 use super::speed_columns::SpeedColumns;
 use super::{EstimationError, EstimationProblem, Factorisation, Observation, Termination};
 use crate::linalg::{BlockWhitening, LeastSquares};
+use crate::observer::{Observer, Progress, Work};
 use crate::signal::Samples;
 use crate::statistics::student_quantile;
 
@@ -88,6 +91,7 @@ pub(super) struct Search<'a> {
     projected: Option<Projected>,
     /// Of which joints.
     sought: Vec<bool>,
+    observer: &'a dyn Observer,
 }
 
 impl<'a> Search<'a> {
@@ -97,8 +101,9 @@ impl<'a> Search<'a> {
         samples: &'a Samples,
         columns: &'a SpeedColumns<'a>,
         sought: &[bool],
+        observer: &'a dyn Observer,
     ) -> Self {
-        Self { observation, samples, columns, projected: None, sought: sought.to_vec() }
+        Self { observation, samples, columns, projected: None, sought: sought.to_vec(), observer }
     }
 
     /// Σ by the fit at these speeds; as it was where the residual of an exact fit has no covariance.
@@ -137,6 +142,14 @@ impl<'a> Search<'a> {
         }
     }
 
+    /// Asks the observer whether the search goes on.
+    fn go_on(&self, done: usize, total: usize) -> Result<(), EstimationError> {
+        match self.observer.observe(Progress { work: Work::Steps, done, total }) {
+            ControlFlow::Continue(()) => Ok(()),
+            ControlFlow::Break(()) => Err(EstimationError::Interrupted),
+        }
+    }
+
     /// ρ at these speeds.
     pub(super) fn misfit(&self, speeds: &[f64]) -> Result<f64, EstimationError> {
         let projected = self.projected()?;
@@ -150,6 +163,7 @@ impl<'a> Search<'a> {
         let mut speeds = self.moved(kept, &vec![0.0; kept.len()], 0.0);
         let mut best = self.misfit(&speeds).unwrap_or(f64::INFINITY);
         for (i, of) in self.columns.joints.iter().enumerate().filter(|(i, _)| self.sought[*i]) {
+            self.go_on(i, self.sought.len())?;
             let [least, largest] = of.bounds;
             let (starts, unit) = if kept[i] > least { (STARTS, kept[i]) } else { (STARTS_OF_LARGEST, largest) };
             for multiple in starts {
@@ -192,6 +206,7 @@ impl<'a> Search<'a> {
     fn descend(&self, speeds: &mut Vec<f64>, iterations: &mut usize) -> Result<Termination, EstimationError> {
         let (mut rho, mut last_step) = (self.misfit(speeds)?, f64::INFINITY);
         while *iterations < ITERATIONS {
+            self.go_on(*iterations, ITERATIONS)?;
             *iterations += 1;
             let Ok(step) = self.step(speeds) else {
                 return Ok(Termination::Singular { iterations: *iterations });

@@ -11,6 +11,7 @@ use nalgebra::DMatrix;
 use super::closed_loop::{ClosedLoop, ClosedLoopError, ClosedLoopMotion, ClosedLoopSlopes};
 use crate::dynamics::States;
 use crate::model::{Columns, ParameterId, Robot, StandardParameters};
+use crate::observer::Observer;
 use crate::regressor::JointTorqueRegressor;
 
 /// A servo that hardly lets its arm deviate from one motion.
@@ -57,7 +58,7 @@ impl ClosedLoop for StiffLoop {
         &self.nominal
     }
 
-    fn motion(&self, parameters: &StandardParameters) -> Result<ClosedLoopMotion, ClosedLoopError> {
+    fn motion(&self, parameters: &StandardParameters, _: &dyn Observer) -> Result<ClosedLoopMotion, ClosedLoopError> {
         let tau = self.torque(parameters);
         let mut states = self.states.clone();
         for ((q, own), tau) in states.q.iter_mut().zip(&self.tau).zip(&tau) {
@@ -71,6 +72,7 @@ impl ClosedLoop for StiffLoop {
         parameters: &StandardParameters,
         by: &[ParameterId],
         block: usize,
+        observer: &dyn Observer,
     ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError> {
         let regressor = self.regressor();
         let column = |id: &ParameterId| regressor.parameters().iter().position(|own| own == id);
@@ -80,6 +82,6 @@ impl ClosedLoop for StiffLoop {
         })?;
         let tau: DMatrix<f64> = regressor.stack_means(&self.states, &columns, block);
         let q = &tau * -self.compliance;
-        Ok((self.motion(parameters)?, ClosedLoopSlopes { q, tau }))
+        Ok((self.motion(parameters, observer)?, ClosedLoopSlopes { q, tau }))
     }
 }

@@ -63,7 +63,6 @@ pub enum Termination {
 
 impl Termination {
     /// Whether the result is what was sought.
-    #[must_use]
     pub const fn was_successful(self) -> bool {
         matches!(self, Self::Direct | Self::Converged { .. } | Self::Optimal { .. })
     }

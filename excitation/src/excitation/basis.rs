@@ -94,37 +94,31 @@ impl MotionBasis {
     }
 
     /// The family.
-    #[must_use]
     pub fn family(&self) -> &dyn TrajectoryFamily {
         &*self.family
     }
 
     /// Number of joints n.
-    #[must_use]
     pub fn dof(&self) -> usize {
         self.joints.len()
     }
 
     /// Period T, s.
-    #[must_use]
     pub const fn period_s(&self) -> f64 {
         self.period_s
     }
 
     /// Fundamental angular frequency ω, rad/s.
-    #[must_use]
     pub fn omega(&self) -> f64 {
         TAU / self.period_s
     }
 
     /// Number of variables.
-    #[must_use]
     pub fn variables(&self) -> usize {
         self.joints.last().map_or(0, |joint| joint.variables.end)
     }
 
     /// The variables of joint `index`; none where it is frozen.
-    #[must_use]
     pub fn range(&self, index: usize) -> Range<usize> {
         self.joints[index].variables.clone()
     }
@@ -152,7 +146,6 @@ impl MotionBasis {
     }
 
     /// The trajectory of the variables `x`.
-    #[must_use]
     pub fn trajectory(&self, x: &[f64]) -> PeriodicTrajectory {
         let joints = self.joints.iter().enumerate().map(|(j, joint)| (joint.name.clone(), self.unscaled(j, x)));
         self.family.trajectory(self.period_s, joints.collect())
@@ -196,7 +189,6 @@ impl MotionBasis {
     }
 
     /// The row of one quantity of joint `index` at phase `phase`, times `sign`: one entry for each of its variables.
-    #[must_use]
     pub fn row(&self, index: usize, quantity: Quantity, phase: f64, sign: f64) -> Vec<f64> {
         let mut row = self.derivative_row(index, quantity as usize, phase);
         for entry in &mut row {
@@ -206,7 +198,6 @@ impl MotionBasis {
     }
 
     /// The row of the derivative of this order (0 position … 3 jerk) of joint `index` at phase `phase`.
-    #[must_use]
     pub fn derivative_row(&self, index: usize, order: usize, phase: f64) -> Vec<f64> {
         let mut row = vec![0.0; self.range(index).len()];
         self.fill_derivative_row(index, order, phase, &mut row);

@@ -181,7 +181,6 @@ impl Certificate {
     }
 
     /// Whether it is as it was when it was made.
-    #[must_use]
     pub fn is_unchanged(&self) -> bool {
         self.checksum == self.content_checksum()
     }

@@ -19,12 +19,11 @@ struct In {
 impl Certificate {
     /// The file of a trajectory with this certificate. [`PeriodicTrajectory::from_toml`] reads the motion, [`Self::in_toml`]
     /// the certificate.
-    #[must_use]
     pub fn to_toml_with(&self, trajectory: &PeriodicTrajectory) -> String {
         let table =
             toml::to_string(&Out { certificate: self }).expect("names, numbers and lists of them have a TOML form");
         format!(
-            "{}\n# Value of the criteria and use of the limits; `armid run` verifies it again.\n{table}",
+            "{}\n# Value of the criteria and use of the limits; a run verifies it again.\n{table}",
             trajectory.to_toml()
         )
     }

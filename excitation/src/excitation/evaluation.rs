@@ -92,7 +92,6 @@ impl EvaluationMotions {
     }
 
     /// The motions.
-    #[must_use]
     pub fn motions(&self) -> &[PeriodicTrajectory] {
         &self.motions
     }

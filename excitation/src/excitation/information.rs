@@ -60,7 +60,6 @@ impl Information {
     }
 
     /// Number of base columns b.
-    #[must_use]
     pub fn columns(&self) -> usize {
         self.kept.len()
     }
@@ -102,7 +101,6 @@ impl Information {
 
     /// The moments `c = (1/rows) W_bᵀ Σ⁻¹ d` of discrepancies d of the torque of the last states, b × E; d is (n N) × E,
     /// sample after sample.
-    #[must_use]
     pub fn moments(&self, d: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, count) = (self.regressor.rows(), self.samples);
         let per_row = 1.0 / (n * count) as f64;
@@ -121,7 +119,6 @@ impl Information {
     }
 
     /// The gradient of the moments' function with respect to the discrepancies, (n N) × E, from `S_c = ∂f/∂c` (b × E).
-    #[must_use]
     pub fn pull_back_moments(&self, s_c: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, count) = (self.regressor.rows(), self.samples);
         let per_row = 1.0 / (n * count) as f64;

@@ -27,41 +27,16 @@ pub enum LimitKind {
     Clearance,
 }
 
-impl LimitKind {
-    /// Every kind.
-    pub const ALL: [Self; 9] = [
-        Self::Position,
-        Self::Velocity,
-        Self::Acceleration,
-        Self::Jerk,
-        Self::Torque,
-        Self::TorqueRms,
-        Self::Current,
-        Self::CurrentRms,
-        Self::Clearance,
-    ];
+crate::input::named! { LimitKind {
+    Position: "position", Velocity: "velocity", Acceleration: "acceleration", Jerk: "jerk", Torque: "torque",
+    TorqueRms: "torque-rms", Current: "current", CurrentRms: "current-rms", Clearance: "clearance"
+} }
 
+impl LimitKind {
     /// Those that depend on the robot's parameters.
     pub const EFFORTS: [Self; 4] = [Self::Torque, Self::TorqueRms, Self::Current, Self::CurrentRms];
 
-    /// Its name in files and messages.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Position => "position",
-            Self::Velocity => "velocity",
-            Self::Acceleration => "acceleration",
-            Self::Jerk => "jerk",
-            Self::Torque => "torque",
-            Self::TorqueRms => "torque-rms",
-            Self::Current => "current",
-            Self::CurrentRms => "current-rms",
-            Self::Clearance => "clearance",
-        }
-    }
-
     /// Unit of its values for a joint of this kind.
-    #[must_use]
     pub const fn unit(self, joint: JointKind) -> &'static str {
         match (self, joint) {
             (Self::Position, kind) => kind.unit(),
@@ -78,13 +53,11 @@ impl LimitKind {
     }
 
     /// Whether it is reached at one time, and not by a mean over the period.
-    #[must_use]
     pub const fn has_time(self) -> bool {
         !matches!(self, Self::TorqueRms | Self::CurrentRms)
     }
 
     /// The part of the limit that a design may use. A clearance has none: it is kept whole.
-    #[must_use]
     pub const fn permitted(self, margins: &Margins) -> f64 {
         match self {
             Self::Position => margins.position,

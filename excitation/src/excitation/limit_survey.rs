@@ -44,7 +44,6 @@ pub struct WorstLimitUse {
 
 impl WorstLimitUse {
     /// The largest ratio of all.
-    #[must_use]
     pub fn largest(&self) -> f64 {
         LimitKind::ALL.into_iter().filter_map(|kind| self.of(kind)).fold(0.0, f64::max)
     }
@@ -52,7 +51,6 @@ impl WorstLimitUse {
 
 impl WorstLimitUse {
     /// Of one kind of limit; `None` where nothing has such a limit, and for clearances, which are distances.
-    #[must_use]
     pub const fn of(&self, kind: LimitKind) -> Option<f64> {
         match kind {
             LimitKind::Position => Some(self.position),
@@ -94,7 +92,6 @@ pub struct WorstCases {
 impl WorstCases {
     /// Where one kind of limit is used most; `None` where nothing has such a limit, and for clearances, which are
     /// distances between two bodies ([`Self::clearance`]).
-    #[must_use]
     pub const fn of(&self, kind: LimitKind) -> Option<WorstUse> {
         match kind {
             LimitKind::Position => Some(self.position),

@@ -17,7 +17,6 @@ pub struct Margins {
 
 impl Margins {
     /// The part for one quantity.
-    #[must_use]
     pub const fn of(&self, quantity: Quantity) -> f64 {
         match quantity {
             Quantity::Position => self.position,

@@ -76,7 +76,6 @@ impl InformationObjective {
     }
 
     /// The information matrix of the last point.
-    #[must_use]
     pub const fn matrix(&self) -> &DMatrix<f64> {
         &self.m
     }
@@ -84,7 +83,6 @@ impl InformationObjective {
 
 impl InformationObjective {
     /// The criterion at the last point, without any smoothing.
-    #[must_use]
     pub const fn exact(&self) -> f64 {
         self.exact
     }

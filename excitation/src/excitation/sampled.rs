@@ -69,13 +69,11 @@ impl SampledBasis {
     }
 
     /// The family.
-    #[must_use]
     pub const fn basis(&self) -> &MotionBasis {
         &self.basis
     }
 
     /// Number of samples N.
-    #[must_use]
     pub const fn samples(&self) -> usize {
         self.samples
     }

@@ -34,19 +34,16 @@ pub enum Termination {
 
 impl Termination {
     /// Whether the trajectory holds all limits and shows all chosen parameters.
-    #[must_use]
     pub const fn is_feasible(&self) -> bool {
         !matches!(self, Self::Infeasible { .. } | Self::Singular)
     }
 
     /// Whether the optimiser ended by itself, not by its budget.
-    #[must_use]
     pub const fn is_converged(&self) -> bool {
         matches!(self, Self::Converged | Self::Stalled)
     }
 
     /// One word for it.
-    #[must_use]
     pub const fn name(&self) -> &'static str {
         match self {
             Self::Converged => "converged",

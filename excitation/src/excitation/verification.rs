@@ -26,94 +26,44 @@ const SAMPLES: (usize, usize) = (500, 100_000);
 
 /// Why a trajectory must not move a robot.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum VerificationError {
     /// The trajectory moves another number of joints.
     #[error("the trajectory moves {found} joints, expected the robot's {expected}")]
-    Joints {
-        /// Joints of the trajectory.
-        found: usize,
-        /// Joints of the robot.
-        expected: usize,
-    },
+    Joints { found: usize, expected: usize },
     /// The certificate was made for another robot file.
     #[error(
         "the certificate is for the robot \"{certified}\" as of file {certified_sha256:.12}…, expected \"{robot}\" as of \
          file {robot_sha256:.12}…"
     )]
-    OtherRobot {
-        /// Robot of the certificate.
-        certified: String,
-        /// Hash of its file.
-        certified_sha256: String,
-        /// The robot at hand.
-        robot: String,
-        /// Hash of its file.
-        robot_sha256: String,
-    },
+    OtherRobot { certified: String, certified_sha256: String, robot: String, robot_sha256: String },
     /// The certificate was made for another trajectory.
     #[error("the certificate is for trajectory {certified:.12}…, expected this one, {found:.12}…")]
-    OtherTrajectory {
-        /// Hash in the certificate.
-        certified: String,
-        /// Hash of the trajectory at hand.
-        found: String,
-    },
+    OtherTrajectory { certified: String, found: String },
     /// The certificate is not as it was when it was made.
     #[error("the certificate has been changed since it was made")]
     Changed,
     /// The certificate was made with other nominal parameters.
     #[error("the certificate is for nominal parameters {certified:.12}…, expected those at hand, {found:.12}…")]
-    OtherParameters {
-        /// Hash in the certificate.
-        certified: String,
-        /// Hash of the parameters at hand.
-        found: String,
-    },
+    OtherParameters { certified: String, found: String },
     /// The certificate states another use of a limit than is found with the limits and parameters at hand.
     #[error(
         "the certificate states {stated:.6} as the use of the {limit} limit, expected {found:.6} by the nominal parameters \
          at hand"
     )]
-    Stale {
-        /// Which limit.
-        limit: LimitKind,
-        /// What the certificate states, 1 at the limit.
-        stated: f64,
-        /// What is found.
-        found: f64,
-    },
+    Stale { limit: LimitKind, stated: f64, found: f64 },
     /// The motion is not performed as it was certified, and the torques that it asks for are unknown.
     #[error(
         "the certificate holds torque for {}, expected nominal parameters, by which it can be held for a period of \
          {period_s} s and {}", shown(*certified_ramp_s), shown(*ramp_s)
     )]
-    EffortsUnknown {
-        /// Length of the ramps that are performed, s.
-        ramp_s: Option<f64>,
-        /// Period of the motion that is performed, s.
-        period_s: f64,
-        /// Length of the certified ramps, s.
-        certified_ramp_s: Option<f64>,
-    },
+    EffortsUnknown { ramp_s: Option<f64>, period_s: f64, certified_ramp_s: Option<f64> },
     /// A limit is exceeded.
     #[error(
         "joint \"{joint}\": {limit} {found:.4} {unit} exceeds its limit {permitted:.4} {unit}{}",
         if limit.has_time() { format!(" at t = {t:.3} s") } else { String::new() }
     )]
-    Limit {
-        /// Name of the joint.
-        joint: String,
-        /// Which limit.
-        limit: LimitKind,
-        /// What is asked.
-        found: f64,
-        /// What is allowed.
-        permitted: f64,
-        /// Unit of both.
-        unit: &'static str,
-        /// When, s; a root mean square belongs to no time.
-        t: f64,
-    },
+    Limit { joint: String, limit: LimitKind, found: f64, permitted: f64, unit: &'static str, t: f64 },
     /// Two bodies would touch.
     #[error("\"{}\" and \"{}\" come within {:.4} m at t = {:.3} s, expected a distance above zero", .0.pair[0], .0.pair[1], .0.distance_m, .0.t)]
     Contact(WorstClearance),

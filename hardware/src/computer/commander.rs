@@ -115,7 +115,6 @@ impl Commander {
     }
 
     /// How it treats a motion that comes while another is under way.
-    #[must_use]
     pub fn replacement(&self) -> Replacement {
         self.replacement
     }
@@ -126,19 +125,16 @@ impl Commander {
     }
 
     /// The limits.
-    #[must_use]
     pub fn limits(&self) -> &[JointLimits] {
         &self.limits
     }
 
     /// What is commanded, rad (m); n. Means nothing while the motors are off.
-    #[must_use]
     pub fn command(&self) -> &[f64] {
         &self.q
     }
 
     /// Why the motors are off, where they are.
-    #[must_use]
     pub fn off(&self) -> Option<&str> {
         match &self.doing {
             Activity::Off(reason) => Some(reason),
@@ -147,7 +143,6 @@ impl Commander {
     }
 
     /// What is being done, in a word: `hold`, `follow`, `stream` or `off`.
-    #[must_use]
     pub fn doing(&self) -> &'static str {
         match &self.doing {
             Activity::Hold => "hold",
@@ -158,7 +153,6 @@ impl Commander {
     }
 
     /// When the first motion began, s of the robot's clock.
-    #[must_use]
     pub fn began_s(&self) -> Option<f64> {
         self.began_s
     }

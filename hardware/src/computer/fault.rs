@@ -41,54 +41,14 @@ pub enum FaultKind {
     LostGoal,
 }
 
+armid::input::named! { FaultKind {
+    Freeze: "freeze", Drop: "drop", Jitter: "jitter", Jump: "jump", Overcurrent: "overcurrent", Estop: "estop",
+    Die: "die", Order: "order", Nan: "nan", LateAnswer: "late-answer", LostResult: "lost-result",
+    StrangeState: "strange-state", Oscillation: "oscillation", Clock: "clock", Rate: "rate", Gripper: "gripper",
+    LateExecution: "late-execution", LostGoal: "lost-goal"
+} }
+
 impl FaultKind {
-    /// All.
-    pub const ALL: [Self; 18] = [
-        Self::Freeze,
-        Self::Drop,
-        Self::Jitter,
-        Self::Jump,
-        Self::Overcurrent,
-        Self::Estop,
-        Self::Die,
-        Self::Order,
-        Self::Nan,
-        Self::LateAnswer,
-        Self::LostResult,
-        Self::StrangeState,
-        Self::Oscillation,
-        Self::Clock,
-        Self::Rate,
-        Self::Gripper,
-        Self::LateExecution,
-        Self::LostGoal,
-    ];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Freeze => "freeze",
-            Self::Drop => "drop",
-            Self::Jitter => "jitter",
-            Self::Jump => "jump",
-            Self::Overcurrent => "overcurrent",
-            Self::Estop => "estop",
-            Self::Die => "die",
-            Self::Order => "order",
-            Self::Nan => "nan",
-            Self::LateAnswer => "late-answer",
-            Self::LostResult => "lost-result",
-            Self::StrangeState => "strange-state",
-            Self::Oscillation => "oscillation",
-            Self::Clock => "clock",
-            Self::Rate => "rate",
-            Self::Gripper => "gripper",
-            Self::LateExecution => "late-execution",
-            Self::LostGoal => "lost-goal",
-        }
-    }
-
     /// Its size where none is given; zero for a fault without one.
     const fn usual(self) -> f64 {
         match self {
@@ -122,7 +82,7 @@ impl Fault {
         let names = || FaultKind::ALL.map(FaultKind::name).join(", ");
         let (name, time) = text.split_once('@').ok_or(format!("\"{text}\", expected NAME@SECONDS"))?;
         let (name, size) = name.split_once(':').map_or((name, None), |(name, size)| (name, Some(size)));
-        let kind = FaultKind::ALL.into_iter().find(|kind| kind.name() == name);
+        let kind = FaultKind::parse(name);
         let kind = kind.ok_or_else(|| format!("fault \"{name}\", expected one of {}", names()))?;
         let size = match size {
             None => kind.usual(),

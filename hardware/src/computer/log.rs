@@ -65,7 +65,6 @@ impl StepLog {
     }
 
     /// Why nothing is written any more, if that is so.
-    #[must_use]
     pub fn fault(&self) -> Option<&std::io::Error> {
         self.fault.as_ref()
     }

@@ -24,6 +24,8 @@
 
 mod commander;
 mod fault;
+#[cfg(test)]
+pub(crate) mod flywheels;
 mod joint_limits;
 mod log;
 mod pace;

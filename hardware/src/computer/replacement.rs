@@ -18,21 +18,7 @@ pub enum Replacement {
     BothCancelled,
 }
 
-impl Replacement {
-    /// All.
-    pub const ALL: [Self; 6] =
-        [Self::AtOnce, Self::Deferred, Self::Spliced, Self::LateEnd, Self::Refused, Self::BothCancelled];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::AtOnce => "at-once",
-            Self::Deferred => "deferred",
-            Self::Spliced => "spliced",
-            Self::LateEnd => "late-end",
-            Self::Refused => "refused",
-            Self::BothCancelled => "both-cancelled",
-        }
-    }
-}
+armid::input::named! { Replacement {
+    AtOnce: "at-once", Deferred: "deferred", Spliced: "spliced", LateEnd: "late-end", Refused: "refused",
+    BothCancelled: "both-cancelled"
+} }

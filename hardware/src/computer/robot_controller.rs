@@ -16,18 +16,14 @@ const JUMP: f64 = 0.3;
 
 /// Why there is no such controller.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum RobotControllerError {
     /// The servo cannot be built.
     #[error(transparent)]
     Servo(#[from] ServoError),
     /// Joint states cannot come at this rate.
     #[error("rate_hz is {found}, expected a whole part of the servo's {servo_hz} Hz")]
-    Rate {
-        /// Rate of joint states that was asked for, Hz.
-        found: f64,
-        /// Rate of the servo, Hz.
-        servo_hz: f64,
-    },
+    Rate { found: f64, servo_hz: f64 },
 }
 
 /// What a step did, for the log. All slices have length n.
@@ -150,37 +146,31 @@ impl<P: Plant> RobotController<P> {
     }
 
     /// How it treats a motion that comes while another is under way.
-    #[must_use]
     pub fn replacement(&self) -> Replacement {
         self.commander.replacement()
     }
 
     /// The robot.
-    #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
     }
 
     /// What its joints may be commanded.
-    #[must_use]
     pub fn limits(&self) -> &[JointLimits] {
         self.commander.limits()
     }
 
     /// Whether it hangs.
-    #[must_use]
     pub fn is_frozen(&self) -> bool {
         self.frozen
     }
 
     /// Length of a servo step, s.
-    #[must_use]
     pub fn dt(&self) -> f64 {
         self.joints.dt()
     }
 
     /// Time since it started by its own clock, s.
-    #[must_use]
     pub fn t(&self) -> f64 {
         self.steps as f64 * self.joints.dt()
     }
@@ -196,7 +186,6 @@ impl<P: Plant> RobotController<P> {
     }
 
     /// Its state in words, as it goes out on the topic `robot_state`.
-    #[must_use]
     pub fn state(&self) -> String {
         if self.struck() == Some(FaultKind::StrangeState) {
             return "EMERGENCY STOP pressed, unhomed".to_owned();

@@ -27,6 +27,7 @@ pub struct ServeOptions {
 
 /// Why the robot controller stopped.
 #[derive(Debug, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum ServeError {
     /// No network.
     #[error(transparent)]
@@ -36,12 +37,7 @@ pub enum ServeError {
     Plant(#[from] PlantError),
     /// No log.
     #[error("{path}: {reason}")]
-    Log {
-        /// Which file.
-        path: String,
-        /// What the system says.
-        reason: std::io::Error,
-    },
+    Log { path: String, reason: std::io::Error },
 }
 
 /// How it goes.

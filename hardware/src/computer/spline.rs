@@ -118,13 +118,11 @@ impl Spline {
     }
 
     /// Where it begins: position at its first point.
-    #[must_use]
     pub fn first(&self) -> (f64, &[f64]) {
         (self.knots[0].t, &self.knots[0].q)
     }
 
     /// How long it takes, s.
-    #[must_use]
     pub fn duration_s(&self) -> f64 {
         self.knots[self.knots.len() - 1].t
     }

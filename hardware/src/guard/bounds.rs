@@ -72,7 +72,6 @@ impl JointBounds {
     }
 
     /// Part of the soft range that a position uses, 1 at a soft limit; 0 where there is none.
-    #[must_use]
     pub fn soft_use(&self, q: f64) -> f64 {
         let (low, high) = self.soft;
         if low.is_finite() && high.is_finite() {

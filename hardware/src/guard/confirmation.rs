@@ -31,7 +31,6 @@ impl Confirmation {
     }
 
     /// How it was given.
-    #[must_use]
     pub const fn how(&self) -> &'static str {
         self.how
     }

@@ -54,13 +54,11 @@ impl<A: Arm> Guarded<A> {
     }
 
     /// What the guard did and saw so far.
-    #[must_use]
     pub fn record(&self) -> &GuardRecord {
         &self.record
     }
 
     /// The arm inside, to read from.
-    #[must_use]
     pub fn arm(&self) -> &A {
         &self.arm
     }

@@ -57,13 +57,11 @@ impl<M: Machine> Approached<M> {
     }
 
     /// The machine, to read from.
-    #[must_use]
     pub fn machine(&self) -> &M {
         &self.machine
     }
 
     /// What passed before the first motion, and how the arm came to the start pose.
-    #[must_use]
     pub fn before(&self) -> (&[Passed], Option<&ApproachRecord>) {
         (&self.preflight, self.approach.as_ref())
     }

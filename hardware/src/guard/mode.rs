@@ -10,16 +10,4 @@ pub enum Mode {
     Stream,
 }
 
-impl Mode {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Trajectory, Self::Stream];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Trajectory => "trajectory",
-            Self::Stream => "stream",
-        }
-    }
-}
+armid::input::named! { Mode { Trajectory: "trajectory", Stream: "stream" } }

@@ -28,36 +28,12 @@ pub enum Preflight {
     Homed,
 }
 
+armid::input::named! { Preflight {
+    Settings: "settings", Plan: "plan", SoftLimits: "soft-limits", JointNames: "joint-names", Finite: "finite",
+    Rate: "rate", StartPose: "start-pose", EmergencyStop: "emergency-stop", Homed: "homed"
+} }
+
 impl Preflight {
-    /// All, in order.
-    pub const ALL: [Self; 9] = [
-        Self::Settings,
-        Self::Plan,
-        Self::SoftLimits,
-        Self::JointNames,
-        Self::Finite,
-        Self::Rate,
-        Self::StartPose,
-        Self::EmergencyStop,
-        Self::Homed,
-    ];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Settings => "settings",
-            Self::Plan => "plan",
-            Self::SoftLimits => "soft-limits",
-            Self::JointNames => "joint-names",
-            Self::Finite => "finite",
-            Self::Rate => "rate",
-            Self::StartPose => "start-pose",
-            Self::EmergencyStop => "emergency-stop",
-            Self::Homed => "homed",
-        }
-    }
-
     fn passed(self, found: impl Into<String>) -> Passed {
         Passed { check: self.name(), found: found.into() }
     }
@@ -119,7 +95,7 @@ pub(super) fn of_plan(
         let found = 1e3 * fastest.speed;
         if found > line {
             let found = format!("point \"{}\" at {found:.0} mm/s", fastest.point);
-            let remedy = "choose a slower --speed";
+            let remedy = "choose a slower speed";
             return Err(Preflight::Plan.refuse(found, Expectation::AtMost { limit: line, unit: "mm/s", remedy }));
         }
     }

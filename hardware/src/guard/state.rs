@@ -20,7 +20,6 @@ pub enum Activity {
 
 impl Activity {
     /// Its name in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Approach => "approach",

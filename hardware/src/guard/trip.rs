@@ -58,60 +58,17 @@ const ACCEPTANCE_MS: f64 = 500.0;
 /// Time that it has, from the end of a motion, to say how it ended, ms.
 const RESULT_MS: f64 = 3000.0;
 
+// In the order in which a sample is judged: the first that finds something wins.
+armid::input::named! { Trip {
+    NotFinite: "not-finite", PositionJump: "position-jump", SoftLimit: "soft-limit", Overspeed: "overspeed",
+    ReducedSpeed: "reduced-speed", FollowingError: "following-error", CurrentClamp: "current-clamp",
+    UnexpectedStop: "unexpected-stop", StaleState: "stale-state", CommandAge: "command-age",
+    CommandStep: "command-step", RobotStopped: "robot-stopped", Interference: "interference",
+    NoAcceptance: "no-acceptance", NoResult: "no-result", Link: "link", Panic: "panic"
+} }
+
 impl Trip {
-    /// All, in the order in which a sample is judged: the first that finds something wins.
-    pub const ALL: [Self; 17] = [
-        Self::NotFinite,
-        Self::PositionJump,
-        Self::SoftLimit,
-        Self::Overspeed,
-        Self::ReducedSpeed,
-        Self::FollowingError,
-        Self::CurrentClamp,
-        Self::UnexpectedStop,
-        Self::StaleState,
-        Self::CommandAge,
-        Self::CommandStep,
-        Self::RobotStopped,
-        Self::Interference,
-        Self::NoAcceptance,
-        Self::NoResult,
-        Self::Link,
-        Self::Panic,
-    ];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::NotFinite => "not-finite",
-            Self::PositionJump => "position-jump",
-            Self::SoftLimit => "soft-limit",
-            Self::Overspeed => "overspeed",
-            Self::ReducedSpeed => "reduced-speed",
-            Self::FollowingError => "following-error",
-            Self::CurrentClamp => "current-clamp",
-            Self::UnexpectedStop => "unexpected-stop",
-            Self::StaleState => "stale-state",
-            Self::CommandAge => "command-age",
-            Self::CommandStep => "command-step",
-            Self::RobotStopped => "robot-stopped",
-            Self::Interference => "interference",
-            Self::NoAcceptance => "no-acceptance",
-            Self::NoResult => "no-result",
-            Self::Link => "link",
-            Self::Panic => "panic",
-        }
-    }
-
-    /// The trip with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|trip| trip.name() == name)
-    }
-
     /// What it watches, in a few words.
-    #[must_use]
     pub const fn meaning(self) -> &'static str {
         match self {
             Self::NotFinite => "a position or an effort is not a number",
@@ -119,7 +76,7 @@ impl Trip {
             Self::SoftLimit => "a position or a set-point is outside the soft limits",
             Self::Overspeed => "a joint is faster than its limit allows",
             Self::ReducedSpeed => {
-                "the flange, or a point that the robot file names, is faster than --reduced-speed allows"
+                "the flange, or a point that the robot file names, is faster than the reduced speed allows"
             }
             Self::FollowingError => "the arm is too far from its command",
             Self::CurrentClamp => "the motor current is above the clamp for long, or again and again",
@@ -139,7 +96,6 @@ impl Trip {
     }
 
     /// Whether the guard has this trip in a mode. Set-points exist only where they are streamed.
-    #[must_use]
     pub const fn exists_in(self, mode: Mode) -> bool {
         match self {
             Self::CommandAge | Self::CommandStep => matches!(mode, Mode::Stream),
@@ -149,13 +105,11 @@ impl Trip {
     }
 
     /// Whether the simulated robot controller, and any good real one, has it too, without a client.
-    #[must_use]
     pub const fn in_robot_controller(self) -> bool {
         matches!(self, Self::SoftLimit | Self::CurrentClamp | Self::CommandAge | Self::RobotStopped)
     }
 
     /// What is asked for at once. Measured positions that cannot be trusted cannot be held: the drives go off.
-    #[must_use]
     pub const fn action(self, mode: Mode) -> SafeAction {
         match self {
             Self::NotFinite | Self::PositionJump | Self::CurrentClamp => SafeAction::Disable,
@@ -177,7 +131,6 @@ impl Trip {
     /// ```text
     /// bound = window of the check + one sample + reaction
     /// ```
-    #[must_use]
     pub fn bound_ms(self, settings: &GuardSettings, rate_hz: f64) -> f64 {
         let sample_ms = 1e3 / rate_hz;
         match self {

@@ -56,13 +56,11 @@ impl Watch {
     }
 
     /// Why it tripped.
-    #[must_use]
     pub fn tripped(&self) -> Option<&TripReport> {
         self.tripped.as_ref()
     }
 
     /// Largest part of its limit that each check used since the beginning, or since [`Watch::reset_used`].
-    #[must_use]
     pub fn used(&self) -> Vec<(Trip, f64)> {
         self.checks.iter().zip(&self.used).map(|(check, used)| (check.trip(), *used)).collect()
     }

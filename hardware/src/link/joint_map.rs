@@ -51,7 +51,6 @@ impl JointMap {
     }
 
     /// The robot's names of the joints, in the order of the robot file.
-    #[must_use]
     pub fn names(&self) -> &[String] {
         &self.names
     }

@@ -1,6 +1,5 @@
 //! The link and the robot controller across a real wire, on this machine alone.
 
-use armid::model::term::ROTOR;
 use std::net::UdpSocket;
 use std::sync::atomic::{AtomicBool, Ordering};
 use std::sync::{Arc, Mutex};
@@ -8,47 +7,18 @@ use std::thread::JoinHandle;
 
 use armid::conformance::chains::planar_2r;
 use armid::experiment::{
-    Arm, Ending, ExperimentPlan, Flow, Plant, PlantError, RawSample, Recorder, Recording, Rest, SafeAction, Sensing,
-    Servo, Sink, TripReport, record,
+    Arm, Ending, ExperimentPlan, Flow, RawSample, Recorder, Recording, Rest, SafeAction, Sensing, Servo, Sink,
+    TripReport, record,
 };
-use armid::model::{Robot, StandardParameters};
+use armid::model::Robot;
 use armid::seed::Seed;
 use armid::trajectory::{FourierJoint, FourierTrajectory};
 
 use super::{Endpoint, LinkError, LinkSettings, Mode, Ros2Arm, look};
+use crate::computer::flywheels::{FlyWheels, nominal};
 use crate::computer::{Fault, Replacement, RobotController, ServeOptions, Watchdog, serve};
 use crate::guard::Machine;
 use crate::message::{Float64MultiArray, Header, JointState, Text, Time};
-
-/// One flywheel of 1 kg·m² for each joint.
-#[derive(Clone)]
-struct FlyWheels([f64; 2], [f64; 2]);
-
-impl Plant for FlyWheels {
-    fn dof(&self) -> usize {
-        2
-    }
-    fn state(&self) -> (&[f64], &[f64]) {
-        (&self.0, &self.1)
-    }
-    fn reset(&mut self, q: &[f64], qd: &[f64]) {
-        self.0.copy_from_slice(q);
-        self.1.copy_from_slice(qd);
-    }
-    fn step(&mut self, tau: &[f64], dt: f64) -> Result<(), PlantError> {
-        for i in 0..2 {
-            self.1[i] += dt * tau[i];
-            self.0[i] += dt * self.1[i];
-        }
-        Ok(())
-    }
-}
-
-fn nominal() -> StandardParameters {
-    let mut nominal = StandardParameters::zero(2);
-    nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 1.0);
-    nominal
-}
 
 fn plan(robot: &Robot) -> ExperimentPlan {
     let joints = robot.joints().iter().enumerate().map(|(j, joint)| FourierJoint {

@@ -158,7 +158,6 @@ impl Endpoint {
     }
 
     /// The domain.
-    #[must_use]
     pub fn domain(&self) -> u16 {
         self.settings.domain
     }

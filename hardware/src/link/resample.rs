@@ -51,7 +51,6 @@ impl Resampler {
     }
 
     /// Whether every tick has its sample.
-    #[must_use]
     pub fn is_done(&self) -> bool {
         self.next >= self.samples
     }

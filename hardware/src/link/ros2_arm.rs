@@ -7,7 +7,6 @@ use armid::experiment::{
     TripReport,
 };
 use armid::model::Robot;
-use armid::provenance::Provenance;
 use ros2_client::Publisher;
 use ros2_client::gid::Gid;
 
@@ -268,7 +267,6 @@ impl Ros2Arm {
     }
 
     /// The ROS domain that it was found in.
-    #[must_use]
     pub fn domain(&self) -> u16 {
         self.line.endpoint.domain()
     }
@@ -284,43 +282,24 @@ impl Ros2Arm {
     }
 
     /// The robot that this is.
-    #[must_use]
     pub fn robot(&self) -> &Robot {
         &self.robot
     }
 
     /// How far the robot controller says that its joints are from the motion, in its own order; `None` where it reports
     /// nothing, as in the modes without an action.
-    #[must_use]
     pub fn feedback(&self) -> Option<&FollowFeedback> {
         self.line.sender.feedback()
     }
 
     /// What the stamps of the last motion showed.
-    #[must_use]
     pub fn findings(&self) -> &StampFindings {
         &self.findings
     }
 
     /// What a recording of a plan begins with.
     pub(crate) fn recording(&self, plan: &ExperimentPlan, layout: &Layout) -> Recording {
-        Recording {
-            robot: self.robot.name().to_owned(),
-            robot_text: self.robot_text.clone(),
-            dof: self.robot.dof(),
-            rate_hz: plan.rate_hz,
-            joints: self.robot.joints().iter().map(|joint| joint.name.clone()).collect(),
-            effort_unit: self.robot.effort(),
-            phases: layout.spans.clone(),
-            trajectory: plan.trajectory.clone(),
-            period_samples: layout.period_samples,
-            t: Vec::new(),
-            q: Vec::new(),
-            effort: Vec::new(),
-            voltage: Vec::new(),
-            link_q: Vec::new(),
-            provenance: Provenance::new(self.robot.name(), &self.robot_text, None),
-        }
+        Recording::begun(&self.robot, &self.robot_text, plan, layout, None)
     }
 }
 

@@ -23,20 +23,7 @@ pub enum Mode {
     Stream,
 }
 
-impl Mode {
-    /// All.
-    pub const ALL: [Self; 3] = [Self::Trajectory, Self::Topic, Self::Stream];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Trajectory => "trajectory",
-            Self::Topic => "topic",
-            Self::Stream => "stream",
-        }
-    }
-}
+armid::input::named! { Mode { Trajectory: "trajectory", Topic: "topic", Stream: "stream" } }
 
 /// Which networks the link may use.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
@@ -199,13 +186,11 @@ impl LinkSettings {
     }
 
     /// Whether the arm may move in this state of its controller.
-    #[must_use]
     pub fn is_ready(&self, state: &str) -> bool {
         self.ready_states.iter().any(|ready| ready == state.trim())
     }
 
     /// The full name of a topic or action.
-    #[must_use]
     pub fn full(&self, name: &str) -> String {
         if name.starts_with('/') {
             return name.to_owned();
@@ -214,7 +199,6 @@ impl LinkSettings {
     }
 
     /// How long to wait for the robot.
-    #[must_use]
     pub fn patience(&self) -> Duration {
         Duration::from_secs_f64(self.patience_s.clamp(0.0, 3600.0))
     }

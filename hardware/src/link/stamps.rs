@@ -45,7 +45,6 @@ pub struct StampFindings {
 
 impl StampFindings {
     /// Whether there is nothing to report.
-    #[must_use]
     pub fn is_clean(&self) -> bool {
         self.gaps + self.duplicates + self.reordered + self.clock_jumps == 0 && self.missing.is_empty()
     }
@@ -92,7 +91,6 @@ impl StampWatch {
     }
 
     /// Transport time of the last message above the shortest, s.
-    #[must_use]
     pub fn lateness_s(&self) -> f64 {
         self.clock.lateness_s()
     }
@@ -153,7 +151,6 @@ impl StampWatch {
     }
 
     /// What was found so far.
-    #[must_use]
     pub fn findings(&self) -> &StampFindings {
         &self.findings
     }

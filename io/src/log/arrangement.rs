@@ -1,13 +1,17 @@
 //! The joints of a log in the order of a robot's.
 
 use armid::model::Robot;
+use armid::remedy::{Remedy, Setting, Task};
 
 use super::joint_log::Log;
 use crate::error::Error;
 
 /// What brings log and robot together.
-pub(super) const HELP: &str = "`armid robot ROBOT` shows the joints of the robot, --robot names another; --map \"q=…, tau=…\" \
-                               says which columns of a table, or which joints of joint states, they are";
+pub(super) fn help() -> Remedy {
+    let help = Remedy::task(Task::Robot, "ROBOT").say(" shows the joints of the robot, ").setting(Setting::Robot);
+    let help = help.say(" names another; ").to(Setting::Map, "q=…, tau=…");
+    help.say(" says which columns of a table, or which joints of joint states, they are")
+}
 
 /// The log with the robot's joints in the robot's order; joints of other things, a gripper's, are left out.
 pub(super) fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {
@@ -19,7 +23,7 @@ pub(super) fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {
         let (found, expected) = (log.dof, robot.dof());
         let message =
             format!("{} holds {found} joints, expected the {expected} of robot \"{}\"", log.name, robot.name());
-        return Err(Error::mismatch(message).help(HELP));
+        return Err(Error::mismatch(message).help(help()));
     };
     if *joints == expected {
         return Ok(log);
@@ -29,7 +33,7 @@ pub(super) fn arranged(mut log: Log, robot: &Robot) -> Result<Log, Error> {
         let (found, expected) = (joints.join(", "), expected.join(", "));
         let message =
             format!("{} holds the joints {found}, expected {expected} of robot \"{}\"", log.name, robot.name());
-        return Err(Error::mismatch(message).help(HELP));
+        return Err(Error::mismatch(message).help(help()));
     };
     let pick = |table: &[f64]| -> Vec<f64> {
         table.chunks_exact(joints.len()).flat_map(|row| order.iter().map(|&joint| row[joint])).collect()

@@ -46,7 +46,6 @@ pub struct ChannelFault {
 
 impl ChannelFault {
     /// One sentence.
-    #[must_use]
     pub fn sentence(&self) -> String {
         let Self { joint, rows, .. } = self;
         match self.state {

@@ -6,13 +6,11 @@ use super::joint_log::{Log, Segment};
 
 impl Log {
     /// Number of samples.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.q.len() / self.dof.max(1)
     }
 
     /// Whether it holds none.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.q.is_empty()
     }

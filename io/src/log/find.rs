@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::model::Robot;
+use armid::remedy::{Remedy, Setting};
 
 use super::joint_log::Log;
 use super::log_file::LogFile;
@@ -71,7 +72,7 @@ pub fn find(
             let log = foreign_csv::of_tables(vec![log_format::table(path)?], parsed.as_ref(), rate_hz);
             let mut log = log.map_err(|error| match &parsed {
                 Some(parsed) if is_one_of_several || paths.len() > 1 => {
-                    error.more_help(Some(side_by_side::another(parsed, path)))
+                    error.more_help(Some(side_by_side::another(parsed, path).into()))
                 }
                 _ => error,
             })?;
@@ -81,8 +82,9 @@ pub fn find(
             let mut log = Log::read_as(path, &StateReading { mapping: parsed.as_ref(), robot })?;
             if let (Some(rate), None, false) = (rate_hz, &log.recording, is_table(path)) {
                 let message = format!("{} has the stamps of its messages, found a rate of {rate} Hz", log.name);
+                let help = Remedy::default().setting(Setting::Rate);
                 return Err(
-                    Error::mismatch(message).help("--rate is of tables without a column of times: leave it out")
+                    Error::mismatch(message).help(help.say(" is of tables without a column of times: leave it out"))
                 );
             }
             log.origin.mapping = mapping.filter(|_| log.recording.is_none()).map(str::to_owned);

@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use armid::model::EffortInterface;
+use armid::remedy::{Remedy, Setting};
 use armid_cdr::JointState;
 
 use super::conversion::Conversion;
@@ -147,19 +148,22 @@ impl Plan {
         let of = |quantity: Quantity| -> Result<Option<Column>, Error> {
             let Some(map) = mapping.of(quantity) else { return Ok(None) };
             let key = quantity.key();
-            let help = "of joint states, --map names joints: --map \"q=joint[1-6] deg, tau=joint[1-6] motor gear=100\"";
+            let help = || {
+                let map = "q=joint[1-6] deg, tau=joint[1-6] motor gear=100";
+                Remedy::from("a map of joint states names joints: ").to(Setting::Map, map)
+            };
             let is_effort = matches!(quantity, Quantity::Torque | Quantity::Current);
             let is_known = |joint: &str| found.contains(joint) || (is_effort && joint == NONE);
             let joints = listed(&map.columns, is_known).map_err(|fault| Error::new(format!("{key}: {fault}")))?;
             if let Some(file) = &map.file {
                 let message =
                     format!("{key}: {name} holds joint states, found the file \"{file}\" in front of a joint");
-                return Err(Error::mismatch(message).help(help));
+                return Err(Error::mismatch(message).help(help()));
             }
             if let Some(missing) = joints.iter().find(|joint| !is_known(joint)) {
                 let list = found.iter().copied().collect::<Vec<_>>().join(", ");
                 let message = format!("{key}: {name} holds no joint \"{missing}\", found {list}");
-                return Err(Error::mismatch(message).help(help));
+                return Err(Error::mismatch(message).help(help()));
             }
             Ok(Some(Column { map: map.clone(), joints }))
         };

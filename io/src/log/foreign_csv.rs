@@ -1,5 +1,7 @@
 //! Tables that something else wrote: one file, or several side by side, by a mapping or by their own headings.
 
+use armid::remedy::{Remedy, Setting};
+
 use super::Log;
 use super::conversion::Conversion;
 use super::mapping::{ColumnMap, Mapping, Quantity, Unit, listed};
@@ -217,17 +219,23 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
         let headings = first.names();
         let near = suggestion::nearest(name, headings.iter().map(String::as_str))
             .map(|near| format!("; the nearest there is: \"{near}\""));
-        let help = first
-            .columns()
-            .and_then(|table| table.lacking)
-            .map_or_else(|| format!("{EXPECTED}{}", near.unwrap_or_default()), str::to_owned);
+        let help = || {
+            Remedy::from(EXPECTED)
+                .setting(Setting::Map)
+                .say(", which says what other headings mean: ")
+                .to(Setting::Map, "t=time_ms, q=joint_[1-6]_pos deg, current=i_[1-6] mA")
+                .say(", of files side by side ")
+                .to(Setting::Map, "t=time_ms, q=pos:joint_[1-6] deg, current=cur:i_[1-6] mA")
+                .say(near.unwrap_or_default())
+        };
+        let help = first.columns().and_then(|table| table.lacking).map_or_else(help, Remedy::from);
         first.heading_fault(&format!("heading \"{name}\" is missing")).help(help)
     };
     if !first.has_headings() {
         let message = format!("{} columns without headings, expected headings or a mapping", first.width());
         return Err(first
             .heading_fault(&message)
-            .help("state what the columns are: --map \"t=#1, q=#[2-7] deg, tau=#[8-13]\""));
+            .help(Remedy::from("state what the columns are: ").to(Setting::Map, "t=#1, q=#[2-7] deg, tau=#[8-13]")));
     }
     let has = |quantity| all.iter().find(|found: &&Found| found.quantity == quantity);
     if has(Quantity::Time).is_none() && !has_rate {
@@ -251,9 +259,7 @@ fn by_headings(tables: &[LogTable], has_rate: bool) -> Result<Vec<Found>, Error>
     Ok(all)
 }
 
-const EXPECTED: &str = "expected the headings t,q1..qn,tau1..taun (N·m) or t,q1..qn,current1..currentn (A), or --map, which \
-                        says what other headings mean: --map \"t=time_ms, q=joint_[1-6]_pos deg, current=i_[1-6] mA\", of files side by side \
-                        --map \"t=time_ms, q=pos:joint_[1-6] deg, current=cur:i_[1-6] mA\"";
+const EXPECTED: &str = "expected the headings t,q1..qn,tau1..taun (N·m) or t,q1..qn,current1..currentn (A), or ";
 
 /// From found columns to values.
 struct Reader<'a> {
@@ -265,8 +271,10 @@ struct Reader<'a> {
 impl Reader<'_> {
     fn read(&self, files: Vec<FileHash>) -> Result<RawLog, Error> {
         let position = self.get(Quantity::Position).ok_or_else(|| {
-            Error::new("q is missing")
-                .help("--map \"t=time, q=joint_[1-6]_pos, tau=torque_[1-6]\" says which columns are what")
+            Error::new("q is missing").help(
+                Remedy::set(Setting::Map, "t=time, q=joint_[1-6]_pos, tau=torque_[1-6]")
+                    .say(" says which columns are what"),
+            )
         })?;
         let dof = position.columns.len();
         let mut sized = self.found.iter().filter(|found| found.quantity != Quantity::Time);
@@ -276,8 +284,10 @@ impl Reader<'_> {
         }
         let effort = self.get(Quantity::Torque).or_else(|| self.get(Quantity::Current));
         let effort = effort.ok_or_else(|| {
-            Error::new("tau or current is missing")
-                .help("--map \"…, tau=torque_[1-6]\", or current= with its constants, says which columns hold it")
+            Error::new("tau or current is missing").help(
+                Remedy::set(Setting::Map, "…, tau=torque_[1-6]")
+                    .say(", or current= with its constants, says which columns hold it"),
+            )
         })?;
         let velocity = self.get(Quantity::Velocity);
         let (conversion, effort_unit) =
@@ -285,7 +295,9 @@ impl Reader<'_> {
         let t = match (self.rate_hz, self.get(Quantity::Time)) {
             (None, None) => {
                 let message = format!("{} has no column of times", self.tables[0].name());
-                return Err(Error::new(message).help("state the rows per second: --rate HZ"));
+                return Err(
+                    Error::new(message).help(Remedy::from("state the rows per second: ").to(Setting::Rate, "HZ"))
+                );
             }
             (None, Some(time)) => self.values(time, 1)?,
             (Some(_), _) => Vec::new(),

@@ -43,7 +43,6 @@ impl Gaps {
     }
 
     /// One sentence, with its newline.
-    #[must_use]
     pub fn text(&self) -> String {
         let list: Vec<String> = self.periods.iter().map(usize::to_string).collect();
         let (missing, list) = (self.missing, list.join(", "));
@@ -55,7 +54,6 @@ impl Gaps {
     }
 
     /// The same for programs.
-    #[must_use]
     pub fn json(&self) -> Value {
         json!({ "missing_samples": self.missing, "periods": self.periods, "left_out": self.left_out })
     }

@@ -5,6 +5,7 @@ use std::collections::BTreeMap;
 use armid::experiment::Recording;
 use armid::model::EffortInterface;
 use armid::model::format::ChainEnds;
+use armid::remedy::{Remedy, Setting, Task};
 
 use super::conversion::Conversion;
 use super::origin::Origin;
@@ -80,9 +81,12 @@ impl Log {
             Some(RecordedRobot { text, nominal, chain }) => {
                 LoadedRobot::recorded(&self.name, text, nominal.as_deref(), chain)
             }
-            None => Err(Error::unknown(format!("{} does not name its robot", self.name)).help(
-                "--robot names it; `armid robot` lists the bundled ones, `armid init arm.urdf` begins one's own",
-            )),
+            None => {
+                let help = Remedy::default().setting(Setting::Robot).say(" names it; ").perform(Task::Robot, "");
+                let help =
+                    help.say(" lists the bundled ones, ").perform(Task::Init, "arm.urdf").say(" begins one's own");
+                Err(Error::unknown(format!("{} does not name its robot", self.name)).help(help))
+            }
         }
     }
 
@@ -94,7 +98,7 @@ impl Log {
         let name = self.name;
         self.recording.ok_or_else(|| {
             Error::new(format!("{name} was not recorded by armid, expected a recording with its plan"))
-                .help("`armid run EXPERIMENT -o R.mcap` makes one")
+                .help(Remedy::task(Task::Run, "EXPERIMENT").with(Setting::Output, "R.mcap").say(" makes one"))
         })
     }
 }

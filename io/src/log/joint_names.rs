@@ -3,8 +3,9 @@
 use std::collections::BTreeSet;
 
 use armid::model::{EffortInterface, Robot};
+use armid::remedy::{Remedy, Setting};
 
-use super::arrangement::HELP;
+use super::arrangement;
 use crate::error::Error;
 
 /// What the joints of a robot are called in a log: by their own names, or by those behind one prefix, `arm1/elbow` or
@@ -40,7 +41,8 @@ pub(super) fn names_in_log(
                 list(&mut prefixes.iter().copied())
             );
             let names = names.join("/");
-            let help = format!("those with {prefix} are chosen by --map \"q={names}, tau={names}\"");
+            let help = Remedy::from(format!("those with {prefix} are chosen by "))
+                .to(Setting::Map, format!("q={names}, tau={names}"));
             Err(Error::mismatch(message).help(help))
         }
         None => {
@@ -49,11 +51,12 @@ pub(super) fn names_in_log(
                     (names.join("/"), if robot.effort() == EffortInterface::Current { "current" } else { "tau" });
                 let how =
                     if by_name { "which end as the robot's do" } else { "as many, in this order as far as is known" };
-                format!("--map \"q={names}, {key}={names}\" takes those of the log, {how}")
+                Remedy::set(Setting::Map, format!("q={names}, {key}={names}"))
+                    .say(format!(" takes those of the log, {how}"))
             });
             let (found, wanted) = (list(&mut found.iter().copied()), wanted.join(", "));
             let message = format!("{name} holds the joints {found}, expected {wanted} of robot \"{}\"", robot.name());
-            Err(Error::mismatch(message).help(help.unwrap_or_else(|| HELP.to_owned())))
+            Err(Error::mismatch(message).help(help.unwrap_or_else(arrangement::help)))
         }
     }
 }
@@ -104,9 +107,8 @@ mod tests {
         assert!(fault.message().contains("several prefixes, left_, right_"), "{fault}");
         assert!(fault.hint().unwrap().contains(&format!("q=left_{}/left_{}", joints[0], joints[1])));
         // Other names: those that end alike, or all of them.
-        let hint = |names: &[&str]| {
-            names_in_log("bag", &robot, &names.iter().copied().collect()).unwrap_err().hint().unwrap().to_owned()
-        };
+        let hint =
+            |names: &[&str]| names_in_log("bag", &robot, &names.iter().copied().collect()).unwrap_err().hint().unwrap();
         let [a, b] = [joints[0], joints[1]].map(|joint| format!("my{joint}"));
         let wanted = format!("q={a}/{b}, tau={a}/{b}\" takes those of the log, which end");
         assert!(hint(&[&b, &a, "finger"]).contains(&wanted), "{}", hint(&[&b, &a, "finger"]));

@@ -179,7 +179,7 @@ mod tests {
         assert!(LogFormat::ALL.iter().all(|format| format.suffixes.iter().all(|suffix| all.contains(suffix))), "{all}");
         for (name, bytes) in [("log.pt", &b"\x80\x02}q"[..]), ("log.mat", b"MATLAB 5.0\0\xFF")] {
             let fault = table_of(Path::new(name), bytes.to_vec()).unwrap_err();
-            assert!(fault.message().starts_with(name) && fault.hint() == Some(&all), "{fault}");
+            assert!(fault.message().starts_with(name) && fault.hint().as_deref() == Some(&all), "{fault}");
         }
         let fault = table_of(Path::new("q.npz"), b"t,q1\n".to_vec()).unwrap_err().to_string();
         assert_eq!(fault, "q.npz does not begin as a NumPy archive does");

@@ -2,6 +2,8 @@
 
 use std::path::Path;
 
+use armid::remedy::{Remedy, Setting, Task};
+
 use armid_cdr::JointState;
 
 use super::joint_log::Log;
@@ -44,8 +46,8 @@ pub(super) fn parse_as(path: &Path, bytes: &[u8], reading: &StateReading<'_>) ->
     if contents.states.is_empty() {
         let message =
             format!("{name} holds no message of type {} on {STATES}, expected one per sample", JointState::NAME);
-        return Err(Error::new(message)
-            .help("`armid run EXPERIMENT -o R.mcap` or `ros2 bag record /joint_states` records them"));
+        let help = Remedy::task(Task::Run, "EXPERIMENT").with(Setting::Output, "R.mcap");
+        return Err(Error::new(message).help(help.say(" or `ros2 bag record /joint_states` records them")));
     }
     let whole = contents.whole;
     let mut log = match &contents.metadata {

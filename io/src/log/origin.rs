@@ -61,7 +61,6 @@ pub(super) struct ReadAs {
 impl Origin {
     /// What `--map` is to say so that a mistake in a log of this robot is corrected: several where the data do not show which,
     /// none where that is not known.
-    #[must_use]
     pub fn corrected(&self, mistake: &Mistake, robot: &Robot) -> Vec<String> {
         let Some(read_as) = &self.read_as else { return Vec::new() };
         let all = corrected(&read_as.mapping, &read_as.columns, mistake, robot);
@@ -95,7 +94,6 @@ impl Origin {
     }
 
     /// Sentences about what was found in the log; none where all was well.
-    #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut found = self.remarks.clone();
         if !self.skipped_columns.is_empty() {

@@ -1,5 +1,8 @@
 //! Logs that have become samples, and what is done with them.
 
+use std::cell::Cell;
+use std::ops::ControlFlow;
+
 use armid::calibration::{TransmissionStiffness, transmission_stiffness};
 use armid::diagnosis::{Evidence, Mistake, Suspicion, diagnose, standing_joints};
 use armid::estimation::{
@@ -9,8 +12,9 @@ use armid::estimation::{
 };
 use armid::model::term::{ShapeParameter, Stribeck};
 use armid::model::{Columns, EffortInterface, Robot, StandardParameters};
-use armid::observer::{Observer, Unobserved};
+use armid::observer::{Observer, Progress, Unobserved, Work};
 use armid::regressor::JointTorqueRegressor;
+use armid::remedy::{Remedy, Setting, Task};
 use armid::signal::Samples;
 use armid::spatial::Inertia;
 use serde::Serialize;
@@ -111,8 +115,7 @@ impl ProcessedLog {
             if found != expected {
                 let message =
                     format!("{} is of robot \"{found}\", expected \"{expected}\" as the first log", log.name());
-                return Err(Error::mismatch(message)
-                    .help("`armid identify` takes logs of one robot; each robot has an estimate of its own"));
+                return Err(Error::mismatch(message).help("each robot has an estimate of its own"));
             }
             all.parts.extend(log.parts);
             all.held_out.extend(log.held_out);
@@ -133,6 +136,12 @@ impl ProcessedLog {
     #[must_use]
     pub fn name(&self) -> String {
         self.logs.iter().map(|log| log.name.as_str()).collect::<Vec<_>>().join(", ")
+    }
+
+    /// Names of the robot's joints.
+    #[must_use]
+    pub fn joint_names(&self) -> Vec<String> {
+        self.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
     }
 
     /// Estimates the base parameters of these columns.
@@ -182,7 +191,23 @@ impl ProcessedLog {
     /// # Errors
     /// As [`Self::identify`].
     pub fn select(&self, candidates: Columns) -> Result<Selection, Error> {
-        let found = select(|columns| self.identification(columns), &self.samples, &self.held_out, candidates);
+        self.select_watched(candidates, &Unobserved)
+    }
+
+    /// The same, reporting every set of terms that is fitted to an observer, which may end it.
+    ///
+    /// # Errors
+    /// As [`Self::identify`]; of [`crate::ErrorKind::Interrupted`] where the observer ended it.
+    pub fn select_watched(&self, candidates: Columns, observer: &dyn Observer) -> Result<Selection, Error> {
+        let done = Cell::new(0);
+        let identification = |columns| {
+            let total = done.replace(done.get() + 1) + 1;
+            match observer.observe(Progress { work: Work::Steps, done: total - 1, total }) {
+                ControlFlow::Continue(()) => self.identification(columns),
+                ControlFlow::Break(()) => Err(EstimationError::Interrupted),
+            }
+        };
+        let found = select(identification, &self.samples, &self.held_out, candidates);
         found.map_err(|error| self.unestimated(&error))
     }
 
@@ -208,9 +233,9 @@ impl ProcessedLog {
     ///
     /// # Errors
     /// As [`Self::identify`].
-    pub fn find_onset(&mut self, columns: Columns) -> Result<Option<FrictionSpeeds>, Error> {
+    pub fn find_onset(&mut self, columns: Columns, observer: &dyn Observer) -> Result<Option<FrictionSpeeds>, Error> {
         let shape = ShapeParameter::COULOMB_VELOCITY;
-        let found = self.identification(columns).and_then(|of| of.friction_speeds(&self.samples, shape));
+        let found = self.identification(columns).and_then(|of| of.friction_speeds(&self.samples, shape, observer));
         let speeds = match found {
             Err(
                 EstimationError::NotExcited { .. } | EstimationError::LeastSquares(_) | EstimationError::NotDefinite,
@@ -229,8 +254,13 @@ impl ProcessedLog {
     ///
     /// # Errors
     /// As [`Self::identify`].
-    pub fn find_stribeck_speeds(&mut self, columns: Columns) -> Result<Option<FrictionSpeeds>, Error> {
-        let found = self.identification(columns).and_then(|of| of.friction_speeds(&self.samples, Stribeck::VELOCITY));
+    pub fn find_stribeck_speeds(
+        &mut self,
+        columns: Columns,
+        observer: &dyn Observer,
+    ) -> Result<Option<FrictionSpeeds>, Error> {
+        let found = self.identification(columns);
+        let found = found.and_then(|of| of.friction_speeds(&self.samples, Stribeck::VELOCITY, observer));
         let speeds = found.map_err(|error| self.unestimated(&error))?;
         if let Some(speeds) = &speeds {
             self.robot.robot = speeds.robot(&self.robot.robot);
@@ -264,15 +294,15 @@ impl ProcessedLog {
                 (None, EffortInterface::Torque) => {
                     let message =
                         format!("{} holds torques, expected motor currents: torques have no torque constant", log.name);
-                    return Err(Error::mismatch(message).help(
-                        "name the columns of the currents: `armid identify --drive-gains … --map \"…, current=i_[1-6]\"`, or \
-                         say that the efforts are currents by --effort current",
-                    ));
+                    let help =
+                        Remedy::from("name the columns of the currents: ").to(Setting::Map, "…, current=i_[1-6]");
+                    let help = help.say(", or say that the efforts are currents by ").to(Setting::Effort, "current");
+                    return Err(Error::mismatch(message).help(help));
                 }
             };
             if all.as_ref().is_some_and(|all| *all != stated) {
                 let message = format!("{} states other torque constants than the log before it", log.name);
-                return Err(Error::mismatch(message).help("give all logs one --map"));
+                return Err(Error::mismatch(message).help(Remedy::from("give all logs one ").setting(Setting::Map)));
             }
             all = Some(stated);
         }
@@ -466,7 +496,8 @@ impl ProcessedLog {
         let robot = &self.robot.robot;
         if estimate.robot != robot.name() {
             let message = format!("{name} is of robot \"{}\", expected \"{}\"", estimate.robot, robot.name());
-            return Err(Error::mismatch(message).help("`armid identify LOG -o E.json` makes an estimate of this robot"));
+            let help = Remedy::task(Task::Identify, "LOG").with(Setting::Output, "E.json");
+            return Err(Error::mismatch(message).help(help.say(" makes an estimate of this robot")));
         }
         Columns::parse(&estimate.columns).ok_or_else(|| {
             let names = Columns::ALL.map(|columns| columns.to_string()).join(", ");
@@ -477,10 +508,12 @@ impl ProcessedLog {
     fn unestimated(&self, error: &EstimationError) -> Error {
         let shown = Error::new(format!("{}: {error}", self.name()));
         match error {
-            EstimationError::NotExcited { .. } => shown.help(
-                "`armid reduce ROBOT --trajectory T.toml` shows what a motion reveals; `armid design` finds one that \
-                 reveals all",
-            ),
+            EstimationError::Interrupted => Error::interrupted(&self.name()),
+            EstimationError::NotExcited { .. } => {
+                let help = Remedy::task(Task::Reduce, "ROBOT").with(Setting::Trajectory, "T.toml");
+                let help = help.say(" shows what a motion reveals; ").perform(Task::Design, "");
+                shown.help(help.say(" finds one that reveals all"))
+            }
             EstimationError::NothingActs { .. } => self.wild_sample().unwrap_or_else(|| self.no_motion()),
             EstimationError::TooFewEquations { .. } | EstimationError::LeastSquares(_) => {
                 self.wild_sample().unwrap_or(shown)

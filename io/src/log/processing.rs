@@ -3,8 +3,10 @@
 use armid::diagnosis::standing_joints;
 use armid::input::size::PERIOD_SAMPLES;
 use armid::model::{EffortInterface, Robot};
+use armid::remedy::{Remedy, Setting};
 use armid::signal::{
-    AperiodicRecord, PeriodicRecord, Samples, SignalError, process, process_aperiodic, process_periods, recurrence,
+    AperiodicRecord, PeriodicRecord, Processing, Samples, SignalError, process, process_aperiodic, process_periods,
+    recurrence,
 };
 
 use super::arrangement::arranged;
@@ -16,13 +18,24 @@ use crate::error::Error;
 use crate::robot::LoadedRobot;
 
 /// What there is to do about a period that does not fit.
-const NO_PERIOD: &str = "with --period none the log is taken as a motion without periods";
+fn no_period() -> Remedy {
+    Remedy::from("with ").to(Setting::Period, "none").say(" the log is taken as a motion without periods")
+}
+
+/// Words, and the settings that cut a log.
+pub(super) fn by_cuts(words: &str) -> Remedy {
+    Remedy::from(words).setting(Setting::From).say(" and ").setting(Setting::Until)
+}
 
 /// Samples by which the last of the periods that are found in an even log may be off a whole number.
 const LARGEST_SHIFT: f64 = 0.5;
 
 /// Places of a resting joint that are this near are one, rad or m.
 const SAME_REST: f64 = 2e-3;
+
+/// Equations in a cycle of a cut-off that is stated, and of one that is found. Means over half a cycle take most noise of the acceleration
+/// out of the equations.
+const EQUATIONS_PER_CYCLE: [f64; 2] = [4.0, 2.0];
 
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
@@ -34,6 +47,16 @@ impl Log {
     /// # Errors
     /// [`Error`] where the log is of other joints, its period is no whole number of samples, or nothing is left.
     pub fn process(self, robot: LoadedRobot, settings: &LogSettings) -> Result<ProcessedLog, Error> {
+        self.processed(robot, settings, None)
+    }
+
+    /// The same, with a cut-off that was found in several logs.
+    fn processed(
+        self,
+        robot: LoadedRobot,
+        settings: &LogSettings,
+        common_hz: Option<f64>,
+    ) -> Result<ProcessedLog, Error> {
         let kept = settings.processing.samples_per_period;
         PERIOD_SAMPLES.check_count("number of samples that a period is reduced to", kept)?;
         let mut log = arranged(self, &robot.robot)?;
@@ -44,7 +67,7 @@ impl Log {
             refuse_cuts(&log, settings)?;
             (process(recording, &robot.robot, &settings.processing).map_err(fault)?, None)
         } else {
-            let (used, held_out) = foreign(&mut log, &robot, settings)?;
+            let (used, held_out) = foreign(&mut log, &robot, settings, common_hz)?;
             // What a joint at rest shows is estimated with it at rest.
             let at_rest = standing_joints(&used);
             (used.with_joints_at_rest(&at_rest), held_out.map(|samples| samples.with_joints_at_rest(&at_rest)))
@@ -64,24 +87,39 @@ impl Log {
     }
 }
 
-/// Samples of several logs of one robot. Logs that something else recorded at unlike rates are brought onto the lowest of them.
+/// Samples of several logs of one robot. Logs that something else recorded at unlike rates are brought onto the lowest of them, and those
+/// without periods pass the highest of the cut-offs that are found in them.
 ///
 /// # Errors
 /// As [`Log::process`] and [`ProcessedLog::joined`].
 pub fn process_all(logs: Vec<Log>, robot: &LoadedRobot, settings: &LogSettings) -> Result<ProcessedLog, Error> {
     let foreign = |log: &&Log| log.recording.is_none();
     let lowest = logs.iter().filter(foreign).map(|log| log.rate_hz).fold(f64::INFINITY, f64::min);
-    let processed = logs.into_iter().map(|mut log| {
+    let alike = logs.into_iter().map(|mut log| {
         if log.recording.is_none() && log.rate_hz > lowest * (1.0 + 1e-9) {
             let remark = format!("brought from {} Hz onto {lowest} Hz, the lowest rate of the logs", log.rate_hz);
             log = log.resampled(lowest);
             log.origin.remarks.push(remark);
         }
-        log.process(robot.clone(), settings)
+        log
     });
-    let mut processed = processed.collect::<Result<Vec<_>, _>>()?;
-    share_rests(&mut processed, robot.robot.dof());
-    ProcessedLog::joined(processed)
+    let alike: Vec<Log> = alike.collect();
+    let process = |logs: Vec<Log>, common_hz| {
+        let processed = logs.into_iter().map(|log| log.processed(robot.clone(), settings, common_hz));
+        processed.collect::<Result<Vec<_>, Error>>()
+    };
+    let joined = |mut processed: Vec<ProcessedLog>| {
+        share_rests(&mut processed, robot.robot.dof());
+        ProcessedLog::joined(processed)
+    };
+    if alike.len() == 1 || settings.processing.cutoff_hz.is_some() {
+        return joined(process(alike, None)?);
+    }
+    let apart = process(alike.clone(), None)?;
+    let found: Vec<f64> =
+        apart.iter().filter(|log| log.has_no_periods()).map(|log| log.samples.position_band_hz[0]).collect();
+    let highest = found.iter().copied().fold(0.0, f64::max);
+    joined(if found.iter().any(|hz| *hz < highest) { process(alike, Some(highest))? } else { apart })
 }
 
 /// Gives a joint that rests in several logs at the same place, but for its noise, one place: equations would take the differences for motion.
@@ -108,22 +146,26 @@ fn share_rests(logs: &mut [ProcessedLog], n: usize) {
 fn refuse_cuts(log: &Log, settings: &LogSettings) -> Result<(), Error> {
     if let Some(period) = settings.period_s {
         let message = format!("{} states its own period, found a period of {period} s", log.name);
-        return Err(Error::new(message).help("leave out --period"));
+        return Err(Error::new(message).help(Remedy::from("leave out ").setting(Setting::Period)));
     }
     if settings.from_s != 0.0 || settings.until_s.is_some() {
         let message = format!("{} states its recorded part, found times to begin or to end at", log.name);
-        return Err(Error::new(message).help("leave out --from and --until"));
+        return Err(Error::new(message).help(by_cuts("leave out ")));
     }
     if settings.measured_velocity {
-        return Err(
-            Error::new(format!("{} holds no measured velocities", log.name)).help("leave out --measured-velocity")
-        );
+        let help = Remedy::from("leave out ").setting(Setting::MeasuredVelocity);
+        return Err(Error::new(format!("{} holds no measured velocities", log.name)).help(help));
     }
     Ok(())
 }
 
 /// Samples that are used, and those that are held out.
-fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result<(Samples, Option<Samples>), Error> {
+fn foreign(
+    log: &mut Log,
+    robot: &LoadedRobot,
+    settings: &LogSettings,
+    common_hz: Option<f64>,
+) -> Result<(Samples, Option<Samples>), Error> {
     let (from, until) = (settings.from_s, settings.until_s.unwrap_or(f64::INFINITY));
     if !(from.is_finite() && from >= 0.0) {
         return Err(Error::new(format!("skip is {from} s, expected seconds not below zero")));
@@ -139,8 +181,8 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
     }
     if settings.measured_velocity && log.qd.is_none() {
         let message = format!("{} holds no measured velocities, expected a column qd for each joint", log.name);
-        return Err(Error::new(message)
-            .help("--map \"…, qd=velocity_[1-6]\" says which they are, or leave out --measured-velocity"));
+        let help = Remedy::set(Setting::Map, "…, qd=velocity_[1-6]").say(" says which they are, or leave out ");
+        return Err(Error::new(message).help(help.setting(Setting::MeasuredVelocity)));
     }
     // A robot that says what its efforts are decides where the log does not.
     let unit = match log.effort_unit {
@@ -161,9 +203,10 @@ fn foreign(log: &mut Log, robot: &LoadedRobot, settings: &LogSettings) -> Result
     match period {
         Some(period) => periodic(&whole, &robot.robot, settings, period, share),
         None => {
+            let low_pass = low_pass(log, &whole, settings, common_hz);
             let (used, aside) = whole.split(whole.len() - (share * whole.len() as f64).round() as usize);
-            let used = aperiodic(&used, &robot.robot, settings)?;
-            Ok((used, if aside.is_empty() { None } else { Some(aperiodic(&aside, &robot.robot, settings)?) }))
+            let samples = |part: &Log| aperiodic(part, &robot.robot, settings, low_pass);
+            Ok((samples(&used)?, if aside.is_empty() { None } else { Some(samples(&aside)?) }))
         }
     }
 }
@@ -203,41 +246,67 @@ fn part_that_repeats(log: &mut Log, whole: Log, settings: &LogSettings) -> (Opti
 fn nothing_left(log: &Log, settings: &LogSettings) -> Error {
     let end =
         log.segments.last().map_or(0.0, |last| last.start_s + last.samples.saturating_sub(1) as f64 / log.rate_hz);
+    let asked = Remedy::set(Setting::From, settings.from_s.to_string());
     let asked = match settings.until_s {
-        Some(until) => format!("--from {} --until {until}", settings.from_s),
-        None => format!("--from {}", settings.from_s),
+        Some(until) => asked.say(" ").to(Setting::Until, until.to_string()),
+        None => asked,
     };
     let message = format!("{asked} leaves nothing of {}, which spans 0 to {end:.3} s", log.name);
     Error::new(message).help("both count in seconds from the first sample of the log, whatever its stamps are")
 }
 
 /// What there is to do about a cut-off frequency that the rate of a log does not allow.
-fn below_nyquist(error: &SignalError, log: &Log) -> Option<String> {
+fn below_nyquist(error: &SignalError, log: &Log) -> Option<Remedy> {
     let SignalError::Cutoff { nyquist, .. } = error else { return None };
-    let milliseconds =
-        if log.rate_hz < 5.0 { "; are the stamps milliseconds? then --map \"t=… ms, …\" says so" } else { "" };
     // Two digits, rounded down, so that it stays below.
     let wanted = 0.8 * nyquist;
     let digit = 10_f64.powi(wanted.log10().floor() as i32 - 1);
     let wanted = (wanted / digit).floor() * digit;
-    Some(format!(
-        "--cutoff-hz {} is one that a log of {} Hz allows{milliseconds}",
-        (wanted * 1e6).round() / 1e6,
-        (log.rate_hz * 1e3).round() / 1e3
-    ))
+    let (wanted, rate_hz) = ((wanted * 1e6).round() / 1e6, (log.rate_hz * 1e3).round() / 1e3);
+    let help = Remedy::set(Setting::CutoffHz, wanted.to_string());
+    let help = help.say(format!(" is one that a log of {rate_hz} Hz allows"));
+    Some(if log.rate_hz < 5.0 {
+        help.say("; are the stamps milliseconds? then ").to(Setting::Map, "t=… ms, …").say(" says so")
+    } else {
+        help
+    })
 }
 
-fn aperiodic(log: &Log, robot: &Robot, settings: &LogSettings) -> Result<Samples, Error> {
-    let processing = &settings.processing;
-    let segments: Vec<usize> = log.segments.iter().map(|segment| segment.samples).collect();
-    let record = AperiodicRecord {
+/// Cut-off and rate of the equations of a log without periods, Hz. A cut-off that is found in it, or in several, is remarked upon.
+fn low_pass(log: &mut Log, whole: &Log, settings: &LogSettings, common_hz: Option<f64>) -> [f64; 2] {
+    let [of_stated, of_found] = EQUATIONS_PER_CYCLE;
+    if let Some(hz) = settings.processing.cutoff_hz {
+        return [hz, of_stated * hz];
+    }
+    let segments: Vec<usize> = whole.segments.iter().map(|segment| segment.samples).collect();
+    let hz = common_hz.unwrap_or_else(|| record(whole, &segments, settings).find_cutoff());
+    let of = if common_hz.is_some() { "of these logs" } else { "of this log" };
+    let series = if settings.measured_velocity { "velocities" } else { "positions" };
+    log.origin.remarks.push(format!("low pass of {hz:.1} Hz for the {series}, by the noise {of}"));
+    [hz, of_found * hz]
+}
+
+fn record<'a>(log: &'a Log, segments: &'a [usize], settings: &LogSettings) -> AperiodicRecord<'a> {
+    AperiodicRecord {
         qd: log.qd.as_deref().filter(|_| settings.measured_velocity),
-        segments: &segments,
+        segments,
         excluded: &log.excluded,
         ..AperiodicRecord::new(log.dof, log.rate_hz, &log.q, &log.effort)
-    };
+    }
+}
+
+/// Samples of a part of a log.
+fn aperiodic(
+    log: &Log,
+    robot: &Robot,
+    settings: &LogSettings,
+    [cutoff_hz, rate_hz]: [f64; 2],
+) -> Result<Samples, Error> {
+    let processing = &Processing { cutoff_hz: Some(cutoff_hz), ..settings.processing.clone() };
+    let segments: Vec<usize> = log.segments.iter().map(|segment| segment.samples).collect();
+    let record = record(log, &segments, settings);
     let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
-    let thinned = (4.0 * processing.cutoff_hz(0.0)).min(log.rate_hz);
+    let thinned = rate_hz.min(log.rate_hz);
     let fault = |error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log));
     let samples = process_aperiodic(&record, robot, unit, thinned, processing).map_err(fault)?;
     let Some(link_q) = &log.link_q else { return Ok(samples) };
@@ -255,7 +324,9 @@ fn periodic(
 ) -> Result<(Samples, Option<Samples>), Error> {
     if settings.measured_velocity {
         let message = format!("{}: velocities of a motion with a period come from its positions", log.name);
-        return Err(Error::new(message).help("leave out --measured-velocity, or --period"));
+        return Err(Error::new(message).help(
+            Remedy::from("leave out ").setting(Setting::MeasuredVelocity).say(", or ").setting(Setting::Period),
+        ));
     }
     let even = log.origin.timing.as_ref().is_none_or(|timing| timing.even);
     let log = &if even {
@@ -271,7 +342,7 @@ fn periodic(
             "a period of {period} s is {whole:.3} samples at the {} Hz of {}, expected a whole number of at least 8",
             log.rate_hz, log.name
         );
-        return Err(Error::new(message).help(NO_PERIOD));
+        return Err(Error::new(message).help(no_period()));
     }
     let period_samples = period_samples as usize;
     let mut starts = Vec::new();
@@ -293,7 +364,7 @@ fn periodic(
             log.name,
             log.len() as f64 / log.rate_hz
         );
-        return Err(Error::new(message).help(NO_PERIOD));
+        return Err(Error::new(message).help(no_period()));
     }
     let aside = if settings.held_out.is_share() {
         (share * starts.len() as f64).round() as usize

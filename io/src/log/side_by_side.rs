@@ -3,6 +3,8 @@
 use std::fmt::Write;
 use std::path::{Path, PathBuf};
 
+use armid::remedy::{Remedy, Setting};
+
 use super::mapping::Mapping;
 use crate::error::Error;
 
@@ -46,7 +48,7 @@ pub(super) fn logs(mapping: &Mapping, paths: &[PathBuf]) -> Result<Vec<(Mapping,
 
 /// What helps where one mapping is not that of all files: the `[log]` tables of the logs that their names suggest, and the mapping that says
 /// the same. `None` where the files may be those of one log.
-pub(super) fn several(mapping: &Mapping, paths: &[PathBuf]) -> Option<String> {
+pub(super) fn several(mapping: &Mapping, paths: &[PathBuf]) -> Option<Remedy> {
     let names = names(mapping);
     let (starred, logs) = match guessed(&names, paths) {
         Some((starred, logs)) => (Some(starred), logs),
@@ -65,13 +67,15 @@ pub(super) fn several(mapping: &Mapping, paths: &[PathBuf]) -> Option<String> {
         });
         text += &toml(&own, files);
     }
-    if let Some(starred) = starred {
+    let help = Remedy::from(text);
+    Some(if let Some(starred) = starred {
         let own = renamed(mapping, |name| {
             names.iter().position(|known| *known == name).map_or_else(|| name.to_owned(), |at| starred[at].clone())
         });
-        let _ = write!(text, "\nor, for all of them: --map \"{}\"", own.text());
-    }
-    Some(text)
+        help.say("\nor, for all of them: ").to(Setting::Map, own.text())
+    } else {
+        help
+    })
 }
 
 /// What helps where the mapping of other logs does not fit one.
@@ -198,22 +202,24 @@ mod tests {
     #[test]
     fn the_tables_that_are_proposed_can_be_pasted() {
         let mapping = Mapping::parse("q=q_a:j[1-6] deg, tau=tau_a:j[1-6]").unwrap();
-        let help = several(&mapping, &paths(&["d/q_a.csv", "d/tau_a.csv", "d/q_b.csv", "d/tau_b.csv"])).unwrap();
+        let help =
+            several(&mapping, &paths(&["d/q_a.csv", "d/tau_a.csv", "d/q_b.csv", "d/tau_b.csv"])).unwrap().to_string();
         let wanted = "\n# d/q_b.toml\n[log]\nfiles = [\"q_b.csv\", \"tau_b.csv\"]\nq = \"q_b:j[1-6] deg\"\ntau = \"tau_b:j[1-6]\"\n";
         assert!(help.contains(wanted), "{help}");
-        assert!(help.ends_with("--map \"q=q_*:j[1-6] deg, tau=tau_*:j[1-6]\""), "{help}");
+        assert!(help.ends_with("map \"q=q_*:j[1-6] deg, tau=tau_*:j[1-6]\""), "{help}");
         let file = LogFile::parse(&Text::new("d/q_b.toml", wanted), Path::new("d")).unwrap();
         assert_eq!(file.files, paths(&["d/q_b.csv", "d/tau_b.csv"]));
         // The part in front, and names that say nothing.
         let mapping = Mapping::parse("q=a-pos:#[1-2], tau=a-cur:#[1-2]").unwrap();
-        let help = several(&mapping, &paths(&["a-pos.txt", "a-cur.txt", "b-cur.txt", "b-pos.txt"])).unwrap();
-        assert!(help.ends_with("--map \"q=*-pos:#[1-2], tau=*-cur:#[1-2]\""), "{help}");
+        let help =
+            several(&mapping, &paths(&["a-pos.txt", "a-cur.txt", "b-cur.txt", "b-pos.txt"])).unwrap().to_string();
+        assert!(help.ends_with("map \"q=*-pos:#[1-2], tau=*-cur:#[1-2]\""), "{help}");
         let mapping = Mapping::parse("q=x:#[1-2], tau=y:#[1-2]").unwrap();
-        let help = several(&mapping, &paths(&["x.txt", "y.txt", "v.txt", "w.txt"])).unwrap();
+        let help = several(&mapping, &paths(&["x.txt", "y.txt", "v.txt", "w.txt"])).unwrap().to_string();
         assert!(help.contains("files = [\"v.txt\", \"w.txt\"]\nq = \"v:#[1-2]\"\ntau = \"w:#[1-2]\"\n"), "{help}");
         // Those of another log alone, and a slip.
         let mapping = Mapping::parse("q=q_a:j[1-6], tau=tau_a:j[1-6]").unwrap();
-        let help = several(&mapping, &paths(&["q_b.csv", "tau_b.csv"])).unwrap();
+        let help = several(&mapping, &paths(&["q_b.csv", "tau_b.csv"])).unwrap().to_string();
         assert!(help.contains("q = \"q_b:j[1-6]\""), "{help}");
         let mapping = Mapping::parse("q=pso:j[1-6], tau=cur:j[1-6]").unwrap();
         assert_eq!(several(&mapping, &paths(&["pos.csv", "cur.csv"])), None);

@@ -7,6 +7,8 @@
 
 use std::ops::Range;
 
+use armid::remedy::{Remedy, Setting};
+
 use serde::Serialize;
 
 /// Largest relative difference from the mean step in an even log.
@@ -128,7 +130,8 @@ impl Stamps {
             let (found, rate) = (timing.duplicates, whole((rows - 1) as f64 / (t[rows - 1] - t[0]), 1e-3));
             let message = format!(
                 "{found} of {rows} stamps are those of the row before, expected stamps fine enough for times; where the \
-                 steps are equal, --rate {rate} says so"
+                 steps are equal, {} says so",
+                Remedy::set(Setting::Rate, rate.to_string())
             );
             return Err((1, message));
         }
@@ -163,7 +166,6 @@ fn whole(rate: f64, tolerance: f64) -> f64 {
 
 impl Timing {
     /// Sentences about what was not as it should be; none where all was well.
-    #[must_use]
     pub fn sentences(&self) -> Vec<String> {
         let mut found = Vec::new();
         if !self.even {
@@ -240,7 +242,7 @@ mod tests {
         assert_eq!((found.timing.rows_in_short_segments, found.segments.len()), (100, 1));
         let coarse: Vec<f64> = (0..100).map(|k| f64::from(k / 5) * 0.001).collect();
         let (_, fault) = Stamps::of(&coarse).unwrap_err();
-        assert!(fault.contains("--rate 5"), "{fault}");
+        assert!(fault.contains("rate 5 says so"), "{fault}");
         assert!(Stamps::of(&[1.0]).is_err() && Stamps::of(&[1.0, 1.0]).is_err());
     }
 }

@@ -1,6 +1,7 @@
 //! Joint states by topic, where a recording has several.
 
 use armid::model::Robot;
+use armid::remedy::{Remedy, Setting};
 use armid_cdr::JointState;
 
 use super::mapping::Mapping;
@@ -48,7 +49,9 @@ impl StateReading<'_> {
         }
         if let [first, _, ..] = names.as_slice() {
             let message = format!("{name} holds joint states on {}, expected {STATES} or one topic", names.join(", "));
-            return Err(Error::new(message).help(format!("--map \"topic={first}\" chooses one")));
+            return Err(
+                Error::new(message).help(Remedy::set(Setting::Map, format!("topic={first}")).say(" chooses one"))
+            );
         }
         Ok(topics.pop().map(|(_, messages)| messages).unwrap_or_default())
     }

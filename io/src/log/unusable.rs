@@ -4,6 +4,7 @@
 
 use super::joint_log::Log;
 use super::processed_log::ProcessedLog;
+use super::processing::by_cuts;
 use crate::error::Error;
 
 /// A sample this many times farther from the middle than 99 of 100 are is wild.
@@ -20,8 +21,7 @@ impl ProcessedLog {
             self.name(),
             joints.join(", ")
         );
-        Error::new(message)
-            .help("record the arm while its drives move it, or choose the part in motion by --from and --until")
+        Error::new(message).help(by_cuts("record the arm while its drives move it, or choose the part in motion by "))
     }
 
     /// The error of logs with a wild sample; `None` where there is none.
@@ -37,7 +37,7 @@ impl ProcessedLog {
             at + 1,
             time_s(log, at),
         );
-        Some(Error::new(message).help("remove this sample from the log, or leave it out by --from and --until"))
+        Some(Error::new(message).help(by_cuts("remove this sample from the log, or leave it out by ")))
     }
 }
 

@@ -18,4 +18,4 @@ pub(crate) use file_system::{name_file, sync_folder_of};
 pub(crate) use growing_file::GrowingFile;
 pub use place::{folder, regular_file};
 pub(crate) use whole_file::make_folder;
-pub use whole_file::{pretty, write, write_json, write_text};
+pub use whole_file::{pretty, write, write_text};

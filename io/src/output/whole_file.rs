@@ -26,14 +26,6 @@ pub fn write_text(path: &Path, text: &str) -> Result<(), Error> {
     write(path, |file| file.write_all(text.as_bytes()))
 }
 
-/// Writes a value as JSON, one key per line, with a final newline.
-///
-/// # Errors
-/// As [`write()`].
-pub fn write_json(path: &Path, value: &serde_json::Value) -> Result<(), Error> {
-    write_text(path, &pretty(value))
-}
-
 /// JSON with one key per line, and a final newline.
 #[must_use]
 pub fn pretty(value: &serde_json::Value) -> String {

@@ -22,7 +22,6 @@ pub struct Notes {
 
 impl Notes {
     /// Whether the experiment was performed from beginning to end.
-    #[must_use]
     pub fn is_complete(&self) -> bool {
         self.ending.get("ending").is_some_and(|word| word == "completed")
     }

@@ -4,6 +4,8 @@ use std::fs::{File, OpenOptions, TryLockError};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use armid::remedy::{Remedy, Setting};
+
 use crate::error::Error;
 use crate::output::regular_file;
 
@@ -72,12 +74,18 @@ fn taken(part: &Path) -> Error {
         "{} is there: an experiment was cut short or is under way, expected no part of a recording",
         part.display()
     );
-    Error::new(message).help("--resume continues it (MCAP); -o chooses another file; move or delete it to begin anew")
+    Error::new(message).help(
+        Remedy::default()
+            .setting(Setting::Resume)
+            .say(" continues it (MCAP); ")
+            .setting(Setting::Output)
+            .say(" chooses another file; move or delete it to begin anew"),
+    )
 }
 
 fn being_written(part: &Path) -> Error {
     Error::new(format!("{} is being written by another experiment", part.display()))
-        .help("wait for it, or choose another place with -o")
+        .help(Remedy::from("wait for it, or choose another place with ").setting(Setting::Output))
 }
 
 #[cfg(test)]
@@ -95,7 +103,7 @@ mod tests {
         check_at_rest(&part_of(&path)).unwrap();
         for refused in [check_free(&path).unwrap_err(), create(&part_of(&path)).unwrap_err()] {
             assert!(refused.to_string().contains("R.mcap.part is there"), "{refused}");
-            assert!(refused.hint().unwrap().contains("--resume"));
+            assert!(refused.hint().unwrap().contains("resume"));
         }
         let draft = folder.path().join("R.mcap.part.new");
         let first = create_draft(&draft).unwrap();

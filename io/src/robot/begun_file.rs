@@ -17,7 +17,7 @@ pub fn begin(urdf: &Path, ends: &ChainEnds, place: &Path) -> Result<String, Erro
     if tree::is_mjcf(&text.content) {
         let message =
             format!("{} is an MJCF, expected a URDF: a robot file takes its kinematics from one", urdf.display());
-        return Err(Error::new(message).help("`armid` takes the MJCF itself as a robot"));
+        return Err(Error::new(message).help("the MJCF itself can be the robot"));
     }
     let model = tree::parse(&text, ends)?;
     Ok(write_robot(&model, &relative(urdf, place)?, ends))

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::model::bundled;
 use armid::model::format::ChainEnds;
+use armid::remedy::{Remedy, Task};
 
 use super::LoadedRobot;
 use crate::error::Error;
@@ -69,7 +70,7 @@ fn unknown(name: &str, path: &Path) -> Error {
     let looks_like_path = name.contains(['/', '\\']) || path.extension().is_some();
     if looks_like_path {
         Error::unknown(format!("robot file not found: {}", path.display()))
-            .help(format!("`armid robot` lists the bundled robots: {}", names.join(", ")))
+            .help(Remedy::task(Task::Robot, "").say(format!(" lists the bundled robots: {}", names.join(", "))))
     } else {
         Error::unknown(format!("robot \"{name}\" is neither a bundled robot nor a file"))
             .help(suggestion::help(name, &names))

@@ -6,6 +6,7 @@ use armid::model::format::{
     ChainEnds, CollisionShape, RelativeUncertainty, RobotModel, embed_urdf, parse_nominal, parse_robot_model, urdf_of,
 };
 use armid::model::{BundledRobot, Drive, EffortInterface, Robot, StandardParameters};
+use armid::remedy::{Remedy, Setting, Task};
 use armid::study::{Truth, truth_text};
 
 use super::held_shapes::{HeldShapes, hold};
@@ -64,7 +65,6 @@ enum TruthSource {
 
 impl LoadedRobot {
     /// What is known without an experiment: the nominal parameters, or the inertias of the file itself.
-    #[must_use]
     pub fn guess(&self) -> Option<&StandardParameters> {
         self.nominal.as_ref().or(self.own.as_ref())
     }
@@ -88,8 +88,9 @@ impl LoadedRobot {
                         return Ok(Truth::of(own.clone()));
                     }
                     let message = format!("{} not found: a simulated arm is made of its parameters", path.display());
-                    let help = "`armid export E.json --to toml -o truth.toml` makes one of an estimate; a robot file over a URDF has \
-                                its inertias";
+                    let help = Remedy::task(Task::Export, "E.json").with(Setting::To, "toml");
+                    let help = help.with(Setting::Output, "truth.toml");
+                    let help = help.say(" makes one of an estimate; a robot file over a URDF has its inertias");
                     return Err(Error::unknown(message).help(help));
                 }
                 Text::read(&path)?
@@ -148,10 +149,11 @@ impl LoadedRobot {
             )
         };
         let mapping = mapping.unwrap_or("…, current=i_[1-6] constant=0.05 gear=100");
-        let help = format!(
-            "state them beside the columns: --map \"{mapping}\" (N·m/A at the motor, turns of the motor; values of each joint \
-             with / between them), or in a robot file: `armid robot arm.urdf -o robot.toml` begins one"
-        );
+        let help = Remedy::from("state them beside the columns: ").to(Setting::Map, mapping);
+        let words =
+            " (N·m/A at the motor, turns of the motor; values of each joint with / between them), or in a robot file: ";
+        let help = help.say(words).perform(Task::Robot, "arm.urdf").with(Setting::Output, "robot.toml");
+        let help = help.say(" begins one");
         Err(Error::mismatch(message).help(help))
     }
 

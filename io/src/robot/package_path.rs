@@ -2,6 +2,8 @@
 
 use std::path::{Path, PathBuf};
 
+use armid::remedy::{Remedy, Setting};
+
 use crate::error::Error;
 
 /// Folders in which packages are looked for, in this order; the folders above the URDF come after them.
@@ -47,8 +49,10 @@ impl PackagePath {
             [named.as_str(), beside].iter().filter(|text| !text.is_empty()).copied().collect::<Vec<_>>().join(" and ");
         let looked = if looked.is_empty() { "no folder to look in".to_owned() } else { format!("not in {looked}") };
         let name = name.unwrap_or_default().to_string_lossy();
-        Err(Error::unknown(format!("{file} not found: {looked}"))
-            .help(format!("--package-path DIR or ROS_PACKAGE_PATH says which folder holds \"{name}\"")))
+        Err(Error::unknown(format!("{file} not found: {looked}")).help(
+            Remedy::set(Setting::PackagePath, "DIR")
+                .say(format!(" or ROS_PACKAGE_PATH says which folder holds \"{name}\"")),
+        ))
     }
 }
 

@@ -2,6 +2,7 @@
 
 use std::path::Path;
 
+use armid::remedy::{Remedy, Setting, Task};
 use armid::study::CriterionRatios;
 
 use crate::error::Error;
@@ -23,6 +24,9 @@ pub fn write_ratios(path: &Path, robots: &[CriterionRatios]) -> Result<(), Error
 /// [`Error`] if the file cannot be read, or holds something else.
 pub fn read_ratios(path: &Path) -> Result<Vec<CriterionRatios>, Error> {
     let text = Text::read(path)?;
-    let help = "expected what `armid report --figure criteria` writes, or the folder of a study";
-    serde_json::from_str(&text.content).map_err(|error| Error::of_json(&text, &error).help(help))
+    let help = || {
+        let figure = Remedy::from("expected what ").perform(Task::Report, "").with(Setting::Figure, "criteria");
+        figure.say(" writes, or the folder of a study")
+    };
+    serde_json::from_str(&text.content).map_err(|error| Error::of_json(&text, &error).help(help()))
 }

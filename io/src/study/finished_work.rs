@@ -104,25 +104,21 @@ impl FinishedWork {
     }
 
     /// The message about work that was found and is not gone on with.
-    #[must_use]
     pub fn note(&self) -> Option<String> {
         self.own.as_ref()?.note()
     }
 
     /// The designs that are made.
-    #[must_use]
     pub fn designs(&self) -> &[Option<MadeDesign>] {
         &self.designs
     }
 
     /// Is the run at this position of the order finished?
-    #[must_use]
     pub fn holds(&self, position: usize) -> bool {
         self.places[position] != NOWHERE
     }
 
     /// How many runs are finished.
-    #[must_use]
     pub const fn finished(&self) -> usize {
         self.finished
     }

@@ -108,12 +108,9 @@ impl Journal {
     }
 
     /// The message about pieces that were not continued.
-    #[must_use]
     pub fn note(&self) -> Option<String> {
         let aside = self.put_aside.as_ref()?.display();
-        Some(format!(
-            "begun anew; finished work of an interrupted study, which --resume may go on with, is kept in {aside}"
-        ))
+        Some(format!("begun anew; finished work of an interrupted study, which can be resumed, is kept in {aside}"))
     }
 
     /// Adds a piece; it is in the file when this returns. The byte that its line begins at.

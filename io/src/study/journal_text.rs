@@ -5,6 +5,7 @@ use std::io::{BufRead, BufReader};
 use std::path::Path;
 
 use armid::input::size::RECORDING_BYTES;
+use armid::remedy::{Remedy, Setting};
 
 use super::line_chain::{Broken, LineChain, entry_of};
 use super::piece::Piece;
@@ -50,8 +51,7 @@ impl Header {
             return Ok(());
         }
         let message = "belongs to another plan, number of runs, arms or version of armid";
-        let help = "choose another folder with -o, or begin anew without --resume, which keeps it under another name";
-        Err(Error::new(format!("{}: {message}", path.display())).help(help))
+        Err(Error::new(format!("{}: {message}", path.display())).help(anew("")))
     }
 }
 
@@ -102,13 +102,13 @@ fn parse(mut bytes: impl BufRead, name: &str, reader: &mut dyn Reader) -> Result
         }
         let refused = |what: &str| Error::new(format!("{name}:{number}: {what}"));
         let entry = found.chain.entry(&line).map_err(|broken| match broken {
-            Broken::Form if number == 1 && line.starts_with(b"{\"armid\"") => refused(
-                "the journal has no checksums: an older armid wrote it",
-            )
-            .help("begin anew without --resume, which keeps it under another name, or choose another folder with -o"),
-            Broken::Form => refused("found no line of a journal, expected a checksum and an entry").help(ALTERED),
+            Broken::Form if number == 1 && line.starts_with(b"{\"armid\"") => {
+                refused("the journal has no checksums: an older armid wrote it").help(anew(""))
+            }
+            Broken::Form => refused("found no line of a journal, expected a checksum and an entry").help(anew(ALTERED)),
             Broken::Checksum => {
-                refused("the checksum does not fit: the line was altered, or lines before it are missing").help(ALTERED)
+                refused("the checksum does not fit: the line was altered, or lines before it are missing")
+                    .help(anew(ALTERED))
             }
         })?;
         let wrong = |error: serde_json::Error| refused(&format!("{error}"));
@@ -127,5 +127,10 @@ pub(super) fn piece_of(line: &[u8]) -> Option<Piece> {
     serde_json::from_str(entry_of(line).ok()?).ok()
 }
 
-const ALTERED: &str = "the lines before it are as they were written: cut the file off there and --resume, or begin anew \
-                       without --resume, which keeps it under another name";
+const ALTERED: &str = "the lines before it are as they were written: cut the file off there and resume, or ";
+
+/// How a study begins where its folder has another journal.
+fn anew(before: &str) -> Remedy {
+    let help = Remedy::from(format!("{before}begin anew without ")).setting(Setting::Resume);
+    help.say(", which keeps it under another name, or choose another folder with ").setting(Setting::Output)
+}

@@ -97,7 +97,6 @@ impl NumberWriter {
 
 impl NumberFile {
     /// How many runs ended before there was an estimate.
-    #[must_use]
     pub fn failed(&self) -> usize {
         self.statuses.iter().flatten().filter(|(status, _)| **status != "ok").map(|(_, runs)| runs).sum()
     }

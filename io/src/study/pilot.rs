@@ -4,6 +4,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::path::{Path, PathBuf};
 
+use armid::remedy::{Remedy, Setting, Task};
 use armid::study::{Metric, StoppingRule, StudyResult};
 use parquet::file::reader::{FileReader, SerializedFileReader};
 use parquet::record::{Field, Row};
@@ -21,7 +22,10 @@ pub fn log_ratios(folder: &Path, pilot: &StudyResult, rule: &StoppingRule) -> Re
     let place = |name: &String| {
         plan.designs.iter().position(|family| family.name == *name).ok_or_else(|| {
             let names: Vec<&str> = plan.designs.iter().map(|family| family.name.as_str()).collect();
-            Error::new(format!("--until is \"{name}\", expected one of the families: {}", names.join(", ")))
+            Error::new(format!(
+                "the stopping rule names \"{name}\", expected one of the families: {}",
+                names.join(", ")
+            ))
         })
     };
     let families = [place(&rule.first)?, place(&rule.second)?];
@@ -103,7 +107,7 @@ fn rows(path: &PathBuf, names: &[&str], mut take: impl FnMut(&[Field])) -> Resul
             names.iter().map(|name| all.get(&(*name).to_owned()).copied().cloned()).collect();
         let cells = cells.ok_or_else(|| {
             Error::new(format!("{}: expected the columns {}", path.display(), names.join(", ")))
-                .help("`armid study STUDY -o DIR` writes them")
+                .help(Remedy::task(Task::Study, "STUDY").with(Setting::Output, "DIR").say(" writes them"))
         })?;
         take(&cells);
     }

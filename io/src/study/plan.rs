@@ -58,7 +58,7 @@ pub fn load_all(name: &str, engines: &[&'static str]) -> Result<(StudyPlans, Opt
         for plan in plans {
             robot::load(&plan.robot, &ChainEnds::default(), folder.as_deref()).map_err(|error| match error.kind() {
                 ErrorKind::Unknown => at_robot(error, &text, &plan.robot),
-                ErrorKind::Unreadable(_) | ErrorKind::Unwritable(_) | ErrorKind::Invalid | ErrorKind::Mismatch => error,
+                _ => error,
             })?;
         }
     }

@@ -37,9 +37,8 @@ pub fn read_robots(folder: &Path) -> Result<Option<RobotsSummary>, Error> {
         return Ok(None);
     }
     let text = Text::read(&path)?;
-    let fault = |error: &serde_json::Error| {
-        Error::of_json(&text, error).help("expected what `armid study` of this version stores")
-    };
+    let fault =
+        |error: &serde_json::Error| Error::of_json(&text, error).help("expected a study that this version stored");
     let kind: Kind = serde_json::from_str(&text.content).map_err(|error| fault(&error))?;
     if kind.robots.is_none() {
         return Ok(None);

@@ -64,13 +64,13 @@ pub fn read(folder: &Path) -> Result<ReportInput, Error> {
 /// [`Error`] where a text is cut or of another version, or the study is not complete.
 pub fn parse(summary: &Text, examples: &Text) -> Result<ReportInput, Error> {
     let fault = |text: &Text, error: &serde_json::Error| {
-        Error::of_json(text, error).help("expected what `armid study` of this version stores")
+        Error::of_json(text, error).help("expected a study that this version stored")
     };
     let result: StudyResult = serde_json::from_str(&summary.content).map_err(|error| fault(summary, &error))?;
     let examples: Examples = serde_json::from_str(&examples.content).map_err(|error| fault(examples, &error))?;
     let input = ReportInput { result, examples };
     input.check().map_err(|error| {
-        Error::new(format!("{}: {error}", summary.name)).help("expected what `armid study` of this version stores")
+        Error::new(format!("{}: {error}", summary.name)).help("expected a study that this version stored")
     })?;
     Ok(input)
 }

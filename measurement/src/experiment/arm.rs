@@ -84,7 +84,6 @@ pub enum Flow {
 
 impl Flow {
     /// Whether the experiment ends here.
-    #[must_use]
     pub const fn ends(self) -> bool {
         !matches!(self, Self::Continue)
     }
@@ -126,13 +125,11 @@ pub enum Ending {
 
 impl Ending {
     /// Whether everything was performed.
-    #[must_use]
     pub const fn is_complete(&self) -> bool {
         matches!(self, Self::Completed)
     }
 
     /// Whether an arm that was asked to stop was seen at rest; `None` where none was asked.
-    #[must_use]
     pub const fn rest(&self) -> Option<&Rest> {
         match self {
             Self::Stopped { rest, .. } => Some(rest),
@@ -142,7 +139,6 @@ impl Ending {
     }
 
     /// Whether the arm was asked to stop and was not seen at rest.
-    #[must_use]
     pub const fn is_unconfirmed(&self) -> bool {
         match self.rest() {
             Some(rest) => rest.is_unconfirmed(),
@@ -153,55 +149,33 @@ impl Ending {
 
 /// How a motion diverged.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum DivergenceError {
     /// The plant failed.
     #[error(transparent)]
     Plant(#[from] PlantError),
     /// A joint is faster than ten times its limit.
     #[error("joint \"{joint}\": speed {found:.3} exceeds ten times its limit {limit:.3} (rad/s or m/s)")]
-    Speed {
-        /// Name of the joint.
-        joint: String,
-        /// Its speed, rad/s (m/s).
-        found: f64,
-        /// Its limit, rad/s (m/s).
-        limit: f64,
-    },
+    Speed { joint: String, found: f64, limit: f64 },
 }
 
 /// Why an experiment cannot begin.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum ArmError {
     /// The plan cannot be performed.
     #[error(transparent)]
     Plan(#[from] PlanError),
     /// The servo cannot sample at the rate that the plan asks for.
     #[error("the servo runs at {servo_hz} Hz, expected a whole multiple of the plan's {rate_hz} Hz")]
-    Rate {
-        /// Rate of the servo, Hz.
-        servo_hz: f64,
-        /// Rate of the plan, Hz.
-        rate_hz: f64,
-    },
+    Rate { servo_hz: f64, rate_hz: f64 },
     /// A stored recording is of another experiment.
     #[error(transparent)]
     Mismatch(#[from] PlanMismatchError),
     /// A check before the first motion did not pass.
     #[error("preflight, {check}: found {found}, expected {expected}")]
-    Refused {
-        /// Name of the check.
-        check: &'static str,
-        /// What was found.
-        found: String,
-        /// What the check asks for.
-        expected: Expectation,
-    },
+    Refused { check: &'static str, found: String, expected: Expectation },
     /// The arm itself cannot begin: no link, not homed, not enabled.
     #[error("{arm}: {reason}")]
-    Unavailable {
-        /// Name of the arm.
-        arm: String,
-        /// Why.
-        reason: String,
-    },
+    Unavailable { arm: String, reason: String },
 }

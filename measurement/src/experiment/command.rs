@@ -33,20 +33,12 @@ impl<'a> Command<'a> {
     }
 
     /// When the periodic motion begins, s after the beginning of the experiment: its phase is zero there.
-    #[must_use]
     pub fn periodic_begin_s(&self) -> f64 {
         self.periodic_s
     }
 
-    /// When the ramp out begins, s after the beginning of the experiment.
-    #[must_use]
-    pub fn periodic_end_s(&self) -> f64 {
-        self.ramp_out_s
-    }
-
     /// Where the commanded motion is on the path of its trajectory, and how fast, at time `t` (s) of the experiment. The
     /// time on the path grows through all periods.
-    #[must_use]
     pub fn point(&self, t: f64) -> PathPoint {
         if t < self.periodic_s {
             let part = (t - self.ramp_in_s) / self.timeline.length_s(Segment::RampIn);

@@ -39,7 +39,6 @@ impl CommandTable {
     }
 
     /// Commanded joint coordinates at a servo step, counted from the beginning of the experiment; n.
-    #[must_use]
     pub fn row(&self, step: usize) -> &[f64] {
         let begin = self.settle + self.ramp;
         let row = if step < self.settle {

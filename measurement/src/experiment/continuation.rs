@@ -68,19 +68,16 @@ impl Continuation {
     }
 
     /// Periods that are kept.
-    #[must_use]
     pub const fn periods(&self) -> usize {
         self.periods
     }
 
     /// Samples that are kept.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.kept.len()
     }
 
     /// What is still to be performed; `None` where no period is missing.
-    #[must_use]
     pub fn rest(&self) -> Option<ExperimentPlan> {
         let missing = self.plan.periods - self.periods;
         (missing > 0).then(|| self.plan.clone().with_periods(missing))

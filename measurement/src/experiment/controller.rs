@@ -83,13 +83,11 @@ impl JointPid {
     }
 
     /// Length of a servo step, s.
-    #[must_use]
     pub fn dt(&self) -> f64 {
         self.dt
     }
 
     /// Position gains, N·m/rad, n.
-    #[must_use]
     pub fn kp(&self) -> &[f64] {
         &self.kp
     }

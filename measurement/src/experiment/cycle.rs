@@ -88,25 +88,21 @@ impl Cycle {
     }
 
     /// Length of a servo step, s.
-    #[must_use]
     pub fn dt(&self) -> f64 {
         self.joints.dt()
     }
 
     /// Where the plant must be at rest when the experiment begins, n.
-    #[must_use]
     pub fn start(&self) -> &[f64] {
         self.table.row(0)
     }
 
     /// Steps of the plant in a servo step, of equal length: one, unless effects of the drives need more.
-    #[must_use]
     pub fn parts(&self) -> usize {
         self.joints.parts()
     }
 
     /// What the motors exert on the joints until the next step of the plant, N·m (N); n.
-    #[must_use]
     pub fn tau(&self) -> &[f64] {
         self.joints.tau()
     }
@@ -118,7 +114,6 @@ impl Cycle {
     }
 
     /// How well the command was followed so far; mean errors only after the end.
-    #[must_use]
     pub fn tracking(&self) -> &Tracking {
         &self.tracking
     }

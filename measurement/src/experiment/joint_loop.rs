@@ -123,7 +123,6 @@ impl JointLoop {
     }
 
     /// Length of a servo step, s.
-    #[must_use]
     pub fn dt(&self) -> f64 {
         self.controller.dt()
     }
@@ -136,7 +135,6 @@ impl JointLoop {
 
     /// What the servo remembers from step to step, in motor coordinates: last errors (rad), their filtered rates (rad/s) and
     /// integrals (N·m), 3n.
-    #[must_use]
     pub fn memory(&self) -> Vec<f64> {
         self.controller.memory().concat()
     }
@@ -214,13 +212,11 @@ impl JointLoop {
     }
 
     /// What the motors exert on the joints until the next step, N·m (N); n.
-    #[must_use]
     pub fn tau(&self) -> &[f64] {
         &self.tau
     }
 
     /// Commanded motor currents until the next step, A; n.
-    #[must_use]
     pub fn current(&self) -> &[f64] {
         &self.current
     }

@@ -15,19 +15,16 @@ pub struct Layout {
 
 impl Layout {
     /// The samples of one phase.
-    #[must_use]
     pub fn span(&self, phase: Phase) -> Range<usize> {
         self.spans.iter().find(|span| span.phase == phase).map_or(0..0, |span| span.samples.clone())
     }
 
     /// All samples.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.spans.last().map_or(0, |span| span.samples.end)
     }
 
     /// The phase of one sample; beyond the last one it is the last phase.
-    #[must_use]
     pub fn phase(&self, sample: usize) -> Phase {
         self.spans.iter().find(|span| span.samples.contains(&sample)).map_or(Phase::RampOut, |span| span.phase)
     }

@@ -29,7 +29,6 @@ impl LoopSlopes {
     }
 
     /// Derivatives of [`JointLoop::memory`], 3n × d by rows.
-    #[must_use]
     pub fn memory(&self) -> Vec<f64> {
         [&self.last_error[..], &self.rate, &self.integral].concat()
     }
@@ -98,7 +97,6 @@ impl LoopSlopes {
     }
 
     /// Derivatives of [`JointLoop::tau`], n × d.
-    #[must_use]
     pub fn tau(&self) -> &[f64] {
         &self.tau
     }

@@ -18,28 +18,9 @@ pub enum Phase {
     RampOut,
 }
 
-impl Phase {
-    /// All, in order.
-    pub const ALL: [Self; 5] = [Self::Settle, Self::RampIn, Self::Discard, Self::Record, Self::RampOut];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Settle => "settle",
-            Self::RampIn => "ramp-in",
-            Self::Discard => "discard",
-            Self::Record => "record",
-            Self::RampOut => "ramp-out",
-        }
-    }
-
-    /// The phase with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|phase| phase.name() == name)
-    }
-}
+crate::input::named! { Phase {
+    Settle: "settle", RampIn: "ramp-in", Discard: "discard", Record: "record", RampOut: "ramp-out"
+} }
 
 /// A phase and the samples that belong to it.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]

@@ -153,7 +153,6 @@ impl ExperimentPlan {
 
     /// The ramps and the period as they are performed: what the commanded motion is evaluated on, and its limits verified.
     /// The ramps are those of the layout, in whole samples.
-    #[must_use]
     pub fn timeline(&self, layout: &Layout) -> Timeline {
         let ramp = layout.span(Phase::RampIn);
         let at = |sample: usize| sample as f64 / self.rate_hz;

@@ -50,25 +50,14 @@ impl<P: Plant + ?Sized> Plant for Box<P> {
 
 /// Why a plant cannot go on.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum PlantError {
     /// A coordinate or velocity is NaN or infinite.
     #[error("joint {joint}: {quantity} is {value}, expected a finite number")]
-    NotFinite {
-        /// Number of the joint, from one.
-        joint: usize,
-        /// Which quantity.
-        quantity: &'static str,
-        /// What was found.
-        value: f64,
-    },
+    NotFinite { joint: usize, quantity: &'static str, value: f64 },
     /// The engine behind the plant reports a fault of its own.
     #[error("{engine}: {reason}")]
-    Engine {
-        /// Name of the engine.
-        engine: &'static str,
-        /// What it says.
-        reason: String,
-    },
+    Engine { engine: &'static str, reason: String },
 }
 
 impl PlantError {

@@ -16,7 +16,6 @@ pub struct Recorder {
 
 impl Recorder {
     /// What was recorded; `None` where no experiment began.
-    #[must_use]
     pub fn into_recording(self) -> Option<Recording> {
         self.recording
     }
@@ -86,7 +85,6 @@ impl<'a> WatchedRecorder<'a> {
     }
 
     /// What was recorded; `None` where no experiment began.
-    #[must_use]
     pub fn into_recording(self) -> Option<Recording> {
         self.recorder.into_recording()
     }

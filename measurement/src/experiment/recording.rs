@@ -2,14 +2,15 @@
 
 use std::ops::Range;
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
+use super::layout::Layout;
 use super::phase::{Phase, PhaseSpan};
 use super::plan::ExperimentPlan;
 use super::raw_sample::RawSample;
-use crate::model::EffortInterface;
+use crate::model::{EffortInterface, Robot};
 use crate::provenance::Provenance;
+use crate::seed::Seed;
 use crate::trajectory::PeriodicTrajectory;
 
 /// The raw samples of one experiment. N samples, n joints; tables are row-major, sample after sample.
@@ -52,21 +53,31 @@ pub struct Recording {
     pub provenance: Provenance,
 }
 
-impl Serialize for Recording {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what does not fit together.
-impl<'de> Deserialize<'de> for Recording {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+crate::plain::checked_when_read!(Recording, |value| value.check().map(|()| value));
 
 impl Recording {
+    /// What a recording of a plan begins with, of a robot whose file has this text: everything but samples.
+    #[must_use]
+    pub fn begun(robot: &Robot, robot_text: &str, plan: &ExperimentPlan, layout: &Layout, seed: Option<Seed>) -> Self {
+        Self {
+            robot: robot.name().to_owned(),
+            robot_text: robot_text.to_owned(),
+            dof: robot.dof(),
+            rate_hz: plan.rate_hz,
+            joints: robot.joints().iter().map(|joint| joint.name.clone()).collect(),
+            effort_unit: robot.effort(),
+            phases: layout.spans.clone(),
+            trajectory: plan.trajectory.clone(),
+            period_samples: layout.period_samples,
+            t: Vec::new(),
+            q: Vec::new(),
+            effort: Vec::new(),
+            voltage: Vec::new(),
+            link_q: Vec::new(),
+            provenance: Provenance::new(robot.name(), robot_text, seed),
+        }
+    }
+
     /// Checks that tables have the size that they say, and that phases follow each other.
     ///
     /// # Errors
@@ -107,37 +118,31 @@ impl Recording {
     }
 
     /// Number of samples N.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.t.len()
     }
 
     /// Whether it has no samples.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.t.is_empty()
     }
 
     /// Joint coordinates of sample `k`, n.
-    #[must_use]
     pub fn q(&self, k: usize) -> &[f64] {
         &self.q[k * self.dof..(k + 1) * self.dof]
     }
 
     /// Effort of sample `k`, n.
-    #[must_use]
     pub fn effort(&self, k: usize) -> &[f64] {
         &self.effort[k * self.dof..(k + 1) * self.dof]
     }
 
     /// Motor voltages of sample `k`, n, or none.
-    #[must_use]
     pub fn voltage(&self, k: usize) -> &[f64] {
         self.voltage.get(k * self.dof..(k + 1) * self.dof).unwrap_or_default()
     }
 
     /// Positions behind the transmissions of sample `k`, n, or none.
-    #[must_use]
     pub fn link_q(&self, k: usize) -> &[f64] {
         self.link_q.get(k * self.dof..(k + 1) * self.dof).unwrap_or_default()
     }
@@ -198,33 +203,28 @@ impl Recording {
     }
 
     /// The samples of a phase that were really taken.
-    #[must_use]
     pub fn samples(&self, phase: Phase) -> Range<usize> {
         let planned = self.phases.iter().find(|span| span.phase == phase).map_or(0..0, |span| span.samples.clone());
         planned.start.min(self.len())..planned.end.min(self.len())
     }
 
     /// The samples of the periods that count.
-    #[must_use]
     pub fn recorded(&self) -> Range<usize> {
         self.samples(Phase::Record)
     }
 
     /// Whole periods that were recorded.
-    #[must_use]
     pub fn periods(&self) -> usize {
         self.recorded().len().checked_div(self.period_samples).unwrap_or(0)
     }
 
     /// The samples of the recorded period `p`, from zero.
-    #[must_use]
     pub fn period(&self, p: usize) -> Range<usize> {
         let start = self.recorded().start + p * self.period_samples;
         start..start + self.period_samples
     }
 
     /// The plan that it was made by, as far as its phases tell.
-    #[must_use]
     pub fn plan(&self) -> ExperimentPlan {
         let length = |phase: Phase| {
             let span = self.phases.iter().find(|span| span.phase == phase);
@@ -242,7 +242,6 @@ impl Recording {
     }
 
     /// The phase of sample `k`.
-    #[must_use]
     pub fn phase(&self, k: usize) -> Option<Phase> {
         self.phases.iter().find(|span| span.samples.contains(&k)).map(|span| span.phase)
     }

@@ -11,7 +11,6 @@ use super::{
     ServoError, Sink, Tracking, TrueState,
 };
 use crate::model::{Drive, Robot, StandardParameters};
-use crate::provenance::Provenance;
 use crate::seed::{RunNoise, Seed};
 
 /// A simulated arm: a plant under the robot's joint servo, seen through the robot's sensors.
@@ -147,19 +146,16 @@ impl<P: Plant> Servo<P> {
     }
 
     /// The plant.
-    #[must_use]
     pub fn plant(&self) -> &P {
         &self.plant
     }
 
     /// Nominal inertia that each motor sees at the gain pose, kg·m², n.
-    #[must_use]
     pub fn inertia(&self) -> &[f64] {
         &self.load.inertia
     }
 
     /// How well the last experiment followed its command.
-    #[must_use]
     pub fn tracking(&self) -> Option<&Tracking> {
         self.tracking.as_ref()
     }
@@ -170,23 +166,7 @@ impl<P: Plant> Servo<P> {
     /// [`ArmError::Plan`] where the plan cannot be performed.
     pub fn recording(&self, plan: &ExperimentPlan, seed: Seed) -> Result<Recording, ArmError> {
         let layout = plan.check(self.robot.dof())?;
-        Ok(Recording {
-            robot: self.robot.name().to_owned(),
-            robot_text: self.robot_text.clone(),
-            dof: self.robot.dof(),
-            rate_hz: plan.rate_hz,
-            joints: self.robot.joints().iter().map(|joint| joint.name.clone()).collect(),
-            effort_unit: self.robot.effort(),
-            phases: layout.spans,
-            trajectory: plan.trajectory.clone(),
-            period_samples: layout.period_samples,
-            t: Vec::new(),
-            q: Vec::new(),
-            effort: Vec::new(),
-            voltage: Vec::new(),
-            link_q: Vec::new(),
-            provenance: Provenance::new(self.robot.name(), &self.robot_text, Some(seed)),
-        })
+        Ok(Recording::begun(&self.robot, &self.robot_text, plan, &layout, Some(seed)))
     }
 
     /// The servo's part of an experiment for each run, for callers that step the plants themselves.

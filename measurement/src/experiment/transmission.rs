@@ -49,7 +49,6 @@ impl Transmission {
     }
 
     /// Torque of each motor per ampere, after the gear: `N Kt`, N·m/A (N/A).
-    #[must_use]
     pub fn per_ampere(&self) -> &[f64] {
         &self.per_ampere
     }
@@ -92,7 +91,6 @@ impl Transmission {
     }
 
     /// Inertia that each motor sees while the other motors stand still: the diagonal of `C⁻ᵀ H C⁻¹`, kg·m².
-    #[must_use]
     pub fn motor_inertia(&self, mass_matrix: &DMatrix<f64>) -> Vec<f64> {
         match &self.coupling {
             None => mass_matrix.diagonal().iter().copied().collect(),

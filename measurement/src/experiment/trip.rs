@@ -12,26 +12,8 @@ pub enum SafeAction {
     Disable,
 }
 
-impl SafeAction {
-    /// All, from the mildest to the hardest.
-    pub const ALL: [Self; 3] = [Self::Hold, Self::Cancel, Self::Disable];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Hold => "hold",
-            Self::Cancel => "cancel",
-            Self::Disable => "disable",
-        }
-    }
-
-    /// The action with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|action| action.name() == name)
-    }
-}
+// From the mildest to the hardest.
+crate::input::named! { SafeAction { Hold: "hold", Cancel: "cancel", Disable: "disable" } }
 
 /// What is known of an arm that was asked to stop. A request that was sent, and even one that was accepted, is no rest:
 /// only states that were taken afterwards show it.
@@ -54,7 +36,6 @@ pub enum Rest {
 
 impl Rest {
     /// Whether a person has to check the arm: it may still be moving.
-    #[must_use]
     pub const fn is_unconfirmed(&self) -> bool {
         matches!(self, Self::NotConfirmed { .. })
     }

@@ -17,7 +17,7 @@ use std::ops::Range;
 use super::error::check_finite;
 use super::periodic::{column, effort_units, put_column, used_blocks};
 use super::torque::{map_rows, torque_map};
-use super::{Butterworth, Derivatives, Processing, Samples, SignalError, TorqueFilter, differences};
+use super::{Butterworth, Derivatives, Processing, Samples, SignalError, TorqueFilter, differences, find_cutoff};
 use crate::dynamics::States;
 use crate::model::{EffortInterface, Robot};
 
@@ -46,6 +46,18 @@ impl<'a> AperiodicRecord<'a> {
     #[must_use]
     pub const fn new(dof: usize, rate_hz: f64, q: &'a [f64], effort: &'a [f64]) -> Self {
         Self { dof, rate_hz, q, qd: None, effort, segments: &[], excluded: &[] }
+    }
+
+    /// The cut-off that [`find_cutoff`] finds in the longest segment, Hz: of the velocities where they are measured, else of the positions.
+    ///
+    /// # Panics
+    /// If the segments have more samples than there are.
+    #[must_use]
+    pub fn find_cutoff(&self) -> f64 {
+        let spans = self.spans(self.q.len() / self.dof).into_iter();
+        let (first, count) = spans.max_by_key(|(_, count)| *count).unwrap_or_default();
+        let rows = first * self.dof..(first + count) * self.dof;
+        find_cutoff(&self.qd.unwrap_or(self.q)[rows], self.dof, self.rate_hz)
     }
 
     /// First sample and number of samples of each segment.
@@ -126,7 +138,10 @@ fn leave_out_edges(used: &mut [bool], segments: &[Range<usize>], [block, n]: [us
 /// equations, Hz: blocks of samples are averaged to come near it.
 ///
 /// There is no scatter to see noise in, so the result carries none, and estimators take it from their residual. The
-/// cut-off is [`Processing::cutoff_hz`], 10 Hz where nothing is stated.
+/// cut-off is the one that is stated, or that [`AperiodicRecord::find_cutoff`] finds.
+///
+/// Blocks of half a cycle of the cut-off take most noise of the acceleration out of the regressor: its mean over a block is a difference
+/// of two velocities.
 ///
 /// # Errors
 /// [`SignalError`] where the record is malformed, shorter than 8 samples, or a setting does not fit it.
@@ -140,7 +155,7 @@ pub fn process_aperiodic(
     processing.check()?;
     let len = record.check(robot)?;
     let n = record.dof;
-    let cutoff_hz = processing.cutoff_hz(0.0);
+    let cutoff_hz = processing.cutoff_hz.unwrap_or_else(|| record.find_cutoff());
     let filter = Butterworth::new(processing.filter_order, cutoff_hz, record.rate_hz)?;
     if !(rate_hz.is_finite() && rate_hz > 0.0) {
         return Err(SignalError::Setting {

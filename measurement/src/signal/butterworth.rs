@@ -78,19 +78,16 @@ impl Butterworth {
     }
 
     /// Order of one pass.
-    #[must_use]
     pub fn order(&self) -> usize {
         self.order
     }
 
     /// Frequency at which one pass has lost 3 dB, Hz.
-    #[must_use]
     pub fn cutoff_hz(&self) -> f64 {
         self.cutoff_hz
     }
 
     /// `|H(f)|²` at `f` Hz: the power gain of one pass, and the amplitude gain of both.
-    #[must_use]
     pub fn power_gain(&self, f: f64) -> f64 {
         let tangent = |f: f64| libm::tan(std::f64::consts::PI * f / self.rate_hz);
         let ratio = tangent(f) / tangent(self.cutoff_hz);
@@ -98,7 +95,6 @@ impl Butterworth {
     }
 
     /// Both passes over one period of a periodic signal, in the steady state.
-    #[must_use]
     pub fn zero_phase_periodic(&self, x: &[f64]) -> Vec<f64> {
         let mut y = x.to_vec();
         for _ in 0..2 {
@@ -109,7 +105,6 @@ impl Butterworth {
     }
 
     /// Both passes over a signal that is not periodic; its ends are continued by point reflection, `2x₀ − x[k]`.
-    #[must_use]
     pub fn zero_phase_reflected(&self, x: &[f64]) -> Vec<f64> {
         let (Some(&first), Some(&last)) = (x.first(), x.last()) else { return Vec::new() };
         // A transient of 1e-6 of the step at the ends is below what any sensor resolves.

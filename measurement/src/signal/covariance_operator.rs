@@ -30,7 +30,6 @@ impl CovarianceOperator {
     }
 
     /// `C W`, (n·N) × b, sample-major.
-    #[must_use]
     pub fn apply(&self, w: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, rows) = (self.lags[0].nrows(), w.nrows());
         let count = rows / n;

@@ -37,13 +37,11 @@ impl FourierTransform {
     }
 
     /// Number of samples N.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.roots.len()
     }
 
     /// Whether the transform is of no samples at all.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.roots.is_empty()
     }
@@ -52,7 +50,6 @@ impl FourierTransform {
     ///
     /// # Panics
     /// If the signal has another length than the transform.
-    #[must_use]
     pub fn forward_real(&self, x: &[f64]) -> Vec<Complex<f64>> {
         let x: Vec<Complex<f64>> = x.iter().map(|&value| Complex::new(value, 0.0)).collect();
         self.forward(&x)
@@ -62,7 +59,6 @@ impl FourierTransform {
     ///
     /// # Panics
     /// If a signal has another length than the transform.
-    #[must_use]
     pub fn forward_pair(&self, x: &[f64], y: &[f64]) -> (Vec<Complex<f64>>, Vec<Complex<f64>>) {
         assert_eq!(x.len(), y.len(), "two signals of one length");
         let both: Vec<Complex<f64>> = x.iter().zip(y).map(|(&x, &y)| Complex::new(x, y)).collect();
@@ -82,7 +78,6 @@ impl FourierTransform {
     ///
     /// # Panics
     /// If the signal has another length than the transform.
-    #[must_use]
     pub fn forward(&self, x: &[Complex<f64>]) -> Vec<Complex<f64>> {
         assert_eq!(x.len(), self.len(), "one value per sample of the transform");
         let mut out = vec![Complex::new(0.0, 0.0); x.len()];

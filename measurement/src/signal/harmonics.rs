@@ -91,6 +91,15 @@ impl HarmonicSeries {
         (1..=furthest).rev().find(|&h| power[h] > 2.0 * floor).unwrap_or(0)
     }
 
+    /// The last harmonic whose mean power is `ratio` times the largest of the upper half of the spectrum, which is taken for noise.
+    #[must_use]
+    pub fn last_above_upper_half(&self, ratio: f64) -> usize {
+        let power = self.smoothed_power();
+        let middle = power.len() / 2;
+        let floor = power[middle..].iter().copied().fold(0.0, f64::max);
+        (1..middle).rev().find(|&h| power[h] > ratio * floor).unwrap_or(0)
+    }
+
     /// Power of a line that is noise: that of white noise of variance `variance` per sample, for N samples, and not less than the mean
     /// of the last eighth of the lines.
     #[must_use]

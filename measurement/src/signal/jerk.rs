@@ -29,7 +29,6 @@ impl Samples {
     /// let jerk = samples.jerk();
     /// assert!((jerk[0] + w.powi(3)).abs() < 1e-9 && jerk[16].abs() < 1e-9);
     /// ```
-    #[must_use]
     pub fn jerk(&self) -> Vec<f64> {
         let (n, step) = (self.dof(), 1.0 / self.rate_hz);
         let transform = FourierTransform::new(self.len());

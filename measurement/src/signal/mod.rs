@@ -9,7 +9,8 @@
 //!
 //! Two routes to velocity and acceleration: through the Fourier coefficients of the measured positions (Swevers et
 //! al.), or zero-phase low pass and central differences (`radkhah2007` IV.B). Torque passes the same low pass.
-//! A record without periods goes through [`process_aperiodic`]; its noise is left to the estimator's residual.
+//! A record without periods goes through [`process_aperiodic`]; its noise is left to the estimator's residual, and its low pass is chosen
+//! by the noise of its positions ([`find_cutoff`]).
 //!
 //! Uneven stamps are brought onto an even grid first ([`resample`]); a break in a record ends a segment, and filters stay
 //! inside it. Not here: outliers. Reference: J. Swevers, C. Ganseman, D. B. Tükel, J. De
@@ -18,6 +19,7 @@
 mod aperiodic;
 mod butterworth;
 mod covariance_operator;
+mod cutoff;
 mod differences;
 mod error;
 mod fourier_transform;
@@ -39,6 +41,7 @@ mod torque;
 pub use aperiodic::{AperiodicRecord, process_aperiodic};
 pub use butterworth::Butterworth;
 pub use covariance_operator::CovarianceOperator;
+pub use cutoff::find_cutoff;
 pub use differences::{differences, differences_periodic};
 pub use error::SignalError;
 pub use fourier_transform::FourierTransform;

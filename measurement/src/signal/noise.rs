@@ -13,8 +13,7 @@
 //! Reference: D. N. Politis, "Adaptive bandwidth choice", J. Nonparametric Statistics 15(4-5), 2003.
 
 use nalgebra::DMatrix;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::covariance_operator::CovarianceOperator;
 
@@ -39,19 +38,7 @@ pub struct NoiseModel {
     degrees_of_freedom: f64,
 }
 
-impl Serialize for NoiseModel {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what does not fit together.
-impl<'de> Deserialize<'de> for NoiseModel {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+crate::plain::checked_when_read!(NoiseModel, |value| value.check().map(|()| value));
 
 impl NoiseModel {
     /// One weight for each lag, and square covariances of one size.
@@ -125,39 +112,44 @@ impl NoiseModel {
         self
     }
 
-    /// Number of joints n.
+    /// The same noise with white one of this variance in the place of joint `i`, which shares it with no other.
     #[must_use]
+    pub fn with_white(mut self, i: usize, variance: f64) -> Self {
+        for (l, r) in self.lags.iter_mut().enumerate() {
+            r.row_mut(i).fill(0.0);
+            r.column_mut(i).fill(0.0);
+            r[(i, i)] = if l == 0 { variance } else { 0.0 };
+        }
+        self
+    }
+
+    /// Number of joints n.
     pub fn dof(&self) -> usize {
         self.lags[0].nrows()
     }
 
     /// Covariance of one sample, R(0), n × n.
-    #[must_use]
     pub fn covariance(&self) -> &DMatrix<f64> {
         &self.lags[0]
     }
 
     /// Standard deviation of one sample, per joint.
-    #[must_use]
     pub fn std(&self) -> Vec<f64> {
         self.lags[0].diagonal().iter().map(|v| v.max(0.0).sqrt()).collect()
     }
 
     /// Number of lags other than zero.
-    #[must_use]
     pub fn length(&self) -> usize {
         self.lags.len() - 1
     }
 
     /// Correlation of joint `i` with itself `l` samples later; zero beyond the last lag.
-    #[must_use]
     pub fn correlation(&self, i: usize, l: usize) -> f64 {
         let variance = self.lags[0][(i, i)];
         if variance > 0.0 { self.lags.get(l).map_or(0.0, |r| r[(i, i)] / variance) } else { 0.0 }
     }
 
     /// Independent samples that R(0) was measured from.
-    #[must_use]
     pub fn degrees_of_freedom(&self) -> f64 {
         self.degrees_of_freedom
     }
@@ -167,7 +159,6 @@ impl NoiseModel {
     ///
     /// # Panics
     /// If the rows of W are no multiple of n.
-    #[must_use]
     pub fn apply(&self, w: &DMatrix<f64>) -> DMatrix<f64> {
         let (n, rows) = (self.dof(), w.nrows());
         assert!(rows.is_multiple_of(n), "{rows} rows are no multiple of {n} joints");
@@ -175,7 +166,6 @@ impl NoiseModel {
     }
 
     /// C for `count` samples, to be applied more than once.
-    #[must_use]
     pub fn operator(&self, count: usize) -> CovarianceOperator {
         let lags = self.lags.iter().zip(&self.weights).map(|(r, &weight)| r * weight).collect();
         CovarianceOperator::new(lags, self.wraps, count)

@@ -31,7 +31,6 @@ pub struct PeriodicRecord<'a> {
 
 impl PeriodicRecord<'_> {
     /// Number of whole periods P.
-    #[must_use]
     pub fn periods(&self) -> usize {
         self.q.len() / (self.dof * self.period_samples).max(1)
     }
@@ -130,13 +129,11 @@ impl PeriodAverage {
     }
 
     /// Samples in the period, N.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.q.len() / self.dof
     }
 
     /// Whether there are no samples; never true of a checked average.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.q.is_empty()
     }

@@ -36,7 +36,8 @@ pub fn process_periods(
     let transform = FourierTransform::new(len);
     let (states, position_band_hz, position_floor, filter) = match processing.derivatives {
         Derivatives::Fourier => {
-            let (states, bands, floors) = fourier_states(&average, &transform, robot, highest_hz, processing.bandwidth);
+            let (states, bands, floors) =
+                fourier_states(&average, &transform, robot, highest_hz, processing.bandwidth());
             let highest = bands.iter().copied().fold(0.0, f64::max);
             (states, bands, floors, LowPass::Harmonics((highest * average.period_s).round() as usize))
         }

@@ -74,8 +74,9 @@ pub struct Processing {
     pub derivatives: Derivatives,
     /// Which harmonics of the measured positions are kept, on the Fourier route.
     pub bandwidth: Bandwidth,
-    /// Cut-off of one pass of the low pass on the route of differences, Hz; 5 times the highest commanded frequency
-    /// or 10 Hz, whichever is higher, where it is `None`.
+    /// Cut-off of one pass of the low pass on the route of differences, Hz, and the highest frequency kept on the Fourier route in place
+    /// of `bandwidth`. Where it is `None`, differences of periods take 5 times the highest commanded frequency or 10 Hz, whichever is
+    /// higher, and records without periods what is found in them.
     pub cutoff_hz: Option<f64>,
     /// Order of one pass of that low pass.
     pub filter_order: usize,
@@ -110,6 +111,11 @@ impl Processing {
         self.cutoff_hz.unwrap_or((5.0 * highest_hz).max(10.0))
     }
 
+    /// Which harmonics are kept on the Fourier route.
+    pub(super) fn bandwidth(&self) -> Bandwidth {
+        self.cutoff_hz.map_or(self.bandwidth, Bandwidth::Hertz)
+    }
+
     /// Checks the settings that make sense only within bounds.
     pub(super) fn check(&self) -> Result<(), SignalError> {
         if self.samples_per_period < 8 {
@@ -122,7 +128,7 @@ impl Processing {
                 expected: "0 to 0.5",
             });
         }
-        match self.bandwidth {
+        match self.bandwidth() {
             Bandwidth::Hertz(hz) if !(hz.is_finite() && hz > 0.0) => Err(SignalError::Setting {
                 setting: "bandwidth of the positions",
                 found: format!("{hz} Hz"),

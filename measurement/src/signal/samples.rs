@@ -1,8 +1,7 @@
 //! The input of estimation: states, torque, and the noise of both.
 
 use nalgebra::DMatrix;
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::{Butterworth, Derivatives, FourierTransform, HarmonicSeries, NoiseModel, Processing, SignalError};
 use crate::dynamics::States;
@@ -70,19 +69,7 @@ fn usual_order() -> usize {
     Processing::default().filter_order
 }
 
-impl Serialize for Samples {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what does not fit together.
-impl<'de> Deserialize<'de> for Samples {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+crate::plain::checked_when_read!(Samples, |value| value.check().map(|()| value));
 
 impl Samples {
     /// Tables that have the size that they say.
@@ -116,38 +103,32 @@ impl Samples {
     }
 
     /// Number of joints n.
-    #[must_use]
     pub fn dof(&self) -> usize {
         self.states.dof
     }
 
     /// Number of instants N.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.states.len()
     }
 
     /// Whether there are no samples.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.states.is_empty()
     }
 
     /// Torque of sample `k`, n.
-    #[must_use]
     pub fn tau(&self, k: usize) -> &[f64] {
         &self.tau[k * self.dof()..(k + 1) * self.dof()]
     }
 
     /// Number of equations M of each joint: whole blocks.
-    #[must_use]
     pub fn blocks(&self) -> usize {
         self.len() / self.block.max(1)
     }
 
     /// Whether the torque has no noise, as that of a rehearsal: its scatter over periods is below 1e-5 of it at every joint. Without
     /// periods it is not known: a log that was smoothed has no noise in its torque, and model errors all the same.
-    #[must_use]
     pub fn is_noise_free(&self) -> bool {
         let n = self.dof();
         let rms = |i: usize| {
@@ -159,7 +140,6 @@ impl Samples {
     }
 
     /// Means over blocks of a row-major table of one row per sample and `width` columns: M × `width`.
-    #[must_use]
     pub fn block_means(&self, rows: &[f64], width: usize) -> Vec<f64> {
         let scale = 1.0 / self.block as f64;
         let mut means = vec![0.0; self.blocks() * width];

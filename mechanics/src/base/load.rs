@@ -16,7 +16,6 @@ pub const LOAD_UNITS: [f64; 10] = [1.0, 0.1, 0.1, 0.1, 0.01, 0.01, 0.01, 0.01, 0
 
 impl BaseReduction {
     /// Rows of the base that are made of inertias: of links and rotors.
-    #[must_use]
     pub fn inertial_rows(&self) -> Vec<usize> {
         let inertial = |kind: ParameterKind| match kind.term() {
             None => true,
@@ -26,7 +25,6 @@ impl BaseReduction {
     }
 
     /// Columns of the last link's ten among the parameters.
-    #[must_use]
     pub fn columns_of_last_link(&self) -> Vec<usize> {
         let links = self.parameters.iter().filter(|id| id.kind == ParameterKind::M);
         let last = links.map(|id| id.index).max().unwrap_or(0);

@@ -14,23 +14,4 @@ pub enum Method {
     Structural,
 }
 
-impl Method {
-    /// Every method.
-    pub const ALL: [Self; 3] = [Self::Radkhah2007, Self::Qr, Self::Structural];
-
-    /// Its name on the command line and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Radkhah2007 => "paper",
-            Self::Qr => "qr",
-            Self::Structural => "structural",
-        }
-    }
-
-    /// The method with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|method| method.name() == name)
-    }
-}
+crate::input::named! { Method { Radkhah2007: "paper", Qr: "qr", Structural: "structural" } }

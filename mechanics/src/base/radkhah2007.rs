@@ -74,7 +74,6 @@ impl Radkhah2007Sets {
     }
 
     /// K as the sets have it: `β_b = φ_b + Σ_i α_bi φ_i`.
-    #[must_use]
     pub fn reduction(&self, parameters: &[ParameterId]) -> BaseReduction {
         let mut k = DMatrix::zeros(self.base.len(), parameters.len());
         for (row, &b) in self.base.iter().enumerate() {

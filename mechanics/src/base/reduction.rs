@@ -1,8 +1,7 @@
 //! The result of a reduction: what each parameter is, and K.
 
 use nalgebra::{DMatrix, DVector};
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::{BaseMotion, Method, NearlyDependent};
 use crate::linalg::{LeftToRight, RankTolerance, product};
@@ -22,21 +21,10 @@ pub enum Category {
     Combination,
 }
 
-impl Category {
-    /// Every category.
-    pub const ALL: [Self; 4] = [Self::Unidentifiable, Self::Identifiable, Self::Representative, Self::Combination];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Unidentifiable => "unidentifiable",
-            Self::Identifiable => "identifiable",
-            Self::Representative => "representative",
-            Self::Combination => "combination",
-        }
-    }
-}
+crate::input::named! { Category {
+    Unidentifiable: "unidentifiable", Identifiable: "identifiable", Representative: "representative",
+    Combination: "combination"
+} }
 
 /// The base parameters of a robot: `β = K φ` with `Y φ = Y_b β`.
 ///
@@ -82,22 +70,13 @@ pub(super) const SMALLEST_COEFFICIENT: f64 = 1e-9;
 /// Coefficients this close to a whole number become that number: most are 1 or −1 by geometry.
 const WHOLE: f64 = 1e-12;
 
-impl Serialize for BaseReduction {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
+// Refuses a K that is no reduced row echelon form of these parameters.
+crate::plain::checked_when_read!(BaseReduction, |mut value| {
+    if value.kept.is_empty() && value.k.nrows() == 0 {
+        value.k = DMatrix::zeros(0, value.parameters.len());
     }
-}
-
-/// Refuses a K that is no reduced row echelon form of these parameters.
-impl<'de> Deserialize<'de> for BaseReduction {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let mut value = Self::deserialize(deserializer)?;
-        if value.kept.is_empty() && value.k.nrows() == 0 {
-            value.k = DMatrix::zeros(0, value.parameters.len());
-        }
-        value.check().map_or_else(|fault| Err(D::Error::custom(fault)), |()| Ok(value))
-    }
-}
+    value.check().map(|()| value)
+});
 
 /// The category of each parameter by K.
 fn categories(kept: &[usize], k: &DMatrix<f64>) -> Vec<Category> {
@@ -246,7 +225,6 @@ impl BaseReduction {
     }
 
     /// Number of base parameters b, the rank of the regressor.
-    #[must_use]
     pub fn rank(&self) -> usize {
         self.kept.len()
     }
@@ -255,7 +233,6 @@ impl BaseReduction {
     ///
     /// # Panics
     /// If φ has not p entries.
-    #[must_use]
     pub fn beta(&self, phi: &DVector<f64>) -> DVector<f64> {
         assert_eq!(phi.len(), self.parameters.len(), "one value per parameter");
         let column = DMatrix::from_column_slice(phi.len(), 1, phi.as_slice());
@@ -263,14 +240,12 @@ impl BaseReduction {
     }
 
     /// Name of each base parameter: that of the parameter which stands for it.
-    #[must_use]
     pub fn names(&self) -> Vec<String> {
         self.kept.iter().map(|&j| self.parameters[j].to_string()).collect()
     }
 
     /// The parameters that make up base parameter `row`, with their coefficients, in order; the first is the one which
     /// stands for it, with coefficient 1.
-    #[must_use]
     pub fn terms(&self, row: usize) -> Vec<(ParameterId, f64)> {
         let coefficients = self.k.row(row);
         self.parameters.iter().copied().zip(coefficients.iter().copied()).filter(|&(_, c)| c != 0.0).collect()
@@ -280,14 +255,12 @@ impl BaseReduction {
     ///
     /// # Panics
     /// If W has not p columns.
-    #[must_use]
     pub fn select_columns(&self, w: &DMatrix<f64>) -> DMatrix<f64> {
         assert_eq!(w.ncols(), self.parameters.len(), "one column per parameter");
         w.select_columns(&self.kept)
     }
 
     /// How many parameters are of a category.
-    #[must_use]
     pub fn count(&self, category: Category) -> usize {
         self.categories.iter().filter(|&&other| other == category).count()
     }

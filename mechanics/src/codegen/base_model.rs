@@ -100,20 +100,17 @@ impl BaseModel {
     }
 
     /// Number of joints n.
-    #[must_use]
     pub const fn dof(&self) -> usize {
         self.dof
     }
 
     /// Joints, from zero, whose constant offset the base does not tell from the weight of the links, so that
     /// [`gravity`](Self::gravity) has it: a prismatic joint whose axis keeps its angle to gravity, with a rotor.
-    #[must_use]
     pub fn offset_in_weight(&self) -> &[usize] {
         &self.offset_in_weight
     }
 
     /// Sums, differences, products, sines and cosines of the inverse dynamics.
-    #[must_use]
     pub fn operations(&self) -> usize {
         let needed = self.expressions.needed_for(self.torque.iter().copied());
         let costs = |expression: &Expression| {

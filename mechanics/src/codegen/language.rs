@@ -14,21 +14,10 @@ pub enum Language {
     Rust,
 }
 
+crate::input::named! { Language { C: "c", Rust: "rust" } }
+
 impl Language {
-    /// Every language.
-    pub const ALL: [Self; 2] = [Self::C, Self::Rust];
-
-    /// Its name on the command line.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::C => "c",
-            Self::Rust => "rust",
-        }
-    }
-
     /// How its files end.
-    #[must_use]
     pub const fn extension(self) -> &'static str {
         match self {
             Self::C => "c",
@@ -48,7 +37,6 @@ const RUST_SMOOTH_SIGN: &str = "\nfn smooth_sign(v: f64, scale: f64) -> f64 {\n 
 impl BaseModel {
     /// The source: `inverse_dynamics`, `gravity` and `mass_matrix` (in C with `armid_` before their names), SI, in the order of
     /// the joints. `header` stands on top as a comment.
-    #[must_use]
     pub fn source(&self, language: Language, header: &str) -> String {
         let mut out = String::new();
         // Writing to a String cannot fail.

@@ -16,7 +16,6 @@ pub struct Energy {
 
 impl Energy {
     /// Kinetic plus potential energy, J.
-    #[must_use]
     pub fn total(&self) -> f64 {
         self.kinetic + self.potential
     }
@@ -32,7 +31,6 @@ impl Dynamics {
     ///
     /// # Panics
     /// If a slice is shorter than n.
-    #[must_use]
     pub fn energy(&self, q: &[f64], qd: &[f64]) -> Energy {
         let n = self.dof();
         let gravity: Vector3<f64> = -self.base_acceleration.lin;

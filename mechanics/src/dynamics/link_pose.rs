@@ -51,7 +51,6 @@ impl LinkPose {
 
     /// The pose at coordinate `q`, rad or m.
     #[inline]
-    #[must_use]
     pub fn at(&self, q: f64) -> Placement {
         let LanePlacement { axes: [x, y, z], origin } = self.in_lanes(self.turn(q));
         Placement {

@@ -98,7 +98,6 @@ impl Dynamics {
     }
 
     /// Number of joints n.
-    #[must_use]
     pub fn dof(&self) -> usize {
         self.poses.len()
     }

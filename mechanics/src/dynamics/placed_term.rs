@@ -29,31 +29,26 @@ pub struct PlacedTerm {
 
 impl PlacedTerm {
     /// The parameter `φ` that multiplies the law.
-    #[must_use]
     pub const fn parameter(&self) -> ParameterId {
         self.parameter
     }
 
     /// The term.
-    #[must_use]
     pub const fn term(&self) -> Term {
         self.term
     }
 
     /// The entries `(joint, d)` of its direction that are not zero: one, unless motors are coupled.
-    #[must_use]
     pub fn direction(&self) -> &[(usize, f64)] {
         &self.direction
     }
 
     /// What the joint quantity `x` (n) is in its own coordinate: `dᵀ x`.
-    #[must_use]
     pub fn along(&self, x: &[f64]) -> f64 {
         self.direction.iter().fold(0.0, |sum, &(joint, d)| sum + d * x[joint])
     }
 
     /// The law's slopes `∂g/∂(q, q̇, q̈, τ_t)` at position `q` and velocity `qd` of its own coordinate, at rest otherwise.
-    #[must_use]
     pub fn slopes(&self, q: f64, qd: f64) -> [f64; Slope::COUNT] {
         self.term.slopes(&self.input(q, qd))
     }

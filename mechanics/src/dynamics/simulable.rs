@@ -4,35 +4,20 @@ use crate::model::{Robot, StandardParameters};
 
 /// Why a plant cannot simulate a set of parameters.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum TermError {
     /// The law jumps: its velocity scale is zero.
     #[error(
         "joint \"{joint}\": {term} {value} {unit} with a velocity scale of 0 in {key}, expected one above zero, since a \
          law that jumps is not simulated"
     )]
-    Jump {
-        /// Name of the joint.
-        joint: String,
-        /// What the term is.
-        term: &'static str,
-        /// Its coefficient.
-        value: f64,
-        /// Unit of the coefficient.
-        unit: &'static str,
-        /// Key of the velocity scale in the robot file.
-        key: &'static str,
-    },
+    Jump { joint: String, term: &'static str, value: f64, unit: &'static str, key: &'static str },
     /// The law depends on what a plant does not have.
     #[error(
         "joint \"{joint}\": {term} depends on the transmitted torque or the temperature, expected an arm around the plant \
          that has them"
     )]
-    Channel {
-        /// Name of the joint.
-        joint: String,
-        /// What the term is.
-        term: &'static str,
-    },
+    Channel { joint: String, term: &'static str },
 }
 
 /// Checks that a plant can simulate every term of which a set of parameters has a coefficient.

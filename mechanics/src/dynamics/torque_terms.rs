@@ -93,19 +93,16 @@ impl TorqueTerms {
     }
 
     /// The parameter of each column, in order.
-    #[must_use]
     pub fn parameters(&self) -> &[ParameterId] {
         &self.parameters
     }
 
     /// Whether a term depends on the torque that the links take.
-    #[must_use]
     pub const fn needs_load(&self) -> bool {
         self.needs_load
     }
 
     /// The terms one by one, in the order of their parameters: for engines with equations of motion of their own.
-    #[must_use]
     pub fn placed(&self) -> Vec<PlacedTerm> {
         let mut terms = vec![None; self.parameters.len()];
         for bank in &self.banks {
@@ -123,7 +120,6 @@ impl TorqueTerms {
     }
 
     /// The terms' part in the mass matrix: `Σ φ d dᵀ ∂g/∂a`, n × n, constant.
-    #[must_use]
     pub fn inertia(&self, parameters: &StandardParameters) -> DMatrix<f64> {
         let mut m = DMatrix::zeros(self.dof, self.dof);
         for bank in self.banks.iter().filter(|bank| bank.term.is_inertia()) {
@@ -158,7 +154,6 @@ impl TorqueTerms {
 
     /// The parameters' values in the order in which [`add_torque`](Self::add_torque) takes them: n for each law, zero for a
     /// joint that does not have the parameter.
-    #[must_use]
     pub fn values(&self, parameters: &StandardParameters) -> Vec<f64> {
         let mut values = vec![0.0; self.banks.len() * self.dof];
         for (bank, values) in self.banks.iter().zip(values.chunks_exact_mut(self.dof)) {

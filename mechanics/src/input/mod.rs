@@ -5,7 +5,11 @@
 //! at before work begins; each error states the limit and its reason.
 
 mod file_name;
+mod named;
 pub mod size;
 
 pub use file_name::{FileNameError, check_file_name};
 pub use size::{SizeError, SizeLimit};
+
+#[doc(inline)]
+pub use crate::named_variants as named;

@@ -7,10 +7,12 @@
 //! has the same bits alone ([`f64`]), beside others ([`Wide`]), and on any width. Which width there is is found out when
 //! the program runs (the crate `pulp`).
 
+mod arithmetic;
 mod elementary;
 mod lane;
 mod wide;
 
+pub use crate::arithmetic_of;
 pub use elementary::{exp, sin_cos, sines, tanh};
 pub use lane::Lane;
 pub use wide::{MOST_LANES, Wide, sines_and_cosines};

@@ -1,7 +1,5 @@
 //! As many runs side by side as the processor has lanes for, found out when the program runs.
 
-use std::ops::{Add, Mul, Neg, Sub};
-
 use pulp::{Arch, Simd, WithSimd};
 
 use super::elementary::sin_cos;
@@ -27,36 +25,11 @@ impl<S: Simd> Wide<S> {
     }
 }
 
-impl<S: Simd> Add for Wide<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self::new(self.simd, self.simd.add_f64s(self.x, other.x))
-    }
-}
-
-impl<S: Simd> Sub for Wide<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self::new(self.simd, self.simd.sub_f64s(self.x, other.x))
-    }
-}
-
-impl<S: Simd> Mul for Wide<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self::new(self.simd, self.simd.mul_f64s(self.x, other.x))
-    }
-}
-
-impl<S: Simd> Neg for Wide<S> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self::new(self.simd, self.simd.neg_f64s(self.x))
-    }
+crate::lanes::arithmetic_of! { impl[S: Simd] Wide<S>, |a, b|
+    Self::new(a.simd, a.simd.add_f64s(a.x, b.x)),
+    Self::new(a.simd, a.simd.sub_f64s(a.x, b.x)),
+    Self::new(a.simd, a.simd.mul_f64s(a.x, b.x)),
+    Self::new(a.simd, a.simd.neg_f64s(a.x))
 }
 
 impl<S: Simd> Lane for Wide<S> {

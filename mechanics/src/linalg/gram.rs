@@ -65,26 +65,22 @@ impl Gram {
     }
 
     /// `WᵀW`, b × b, symmetric.
-    #[must_use]
     pub fn information(&self) -> DMatrix<f64> {
         let b = self.moment.len();
         DMatrix::from_fn(b, b, |i, j| self.upper[(i.min(j), i.max(j))])
     }
 
     /// `Wᵀy`, length b.
-    #[must_use]
     pub const fn moment(&self) -> &DVector<f64> {
         &self.moment
     }
 
     /// `yᵀy`.
-    #[must_use]
     pub const fn energy(&self) -> f64 {
         self.energy
     }
 
     /// Number of rows added.
-    #[must_use]
     pub const fn rows(&self) -> usize {
         self.rows
     }

@@ -15,57 +15,28 @@ use super::{RankTolerance, RowFactor, condition, product, solve_upper};
 
 /// Why a least-squares problem has no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum LeastSquaresError {
     /// Fewer equations than unknowns.
     #[error("{rows} equations for {columns} unknowns, expected at least as many equations as unknowns")]
-    TooFewRows {
-        /// Number of equations.
-        rows: usize,
-        /// Number of unknowns.
-        columns: usize,
-    },
+    TooFewRows { rows: usize, columns: usize },
     /// Matrix and right-hand side do not fit.
     #[error("{found} measurements for {expected} equations, expected one each")]
-    Shape {
-        /// Number of measurements.
-        found: usize,
-        /// Number of equations.
-        expected: usize,
-    },
+    Shape { found: usize, expected: usize },
     /// A NaN or an infinity among the equations.
     #[error("equation {row} holds {value}, expected finite numbers")]
-    NotFinite {
-        /// Which row, from zero.
-        row: usize,
-        /// What was found.
-        value: f64,
-    },
+    NotFinite { row: usize, value: f64 },
     /// A column is a combination of those before it.
     #[error(
         "column {column} has {independent:.1e} of its length independent of the columns before it, expected more than {least:.1e}"
     )]
-    Dependent {
-        /// Which column, from zero.
-        column: usize,
-        /// The fraction of its length that is independent of the columns before it.
-        independent: f64,
-        /// The least fraction that counts.
-        least: f64,
-    },
+    Dependent { column: usize, independent: f64, least: f64 },
     /// The covariance of a block is not positive definite.
     #[error("the {size} × {size} covariance of one sample is not positive definite")]
-    Covariance {
-        /// Rows in a block.
-        size: usize,
-    },
+    Covariance { size: usize },
     /// Rows do not divide into blocks.
     #[error("{rows} rows, expected a multiple of the {size} rows in one sample")]
-    Blocks {
-        /// Number of rows.
-        rows: usize,
-        /// Rows in a block.
-        size: usize,
-    },
+    Blocks { rows: usize, size: usize },
 }
 
 /// The solution of a least-squares problem, and the factor that its covariance is made of.
@@ -184,31 +155,26 @@ impl LeastSquares {
     }
 
     /// β̂, length b.
-    #[must_use]
     pub const fn solution(&self) -> &DVector<f64> {
         &self.solution
     }
 
     /// Condition number of W as it stands.
-    #[must_use]
     pub const fn condition(&self) -> f64 {
         self.condition
     }
 
     /// Condition number of W with columns of unit length.
-    #[must_use]
     pub const fn condition_scaled(&self) -> f64 {
         self.condition_scaled
     }
 
     /// `(WᵀW)⁻¹`, or A⁻¹, b × b: the covariance of β̂ by [`LeastSquares::solve`] where y has unit covariance.
-    #[must_use]
     pub fn inverse_information(&self) -> DMatrix<f64> {
         product(&self.left, &self.right.transpose())
     }
 
     /// `A⁻¹ V A⁻ᵀ` for a symmetric V (b × b): the covariance of β̂ where `V = Bᵀ (cov y) B`.
-    #[must_use]
     pub fn sandwich(&self, v: &DMatrix<f64>) -> DMatrix<f64> {
         let middle = product(&product(&self.right.transpose(), v), &self.right);
         product(&product(&self.left, &middle), &self.left.transpose())

@@ -89,7 +89,6 @@ impl LeftToRight {
     }
 
     /// Number of kept columns b.
-    #[must_use]
     pub fn rank(&self) -> usize {
         self.kept.len()
     }

@@ -67,13 +67,11 @@ impl RankRevealingQr {
     }
 
     /// The number of columns whose residual was longer than the tolerance.
-    #[must_use]
     pub fn rank(&self) -> usize {
         self.rests.iter().take_while(|&&rest| rest > self.tolerance.independent).count()
     }
 
     /// The shortest residual that counted and the longest that did not: how clear the decision was.
-    #[must_use]
     pub fn gap(&self) -> (f64, f64) {
         let rank = self.rank();
         let above = if rank > 0 { self.rests[rank - 1] } else { f64::INFINITY };
@@ -89,7 +87,6 @@ impl RankRevealingQr {
     /// ```
     /// Without b_i the rank stays where that residual of some other column, of unit length, is above the tolerance. All
     /// columns are judged by this one factorisation, `O(r² n)`, where a rank for each would take `O(m n³)`.
-    #[must_use]
     pub fn indispensable(&self) -> Vec<usize> {
         let r = self.rank();
         let solve = |mut x: Vec<f64>| {

@@ -82,13 +82,11 @@ impl Columns {
     }
 
     /// Whether a term is among them.
-    #[must_use]
     pub fn has(&self, term: Term) -> bool {
         self.terms().any(|own| own == term)
     }
 
     /// The shape parameters of the laws of the terms, each once.
-    #[must_use]
     pub fn shapes(&self) -> Vec<ShapeParameter> {
         let mut shapes: Vec<ShapeParameter> = Vec::new();
         for shape in self.terms().flat_map(|term| term.entry().shapes) {
@@ -100,7 +98,6 @@ impl Columns {
     }
 
     /// The first term that needs more than the motion: the transmitted torque, or a temperature.
-    #[must_use]
     pub fn beyond_motion(&self) -> Option<Term> {
         self.terms().find(|term| !term.entry().needs.is_motion())
     }
@@ -180,7 +177,6 @@ impl Columns {
     }
 
     /// The parameters of a robot in order: length p, the columns of its regressor.
-    #[must_use]
     pub fn parameters(&self, robot: &Robot) -> Vec<ParameterId> {
         let links = (0..robot.dof()).flat_map(|index| ParameterKind::LINK.map(|kind| ParameterId { kind, index }));
         let terms = (0..robot.dof()).flat_map(|index| {

@@ -54,13 +54,11 @@ impl DeclaredUncertainty {
     }
 
     /// The standard deviation under a key; zero where it is not stated.
-    #[must_use]
     pub fn of(&self, key: &str) -> f64 {
         self.0.get(key).copied().unwrap_or(0.0)
     }
 
     /// Whether nothing is uncertain.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         self.0.values().all(|&std| std == 0.0)
     }
@@ -76,19 +74,12 @@ impl TryFrom<BTreeMap<String, f64>> for DeclaredUncertainty {
 
 /// Why an uncertainty cannot be declared so.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum DeclaredUncertaintyError {
     /// No key has this name.
     #[error("unknown field `{found}`, expected one of {}", DeclaredUncertainty::KEYS.map(|key| format!("`{key}`")).join(", "))]
-    Unknown {
-        /// What was found.
-        found: String,
-    },
+    Unknown { found: String },
     /// A standard deviation is no finite number from zero on.
     #[error("{key} is {found}, expected a finite number not below zero")]
-    Amount {
-        /// The key.
-        key: String,
-        /// What was found.
-        found: f64,
-    },
+    Amount { key: String, found: f64 },
 }

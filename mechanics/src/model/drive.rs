@@ -64,7 +64,6 @@ impl Drive {
     }
 
     /// A shape parameter of a torque law: as the robot file states it, or its default.
-    #[must_use]
     pub fn shape(&self, parameter: &ShapeParameter) -> f64 {
         if *parameter == ShapeParameter::COULOMB_VELOCITY {
             self.coulomb_velocity
@@ -83,20 +82,17 @@ impl Drive {
     }
 
     /// All shape parameters of a term's law, in the order of its entry.
-    #[must_use]
     pub fn shapes_of(&self, term: Term) -> Shapes {
         let shapes = term.entry().shapes;
         std::array::from_fn(|k| Scale::new(shapes.get(k).map_or(0.0, |parameter| self.shape(parameter))))
     }
 
     /// Torque at the motor's own joint coordinate per ampere: gear × torque constant, N·m/A.
-    #[must_use]
     pub fn torque_per_ampere(&self) -> f64 {
         self.gear * self.torque_constant
     }
 
     /// Smallest step of the encoder at the joint, rad (m for a prismatic joint); 0 where it does not quantise.
-    #[must_use]
     pub fn encoder_step(&self, revolute: bool) -> f64 {
         if self.counts_per_revolution > 0.0 {
             (if revolute { std::f64::consts::TAU } else { 1.0 }) / self.counts_per_revolution
@@ -106,7 +102,6 @@ impl Drive {
     }
 
     /// Smallest step of the current's converter, A; 0 where it does not quantise.
-    #[must_use]
     pub fn adc_step(&self) -> f64 {
         if self.adc_bits > 0 { 2.0 * self.adc_range / f64::from(1_u32 << self.adc_bits) } else { 0.0 }
     }

@@ -103,13 +103,11 @@ impl Hull {
     }
 
     /// The furthest that the body reaches along a unit vector, m.
-    #[must_use]
     pub fn extent(&self, direction: &Vector3<f64>) -> f64 {
         self.points.iter().map(|p| direction.dot(p)).fold(f64::NEG_INFINITY, f64::max) + self.margin
     }
 
     /// The middle of the box around the points, along the axes of the frame.
-    #[must_use]
     pub fn middle(&self) -> Vector3<f64> {
         let along = |axis: usize| {
             let (low, high) = self
@@ -122,7 +120,6 @@ impl Hull {
     }
 
     /// A capsule that holds the body: about the line through its middle along which its points scatter most.
-    #[must_use]
     pub fn enclosing_capsule(&self) -> Capsule {
         let middle = self.middle();
         let scatter: Matrix3<f64> = self.points.iter().map(|p| (p - middle) * (p - middle).transpose()).sum();

@@ -16,7 +16,6 @@ pub enum JointKind {
 
 impl JointKind {
     /// Unit of the coordinate.
-    #[must_use]
     pub const fn unit(self) -> &'static str {
         match self {
             Self::Revolute => "rad",
@@ -25,7 +24,6 @@ impl JointKind {
     }
 
     /// Unit of the effort.
-    #[must_use]
     pub const fn effort_unit(self) -> &'static str {
         match self {
             Self::Revolute => "N·m",
@@ -60,7 +58,6 @@ pub struct DhRow {
 
 impl DhRow {
     /// The constant placements before and after the joint.
-    #[must_use]
     pub fn placements(&self, convention: DhConvention) -> (Placement, Placement) {
         let (s_theta, c_theta) = exact_sincos(self.offset_deg);
         let (s_alpha, c_alpha) = exact_sincos(self.alpha_deg);
@@ -136,7 +133,6 @@ pub struct Joint {
 impl Joint {
     /// The pose of this link's frame in the previous one at coordinate `q` (rad or m).
     #[inline]
-    #[must_use]
     pub fn placement(&self, q: f64) -> Placement {
         let moved = match self.kind {
             JointKind::Revolute => {
@@ -156,7 +152,6 @@ impl Joint {
     }
 
     /// The joint's axis as a motion in this link's frame: constant, since joint and frame move together.
-    #[must_use]
     pub fn axis(&self) -> Motion {
         let z = Vector3::z();
         let at_joint = match self.kind {
@@ -167,7 +162,6 @@ impl Joint {
     }
 
     /// Effort of the joint when `force` acts on this link, in its frame: `radkhah2007` eq. 2.
-    #[must_use]
     pub fn effort(&self, force: &Force) -> f64 {
         self.axis().dot(force)
     }

@@ -39,14 +39,12 @@ impl MotorCircuit {
     pub const BRUSH_CURRENT: f64 = 0.02;
 
     /// Voltage at the terminals, V, for a current (A), its slope (A/s) and the speed of the shaft (rad/s).
-    #[must_use]
     pub fn voltage(&self, current: f64, slope: f64, speed: f64) -> f64 {
         let brushes = self.brush_drop * super::smooth_sign(current, Self::BRUSH_CURRENT);
         self.resistance * current + self.inductance * slope + self.back_emf * speed + brushes
     }
 
     /// The steady currents, A, lowest and highest, that the supply can drive at a speed of the shaft (rad/s).
-    #[must_use]
     pub fn current_limits(&self, speed: f64) -> (f64, f64) {
         let most = |side: f64| {
             let left = side * self.supply - self.back_emf * speed;

@@ -29,7 +29,6 @@ impl ParameterKind {
         [Self::M, Self::Mcx, Self::Mcy, Self::Mcz, Self::Ixx, Self::Ixy, Self::Ixz, Self::Iyy, Self::Iyz, Self::Izz];
 
     /// The symbol, without the number.
-    #[must_use]
     pub fn symbol(self) -> &'static str {
         match self {
             Self::M => "m",
@@ -47,7 +46,6 @@ impl ParameterKind {
     }
 
     /// Unit where its joint is of this kind.
-    #[must_use]
     pub fn unit(self, kind: JointKind) -> &'static str {
         match self {
             Self::M => "kg",
@@ -58,13 +56,11 @@ impl ParameterKind {
     }
 
     /// Its place among the ten of a link; `None` for the coefficient of a term.
-    #[must_use]
     pub fn link_place(self) -> Option<usize> {
         Self::LINK.iter().position(|&kind| kind == self)
     }
 
     /// The torque term that it is the coefficient of; `None` for a link's.
-    #[must_use]
     pub const fn term(self) -> Option<Term> {
         match self {
             Self::Term(term) => Some(term),

@@ -102,7 +102,6 @@ impl StandardParameters {
     }
 
     /// The value of one parameter.
-    #[must_use]
     pub fn get(&self, id: ParameterId) -> f64 {
         match id.kind {
             ParameterKind::Term(term) => self.drives[id.index][term],
@@ -129,7 +128,6 @@ impl StandardParameters {
     }
 
     /// The vector φ for these columns of a robot, length p.
-    #[must_use]
     pub fn vector(&self, robot: &Robot, columns: Columns) -> nalgebra::DVector<f64> {
         nalgebra::DVector::from_iterator(
             columns.parameters(robot).len(),

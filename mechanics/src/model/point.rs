@@ -20,7 +20,6 @@ pub struct NamedPoint {
 
 impl NamedPoint {
     /// Where it is in the base frame, m, given the pose of every link's frame there (n): `p = R_i p_i + t_i`.
-    #[must_use]
     pub fn place(&self, poses: &[Placement]) -> Vector3<f64> {
         match self.link {
             0 => self.position,

@@ -28,7 +28,6 @@ impl Default for ReferenceUnits {
 
 impl ReferenceUnits {
     /// The unit of one kind of parameter. For a term with none of its own: what makes the unit of torque with a law of 1.
-    #[must_use]
     pub fn of(&self, kind: ParameterKind) -> f64 {
         match kind {
             ParameterKind::M => self.mass_kg,

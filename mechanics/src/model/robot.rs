@@ -2,8 +2,7 @@
 
 use nalgebra::{DMatrix, Vector3};
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::robot_error::{RobotError, check_joint, check_points, check_servo, check_surroundings};
 use super::{DeclaredUncertainty, Drive, EffortInterface, Joint, NamedPoint, Obstacle, ServoTuning, Shape};
@@ -67,18 +66,8 @@ pub struct Robot {
     source_sha256: String,
 }
 
-impl Serialize for Robot {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what [`Robot::new`] refuses.
-impl<'de> Deserialize<'de> for Robot {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        Self::deserialize(deserializer)?.checked().map_err(D::Error::custom)
-    }
-}
+// Refuses what `Robot::new` refuses.
+crate::plain::checked_when_read!(Robot, Robot::checked);
 
 impl Robot {
     /// The same robot through the checks of a specification.
@@ -150,80 +139,67 @@ impl Robot {
     }
 
     /// What it is made of, without effort interface, servo and named points.
-    #[must_use]
     pub fn into_spec(self) -> RobotSpec {
         let Self { name, gravity, base, joints, coupling, shapes, obstacles, may_touch, .. } = self;
         RobotSpec { name, gravity, base, joints, coupling, shapes, obstacles, may_touch }
     }
 
     /// Its name.
-    #[must_use]
     pub fn name(&self) -> &str {
         &self.name
     }
 
     /// Number of joints n.
-    #[must_use]
     pub fn dof(&self) -> usize {
         self.joints.len()
     }
 
     /// The joints from the base outwards; joint i moves link i.
-    #[must_use]
     pub fn joints(&self) -> &[Joint] {
         &self.joints
     }
 
     /// Axis of each joint as a motion in its link's frame.
-    #[must_use]
     pub fn axes(&self) -> &[Motion] {
         &self.axes
     }
 
     /// Gravity in the frame of the base, m/s².
-    #[must_use]
     pub fn gravity(&self) -> Vector3<f64> {
         self.base.rotation.tr_mul(&self.gravity)
     }
 
     /// Pose of the base frame in the world.
-    #[must_use]
     pub fn base(&self) -> &Placement {
         &self.base
     }
 
     /// Motor coordinates from joint coordinates, `q_motor = C q`, where motors are coupled.
-    #[must_use]
     pub fn coupling(&self) -> Option<&DMatrix<f64>> {
         self.coupling.as_ref()
     }
 
     /// Whether motor `index` drives more than its own joint.
-    #[must_use]
     pub fn is_coupled(&self, index: usize) -> bool {
         self.coupling.as_ref().is_some_and(|c| c.row(index).iter().enumerate().any(|(j, &x)| j != index && x != 0.0))
     }
 
     /// Shapes of the links.
-    #[must_use]
     pub fn shapes(&self) -> &[Shape] {
         &self.shapes
     }
 
     /// What stands around the robot.
-    #[must_use]
     pub fn obstacles(&self) -> &[Obstacle] {
         &self.obstacles
     }
 
     /// Pairs of links (0 is the base, the lower first) whose shapes may touch.
-    #[must_use]
     pub fn may_touch(&self) -> &[(usize, usize)] {
         &self.may_touch
     }
 
     /// What is uncertain about it and leaves no trace in a recording.
-    #[must_use]
     pub fn uncertainty(&self) -> &DeclaredUncertainty {
         &self.uncertainty
     }
@@ -236,7 +212,6 @@ impl Robot {
     }
 
     /// Points of the arm that have a name, beside the frames of the links.
-    #[must_use]
     pub fn points(&self) -> &[NamedPoint] {
         &self.points
     }
@@ -253,7 +228,6 @@ impl Robot {
     }
 
     /// Name of a link: that of the joint which moves it, or "base" for link 0.
-    #[must_use]
     pub fn link_name(&self, link: usize) -> &str {
         if link == 0 { "base" } else { &self.joints[link - 1].name }
     }
@@ -261,7 +235,6 @@ impl Robot {
     /// SHA-256 of the text that it was read from; empty for a robot that was made otherwise.
     ///
     /// It stays when limits are changed afterwards: it says which file is meant, and a certificate names it.
-    #[must_use]
     pub fn source_sha256(&self) -> &str {
         &self.source_sha256
     }
@@ -289,19 +262,16 @@ impl Robot {
     }
 
     /// What its controller reports as effort.
-    #[must_use]
     pub fn effort(&self) -> EffortInterface {
         self.effort
     }
 
     /// How its servo is tuned: as stated, or [`ServoTuning::ASSUMED`].
-    #[must_use]
     pub fn servo(&self) -> &ServoTuning {
         self.servo.as_ref().unwrap_or(&ServoTuning::ASSUMED)
     }
 
     /// How its servo is tuned, where anything states it.
-    #[must_use]
     pub fn stated_servo(&self) -> Option<&ServoTuning> {
         self.servo.as_ref()
     }
@@ -347,7 +317,6 @@ impl Robot {
     }
 
     /// Pose of every link's frame in the base frame at joint coordinates `q` (n).
-    #[must_use]
     pub fn poses(&self, q: &[f64]) -> Vec<Placement> {
         let mut pose = Placement::identity();
         self.joints
@@ -361,7 +330,6 @@ impl Robot {
     }
 
     /// Index of the joint with this name.
-    #[must_use]
     pub fn joint_index(&self, name: &str) -> Option<usize> {
         self.joints.iter().position(|joint| joint.name == name)
     }

@@ -20,90 +20,37 @@ const RIGID: &str = "an orthonormal right-handed rotation and a finite translati
 
 /// Why a robot cannot be as specified.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum RobotError {
     /// No joints.
     #[error("robot \"{robot}\" has no joints, expected at least one")]
-    NoJoints {
-        /// Name of the robot.
-        robot: String,
-    },
+    NoJoints { robot: String },
     /// More joints than are allowed.
     #[error(transparent)]
     Size(#[from] SizeError),
     /// Two joints of one name.
     #[error("joint name \"{joint}\" occurs twice, expected each name once")]
-    DuplicateJoint {
-        /// The name.
-        joint: String,
-    },
+    DuplicateJoint { joint: String },
     /// A quantity is outside what is possible.
     #[error("joint \"{joint}\": {quantity} is {found}, expected {expected}")]
-    Joint {
-        /// Name of the joint.
-        joint: String,
-        /// Which quantity.
-        quantity: &'static str,
-        /// What was found.
-        found: String,
-        /// What is possible.
-        expected: &'static str,
-    },
+    Joint { joint: String, quantity: &'static str, found: String, expected: &'static str },
     /// The coupling matrix is not n × n and invertible.
     #[error("coupling is a {rows} × {columns} matrix, expected an invertible {dof} × {dof} matrix")]
-    Coupling {
-        /// Its rows.
-        rows: usize,
-        /// Its columns.
-        columns: usize,
-        /// Number of joints.
-        dof: usize,
-    },
+    Coupling { rows: usize, columns: usize, dof: usize },
     /// A named point is on a link that does not exist, or its position is not finite.
     #[error(
         "point \"{point}\": link {link} at {position:?} m, expected a link from 0 (the base) to {dof} and finite numbers"
     )]
-    Point {
-        /// Its name.
-        point: String,
-        /// The link.
-        link: usize,
-        /// The position, m.
-        position: [f64; 3],
-        /// Number of links.
-        dof: usize,
-    },
+    Point { point: String, link: usize, position: [f64; 3], dof: usize },
     /// A shape names a link that does not exist.
     #[error("shape {index}: link is {found}, expected 0 (the base) to {dof}")]
-    Shape {
-        /// Position among the shapes, from one.
-        index: usize,
-        /// What was found.
-        found: usize,
-        /// Number of links.
-        dof: usize,
-    },
+    Shape { index: usize, found: usize, dof: usize },
     /// Two links may touch, one of which does not exist, or they are not in ascending order.
     #[error("links {first} and {second} may touch, expected 0 (the base) to {dof}, the lower first")]
-    MayTouch {
-        /// One link.
-        first: usize,
-        /// The other.
-        second: usize,
-        /// Number of links.
-        dof: usize,
-    },
+    MayTouch { first: usize, second: usize, dof: usize },
     /// A quantity of the robot as a whole, of its servo, of a shape or of an obstacle is outside what is possible.
     #[error("{place}: {quantity} is {found}, expected {expected}")]
-    Quantity {
-        /// What it belongs to.
-        place: String,
-        /// Which quantity.
-        quantity: &'static str,
-        /// What was found.
-        found: String,
-        /// What is possible.
-        expected: &'static str,
-    },
+    Quantity { place: String, quantity: &'static str, found: String, expected: &'static str },
 }
 
 /// Gravity, base, shapes, obstacles and the pairs that may touch, of a robot of `dof` links.

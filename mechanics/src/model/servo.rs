@@ -11,19 +11,7 @@ pub enum EffortInterface {
     Torque,
 }
 
-impl EffortInterface {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Current, Self::Torque];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Current => "current",
-            Self::Torque => "torque",
-        }
-    }
-}
+crate::input::named! { EffortInterface { Current: "current", Torque: "torque" } }
 
 /// Tuning of the joint servo: one PID per joint, placed on the nominal inertia `J` that the joint sees.
 ///

@@ -32,7 +32,6 @@ pub enum Solid {
 impl Solid {
     /// A capsule that holds the body: the body itself, the box's longest axis thickened to its corners, or a line through a
     /// hull thickened to its points.
-    #[must_use]
     pub fn enclosing_capsule(&self) -> Capsule {
         match self {
             Self::Capsule(capsule) => *capsule,
@@ -47,7 +46,6 @@ impl Solid {
     }
 
     /// The furthest that the body reaches along a unit vector of its frame, m.
-    #[must_use]
     pub fn extent(&self, direction: &Vector3<f64>) -> f64 {
         match self {
             Self::Capsule(Capsule { from, to, radius }) => direction.dot(from).max(direction.dot(to)) + radius,
@@ -60,7 +58,6 @@ impl Solid {
     }
 
     /// Largest distance of a point of the body from the origin of its frame, m.
-    #[must_use]
     pub fn reach(&self) -> f64 {
         match self {
             Self::Capsule(Capsule { from, to, radius }) => from.norm().max(to.norm()) + radius,
@@ -116,7 +113,6 @@ impl Obstacle {
     }
 
     /// What messages call it.
-    #[must_use]
     pub fn name(&self) -> &str {
         match self {
             Self::Floor { .. } => "floor",

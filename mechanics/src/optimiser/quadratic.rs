@@ -33,7 +33,6 @@ pub struct QuadraticSolution {
 
 impl QuadraticSolution {
     /// Gradient of the Lagrangian without its quadratic term, `g + Σ u a`, which is `−B d`.
-    #[must_use]
     pub fn lagrangian_gradient(&self, gradient: &DVector<f64>) -> DVector<f64> {
         let mut sum = gradient.clone();
         for (row, multiplier) in &self.active {

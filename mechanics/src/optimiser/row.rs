@@ -15,7 +15,6 @@ pub struct Row {
 
 impl Row {
     /// `aᵀ d − b`: positive where the row is violated.
-    #[must_use]
     pub fn excess(&self, d: &[f64]) -> f64 {
         dot(&self.normal, &d[self.start..self.start + self.normal.len()]) - self.bound
     }

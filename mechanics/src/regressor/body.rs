@@ -92,7 +92,6 @@ impl<V: Lane> BodyRegressor<V> {
     /// # Panics
     /// Unless `c` is below ten.
     #[inline(always)]
-    #[must_use]
     pub fn entry(&self, s: &LaneMotion<V>, c: usize) -> V {
         let (n, f) = (&s.ang, &s.lin);
         match c {
@@ -113,7 +112,6 @@ impl<V: Lane> BodyRegressor<V> {
 
     /// `sᵀ K`: what the ten parameters contribute to the effort along the axis `s`, given in the body's frame.
     #[inline(always)]
-    #[must_use]
     pub fn project(&self, s: &LaneMotion<V>) -> [V; 10] {
         let y = self;
         [
@@ -141,7 +139,6 @@ impl BodyRegressor {
 
     /// `K φ`: the wrench on a body with these ten parameters.
     #[inline]
-    #[must_use]
     pub fn wrench(&self, phi: &[f64; 10]) -> Force {
         let b = Vector3::from(self.b);
         let moment = Vector3::new(phi[1], phi[2], phi[3]);
@@ -155,7 +152,6 @@ impl BodyRegressor {
     ///
     /// K depends on `b`, `α` and `ω` alone, quadratically on the last: `L = b̄·b + ᾱ·α + ωᵀ Q ω`.
     #[inline]
-    #[must_use]
     pub(super) fn pull_back(&self, p: &Weights, v: &Motion) -> (Force, Force) {
         let (n, f) = (&p.moment, &p.force);
         let b = Vector3::new(f[0][0] + n[1][3] - n[2][2], f[1][0] + n[2][1] - n[0][3], f[2][0] + n[0][2] - n[1][1]);
@@ -179,7 +175,6 @@ impl BodyRegressor {
     }
 
     /// The whole 6 × 10 matrix, angular rows first.
-    #[must_use]
     pub fn matrix(&self) -> SMatrix<f64, 6, 10> {
         let mut k = SMatrix::<f64, 6, 10>::zeros();
         let b = Vector3::from(self.b);

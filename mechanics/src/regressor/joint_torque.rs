@@ -94,7 +94,6 @@ impl JointTorqueRegressor {
     }
 
     /// Whether a term among its columns depends on the torque that the links take.
-    #[must_use]
     pub const fn needs_load(&self) -> bool {
         self.terms.needs_load()
     }
@@ -109,7 +108,6 @@ impl JointTorqueRegressor {
     ///
     /// # Panics
     /// If a slice is shorter than n, `out` than n·p, or `values` than the parameters of the terms.
-    #[must_use]
     pub fn evaluate_slopes(&self, values: &[f64], [q, qd, qdd]: [&[f64]; 3], out: &mut [f64]) -> Vec<f64> {
         let (n, p) = (self.rows(), self.cols());
         self.evaluate(q, qd, qdd, out);
@@ -126,25 +124,21 @@ impl JointTorqueRegressor {
     }
 
     /// The parameter of each column, p.
-    #[must_use]
     pub fn parameters(&self) -> &[ParameterId] {
         &self.parameters
     }
 
     /// Which columns it has.
-    #[must_use]
     pub const fn columns(&self) -> Columns {
         self.columns
     }
 
     /// Number of rows of one sample: joints n.
-    #[must_use]
     pub fn rows(&self) -> usize {
         self.poses.len()
     }
 
     /// Number of columns p.
-    #[must_use]
     pub fn cols(&self) -> usize {
         self.parameters.len()
     }

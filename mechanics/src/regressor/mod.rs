@@ -17,8 +17,6 @@
 mod adjoint;
 mod body;
 mod cells;
-#[cfg(test)]
-mod forward_mode;
 mod joint_torque;
 mod moving_base;
 mod stack;

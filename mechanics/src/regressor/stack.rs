@@ -32,7 +32,6 @@ impl StackPart<'_> {
     /// # Panics
     /// If there is no such column.
     #[inline]
-    #[must_use]
     pub fn column(&self, column: usize) -> &[f64] {
         &self.numbers[column * TOGETHER * self.joints..][..self.count * self.joints]
     }
@@ -44,7 +43,6 @@ impl JointTorqueRegressor {
     ///
     /// # Panics
     /// If the states are not those of n joints.
-    #[must_use]
     pub fn stack(&self, states: &States) -> DMatrix<f64> {
         let all: Vec<usize> = (0..self.cols()).collect();
         self.stack_means(states, &all, 1)
@@ -55,7 +53,6 @@ impl JointTorqueRegressor {
     ///
     /// # Panics
     /// If the states are not those of n joints, `block` is zero, or a column is beyond p.
-    #[must_use]
     pub fn stack_means(&self, states: &States, columns: &[usize], block: usize) -> DMatrix<f64> {
         let rows = self.rows() * (states.len() / block);
         // A vector of zeros comes from the system without a pass over it, which `DMatrix::zeros` takes.

@@ -25,21 +25,14 @@ pub struct Inertia {
 
 /// Why these ten parameters are physically inconsistent.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum InertiaError {
     /// A parameter is NaN or infinite.
     #[error("parameter {index} of the ten is {value}, expected a finite number")]
-    NotFinite {
-        /// Position among the ten.
-        index: usize,
-        /// What was found.
-        value: f64,
-    },
+    NotFinite { index: usize, value: f64 },
     /// The 4×4 pseudo-inertia has an eigenvalue that is not positive.
     #[error("its pseudo-inertia has the eigenvalue {eigenvalue:.3e}, expected all four above zero")]
-    NotPositiveDefinite {
-        /// The smallest of the four.
-        eigenvalue: f64,
-    },
+    NotPositiveDefinite { eigenvalue: f64 },
 }
 
 impl Inertia {
@@ -76,7 +69,6 @@ impl Inertia {
     }
 
     /// The ten in the order of `NOTATION.md`: `m, mcx, mcy, mcz, Ixx, Ixy, Ixz, Iyy, Iyz, Izz`.
-    #[must_use]
     pub fn to_array(&self) -> [f64; 10] {
         let (h, i) = (&self.first_moment, &self.rotational);
         [self.mass, h.x, h.y, h.z, i[(0, 0)], i[(0, 1)], i[(0, 2)], i[(1, 1)], i[(1, 2)], i[(2, 2)]]
@@ -93,13 +85,11 @@ impl Inertia {
     }
 
     /// Centre of mass, m; `None` where the mass is zero.
-    #[must_use]
     pub fn com(&self) -> Option<Vector3<f64>> {
         (self.mass != 0.0).then(|| self.first_moment / self.mass)
     }
 
     /// Rotational inertia about the centre of mass, kg·m²; about the origin where the mass is zero.
-    #[must_use]
     pub fn about_com(&self) -> Matrix3<f64> {
         let Some(c) = self.com() else { return self.rotational };
         self.rotational - (Matrix3::from_diagonal_element(c.norm_squared()) - c * c.transpose()) * self.mass
@@ -107,7 +97,6 @@ impl Inertia {
 
     /// Momentum of a body that moves with `v`, or the force that gives it the acceleration `v`: `I v`.
     #[inline]
-    #[must_use]
     pub fn apply(&self, v: &Motion) -> Force {
         Force {
             ang: self.rotational * v.ang + self.first_moment.cross(&v.lin),
@@ -116,7 +105,6 @@ impl Inertia {
     }
 
     /// The 4×4 pseudo-inertia of these parameters.
-    #[must_use]
     pub fn pseudo(&self) -> PseudoInertia {
         PseudoInertia::of(self)
     }
@@ -159,7 +147,6 @@ impl PseudoInertia {
     }
 
     /// The inertia with this pseudo-inertia: `I = tr(Σ) 1 − Σ`.
-    #[must_use]
     pub fn inertia(&self) -> Inertia {
         let sigma = self.0.fixed_view::<3, 3>(0, 0).into_owned();
         Inertia {
@@ -170,7 +157,6 @@ impl PseudoInertia {
     }
 
     /// The smallest eigenvalue; positive exactly when the parameters are physically consistent.
-    #[must_use]
     pub fn smallest_eigenvalue(&self) -> f64 {
         SymmetricEigen::new(self.0).eigenvalues.min()
     }

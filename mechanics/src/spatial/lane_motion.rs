@@ -83,7 +83,6 @@ impl<V: Lane> LaneMotion<V> {
 impl<V: Lane> LanePlacement<V> {
     /// A motion given in the parent, expressed in the child: `ω' = Rᵀω`, `v' = Rᵀ(v + ω × p)`.
     #[inline(always)]
-    #[must_use]
     pub fn motion_to_child(&self, motion: &LaneMotion<V>) -> LaneMotion<V> {
         let lin = sum(&motion.lin, &cross(&motion.ang, &self.origin));
         LaneMotion { ang: self.turned(&motion.ang), lin: self.turned(&lin) }

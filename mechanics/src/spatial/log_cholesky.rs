@@ -51,7 +51,6 @@ impl LogCholesky {
     }
 
     /// The inertia with these coordinates.
-    #[must_use]
     pub fn inertia(&self) -> Inertia {
         let u = self.factor();
         PseudoInertia(u * u.transpose()).inertia()
@@ -60,7 +59,6 @@ impl LogCholesky {
     /// A body that differs by `change`, measured in the body's own size: `U' = U E`, `E` the factor with the
     /// coordinates `change`. Its mass is `m e^{2 δα}`; its centre of mass moves by `L δt`, where `L Lᵀ` is the mass
     /// distribution's covariance, m².
-    #[must_use]
     pub fn moved(&self, change: &Self) -> Inertia {
         let u = self.factor() * change.factor();
         PseudoInertia(u * u.transpose()).inertia()

@@ -1,8 +1,7 @@
 //! Where one frame stands in another.
 
 use nalgebra::{Matrix3, Vector3};
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::{Force, Motion};
 
@@ -21,27 +20,14 @@ pub struct Placement {
 /// Largest entry of `RᵀR − 1` of a rotation: rounding of a product of many, and of matrices printed with ten digits.
 const ORTHONORMAL: f64 = 1e-9;
 
-impl Serialize for Placement {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses a matrix that is no rotation.
-impl<'de> Deserialize<'de> for Placement {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        if value.is_rigid() {
-            Ok(value)
-        } else {
-            Err(D::Error::custom("rotation, expected an orthonormal right-handed matrix"))
-        }
-    }
-}
+// Refuses a matrix that is no rotation.
+crate::plain::checked_when_read!(Placement, |value| {
+    let fault = "rotation, expected an orthonormal right-handed matrix";
+    if value.is_rigid() { Ok(value) } else { Err(fault) }
+});
 
 impl Placement {
     /// Whether it is one of a rigid body: a finite translation, and a rotation whose columns are orthonormal and right-handed.
-    #[must_use]
     pub fn is_rigid(&self) -> bool {
         let off = (self.rotation.tr_mul(&self.rotation) - Matrix3::identity()).amax();
         off <= ORTHONORMAL && self.rotation.determinant() > 0.0 && self.translation.iter().all(|x| x.is_finite())
@@ -103,14 +89,12 @@ impl Placement {
 
     /// A point of the child, seen from the parent.
     #[inline]
-    #[must_use]
     pub fn point(&self, child: &Vector3<f64>) -> Vector3<f64> {
         self.rotation * child + self.translation
     }
 
     /// A motion given in the parent, expressed in the child: `ω' = Rᵀω`, `v' = Rᵀ(v + ω × p)`.
     #[inline]
-    #[must_use]
     pub fn motion_to_child(&self, motion: &Motion) -> Motion {
         Motion {
             ang: self.rotation.tr_mul(&motion.ang),
@@ -120,7 +104,6 @@ impl Placement {
 
     /// A motion given in the child, expressed in the parent.
     #[inline]
-    #[must_use]
     pub fn motion_to_parent(&self, motion: &Motion) -> Motion {
         let ang = self.rotation * motion.ang;
         Motion { ang, lin: self.rotation * motion.lin + self.translation.cross(&ang) }
@@ -128,7 +111,6 @@ impl Placement {
 
     /// A force given in the child, expressed in the parent: `f' = R f`, `n' = R n + p × f'`. `radkhah2007` eq. 4.
     #[inline]
-    #[must_use]
     pub fn force_to_parent(&self, force: &Force) -> Force {
         let lin = self.rotation * force.lin;
         Force { ang: self.rotation * force.ang + self.translation.cross(&lin), lin }

@@ -93,14 +93,12 @@ impl Motion {
 
     /// `self ×* force`, the same for a force (Featherstone eq. 2.32).
     #[inline]
-    #[must_use]
     pub fn cross_force(&self, force: &Force) -> Force {
         Force { ang: self.ang.cross(&force.ang) + self.lin.cross(&force.lin), lin: self.ang.cross(&force.lin) }
     }
 
     /// Power of a force along this motion: `ω·n + v·f`.
     #[inline]
-    #[must_use]
     pub fn dot(&self, force: &Force) -> f64 {
         self.ang.dot(&force.ang) + self.lin.dot(&force.lin)
     }

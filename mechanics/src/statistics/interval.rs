@@ -13,7 +13,6 @@ pub struct Interval {
 
 impl Interval {
     /// Whether a value lies inside, ends included.
-    #[must_use]
     pub fn contains(&self, value: f64) -> bool {
         self.low <= value && value <= self.high
     }

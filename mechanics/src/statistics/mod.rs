@@ -18,7 +18,7 @@ mod rank_correlation;
 mod repeated_interval;
 mod sample;
 
-pub use bootstrap::{TwoLayerDraws, bootstrap_interval, percentile_interval};
+pub use bootstrap::{TwoLayerDraws, percentile_interval};
 pub use chi_squared::chi_squared_quantile;
 pub use difference::{MeanDifference, holm_adjusted, paired_difference, student_p_value, welch_difference};
 pub use distribution::{normal_quantile, student_quantile};

@@ -34,7 +34,6 @@ const FARTHEST: f64 = 37.0;
 
 impl ErrorSpending {
     /// Error spent up to a fraction of the largest sample.
-    #[must_use]
     pub fn spent(self, error: f64, fraction: f64) -> f64 {
         match self {
             Self::Pocock => error * libm::log1p((E - 1.0) * fraction),
@@ -44,7 +43,6 @@ impl ErrorSpending {
 
     /// The bounds c_k of the looks at these fractions of the largest sample, increasing and at most 1, for intervals that
     /// hold together at confidence `level`.
-    #[must_use]
     pub fn bounds(self, fractions: &[f64], level: f64) -> Vec<f64> {
         let mut bounds = Vec::with_capacity(fractions.len());
         // Density of those that have stayed inside up to the look before, at the points of a rule of integration.

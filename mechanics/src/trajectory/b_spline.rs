@@ -9,8 +9,7 @@
 //!
 //! Reference: C. de Boor, *A Practical Guide to Splines*, rev. ed., 2001, ch. IX.
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
 use super::definition::{PeriodicMotion, Trajectory};
@@ -69,19 +68,8 @@ pub struct BSplineTrajectory {
     pub joints: Vec<BSplineJoint>,
 }
 
-impl Serialize for BSplineTrajectory {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what [`BSplineTrajectory::new`] refuses.
-impl<'de> Deserialize<'de> for BSplineTrajectory {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        Self::new(value.period_s, value.degree, value.joints).map_err(D::Error::custom)
-    }
-}
+// Refuses what `BSplineTrajectory::new` refuses.
+crate::plain::checked_when_read!(BSplineTrajectory, |value| Self::new(value.period_s, value.degree, value.joints));
 
 impl BSplineTrajectory {
     /// Checks and takes the splines of all joints.

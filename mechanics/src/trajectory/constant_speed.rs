@@ -8,8 +8,7 @@
 //! Acceleration is continuous and at most `15/8 · |v_{k+1} − v_k| / B`. There and back at one speed for one time is the
 //! plain case: the reversal between them leaves the joint where it met it, so both segments cover the same positions.
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
 use super::definition::{PeriodicMotion, Trajectory};
@@ -54,19 +53,12 @@ pub struct ConstantSpeedTrajectory {
     pub joints: Vec<ConstantSpeedJoint>,
 }
 
-impl Serialize for ConstantSpeedTrajectory {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what [`ConstantSpeedTrajectory::new`] refuses.
-impl<'de> Deserialize<'de> for ConstantSpeedTrajectory {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        Self::new(value.change_s, value.stretch_s, value.joints).map_err(D::Error::custom)
-    }
-}
+// Refuses what `ConstantSpeedTrajectory::new` refuses.
+crate::plain::checked_when_read!(ConstantSpeedTrajectory, |value| Self::new(
+    value.change_s,
+    value.stretch_s,
+    value.joints
+));
 
 impl ConstantSpeedTrajectory {
     /// Checks and takes the segments of all joints.
@@ -148,7 +140,6 @@ impl ConstantSpeedTrajectory {
     }
 
     /// When each segment begins and ends within the period, s.
-    #[must_use]
     pub fn segments(&self) -> Vec<(f64, f64)> {
         let mut begin = 0.0;
         let span = |&d: &f64| {

@@ -17,7 +17,6 @@ pub enum Curve {
 
 impl Curve {
     /// The value at phase `phase`, rad.
-    #[must_use]
     pub fn value(&self, phase: f64) -> f64 {
         match self {
             Self::Trigonometric(wave) => wave.value(phase),
@@ -28,7 +27,6 @@ impl Curve {
 
     /// The largest value over the period: exact to rounding for polynomials, else to
     /// [`EXTREMUM_TOLERANCE`] of the sum of the amplitudes.
-    #[must_use]
     pub fn maximum(&self) -> Extremum {
         match self {
             Self::Trigonometric(wave) => wave.maximum(),
@@ -38,7 +36,6 @@ impl Curve {
     }
 
     /// The smallest value over the period, as [`Self::maximum`].
-    #[must_use]
     pub fn minimum(&self) -> Extremum {
         match self {
             Self::Trigonometric(wave) => wave.minimum(),

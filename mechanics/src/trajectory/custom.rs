@@ -42,14 +42,12 @@ impl CustomTrajectory {
     }
 
     /// The motion, if it is one of this type.
-    #[must_use]
     pub fn downcast_ref<M: PeriodicMotion + 'static>(&self) -> Option<&M> {
         let any: &dyn Any = &*self.0;
         any.downcast_ref()
     }
 
     /// The motion.
-    #[must_use]
     pub fn motion(&self) -> &dyn PeriodicMotion {
         &*self.0
     }
@@ -62,7 +60,6 @@ impl CustomTrajectory {
     ///
     /// # Panics
     /// If it has no TOML form.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         self.0.to_toml()
     }

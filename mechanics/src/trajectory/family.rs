@@ -26,27 +26,12 @@ pub enum Family {
     QuinticBSpline,
 }
 
+crate::input::named! { Family {
+    Fourier: "fourier", FourierQuintic: "fourier-quintic", CubicBSpline: "cubic-b-spline",
+    QuinticBSpline: "quintic-b-spline"
+} }
+
 impl Family {
-    /// Every family.
-    pub const ALL: [Self; 4] = [Self::Fourier, Self::FourierQuintic, Self::CubicBSpline, Self::QuinticBSpline];
-
-    /// Its name on the command line and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fourier => "fourier",
-            Self::FourierQuintic => "fourier-quintic",
-            Self::CubicBSpline => "cubic-b-spline",
-            Self::QuinticBSpline => "quintic-b-spline",
-        }
-    }
-
-    /// The family with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|family| family.name() == name)
-    }
-
     /// Degree of the splines; `None` for a series.
     const fn degree(self) -> Option<usize> {
         match self {

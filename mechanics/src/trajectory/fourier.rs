@@ -11,8 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use serde::de::Error as _;
-use serde::{Deserialize, Deserializer, Serialize, Serializer};
+use serde::{Deserialize, Serialize};
 
 use super::curve::Curve;
 use super::definition::{PeriodicMotion, Trajectory};
@@ -53,19 +52,8 @@ pub struct FourierTrajectory {
     pub joints: Vec<FourierJoint>,
 }
 
-impl Serialize for FourierTrajectory {
-    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
-        Self::serialize(self, serializer)
-    }
-}
-
-/// Refuses what [`FourierTrajectory::new`] refuses.
-impl<'de> Deserialize<'de> for FourierTrajectory {
-    fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
-        let value = Self::deserialize(deserializer)?;
-        Self::new(value.period_s, value.joints).map_err(D::Error::custom)
-    }
-}
+// Refuses what `FourierTrajectory::new` refuses.
+crate::plain::checked_when_read!(FourierTrajectory, |value| Self::new(value.period_s, value.joints));
 
 impl FourierTrajectory {
     /// Checks and takes the series of all joints.
@@ -95,31 +83,26 @@ impl FourierTrajectory {
     }
 
     /// Number of harmonics H.
-    #[must_use]
     pub fn harmonics(&self) -> usize {
         self.joints.first().map_or(0, |joint| joint.a.len())
     }
 
     /// Fundamental angular frequency ω = 2π/T, rad/s.
-    #[must_use]
     pub fn omega(&self) -> f64 {
         TAU / self.period_s
     }
 
     /// Position of joint `index` over the phase ωt, rad.
-    #[must_use]
     pub fn position(&self, index: usize) -> TrigonometricPolynomial {
         self.wave(index, 0)
     }
 
     /// Velocity of joint `index` over the phase ωt, rad/s.
-    #[must_use]
     pub fn velocity(&self, index: usize) -> TrigonometricPolynomial {
         self.wave(index, 1)
     }
 
     /// Acceleration of joint `index` over the phase ωt, rad/s².
-    #[must_use]
     pub fn acceleration(&self, index: usize) -> TrigonometricPolynomial {
         self.wave(index, 2)
     }
@@ -150,7 +133,6 @@ impl FourierTrajectory {
     }
 
     /// `count` samples of one period, at `t_k = k T / count`.
-    #[must_use]
     pub fn sample(&self, count: usize) -> States {
         Trajectory::sample(self, count)
     }

@@ -57,37 +57,31 @@ impl PeriodicTrajectory {
     }
 
     /// Number of joints n.
-    #[must_use]
     pub fn dof(&self) -> usize {
         self.motion().dof()
     }
 
     /// Period T, s.
-    #[must_use]
     pub fn period_s(&self) -> f64 {
         self.motion().period_s()
     }
 
     /// Fundamental angular frequency ω = 2π/T, rad/s.
-    #[must_use]
     pub fn omega(&self) -> f64 {
         std::f64::consts::TAU / self.period_s()
     }
 
     /// Names of the joints, n.
-    #[must_use]
     pub fn names(&self) -> Vec<&str> {
         self.motion().names()
     }
 
     /// One motion of one joint over the phase ωt.
-    #[must_use]
     pub fn curve(&self, joint: usize, quantity: Quantity) -> Curve {
         self.motion().curve(joint, quantity as usize)
     }
 
     /// The derivative of this order (0 position … 3 jerk) of one joint over the phase ωt, in rad and s.
-    #[must_use]
     pub fn derivative(&self, joint: usize, order: usize) -> Curve {
         self.motion().curve(joint, order)
     }
@@ -106,13 +100,11 @@ impl PeriodicTrajectory {
     }
 
     /// The highest frequency that the motion commands, Hz.
-    #[must_use]
     pub fn highest_hz(&self) -> f64 {
         self.motion().highest_hz()
     }
 
     /// `count` samples of one period, at `t_k = k T / count`.
-    #[must_use]
     pub fn sample(&self, count: usize) -> States {
         self.motion().sample(count)
     }
@@ -132,34 +124,19 @@ impl Trajectory for PeriodicTrajectory {
     }
 }
 
-impl From<FourierTrajectory> for PeriodicTrajectory {
-    fn from(motion: FourierTrajectory) -> Self {
-        Self::Fourier(motion)
-    }
+macro_rules! from {
+    ($($kind:ident($motion:ty)),*) => {
+        $(impl From<$motion> for PeriodicTrajectory {
+            fn from(motion: $motion) -> Self {
+                Self::$kind(motion)
+            }
+        })*
+    };
 }
 
-impl From<FourierQuinticTrajectory> for PeriodicTrajectory {
-    fn from(motion: FourierQuinticTrajectory) -> Self {
-        Self::FourierQuintic(motion)
-    }
-}
-
-impl From<ConstantSpeedTrajectory> for PeriodicTrajectory {
-    fn from(motion: ConstantSpeedTrajectory) -> Self {
-        Self::ConstantSpeed(motion)
-    }
-}
-
-impl From<CustomTrajectory> for PeriodicTrajectory {
-    fn from(motion: CustomTrajectory) -> Self {
-        Self::Custom(motion)
-    }
-}
-
-impl From<BSplineTrajectory> for PeriodicTrajectory {
-    fn from(motion: BSplineTrajectory) -> Self {
-        Self::BSpline(motion)
-    }
+from! {
+    Fourier(FourierTrajectory), FourierQuintic(FourierQuinticTrajectory), ConstantSpeed(ConstantSpeedTrajectory),
+    BSpline(BSplineTrajectory), Custom(CustomTrajectory)
 }
 
 #[cfg(test)]

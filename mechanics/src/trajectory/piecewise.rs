@@ -37,7 +37,6 @@ impl PiecewisePolynomial {
     }
 
     /// The value at phase `phase`, rad.
-    #[must_use]
     pub fn value(&self, phase: f64) -> f64 {
         let phase = phase.rem_euclid(TAU);
         let piece = self.knots.partition_point(|&knot| knot <= phase).clamp(1, self.pieces.len()) - 1;
@@ -46,13 +45,11 @@ impl PiecewisePolynomial {
     }
 
     /// The largest value over the period.
-    #[must_use]
     pub fn maximum(&self) -> Extremum {
         self.extremum(1.0)
     }
 
     /// The smallest value over the period.
-    #[must_use]
     pub fn minimum(&self) -> Extremum {
         self.extremum(-1.0)
     }

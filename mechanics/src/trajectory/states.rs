@@ -40,13 +40,11 @@ impl States {
     }
 
     /// Number of samples N.
-    #[must_use]
     pub fn len(&self) -> usize {
         self.q.len().checked_div(self.dof).unwrap_or(0)
     }
 
     /// Whether there are no samples.
-    #[must_use]
     pub fn is_empty(&self) -> bool {
         self.q.is_empty()
     }
@@ -71,21 +69,18 @@ impl States {
 
     /// Positions of sample `k`, n.
     #[inline]
-    #[must_use]
     pub fn q(&self, k: usize) -> &[f64] {
         &self.q[k * self.dof..(k + 1) * self.dof]
     }
 
     /// Velocities of sample `k`, n.
     #[inline]
-    #[must_use]
     pub fn qd(&self, k: usize) -> &[f64] {
         &self.qd[k * self.dof..(k + 1) * self.dof]
     }
 
     /// Accelerations of sample `k`, n.
     #[inline]
-    #[must_use]
     pub fn qdd(&self, k: usize) -> &[f64] {
         &self.qdd[k * self.dof..(k + 1) * self.dof]
     }

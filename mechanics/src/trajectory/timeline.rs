@@ -40,7 +40,6 @@ pub struct PathPoint {
 impl PathPoint {
     /// Weights of the motion's position, velocity and acceleration in a quantity whose weights on the commanded ones
     /// are given.
-    #[must_use]
     pub fn weights(&self, [q, qd, qdd]: [f64; 3]) -> [f64; 3] {
         [q, self.path_speed * qd + self.path_acceleration * qdd, self.path_speed * self.path_speed * qdd]
     }
@@ -73,7 +72,6 @@ pub struct Timeline {
 
 impl Timeline {
     /// The segments that count.
-    #[must_use]
     pub fn segments(&self) -> &'static [Segment] {
         match self.ramp_s {
             Some(_) => &[Segment::Period, Segment::RampIn, Segment::RampOut],
@@ -82,7 +80,6 @@ impl Timeline {
     }
 
     /// Length of a segment, s.
-    #[must_use]
     pub fn length_s(&self, segment: Segment) -> f64 {
         match segment {
             Segment::Period => self.period_s,
@@ -91,7 +88,6 @@ impl Timeline {
     }
 
     /// Samples of a segment, where the period has `samples`: as dense, and at least eight.
-    #[must_use]
     pub fn samples(&self, segment: Segment, samples: usize) -> usize {
         match segment {
             Segment::Period => samples,
@@ -102,14 +98,12 @@ impl Timeline {
     }
 
     /// The point `t` (s) after the beginning of the first period, in it or in one of those that follow.
-    #[must_use]
     pub fn on_period(&self, t: f64) -> PathPoint {
         let phase = TAU / self.period_s * t;
         PathPoint { path_s: t, phase, path_speed: 1.0, path_acceleration: 0.0, path_jerk: 0.0 }
     }
 
     /// The point after the part `part` of a segment, from 0 to 1.
-    #[must_use]
     pub fn point(&self, segment: Segment, part: f64) -> PathPoint {
         let (u, mirror) = match segment {
             Segment::Period => {
@@ -133,7 +127,6 @@ impl Timeline {
 
     /// The time of that point, s, where 0 is the beginning of the first period: negative on the ramp in, beyond the
     /// period on the ramp out.
-    #[must_use]
     pub fn time_s(&self, segment: Segment, part: f64) -> f64 {
         match segment {
             Segment::Period => part * self.period_s,

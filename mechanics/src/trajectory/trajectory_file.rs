@@ -129,7 +129,6 @@ impl PeriodicTrajectory {
     }
 
     /// Writes a trajectory file; [`Self::from_toml`] reads the same bits back.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         match self {
             Self::Fourier(series) => series.to_toml(),
@@ -268,7 +267,6 @@ impl FourierTrajectory {
     }
 
     /// Writes a trajectory file; [`Self::from_toml`] reads the same bits back.
-    #[must_use]
     pub fn to_toml(&self) -> String {
         series_to_toml(None, self)
     }

@@ -36,13 +36,11 @@ pub(super) const CELLS_PER_HARMONIC: usize = 8;
 
 impl TrigonometricPolynomial {
     /// Number of harmonics H.
-    #[must_use]
     pub fn harmonics(&self) -> usize {
         self.cosine.len()
     }
 
     /// The value at phase `phase`, rad.
-    #[must_use]
     pub fn value(&self, phase: f64) -> f64 {
         self.jet(phase).0
     }
@@ -59,7 +57,6 @@ impl TrigonometricPolynomial {
     }
 
     /// The largest value over the period, to [`EXTREMUM_TOLERANCE`] of the sum of the amplitudes.
-    #[must_use]
     pub fn maximum(&self) -> Extremum {
         let amplitudes = self.amplitudes();
         let total: f64 = amplitudes.iter().sum();
@@ -77,7 +74,6 @@ impl TrigonometricPolynomial {
     }
 
     /// The smallest value over the period, as [`Self::maximum`].
-    #[must_use]
     pub fn minimum(&self) -> Extremum {
         let negated = Self {
             mean: -self.mean,

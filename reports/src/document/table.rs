@@ -84,7 +84,6 @@ impl Cell {
     /// assert_eq!(Cell::fixed(95.25, 1).written(), "95.2");
     /// assert_eq!(Cell::number(f64::NAN, 3).written(), "–");
     /// ```
-    #[must_use]
     pub fn written(&self) -> String {
         match self {
             Self::Text(text) => text.clone(),
@@ -118,6 +117,24 @@ fn significant(value: f64, digits: usize) -> String {
 }
 
 impl Column {
+    /// Columns by their headings, between bars: `#` begins that of numbers, whose unit may stand behind it in brackets.
+    ///
+    /// ```
+    /// use armid_reports::document::Column;
+    /// assert_eq!(Column::list("joint | #torque [N·m]"), [Column::text("joint"), Column::number("torque", "N·m")]);
+    /// ```
+    #[must_use]
+    pub fn list(headings: &str) -> Vec<Self> {
+        let column = |heading: &str| match heading.strip_prefix('#') {
+            None => Self::text(heading),
+            Some(label) => match label.strip_suffix(']').and_then(|label| label.split_once(" [")) {
+                Some((label, unit)) => Self::number(label, unit),
+                None => Self::number(label, ""),
+            },
+        };
+        headings.split(" | ").map(column).collect()
+    }
+
     /// A column of texts.
     #[must_use]
     pub fn text(label: impl Into<String>) -> Self {

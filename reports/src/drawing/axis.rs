@@ -54,7 +54,6 @@ impl Axis {
     }
 
     /// The label with its unit in parentheses.
-    #[must_use]
     pub fn text(&self) -> String {
         if self.unit.is_empty() { self.label.clone() } else { format!("{} ({})", self.label, self.unit) }
     }

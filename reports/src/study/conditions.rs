@@ -187,18 +187,7 @@ fn around(point: f64, low: f64, high: f64) -> Interval {
 fn comparisons(parts: &[ConditionResult], estimator: &str) -> Table {
     let mut table = Table::new(
         "Differences between criteria in every scenario, first over second (log volume: first minus second), with 95 % intervals, what is repeated independently, and the p-value as Holm adjusts it within a scenario.",
-        vec![
-            Column::text("scenario"),
-            Column::text("metric"),
-            Column::text("first"),
-            Column::text("second"),
-            Column::number("difference", ""),
-            Column::number("low", ""),
-            Column::number("high", ""),
-            Column::text("unit"),
-            Column::number("adjusted p", ""),
-            Column::text("better"),
-        ],
+        Column::list("scenario | metric | first | second | #difference | #low | #high | unit | #adjusted p | better"),
     );
     for part in parts {
         for c in part.findings.comparisons.iter().filter(|c| c.estimator == estimator) {
@@ -234,19 +223,10 @@ fn over_truths(parts: &[ConditionResult], estimator: &str, count: usize) -> Inte
 fn truths(parts: &[ConditionResult], estimator: &str) -> Table {
     let mut table = Table::new(
         "Differences between criteria over random arms, first over second: geometric mean with its 95 % interval, the range over arms, and for how many of them the first is better.",
-        vec![
-            Column::text("scenario"),
-            Column::text("metric"),
-            Column::text("first"),
-            Column::text("second"),
-            Column::number("ratio", ""),
-            Column::number("low", ""),
-            Column::number("high", ""),
-            Column::number("smallest", ""),
-            Column::number("largest", ""),
-            Column::number("first better", ""),
-            Column::number("arms", ""),
-        ],
+        Column::list(
+            "scenario | metric | first | second | #ratio | #low | #high | #smallest | #largest | \
+             #first better | #arms",
+        ),
     );
     for part in parts {
         for c in part.findings.over_truths.iter().filter(|c| c.estimator == estimator) {

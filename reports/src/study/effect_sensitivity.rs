@@ -122,17 +122,10 @@ fn biases(input: &ReportInput, shown: &[&SensitivityEntry], estimator: &str) -> 
 
 /// Prediction and kinds of parameters, for every estimator.
 fn predictions(sensitivity: &EffectSensitivity) -> Table {
-    let mut columns = vec![
-        Column::text("scenario"),
-        Column::text("estimator"),
-        Column::text("what it is"),
-        Column::number("runs", ""),
-        Column::number("failed", ""),
-        Column::number("prediction", "N·m"),
-        Column::number("prediction", "ratio"),
-        Column::number("low", ""),
-        Column::number("high", ""),
-    ];
+    let mut columns = Column::list(
+        "scenario | estimator | what it is | #runs | #failed | #prediction [N·m] | #prediction [ratio] | #low | \
+         #high",
+    );
     columns.extend(sensitivity.kinds.iter().map(|kind| Column::number(kind, "ratio")));
     let caption = "Every effect with every estimator: torque prediction RMSE (geometric mean over runs), its ratio to the error without the effect with a 95 % interval from runs in pairs, and the error ratio of each kind of parameter.";
     let number = |value: Option<f64>, digits| value.map_or(Cell::Missing, |value| Cell::number(value, digits));
@@ -159,17 +152,9 @@ fn predictions(sensitivity: &EffectSensitivity) -> Table {
 fn worst(input: &ReportInput, sensitivity: &EffectSensitivity) -> Table {
     let mut table = Table::new(
         "The three base parameters that each effect biases most, with 95 % intervals: in standard deviations that the estimator states, and in reference units.",
-        vec![
-            Column::text("scenario"),
-            Column::text("estimator"),
-            Column::text("parameter"),
-            Column::number("bias", "std"),
-            Column::number("low", ""),
-            Column::number("high", ""),
-            Column::number("bias", "ref. units"),
-            Column::number("low", ""),
-            Column::number("high", ""),
-        ],
+        Column::list(
+            "scenario | estimator | parameter | #bias [std] | #low | #high | #bias [ref. units] | #low | #high",
+        ),
     );
     for entry in &sensitivity.entries {
         for &i in entry.worst.iter().take(3) {

@@ -116,18 +116,10 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let table = plan.designs.iter().filter_map(score).fold(
         Table::new(
             "Every combination: geometric means over designs, with 95 % t intervals over designs (over runs of an only design); smaller is better.",
-            vec![
-                Column::text("criterion, trajectories, harmonics"),
-                Column::number("designs", ""),
-                Column::number("runs", ""),
-                Column::number("prediction", "N·m"),
-                Column::number("low", ""),
-                Column::number("high", ""),
-                Column::number("parameters", "ref. units"),
-                Column::number("low", ""),
-                Column::number("high", ""),
-                Column::number("log volume", ""),
-            ],
+            Column::list(
+                "criterion, trajectories, harmonics | #designs | #runs | #prediction [N·m] | #low | #high | \
+                 #parameters [ref. units] | #low | #high | #log volume",
+            ),
         ),
         |table, score| table.row(row(score)),
     );

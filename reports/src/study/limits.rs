@@ -17,21 +17,10 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     }
     let mut table = Table::new(
         "Every design: condition numbers and information of the rigid base columns and of all estimated ones, and the worst use of each limit. Bias susceptibility: the largest norm of the parameter error, in reference units, by 1 N·m RMS of any unmodelled torque.",
-        vec![
-            Column::text("criterion"),
-            Column::number("start", ""),
-            Column::number("evaluations", ""),
-            Column::text("ended"),
-            Column::number("condition, rigid", ""),
-            Column::number("condition", ""),
-            Column::number("scaled", ""),
-            Column::number("ln det", ""),
-            Column::number("bias susceptibility", "per N·m"),
-            Column::number("position", "%"),
-            Column::number("velocity", "%"),
-            Column::number("acceleration", "%"),
-            Column::number("torque", "%"),
-        ],
+        Column::list(
+            "criterion | #start | #evaluations | ended | #condition, rigid | #condition | #scaled | #ln det | \
+             #bias susceptibility [per N·m] | #position [%] | #velocity [%] | #acceleration [%] | #torque [%]",
+        ),
     );
     for design in &result.designs {
         let c = &design.certificate;

@@ -10,20 +10,10 @@ pub(super) const TESTED: &str = "Intervals are 95 % t intervals of the mean diff
 /// The values of every criterion, and every pairwise difference.
 pub(super) fn section(input: &ReportInput) -> Section {
     let findings = input.result.findings();
-    let columns = vec![
-        Column::text("criterion"),
-        Column::text("estimator"),
-        Column::number("designs", ""),
-        Column::number("runs", ""),
-        Column::number("failed", ""),
-        Column::number("prediction", "N·m"),
-        Column::number("prediction", "of rating"),
-        Column::number("log volume", ""),
-        Column::number("parameters", "ref. units"),
-        Column::number("parameters", "SI"),
-        Column::number("measured torque", "N·m"),
-        Column::number("coverage", "%"),
-    ];
+    let columns = Column::list(
+        "criterion | estimator | #designs | #runs | #failed | #prediction [N·m] | #prediction [of rating] | \
+         #log volume | #parameters [ref. units] | #parameters [SI] | #measured torque [N·m] | #coverage [%]",
+    );
     let mut values = Table::new(
         "What the designs of each criterion achieve; smaller is better. Prediction and parameter RMSE are geometric means over designs of those over runs. The log volume of the error, in reference units, needs more runs than parameters. Parameters in SI add unlike units as numbers, which is what a condition number bounds. Measured torque is that of fresh motions of the same arm, with effects and noise. Coverage is that of the stated 95 % intervals.",
         columns,
@@ -48,19 +38,10 @@ pub(super) fn section(input: &ReportInput) -> Section {
     }
     let mut differences = Table::new(
         "Differences between criteria, first over second (log volume: first minus second), with 95 % intervals, what is repeated independently, the degrees of freedom of Student's t, and the p-value as Holm adjusts it.",
-        vec![
-            Column::text("metric"),
-            Column::text("estimator"),
-            Column::text("first"),
-            Column::text("second"),
-            Column::number("difference", ""),
-            Column::number("low", ""),
-            Column::number("high", ""),
-            Column::text("unit"),
-            Column::number("freedom", ""),
-            Column::number("adjusted p", ""),
-            Column::text("better"),
-        ],
+        Column::list(
+            "metric | estimator | first | second | #difference | #low | #high | unit | #freedom | #adjusted p | \
+             better",
+        ),
     );
     for c in &findings.comparisons {
         differences = differences.row(vec![

@@ -73,19 +73,10 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
 fn table(input: &ReportInput, families: &[&FamilyScore]) -> Table {
     let mut table = Table::new(
         "Every base parameter for every criterion. Bound: the Cramér–Rao standard deviation at the noise-free motion, all raw samples of all periods.",
-        vec![
-            Column::text("parameter"),
-            Column::text("combination"),
-            Column::text("unit"),
-            Column::text("criterion"),
-            Column::number("true value", ""),
-            Column::number("bias", ""),
-            Column::number("std", ""),
-            Column::number("stated std", ""),
-            Column::number("bound", ""),
-            Column::number("RMSE", ""),
-            Column::number("coverage", "%"),
-        ],
+        Column::list(
+            "parameter | combination | unit | criterion | #true value | #bias | #std | #stated std | #bound | \
+             #RMSE | #coverage [%]",
+        ),
     );
     for (i, parameter) in input.result.parameters.iter().enumerate() {
         for family in families {

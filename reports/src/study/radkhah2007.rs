@@ -8,15 +8,7 @@ use crate::{Cell, Column, Section, Table};
 pub(super) fn claims(found: &Reproduction) -> Section {
     let mut table = Table::new(
         "Each claim of Radkhah et al. (2007) and what the simulation shows.",
-        vec![
-            Column::text("claim"),
-            Column::text("verdict"),
-            Column::text("measured"),
-            Column::number("value", ""),
-            Column::number("low", ""),
-            Column::number("high", ""),
-            Column::number("n", ""),
-        ],
+        Column::list("claim | verdict | measured | #value | #low | #high | #n"),
     );
     let mut section = Section::new("Claims of Radkhah et al. (2007)");
     for claim in &found.claims {
@@ -41,18 +33,10 @@ pub(super) fn claims(found: &Reproduction) -> Section {
 pub(super) fn table(found: &Reproduction) -> Section {
     let mut table = Table::new(
         "The 36 base parameters: what Radkhah et al. (2007) printed for their arm, the truth of this simulation (another arm of the same shape), the mean estimate of the rigid columns alone as in the paper, and the range that links of at most 10 kg inside their shapes can have.",
-        vec![
-            Column::text("parameter"),
-            Column::text("combination"),
-            Column::text("unit"),
-            Column::number("Table II", ""),
-            Column::text("possible"),
-            Column::number("truth", ""),
-            Column::number("rigid WLS", ""),
-            Column::number("invalid runs", ""),
-            Column::number("least", ""),
-            Column::number("most", ""),
-        ],
+        Column::list(
+            "parameter | combination | unit | #Table II | possible | #truth | #rigid WLS | #invalid runs | \
+             #least | #most",
+        ),
     );
     for line in &found.table {
         table = table.row(vec![

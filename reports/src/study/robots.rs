@@ -52,12 +52,7 @@ pub fn robots_document(summary: &RobotsSummary) -> Result<Document, DocumentErro
 
 /// Where the page of each robot is, and what stands behind it.
 fn pages(summary: &RobotsSummary) -> Section {
-    let columns = vec![
-        Column::text("robot"),
-        Column::number("base parameters", ""),
-        Column::number("designs", ""),
-        Column::number("runs", ""),
-    ];
+    let columns = Column::list("robot | #base parameters | #designs | #runs");
     let mut table = Table::new("The study on each robot: one plan, performed on one after the other.", columns);
     for robot in &summary.robots {
         table = table.row(vec![

@@ -91,19 +91,10 @@ pub(super) fn section(input: &ReportInput) -> Result<Option<Section>, DocumentEr
     };
     let mut table = Table::new(
         "Each round of each sequence, with 95 % intervals; the last columns: median over parameters of the bound, the same of one experiment, and median of the standard deviation over its bound.",
-        vec![
-            Column::text("chain"),
-            Column::number("experiments", ""),
-            Column::text("last design"),
-            Column::number("prediction", "N·m"),
-            Column::number("low", ""),
-            Column::number("high", ""),
-            Column::number("parameters", "ref. units"),
-            Column::number("log volume", ""),
-            Column::number("bound", "ref. units"),
-            Column::number("bound · √experiments", "ref. units"),
-            Column::number("std / bound", ""),
-        ],
+        Column::list(
+            "chain | #experiments | last design | #prediction [N·m] | #low | #high | #parameters [ref. units] | \
+             #log volume | #bound [ref. units] | #bound · √experiments [ref. units] | #std / bound",
+        ),
     );
     for sequence in &sequences {
         for (round, &family) in sequence.iter().enumerate() {

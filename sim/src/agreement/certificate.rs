@@ -66,7 +66,6 @@ pub struct PairDifference {
 
 impl PairDifference {
     /// The largest distance of any joint in the closed loop, rad (m).
-    #[must_use]
     pub fn largest(&self) -> f64 {
         // NaN must not be lost on the way.
         self.closed_loop.iter().fold(0.0, |most, &d| if d <= most { most } else { d })
@@ -180,13 +179,11 @@ fn by_joint(a: &[Vec<f64>], b: &[Vec<f64>]) -> Vec<f64> {
 
 impl Agreement {
     /// Whether every engine that is there went on to the end and kept its tolerances.
-    #[must_use]
     pub fn holds(&self) -> bool {
         self.failed.is_empty() && self.breaches().is_empty()
     }
 
     /// Every tolerance that is not kept; empty where the engines agree.
-    #[must_use]
     pub fn breaches(&self) -> Vec<Breach> {
         let mut breaches = Vec::new();
         let mut judge = |engine, quantity: &str, found: Option<f64>, (low, high): (f64, f64)| {

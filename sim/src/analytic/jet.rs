@@ -6,7 +6,6 @@
 //! Values have the bits that they have alone.
 
 use std::array::from_fn;
-use std::ops::{Add, Mul, Neg, Sub};
 
 use armid::lanes::Lane;
 
@@ -33,37 +32,11 @@ impl<const K: usize> Jet<K> {
     }
 }
 
-impl<const K: usize> Add for Jet<K> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, by: from_fn(|k| self.by[k] + other.by[k]) }
-    }
-}
-
-impl<const K: usize> Sub for Jet<K> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, by: from_fn(|k| self.by[k] - other.by[k]) }
-    }
-}
-
-impl<const K: usize> Mul for Jet<K> {
-    type Output = Self;
-    #[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule is a sum")]
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self { value: self.value * other.value, by: from_fn(|k| self.by[k] * other.value + self.value * other.by[k]) }
-    }
-}
-
-impl<const K: usize> Neg for Jet<K> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self { value: -self.value, by: from_fn(|k| -self.by[k]) }
-    }
+armid::lanes::arithmetic_of! { impl[const K: usize] Jet<K>, |a, b|
+    Self { value: a.value + b.value, by: from_fn(|k| a.by[k] + b.by[k]) },
+    Self { value: a.value - b.value, by: from_fn(|k| a.by[k] - b.by[k]) },
+    Self { value: a.value * b.value, by: from_fn(|k| a.by[k] * b.value + a.value * b.by[k]) },
+    Self { value: -a.value, by: from_fn(|k| -a.by[k]) }
 }
 
 /// Step of the central difference by which a law from outside is differentiated: far below any velocity scale.

@@ -9,37 +9,7 @@ use armid::lanes::Lane;
 #[derive(Clone, Copy)]
 pub(super) struct Lanes<V>(pub(super) V);
 
-impl<V: Lane> std::ops::Add for Lanes<V> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self(self.0 + other.0)
-    }
-}
-
-impl<V: Lane> std::ops::Sub for Lanes<V> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self(self.0 - other.0)
-    }
-}
-
-impl<V: Lane> std::ops::Mul for Lanes<V> {
-    type Output = Self;
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self(self.0 * other.0)
-    }
-}
-
-impl<V: Lane> std::ops::Neg for Lanes<V> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self(-self.0)
-    }
-}
+lanes::arithmetic_of! { impl[V: Lane] Lanes<V>, |a, b| Self(a.0 + b.0), Self(a.0 - b.0), Self(a.0 * b.0), Self(-a.0) }
 
 impl<V: Lane> Number for Lanes<V> {
     #[inline(always)]
@@ -105,37 +75,11 @@ impl<V: Lane> Rates<V> {
     }
 }
 
-impl<V: Lane> std::ops::Add for Rates<V> {
-    type Output = Self;
-    #[inline(always)]
-    fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, slope: self.slope + other.slope }
-    }
-}
-
-impl<V: Lane> std::ops::Sub for Rates<V> {
-    type Output = Self;
-    #[inline(always)]
-    fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, slope: self.slope - other.slope }
-    }
-}
-
-impl<V: Lane> std::ops::Mul for Rates<V> {
-    type Output = Self;
-    #[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule is a sum")]
-    #[inline(always)]
-    fn mul(self, other: Self) -> Self {
-        Self { value: self.value * other.value, slope: self.slope * other.value + self.value * other.slope }
-    }
-}
-
-impl<V: Lane> std::ops::Neg for Rates<V> {
-    type Output = Self;
-    #[inline(always)]
-    fn neg(self) -> Self {
-        Self { value: -self.value, slope: -self.slope }
-    }
+lanes::arithmetic_of! { impl[V: Lane] Rates<V>, |a, b|
+    Self { value: a.value + b.value, slope: a.slope + b.slope },
+    Self { value: a.value - b.value, slope: a.slope - b.slope },
+    Self { value: a.value * b.value, slope: a.slope * b.value + a.value * b.slope },
+    Self { value: -a.value, slope: -a.slope }
 }
 
 impl<V: Lane> Number for Rates<V> {

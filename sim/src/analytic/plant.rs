@@ -37,29 +37,19 @@ pub struct AnalyticPlant {
 
 /// Why a robot cannot be simulated.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum AnalyticError {
     /// Too many joints.
     #[error("the robot has {dof} joints, expected at most {MOST_JOINTS}")]
-    Dof {
-        /// Number of joints.
-        dof: usize,
-    },
+    Dof { dof: usize },
     /// The parameters are of another robot.
     #[error("the parameters are of {found} links, expected the robot's {expected}")]
-    Parameters {
-        /// Number of links they describe.
-        found: usize,
-        /// Number of joints of the robot.
-        expected: usize,
-    },
+    Parameters { found: usize, expected: usize },
     /// A parameter by which the motion has no derivative that is known.
     #[error(
         "{parameter}: no derivative of the motion by it, expected a parameter whose torque follows from the motion"
     )]
-    Derivative {
-        /// Which parameter.
-        parameter: String,
-    },
+    Derivative { parameter: String },
     /// A torque term that the plant cannot simulate.
     #[error(transparent)]
     Term(#[from] TermError),
@@ -111,7 +101,6 @@ impl AnalyticPlant {
     ///
     /// # Panics
     /// If a slice has another length than n.
-    #[must_use]
     pub fn definite_acceleration(&self, tau: &[f64], qdd: &mut [f64]) -> bool {
         self.arm.acceleration(tau, qdd)
     }

@@ -39,7 +39,6 @@ pub struct AnalyticBatch {
 
 impl AnalyticPlant {
     /// `runs` copies of this arm in its present state, with no torque.
-    #[must_use]
     pub fn batch(&self, runs: usize) -> AnalyticBatch {
         AnalyticBatch { members: self.members(runs), arch: Arch::new() }
     }
@@ -47,7 +46,6 @@ impl AnalyticPlant {
 
 impl AnalyticBatch {
     /// Number of runs.
-    #[must_use]
     pub fn runs(&self) -> usize {
         self.members.runs()
     }
@@ -56,7 +54,6 @@ impl AnalyticBatch {
     ///
     /// # Panics
     /// If there is no such run.
-    #[must_use]
     pub fn state(&self, run: usize) -> (&[f64], &[f64]) {
         self.members.state(run)
     }
@@ -84,7 +81,6 @@ impl AnalyticBatch {
     }
 
     /// What is wrong with the state of one run, if anything.
-    #[must_use]
     pub fn fault(&self, run: usize) -> Option<PlantError> {
         let (q, qd) = self.state(run);
         PlantError::of_state(q, qd)

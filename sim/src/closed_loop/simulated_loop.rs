@@ -9,13 +9,14 @@ use armid::estimation::{
 };
 use armid::experiment::{ArmError, CommandTable, ExperimentPlan, JointLoop, Sensing};
 use armid::model::{ParameterId, Robot, StandardParameters};
+use armid::observer::Observer;
 use armid::seed::Seed;
 use nalgebra::DMatrix;
 
 use super::bodies::{Body, SlopedBody};
 use super::intervals::{self, Walker};
 use super::period_mean::Period;
-use super::walk::{Motion, mean_period};
+use super::walk::{Motion, go_on, mean_period};
 use crate::AnalyticPlant;
 use crate::analytic::sloped_arm;
 
@@ -26,6 +27,7 @@ use crate::analytic::sloped_arm;
 /// use armid::experiment::ExperimentPlan;
 /// use armid::model::bundled;
 /// use armid::model::format::{parse_nominal, parse_robot};
+/// use armid::observer::Unobserved;
 /// use armid::trajectory::{FourierJoint, FourierTrajectory};
 /// let entry = bundled().iter().find(|entry| entry.name == "planar-2r").unwrap();
 /// let robot = parse_robot(entry.robot)?;
@@ -34,7 +36,7 @@ use crate::analytic::sloped_arm;
 /// let joints = robot.joints().iter().map(|joint| series(&joint.name)).collect();
 /// let plan = ExperimentPlan::new(FourierTrajectory { period_s: 1.0, joints });
 /// let closed_loop = armid_sim::closed_loop(&robot, &nominal, &[plan])?;
-/// assert_eq!(closed_loop.motion(&nominal)?.states.len(), 1000);
+/// assert_eq!(closed_loop.motion(&nominal, &Unobserved)?.states.len(), 1000);
 /// # Ok::<(), Box<dyn std::error::Error>>(())
 /// ```
 #[derive(Debug)]
@@ -109,11 +111,14 @@ impl SimulatedLoop {
         parameters: &StandardParameters,
         body: impl Fn() -> Result<Box<dyn Body>, ClosedLoopError>,
         block: usize,
+        observer: &dyn Observer,
     ) -> Result<Vec<Period>, ClosedLoopError> {
         let mut plant = self.plant(parameters)?;
         let motions = self.motions().iter();
         motions
-            .map(|motion| mean_period(&self.robot, motion, self.joints.clone(), (&mut plant, &mut *body()?), block))
+            .map(|motion| {
+                mean_period(&self.robot, motion, self.joints.clone(), (&mut plant, &mut *body()?), block, observer)
+            })
             .collect()
     }
 
@@ -129,9 +134,13 @@ impl ClosedLoop for SimulatedLoop {
         &self.nominal
     }
 
-    fn motion(&self, parameters: &StandardParameters) -> Result<ClosedLoopMotion, ClosedLoopError> {
+    fn motion(
+        &self,
+        parameters: &StandardParameters,
+        observer: &dyn Observer,
+    ) -> Result<ClosedLoopMotion, ClosedLoopError> {
         let body = || -> Result<Box<dyn Body>, ClosedLoopError> { Ok(Box::new(self.plant(parameters)?)) };
-        Ok(self.joined(&mut self.periods(parameters, body, 1)?))
+        Ok(self.joined(&mut self.periods(parameters, body, 1, observer)?))
     }
 
     fn slopes(
@@ -139,13 +148,14 @@ impl ClosedLoop for SimulatedLoop {
         parameters: &StandardParameters,
         by: &[ParameterId],
         block: usize,
+        observer: &dyn Observer,
     ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError> {
         let (n, d) = (self.robot.dof(), by.len());
         let body = || -> Result<Box<dyn Body>, ClosedLoopError> {
             let arm = sloped_arm(&self.robot, parameters, by, 0).map_err(|fault| unsimulable(&fault))?;
             Ok(Box::new(SlopedBody::new(arm, n, d)))
         };
-        let mut periods = self.periods(parameters, body, block)?;
+        let mut periods = self.periods(parameters, body, block, observer)?;
         let mut slopes = |k: usize| {
             let rows: Vec<f64> = periods.iter_mut().flat_map(|period| std::mem::take(&mut period[k])).collect();
             DMatrix::from_row_slice(rows.len() / d.max(1), d, &rows) / block as f64
@@ -176,6 +186,7 @@ impl ClosedLoopIntervals for SimulatedLoop {
         by: &[ParameterId],
         block: usize,
         nodes: &[ClosedLoopNode],
+        observer: &dyn Observer,
     ) -> Result<Vec<ClosedLoopInterval>, ClosedLoopError> {
         let state = nodes.first().map_or(0, |node| node.state.len());
         let mut walker = Walker {
@@ -200,6 +211,7 @@ impl ClosedLoopIntervals for SimulatedLoop {
                 }
             }
             let missing = ClosedLoopError::Samples { found: next * block, expected: node.blocks.end * block };
+            go_on(observer, 10 * k, 10 * nodes.len())?;
             found.push(walker.interval(motion.ok_or(missing)?, (node, first), block)?);
         }
         Ok(found)

@@ -3,6 +3,7 @@
 use armid::estimation::ClosedLoopError;
 use armid::experiment::{CommandTable, DivergenceError, JointLoop, Layout, Phase, Plant, PlantError};
 use armid::model::Robot;
+use armid::observer::{Observer, Progress, Work};
 
 use super::bodies::Body;
 use super::period_mean::{Period, PeriodMean};
@@ -28,13 +29,14 @@ impl Motion {
 /// over blocks of `block` samples.
 ///
 /// # Errors
-/// [`ClosedLoopError::MassMatrix`] or [`ClosedLoopError::Diverged`] with the time.
+/// [`ClosedLoopError::MassMatrix`] or [`ClosedLoopError::Diverged`] with the time, [`ClosedLoopError::Interrupted`].
 pub(super) fn mean_period(
     robot: &Robot,
     motion: &Motion,
     mut joints: JointLoop,
     (plant, body): (&mut AnalyticPlant, &mut dyn Body),
     block: usize,
+    observer: &dyn Observer,
 ) -> Result<Period, ClosedLoopError> {
     let Motion { layout, table, per_sample } = motion;
     let (n, dt) = (robot.dof(), joints.dt());
@@ -59,6 +61,7 @@ pub(super) fn mean_period(
         }
         let sample = step / per_sample;
         if step.is_multiple_of(*per_sample) {
+            go_on(observer, sample, record.end)?;
             for (before, now) in before.iter_mut().zip(joints.tau()) {
                 *before = 0.5 * (*before + now);
             }
@@ -90,6 +93,19 @@ pub(super) fn mean_period(
         }
     }
     unreachable!("the mean is there when the last recorded period is")
+}
+
+/// Asks the observer at every tenth sample whether the simulation goes on: a sample with the derivatives by sixty parameters
+/// takes about a millisecond.
+///
+/// # Errors
+/// [`ClosedLoopError::Interrupted`].
+pub(super) fn go_on(observer: &dyn Observer, done: usize, total: usize) -> Result<(), ClosedLoopError> {
+    let asks = done.is_multiple_of(10);
+    match asks && observer.observe(Progress { work: Work::Samples, done, total }).is_break() {
+        true => Err(ClosedLoopError::Interrupted),
+        false => Ok(()),
+    }
 }
 
 /// As the servo of an arm finds it: a speed of ten times its limit.

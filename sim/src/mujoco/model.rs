@@ -124,13 +124,11 @@ impl MujocoModel {
     }
 
     /// Number of joints n.
-    #[must_use]
     pub fn dof(&self) -> usize {
         self.dof
     }
 
     /// Joint coordinates and velocities now, n each.
-    #[must_use]
     pub fn state(&self) -> (&[f64], &[f64]) {
         (self.read(self.positions), self.read(self.velocities))
     }
@@ -166,7 +164,6 @@ impl MujocoModel {
     }
 
     /// The accelerations that the last forward dynamics found, n.
-    #[must_use]
     pub fn acceleration(&self) -> &[f64] {
         self.read(self.accelerations)
     }

@@ -12,6 +12,7 @@ use armid::estimation::{
 use armid::experiment::{ExperimentPlan, Phase, Recording, Sensing};
 use armid::model::format::parse_robot;
 use armid::model::{ParameterId, Robot, StandardParameters, bundled};
+use armid::observer::Unobserved;
 use armid::seed::Seed;
 use armid::signal::{Processing, process};
 use armid_sim::closed_loop;
@@ -44,7 +45,7 @@ fn identity_the_loop_moves_as_the_recorded_arm_does() {
     for name in ["planar-2r", "crs-a460"] {
         let arm = Arm::new(name);
         let recording = arm.record(&short(&arm.robot), Sensing::ideal(), 0);
-        let motion = arm.closed_loop(&recording).motion(&arm.truth).unwrap();
+        let motion = arm.closed_loop(&recording).motion(&arm.truth, &Unobserved).unwrap();
         // Sensors that read what is there, averaged over the recorded periods.
         let (n, first) = (recording.dof, recording.samples(Phase::Record).start);
         for k in 0..recording.period_samples {
@@ -58,7 +59,7 @@ fn identity_the_loop_moves_as_the_recorded_arm_does() {
         // Torque, position, velocity and acceleration are those of one arm, where the motion repeats.
         let long = ExperimentPlan { discarded_periods: 8, ..short(&arm.robot) };
         let known = closed_loop(&arm.robot, &arm.nominal, &[long]).unwrap();
-        let motion = known.motion(&arm.truth).unwrap();
+        let motion = known.motion(&arm.truth, &Unobserved).unwrap();
         let tau = arm.regressor.stack(&motion.states) * arm.truth.vector(&arm.robot, COLUMNS);
         let size = tau.amax();
         for (a, b) in tau.iter().zip(&motion.tau) {
@@ -76,8 +77,8 @@ fn analytic_slopes_are_central_differences_of_the_simulation() {
         let known = closed_loop(&arm.robot, &arm.nominal, &[plan]).unwrap();
         let by: Vec<ParameterId> = arm.base.kept.iter().map(|&j| arm.base.parameters[j]).collect();
         let block = 10;
-        let (motion, slopes) = known.slopes(&arm.truth, &by, block).unwrap();
-        assert_eq!(motion, known.motion(&arm.truth).unwrap(), "{name}: the same bits");
+        let (motion, slopes) = known.slopes(&arm.truth, &by, block, &Unobserved).unwrap();
+        assert_eq!(motion, known.motion(&arm.truth, &Unobserved).unwrap(), "{name}: the same bits");
         let n = arm.robot.dof();
         let means = |table: &[f64]| -> Vec<f64> {
             let blocks = table.len() / n / block;
@@ -95,7 +96,7 @@ fn analytic_slopes_are_central_differences_of_the_simulation() {
             let at = |step: f64| {
                 let mut moved = arm.truth.clone();
                 moved.set(id, value + step);
-                known.motion(&moved).unwrap()
+                known.motion(&moved, &Unobserved).unwrap()
             };
             let (low, high) = (at(-h), at(h));
             for (exact, low, high) in [
@@ -190,13 +191,13 @@ fn an_arm_that_cannot_move_so_is_refused_and_no_panic() {
     let known = closed_loop(&arm.robot, &arm.nominal, &[short(&arm.robot)]).unwrap();
     let beta = arm.beta() * -1.0;
     let against = complete(&arm.base, &beta, &arm.nominal).unwrap().parameters;
-    assert!(matches!(known.motion(&against), Err(ClosedLoopError::MassMatrix { .. })));
+    assert!(matches!(known.motion(&against, &Unobserved), Err(ClosedLoopError::MassMatrix { .. })));
     // So little inertia that the servo, whose gains are those of the nominal one, is unstable.
     let light = complete(&arm.base, &(arm.beta() * 1e-3), &arm.nominal).unwrap().parameters;
-    let found = known.motion(&light).unwrap_err();
+    let found = known.motion(&light, &Unobserved).unwrap_err();
     assert!(found.is_of_parameters(), "{found}");
     let one = [arm.base.parameters[arm.base.kept[0]]];
-    assert_eq!(known.slopes(&light, &one, 10).unwrap_err(), found);
+    assert_eq!(known.slopes(&light, &one, 10, &Unobserved).unwrap_err(), found);
 }
 
 #[test]

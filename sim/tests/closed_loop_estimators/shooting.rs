@@ -3,6 +3,7 @@
 use armid::estimation::{ClosedLoop, ClosedLoopInterval, ClosedLoopNode, Estimate, EstimatorKind, Finding};
 use armid::experiment::{ExperimentPlan, Sensing};
 use armid::model::{ParameterId, StandardParameters};
+use armid::observer::Unobserved;
 use armid::signal::{Processing, process};
 use armid_sim::closed_loop;
 use nalgebra::DVector;
@@ -12,10 +13,10 @@ use crate::arm::{Arm, short, slow};
 /// Nodes at the states that the arm passes: each is the end of the interval before.
 fn passed(known: &dyn ClosedLoop, arm: &Arm, block: usize, apart: usize) -> Vec<ClosedLoopNode> {
     let intervals = known.in_intervals().unwrap();
-    let motion = known.motion(&arm.truth).unwrap();
+    let motion = known.motion(&arm.truth, &Unobserved).unwrap();
     let mut nodes = intervals.nodes(&motion.states, &motion.tau, block, apart);
     for k in 1..nodes.len() {
-        let end = intervals.intervals(&arm.truth, &[], block, &nodes[k - 1..k]).unwrap().remove(0).end;
+        let end = intervals.intervals(&arm.truth, &[], block, &nodes[k - 1..k], &Unobserved).unwrap().remove(0).end;
         if nodes[k].follows {
             nodes[k].state = end;
         }
@@ -30,12 +31,12 @@ fn identity_intervals_between_passed_states_are_the_motion() {
         let arm = Arm::new(name);
         let plan = ExperimentPlan { rate_hz: 1000.0, discarded_periods: 3, ..slow(&arm.robot).with_periods(1) };
         let known = closed_loop(&arm.robot, &arm.nominal, &[plan]).unwrap();
-        let motion = known.motion(&arm.truth).unwrap();
+        let motion = known.motion(&arm.truth, &Unobserved).unwrap();
         let (n, block) = (arm.robot.dof(), 50);
         let intervals = known.in_intervals().unwrap();
         // One interval along the whole motion; its servo's memory is that of ideal sensors, its integrals those of the torque.
         let nodes = intervals.nodes(&motion.states, &motion.tau, block, motion.states.len());
-        let whole = &intervals.intervals(&arm.truth, &[], block, &nodes).unwrap()[0];
+        let whole = &intervals.intervals(&arm.truth, &[], block, &nodes, &Unobserved).unwrap()[0];
         let mean = |table: &[f64], m: usize, i: usize| {
             (0..block).map(|k| table[(m * block + k) * n + i]).sum::<f64>() / block as f64
         };
@@ -50,7 +51,7 @@ fn identity_intervals_between_passed_states_are_the_motion() {
         }
         // In intervals whose ends meet nothing but rounding is left.
         let nodes = passed(&*known, &arm, block, 7);
-        let found = intervals.intervals(&arm.truth, &[], block, &nodes).unwrap();
+        let found = intervals.intervals(&arm.truth, &[], block, &nodes, &Unobserved).unwrap();
         let joined: Vec<f64> = found.iter().flat_map(|own| own.q.iter().copied()).collect();
         let torque: Vec<f64> = found.iter().flat_map(|own| own.tau.iter().copied()).collect();
         assert_eq!(joined, whole.q, "{name}");
@@ -70,7 +71,7 @@ fn analytic_slopes_of_intervals_are_central_differences() {
         let by: Vec<ParameterId> = arm.base.kept.iter().step_by(7).map(|&j| arm.base.parameters[j]).collect();
         let simulate = |truth: &StandardParameters, state: &DVector<f64>| {
             let node = ClosedLoopNode { state: state.clone(), ..node.clone() };
-            known.in_intervals().unwrap().intervals(truth, &by, block, &[node]).unwrap().remove(0)
+            known.in_intervals().unwrap().intervals(truth, &by, block, &[node], &Unobserved).unwrap().remove(0)
         };
         let at = simulate(&arm.truth, &node.state);
         let check = |direction: usize, low: &ClosedLoopInterval, high: &ClosedLoopInterval, h: f64| {

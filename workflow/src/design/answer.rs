@@ -70,7 +70,6 @@ impl Gain {
     }
 
     /// Is it better than a repetition?
-    #[must_use]
     pub fn is_worth_it(&self) -> bool {
         self.bound_ratio <= AS_GOOD * self.by_repetition
     }
@@ -78,13 +77,11 @@ impl Gain {
 
 impl DesignAnswer {
     /// Does the design hold all limits, and does it show all chosen parameters?
-    #[must_use]
     pub const fn is_feasible(&self) -> bool {
         self.best.termination.is_feasible()
     }
 
     /// The trajectory with its certificate, as the text of a file.
-    #[must_use]
     pub fn toml(&self) -> String {
         self.best.certificate.to_toml_with(&self.best.trajectory)
     }
@@ -116,7 +113,6 @@ impl DesignAnswer {
     }
 
     /// What is held where a clearance is.
-    #[must_use]
     pub fn clearance(&self) -> Option<HeldClearance<'_>> {
         let (robot, shapes) = (self.problem.robot(), &self.shapes);
         self.problem.limits().clearance_m().map(|required_m| HeldClearance { robot, required_m, shapes })

@@ -58,7 +58,6 @@ impl Serialize for HeldClearance<'_> {
 
 impl HeldClearance<'_> {
     /// Pairs of links with shapes that are held, and the others.
-    #[must_use]
     pub fn pairs(&self) -> (BTreeSet<(usize, usize)>, Vec<PairLeftOut>) {
         let scene = Scene::new(self.robot);
         let held: BTreeSet<(usize, usize)> = (0..scene.pairs().len()).filter_map(|pair| scene.links(pair)).collect();

@@ -10,6 +10,7 @@ use armid::excitation::{
 use armid::experiment::Effects;
 use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
 use armid::model::{Columns, Robot};
+use armid::remedy::{Remedy, Setting, Task};
 use armid::seed::Seed;
 use armid_io::prior::set_prior;
 use armid_io::{Error, LoadedRobot, trajectory};
@@ -152,7 +153,8 @@ fn effort_noise(robot: &Robot) -> Result<Vec<f64>, Error> {
                 "equations are to be weighted by the noise of currents, and that of joint \"{}\" has none in the robot file",
                 joint.name
             );
-            let help = "current_noise_a of a drive states it; `armid robot ROBOT -o robot.toml` begins a robot file";
+            let help = Remedy::from("current_noise_a of a drive states it; ").perform(Task::Robot, "ROBOT");
+            let help = help.with(Setting::Output, "robot.toml").say(" begins a robot file");
             Err(Error::new(message).help(help))
         }
         None => Ok(noise),

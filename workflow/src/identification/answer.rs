@@ -3,11 +3,13 @@
 use armid::calibration::TransmissionStiffness;
 use armid::diagnosis::Suspicion;
 use armid::estimation::{Estimate, FrictionSpeeds, Selection, Termination, TorqueResidual};
-use armid_io::{Error, Inputs, ProcessedLog};
+use armid_io::{Inputs, ProcessedLog};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
+use super::advice::advice;
 use super::friction_speed::speeds_json;
+use super::verdict::Verdict;
 
 /// The estimates of one identification, and everything that is said of them. It serialises to the command's file: one object for one
 /// estimator, a list for several.
@@ -42,27 +44,11 @@ pub struct Identified {
     pub held_out: Option<TorqueResidual>,
     /// What each base parameter stands for.
     pub expressions: Vec<String>,
-}
-
-impl Identified {
-    /// An estimate against the log that it was made from.
-    ///
-    /// # Errors
-    /// [`Error`] where it is of another robot or of other parameters.
-    pub fn new(estimate: Estimate, log: &ProcessedLog) -> Result<Self, Error> {
-        let (used, held_out) = log.residual(&estimate, "the estimate")?;
-        let expressions = log.expressions(&estimate, "the estimate")?;
-        Ok(Self { estimate, used, held_out, expressions })
-    }
+    /// What it is worth, and what to do about it.
+    pub verdict: Verdict,
 }
 
 impl IdentifyAnswer {
-    /// Names of the robot's joints.
-    #[must_use]
-    pub fn joint_names(&self) -> Vec<String> {
-        self.log.robot.robot.joints().iter().map(|joint| joint.name.clone()).collect()
-    }
-
     /// Did an observer end an estimator before it was at rest?
     #[must_use]
     pub fn was_interrupted(&self) -> bool {
@@ -80,7 +66,7 @@ impl IdentifyAnswer {
 
     /// The estimate's own keys; beside each finding's numbers its sentence and advice; what it was made from.
     fn json(&self, identified: &Identified) -> Value {
-        let Identified { estimate, used, held_out, expressions } = identified;
+        let Identified { estimate, used, held_out, expressions, verdict } = identified;
         let mut json = serde_json::to_value(estimate).unwrap_or_default();
         if let Some(base) = json.get_mut("base").and_then(Value::as_array_mut) {
             for (value, expression) in base.iter_mut().zip(expressions) {
@@ -99,7 +85,8 @@ impl IdentifyAnswer {
             json["gaps"] = gaps.json();
         }
         json["suspicions"] = self.suspicions.iter().map(|suspicion| suspicion_json(suspicion, &self.log)).collect();
-        json["joints"] = json!(self.joint_names());
+        json["joints"] = json!(self.log.joint_names());
+        json["verdict"] = json!(verdict);
         json["residual"] = json!(used);
         json["held_out"] = json!(held_out);
         json["logs"] = json!(self.log.reports);
@@ -135,19 +122,4 @@ fn suspicion_json(suspicion: &Suspicion, log: &ProcessedLog) -> Value {
     json["text"] = json!(suspicion.mistake.to_string());
     json["advice"] = json!(advice(suspicion, log));
     json
-}
-
-/// What to try about a suspicion: where all logs were read alike, with the mapping that does it.
-#[must_use]
-pub fn advice(suspicion: &Suspicion, log: &ProcessedLog) -> String {
-    let correction = suspicion.mistake.correction();
-    let robot = &log.robot.robot;
-    let mut mappings = log.reports.iter().map(|report| report.origin.corrected(&suspicion.mistake, robot));
-    match mappings.next() {
-        Some(first) if !first.is_empty() && mappings.all(|other| other == first) => {
-            let typed: Vec<String> = first.iter().map(|mapping| format!("--map \"{mapping}\"")).collect();
-            format!("{correction}, so: {}", typed.join(" or: "))
-        }
-        Some(_) | None => correction,
-    }
 }

@@ -1,11 +1,18 @@
 //! From a processed log to estimates and everything that is said of them.
 
-use armid::estimation::{Estimator, EstimatorKind, FrictionSpeeds, candidate_terms};
+use std::sync::Arc;
+
+use armid::estimation::{Estimate, Estimator, EstimatorKind, FrictionSpeeds, Termination, candidate_terms};
 use armid::model::Columns;
 use armid::observer::Observer;
 use armid_io::{Error, Inputs, ProcessedLog};
+use armid_sim::closed_loop;
 
 use super::answer::{Identified, IdentifyAnswer};
+use super::verdict::{FileError, Verdict};
+
+/// What errors call an estimate that is in no file.
+const NAME: &str = "the estimate";
 
 /// What is estimated, and by what.
 #[derive(Clone, Debug)]
@@ -14,6 +21,8 @@ pub struct IdentifySettings {
     pub columns: Columns,
     /// The estimators, which share base, nominal set and closed loop.
     pub estimators: Vec<EstimatorKind>,
+    /// Estimators from outside, whose estimates come after those of the list.
+    pub others: Vec<Arc<dyn Estimator>>,
     /// Terms from which those that the data decide are selected; their columns take the place of [`Self::columns`].
     pub select: Option<Columns>,
     /// Finds the speeds in which Coulomb friction sets in, or takes those of the robot file. Where `None` they are found beside
@@ -28,6 +37,7 @@ impl Default for IdentifySettings {
         Self {
             columns: Columns::RIGID_ROTOR_FRICTION,
             estimators: vec![EstimatorKind::Wls],
+            others: Vec::new(),
             select: None,
             onset_speed: None,
             stribeck_speed: false,
@@ -40,7 +50,8 @@ impl Default for IdentifySettings {
 ///
 /// # Errors
 /// [`Error`] where the motion does not show the parameters, the equations have no answer, or the speeds at which friction falls
-/// are asked for and no column is one of Stribeck friction.
+/// are asked for and no column is one of Stribeck friction; of [`armid_io::ErrorKind::Interrupted`] where the observer ended the
+/// work before the estimators. What it ends within them is a last iterate.
 pub fn identify(
     mut log: ProcessedLog,
     inputs: Option<Inputs>,
@@ -49,9 +60,10 @@ pub fn identify(
 ) -> Result<IdentifyAnswer, Error> {
     let (mut columns, among) = (settings.columns, settings.select);
     let stated = log.robot.robot.clone();
+    log.closed_loops.get_or_insert(closed_loop);
     let seeks = settings.onset_speed.unwrap_or_else(|| among.is_some() || log.has_no_periods());
-    let mut onset = if seeks { log.find_onset(among.map_or(columns, basic))? } else { None };
-    let mut selection = among.map(|among| log.select(among)).transpose()?;
+    let mut onset = if seeks { log.find_onset(among.map_or(columns, basic), observer)? } else { None };
+    let mut selection = among.map(|among| log.select_watched(among, observer)).transpose()?;
     if let Some(selection) = &mut selection {
         selection.terms.splice(0..0, onset.as_ref().map(FrictionSpeeds::evidence));
         let named = Columns::parse_among(&selection.columns, &candidate_terms());
@@ -61,10 +73,10 @@ pub fn identify(
         // With the terms that were selected, the onset is another one.
         if onset.as_ref().is_some_and(FrictionSpeeds::predict_better) {
             log.robot.robot = stated;
-            onset = log.find_onset(columns)?;
+            onset = log.find_onset(columns, observer)?;
         }
     }
-    let speeds = match settings.stribeck_speed.then(|| log.find_stribeck_speeds(columns)).transpose()? {
+    let speeds = match settings.stribeck_speed.then(|| log.find_stribeck_speeds(columns, observer)).transpose()? {
         Some(None) => {
             let message = format!("the columns are {columns}, expected ones of Stribeck friction to find its speeds");
             return Err(Error::new(message).help("such columns are rigid+rotor+friction+stribeck"));
@@ -72,13 +84,20 @@ pub fn identify(
         Some(speeds) => speeds,
         None => None,
     };
-    let estimators: Vec<&dyn Estimator> = settings.estimators.iter().map(|kind| kind.estimator()).collect();
+    let listed = settings.estimators.iter().map(|kind| kind.estimator());
+    let estimators: Vec<&dyn Estimator> = listed.chain(settings.others.iter().map(|own| &**own)).collect();
     let estimates = log.identify_watched(columns, &estimators, observer)?;
-    let suspicions = log.suspicions(columns)?;
-    let estimates =
-        estimates.into_iter().map(|estimate| Identified::new(estimate, &log)).collect::<Result<Vec<_>, Error>>()?;
+    // What was ended returns at once.
+    let ended = estimates.iter().any(|one| matches!(one.termination, Termination::Interrupted { .. }));
+    let (suspicions, files) = if ended { Default::default() } else { (log.suspicions(columns)?, FileError::all(&log)) };
+    let identified = |estimate: Estimate| {
+        let (used, held_out) = log.residual(&estimate, NAME)?;
+        let verdict = Verdict::new(&estimate, (&used, held_out.as_ref()), (&log, &suspicions), &files);
+        Ok(Identified { expressions: log.expressions(&estimate, NAME)?, verdict, estimate, used, held_out })
+    };
+    let estimates = estimates.into_iter().map(identified).collect::<Result<Vec<_>, Error>>()?;
     let transmissions = match estimates.first() {
-        Some(first) => log.transmissions(&first.estimate, "the estimate")?,
+        Some(first) => log.transmissions(&first.estimate, NAME)?,
         None => None,
     };
     Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions })

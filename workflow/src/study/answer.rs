@@ -46,7 +46,6 @@ pub struct StudySummary {
 
 impl StudySummary {
     /// Did some run succeed, and is the interval that was wanted narrow enough?
-    #[must_use]
     pub fn is_positive(&self) -> bool {
         self.failed < self.runs && self.looks.as_ref().is_none_or(Looks::is_met)
     }

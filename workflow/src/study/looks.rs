@@ -22,13 +22,11 @@ impl Looks {
     const NAME: &'static str = "looks.json";
 
     /// Is the interval narrow enough?
-    #[must_use]
     pub fn is_met(&self) -> bool {
         self.termination == "narrow-enough"
     }
 
     /// Starts of each family at the end.
-    #[must_use]
     pub fn starts(&self) -> usize {
         self.looks.last().map_or(0, |look| look.starts)
     }

@@ -4,14 +4,11 @@
 //! end, and the journals of parts are put together. Equal plans give equal bytes of every result.
 
 mod answer;
-mod forecast;
 mod looks;
 mod part;
 mod perform;
 mod performance;
 mod prepared;
-mod processor_time;
-mod report;
 mod robots;
 mod settings;
 mod summary;
@@ -19,10 +16,8 @@ mod team;
 mod until;
 
 pub use answer::{RobotsAnswer, StudyAnswer, StudySummary};
-pub use forecast::{Forecast, SAMPLE_EVALUATIONS, forecast};
 pub use looks::Looks;
 pub use part::{Part, Shard, Stage};
 pub use perform::{merge, perform};
-pub use prepared::{PartProgress, PreparedStudy};
-pub use report::{write_criteria, write_report, write_robots_report};
+pub use prepared::PreparedStudy;
 pub use settings::StudySettings;

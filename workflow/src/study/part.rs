@@ -2,6 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
+use armid::remedy::{Remedy, Setting, Task};
 use armid::study::StudySetup;
 use armid_io::Error;
 use armid_io::study::{FinishedWork, Journal};
@@ -81,11 +82,16 @@ impl Part {
 pub(super) fn designs_from(folder: &Path, work: &mut FinishedWork, setup: &StudySetup) -> Result<(), Error> {
     let journals = journals_in(folder)?;
     if journals.is_empty() {
-        let message =
-            format!("{}: found no {}, expected a folder that --stage designs wrote", folder.display(), Journal::NAME);
-        return Err(Error::new(message).help("`armid study STUDY --stage designs -o DIR` makes them"));
+        let message = format!("{}: found no {}, expected a folder with designs", folder.display(), Journal::NAME);
+        return Err(Error::new(message).help(make_designs()));
     }
     journals.iter().try_for_each(|journal| work.include_designs(journal, setup))
+}
+
+/// What makes the designs of a study.
+pub(super) fn make_designs() -> Remedy {
+    let help = Remedy::task(Task::Study, "STUDY").with(Setting::Stage, "designs").with(Setting::Output, "DIR");
+    help.say(" makes them")
 }
 
 /// The journal of a folder, or those of the folders in it, in the order of their names.

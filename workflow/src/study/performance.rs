@@ -15,7 +15,7 @@ use armid_io::output::write_text;
 use armid_io::study::{FinishedWork, Journal, MadeDesign, NumberFile, RowFiles, check_output, plan_text};
 use armid_sim::SimulatedArm;
 
-use super::part::{Part, Stage, designs_from};
+use super::part::{Part, Stage, designs_from, make_designs};
 use crate::counter::{Counter, Latch};
 
 /// Runs that are begun before the rows of those before them are written: enough that teams of runs on one arm are full.
@@ -101,16 +101,6 @@ impl Performance<'_> {
         self.setup.plan()
     }
 
-    /// How many designs belong to this part.
-    pub(super) fn planned_designs(&self) -> usize {
-        (0..self.order.designs()).filter(|&index| self.part.holds(index)).count()
-    }
-
-    /// How many runs belong to this part.
-    pub(super) fn planned_runs(&self) -> usize {
-        (0..self.order.len()).filter(|&position| self.part.holds(position)).count()
-    }
-
     /// How many planned runs are not finished.
     pub(super) fn missing(&self, work: &FinishedWork) -> usize {
         let wanted = self.wanted();
@@ -150,11 +140,11 @@ impl Performance<'_> {
         let missing: Vec<usize> = (0..designs.len()).filter(|&index| designs[index].is_none()).collect();
         if self.part.stage == Some(Stage::Runs) && !missing.is_empty() {
             let message = format!(
-                "{} of {} designs are not there, expected all of them where --designs-from points",
+                "{} of {} designs are not there, expected all of them in the folder of designs",
                 missing.len(),
                 designs.len()
             );
-            return Err(Error::new(message).help("`armid study STUDY --stage designs -o DIR` makes them"));
+            return Err(Error::new(message).help(make_designs()));
         }
         let work = Mutex::new(work);
         self.make_designs(missing, &work)?;
@@ -211,7 +201,7 @@ impl Performance<'_> {
     }
 
     /// The bound after the experiments of all designs of a sequence.
-    pub(super) fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>, Error> {
+    fn bound(&self, sequence: &[StudyDesign]) -> Result<Vec<f64>, Error> {
         let mut exact = Vec::new();
         for design in sequence {
             let plan = self.setup.experiment(&design.trajectory);

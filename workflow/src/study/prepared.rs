@@ -5,13 +5,13 @@ use std::sync::{Arc, Mutex};
 
 use armid::experiment::Sensing;
 use armid::model::format::ChainEnds;
-use armid::observer::{Observer, Unobserved};
+use armid::observer::Observer;
 use armid::study::{StudyPlan, StudySetup};
-use armid_io::study::{Journal, check_output};
+use armid_io::study::check_output;
 use armid_io::{Error, robot};
 use armid_sim::{Engine, SimulatedArm};
 
-use super::part::{Part, Stage};
+use super::part::Part;
 use super::performance::Performance;
 use crate::simulated_arm;
 
@@ -21,15 +21,6 @@ pub struct PreparedStudy {
     setup: StudySetup,
     arms: Vec<SimulatedArm>,
     robot_text: Arc<str>,
-}
-
-/// How many designs or runs of a part there are, and how many are finished.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct PartProgress {
-    /// Finished ones.
-    pub done: usize,
-    /// All.
-    pub total: usize,
 }
 
 impl PreparedStudy {
@@ -57,7 +48,6 @@ impl PreparedStudy {
     }
 
     /// The plan.
-    #[must_use]
     pub fn plan(&self) -> &StudyPlan {
         self.setup.plan()
     }
@@ -68,33 +58,6 @@ impl PreparedStudy {
     /// [`Error`] where it holds another one.
     pub fn check_output(&self, folder: &Path) -> Result<(), Error> {
         check_output(folder, self.plan())
-    }
-
-    /// What the journal in a folder holds of a part. A journal that is not there yet holds nothing.
-    ///
-    /// # Errors
-    /// [`Error`] where it cannot be read or belongs to another study.
-    pub fn progress(&self, folder: &Path, part: Part) -> Result<PartProgress, Error> {
-        let study = self.performance(folder, part, &Unobserved);
-        let begun = folder.join(Journal::NAME).is_file();
-        let work = if begun { study.with_work_from(&[folder])? } else { study.no_work()? };
-        let (missing, total) = match part.stage {
-            Some(Stage::Designs) => (study.missing_designs(&work), study.planned_designs()),
-            Some(Stage::Runs) | None => (study.missing(&work), study.planned_runs()),
-        };
-        Ok(PartProgress { done: total - missing, total })
-    }
-
-    /// Number of designs of the whole study.
-    #[must_use]
-    pub fn designs(&self) -> usize {
-        self.setup.designs().len()
-    }
-
-    /// Number of runs of the whole study.
-    #[must_use]
-    pub fn runs(&self) -> usize {
-        self.setup.run_order().len()
     }
 
     pub(super) fn performance<'a>(

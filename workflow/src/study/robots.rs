@@ -8,8 +8,8 @@ use armid_io::study::{check_robots_output, read_study, write_robots};
 use super::answer::{RobotsAnswer, StudyAnswer};
 use super::part::Part;
 use super::prepared::PreparedStudy;
-use super::report::write_robots_report;
 use super::settings::StudySettings;
+use crate::report::write_robots_report;
 
 /// Performs the study on each robot in a folder of its own, and sums up what they say. A robot whose study is stored there is
 /// not performed again where the study is resumed.

@@ -13,7 +13,7 @@ use armid_io::text::Text;
 
 use super::answer::StudySummary;
 use super::performance::{Performance, Performed};
-use super::report::write_report;
+use crate::report::write_report;
 
 /// The order in which work is stored, and the place of each design in it.
 type Stored = (RunOrder, Vec<usize>);

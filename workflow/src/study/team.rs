@@ -13,7 +13,7 @@ use super::performance::Performance;
 use crate::counter::Latch;
 
 /// So many runs are computed together: the lanes of the widest processors.
-pub(super) const TEAM: usize = 8;
+const TEAM: usize = 8;
 
 impl Performance<'_> {
     /// Runs on the same arm under the same condition, as many as are computed together; fewer where that leaves a thread
@@ -59,7 +59,7 @@ impl Performance<'_> {
 
     /// What the arm of a run measures on fresh motions, performed once for each arm and condition; `None` where the plan
     /// asks for none, or an observer ended the work.
-    pub(super) fn measured_motions(
+    fn measured_motions(
         &self,
         id: &RunId,
         simulated: &SimulatedArm,

@@ -7,7 +7,7 @@ use miette::Result;
 use serde_json::json;
 
 use super::bench::{Bench, BenchArguments};
-use crate::terminal::{Align, Answer, Console, Ending, Table};
+use crate::terminal::{Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 At one speed there and back over the same positions gravity cancels in half the difference of the
@@ -56,14 +56,7 @@ fn falls(found: &Friction) -> bool {
 fn text(found: &Friction, bench: &Bench) -> String {
     let kind = bench.loaded.robot.joints()[bench.joint].kind;
     let effort = kind.effort_unit();
-    let mut table = Table::new(&[
-        ("", Align::Left),
-        ("value", Align::Right),
-        ("std", Align::Right),
-        ("95 % interval", Align::Right),
-        ("", Align::Right),
-        ("unit", Align::Left),
-    ]);
+    let mut table = Table::of(" | #value | #std | #95 % interval | # | unit");
     let rows = [
         ("viscous Fv", Some(found.viscous), format!("{effort}·s/{}", kind.unit())),
         ("Coulomb Fc", Some(found.coulomb), effort.to_owned()),

@@ -17,7 +17,7 @@ use miette::Result;
 use serde_json::{Value, json};
 
 use crate::arguments::{RobotArguments, one_of};
-use crate::terminal::{Align, Answer, Console, Ending, Table, report_folder};
+use crate::terminal::{Answer, Console, Ending, Table, report_folder};
 
 const AFTER_HELP: &str = "\
 Two recordings of one motion, without and with a payload whose mass and centre are known: what the
@@ -170,14 +170,7 @@ fn processing() -> Processing {
 }
 
 fn text(found: &[KnownLoad], loaded: &LoadedRobot) -> String {
-    let mut table = Table::new(&[
-        ("joint", Align::Left),
-        ("torque constant", Align::Right),
-        ("95 % interval", Align::Right),
-        ("", Align::Right),
-        ("assumed", Align::Right),
-        ("load RMS", Align::Right),
-    ]);
+    let mut table = Table::of("joint | #torque constant | #95 % interval | # | #assumed | #load RMS");
     for joint in found {
         let constant = joint.torque_constant;
         table.row([

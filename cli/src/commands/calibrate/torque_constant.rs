@@ -7,7 +7,7 @@ use miette::Result;
 use serde_json::json;
 
 use super::bench::{Bench, BenchArguments};
-use crate::terminal::{Align, Answer, Console, Ending, Table};
+use crate::terminal::{Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 The back-EMF of a motor is its voltage less what resistance, inductance and brushes take; against
@@ -88,14 +88,7 @@ fn entry(joint: &str, found: &BackEmf) -> String {
 }
 
 fn text(found: &BackEmf, bench: &Bench, assumed: f64) -> String {
-    let mut table = Table::new(&[
-        ("", Align::Left),
-        ("value", Align::Right),
-        ("std", Align::Right),
-        ("95 % interval", Align::Right),
-        ("", Align::Right),
-        ("unit", Align::Left),
-    ]);
+    let mut table = Table::of(" | #value | #std | #95 % interval | # | unit");
     let rows = [
         ("torque constant", Some(found.torque_constant), 6, "N·m/A"),
         ("resistance", found.resistance, 4, "Ω"),

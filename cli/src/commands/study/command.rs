@@ -8,7 +8,7 @@ use miette::Result;
 
 use super::answer::show;
 use super::overrides::Overrides;
-use super::{cancel, collect, dry_run, merge, plan, status, submit};
+use super::{merge, plan, submit};
 use crate::arguments::one_of;
 use crate::terminal::{Console, Ending, Watch};
 
@@ -31,9 +31,8 @@ Examples:
   armid study my/study.toml --jobs 1 -o out --resume
   armid study my/study.toml --robot puma-560      one of the plan's robots = [...], into reports/NAME/puma-560/
   armid study 01-criteria --until 'ratio(condition, d-optimal).prediction < 5 %'   as many starts as that takes
-  armid study 01-criteria --runs 1000 --dry-run   what that would cost
   armid study plan pilot --until 'ratio(condition, d-optimal).prediction < 2 %'    how large a study for that
-  armid study submit 01-criteria --engine slurm -o /shared/01   on a cluster; then status, cancel";
+  armid study submit 01-criteria --engine slurm -o /shared/01   on a cluster";
 
 /// Run a Monte Carlo study of designs and estimators
 #[derive(Debug, clap::Args)]
@@ -64,9 +63,6 @@ pub(crate) struct Arguments {
     /// End where this interval is narrow enough, as "ratio(condition, d-optimal).prediction < 5 %"
     #[arg(long, value_name = "RULE", conflicts_with_all = ["shard", "stage"])]
     until: Option<String>,
-    /// Time a sample and say what the study would cost: designs, runs, core-hours, disk, memory; performs nothing else
-    #[arg(long, conflicts_with_all = ["resume", "shard", "stage", "until"])]
-    dry_run: bool,
 }
 
 /// What to do with studies that are performed in parts.
@@ -78,12 +74,6 @@ enum Action {
     Plan(plan::Arguments),
     /// Hand a study to a cluster: designs, then runs, then the report
     Submit(submit::Arguments),
-    /// Show how far a submitted study is
-    Status(status::Arguments),
-    /// End a submitted study; finished work is kept
-    Cancel(cancel::Arguments),
-    /// Submit again what is missing, or merge what is complete: the last job of a submission
-    Collect(collect::Arguments),
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
@@ -92,17 +82,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
         Some(Action::Merge(arguments)) => merge::run(arguments, console),
         Some(Action::Plan(arguments)) => plan::run(arguments, console),
         Some(Action::Submit(arguments)) => submit::run(arguments, console),
-        Some(Action::Status(arguments)) => status::run(arguments, console),
-        Some(Action::Cancel(arguments)) => cancel::run(arguments, console),
-        Some(Action::Collect(arguments)) => collect::run(arguments, console),
     }
 }
 
 fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let request = arguments.overrides.request(arguments.study.as_deref().unwrap_or_default())?;
-    if arguments.dry_run {
-        return dry_run::run(&request, console);
-    }
     let in_parts = arguments.part_words();
     if !in_parts.is_empty() {
         request.one(&format!("STUDY {in_parts}"))?;

@@ -58,20 +58,10 @@ impl Overrides {
 
     /// The same as words of a command line.
     pub(crate) fn words(&self) -> Vec<String> {
-        let mut words = Vec::new();
-        if let Some(runs) = self.runs {
-            words.extend(["--runs".to_owned(), runs.to_string()]);
-        }
-        if let Some(truths) = self.truths {
-            words.extend(["--truths".to_owned(), truths.to_string()]);
-        }
-        if let Some(arms) = &self.arm {
-            let names: Vec<&str> = arms.iter().map(|arm| arm.name()).collect();
-            words.extend(["--arm".to_owned(), names.join(",")]);
-        }
-        if let Some(robot) = &self.robot {
-            words.extend(["--robot".to_owned(), robot.clone()]);
-        }
-        words
+        let number = |key: &str, value: Option<u32>| value.map(|value| [key.to_owned(), value.to_string()]);
+        let arms = self.arm.as_ref().map(|arms| arms.iter().map(|arm| arm.name()).collect::<Vec<_>>().join(","));
+        let text = |key: &str, value: Option<String>| value.map(|value| [key.to_owned(), value]);
+        let all = [number("--runs", self.runs), number("--truths", self.truths), text("--arm", arms)];
+        all.into_iter().chain([text("--robot", self.robot.clone())]).flatten().flatten().collect()
     }
 }

@@ -113,6 +113,9 @@ impl Descent<'_> {
                         unsimulable = false;
                     }
                     Err(error) if is_rejected(&error) => unsimulable = true,
+                    Err(EstimationError::Interrupted) => {
+                        return Ok(Rest { beta, linearised: at, termination: Termination::Interrupted { iterations } });
+                    }
                     Err(error) => return Err(error),
                 }
                 damping = (damping * FACTOR).max(LEAST_DAMPING);

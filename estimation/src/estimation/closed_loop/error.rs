@@ -51,6 +51,9 @@ pub enum ClosedLoopError {
         /// Time since the beginning of the experiment, s.
         t: f64,
     },
+    /// An observer ended the simulation.
+    #[error("the simulation was interrupted")]
+    Interrupted,
     /// With these parameters the servo does not hold the arm.
     #[error("the simulated motion runs away at t = {t:.3} s: {reason}")]
     Diverged {

@@ -87,6 +87,7 @@ impl InstrumentalFit {
                 Err(EstimationError::ClosedLoop { reason, .. }) if reason.is_of_parameters() => {
                     break (white_z, fit, Termination::Unsimulable { iterations });
                 }
+                Err(EstimationError::Interrupted) => break (white_z, fit, Termination::Interrupted { iterations }),
                 Err(error) => return Err(error),
             };
         };

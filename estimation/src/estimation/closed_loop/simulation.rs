@@ -10,6 +10,7 @@ use super::error::ClosedLoopError;
 use crate::dynamics::States;
 use crate::experiment::{ExperimentPlan, Recording};
 use crate::model::{ParameterId, Robot, StandardParameters};
+use crate::observer::Observer;
 
 /// What an arm with certain parameters does under its servo, at the instants of the samples: N × n each.
 #[derive(Clone, Debug, PartialEq)]
@@ -44,11 +45,15 @@ pub trait ClosedLoop: fmt::Debug + Send + Sync {
     /// What the servo's gains are placed on, and what parameters that torque does not show are taken from.
     fn nominal(&self) -> &StandardParameters;
 
-    /// The motion with these parameters.
+    /// The motion with these parameters. An observer may end it at any sample.
     ///
     /// # Errors
-    /// [`ClosedLoopError::MassMatrix`] or [`ClosedLoopError::Diverged`] where there is none.
-    fn motion(&self, parameters: &StandardParameters) -> Result<ClosedLoopMotion, ClosedLoopError>;
+    /// [`ClosedLoopError::MassMatrix`] or [`ClosedLoopError::Diverged`] where there is none, [`ClosedLoopError::Interrupted`].
+    fn motion(
+        &self,
+        parameters: &StandardParameters,
+        observer: &dyn Observer,
+    ) -> Result<ClosedLoopMotion, ClosedLoopError>;
 
     /// The same with its derivatives by some parameters (d of them) as means over blocks of `block` samples: those of the
     /// simulation itself, exact but for rounding.
@@ -60,6 +65,7 @@ pub trait ClosedLoop: fmt::Debug + Send + Sync {
         parameters: &StandardParameters,
         by: &[ParameterId],
         block: usize,
+        observer: &dyn Observer,
     ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError>;
 
     /// The same loop in intervals, for multiple shooting; `None` where it can begin from rest alone.
@@ -111,6 +117,7 @@ pub trait ClosedLoopIntervals {
         by: &[ParameterId],
         block: usize,
         nodes: &[ClosedLoopNode],
+        observer: &dyn Observer,
     ) -> Result<Vec<ClosedLoopInterval>, ClosedLoopError>;
 }
 

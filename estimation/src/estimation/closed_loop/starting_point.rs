@@ -75,17 +75,25 @@ pub(super) fn descend<W>(
 ) -> Result<Descended<W>, EstimationError> {
     let StartingPoint { beta, found, is_nominal, finding } = starting_point(trial, by_torque, output, linearise)?;
     let (rest, beside) = follow((beta, found))?;
-    let first = Descended { rest, beside, is_nominal, finding };
+    let mut first = Descended { rest, beside, is_nominal, finding };
     let Some(output) = output else { return Ok(first) };
-    let ran_away = matches!(first.rest.termination, Termination::Unsimulable { .. });
-    if !ran_away || first.finding.is_some() {
+    let Termination::Unsimulable { iterations } = first.rest.termination else { return Ok(first) };
+    if first.finding.is_some() {
         return Ok(first);
     }
     let [from, _] = trial.beginnings(by_torque.clone());
-    let Some((beta, finding)) = shoot(trial, &from, output)? else { return Ok(first) };
-    let linearised = match linearise(&beta) {
-        Ok(linearised) => linearised,
+    let again = shoot(trial, &from, output).and_then(|found| {
+        let linearised = |(beta, finding)| linearise(&beta).map(|at| (beta, at, finding));
+        found.map(linearised).transpose()
+    });
+    let (beta, linearised, finding) = match again {
+        Ok(Some(again)) => again,
+        Ok(None) => return Ok(first),
         Err(error) if is_rejected(&error) => return Ok(first),
+        Err(EstimationError::Interrupted) => {
+            first.rest.termination = Termination::Interrupted { iterations };
+            return Ok(first);
+        }
         Err(error) => return Err(error),
     };
     let (rest, beside) = follow((beta, linearised))?;

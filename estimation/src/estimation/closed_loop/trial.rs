@@ -17,6 +17,7 @@ use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
 use crate::linalg::product;
 use crate::model::{ParameterId, Robot, StandardParameters};
+use crate::observer::Observer;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;
 
@@ -28,6 +29,7 @@ pub(super) struct Trial<'a> {
     samples: &'a Samples,
     closed_loop: &'a dyn ClosedLoop,
     start: Option<&'a StandardParameters>,
+    observer: &'a dyn Observer,
     regressor: JointTorqueRegressor,
 }
 
@@ -41,6 +43,7 @@ impl<'a> Trial<'a> {
             samples: problem.samples_for(estimator)?,
             closed_loop: problem.closed_loop_for(estimator)?,
             start: problem.start,
+            observer: problem.observer,
             regressor: problem.observation.joint_regressor(robot),
         })
     }
@@ -64,13 +67,13 @@ impl<'a> Trial<'a> {
 
     /// The motion at β.
     pub(super) fn motion(&self, beta: &DVector<f64>) -> Result<ClosedLoopMotion, EstimationError> {
-        let motion = self.closed_loop.motion(&self.parameters(beta)?).map_err(|reason| self.failed(reason))?;
-        self.checked(motion)
+        let motion = self.closed_loop.motion(&self.parameters(beta)?, self.observer);
+        self.checked(motion.map_err(|reason| self.failed(reason))?)
     }
 
     /// The motion at β, and its derivatives by β.
     pub(super) fn slopes(&self, beta: &DVector<f64>) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), EstimationError> {
-        let found = self.closed_loop.slopes(&self.parameters(beta)?, &self.by(), self.samples.block);
+        let found = self.closed_loop.slopes(&self.parameters(beta)?, &self.by(), self.samples.block, self.observer);
         let (motion, mut slopes) = found.map_err(|reason| self.failed(reason))?;
         for matrix in [&mut slopes.q, &mut slopes.tau] {
             self.blank(matrix);
@@ -98,7 +101,8 @@ impl<'a> Trial<'a> {
         beta: &DVector<f64>,
         nodes: &[ClosedLoopNode],
     ) -> Result<Vec<ClosedLoopInterval>, EstimationError> {
-        let found = intervals.intervals(&self.parameters(beta)?, &self.by(), self.samples.block, nodes);
+        let parameters = self.parameters(beta)?;
+        let found = intervals.intervals(&parameters, &self.by(), self.samples.block, nodes, self.observer);
         found.map_err(|reason| self.failed(reason))
     }
 
@@ -156,7 +160,10 @@ impl<'a> Trial<'a> {
     }
 
     fn failed(&self, reason: ClosedLoopError) -> EstimationError {
-        EstimationError::ClosedLoop { estimator: self.estimator.to_owned(), reason }
+        match reason {
+            ClosedLoopError::Interrupted => EstimationError::Interrupted,
+            reason => EstimationError::ClosedLoop { estimator: self.estimator.to_owned(), reason },
+        }
     }
 
     fn blank(&self, matrix: &mut DMatrix<f64>) {

@@ -6,7 +6,6 @@
 //! P is a link's pseudo-inertia, x a rotor inertia or a friction, Q a bound by the shape of a link ([`shape_bounds`]); C is the
 //! covariance of the estimate, or of the equations of a fit, and R what a prior adds ([`prior`]). It is what a semidefinite program
 //! gives; where several sets agree alike, the one nearest to the guess by `Σ tr(P₀⁻¹P) − ln det P + Σ x/x₀ − ln x` is taken.
-//! For a load, sets with up to 1 % more than the least χ² agree alike.
 //!
 //! The logarithms are a self-concordant barrier, so the optimum is reached along the path of minimisers for a growing weight of the
 //! data ([`path`]), by Newton steps in coordinates of the barrier ([`newton`], [`coordinates`]). The search ends where K φ = β̂ holds
@@ -22,18 +21,11 @@ mod newton;
 mod path;
 mod prior;
 mod region;
-mod set;
 mod shape_bounds;
-#[cfg(test)]
-mod clarabel_tests;
-#[cfg(test)]
-pub(super) mod fixtures;
 #[cfg(test)]
 mod optimum_tests;
 
 pub(super) use constrained::{ConstrainedFit, constrained_fit, definite_inverse};
 pub(super) use coordinates::{basis, symmetric};
 pub(super) use prior::Prior;
-pub use set::ConsistentSet;
-pub(super) use set::consistent_set;
 pub(super) use shape_bounds::ShapeBounds;

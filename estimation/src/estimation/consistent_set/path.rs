@@ -37,14 +37,6 @@ const INDISTINGUISHABLE: f64 = 1e-8;
 /// Decrement at which a minimum on the way is near enough.
 const ON_THE_WAY: f64 = 0.1;
 
-/// Part of the least χ² that is given for a set nearer to the guess. Where no set has the estimated base parameters, that of
-/// least χ² has links on the edge of what bodies can be, of any mass that the data do not show.
-const ROOM: f64 = 0.01;
-
-/// λ from which on a set with little more than the least χ² is looked for, and the factor between.
-const FIRST: f64 = 1e-2;
-const FINER: f64 = 2.0;
-
 /// Times that λ grows beyond what the gap asks, and steps for each: the base parameters are then known far better than by the gap.
 const REFINEMENTS: usize = 3;
 const REFINING_STEPS: usize = 12;
@@ -90,30 +82,6 @@ pub(super) fn follow(region: &Region, data: &DataTerm<'_>, prior: Prior) -> Path
         },
         Prior::Entropic => Way { region, data, prior, iterations: 0 }.barrier(region.centre()),
     }
-}
-
-/// `argmin ½ λ χ² + D`, D the distance from the guess, for the least λ of a sequence at which χ² is at most [`ROOM`] above that of the
-/// optimum: the set, λ, and how the search ended. `None` where the optimum has the estimated base parameters, was not found, or
-/// rounding leaves nothing between.
-pub(super) fn nearer(region: &Region, data: &DataTerm<'_>, end: &PathEnd) -> Option<(DVector<f64>, f64, Termination)> {
-    let Termination::Optimal { mut iterations, gap } = end.termination else { return None };
-    let least = data.chi_squared(&end.optimum);
-    let (mut phi, mut lambda) = (region.centre(), FIRST);
-    while lambda < end.lambda && end.lambda.is_finite() {
-        let weights = Weights { data: lambda, ..NEAREST };
-        let minimum = minimise(phi, region, data, (Prior::None, weights), (AT_REST, STEPS));
-        iterations += minimum.iterations;
-        if minimum.ending != Ending::Reached {
-            return None;
-        }
-        let found = data.chi_squared(&minimum.phi);
-        if found <= (1.0 + ROOM) * least {
-            let gap = gap + (1.0 - least / found).max(0.0);
-            return Some((minimum.phi, lambda, Termination::Optimal { iterations, gap }));
-        }
-        (phi, lambda) = (minimum.phi, lambda * FINER);
-    }
-    None
 }
 
 struct Way<'a> {

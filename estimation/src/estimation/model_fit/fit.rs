@@ -30,6 +30,8 @@ pub struct ModelFit {
     pub parameters: StandardParameters,
     /// How much the guess counts.
     pub weight: PriorWeight,
+    /// 1/σ_j² of each joint, the inverse square of the unit of its torque: how much its equations count.
+    pub joint_weights: Vec<f64>,
     /// How the search ended.
     pub termination: Termination,
 }
@@ -93,7 +95,7 @@ fn fit_under(
     let blocks = log.blocks(&weights);
     let weight = PriorWeight::chosen(&blocks, &log.prior);
     let Minimum { x, termination } = log.prior.descend(&NormalEquations::sum(&blocks), down_to(weight.taken));
-    Ok(ModelFit { parameters: log.parameters(&x, &guess.parameters), weight, termination })
+    Ok(ModelFit { parameters: log.parameters(&x, &guess.parameters), weight, joint_weights: weights, termination })
 }
 
 /// The equations of a log in the coordinates of a guess.

@@ -23,10 +23,12 @@ mod equations;
 mod fit;
 mod guess;
 mod minimum;
+mod one_body;
 mod weight;
 #[cfg(test)]
 mod tests;
 
 pub use fit::{ModelFit, fit_model};
 pub use guess::{BodyOrigin, ModelGuess};
+pub(super) use one_body::fit_body;
 pub use weight::PriorWeight;

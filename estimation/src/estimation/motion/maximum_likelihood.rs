@@ -70,6 +70,10 @@ impl Estimator for MaximumLikelihood {
                 termination = Some(Termination::Converged { iterations, last_step });
                 break;
             }
+            termination = problem.ended_after(iterations, ITERATIONS);
+            if termination.is_some() {
+                break;
+            }
             step = search.step(&beta)?;
         }
         let termination = termination.unwrap_or(Termination::IterationLimit { iterations: ITERATIONS, last_step });

@@ -42,7 +42,7 @@ impl Estimator for ConsistentReweighted {
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
         let (observation, equations) = (problem.observation, problem.factorised()?);
         let problem = problem.with_factorisation(&equations);
-        let mut robust = from_least_squares(observation, equations.least_squares()?.solution(), Loss::Huber)?;
+        let mut robust = from_least_squares(&problem, equations.least_squares()?.solution(), Loss::Huber)?;
         let mut iterations = 0;
         loop {
             iterations += 1;

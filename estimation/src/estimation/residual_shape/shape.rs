@@ -27,7 +27,6 @@ impl Against {
     pub const ALL: [Self; 4] = [Self::Time, Self::Speed, Self::Load, Self::Position];
 
     /// As in `the residual follows …`.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::Time => "time",
@@ -143,7 +142,6 @@ shapes! {
 
 impl ResidualShape {
     /// In which figure it shows.
-    #[must_use]
     pub const fn against(self) -> Against {
         self.entry().against
     }

@@ -57,13 +57,11 @@ impl Whiteness {
     }
 
     /// Whether the residual is taken to be white, at 5 % over all joints.
-    #[must_use]
     pub fn is_white(&self) -> bool {
         self.p_adjusted >= 0.05
     }
 
     /// The sentence that the autocorrelation supports.
-    #[must_use]
     pub fn sentence(&self, joint: &str) -> String {
         let (lags, first) = (self.autocorrelation.len(), self.autocorrelation.first().copied().unwrap_or(0.0));
         let test = format!("Ljung–Box of {lags} lags {}", probability(self.p_adjusted));

@@ -32,7 +32,7 @@ impl Estimator for ReweightedCauchy {
         let equations = problem.factorised()?;
         let problem = problem.with_factorisation(&equations);
         let start = equations.least_squares()?.solution();
-        let robust = from_least_squares(problem.observation, start, Loss::Cauchy)?;
+        let robust = from_least_squares(&problem, start, Loss::Cauchy)?;
         inference::estimate(self.name(), &problem, &robust)
     }
 }

@@ -31,7 +31,7 @@ impl Estimator for ReweightedHuber {
         let equations = problem.factorised()?;
         let problem = problem.with_factorisation(&equations);
         let start = equations.least_squares()?.solution();
-        let robust = from_least_squares(problem.observation, start, Loss::Huber)?;
+        let robust = from_least_squares(&problem, start, Loss::Huber)?;
         inference::estimate(self.name(), &problem, &robust)
     }
 }

@@ -4,7 +4,7 @@ use nalgebra::DVector;
 
 use super::loss::Loss;
 use super::scale::median_scales;
-use crate::estimation::{EstimationError, Observation, Termination};
+use crate::estimation::{EstimationError, EstimationProblem, Observation, Termination};
 use crate::linalg::{LeastSquares, RowFactor};
 
 /// Iterations at most.
@@ -60,23 +60,25 @@ impl RobustFit {
 
 /// Iterates from least squares with the joints weighted by the medians of its residuals.
 pub(in crate::estimation) fn from_least_squares(
-    observation: &Observation,
+    problem: &EstimationProblem<'_>,
     start: &DVector<f64>,
     loss: Loss,
 ) -> Result<RobustFit, EstimationError> {
+    let observation = problem.observation;
     let scales = median_scales(observation, &observation.residual(start));
     let weights = row_weights(observation, &observation.y, &scales, |_| 1.0);
     let start = weighted_rows(observation, &weights)?.solution().clone();
-    iterate(observation, start, loss, Scales::Median)
+    iterate(problem, start, loss, Scales::Median)
 }
 
-/// Iterates from `beta` (b) until the fitted torque is at rest.
+/// Iterates from `beta` (b) until the fitted torque is at rest, or the problem's observer ends it.
 pub(super) fn iterate(
-    observation: &Observation,
+    problem: &EstimationProblem<'_>,
     mut beta: DVector<f64>,
     loss: Loss,
     scales: Scales,
 ) -> Result<RobustFit, EstimationError> {
+    let observation = problem.observation;
     let mut residual = observation.residual(&beta);
     let of = |residual: &DVector<f64>| match &scales {
         Scales::Median => median_scales(observation, residual),
@@ -90,8 +92,8 @@ pub(super) fn iterate(
         let next = observation.residual(&beta);
         last_step = change(observation, &residual, &next);
         residual = next;
-        if last_step <= AT_REST {
-            let termination = Termination::Converged { iterations, last_step };
+        let at_rest = (last_step <= AT_REST).then_some(Termination::Converged { iterations, last_step });
+        if let Some(termination) = at_rest.or_else(|| problem.ended_after(iterations, ITERATIONS)) {
             return Ok(RobustFit { loss, scales: of(&residual), beta, termination });
         }
     }

@@ -35,9 +35,9 @@ impl Estimator for MmEstimator {
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
         let (observation, equations) = (problem.observation, problem.factorised()?);
         let problem = problem.with_factorisation(&equations);
-        let start = s_estimate::search(observation, equations.least_squares()?.solution())?;
+        let start = s_estimate::search(&problem, equations.least_squares()?.solution())?;
         let scales = m_scales(observation, &observation.residual(&start.beta));
-        let mut robust = iterate(observation, start.beta, Loss::Tukey, Scales::Fixed(scales))?;
+        let mut robust = iterate(&problem, start.beta, Loss::Tukey, Scales::Fixed(scales))?;
         robust.termination = both(start.termination, robust.termination);
         inference::estimate(self.name(), &problem, &robust)
     }

@@ -17,7 +17,7 @@ use super::components::doubtful_halves;
 use super::iteration::weighted_rows;
 use super::loss::biweight;
 use super::scale::{S_CONSTANT, least_scales, m_scale, median_scales};
-use crate::estimation::{EstimationError, Observation, Termination};
+use crate::estimation::{EstimationError, EstimationProblem, Observation, Termination};
 
 /// Equations that starts are compared on, and at least this many for each parameter.
 const START_EQUATIONS: usize = 1500;
@@ -40,7 +40,8 @@ pub(super) struct Start {
 }
 
 /// Searches from the ordinary solution (b).
-pub(super) fn search(observation: &Observation, ordinary: &DVector<f64>) -> Result<Start, EstimationError> {
+pub(super) fn search(problem: &EstimationProblem<'_>, ordinary: &DVector<f64>) -> Result<Start, EstimationError> {
+    let observation = problem.observation;
     let scales = median_scales(observation, &observation.residual(ordinary));
     let all: Vec<f64> = observation
         .used
@@ -61,35 +62,46 @@ pub(super) fn search(observation: &Observation, ordinary: &DVector<f64>) -> Resu
         .collect();
     let first = weighted_rows(observation, &all)?;
     let mut best = minimum(observation, first.solution().clone(), &all, &scales)?;
-    for _ in 0..ROUNDS {
+    for rounds in 0..ROUNDS {
         let residual = observation.residual(&best.beta);
         let kept: Vec<f64> = (0..few.len())
             .map(|row| if residual[row].abs() * few[row].sqrt() <= DOUBTFUL * best.scale { few[row] } else { 0.0 })
             .collect();
-        let Some(better) = round(observation, &few, &kept, &all, &scales)? else { break };
+        let Some(better) = round(problem, &few, &kept, &all, &scales)? else { break };
+        let interrupted = problem.ended_after(rounds, ROUNDS);
         if better.scale >= best.scale * (1.0 - AT_REST) {
             break;
         }
         best = better;
+        if let Some(termination) = interrupted {
+            best.termination = termination;
+            break;
+        }
     }
     Ok(Start { beta: best.beta, termination: best.termination })
 }
 
 /// The best minimum from the starts that the equations with a weight in `kept` give.
 fn round(
-    observation: &Observation,
+    problem: &EstimationProblem<'_>,
     few: &[f64],
     kept: &[f64],
     all: &[f64],
     scales: &[f64],
 ) -> Result<Option<Minimum>, EstimationError> {
+    let observation = problem.observation;
     let Ok(fit) = weighted_rows(observation, kept) else { return Ok(None) };
     let rows: Vec<usize> = (0..kept.len()).filter(|&row| kept[row] > 0.0).collect();
     let mut starts = vec![(scale(observation, fit.solution(), few), fit.solution().clone())];
-    for half in doubtful_halves(observation, &rows, few, &fit)? {
+    let halves = doubtful_halves(observation, &rows, few, &fit)?;
+    let total = halves.len();
+    for (done, half) in halves.into_iter().enumerate() {
         let mut weights = kept.to_vec();
         for row in half {
             weights[row] = 0.0;
+        }
+        if problem.ended_after(done, total).is_some() {
+            break;
         }
         // A half that does not show every parameter is no start.
         if let Ok(fit) = weighted_rows(observation, &weights) {

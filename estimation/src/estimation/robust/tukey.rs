@@ -32,7 +32,7 @@ impl Estimator for ReweightedTukey {
         let equations = problem.factorised()?;
         let problem = problem.with_factorisation(&equations);
         let start = equations.least_squares()?.solution();
-        let robust = from_least_squares(problem.observation, start, Loss::Tukey)?;
+        let robust = from_least_squares(&problem, start, Loss::Tukey)?;
         inference::estimate(self.name(), &problem, &robust)
     }
 }

@@ -44,7 +44,6 @@ pub struct HeldOutChange {
 
 impl HeldOutChange {
     /// Whether the error falls, by its 95 % interval.
-    #[must_use]
     pub fn is_improvement(&self) -> bool {
         self.change_ci95[1] < 0.0
     }

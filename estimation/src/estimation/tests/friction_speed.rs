@@ -9,6 +9,7 @@ use crate::estimation::{EstimatorKind, FrictionSpeeds, Identification};
 use crate::model::format::parse_robot;
 use crate::model::term::{COULOMB, LOAD_FRICTION, MOTOR_STRIBECK, ROTOR, STRIBECK, ShapeParameter, Stribeck, VISCOUS};
 use crate::model::{Columns, Robot, StandardParameters, bundled};
+use crate::observer::Unobserved;
 use crate::seed::Seed;
 use crate::signal::{Butterworth, Derivatives, Samples};
 
@@ -110,12 +111,15 @@ fn torque(robot: &Robot, truth: &StandardParameters, noise: f64, source: &Seed) 
 
 fn found(robot: &Robot, samples: &Samples) -> FrictionSpeeds {
     let identification = Identification::new(robot, columns()).unwrap();
-    identification.friction_speeds(samples, Stribeck::VELOCITY).unwrap().expect("Stribeck columns")
+    identification.friction_speeds(samples, Stribeck::VELOCITY, &Unobserved).unwrap().expect("Stribeck columns")
 }
 
 pub(super) fn onset(robot: &Robot, columns: Columns, samples: &Samples) -> FrictionSpeeds {
     let identification = Identification::new(robot, columns).unwrap();
-    identification.friction_speeds(samples, ShapeParameter::COULOMB_VELOCITY).unwrap().expect("Coulomb columns")
+    identification
+        .friction_speeds(samples, ShapeParameter::COULOMB_VELOCITY, &Unobserved)
+        .unwrap()
+        .expect("Coulomb columns")
 }
 
 #[test]
@@ -177,7 +181,7 @@ fn analytic_an_arm_whose_friction_does_not_fall_has_no_speed() {
     assert_eq!(Some(drives.joints()[0].drive.shape(&Stribeck::VELOCITY)), speeds.joints[0].speed.map(|of| of.value));
     // Without a column there is nothing to seek.
     let plain = Identification::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
-    assert_eq!(plain.friction_speeds(&samples, Stribeck::VELOCITY).unwrap(), None);
+    assert_eq!(plain.friction_speeds(&samples, Stribeck::VELOCITY, &Unobserved).unwrap(), None);
 }
 
 #[test]

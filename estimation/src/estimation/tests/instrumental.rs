@@ -10,6 +10,7 @@ use crate::estimation::{
 };
 use crate::experiment::hinges;
 use crate::model::{Columns, ParameterId, StandardParameters};
+use crate::observer::Observer;
 use crate::regressor::JointTorqueRegressor;
 use crate::seed::Seed;
 use crate::signal::{NoiseModel, Samples};
@@ -25,7 +26,7 @@ impl ClosedLoop for OneMotion {
         &self.1
     }
 
-    fn motion(&self, _: &StandardParameters) -> Result<ClosedLoopMotion, ClosedLoopError> {
+    fn motion(&self, _: &StandardParameters, _: &dyn Observer) -> Result<ClosedLoopMotion, ClosedLoopError> {
         Ok(self.0.clone())
     }
 
@@ -34,6 +35,7 @@ impl ClosedLoop for OneMotion {
         _: &StandardParameters,
         _: &[ParameterId],
         _: usize,
+        _: &dyn Observer,
     ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError> {
         Err(ClosedLoopError::NotGiven)
     }

@@ -114,13 +114,11 @@ impl Scene {
     }
 
     /// The pairs that can meet.
-    #[must_use]
     pub fn pairs(&self) -> &[Pair] {
         &self.pairs
     }
 
     /// The links of a pair of the robot's bodies, the inner one first; `None` where one of the two stands around.
-    #[must_use]
     pub fn links(&self, pair: usize) -> Option<(usize, usize)> {
         let Pair { first, second, .. } = &self.pairs[pair];
         match first {
@@ -130,7 +128,6 @@ impl Scene {
     }
 
     /// What the two bodies of a pair are called: links by their joints, obstacles by their names.
-    #[must_use]
     pub fn pair_names(&self, pair: usize) -> [String; 2] {
         let Pair { first, second, .. } = &self.pairs[pair];
         let first = match first {
@@ -153,7 +150,6 @@ impl Scene {
     }
 
     /// The distance of a pair where the robot was last placed.
-    #[must_use]
     pub fn separation(&self, pair: usize) -> Separation {
         let Pair { first, second, .. } = &self.pairs[pair];
         let second = &self.placed[*second];
@@ -167,7 +163,6 @@ impl Scene {
     }
 
     /// The distance of a pair, or a lower bound of it where that alone is beyond `near`.
-    #[must_use]
     pub(super) fn distance_within(&self, pair: usize, near: f64) -> f64 {
         if let Pair { first: Partner::Body(body), second, .. } = &self.pairs[pair] {
             let bound = self.placed[*body].at_least(&self.placed[*second], near);
@@ -195,7 +190,6 @@ impl Scene {
     }
 
     /// By how much the distance of a pair can shrink at most while each joint moves by up to `moved` (n).
-    #[must_use]
     pub fn closing(&self, pair: usize, moved: &[f64]) -> f64 {
         let Pair { from, to, reach, .. } = &self.pairs[pair];
         reach.iter().zip(&moved[*from..*to]).map(|(reach, moved)| reach * moved).sum()

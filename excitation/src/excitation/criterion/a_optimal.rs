@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::definition::{Criterion, Score};
+use super::i_optimal::IOptimal;
 
 /// `ln tr M⁻¹`, with `S = −M⁻² / tr M⁻¹`.
 ///
@@ -18,25 +19,7 @@ impl Criterion for AOptimal {
     }
 
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
-        let Some(factor) = m.clone().cholesky() else {
-            if let Some(s) = sensitivity {
-                s.fill(0.0);
-            }
-            return Score::exact(f64::INFINITY);
-        };
-        let inverse = factor.inverse();
-        let trace = inverse.trace();
-        if let Some(s) = sensitivity {
-            let square = inverse.tr_mul(&inverse);
-            for j in 0..m.ncols() {
-                for i in 0..=j {
-                    let entry = -0.5 * (square[(i, j)] + square[(j, i)]) / trace;
-                    s[(i, j)] = entry;
-                    s[(j, i)] = entry;
-                }
-            }
-        }
-        Score::exact(libm::log(trace))
+        IOptimal::default().evaluate(m, sensitivity)
     }
 
     fn report(&self, value: f64) -> f64 {

@@ -3,7 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::definition::{Criterion, Score};
-use super::spectrum::{log_condition, log_condition_smooth};
+use super::spectrum::log_condition;
 
 /// `ln κ(W_b) = ½ (ln λ_max − ln λ_min)` of the information M = W_bᵀ W_b, or its smooth upper bound.
 ///
@@ -15,23 +15,10 @@ use super::spectrum::{log_condition, log_condition_smooth};
 /// ```
 /// is as smooth as M itself where eigenvalues cross (it depends on the eigenvalues symmetrically), and is minimised for a
 /// growing sharpness p. The exact form has one valid subgradient.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Condition {
-    sharpness: Option<f64>,
-}
-
-impl Condition {
-    /// The condition number itself.
-    #[must_use]
-    pub const fn exact() -> Self {
-        Self { sharpness: None }
-    }
-
-    /// Its smooth upper bound with sharpness p.
-    #[must_use]
-    pub const fn smooth(sharpness: f64) -> Self {
-        Self { sharpness: Some(sharpness) }
-    }
+    /// Sharpness p of the smooth bound; the criterion itself where there is none.
+    pub sharpness: Option<f64>,
 }
 
 impl Criterion for Condition {
@@ -40,10 +27,7 @@ impl Criterion for Condition {
     }
 
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
-        match self.sharpness {
-            None => log_condition(m, sensitivity),
-            Some(p) => log_condition_smooth(m, p, sensitivity),
-        }
+        log_condition(m, self.sharpness, sensitivity)
     }
 
     fn report(&self, value: f64) -> f64 {
@@ -51,6 +35,6 @@ impl Criterion for Condition {
     }
 
     fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
-        Some(Box::new(Self::smooth(sharpness)))
+        Some(Box::new(Self { sharpness: Some(sharpness) }))
     }
 }

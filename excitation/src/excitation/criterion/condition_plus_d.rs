@@ -9,23 +9,10 @@ use super::spectrum::{Powers, extremes, spectral};
 ///
 /// A sum that other tools minimise to have both; what the two terms weigh against each other is left to chance, since
 /// one is a ratio and the other a logarithm.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConditionPlusD {
-    sharpness: Option<f64>,
-}
-
-impl ConditionPlusD {
-    /// The sum itself.
-    #[must_use]
-    pub const fn exact() -> Self {
-        Self { sharpness: None }
-    }
-
-    /// Its smooth upper bound with sharpness p.
-    #[must_use]
-    pub const fn smooth(sharpness: f64) -> Self {
-        Self { sharpness: Some(sharpness) }
-    }
+    /// Sharpness p of the smooth bound; the criterion itself where there is none.
+    pub sharpness: Option<f64>,
 }
 
 impl Criterion for ConditionPlusD {
@@ -66,6 +53,6 @@ impl Criterion for ConditionPlusD {
     }
 
     fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
-        Some(Box::new(Self::smooth(sharpness)))
+        Some(Box::new(Self { sharpness: Some(sharpness) }))
     }
 }

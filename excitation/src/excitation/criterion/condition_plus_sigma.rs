@@ -11,23 +11,10 @@ use super::spectrum::{Powers, extremes, spectral};
 /// The condition number alone does not see how large the information is; the second term does, in the parameters' own
 /// units. Singular values are those of `W_b / √rows`, so the sum does not depend on the number of samples. Reference:
 /// C. Pressé, M. Gautier, "New criteria of exciting trajectories for robot identification", IEEE ICRA 1993.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConditionPlusSigma {
-    sharpness: Option<f64>,
-}
-
-impl ConditionPlusSigma {
-    /// The sum itself.
-    #[must_use]
-    pub const fn exact() -> Self {
-        Self { sharpness: None }
-    }
-
-    /// Its smooth upper bound with sharpness p.
-    #[must_use]
-    pub const fn smooth(sharpness: f64) -> Self {
-        Self { sharpness: Some(sharpness) }
-    }
+    /// Sharpness p of the smooth bound; the criterion itself where there is none.
+    pub sharpness: Option<f64>,
 }
 
 impl Criterion for ConditionPlusSigma {
@@ -60,6 +47,6 @@ impl Criterion for ConditionPlusSigma {
     }
 
     fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
-        Some(Box::new(Self::smooth(sharpness)))
+        Some(Box::new(Self { sharpness: Some(sharpness) }))
     }
 }

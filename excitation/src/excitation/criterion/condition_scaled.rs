@@ -2,8 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::definition::{Criterion, Score};
-use super::spectrum::{log_condition, log_condition_smooth};
+use super::definition::{Criterion, Score, singular};
+use super::spectrum::log_condition;
 
 /// `ln κ(W_b D)` with D = diag(M)^−½, which does not depend on the parameters' units; exact or smooth as
 /// [`Condition`](super::Condition).
@@ -13,23 +13,10 @@ use super::spectrum::{log_condition, log_condition_smooth};
 /// ```text
 /// S = D S_C D − diag( (S_C C)_ii / M_ii )
 /// ```
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct ConditionScaled {
-    sharpness: Option<f64>,
-}
-
-impl ConditionScaled {
-    /// The condition number itself.
-    #[must_use]
-    pub const fn exact() -> Self {
-        Self { sharpness: None }
-    }
-
-    /// Its smooth upper bound with sharpness p.
-    #[must_use]
-    pub const fn smooth(sharpness: f64) -> Self {
-        Self { sharpness: Some(sharpness) }
-    }
+    /// Sharpness p of the smooth bound; the criterion itself where there is none.
+    pub sharpness: Option<f64>,
 }
 
 impl Criterion for ConditionScaled {
@@ -40,19 +27,12 @@ impl Criterion for ConditionScaled {
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
         let b = m.nrows();
         if m.diagonal().iter().any(|&x| x.is_nan() || x <= 0.0) {
-            if let Some(s) = sensitivity {
-                s.fill(0.0);
-            }
-            return Score::exact(f64::INFINITY);
+            return singular(sensitivity);
         }
         let d: Vec<f64> = m.diagonal().iter().map(|x| 1.0 / x.sqrt()).collect();
         let c = DMatrix::from_fn(b, b, |i, j| m[(i, j)] * d[i] * d[j]);
-        let log_kappa = |s: Option<&mut DMatrix<f64>>| match self.sharpness {
-            None => log_condition(&c, s),
-            Some(p) => log_condition_smooth(&c, p, s),
-        };
-        let Some(s) = sensitivity else { return log_kappa(None) };
-        let value = log_kappa(Some(&mut *s));
+        let Some(s) = sensitivity else { return log_condition(&c, self.sharpness, None) };
+        let value = log_condition(&c, self.sharpness, Some(&mut *s));
         for j in 0..b {
             let turned: f64 = s.column(j).iter().zip(c.column(j).iter()).map(|(s, c)| s * c).sum();
             for i in 0..b {
@@ -68,6 +48,6 @@ impl Criterion for ConditionScaled {
     }
 
     fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
-        Some(Box::new(Self::smooth(sharpness)))
+        Some(Box::new(Self { sharpness: Some(sharpness) }))
     }
 }

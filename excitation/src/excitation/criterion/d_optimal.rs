@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::definition::{Criterion, Score};
+use super::definition::{Criterion, Score, fill_symmetric, singular};
 
 /// `−ln det M`, with `S = −M⁻¹`.
 ///
@@ -17,22 +17,10 @@ impl Criterion for DOptimal {
     }
 
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
-        let Some(factor) = m.clone().cholesky() else {
-            if let Some(s) = sensitivity {
-                s.fill(0.0);
-            }
-            return Score::exact(f64::INFINITY);
-        };
+        let Some(factor) = m.clone().cholesky() else { return singular(sensitivity) };
         let value = -2.0 * factor.l_dirty().diagonal().iter().map(|l| libm::log(*l)).sum::<f64>();
         if let Some(s) = sensitivity {
-            let inverse = factor.inverse();
-            for j in 0..m.ncols() {
-                for i in 0..=j {
-                    let entry = -0.5 * (inverse[(i, j)] + inverse[(j, i)]);
-                    s[(i, j)] = entry;
-                    s[(j, i)] = entry;
-                }
-            }
+            fill_symmetric(s, &factor.inverse(), 1.0);
         }
         Score::exact(value)
     }

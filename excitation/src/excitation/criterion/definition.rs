@@ -23,6 +23,25 @@ impl Score {
     }
 }
 
+/// Of information that is not positive definite.
+pub(super) fn singular(sensitivity: Option<&mut DMatrix<f64>>) -> Score {
+    if let Some(s) = sensitivity {
+        s.fill(0.0);
+    }
+    Score::exact(f64::INFINITY)
+}
+
+/// Writes `−½ (A + Aᵀ) / by`, symmetric to the bit.
+pub(super) fn fill_symmetric(s: &mut DMatrix<f64>, a: &DMatrix<f64>, by: f64) {
+    for j in 0..a.ncols() {
+        for i in 0..=j {
+            let entry = -0.5 * (a[(i, j)] + a[(j, i)]) / by;
+            s[(i, j)] = entry;
+            s[(j, i)] = entry;
+        }
+    }
+}
+
 /// A number to be minimised, made from an information matrix.
 ///
 /// The list is [`CriterionKind`](super::CriterionKind); one from outside is used like those of the list. Laws that every
@@ -195,9 +214,9 @@ mod tests {
     fn analytic_smoothing_bounds_the_condition_from_above() {
         // ½/p (ln Σ λ^p + ln Σ λ^-p) exceeds ln κ by at most ln(b)/p.
         let m = information(8, 50);
-        let exact = Condition::exact().evaluate(&m, None).value;
+        let exact = Condition::default().evaluate(&m, None).value;
         for p in [2.0, 8.0, 64.0] {
-            let score = Condition::smooth(p).evaluate(&m, None);
+            let score = Condition { sharpness: Some(p) }.evaluate(&m, None);
             let smooth = score.value;
             assert!((score.exact - exact).abs() < 1e-15);
             assert!(smooth >= exact && smooth - exact <= libm::log(8.0) / p);

@@ -10,23 +10,10 @@ use super::spectrum::{Powers, extremes, spectral};
 /// At good trajectories the smallest eigenvalues meet, and the exact form has a kink there, as the condition number; see
 /// [`Condition`](super::Condition). It depends on the parameters' units. Reference: F. Pukelsheim, *Optimal Design of
 /// Experiments*, 2006, ch. 6.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct EOptimal {
-    sharpness: Option<f64>,
-}
-
-impl EOptimal {
-    /// The smallest eigenvalue itself.
-    #[must_use]
-    pub const fn exact() -> Self {
-        Self { sharpness: None }
-    }
-
-    /// Its smooth upper bound with sharpness p.
-    #[must_use]
-    pub const fn smooth(sharpness: f64) -> Self {
-        Self { sharpness: Some(sharpness) }
-    }
+    /// Sharpness p of the smooth bound; the criterion itself where there is none.
+    pub sharpness: Option<f64>,
 }
 
 impl Criterion for EOptimal {
@@ -63,6 +50,6 @@ impl Criterion for EOptimal {
     }
 
     fn smoothed(&self, sharpness: f64) -> Option<Box<dyn Criterion>> {
-        Some(Box::new(Self::smooth(sharpness)))
+        Some(Box::new(Self { sharpness: Some(sharpness) }))
     }
 }

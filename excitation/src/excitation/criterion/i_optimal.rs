@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::definition::{Criterion, Score};
+use super::definition::{Criterion, Score, fill_symmetric, singular};
 use super::prediction::Prediction;
 
 /// `ln tr(G M⁻¹)`, with `S = −M⁻¹ G M⁻¹ / tr(G M⁻¹)`.
@@ -35,24 +35,12 @@ impl Criterion for IOptimal {
     }
 
     fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
-        let Some(factor) = m.clone().cholesky() else {
-            if let Some(s) = sensitivity {
-                s.fill(0.0);
-            }
-            return Score::exact(f64::INFINITY);
-        };
+        let Some(factor) = m.clone().cholesky() else { return singular(sensitivity) };
         let inverse = factor.inverse();
         let weighted = self.gram.as_ref().map_or_else(|| inverse.clone(), |gram| gram * &inverse);
         let trace = weighted.trace();
         if let Some(s) = sensitivity {
-            let turned = inverse.tr_mul(&weighted);
-            for j in 0..m.ncols() {
-                for i in 0..=j {
-                    let entry = -0.5 * (turned[(i, j)] + turned[(j, i)]) / trace;
-                    s[(i, j)] = entry;
-                    s[(j, i)] = entry;
-                }
-            }
+            fill_symmetric(s, &inverse.tr_mul(&weighted), trace);
         }
         Score::exact(libm::log(trace))
     }

@@ -37,53 +37,24 @@ pub enum CriterionKind {
     ModelError,
 }
 
+// A new one is added at the end.
+crate::input::named! { CriterionKind {
+    Condition: "condition", ConditionScaled: "condition-scaled", DOptimal: "d-optimal", AOptimal: "a-optimal",
+    EOptimal: "e-optimal", ConditionPlusSigma: "condition-plus-sigma", ConditionPlusD: "condition-plus-d",
+    IOptimal: "i-optimal", ModelError: "model-error"
+} }
+
 impl CriterionKind {
-    /// Every criterion; a new one is added at the end.
-    pub const ALL: [Self; 9] = [
-        Self::Condition,
-        Self::ConditionScaled,
-        Self::DOptimal,
-        Self::AOptimal,
-        Self::EOptimal,
-        Self::ConditionPlusSigma,
-        Self::ConditionPlusD,
-        Self::IOptimal,
-        Self::ModelError,
-    ];
-
-    /// Its name on the command line and in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Condition => "condition",
-            Self::ConditionScaled => "condition-scaled",
-            Self::DOptimal => "d-optimal",
-            Self::AOptimal => "a-optimal",
-            Self::EOptimal => "e-optimal",
-            Self::ConditionPlusSigma => "condition-plus-sigma",
-            Self::ConditionPlusD => "condition-plus-d",
-            Self::IOptimal => "i-optimal",
-            Self::ModelError => "model-error",
-        }
-    }
-
-    /// The criterion with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|kind| kind.name() == name)
-    }
-
     /// The criterion itself, exact.
-    #[must_use]
     pub fn criterion(self) -> Box<dyn Criterion> {
         match self {
-            Self::Condition => Box::new(Condition::exact()),
-            Self::ConditionScaled => Box::new(ConditionScaled::exact()),
+            Self::Condition => Box::new(Condition::default()),
+            Self::ConditionScaled => Box::new(ConditionScaled::default()),
             Self::DOptimal => Box::new(DOptimal),
             Self::AOptimal => Box::new(AOptimal),
-            Self::EOptimal => Box::new(EOptimal::exact()),
-            Self::ConditionPlusSigma => Box::new(ConditionPlusSigma::exact()),
-            Self::ConditionPlusD => Box::new(ConditionPlusD::exact()),
+            Self::EOptimal => Box::new(EOptimal::default()),
+            Self::ConditionPlusSigma => Box::new(ConditionPlusSigma::default()),
+            Self::ConditionPlusD => Box::new(ConditionPlusD::default()),
             Self::IOptimal => Box::new(IOptimal::default()),
             Self::ModelError => Box::new(ModelError::default()),
         }
@@ -91,33 +62,28 @@ impl CriterionKind {
 
     /// A smooth stand-in for the optimiser, the closer the larger `sharpness`; the criterion itself where it is
     /// smooth already.
-    #[must_use]
     pub fn smooth(self, sharpness: f64) -> Box<dyn Criterion> {
         let criterion = self.criterion();
         criterion.smoothed(sharpness).unwrap_or(criterion)
     }
 
     /// Whether it is smooth wherever M is positive definite.
-    #[must_use]
     pub fn is_smooth(self) -> bool {
         self.criterion().smoothed(1.0).is_none()
     }
 
     /// Whether it is one of the information, as [`Criterion::is_weighted`].
-    #[must_use]
     pub fn is_weighted(self) -> bool {
         self.criterion().is_weighted()
     }
 
     /// The reported number, from the value that is minimised: κ from ln κ, ln det M from −ln det M, tr M⁻¹ from
     /// its logarithm, λ_min from −ln λ_min.
-    #[must_use]
     pub fn report(self, value: f64) -> f64 {
         self.criterion().report(value)
     }
 
     /// Whether the reported number is better the larger it is.
-    #[must_use]
     pub fn is_larger_better(self) -> bool {
         self.criterion().is_larger_better()
     }

@@ -34,7 +34,6 @@ impl ModelError {
 
     /// J of every scenario, N·m: without effects first, then under each that is expected; empty where M is not positive
     /// definite.
-    #[must_use]
     pub fn errors(&self, m: &DMatrix<f64>, moments: &DMatrix<f64>) -> Vec<f64> {
         let parts = Parts::new(self.prediction.as_ref(), m, moments);
         parts.map_or_else(Vec::new, |parts| parts.scenarios().into_iter().map(f64::sqrt).collect())

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::definition::{Criterion, Score};
+use super::definition::{Criterion, Score, fill_symmetric};
 use crate::base::{BaseReduction, LOAD_UNITS};
 
 /// `−ln det(Kᵀ S K)` with S the information on the base parameters of links and rotors, friction and offsets being estimated
@@ -75,14 +75,7 @@ impl Criterion for PayloadOptimal {
                 links.iter().enumerate().for_each(|(i, &row)| v[(row, j)] = self.k[(i, j)]);
                 others.iter().enumerate().for_each(|(i, &row)| v[(row, j)] = -on_others[(i, j)]);
             }
-            let turned = &v * information.inverse() * v.transpose();
-            for j in 0..m.ncols() {
-                for i in 0..=j {
-                    let entry = -0.5 * (turned[(i, j)] + turned[(j, i)]);
-                    out[(i, j)] = entry;
-                    out[(j, i)] = entry;
-                }
-            }
+            fill_symmetric(out, &(&v * information.inverse() * v.transpose()), 1.0);
         }
         Score::exact(value)
     }

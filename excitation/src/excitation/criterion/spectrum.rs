@@ -4,25 +4,21 @@ use nalgebra::{DMatrix, SymmetricEigen};
 
 use super::definition::Score;
 
-/// `½ (ln λ_max − ln λ_min)` and one subgradient.
-pub(super) fn log_condition(m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
+/// `½ (ln λ_max − ln λ_min)` and one subgradient; with a sharpness p its bound `1/(2p) (ln Σ λ^p + ln Σ λ^−p)` and the gradient.
+pub(super) fn log_condition(m: &DMatrix<f64>, sharpness: Option<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
     spectral(m, sensitivity, |values, weights| {
         let (low, high) = extremes(values);
-        weights[high] = 0.5 / values[high];
-        weights[low] -= 0.5 / values[low];
-        Score::exact(0.5 * (libm::log(values[high]) - libm::log(values[low])))
-    })
-}
-
-/// `1/(2p) (ln Σ λ^p + ln Σ λ^−p)` and its gradient.
-pub(super) fn log_condition_smooth(m: &DMatrix<f64>, p: f64, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
-    spectral(m, sensitivity, |values, weights| {
+        let exact = 0.5 * (libm::log(values[high]) - libm::log(values[low]));
+        let Some(p) = sharpness else {
+            weights[high] = 0.5 / values[high];
+            weights[low] -= 0.5 / values[low];
+            return Score::exact(exact);
+        };
         let powers = Powers::of(values, p);
         for (i, weight) in weights.iter_mut().enumerate() {
             *weight = 0.5 * (powers.high_share(i) - powers.low_share(i)) / values[i];
         }
-        let (low, high) = extremes(values);
-        Score { value: powers.log_condition(), exact: 0.5 * (libm::log(values[high]) - libm::log(values[low])) }
+        Score { value: powers.log_condition(), exact }
     })
 }
 

@@ -99,13 +99,11 @@ impl EffortModel {
     }
 
     /// Number of joints n.
-    #[must_use]
     pub fn dof(&self) -> usize {
         self.regressor.rows()
     }
 
     /// SHA-256 of the parameters, and of how well they are known where that counts.
-    #[must_use]
     pub fn parameters_sha256(&self) -> String {
         let variance: &[f64] = if self.multiple > 0.0 { &self.variance } else { &[] };
         sha256(&format!("{:?} {variance:?}", self.phi))

@@ -92,19 +92,16 @@ impl ExpectedEffects {
     }
 
     /// The parameters.
-    #[must_use]
     pub const fn nominal(&self) -> &StandardParameters {
         &self.nominal
     }
 
     /// The effects.
-    #[must_use]
     pub fn effects(&self) -> &[ExpectedEffect] {
         &self.effects
     }
 
     /// Whether the estimate is to predict torque with the effects.
-    #[must_use]
     pub const fn are_carried(&self) -> bool {
         self.carried
     }

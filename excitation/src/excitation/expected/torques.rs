@@ -81,7 +81,6 @@ impl EffectTorques {
     }
 
     /// The discrepancies of each effect, by their numbers.
-    #[must_use]
     pub fn effects(&self) -> Vec<std::ops::Range<usize>> {
         let mut next = 0;
         let joints = self.regressor.rows();

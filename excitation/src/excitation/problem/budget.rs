@@ -55,19 +55,16 @@ impl DesignBudget {
     }
 
     /// Criterion evaluations allowed; a gradient counts as one more.
-    #[must_use]
     pub const fn evaluations(&self) -> usize {
         self.evaluations
     }
 
     /// Steps of the optimiser allowed.
-    #[must_use]
     pub const fn iterations(&self) -> usize {
         self.iterations
     }
 
     /// Samples of one period in the certificate.
-    #[must_use]
     pub const fn certificate_samples(&self) -> usize {
         self.certificate_samples
     }

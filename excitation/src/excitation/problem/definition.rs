@@ -228,50 +228,42 @@ impl DesignProblem {
     }
 
     /// The robot, with its limits.
-    #[must_use]
     pub const fn robot(&self) -> &Robot {
         &self.robot
     }
 
     /// Where the design is sought.
-    #[must_use]
     pub const fn space(&self) -> &DesignSpace {
         &self.space
     }
 
     /// The space as variables of the search.
-    #[must_use]
     pub const fn basis(&self) -> &MotionBasis {
         &self.basis
     }
 
     /// What it must hold.
-    #[must_use]
     pub const fn limits(&self) -> &DesignLimits {
         &self.limits
     }
 
     /// What makes it good.
-    #[must_use]
     pub const fn objective(&self) -> &DesignObjective {
         &self.objective
     }
 
     /// The base parameters that the joints which move can show.
-    #[must_use]
     pub const fn base(&self) -> &BaseReduction {
         self.objective.base()
     }
 
     /// How long the search may take.
-    #[must_use]
     pub const fn budget(&self) -> &DesignBudget {
         &self.budget
     }
 
     /// Samples of one period in the criterion: as many as were asked for, and four for each period of the highest
     /// harmonic at least.
-    #[must_use]
     pub fn samples(&self) -> usize {
         self.objective.samples().max(SAMPLES_PER_HARMONIC * self.space.highest_harmonic())
     }
@@ -287,25 +279,21 @@ impl DesignProblem {
     }
 
     /// The segments of the experiment in which limits hold, around a motion of this period (s).
-    #[must_use]
     pub fn timeline(&self, period_s: f64) -> Timeline {
         Timeline { period_s, ramp_s: self.limits.ramp_s() }
     }
 
     /// The efforts by the nominal parameters; `None` without them.
-    #[must_use]
     pub fn efforts(&self) -> Option<EffortModel> {
         self.limits.efforts(&self.robot)
     }
 
     /// The efforts with the payload; `None` without nominal parameters or payload.
-    #[must_use]
     pub fn payload_efforts(&self) -> Option<EffortModel> {
         self.limits.payload_efforts(&self.robot)
     }
 
     /// The largest uses of torque and current by a motion with the payload, over its period and ramps.
-    #[must_use]
     pub fn payload_use(&self, trajectory: &PeriodicTrajectory) -> Option<WorstEfforts> {
         let (mut model, timeline) = (self.payload_efforts()?, self.timeline(trajectory.period_s()));
         let samples = self.budget.certificate_samples();

@@ -198,31 +198,26 @@ impl DesignLimits {
     }
 
     /// Parameters that torque limits are computed with; without them torque is not limited.
-    #[must_use]
     pub const fn nominal(&self) -> Option<&StandardParameters> {
         self.nominal.as_ref()
     }
 
     /// How far the true parameters may be from the nominal ones, and what the effort limits must leave for that.
-    #[must_use]
     pub const fn spread(&self) -> Option<&ParameterSpread> {
         self.spread.as_ref()
     }
 
     /// Length of the ramps around the motion, s, in which the limits hold as well; without it only the period counts.
-    #[must_use]
     pub const fn ramp_s(&self) -> Option<f64> {
         self.ramp_s
     }
 
     /// Distance to keep between the robot's bodies and from what stands around it, m; not held without it.
-    #[must_use]
     pub const fn clearance_m(&self) -> Option<f64> {
         self.clearance_m
     }
 
     /// Which part of each limit may be used.
-    #[must_use]
     pub const fn margins(&self) -> &Margins {
         &self.margins
     }

@@ -61,19 +61,16 @@ impl DesignObjective {
     }
 
     /// Which parameters are to be estimated.
-    #[must_use]
     pub const fn columns(&self) -> Columns {
         self.columns
     }
 
     /// Their base for the joints that move: the criterion is that of its kept columns.
-    #[must_use]
     pub const fn base(&self) -> &BaseReduction {
         &self.base
     }
 
     /// What is minimised.
-    #[must_use]
     pub fn criterion(&self) -> &dyn Criterion {
         &*self.criterion
     }
@@ -89,26 +86,22 @@ impl DesignObjective {
     }
 
     /// Noise of each joint's torque, N·m (n), for the criteria that weight rows; all 1 without it.
-    #[must_use]
     pub fn noise(&self) -> Option<&[f64]> {
         self.noise.as_deref()
     }
 
     /// Information already collected, b × b per torque row of one period, weighted by the same noise; for the criteria
     /// that weight rows.
-    #[must_use]
     pub const fn prior(&self) -> Option<&DMatrix<f64>> {
         self.prior.as_ref()
     }
 
     /// Effects that the criterion expects, where it does.
-    #[must_use]
     pub const fn expected(&self) -> Option<&ExpectedEffects> {
         self.expected.as_ref()
     }
 
     /// Units in which a certificate adds errors of unlike parameters; no search depends on them.
-    #[must_use]
     pub const fn reference_units(&self) -> &ReferenceUnits {
         &self.reference_units
     }
@@ -156,7 +149,6 @@ impl DesignObjective {
     }
 
     /// Position, among the kept columns, of those that belong to rigid bodies.
-    #[must_use]
     pub fn rigid_positions(&self) -> Vec<usize> {
         let rigid = |&(_, &column): &(usize, &usize)| self.base.parameters[column].kind.term().is_none();
         self.base.kept.iter().enumerate().filter(rigid).map(|(position, _)| position).collect()

@@ -59,31 +59,26 @@ impl DesignSpace {
     }
 
     /// The family.
-    #[must_use]
     pub const fn family(&self) -> &Arc<dyn TrajectoryFamily> {
         &self.family
     }
 
     /// Period T, s.
-    #[must_use]
     pub const fn period_s(&self) -> f64 {
         self.period_s
     }
 
     /// Number of harmonics H of each joint, n.
-    #[must_use]
     pub fn harmonics(&self) -> &[usize] {
         &self.harmonics
     }
 
     /// Where joints stand still, rad, n; `None` for those that move.
-    #[must_use]
     pub fn frozen(&self) -> &[Option<f64>] {
         &self.frozen
     }
 
     /// The most harmonics that a joint has.
-    #[must_use]
     pub fn highest_harmonic(&self) -> usize {
         self.harmonics.iter().copied().max().unwrap_or(0)
     }

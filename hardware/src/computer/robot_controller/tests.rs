@@ -1,42 +1,15 @@
-use armid::experiment::{Plant, PlantError};
-use armid::model::term::ROTOR;
-
 use super::*;
 use crate::computer::commander::Outcome;
+use crate::computer::flywheels::{FlyWheels, nominal};
 use crate::link::{JointMap, LinkSettings};
 use crate::message::{JointState, JointTrajectory, TrajectoryPoint};
 
-/// One flywheel of 1 kg·m² for each joint.
-struct FlyWheels(Vec<f64>, Vec<f64>);
-
-impl Plant for FlyWheels {
-    fn dof(&self) -> usize {
-        self.0.len()
-    }
-    fn state(&self) -> (&[f64], &[f64]) {
-        (&self.0, &self.1)
-    }
-    fn reset(&mut self, q: &[f64], qd: &[f64]) {
-        self.0.copy_from_slice(q);
-        self.1.copy_from_slice(qd);
-    }
-    fn step(&mut self, tau: &[f64], dt: f64) -> Result<(), PlantError> {
-        for i in 0..self.0.len() {
-            self.1[i] += dt * tau[i];
-            self.0[i] += dt * self.1[i];
-        }
-        Ok(())
-    }
-}
-
 fn controller(fault: Option<&str>) -> RobotController<FlyWheels> {
     let robot = armid::conformance::chains::planar_2r();
-    let mut nominal = StandardParameters::zero(2);
-    nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 1.0);
-    let plant = FlyWheels(vec![0.2, -0.1], vec![0.0; 2]);
+    let plant = FlyWheels([0.2, -0.1], [0.0; 2]);
     let fault = fault.map(|text| Fault::parse(text).unwrap());
     let seed = (Seed::new(1), 0);
-    RobotController::new(&robot, &nominal, plant, &Sensing::ideal(), seed, (500.0, 7_000_000_000))
+    RobotController::new(&robot, &nominal(), plant, &Sensing::ideal(), seed, (500.0, 7_000_000_000))
         .unwrap()
         .with_fault(fault)
 }
@@ -174,14 +147,12 @@ fn after_a_fault_nothing_is_commanded_outside_the_limits() {
 fn what_does_not_fit_is_refused() {
     let robot = armid::conformance::chains::planar_2r();
     let wrong = StandardParameters::zero(3);
-    let plant = FlyWheels(vec![0.0; 2], vec![0.0; 2]);
+    let plant = FlyWheels([0.0; 2], [0.0; 2]);
     let made = RobotController::new(&robot, &wrong, plant, &Sensing::ideal(), (Seed::new(1), 0), (500.0, 0));
     assert!(matches!(made, Err(RobotControllerError::Servo(_))));
-    let mut nominal = StandardParameters::zero(2);
-    nominal.drives.iter_mut().for_each(|drive| drive[ROTOR] = 1.0);
     for rate in [300.0, 2000.0, 0.0, f64::NAN] {
-        let plant = FlyWheels(vec![0.0; 2], vec![0.0; 2]);
-        let made = RobotController::new(&robot, &nominal, plant, &Sensing::ideal(), (Seed::new(1), 0), (rate, 0));
+        let plant = FlyWheels([0.0; 2], [0.0; 2]);
+        let made = RobotController::new(&robot, &nominal(), plant, &Sensing::ideal(), (Seed::new(1), 0), (rate, 0));
         assert!(matches!(made, Err(RobotControllerError::Rate { .. })), "{rate}");
     }
 }

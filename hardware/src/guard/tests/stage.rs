@@ -5,7 +5,6 @@ use armid::experiment::{
     TripReport,
 };
 use armid::model::{EffortInterface, Robot, bundled, format::parse_robot};
-use armid::provenance::Provenance;
 use armid::trajectory::{FourierJoint, FourierTrajectory};
 
 use crate::guard::{Approach, GuardSettings, Machine, Mode, Survey, Trip};
@@ -301,21 +300,8 @@ impl Machine for Stage {
     fn announcement(&self, plan: &ExperimentPlan) -> Result<Recording, ArmError> {
         let layout = plan.check(self.robot.dof())?;
         Ok(Recording {
-            robot: self.robot.name().to_owned(),
-            robot_text: String::new(),
-            dof: self.robot.dof(),
-            rate_hz: plan.rate_hz,
-            joints: self.robot.joints().iter().map(|joint| joint.name.clone()).collect(),
             effort_unit: EffortInterface::Current,
-            phases: layout.spans,
-            trajectory: plan.trajectory.clone(),
-            period_samples: layout.period_samples,
-            t: Vec::new(),
-            q: Vec::new(),
-            effort: Vec::new(),
-            voltage: Vec::new(),
-            link_q: Vec::new(),
-            provenance: Provenance::new(self.robot.name(), "", None),
+            ..Recording::begun(&self.robot, "", plan, &layout, None)
         })
     }
 

@@ -25,7 +25,6 @@ impl Quantity {
         [Self::Time, Self::Position, Self::Velocity, Self::Current, Self::Torque, Self::LinkPosition];
 
     /// Its key in a mapping.
-    #[must_use]
     pub const fn key(self) -> &'static str {
         match self {
             Self::Time => "t",
@@ -38,7 +37,6 @@ impl Quantity {
     }
 
     /// The units that it may be in; the first is taken where none is said.
-    #[must_use]
     pub const fn units(self) -> &'static [Unit] {
         match self {
             Self::Time => &[Unit::S, Unit::Ms, Unit::Us, Unit::Ns],

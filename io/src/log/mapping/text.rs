@@ -67,13 +67,11 @@ impl Mapping {
     }
 
     /// The columns of a quantity, where the mapping has them.
-    #[must_use]
     pub fn of(&self, quantity: Quantity) -> Option<&ColumnMap> {
         self.columns.iter().find(|map| map.quantity == quantity)
     }
 
     /// The text that [`Self::parse`] reads it from.
-    #[must_use]
     pub fn text(&self) -> String {
         let topic = self.topic.iter().map(|topic| format!("{TOPIC}={topic}"));
         let columns = self.columns.iter().map(|map| format!("{}={}", map.quantity.key(), map.text()));
@@ -81,7 +79,6 @@ impl Mapping {
     }
 
     /// Whether the mapping names files: then the files of a log stand side by side.
-    #[must_use]
     pub fn names_files(&self) -> bool {
         self.columns.iter().any(|map| map.file.is_some())
     }

@@ -51,7 +51,6 @@ pub enum Unit {
 
 impl Unit {
     /// Its name in a mapping.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
             Self::S => "s",
@@ -112,7 +111,6 @@ impl Unit {
     }
 
     /// The SI value of one of it; of one percent, a hundredth.
-    #[must_use]
     pub const fn si(self) -> f64 {
         match self {
             Self::S | Self::Rad | Self::M | Self::RadPerS | Self::MPerS | Self::A | Self::Nm | Self::N => 1.0,

@@ -112,19 +112,16 @@ impl ActualArm {
     }
 
     /// What its plant is built from.
-    #[must_use]
     pub const fn robot(&self) -> &Robot {
         &self.robot
     }
 
     /// The parameters that its plant is built from.
-    #[must_use]
     pub const fn parameters(&self) -> &StandardParameters {
         &self.parameters
     }
 
     /// Its effects.
-    #[must_use]
     pub const fn effects(&self) -> &Effects {
         &self.effects
     }
@@ -166,7 +163,6 @@ impl ActualArm {
     }
 
     /// Whether the servo has nothing to do around the plant.
-    #[must_use]
     pub fn is_plain(&self) -> bool {
         self.effects.is_none() && !self.acts_on_drives()
     }

@@ -9,13 +9,11 @@ use crate::model::{DriveParameters, Robot, StandardParameters};
 
 /// Why effects cannot be expected.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
+#[allow(missing_docs, reason = "each text says what its fields are")]
 pub enum ExpectedEffectError {
     /// No law of the motion gives its torque: it has a memory, phases that nobody knows, or is one of the sensors.
     #[error("{} cannot be expected of a design, expected one of {}", found.name(), names())]
-    NoLaw {
-        /// The effect.
-        found: Kind,
-    },
+    NoLaw { found: Kind },
     /// Its law does not fit the robot.
     #[error(transparent)]
     Law(#[from] ExcitationError),

@@ -44,7 +44,6 @@ macro_rules! effects {
             pub const ALL: &'static [Self] = &[$(Self::$kind,)*];
 
             /// Name, unit, levels, meaning.
-            #[must_use]
             pub const fn entry(self) -> EffectEntry {
                 match self {
                     $(Self::$kind => EffectEntry {
@@ -159,7 +158,6 @@ effects! {
 
 impl EffectKind {
     /// Its name in files.
-    #[must_use]
     pub const fn name(self) -> &'static str {
         self.entry().name
     }
@@ -171,7 +169,6 @@ impl EffectKind {
     }
 
     /// Its magnitude at a level, in the effect's unit.
-    #[must_use]
     pub const fn magnitude(self, level: Level) -> f64 {
         match level {
             Level::Realistic => self.entry().realistic,
@@ -180,7 +177,6 @@ impl EffectKind {
     }
 
     /// The level that a magnitude is, where it is one.
-    #[must_use]
     pub fn level(self, magnitude: f64) -> Option<Level> {
         Level::ALL.into_iter().find(|&level| self.magnitude(level).to_bits() == magnitude.to_bits())
     }

@@ -10,22 +10,4 @@ pub enum Level {
     Severe,
 }
 
-impl Level {
-    /// Both.
-    pub const ALL: [Self; 2] = [Self::Realistic, Self::Severe];
-
-    /// Its name in files.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Realistic => "realistic",
-            Self::Severe => "severe",
-        }
-    }
-
-    /// The level of this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|level| level.name() == name)
-    }
-}
+crate::input::named! { Level { Realistic: "realistic", Severe: "severe" } }

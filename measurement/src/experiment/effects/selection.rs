@@ -89,19 +89,16 @@ impl Effects {
     }
 
     /// Magnitude of one effect in its unit; 0 where it is off.
-    #[must_use]
     pub fn magnitude(&self, kind: EffectKind) -> f64 {
         self.magnitudes.get(&kind).copied().unwrap_or(0.0)
     }
 
     /// Whether an effect is there.
-    #[must_use]
     pub fn has(&self, kind: EffectKind) -> bool {
         self.magnitudes.contains_key(&kind)
     }
 
     /// Whether there is none.
-    #[must_use]
     pub fn is_none(&self) -> bool {
         self.magnitudes.is_empty()
     }
@@ -112,7 +109,6 @@ impl Effects {
     }
 
     /// Which arm it is.
-    #[must_use]
     pub const fn seed(&self) -> Seed {
         self.seed
     }

@@ -45,7 +45,6 @@ pub enum Coefficient {
 
 impl Coefficient {
     /// Its value on a robot, SI units; `None` where a letter has no value there.
-    #[must_use]
     pub fn evaluate(&self, robot: &Robot) -> Option<f64> {
         match self {
             Self::Number(value) => Some(*value),

@@ -33,7 +33,6 @@ pub struct Symbol {
 
 impl Symbol {
     /// Its value on a robot, m or 1; `None` where the joint is not given by a DH row.
-    #[must_use]
     pub fn value(self, robot: &Robot) -> Option<f64> {
         robot.joints().get(self.joint)?.dh.map(|(_, row)| self.of(&row))
     }

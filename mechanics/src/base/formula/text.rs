@@ -24,7 +24,6 @@ impl BaseReduction {
     ///
     /// A coefficient of a reduction on a trajectory gets a formula only where it equals that of the robot's full
     /// reduction; others are printed as numbers.
-    #[must_use]
     pub fn formulas(&self, robot: &Robot) -> Vec<Formula> {
         let family = Family::of(&Geometry::of(robot), &self.parameters, self.base_motion);
         let index_of = |id: ParameterId| self.parameters.iter().position(|&other| other == id);
@@ -54,7 +53,6 @@ impl BaseReduction {
     /// assert_eq!(base.expressions(&robot)[0], "m1 − Izz1/a1² + Izz2/a2² − Ia1/a1²");
     /// # Ok::<(), armid::base::BaseError>(())
     /// ```
-    #[must_use]
     pub fn expressions(&self, robot: &Robot) -> Vec<String> {
         self.formulas(robot).iter().map(Formula::to_string).collect()
     }

@@ -24,26 +24,9 @@ pub enum BaseMotion {
     Free,
 }
 
+crate::input::named! { BaseMotion { Fixed: "fixed", Planar: "planar", Free: "moving" } }
+
 impl BaseMotion {
-    /// Every kind of motion.
-    pub const ALL: [Self; 3] = [Self::Fixed, Self::Planar, Self::Free];
-
-    /// Its name.
-    #[must_use]
-    pub const fn name(self) -> &'static str {
-        match self {
-            Self::Fixed => "fixed",
-            Self::Planar => "planar",
-            Self::Free => "moving",
-        }
-    }
-
-    /// The kind of motion with this name.
-    #[must_use]
-    pub fn parse(name: &str) -> Option<Self> {
-        Self::ALL.into_iter().find(|motion| motion.name() == name)
-    }
-
     /// The directions in which the base moves, in its own frame.
     pub(crate) fn directions(self) -> Vec<Motion> {
         let indices: &[usize] = match self {

@@ -45,7 +45,6 @@ pub enum Geometry {
 
 impl Geometry {
     /// What it is called: `box`, `cylinder`, `capsule`, `sphere`, `mesh`.
-    #[must_use]
     pub const fn kind(&self) -> &'static str {
         match self {
             Self::Cuboid(_) => "box",
@@ -75,7 +74,6 @@ impl CollisionShape {
     /// for cylinders and meshes. `points` are those of a mesh, as its file has them.
     ///
     /// `None` where the shape could not be read or a mesh has no points.
-    #[must_use]
     pub fn solid(&self, points: &[Vector3<f64>]) -> Option<Solid> {
         let placement = &self.placement;
         let rod = |half_length: f64, radius: f64| {

@@ -6,6 +6,7 @@ use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use toml::Spanned;
 
 use super::reading::Number;
+use super::shape_parameters;
 use super::term_keys::term_keys;
 
 /// Key of the torque constant of the motor.
@@ -42,9 +43,9 @@ impl DriveTable {
     }
 }
 
-/// The keys of numbers: of every term, and of the motor.
+/// The keys of numbers: of every term and its law, and of the motor.
 fn number_keys() -> impl Iterator<Item = &'static str> {
-    term_keys().chain([TORQUE_CONSTANT]).chain(CIRCUIT)
+    term_keys().chain(shape_parameters::all().map(|shape| shape.key)).chain([TORQUE_CONSTANT]).chain(CIRCUIT)
 }
 
 struct Key(String);

@@ -71,7 +71,7 @@ pub use error::FormatError;
 pub use mjcf::parse_mjcf;
 pub use mjcf_edit::edit_mjcf;
 pub use parameter_file::{NominalParameters, Note, ParameterFile, parse_nominal, parse_parameters};
-pub use parameter_map::parse_parameter_map;
+pub use parameter_map::{law_map, parse_parameter_map};
 pub use parameter_writer::write_parameters;
 pub use relative_uncertainty::RelativeUncertainty;
 pub use robot_file::{parse_robot, parse_robot_model};

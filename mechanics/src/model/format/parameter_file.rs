@@ -9,6 +9,7 @@ use super::drive_table::{CIRCUIT, DriveTable, TORQUE_CONSTANT};
 use super::reading::quoted;
 use super::reading::{Check, Number, Row, read};
 use super::relative_uncertainty::{RelativeUncertainty, UncertaintyTable};
+use super::shape_parameters;
 use super::term_keys::read_terms;
 use crate::model::{Drive, DriveParameters, Robot, StandardParameters};
 use crate::spatial::Inertia;
@@ -27,8 +28,8 @@ pub struct Note {
 pub struct ParameterFile {
     /// The values.
     pub parameters: StandardParameters,
-    /// What the motors really are: the robot's drives, with what this file says of their circuits; n. The back-EMF
-    /// constant is the torque constant.
+    /// What the motors really are: the robot's drives, with what this file says of their circuits and laws of friction; n. The
+    /// back-EMF constant is the torque constant.
     pub motors: Vec<Drive>,
     /// Where they come from.
     pub notes: Vec<Note>,
@@ -222,6 +223,11 @@ impl ParameterReader<'_> {
     fn motor(&self, table: &DriveTable, drive: &mut Drive) -> Result<(), FormatError> {
         if let Some(x) = table.number(TORQUE_CONSTANT) {
             drive.torque_constant = self.check.positive(TORQUE_CONSTANT, x)?;
+        }
+        for shape in shape_parameters::all() {
+            if let Some(x) = table.number(shape.key) {
+                drive.set_shape(&shape, self.check.not_negative(shape.key, x)?);
+            }
         }
         let keys = CIRCUIT.map(|key| (key, table.number(key)));
         let Some(circuit) = &mut drive.circuit else {

@@ -1,5 +1,6 @@
 //! A map of parameter name → value, as TOML or JSON.
 
+use std::collections::BTreeMap;
 use std::fmt;
 
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
@@ -7,22 +8,35 @@ use toml::Spanned;
 
 use super::FormatError;
 use super::reading::Check;
-use crate::model::term::Term;
-use crate::model::{Columns, ParameterId, Robot, StandardParameters};
+use super::shape_parameters::{self, laws};
+use crate::model::term::{ShapeParameter, Term};
+use crate::model::{Columns, Drive, DriveParameters, ParameterId, Robot, StandardParameters};
 
-/// Reads a map of parameter name → value, such as `mcx2 = 0.1` in TOML or `{"mcx2": 0.1}` in JSON.
+/// Reads a map of parameter name → value, such as `mcx2 = 0.1` in TOML or `{"mcx2": 0.1}` in JSON, and the robot with the numbers of its laws of
+/// friction that the map states, such as `coulomb_velocity_rad_s2 = 0.05`.
 ///
 /// A text whose first character is `{` is JSON. Parameters that the map does not hold are zero.
 ///
 /// # Errors
 /// [`FormatError`] with line and column: a name that the robot does not have (with those most like it), one that is
 /// there twice, a value that is no finite number.
-pub fn parse_parameter_map(text: &str, robot: &Robot) -> Result<StandardParameters, FormatError> {
+pub fn parse_parameter_map(text: &str, robot: &Robot) -> Result<(StandardParameters, Robot), FormatError> {
     let ids = Term::ALL.iter().fold(Columns::RIGID, |columns, &term| columns.with(term)).parameters(robot);
     let named: Vec<(String, ParameterId)> = ids.into_iter().map(|id| (id.to_string(), id)).collect();
     let mut parameters = StandardParameters::zero(robot.dof());
+    let mut drives: Vec<Drive> = robot.joints().iter().map(|joint| joint.drive.clone()).collect();
     let check = Check::new(text);
     let mut set = |name: &str, value: f64, at: std::ops::Range<usize>| {
+        let mut laws = shape_parameters::all();
+        if let Some((shape, joint)) = laws.find_map(|shape| Some((shape, name.strip_prefix(shape.key)?)))
+            && let Some(drive) = joint.parse::<usize>().ok().and_then(|joint| drives.get_mut(joint.wrapping_sub(1)))
+        {
+            if !(value.is_finite() && value >= 0.0) {
+                return check.fault(at, format!("{name} is {value}, expected a number not below zero"));
+            }
+            drive.set_shape(&shape, value);
+            return Ok(());
+        }
         let Some((_, id)) = named.iter().find(|(known, _)| known == name) else {
             let known: Vec<&str> = named.iter().map(|(known, _)| known.as_str()).collect();
             let similar = most_similar(name, &known).join(", ");
@@ -57,7 +71,17 @@ pub fn parse_parameter_map(text: &str, robot: &Robot) -> Result<StandardParamete
             set(name, *value.get_ref(), value.span())?;
         }
     }
-    Ok(parameters)
+    Ok((parameters, robot.clone().with_drives(drives)))
+}
+
+/// The numbers of a robot's laws of friction with which the parameters act, by the names that [`parse_parameter_map`] reads.
+#[must_use]
+pub fn law_map(robot: &Robot, parameters: &StandardParameters) -> BTreeMap<String, f64> {
+    let of = |(index, drive): (usize, &DriveParameters)| {
+        let value = move |shape: &ShapeParameter| robot.joints()[index].drive.shape(shape);
+        laws(drive).into_iter().map(move |shape| (format!("{}{}", shape.key, index + 1), value(&shape)))
+    };
+    parameters.drives.iter().enumerate().flat_map(of).collect()
 }
 
 /// The entries of a map in the order of the text.
@@ -117,9 +141,12 @@ mod tests {
     #[test]
     fn analytic_toml_and_json_give_the_same_set() {
         let robot = parse_robot(TWO_JOINTS).unwrap();
-        let toml = parse_parameter_map("# guess\nmcx2 = 0.1\nIyy1 = 2\nFo1 = -3e-1\n", &robot).unwrap();
-        let json = parse_parameter_map(" {\"Iyy1\": 2, \"mcx2\": 1e-1,\n \"Fo1\": -0.3}", &robot).unwrap();
-        assert_eq!(toml, json);
+        let text = "# guess\nmcx2 = 0.1\nIyy1 = 2\nFo1 = -3e-1\nFc2 = 1\ncoulomb_velocity_rad_s2 = 0.07\n";
+        let (toml, moved) = parse_parameter_map(text, &robot).unwrap();
+        let text = " {\"Iyy1\": 2, \"mcx2\": 1e-1,\n \"Fo1\": -0.3, \"Fc2\": 1, \"coulomb_velocity_rad_s2\": 7e-2}";
+        assert_eq!((toml.clone(), moved.clone()), parse_parameter_map(text, &robot).unwrap());
+        assert_eq!(moved.joints()[1].drive.coulomb_velocity, 0.07);
+        assert_eq!(law_map(&moved, &toml), BTreeMap::from([("coulomb_velocity_rad_s2".to_owned(), 0.07)]));
         assert_eq!(toml.links[1].first_moment.x, 0.1);
         assert_eq!(toml.links[0].rotational[(1, 1)], 2.0);
         assert_eq!(toml.drives[0][OFFSET], -0.3);
@@ -132,6 +159,7 @@ mod tests {
         for (text, found) in [
             ("m1 = 1\nmxc2 = ¶0.1\n", "mcx2"),
             ("m1 = ¶nan\n", "finite"),
+            ("coulomb_velocity_rad_s1 = ¶-1.0\n", "not below zero"),
             ("m1 = ¶\"one\"\n", "expected f64"),
             ("m1 = 1\n¶m1 = 2\n", "duplicate"),
             ("{\"m1\": 1,\n ¶\"m7\": 2}", "m1, m2"),

@@ -2,9 +2,11 @@
 
 use std::fmt::Write;
 
+use super::shape_parameters::laws;
 use crate::model::{Columns, Robot, StandardParameters};
 
-/// Writes a set of parameters as TOML that [`parse_parameters`](super::parse_parameters) reads back to the last bit.
+/// Writes a set of parameters as TOML that [`parse_parameters`](super::parse_parameters) reads back to the last bit, with the numbers of
+/// the robot's laws of friction that they were estimated with.
 ///
 /// First moments and inertias are about the origin of each link's frame, where they are stored. `header` stands on top
 /// as a comment.
@@ -27,6 +29,9 @@ pub fn write_parameters(robot: &Robot, parameters: &StandardParameters, header: 
         let stated = Columns::default().and_those_of(parameters);
         for term in stated.terms().filter(|term| term.is_at(robot, index)) {
             let _ = writeln!(out, "{} = {:?}", term.entry().key.of(joint.kind), drive[term]);
+        }
+        for shape in laws(drive) {
+            let _ = writeln!(out, "{} = {:?}", shape.key, joint.drive.shape(&shape));
         }
     }
     out

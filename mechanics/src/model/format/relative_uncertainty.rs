@@ -25,7 +25,6 @@ pub struct RelativeUncertainty {
 
 impl RelativeUncertainty {
     /// That of a term's coefficient: as stated, else the prior's default, else none.
-    #[must_use]
     pub fn of(&self, term: Term) -> f64 {
         let prior = term.entry().prior;
         self.terms.get(prior.key).copied().or(prior.default).unwrap_or(0.0)

@@ -35,7 +35,7 @@ pub fn write_robot(model: &ImportedModel, path: &str, ends: &ChainEnds) -> Strin
         "Kinematics, limits, inertias, damping and friction are those of the URDF. A line that begins with # and has a",
     );
     out.comment("question mark for its value is a gap: what the URDF does not say. Without the # and with a value it counts; left");
-    out.comment("alone, nothing is assumed but what stands behind it. `armid robot` on this file shows what is known.");
+    out.comment("alone, nothing is assumed but what stands behind it.");
     for remark in &model.remarks {
         out.comment(&format!("remark: {remark}"));
     }
@@ -61,13 +61,13 @@ pub fn write_robot(model: &ImportedModel, path: &str, ends: &ChainEnds) -> Strin
     out.gap("motor_from_joint", "q_motor = C q, row by row; each motor for itself is taken");
     out.blank();
     out.heading("[servo]", "of the simulated arm, assumed: without rotor inertias wrists are light,");
-    out.key("rate_hz", "5000", "and at a lower rate `armid run` can diverge");
+    out.key("rate_hz", "5000", "and at a lower rate a simulation can diverge");
     out.key("bandwidth_hz", "8", "");
     out.key("damping", "0.8", "");
     out.key("integral_hz", "0.5", "");
     out.key("friction", "true", "gains overcome the friction of the URDF, too");
     out.blank();
-    out.heading("# [floor]", "`armid design --clearance` keeps above it");
+    out.heading("# [floor]", "a design with a clearance keeps above it");
     out.gap("z_m", "in the base frame");
     for ((joint, link), drive) in model.robot.joints().iter().zip(&model.parameters.links).zip(&model.parameters.drives)
     {
@@ -83,32 +83,29 @@ fn write_joint(out: &mut Lines, joint: &Joint, link: &Inertia, drive: &DrivePara
     out.heading("[[joint]]", "");
     out.key("name", &quoted(&joint.name), &said(joint));
     if link.mass <= 0.0 {
-        out.comment("gap: its link has no <inertial> in the URDF; `armid run` has nothing to simulate, `armid export` nothing to");
+        out.comment("gap: its link has no <inertial> in the URDF; there is nothing to simulate, and nothing to");
         out.comment("choose by where torque does not decide");
     }
     out.heading("[joint.limits]", "");
     let limits = &joint.limits;
     if limits.position.0.is_infinite() {
-        out.gap(by("position_deg", "position_m"), "[low, high]: `armid design` and the guard keep inside");
+        out.gap(by("position_deg", "position_m"), "[low, high]: designs and the guard keep inside");
     }
     if limits.velocity.is_infinite() {
-        out.gap(by("velocity_deg_s", "velocity_m_s"), "`armid design` and the guard keep below");
+        out.gap(by("velocity_deg_s", "velocity_m_s"), "designs and the guard keep below");
     }
-    out.gap(
-        by("acceleration_rad_s2", "acceleration_m_s2"),
-        "`armid design` keeps below; or --max-acceleration, one for all",
-    );
+    out.gap(by("acceleration_rad_s2", "acceleration_m_s2"), "designs keep below; they can also be given one for all");
     if limits.torque.is_infinite() {
-        out.gap(by("torque_nm", "force_n"), "peak: `armid design` keeps below");
+        out.gap(by("torque_nm", "force_n"), "peak: designs keep below");
     }
     out.heading("[joint.drive]", "");
     out.gap(by("gear", "gear_rad_m"), "motor turns per joint turn: logs of motors' angles, currents");
     out.gap("torque_constant_nm_a", "at the motor: logs of currents");
-    out.gap("current_limit_a", "peak: `armid design` keeps below");
-    out.gap(by("counts_per_revolution", "counts_per_m"), "of the encoder, at the joint: noise of `armid run`");
+    out.gap("current_limit_a", "peak: designs keep below");
+    out.gap(by("counts_per_revolution", "counts_per_m"), "of the encoder, at the joint: noise of a simulated arm");
     let scale = by("coulomb_velocity_rad_s", "coulomb_velocity_m_s");
     if drive[COULOMB] == 0.0 {
-        out.gap(scale, "Coulomb friction is Fc tanh(velocity / this); `armid run` needs it");
+        out.gap(scale, "Coulomb friction is Fc tanh(velocity / this); a simulation needs it");
     } else {
         out.key(scale, COULOMB_VELOCITY, "assumed: friction of the URDF is Fc tanh(velocity / this),");
         out.comment_at_column("since no engine simulates a jump");

@@ -13,13 +13,16 @@ use toml::Spanned;
 use super::FormatError;
 use super::reading::{Check, Number, quoted};
 use crate::model::term::{ShapeParameter, Term};
+use crate::model::{Columns, DriveParameters};
+
+const COULOMB_VELOCITY: &str = ShapeParameter::COULOMB_VELOCITY.key;
 
 /// Reads the table `shape` of a drive: what each key, which a term of the list must have, is set to.
 pub(super) fn read_shape_parameters(
     check: Check<'_>,
     table: &BTreeMap<Spanned<String>, Number>,
 ) -> Result<BTreeMap<String, f64>, FormatError> {
-    let known = keys();
+    let known: Vec<&str> = all().map(|shape| shape.key).filter(|key| *key != COULOMB_VELOCITY).collect();
     let mut shapes = BTreeMap::new();
     for (key, number) in table {
         let found = key.get_ref();
@@ -32,13 +35,13 @@ pub(super) fn read_shape_parameters(
     Ok(shapes)
 }
 
-/// The keys of all shape parameters of the list of terms, each once.
-fn keys() -> Vec<&'static str> {
-    let mut keys: Vec<&str> = Vec::new();
-    for shape in Term::ALL.iter().flat_map(|term| term.entry().shapes) {
-        if *shape != ShapeParameter::COULOMB_VELOCITY && !keys.contains(&shape.key) {
-            keys.push(shape.key);
-        }
-    }
-    keys
+/// The shape parameters of all terms, each once.
+pub(super) fn all() -> impl Iterator<Item = ShapeParameter> {
+    Term::ALL.iter().fold(Columns::RIGID, |columns, &term| columns.with(term)).shapes().into_iter()
+}
+
+/// Those of the laws of terms whose coefficient is not zero.
+pub(super) fn laws(drive: &DriveParameters) -> Vec<ShapeParameter> {
+    let acting = drive.iter().filter(|(_, value)| *value != 0.0);
+    acting.fold(Columns::RIGID, |columns, (term, _)| columns.with(term)).shapes()
 }

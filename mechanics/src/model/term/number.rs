@@ -113,34 +113,11 @@ impl Slope {
     }
 }
 
-impl Add for Slope {
-    type Output = Self;
-    fn add(self, other: Self) -> Self {
-        Self { value: self.value + other.value, by: std::array::from_fn(|k| self.by[k] + other.by[k]) }
-    }
-}
-
-impl Sub for Slope {
-    type Output = Self;
-    fn sub(self, other: Self) -> Self {
-        Self { value: self.value - other.value, by: std::array::from_fn(|k| self.by[k] - other.by[k]) }
-    }
-}
-
-impl Mul for Slope {
-    type Output = Self;
-    #[allow(clippy::suspicious_arithmetic_impl, reason = "the product rule is a sum")]
-    fn mul(self, other: Self) -> Self {
-        let by = std::array::from_fn(|k| self.by[k] * other.value + self.value * other.by[k]);
-        Self { value: self.value * other.value, by }
-    }
-}
-
-impl Neg for Slope {
-    type Output = Self;
-    fn neg(self) -> Self {
-        Self { value: -self.value, by: self.by.map(|d| -d) }
-    }
+crate::lanes::arithmetic_of! { impl[] Slope, |a, b|
+    Self { value: a.value + b.value, by: std::array::from_fn(|k| a.by[k] + b.by[k]) },
+    Self { value: a.value - b.value, by: std::array::from_fn(|k| a.by[k] - b.by[k]) },
+    Self { value: a.value * b.value, by: std::array::from_fn(|k| a.by[k] * b.value + a.value * b.by[k]) },
+    Self { value: -a.value, by: a.by.map(|d| -d) }
 }
 
 impl Number for Slope {

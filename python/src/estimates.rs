@@ -1,0 +1,224 @@
+//! What is done with estimates, which come with a name for messages and as the text of their files.
+
+use std::path::{Path, PathBuf};
+
+use armid::codegen::Language;
+use armid::estimation::{Estimate, predict as predicted};
+use armid::model::format::ChainEnds;
+use armid::statistics::student_quantile;
+use armid_io::log::{HeldOut, find};
+use armid_io::robot::ChainSource;
+use armid_io::{Error, Inputs, LogSettings, ProcessedLog, Text, estimate};
+use armid_workflow::export::{Exchange, ExportSettings, export as exported, export_source};
+use armid_workflow::report::write_estimate_report;
+use armid_workflow::{PayloadSide, columns_of, payload as payload_of, validate as validated};
+use numpy::PyReadwriteArrayDyn;
+use pyo3::prelude::*;
+
+use crate::arrays::{Rows, output, states};
+use crate::fault::{exception, raised, unexpected};
+use crate::identification::{processed, samples};
+use crate::log::Log;
+use crate::robot::Robot;
+use crate::watch::{Leaves, watched};
+
+/// The file of an estimate: what it is called, and its text.
+type File<'a> = (&'a str, &'a str);
+
+/// An estimate, and what it was made from.
+struct Made {
+    estimate: Estimate,
+    name: String,
+    inputs: Option<Inputs>,
+}
+
+impl Made {
+    fn parse((name, text): File<'_>) -> Result<Self, Error> {
+        let text = Text::new(name, text);
+        Ok(Self { estimate: estimate::parse(&text)?, inputs: Inputs::of_estimate(&text)?, name: text.name })
+    }
+
+    /// The logs that it was made from, processed again as it was made. Where none are given, they are read again.
+    fn log(&self, robot: &Robot, [logs, held_out]: &[Vec<Log>; 2]) -> Result<(ProcessedLog, &Inputs), Error> {
+        let name = &self.name;
+        let inputs = self.inputs.as_ref();
+        let inputs = inputs.ok_or_else(|| Error::new(format!("{name} does not state what it was made from")))?;
+        inputs.check_robot(&robot.loaded, name)?;
+        let settings = inputs.settings.clone();
+        let read = |paths: &[PathBuf]| -> Result<ProcessedLog, Error> {
+            let of = Some(&robot.loaded.robot);
+            samples(robot, find(paths, inputs.mapping.as_deref(), inputs.rate_hz, of, false)?.logs, &settings)
+        };
+        if !logs.is_empty() {
+            let (mut log, _) = processed(robot, logs, &settings)?;
+            if !held_out.is_empty() {
+                log.hold_out(&processed(robot, held_out, &settings)?.0);
+            }
+            return Ok((log, inputs));
+        }
+        if inputs.logs.is_empty() {
+            return Err(Error::new(format!("{name} was made from arrays, which are gone, expected logs=")));
+        }
+        let paths: Vec<PathBuf> = inputs.logs.iter().map(PathBuf::from).collect();
+        let mut log = read(&paths)?;
+        let files: Vec<_> = log.logs.iter().flat_map(|log| log.origin.files.clone()).collect();
+        inputs.check_files(&files, name)?;
+        if let Some(other) = &inputs.held_out_log {
+            log.hold_out(&read(&[PathBuf::from(other)])?);
+        }
+        Ok((log, inputs))
+    }
+}
+
+/// Logs that a thread may keep.
+fn kept(logs: [Vec<PyRef<'_, Log>>; 2]) -> [Vec<Log>; 2] {
+    logs.map(|logs| logs.iter().map(|log| Log::clone(log)).collect())
+}
+
+/// Torque that an estimate predicts for every sample, N × n, into `out`.
+#[pyfunction]
+pub(crate) fn predict(
+    py: Python<'_>,
+    robot: &Robot,
+    file: File<'_>,
+    samples: [Rows<'_>; 3],
+    mut out: PyReadwriteArrayDyn<'_, f64>,
+) -> PyResult<()> {
+    let [q, qd, qdd] = &samples;
+    let Made { estimate, name, .. } = Made::parse(file).map_err(exception)?;
+    estimate::check_robot(&estimate, &name, &robot.loaded).map_err(exception)?;
+    let columns = columns_of(&estimate, &name).map_err(exception)?;
+    let states = states(robot.dof(), [q, qd, qdd])?;
+    let out = output(&mut out, &[states.len(), robot.dof()])?;
+    let torque = py.detach(|| {
+        let regressor = estimate.regressor(&robot.loaded.robot, columns)?;
+        predicted(&estimate, &regressor, &states)
+    });
+    out.copy_from_slice(&torque.map_err(raised)?);
+    Ok(())
+}
+
+/// How well an estimate predicts other logs, as the command's answer. Processing is that of the estimate, with its period where the logs
+/// state none.
+#[pyfunction]
+pub(crate) fn validate(
+    py: Python<'_>,
+    robot: &Robot,
+    file: File<'_>,
+    logs: Vec<PyRef<'_, Log>>,
+    limit: f64,
+    part_s: (Option<f64>, Option<f64>),
+) -> PyResult<String> {
+    let made = Made::parse(file).map_err(exception)?;
+    let (robot, [logs, _]) = (robot.clone(), kept([logs, Vec::new()]));
+    let answer = watched(py, None, Leaves::Nothing, move |_| {
+        let before = made.inputs.as_ref().map(|inputs| inputs.settings.clone()).unwrap_or_default();
+        let is_foreign = logs.iter().any(|log| log.log.recording.is_none());
+        let stated = logs.iter().find_map(|log| log.period_s);
+        let is_remembered = stated.is_none() && is_foreign && before.period_s.is_some();
+        let from_s = part_s.0.or_else(|| logs.iter().find_map(|log| log.part_s.0));
+        let settings = LogSettings {
+            period_s: if is_remembered { before.period_s } else { stated },
+            from_s: from_s.unwrap_or(if is_remembered { before.from_s } else { 0.0 }),
+            until_s: part_s.1.or_else(|| logs.iter().find_map(|log| log.part_s.1)),
+            held_out: HeldOut::Nothing,
+            measured_velocity: is_foreign && before.measured_velocity,
+            ..before
+        };
+        let (log, now) = processed(&robot, &logs, &settings)?;
+        let estimates = std::slice::from_ref(&made.estimate);
+        let answer = validated((estimates, &made.name), &log, [made.inputs.as_ref(), Some(&now)], limit)?;
+        serde_json::to_string(&answer).map_err(Error::of)
+    })?;
+    answer.map_err(exception)
+}
+
+/// A file of another tool that was written: its text, the command's answer, and what is wrong with it where it is not sound.
+type Written = (String, String, Option<String>);
+
+/// An estimate as a model or as source code. `into` is a file that gets the numbers, `path` where the text will stand.
+#[pyfunction]
+#[allow(clippy::too_many_arguments, reason = "one for each keyword of the call")]
+pub(crate) fn export(
+    py: Python<'_>,
+    robot: &Robot,
+    file: File<'_>,
+    logs: [Vec<PyRef<'_, Log>>; 2],
+    to: &str,
+    into: Option<PathBuf>,
+    path: Option<PathBuf>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<Written> {
+    const FORMATS: [Exchange; 4] = [Exchange::Urdf, Exchange::Mjcf, Exchange::Toml, Exchange::Json];
+    let made = Made::parse(file).map_err(exception)?;
+    estimate::check_robot(&made.estimate, &made.name, &robot.loaded).map_err(exception)?;
+    if let Some(language) = [Language::C, Language::Rust].into_iter().find(|language| language.name() == to) {
+        let source = py.detach(|| export_source((&made.estimate, &made.name), &robot.loaded, language, path));
+        let source = source.map_err(exception)?;
+        let fault =
+            (!source.is_sound()).then(|| "the operations of the source code differ from the regressor".to_owned());
+        let answer = serde_json::to_string(&source).map_err(raised)?;
+        return Ok((source.text, answer, fault));
+    }
+    let Some(format) = FORMATS.into_iter().find(|format| format.name() == to) else {
+        return Err(unexpected(format!("to is \"{to}\", expected one of urdf, mjcf, toml, json, c, rust")));
+    };
+    if into.is_some() && !matches!(format, Exchange::Urdf | Exchange::Mjcf) {
+        return Err(unexpected(format!("into is for urdf and mjcf, found {to}")));
+    }
+    let (robot, logs) = (robot.clone(), kept(logs));
+    let answer = watched(py, progress, Leaves::Nothing, move |observer| {
+        let template = |path: &Path| -> Result<ChainSource, Error> {
+            // Names of links need not be the same in another format.
+            let ends = format.template(&robot.loaded).map_or_else(ChainEnds::default, |own| own.ends.clone());
+            Ok(ChainSource { text: Text::read(path)?, ends })
+        };
+        let settings = ExportSettings { format, into: into.as_deref().map(template).transpose()?, file: path };
+        let (log, _) = made.log(&robot, &logs)?;
+        let file = exported((&made.estimate, &made.name), log, &settings, observer)?;
+        let fault = (!file.is_sound()).then(|| file.prediction.sentence(&file.name));
+        Ok((file.text.clone(), serde_json::to_string(&file).map_err(Error::of)?, fault))
+    })?;
+    answer.map_err(exception)
+}
+
+/// Draws the page of an estimate into a folder; returns the page.
+#[pyfunction]
+pub(crate) fn report(
+    py: Python<'_>,
+    robot: &Robot,
+    file: File<'_>,
+    logs: [Vec<PyRef<'_, Log>>; 2],
+    folder: PathBuf,
+) -> PyResult<PathBuf> {
+    let made = Made::parse(file).map_err(exception)?;
+    let (robot, logs) = (robot.clone(), kept(logs));
+    let page = watched(py, None, Leaves::Files, move |_| {
+        let (log, inputs) = made.log(&robot, &logs)?;
+        write_estimate_report(&folder, (&made.estimate, &made.name), &log, inputs)
+    })?;
+    page.map_err(exception)
+}
+
+/// The load by which two estimates of one arm differ, as the command's answer.
+#[pyfunction]
+pub(crate) fn payload(py: Python<'_>, robot: &Robot, without: File<'_>, with: File<'_>) -> PyResult<String> {
+    let side = |file| -> Result<PayloadSide, Error> {
+        let Made { estimate, name, inputs } = Made::parse(file)?;
+        Ok(PayloadSide { estimate, name, inputs })
+    };
+    let answer = py.detach(|| {
+        let answer = payload_of(&robot.loaded, side(without)?, side(with)?)?;
+        serde_json::to_string(&answer).map_err(Error::of)
+    });
+    answer.map_err(exception)
+}
+
+/// Half the width of an interval that holds a share `level` of Student's t, in standard deviations.
+#[pyfunction]
+pub(crate) fn student(level: f64, degrees_of_freedom: f64) -> PyResult<f64> {
+    if !(0.0 < level && level < 1.0 && degrees_of_freedom > 0.0) {
+        return Err(unexpected(format!("the level is {level}, expected a number between 0 and 1")));
+    }
+    Ok(student_quantile(0.5 * (1.0 + level), degrees_of_freedom))
+}

@@ -1,0 +1,164 @@
+"""Logs, estimates, estimators of one's own, and what a reader is warned of."""
+
+import pickle
+import warnings
+
+import armid
+import numpy as np
+import pytest
+
+pytestmark = pytest.mark.filterwarnings("ignore::armid.ArmidWarning")
+
+
+def exact(robot, design, parameters, noise=1e-3, rate=200.0):
+    """A log of the design's motion with the torque of these parameters, over five periods."""
+    _, q, qd, qdd = (np.concatenate([one] * 5) for one in design.sample(rate))
+    tau = robot.inverse_dynamics(q, qd, qdd, parameters)
+    tau += noise * np.random.default_rng(3).normal(size=tau.shape)
+    return armid.Log.from_arrays(q, tau, rate=rate)
+
+
+def test_identity_arrays_with_known_parameters_give_them_back(robot, design):
+    phi = robot.nominal()
+    log = exact(robot, design, phi)
+    estimate = robot.identify(log, period=design.period, onset_speed="stated")
+    beta = robot.reduce().K @ phi
+    assert estimate.names == robot.reduce().names
+    assert np.abs((estimate.values - beta) / estimate.std).max() < 5
+    low, high = estimate.interval().T
+    assert (low < estimate.values).all() and (estimate.values < high).all()
+    wider = estimate.interval(0.99)
+    assert (wider[:, 0] < low).all() and (wider[:, 1] > high).all()
+    assert estimate.unexplained()["total"] < 1e-3
+    assert np.allclose(estimate.std, np.sqrt(np.diag(estimate.covariance)))
+    torque = estimate.predict(log.q, log.q, log.q)
+    assert torque.shape == log.q.shape and np.array_equal(estimate.predict(log.q[0], log.q[0], log.q[0]), torque[0])
+
+
+def test_identity_the_load_that_was_put_on_is_found(robot, design):
+    names, phi = robot.parameters(), robot.nominal()
+    carried = phi.copy()
+    mass, x = 0.5, 0.1
+    for name, value in [("m2", mass), ("mcx2", mass * x), ("Izz2", mass * x * x + 0.002)]:
+        carried[names.index(name)] += value
+    of = dict(period=design.period, held_out=None, onset_speed="stated", columns="rigid+rotor+friction")
+    without, with_ = (robot.identify(exact(robot, design, one), **of) for one in (phi, carried))
+    payload = robot.payload(without, with_)
+    shown = payload.parameters["mcx2"]["shown"] or payload.parameters["m2"]["shown"]
+    assert shown is not None, payload.parameters
+    expected = {"m2": mass, "mcx2": mass * x}
+    for name, value in expected.items():
+        shown = payload.parameters[name]["shown"]
+        if shown is not None:
+            assert abs(shown["value"] - value) < 5 * shown["std"]
+    assert pickle.loads(pickle.dumps(payload)).data == payload.data
+    with pytest.raises(armid.ArmidError, match="columns"):
+        robot.payload(without, robot.identify(exact(robot, design, phi), **{**of, "columns": "rigid"}))
+
+
+def test_identity_an_estimator_of_ones_own_is_ols_where_it_does_what_ols_does(robot, log):
+    def mine(w, y):
+        assert w.shape == (len(y), 13) and w.dtype == y.dtype == np.float64
+        return np.linalg.lstsq(w, y, rcond=None)[0]
+
+    def sure(w, y):
+        beta = np.linalg.lstsq(w, y, rcond=None)[0]
+        return beta, 4.0 * np.eye(len(beta))
+
+    found = robot.identify(log, [mine, "ols", sure])
+    assert list(found) == ["ols", "mine", "sure"]
+    assert np.allclose(found["mine"].values, found["ols"].values, rtol=1e-9, atol=1e-12)
+    assert np.array_equal(found["mine"].covariance, found["ols"].covariance)
+    assert (found["sure"].std == 2.0).all() and found["sure"].estimator == "sure"
+    named = robot.identify(log, {"a": mine})
+    assert list(named) == ["a"] and np.array_equal(named["a"].values, found["mine"].values)
+
+
+def test_what_an_estimator_of_ones_own_raises_reaches_the_caller(robot, log):
+    class Own(Exception):
+        pass
+
+    def fails(w, y):
+        raise Own("no answer")
+
+    with pytest.raises(Own, match="no answer"):
+        robot.identify(log, fails)
+    for wrong in (
+        lambda w, y: np.zeros(3),
+        lambda w, y: (np.zeros(13), np.eye(3)),
+        lambda w, y: np.full(13, np.nan),
+        lambda w, y: (np.zeros(13), -np.eye(13)),
+    ):
+        with pytest.raises(armid.ArmidError):
+            robot.identify(log, wrong)
+    for wrong in (lambda w, y: None, lambda w, y: "nothing", lambda w, y: np.zeros((2, 2))):
+        with pytest.raises((TypeError, ValueError)):
+            robot.identify(log, wrong)
+    with pytest.raises(armid.ArmidError, match="expected a mapping"):
+        robot.identify(log, [fails, fails])
+
+
+def test_an_estimate_is_its_file(robot, estimate, tmp_path):
+    again = pickle.loads(pickle.dumps(estimate))
+    assert again == estimate and hash(again) == hash(estimate)
+    estimate.write(tmp_path / "E.json")
+    read = armid.Estimate.read(tmp_path / "E.json")
+    assert read == estimate and read.robot.joints == robot.joints
+    states = np.ones((3, 2))
+    assert np.array_equal(read.predict(states, states, states), estimate.predict(states, states, states))
+    page = estimate._repr_html_()
+    assert page.index("error of the torque of the fit") < page.index("<table>") and "m1 − Izz1" in page
+    assert repr(estimate).startswith("<armid.Estimate of 'planar-2r' by wls: 13 parameters; error of the torque")
+    table = estimate.to_pandas()
+    assert list(table.index) == estimate.names and table["std"].to_numpy().tolist() == estimate.std.tolist()
+
+
+def test_findings_and_suspicions_are_warned_of_at_the_callers_line(robot, log, estimate):
+    with warnings.catch_warnings(record=True) as seen:
+        warnings.simplefilter("always")
+        robot.identify(log)
+    assert {one.category for one in seen} == {armid.ArmidWarning} and {one.filename for one in seen} == {__file__}
+    assert [str(one.message) for one in seen] == [f"wls: {finding.text}" for finding in estimate.findings]
+    standing = np.zeros((500, 2))
+    standing[:, 1] = np.sin(np.arange(500) / 20)
+    with pytest.warns(armid.ArmidWarning, match="joint 1 is at rest"):
+        robot.identify(armid.Log.from_arrays(standing, np.cos(standing), rate=100.0), columns="rigid", period=None)
+
+
+def test_logs_that_cannot_be_used_are_refused(robot, log, tmp_path):
+    q = np.zeros((100, 2))
+    stamps = np.arange(100) / 100.0
+    for call, said in [
+        (lambda: armid.Log.from_arrays(q, q), "expected either t="),
+        (lambda: armid.Log.from_arrays(q, q, current=q, rate=1.0), "exactly one of tau= and current="),
+        (lambda: armid.Log.from_arrays(q, q, t=stamps[::-1]), "row 1"),
+        (lambda: armid.Log.from_arrays(q, q, t=stamps[:5]), "t has 5 values, expected 100"),
+        (lambda: armid.Log.from_arrays(q, q[:50], rate=1.0), "the efforts has 50 rows"),
+        (lambda: armid.Log.from_arrays(q, q, rate=-1.0), "the rate is -1 Hz"),
+        (lambda: armid.Log.from_arrays(q, q, rate=1.0, joints=["one"]), "joints has 1 values, expected 2"),
+        (lambda: robot.identify(log, "magic"), 'estimator is "magic", expected a callable, or one of'),
+        (lambda: robot.identify(log, period="later"), 'period is "later"'),
+        (lambda: robot.identify(log, held_out=2.0), "held_out is 2, expected a share"),
+        (lambda: robot.identify(log, bandwidth_hz=-1.0), "bandwidth_hz is -1"),
+        (lambda: robot.identify(log, derivatives="guess"), 'derivatives is "guess"'),
+        (lambda: robot.identify([]), "no log is named"),
+        (lambda: robot.identify(armid.Log.from_arrays(np.zeros((9, 3)), np.zeros((9, 3)), rate=1.0)), "3"),
+        (lambda: armid.Estimate("[]"), "not an estimate"),
+    ]:
+        with pytest.raises(armid.ArmidError, match=said):
+            call()
+    bad = tmp_path / "robot.toml"
+    bad.write_text('name = "x"\nwhat = 1\n')
+    with pytest.raises(armid.ArmidError, match="robot.toml:2:1") as raised:
+        armid.Robot.load(bad)
+    assert raised.value.place is not None and raised.value.place[1:] == (2, 1)
+    for call in (
+        lambda: armid.Robot.load("crs-a461"),
+        lambda: armid.Robot.load(tmp_path / "none.urdf"),
+        lambda: armid.Log.read(tmp_path / "none.csv"),
+        lambda: armid.Estimate.read(tmp_path / "none.json"),
+    ):
+        with pytest.raises(FileNotFoundError) as missing:
+            call()
+        assert isinstance(missing.value, armid.ArmidError)
+    assert 'did you mean "crs-a460"' in str(pytest.raises(armid.ArmidError, armid.Robot.load, "crs-a461").value)

@@ -1,0 +1,213 @@
+//! A robot with its parameters in the formats of other tools, and the same read back.
+
+use armid::dynamics::Dynamics;
+use armid::model::format::{
+    ChainEnds, EditedText, FormatError, ImportedModel, edit_mjcf, edit_urdf, law_map, note, parse_mjcf,
+    parse_parameter_map, parse_parameters, parse_urdf, write_parameters, write_urdf,
+};
+use armid::model::term::{COULOMB, ROTOR, VISCOUS};
+use armid::model::{Columns, Robot, StandardParameters};
+use armid::regressor::JointTorqueRegressor;
+use armid::seed::Seed;
+use armid_io::output::pretty;
+use armid_io::robot::ChainSource;
+use armid_io::{Error, LoadedRobot};
+use serde::Serialize;
+use serde_json::{Map, Value};
+
+/// States on which what was read back is compared.
+const STATES: usize = 200;
+
+/// Relative difference that rounding explains: numbers go through text, angles and another choice of frames.
+const ROUNDING: f64 = 1e-9;
+
+/// A format that other tools read.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
+#[serde(rename_all = "lowercase")]
+pub enum Exchange {
+    /// A URDF: rigid bodies, viscous and Coulomb friction.
+    Urdf,
+    /// An MJCF: rotor inertia, too.
+    Mjcf,
+    /// A file of parameters, with every term.
+    Toml,
+    /// A map of names to values, with every term.
+    Json,
+}
+
+armid::input::named! { Exchange { Urdf: "urdf", Mjcf: "mjcf", Toml: "toml", Json: "json" } }
+
+impl Exchange {
+    /// How files of this format end.
+    #[must_use]
+    pub const fn extension(self) -> &'static str {
+        match self {
+            Self::Mjcf => "xml",
+            other => other.name(),
+        }
+    }
+
+    /// The terms that it has a place for, of a model that was estimated with some.
+    pub(super) fn columns(self, estimated: Columns) -> Columns {
+        let friction = Columns::RIGID.with(VISCOUS).with(COULOMB);
+        match self {
+            Self::Urdf => friction,
+            Self::Mjcf => friction.with(ROTOR),
+            Self::Toml | Self::Json => estimated,
+        }
+    }
+
+    /// The robot with the laws of friction that a reader of the file has: URDF and MJCF have a plain sign.
+    pub(super) fn robot(self, robot: &Robot) -> Result<Robot, Error> {
+        match self {
+            Self::Urdf | Self::Mjcf => {
+                let plain = robot.clone().with_joints(|joint| joint.drive.coulomb_velocity = 0.0);
+                plain.map_err(Error::of)
+            }
+            Self::Toml | Self::Json => Ok(robot.clone()),
+        }
+    }
+
+    /// The file that is edited in place, of what a robot was read from.
+    #[must_use]
+    pub fn template(self, loaded: &LoadedRobot) -> Option<&ChainSource> {
+        match self {
+            Self::Urdf => loaded.urdf.as_ref(),
+            // A tendon that stands for a coupled motor is written anew.
+            Self::Mjcf => loaded.mjcf.as_ref().filter(|_| loaded.robot.coupling().is_none()),
+            Self::Toml | Self::Json => None,
+        }
+    }
+
+    /// The file's text, and what the reader must know of it. `header` is its comment, where the format has any; a `template` is that file
+    /// with other numbers.
+    pub(super) fn write(
+        self,
+        robot: &Robot,
+        template: Option<&ChainSource>,
+        parameters: &StandardParameters,
+        header: &str,
+    ) -> Result<(String, Vec<String>), Error> {
+        if let Some(source) = template {
+            let named = |fault: FormatError| Error::new(format!("{}: {fault}", source.text.name));
+            let edited = match self {
+                Self::Mjcf => edit_mjcf(&source.text.content, &source.ends, robot, parameters),
+                Self::Urdf | Self::Toml | Self::Json => edit_urdf(&source.text.content, &source.ends, parameters),
+            };
+            let EditedText { text, mut remarks } = edited.map_err(named)?;
+            let gravity = self.model(&text, &source.ends).map(|model| model.robot.gravity());
+            if gravity.is_ok_and(|read| (read - robot.gravity()).amax() > ROUNDING) {
+                remarks.push(format!("gravity is that of {}: in the robot file it is another", source.text.name));
+            }
+            return Ok((note(&text, &header.replace('\n', " ")).map_err(named)?, remarks));
+        }
+        let text = match self {
+            Self::Urdf => write_urdf(robot, parameters, header),
+            Self::Mjcf => armid_sim::mjcf_for_exchange(robot, parameters, header).map_err(Error::of)?,
+            Self::Toml => write_parameters(robot, parameters, header),
+            Self::Json => {
+                let ids = Columns::RIGID_ROTOR_FRICTION.and_those_of(parameters).parameters(robot);
+                let laws = law_map(robot, parameters).into_iter().map(|(name, value)| (name, value.into()));
+                let map: Map<String, Value> =
+                    ids.into_iter().map(|id| (id.to_string(), parameters.get(id).into())).chain(laws).collect();
+                pretty(&Value::Object(map))
+            }
+        };
+        Ok((text, Vec::new()))
+    }
+
+    fn model(self, text: &str, ends: &ChainEnds) -> Result<ImportedModel, FormatError> {
+        if self == Self::Mjcf { parse_mjcf(text, ends) } else { parse_urdf(text, ends) }
+    }
+
+    /// The robot and its parameters as a reader of the file sees them, gravity being that of the robot file where it was edited in place.
+    pub(super) fn read(
+        self,
+        text: &str,
+        robot: &Robot,
+        template: Option<&ChainSource>,
+    ) -> Result<(Robot, StandardParameters), Error> {
+        let read = match self {
+            Self::Urdf | Self::Mjcf => {
+                let ends = template.map_or_else(ChainEnds::default, |source| source.ends.clone());
+                self.model(text, &ends).map(|ImportedModel { robot: read, parameters, .. }| match template {
+                    Some(_) => (read.clone().with_gravity(read.base().rotation * robot.gravity()), parameters),
+                    None => (read, parameters),
+                })
+            }
+            Self::Toml => parse_parameters(text, robot, true)
+                .map(|file| (robot.clone().with_drives(file.motors), file.parameters)),
+            Self::Json => parse_parameter_map(text, robot).map(|(parameters, robot)| (robot, parameters)),
+        };
+        read.map_err(|fault| Error::new(format!("the file does not read back: {}", fault.message)))
+    }
+}
+
+/// What a file says when it is read back.
+#[derive(Clone, Copy, Debug, Serialize)]
+pub struct Reloaded {
+    /// Random states at which it was asked.
+    pub states: usize,
+    /// Largest difference of its torque, links and rotors as far as the format has them, from `Y φ`, over the largest
+    /// torque of the joint.
+    #[serde(rename = "largest_relative_difference")]
+    pub difference: f64,
+    /// Largest difference of a friction coefficient that the format has, over its size.
+    #[serde(rename = "largest_friction_difference")]
+    pub friction: f64,
+}
+
+impl Reloaded {
+    /// The torque of what the file says, by the recursion, against the regressor of the robot itself times the parameters, as far as
+    /// `columns` has them.
+    pub(super) fn compare(
+        robot: &Robot,
+        parameters: &StandardParameters,
+        (read, found): (&Robot, &StandardParameters),
+        columns: Columns,
+    ) -> Result<Self, Error> {
+        if read.dof() != robot.dof() || found.drives.len() != parameters.drives.len() {
+            let (found, expected) = (read.dof(), robot.dof());
+            return Err(Error::new(format!("the file reads back with {found} joints, expected {expected}")));
+        }
+        let mut found = found.clone();
+        let friction = [VISCOUS, COULOMB].into_iter().flat_map(|term| {
+            let pairs = found.drives.iter().zip(&parameters.drives);
+            pairs.map(move |(found, expected)| {
+                let size = expected[term].abs().max(f64::MIN_POSITIVE);
+                if columns.has(term) { (found[term] - expected[term]).abs() / size } else { 0.0 }
+            })
+        });
+        let friction = friction.fold(0.0, f64::max);
+        let columns = if columns.has(ROTOR) { Columns::RIGID_ROTOR } else { Columns::RIGID };
+        for drive in &mut found.drives {
+            *drive = drive.only(|term| columns.has(term));
+        }
+        let regressor = JointTorqueRegressor::new(robot, columns).map_err(Error::of)?;
+        let n = robot.dof();
+        let phi = parameters.vector(robot, columns);
+        let mut dynamics = Dynamics::new(read, &found);
+        let mut y = vec![0.0; n * phi.len()];
+        let mut tau = vec![0.0; n];
+        let (mut largest, mut differences) = (vec![0.0_f64; n], vec![0.0_f64; n]);
+        let mut rng = Seed::new(0).stream("read back", 0);
+        for _ in 0..STATES {
+            let (q, qd, qdd) = armid::conformance::chains::random_state(&mut rng, n);
+            regressor.evaluate(&q, &qd, &qdd, &mut y);
+            dynamics.inverse(&q, &qd, &qdd, &mut tau);
+            for i in 0..n {
+                let expected: f64 =
+                    y[i * phi.len()..(i + 1) * phi.len()].iter().zip(&phi).map(|(y, phi)| y * phi).sum();
+                largest[i] = largest[i].max(expected.abs());
+                differences[i] = differences[i].max((tau[i] - expected).abs());
+            }
+        }
+        let difference = differences.iter().zip(&largest).map(|(d, size)| d / size.max(f64::MIN_POSITIVE));
+        let difference = difference.fold(0.0, f64::max);
+        Ok(Self { states: STATES, difference, friction })
+    }
+
+    pub(super) fn is_sound(&self) -> bool {
+        self.difference <= ROUNDING && self.friction <= ROUNDING
+    }
+}

@@ -1,0 +1,182 @@
+//! The page of an estimate: torque measured and predicted, residuals, parameters, and a verdict with its reason.
+
+use std::path::{Path, PathBuf};
+
+use armid::estimation::{Against, Estimate, ResidualTrends, TorqueResidual, TorqueSeries};
+use armid::signal::Samples;
+use armid_io::{Error, Inputs, ProcessedLog};
+use armid_reports::{
+    EstimateInput, ParameterRow, ResidualDiagnostics, ResidualShares, ResidualTrace, TorqueTrace, estimate_document,
+};
+
+use super::page::write_document;
+use crate::identification::grouped;
+use crate::numbers::percent;
+
+/// Points of a line on the page, at most.
+const POINTS: usize = 1500;
+
+/// Share of the torque that a model may leave unexplained to be called good on rows that it has not seen.
+const GOOD: f64 = 0.1;
+
+/// Draws the page of an estimate, which errors call `name`, from the logs that it was made from; returns the page.
+///
+/// # Errors
+/// [`Error`] where the estimate is of another robot or of other parameters, or the page cannot be written.
+pub fn write_estimate_report(
+    folder: &Path,
+    (estimate, name): (&Estimate, &str),
+    log: &ProcessedLog,
+    inputs: &Inputs,
+) -> Result<PathBuf, Error> {
+    let page = Page { estimate, prepared: log, name };
+    write_document(folder, estimate_document(&page.input(inputs)?))
+}
+
+struct Page<'a> {
+    estimate: &'a Estimate,
+    prepared: &'a ProcessedLog,
+    name: &'a str,
+}
+
+impl Page<'_> {
+    fn input(&self, inputs: &Inputs) -> Result<EstimateInput, Error> {
+        let (used, held_out) = self.prepared.residual(self.estimate, self.name)?;
+        let expressions = self.prepared.expressions(self.estimate, self.name)?;
+        let joints = self.prepared.joint_names();
+        let aside = !self.prepared.held_out.is_empty();
+        let parts = if aside { &self.prepared.held_out[..1] } else { &self.prepared.parts[..1] };
+        let series = self.prepared.series(self.estimate, self.name, parts)?;
+        let traces = (0..joints.len()).map(|i| trace(&joints[i], i, &parts[0], &series[0])).collect();
+        let mut shares = vec![in_percent("used rows", &used, true), in_percent("all rows", &used, false)];
+        shares.extend(held_out.as_ref().map(|residual| in_percent("held out", residual, false)));
+        let parameters = self.estimate.base.iter().zip(expressions).map(|(parameter, expression)| ParameterRow {
+            name: parameter.name.clone(),
+            expression,
+            value: parameter.value,
+            std: parameter.std,
+            interval: parameter.ci95,
+            unit: parameter.unit.clone(),
+        });
+        let mut provenance = vec![("robot file, SHA-256".to_owned(), inputs.robot.sha256.clone())];
+        provenance.extend(inputs.files.iter().map(|file| (file.path.clone(), file.sha256.clone())));
+        provenance.extend(inputs.mapping.clone().map(|mapping| ("mapping".to_owned(), mapping)));
+        let trends = self.prepared.residual_trends(self.estimate, self.name)?;
+        let diagnostics = diagnostics(&trends, &joints);
+        Ok(EstimateInput {
+            robot: self.estimate.robot.clone(),
+            subtitle: format!(
+                "{} base parameters ({}) by {} from {}",
+                self.estimate.base.len(),
+                self.estimate.columns,
+                self.estimate.estimator,
+                self.prepared.name()
+            ),
+            verdict: self.verdict(&used, held_out.as_ref()),
+            joints,
+            unit: self.estimate.units.first().cloned().unwrap_or_default(),
+            bandwidth_hz: used.bandwidth_hz,
+            shares,
+            traces,
+            traces_of: if aside { "held out, not used for the fit".into() } else { "used for the fit".into() },
+            diagnostics,
+            parameters: parameters.collect(),
+            left_out: self.prepared.reports.iter().flat_map(|report| report.origin.sentences()).collect(),
+            findings: grouped(&self.estimate.findings)
+                .into_iter()
+                .flat_map(|(sentences, advice)| {
+                    sentences.into_iter().map(move |sentence| format!("{sentence} → {advice}"))
+                })
+                .collect(),
+            provenance,
+        })
+    }
+
+    /// The verdict with its reason.
+    fn verdict(&self, used: &TorqueResidual, held_out: Option<&TorqueResidual>) -> Vec<String> {
+        let bandwidth = used.bandwidth_hz;
+        let poor = self.estimate.base.iter().filter(|p| 3.0 * p.std > p.value.abs()).count();
+        let first = match held_out.and_then(|residual| residual.all.total) {
+            Some(total) if total <= GOOD => format!(
+                "The model **predicts** held-out torque: {} of it is left unexplained below {bandwidth} Hz, {} on \
+                 the rows of the fit.",
+                percent(Some(total)),
+                percent(used.all.total)
+            ),
+            Some(total) => format!(
+                "The model does **not predict** held-out torque well: {} of it is left unexplained below \
+                 {bandwidth} Hz, more than {:.0} %; {} on the rows of the fit.",
+                percent(Some(total)),
+                100.0 * GOOD,
+                percent(used.all.total)
+            ),
+            None => format!(
+                "Nothing was held out, so **its prediction is not validated**; {} of the torque of the fit is left \
+                 unexplained below {bandwidth} Hz.",
+                percent(used.all.total)
+            ),
+        };
+        let second = format!(
+            "{poor} of {} parameters have a standard deviation of more than a third of their value; the condition number with \
+             columns of unit length is {:.0}.",
+            self.estimate.base.len(),
+            self.estimate.condition_scaled
+        );
+        vec![first, second]
+    }
+}
+
+fn in_percent(label: &str, residual: &TorqueResidual, used: bool) -> ResidualShares {
+    let rows = if used { &residual.used } else { &residual.all };
+    ResidualShares {
+        label: label.to_owned(),
+        joints: rows.share.iter().map(|share| share.map(|share| 100.0 * share)).collect(),
+        total: rows.total.map(|share| 100.0 * share),
+    }
+}
+
+/// The lines of a joint, thinned to what a page can show.
+fn trace(joint: &str, i: usize, samples: &Samples, series: &TorqueSeries) -> TorqueTrace {
+    let n = samples.dof();
+    let step = samples.len().div_ceil(POINTS).max(1);
+    let rows: Vec<usize> = (0..samples.len()).step_by(step).collect();
+    let pick = |table: &[f64]| -> Vec<f64> { rows.iter().map(|&k| table[k * n + i]).collect() };
+    let (measured, predicted) = (pick(&series.measured), pick(&series.predicted));
+    TorqueTrace {
+        joint: joint.to_owned(),
+        times: rows.iter().map(|&k| k as f64 / samples.rate_hz).collect(),
+        measured,
+        predicted,
+    }
+}
+
+/// What the residual shows, thinned to what a page can show.
+fn diagnostics(trends: &ResidualTrends, joints: &[String]) -> ResidualDiagnostics {
+    let traces =
+        trends.traces.iter().zip(&trends.whiteness).zip(joints).filter(|((trace, _), _)| !trace.times.is_empty());
+    let traces = traces.map(|((trace, white), joint)| {
+        let step = trace.times.len().div_ceil(POINTS).max(1);
+        let pick = |values: &[f64]| -> Vec<f64> { values.iter().step_by(step).copied().collect() };
+        let autocorrelation = white.as_ref().map(|white| white.autocorrelation.clone()).unwrap_or_default();
+        let step_s = white.as_ref().map_or(0.0, |white| white.step_s);
+        ResidualTrace {
+            joint: joint.clone(),
+            times: pick(&trace.times),
+            residual: pick(&trace.residual),
+            velocity: pick(&trace.velocity),
+            load: pick(&trace.load),
+            position: pick(&trace.position),
+            lags: (1..=autocorrelation.len()).map(|lag| lag as f64 * step_s).collect(),
+            autocorrelation,
+            white_within: white.as_ref().map_or(0.0, |white| white.limit),
+        }
+    });
+    ResidualDiagnostics {
+        traces: traces.collect(),
+        over_time: trends.sentences(Against::Time, joints),
+        over_speed: trends.sentences(Against::Speed, joints),
+        over_load: trends.sentences(Against::Load, joints),
+        over_position: trends.sentences(Against::Position, joints),
+        whiteness: trends.whiteness_sentences(joints),
+    }
+}

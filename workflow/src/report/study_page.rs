@@ -1,0 +1,39 @@
+//! The report of a study.
+
+use std::path::{Path, PathBuf};
+
+use armid::study::{CriterionRatios, ReportInput, RobotsSummary};
+use armid_io::Error;
+use armid_io::output::write_text;
+use armid_io::study::write_ratios;
+use armid_reports::{DocumentError, Figure, criteria_figure, robots_document, study_document};
+
+use super::page::{cannot_be_drawn, write_document};
+
+/// Draws the report of a study; returns the page.
+///
+/// # Errors
+/// [`Error`] where a figure cannot be drawn or written.
+pub fn write_report(folder: &Path, input: &ReportInput) -> Result<PathBuf, Error> {
+    write_document(folder, study_document(input))
+}
+
+/// Draws the page of one study on several robots; returns it.
+///
+/// # Errors
+/// [`Error`] where a figure cannot be drawn or written.
+pub fn write_robots_report(folder: &Path, summary: &RobotsSummary) -> Result<PathBuf, Error> {
+    write_document(folder, robots_document(summary))
+}
+
+/// Draws criteria under single effects on several robots, and stores the numbers beside the figure; returns the figure.
+///
+/// # Errors
+/// [`Error`] where it cannot be drawn or written.
+pub fn write_criteria(folder: &Path, robots: &[CriterionRatios]) -> Result<PathBuf, Error> {
+    let figure = criteria_figure(robots);
+    let path = folder.join(format!("{}.svg", figure.name()));
+    write_text(&path, &figure.svg().map_err(DocumentError::from).map_err(cannot_be_drawn)?)?;
+    write_ratios(&path.with_extension("json"), robots)?;
+    Ok(path)
+}

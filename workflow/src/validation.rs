@@ -1,0 +1,136 @@
+//! How well does an estimate predict the torque of another log?
+
+use armid::estimation::{Estimate, Model, TorqueResidual, Validation};
+use armid_io::log::LogReport;
+use armid_io::{Error, Inputs, LoadedRobot, ProcessedLog};
+use serde::{Serialize, Serializer};
+
+/// What an estimate or a model predicts of a log. It serialises to the keys of the command's answer.
+#[derive(Clone, Debug, Serialize)]
+pub struct ValidationVerdict {
+    /// The estimator, or the file of a model.
+    #[serde(rename = "estimator")]
+    pub by: String,
+    /// Name of the robot.
+    pub robot: String,
+    /// What the logs are called.
+    pub recording: String,
+    /// Difference of predicted and measured torque.
+    #[serde(flatten)]
+    pub validation: Validation,
+    /// Largest difference that passes, as a share of the measured RMS.
+    pub limit: f64,
+    /// Torque that is not explained, below the bandwidth.
+    pub residual: TorqueResidual,
+    /// What was found in the logs.
+    pub logs: Vec<LogReport>,
+    /// What else is to be known of them.
+    pub remarks: Vec<String>,
+    /// `passed` or `failed`.
+    pub verdict: &'static str,
+}
+
+/// The verdicts on one log: one object for one estimate, a list for several.
+#[derive(Clone, Debug)]
+pub struct ValidationAnswer {
+    /// One for each estimate.
+    pub verdicts: Vec<ValidationVerdict>,
+}
+
+impl ValidationVerdict {
+    fn new(by: &str, log: &ProcessedLog, (validation, residual): (Validation, TorqueResidual), limit: f64) -> Self {
+        Self {
+            by: by.to_owned(),
+            robot: log.robot.robot.name().to_owned(),
+            recording: log.name(),
+            verdict: Self::word(validation.is_within(limit)),
+            validation,
+            limit,
+            residual,
+            logs: log.reports.clone(),
+            remarks: Vec::new(),
+        }
+    }
+
+    /// `passed` or `failed`.
+    #[must_use]
+    pub const fn word(passed: bool) -> &'static str {
+        if passed { "passed" } else { "failed" }
+    }
+}
+
+impl ValidationAnswer {
+    /// Do all predict the log within the limit?
+    #[must_use]
+    pub fn passed(&self) -> bool {
+        self.verdicts.iter().all(|one| one.validation.is_within(one.limit))
+    }
+}
+
+impl Serialize for ValidationAnswer {
+    fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+        match self.verdicts.as_slice() {
+            [one] => one.serialize(serializer),
+            several => several.serialize(serializer),
+        }
+    }
+}
+
+/// Compares what estimates, which errors call `name`, predict with a log. Where `inputs` say what the estimates and the log were made from,
+/// a log of the fit is remarked upon, and the robot's file is to be the same.
+///
+/// # Errors
+/// [`Error`] where the limit is not above zero, or an estimate is of another robot or of other parameters.
+pub fn validate(
+    (estimates, name): (&[Estimate], &str),
+    log: &ProcessedLog,
+    inputs: [Option<&Inputs>; 2],
+    limit: f64,
+) -> Result<ValidationAnswer, Error> {
+    check_limit(limit)?;
+    let mut remarks = Vec::new();
+    if let [Some(before), Some(now)] = inputs {
+        remarks.extend(before.shared_file(now).map(|file| {
+            format!(
+                "{} is the log of the fit (the same SHA-256), so that this is no validation: another log is one, or a part \
+                 that is held out of the fit",
+                file.path
+            )
+        }));
+        if before.robot.name.is_some() && before.robot.name == now.robot.name {
+            before.check_robot(&log.robot, name)?;
+        }
+    }
+    let verdict = |estimate: &Estimate| {
+        let found = (log.validate(estimate, name)?, log.residual(estimate, name)?.0);
+        let verdict = ValidationVerdict::new(&estimate.estimator, log, found, limit);
+        Ok::<_, Error>(ValidationVerdict { remarks: remarks.clone(), ..verdict })
+    };
+    Ok(ValidationAnswer { verdicts: estimates.iter().map(verdict).collect::<Result<_, _>>()? })
+}
+
+/// The same of a model file, by its own inertias, damping, friction and armature. `name` is what errors call it.
+///
+/// # Errors
+/// [`Error`] where the limit is not above zero, the file states no inertias, or it is of another arm.
+pub fn validate_model(
+    (model, name): (&LoadedRobot, &str),
+    log: &ProcessedLog,
+    limit: f64,
+) -> Result<ValidationAnswer, Error> {
+    check_limit(limit)?;
+    let Some(parameters) = &model.own else {
+        return Err(Error::new(format!("{name} states no inertias, expected a URDF or MJCF that does")));
+    };
+    let of = Model { robot: &model.robot, parameters };
+    let found = (log.validate_model(&of, name)?, log.model_residual(&of, name)?.0);
+    let verdict = ValidationVerdict::new(name, log, found, limit);
+    Ok(ValidationAnswer { verdicts: vec![ValidationVerdict { remarks: model.remarks.clone(), ..verdict }] })
+}
+
+fn check_limit(limit: f64) -> Result<(), Error> {
+    if limit.is_finite() && limit > 0.0 {
+        return Ok(());
+    }
+    Err(Error::new(format!("the limit is {limit}, expected a number above zero")))
+}

@@ -1,0 +1,119 @@
+//! What an observer ends returns its last iterate, and does hardly any more work: bounded by what is reported after the end was
+//! asked for and by how much work lies between two reports, never by time.
+
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
+
+use std::ops::ControlFlow;
+use std::sync::Mutex;
+
+use armid::estimation::{EstimatorKind, Termination, candidate_terms};
+use armid::excitation::CriterionKind;
+use armid::experiment::ExperimentPlan;
+use armid::model::Columns;
+use armid::observer::{Observer, Progress, Unobserved, Work};
+use armid_io::{ErrorKind, LoadedRobot, LogSettings, ProcessedLog, robot};
+use armid_workflow::design::{DesignGoal, DesignSettings, design};
+use armid_workflow::identification::{IdentifySettings, identify};
+use armid_workflow::{SimulationSettings, simulate};
+
+/// Ends the work at so many reports, and keeps all of them.
+struct EndAt {
+    reports: usize,
+    seen: Mutex<Vec<Progress>>,
+}
+
+impl EndAt {
+    fn new(reports: usize) -> Self {
+        Self { reports, seen: Mutex::new(Vec::new()) }
+    }
+
+    /// Reports after the one that was answered by an end.
+    fn late(&self) -> usize {
+        self.seen.lock().unwrap().len().saturating_sub(self.reports + 1)
+    }
+
+    /// The most samples of a simulation between two reports.
+    fn widest_gap(&self) -> usize {
+        let seen = self.seen.lock().unwrap();
+        let pairs = seen.windows(2).filter(|pair| pair.iter().all(|of| of.work == Work::Samples));
+        pairs.map(|pair| pair[1].done.saturating_sub(pair[0].done)).max().unwrap_or(0)
+    }
+}
+
+impl Observer for EndAt {
+    fn observe(&self, progress: Progress) -> ControlFlow<()> {
+        let mut seen = self.seen.lock().unwrap();
+        seen.push(progress);
+        if seen.len() > self.reports { ControlFlow::Break(()) } else { ControlFlow::Continue(()) }
+    }
+}
+
+fn designed(loaded: &LoadedRobot, observer: &dyn Observer) -> armid_workflow::design::DesignAnswer {
+    let goal = DesignGoal::Arm(CriterionKind::DOptimal);
+    let settings = DesignSettings { starts: 1, evaluations: 60, baseline: false, ..DesignSettings::new(goal) };
+    design(loaded, &settings, observer).unwrap().unwrap()
+}
+
+fn log(loaded: &LoadedRobot) -> ProcessedLog {
+    let plan = ExperimentPlan::new(designed(loaded, &Unobserved).best.trajectory);
+    let simulated = simulate(loaded, &plan, &SimulationSettings::default(), &Unobserved).unwrap();
+    simulated.log().process(loaded.clone(), &LogSettings::default()).unwrap()
+}
+
+#[test]
+fn identity_work_that_is_ended_returns_its_last_iterate_and_stops_there() {
+    let loaded = robot::named("planar-2r").unwrap();
+    let observer = EndAt::new(5);
+    let ended = designed(&loaded, &observer);
+    assert!(ended.interrupted && ended.best.evaluations <= 6 && observer.late() <= 2, "{}", observer.late());
+
+    let log = log(&loaded);
+    let by = |estimators: Vec<EstimatorKind>| IdentifySettings { estimators, ..IdentifySettings::default() };
+    let all = [EstimatorKind::Cloe, EstimatorKind::Clie, EstimatorKind::Didim, EstimatorKind::Iv];
+    for estimator in all.into_iter().chain([EstimatorKind::IrlsTukey, EstimatorKind::Mm, EstimatorKind::Ekf]) {
+        let whole = EndAt::new(usize::MAX);
+        let complete = identify(log.clone(), None, &by(vec![estimator]), &whole).unwrap();
+        assert!(!complete.was_interrupted() && whole.widest_gap() <= 10, "{}", estimator.name());
+        let reports = whole.seen.lock().unwrap().len();
+        assert!(reports > 2, "{} reports {reports} times", estimator.name());
+        for at in [0, reports / 2] {
+            let observer = EndAt::new(at);
+            let answer = identify(log.clone(), None, &by(vec![estimator]), &observer).unwrap();
+            let estimate = &answer.estimates[0].estimate;
+            assert!(answer.was_interrupted(), "{} at {at}: {:?}", estimator.name(), estimate.termination);
+            assert!(estimate.base.iter().all(|parameter| parameter.value.is_finite()), "{}", estimator.name());
+            // Each part of an estimator asks once more before it returns.
+            assert!(observer.late() <= 8, "{} goes on for {} reports", estimator.name(), observer.late());
+        }
+    }
+    // One that had not begun is the weighted fit, and those before it are whole.
+    let answer =
+        identify(log.clone(), None, &by(vec![EstimatorKind::Wls, EstimatorKind::Cloe]), &EndAt::new(0)).unwrap();
+    let [first, second] = &answer.estimates[..] else { panic!("two estimates") };
+    assert_eq!(first.estimate.termination, Termination::Direct);
+    assert_eq!(second.estimate.termination, Termination::Interrupted { iterations: 0 });
+    assert_eq!(first.estimate.beta(), second.estimate.beta());
+
+    // A selection has no iterate to return.
+    let among = candidate_terms().into_iter().fold(Columns::RIGID, Columns::with);
+    let select = IdentifySettings { select: Some(among), ..IdentifySettings::default() };
+    for at in [0, 3] {
+        let observer = EndAt::new(at);
+        let error = identify(log.clone(), None, &select, &observer).unwrap_err();
+        assert!(error.kind() == ErrorKind::Interrupted && observer.late() <= 1, "{error}, {}", observer.late());
+    }
+}
+
+#[test]
+fn identity_a_simulation_that_is_ended_keeps_its_samples() {
+    let loaded = robot::named("planar-2r").unwrap();
+    let plan = ExperimentPlan::new(designed(&loaded, &Unobserved).best.trajectory);
+    let observer = EndAt::new(20);
+    let ended = simulate(&loaded, &plan, &SimulationSettings::default(), &observer).unwrap();
+    assert!(!ended.ending.is_complete());
+    // The arm comes to rest, which the observer sees too.
+    let whole = EndAt::new(usize::MAX);
+    simulate(&loaded, &plan, &SimulationSettings::default(), &whole).unwrap();
+    let (of_ended, of_whole) = (observer.seen.lock().unwrap().len(), whole.seen.lock().unwrap().len());
+    assert!(of_ended < of_whole, "{of_ended} of {of_whole} reports");
+}
