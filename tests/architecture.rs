@@ -338,11 +338,10 @@ const CIRCLES: &[(&str, &[&str], &str)] = &[
     ),
 ];
 
-#[test]
-fn files_of_a_module_form_no_circle_but_registries() {
-    let files = core_files();
+/// The files of each module of the core, by their paths inside it.
+fn modules(files: &[(PathBuf, PathBuf, Source)]) -> BTreeMap<String, Vec<(String, &Source)>> {
     let mut modules: BTreeMap<String, Vec<(String, &Source)>> = BTreeMap::new();
-    for (folder, path, source) in &files {
+    for (folder, path, source) in files {
         let inner = path.strip_prefix(folder).expect("a file of the crate").with_extension("");
         let parts: Vec<&str> = inner.iter().filter_map(|part| part.to_str()).collect();
         if let [module, rest @ ..] = parts.as_slice()
@@ -351,8 +350,27 @@ fn files_of_a_module_form_no_circle_but_registries() {
             modules.entry((*module).to_owned()).or_default().push((rest.join("/"), source));
         }
     }
-    let faults = modules.into_iter().flat_map(|(module, sources)| circles(&module, &FileGraph::new(&module, sources)));
+    modules
+}
+
+#[test]
+fn files_of_a_module_form_no_circle_but_registries() {
+    let files = core_files();
+    let faults =
+        modules(&files).into_iter().flat_map(|(module, sources)| circles(&module, &FileGraph::new(&module, sources)));
     assert_none(&faults.collect::<Vec<_>>());
+}
+
+#[test]
+fn a_file_names_the_file_that_holds_what_it_uses() {
+    let files = core_files();
+    let mut faults = Vec::new();
+    for (module, sources) in modules(&files) {
+        for (file, line, holder) in FileGraph::new(&module, sources).taken_from_above() {
+            faults.push(format!("{module}/{file}.rs:{line}: a name of mod.rs, expected it from {holder}"));
+        }
+    }
+    assert_none(&faults);
 }
 
 /// The circles of a graph that [`CIRCLES`] does not list under `name`.

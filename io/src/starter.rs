@@ -68,7 +68,9 @@ impl Starter {
         if let Some(first) = there.first() {
             let message =
                 format!("{} is there already, expected a folder without it: nothing is written over", first.display());
-            return Err(Error::new(message).help("-o chooses another folder"));
+            return Err(
+                Error::new(message).help(Remedy::default().setting(Setting::Output).say(" chooses another folder"))
+            );
         }
         make_folder(folder).map_err(|error| Error::unwritable(folder, &error))?;
         let mut written: Vec<PathBuf> = Vec::new();

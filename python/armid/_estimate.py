@@ -18,8 +18,9 @@ from ._errors import ArmidError, warn
 if TYPE_CHECKING:
     import pandas
 
-    from ._log import Path
-    from ._robot import Robot
+    from ._log import Log, Path
+    from ._robot import Logs, Robot
+    from ._study import Progress
 
 
 @dataclass(frozen=True)
@@ -51,6 +52,9 @@ class Estimate:
         self._text = text
         self._data: dict[str, Any] = data
         self._robot = robot
+        self._name = "the estimate"
+        # The logs of the fit and those that were held out, while they are in memory.
+        self._logs: tuple[list[_armid.Log], list[_armid.Log]] = ([], [])
 
     @classmethod
     def read(cls, path: Path, robot: Robot | None = None) -> Estimate:
@@ -67,9 +71,11 @@ class Estimate:
 
         try:
             with open(path, encoding="utf-8") as file:
-                return cls(file.read(), robot)
+                estimate = cls(file.read(), robot)
         except FileNotFoundError:
             raise NotFoundError(f"{os.fspath(path)} cannot be read: there is no such file") from None
+        estimate._name = os.fspath(path)
+        return estimate
 
     def to_json(self) -> str:
         """The text of its file."""
@@ -94,8 +100,16 @@ class Estimate:
             source = (self._data.get("inputs") or {}).get("robot") or {}
             if not source.get("name"):
                 raise ArmidError("the estimate does not say where its robot is, expected robot=")
-            self._robot = Robot.load(source["name"], source["base_link"], source["tip_link"])
+            self._robot = Robot.load(self._beside(source["name"]), source["base_link"], source["tip_link"])
         return self._robot
+
+    def _beside(self, name: str) -> str:
+        """A path that leads nowhere from the current folder is looked for in that of the estimate, as the command does."""
+        beside = os.path.join(os.path.dirname(self._name), name)
+        return beside if not os.path.exists(name) and os.path.exists(beside) else name
+
+    def _file(self) -> tuple[str, str]:
+        return self._name, self._text
 
     @property
     def estimator(self) -> str:
@@ -207,8 +221,94 @@ class Estimate:
         """
         (q, qd, qdd), single = rows(q=q, qd=qd, qdd=qdd)
         torque = output(None if single else out, q.shape)
-        _armid.predict(self.robot._robot, self._text, [q, qd, qdd], torque)
+        _armid.predict(self.robot._robot, self._file(), [q, qd, qdd], torque)
         return torque[0] if single else torque
+
+    def validate(
+        self, logs: Logs, limit: float = 0.1, *, start: float | None = None, until: float | None = None
+    ) -> Validation:
+        """Predict the torque of logs that were not used for the estimate.
+
+        Parameters
+        ----------
+        logs : Log, path, or a list of them
+            A table is read with the mapping of the estimate.
+        limit : float
+            Largest difference that passes, as a share of the measured RMS of each joint.
+        start, until : float, optional
+            Part of the log that is used, s.
+
+        Returns
+        -------
+        Validation
+            A warning says where a log is that of the fit.
+        """
+        text = _armid.validate(self.robot._robot, self._file(), self._read(logs), float(limit), (start, until))
+        validation = Validation(text)
+        for remark in validation.data["remarks"]:
+            warn(remark)
+        return validation
+
+    def export(
+        self,
+        to: str,
+        path: Path | None = None,
+        *,
+        into: Path | None = None,
+        logs: Logs | None = None,
+        progress: Progress | None = None,
+    ) -> str:
+        """Write the model for another tool. A model that predicts the log much worse than the estimate is warned of.
+
+        Parameters
+        ----------
+        to : "urdf", "mjcf", "toml", "json", "c" or "rust"
+            A model of all parameters, fitted to the log of the estimate, or source code in base parameters.
+        path : path, optional
+            Where it is written.
+        into : path, optional
+            A URDF or MJCF of the same arm that gets the numbers.
+        logs : Log, path, or a list of them, optional
+            The logs of the estimate, where it has none any more: they were arrays, and it was pickled.
+        progress : callable, optional
+            Is called as ``progress(done, total, what)``.
+
+        Returns
+        -------
+        str
+            The text of the file.
+        """
+        place = None if path is None else os.fspath(path)
+        from_ = None if into is None else os.fspath(into)
+        text, _, fault = _armid.export(self.robot._robot, self._file(), self._again(logs), to, from_, place, progress)
+        if place is not None:
+            with open(place, "w", encoding="utf-8", newline="") as file:
+                file.write(text)
+        if fault is not None:
+            warn(fault)
+        return text
+
+    def report(self, folder: Path, logs: Logs | None = None) -> str:
+        """Draw a page into a folder: measured and predicted torque, residuals, parameters. Returns its path."""
+        return os.fspath(_armid.report(self.robot._robot, self._file(), self._again(logs), os.fspath(folder)))
+
+    def _read(self, logs: Logs) -> list[_armid.Log]:
+        from ._log import Log
+
+        inputs = self._data.get("inputs") or {}
+        several = [logs] if isinstance(logs, (Log, str, os.PathLike)) else list(logs)
+
+        def read(one: Log | Path) -> _armid.Log:
+            if isinstance(one, Log):
+                return one._log
+            is_table = _armid.is_table(os.fspath(one))
+            mapping, rate = (inputs.get("mapping"), inputs.get("rate_hz")) if is_table else (None, None)
+            return Log.read(one, mapping, rate, self.robot)._log
+
+        return [read(one) for one in several]
+
+    def _again(self, logs: Logs | None) -> tuple[list[_armid.Log], list[_armid.Log]]:
+        return self._logs if logs is None else (self._read(logs), [])
 
     def to_pandas(self) -> pandas.DataFrame:
         """The base parameters as a table of pandas, by their names."""
@@ -279,6 +379,41 @@ class Estimate:
             warn(f"{self.estimator}: {unfinished}")
         for one in self.suspicions + self.findings:
             warn(f"{self.estimator}: {one.text}")
+
+
+class Validation:
+    """How well an estimate predicts logs that were not used for it."""
+
+    def __init__(self, text: str) -> None:
+        self._text = text
+        self._data: dict[str, Any] = json.loads(text)
+
+    @property
+    def data(self) -> dict[str, Any]:
+        """Everything that the command says of it."""
+        return json.loads(self._text)  # type: ignore[no-any-return]
+
+    @property
+    def passed(self) -> bool:
+        """Whether the difference of every joint is within the limit."""
+        return bool(self._data["verdict"] == "passed")
+
+    @property
+    def rms(self) -> Floats:
+        """Difference of measured and predicted torque, RMS, N·m (N), (n,)."""
+        return np.array(self._data["rms"], dtype=np.float64)
+
+    @property
+    def shares(self) -> Floats:
+        """The same as a share of the measured torque, (n,)."""
+        return np.array(self._data["relative_rms"], dtype=np.float64)
+
+    def __repr__(self) -> str:
+        shares = ", ".join(f"{100 * share:.3g} %" for share in self.shares)
+        return f"<armid.Validation of {self._data['recording']}: {self._data['verdict']}; {shares}>"
+
+    def __reduce__(self) -> tuple[Any, ...]:
+        return Validation, (self._text,)
 
 
 class Payload:

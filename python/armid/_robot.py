@@ -428,10 +428,12 @@ class Robot:
             "stribeck_speed": stribeck_speed,
             "initial": None if initial is None else json.dumps({name: float(value) for name, value in initial.items()}),
         }
-        found = _armid.identify(self._robot, self._logs(logs), others, reading, wanted, progress)
+        used = self._logs(logs)
+        found = _armid.identify(self._robot, used, others, reading, wanted, progress)
         estimates = {}
         for name, (text, unfinished) in zip(asked, found):
             estimates[name] = Estimate(text, self)
+            estimates[name]._logs = (used, others)
             estimates[name]._warn(unfinished)
         return next(iter(estimates.values())) if is_one else estimates
 
@@ -630,7 +632,7 @@ class Robot:
 
         Both must be of the same columns. Compare logs of the same motion, recorded on one day.
         """
-        text = _armid.payload(self._robot, ("the estimate without", without.to_json()), ("that with", with_.to_json()))
+        text = _armid.payload(self._robot, ("the estimate without", without._text), ("that with", with_._text))
         return Payload(text)
 
     def __repr__(self) -> str:

@@ -40,7 +40,7 @@ mod _armid {
     #[pymodule_export]
     use crate::identification::identify;
     #[pymodule_export]
-    use crate::log::Log;
+    use crate::log::{Log, is_table};
     #[pymodule_export]
     use crate::reduction::reduce;
     #[pymodule_export]

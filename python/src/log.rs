@@ -41,6 +41,12 @@ pub(crate) fn effort(name: &str) -> PyResult<EffortInterface> {
         .ok_or_else(|| unexpected(format!("effort is \"{name}\", expected torque or current")))
 }
 
+/// Whether a path is that of a table, by its name.
+#[pyfunction]
+pub(crate) fn is_table(path: PathBuf) -> bool {
+    armid_io::log::is_table(&path)
+}
+
 #[pymethods]
 impl Log {
     #[staticmethod]

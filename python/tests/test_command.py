@@ -1,6 +1,6 @@
 """The package gives the numbers of the command, to the bit."""
 
-import warnings
+import json
 
 import armid
 import numpy as np
@@ -36,11 +36,12 @@ def test_identity_estimates_of_a_recording_are_the_command_s(folder, monkeypatch
     monkeypatch.chdir(folder)
     log = armid.Log.read("R.mcap")
     found = log.robot.identify(log, ["ols", "wls"])
-    for ours, theirs in zip(found.values(), __import__("json").loads((folder / "E.json").read_text())):
-        # The first screen is the command's own.
-        theirs.pop("verdict")
+    for ours, theirs in zip(found.values(), json.loads((folder / "E.json").read_text())):
+        # The first screen is the command's own, and advice names options there and keywords here.
         ours = ours.data
-        ours.pop("verdict", None)
+        theirs.pop("verdict")
+        for one in ours["findings"] + theirs["findings"]:
+            one.pop("advice")
         assert ours == theirs
 
 
@@ -56,6 +57,22 @@ def test_identity_a_table_and_its_arrays_are_one_log(folder, robot, monkeypatch)
         ours = robot.identify(log, **of)
         assert np.array_equal(ours.values, command.values) and np.array_equal(ours.std, command.std)
         assert ours.unexplained() == command.unexplained()
+
+
+def test_identity_what_follows_from_an_estimate_is_the_command_s(folder, command, tmp_path, monkeypatch):
+    monkeypatch.chdir(folder)
+    estimate = armid.Estimate.read("C.json")
+    told = command(folder, "validate", "C.json", "R.mcap", "--json")
+    ours = estimate.validate("R.mcap").data
+    assert ours == told
+    for to in ("urdf", "json", "c"):
+        command(folder, "export", "C.json", "--to", to, "-o", f"model.{to}")
+        assert estimate.export(to, tmp_path / f"model.{to}") == (folder / f"model.{to}").read_text()
+        assert (tmp_path / f"model.{to}").read_text() == (folder / f"model.{to}").read_text()
+    command(folder, "report", "C.json", "-o", "page")
+    page = estimate.report(tmp_path / "page")
+    with open(page) as drawn, open(folder / "page" / "report.html") as expected:
+        assert drawn.read() == expected.read()
 
 
 def test_identity_base_parameters_are_the_command_s(folder, command):

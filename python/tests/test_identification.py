@@ -106,6 +106,8 @@ def test_an_estimate_is_its_file(robot, estimate, tmp_path):
     assert read == estimate and read.robot.joints == robot.joints
     states = np.ones((3, 2))
     assert np.array_equal(read.predict(states, states, states), estimate.predict(states, states, states))
+    with pytest.raises(armid.ArmidError, match="made from arrays, which are gone, expected logs="):
+        again.export("json")
     page = estimate._repr_html_()
     assert page.index("error of the torque of the fit") < page.index("<table>") and "m1 − Izz1" in page
     assert repr(estimate).startswith("<armid.Estimate of 'planar-2r' by wls: 13 parameters; error of the torque")

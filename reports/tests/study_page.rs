@@ -1,4 +1,5 @@
 //! The page of one small stored study: its text and one figure of each kind byte for byte, and marks where the stored numbers are.
+#![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
 use std::path::{Path, PathBuf};
 

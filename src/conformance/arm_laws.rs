@@ -6,7 +6,7 @@
 //! - when the sink says stop, no sample follows, and the ending says so;
 //! - a plan that cannot be performed is refused before anything is announced.
 
-use super::LawError;
+use super::law_error::LawError;
 use crate::experiment::{Arm, Ending, ExperimentPlan, Flow, Layout, Phase, RawSample, Recording, Sink};
 use crate::trajectory::{FourierJoint, FourierTrajectory};
 

@@ -12,7 +12,7 @@
 use nalgebra::DMatrix;
 use rand::RngExt;
 
-use super::LawError;
+use super::law_error::LawError;
 use crate::excitation::criterion::Criterion;
 use crate::seed::{Seed, Stream};
 

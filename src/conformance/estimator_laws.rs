@@ -7,7 +7,8 @@
 use nalgebra::{DMatrix, DVector};
 use rand_distr::{Distribution, StandardNormal};
 
-use super::{LawError, StiffLoop, chains};
+use super::law_error::LawError;
+use super::{StiffLoop, chains};
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{

@@ -18,7 +18,7 @@ use std::f64::consts::TAU;
 use nalgebra::DMatrix;
 use rand::RngExt;
 
-use super::LawError;
+use super::law_error::LawError;
 use crate::seed::{Seed, Stream};
 use crate::trajectory::{MotionScale, Quantity, ShapeFunctions, TrajectoryFamily};
 

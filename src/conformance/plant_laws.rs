@@ -7,7 +7,7 @@
 //! - without friction the energy changes by the work of the torques;
 //! - a torque that is not a number ends in an error, not in a panic.
 
-use super::LawError;
+use super::law_error::LawError;
 use crate::dynamics::Dynamics;
 use crate::experiment::Plant;
 use crate::model::term::Dissipation;

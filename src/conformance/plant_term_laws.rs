@@ -14,8 +14,8 @@
 
 use rand::RngExt;
 
-use super::LawError;
 use super::chains::{ChainRecipe, random_state};
+use super::law_error::LawError;
 use crate::dynamics::Dynamics;
 use crate::excitation::radkhah2007_start;
 use crate::experiment::{ActualArm, Effects, ExperimentPlan, Flow, Next, Plant, RawSample, Recording, Servo, Sink};

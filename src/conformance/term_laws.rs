@@ -11,8 +11,8 @@
 
 use rand::RngExt;
 
-use super::LawError;
 use super::chains::{ChainRecipe, random_state};
+use super::law_error::LawError;
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::{Dynamics, States};
 use crate::model::format::{parse_parameters, write_parameters};

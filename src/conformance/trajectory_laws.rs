@@ -11,7 +11,7 @@
 
 use std::f64::consts::TAU;
 
-use super::LawError;
+use super::law_error::LawError;
 use crate::trajectory::PeriodicMotion;
 
 /// Panels of a period on which integrals are taken.

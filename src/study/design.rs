@@ -1,9 +1,12 @@
 //! The designs of a study: one trajectory per family and start, with its certificate and how it was found.
 
+use super::error::StudyError;
 use super::family_plan::{DesignMethod, HarmonicsPlan};
+use super::plan_error;
 use super::radkhah2007::table_one;
+use super::setup::StudySetup;
 use super::shared_start::SharedStart;
-use super::{StudyError, StudySetup, VarianceReduction, plan_error};
+use super::variance_reduction::VarianceReduction;
 use crate::excitation::{
     Certificate, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace, ExcitationError,
     HistoryPoint, Termination, design, random_design,

@@ -13,11 +13,13 @@
 use std::collections::BTreeMap;
 
 use super::condition::ConditionResult;
+use super::design::StudyDesign;
+use super::error::StudyError;
 use super::evidence::present;
 use super::family_score::{FamilyScore, ParameterScore};
 use super::metric::Metric;
 use super::run_table::{RunNumber, RunTable};
-use super::{StudyDesign, StudyError, StudySetup};
+use super::setup::StudySetup;
 use crate::experiment::Level;
 use crate::model::ParameterKind;
 use crate::statistics::{Interval, mean, t_interval};

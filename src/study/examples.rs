@@ -1,6 +1,8 @@
 //! Examples that the figures of a report show: a design against its limits, a measured torque against its prediction.
 
-use super::{ScoredEstimate, StudyDesign, StudySetup};
+use super::design::StudyDesign;
+use super::outcome::ScoredEstimate;
+use super::setup::StudySetup;
 use crate::dynamics::{Dynamics, States};
 use crate::model::{Robot, StandardParameters};
 use crate::signal::Samples;

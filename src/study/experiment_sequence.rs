@@ -9,12 +9,17 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector};
 
+use super::design::StudyDesign;
+use super::error::StudyError;
 use super::family_plan::DesignMethod;
 use super::measured_motion::MeasuredMotions;
 use super::outcome::{Outcome, ScoredEstimate};
 use super::performed::Performed;
+use super::plan::StudyPlan;
 use super::plan_error::{StudyPlanError, family_name, number};
-use super::{RunError, RunId, StudyDesign, StudyError, StudyPlan, StudySetup};
+use super::run_error::RunError;
+use super::run_id::RunId;
+use super::setup::StudySetup;
 use crate::dynamics::States;
 use crate::estimation::Estimate;
 use crate::excitation::CriterionKind;

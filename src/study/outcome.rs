@@ -1,6 +1,6 @@
 //! The outcome of one run of a study: small, and enough for every figure.
 
-use super::RunError;
+use super::run_error::RunError;
 use super::run_id::RunId;
 use super::scorer::Score;
 use crate::estimation::Estimate;

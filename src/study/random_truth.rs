@@ -11,7 +11,7 @@
 use rand::Rng;
 use rand_distr::{Distribution, StandardNormal};
 
-use super::Truth;
+use super::truth::Truth;
 use crate::model::Columns;
 use crate::model::term::Term;
 use crate::seed::Seed;

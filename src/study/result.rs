@@ -1,7 +1,13 @@
 //! The stored summary of a study: everything that its report is made from, beside the rows.
 
+use super::condition::ConditionResult;
+use super::design::StudyDesign;
+use super::effect_sensitivity::EffectSensitivity;
+use super::evidence::Findings;
+use super::examples::Examples;
+use super::plan::StudyPlan;
 use super::radkhah2007::Reproduction;
-use super::{ConditionResult, EffectSensitivity, Examples, Findings, StudyDesign, StudyPlan, StudySetup};
+use super::setup::StudySetup;
 use crate::provenance::Provenance;
 
 /// The stored summary of a study. Equal plan, equal bytes.

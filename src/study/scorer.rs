@@ -11,8 +11,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Truth;
 use super::measured_motion::MeasuredMotions;
+use super::truth::Truth;
 use super::validation::{MotionKind, ValidationMotions};
 use crate::base::BaseReduction;
 use crate::dynamics::States;

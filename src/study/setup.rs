@@ -11,18 +11,24 @@ use std::sync::Arc;
 use nalgebra::DMatrix;
 
 use super::bound::{cramer_rao_std, torque_covariance};
+use super::condition::ConditionResult;
+use super::design::StudyDesign;
+use super::error::StudyError;
 use super::evidence::{DesignRow, Evidence, Findings};
 use super::measured_motion::MeasuredMotions;
 use super::outcome::{Outcome, ScoredEstimate};
 use super::performed::Performed;
 use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
+use super::random_truth::{Centre, TruthError};
+use super::run_error::RunError;
+use super::run_id::RunId;
 use super::run_order::RunOrder;
 use super::run_table::{RunNumber, RunTable};
+use super::scorer::Scorer;
+use super::truth::Truth;
 use super::validation::ValidationMotions;
-use super::{
-    Centre, ConditionResult, RunError, RunId, Scorer, StudyDesign, StudyError, Truth, TruthError, VarianceReduction,
-};
+use super::variance_reduction::VarianceReduction;
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::estimation::{

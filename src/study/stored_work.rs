@@ -1,6 +1,12 @@
 //! Whether stored work fits the study that it is said to belong to: numbers and lengths, before anything is indexed by them.
 
-use super::{Examples, Metric, Outcome, ReportInput, StudyDesign, StudyPlanError, StudyResult, StudySetup};
+use super::design::StudyDesign;
+use super::examples::Examples;
+use super::metric::Metric;
+use super::outcome::Outcome;
+use super::plan_error::StudyPlanError;
+use super::result::{ReportInput, StudyResult};
+use super::setup::StudySetup;
 use crate::input::{FileNameError, check_file_name};
 
 /// Stored work does not fit.

@@ -37,20 +37,44 @@ impl<'a> FileGraph<'a> {
         graph
     }
 
-    /// The file that a path named in `file` leads to, if it is another one of this module.
-    fn target(&self, file: &str, path: &NamedPath) -> Option<String> {
+    /// Names that files take from a `mod.rs` above them, where another file holds them: file, line, and that other file.
+    pub(crate) fn taken_from_above(&self) -> Vec<(String, usize, String)> {
+        let mut found = Vec::new();
+        for (file, source) in &self.files {
+            for path in source.paths.iter().filter(|path| path.inline == 0) {
+                let Some((folder, rest)) = self.start(file, path) else { continue };
+                if let [name] = rest
+                    && (folder.is_empty() || file.starts_with(&format!("{folder}/")))
+                    && let Some(holder) = self.exports.get(&(folder, name.clone()))
+                    && holder != file
+                    && !file.starts_with(&format!("{holder}/"))
+                {
+                    found.push((file.clone(), path.line, holder.clone()));
+                }
+            }
+        }
+        found
+    }
+
+    /// The folder in which a path named in `file` begins, and what follows; `None` where that is outside of this module.
+    fn start<'p>(&self, file: &str, path: &'p NamedPath) -> Option<(String, &'p [String])> {
         let parent = |folder: &str| folder.rsplit_once('/').map_or(String::new(), |(parent, _)| parent.to_owned());
         let supers = path.segments.iter().take_while(|segment| *segment == "super").count();
-        let (mut at, rest) = match path.segments.as_slice() {
-            [root, rest @ ..] if root == "crate" && self.module.is_empty() => (String::new(), rest),
-            [root, module, rest @ ..] if root == "crate" && module == self.module => (String::new(), rest),
+        match path.segments.as_slice() {
+            [root, rest @ ..] if root == "crate" && self.module.is_empty() => Some((String::new(), rest)),
+            [root, module, rest @ ..] if root == "crate" && module == self.module => Some((String::new(), rest)),
             _ if supers > path.inline => {
                 // The first `super` leaves the file for its folder, each further one that folder.
                 let climbed = (path.inline + 1..supers).fold(parent(file), |folder, _| parent(&folder));
-                (climbed, &path.segments[supers..])
+                Some((climbed, &path.segments[supers..]))
             }
-            _ => return None,
-        };
+            _ => None,
+        }
+    }
+
+    /// The file that a path named in `file` leads to, if it is another one of this module.
+    fn target(&self, file: &str, path: &NamedPath) -> Option<String> {
+        let (mut at, rest) = self.start(file, path)?;
         for segment in rest {
             let child = child_of(&at, segment);
             at = if self.files.contains_key(&child) || self.folders.contains(&child) {

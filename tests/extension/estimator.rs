@@ -6,9 +6,9 @@ use armid::base::{Method, reduce};
 use armid::conformance::estimator_laws;
 use armid::dynamics::Dynamics;
 use armid::estimation::{
-    Estimate, EstimationError, EstimationProblem, Estimator, EstimatorLaw, Inference, Instruments as InstrumentRows,
-    IntervalBasis, LawException, Observation, OrdinaryLeastSquares, ProblemPart, Termination, residual_noise,
-    scatter_noise, solve,
+    Estimate, EstimationError, EstimationProblem, Estimator, EstimatorKind, EstimatorLaw, Inference,
+    Instruments as InstrumentRows, IntervalBasis, LawException, Observation, OrdinaryLeastSquares, ProblemPart,
+    Termination, residual_noise, scatter_noise, solve,
 };
 use armid::linalg::LeastSquares;
 use armid::model::format::{parse_nominal, parse_robot};
@@ -16,6 +16,7 @@ use armid::model::{Columns, bundled};
 use armid::regressor::JointTorqueRegressor;
 use armid::seed::Seed;
 use armid::signal::Samples;
+use armid::statistics::student_quantile;
 use armid::study::radkhah2007::table_one;
 use armid::study::{StudyPlan, StudySetup, Truth, truth_text};
 use nalgebra::{DMatrix, DVector};
@@ -144,6 +145,32 @@ impl Estimator for Instruments {
     }
 }
 
+/// Weighted least squares of another program, of which numbers alone come back; or its failure, in its own words.
+#[derive(Debug)]
+struct Foreign {
+    fails: bool,
+}
+
+impl Estimator for Foreign {
+    fn name(&self) -> &'static str {
+        "foreign"
+    }
+
+    fn summary(&self) -> &'static str {
+        "numbers of another program"
+    }
+
+    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+        if self.fails {
+            return Err(EstimationError::external("the other program has no licence"));
+        }
+        let known = EstimatorKind::Wls.estimator().estimate(problem)?;
+        let b = known.base.len();
+        let covariance = DMatrix::from_fn(b, b, |i, j| known.covariance[i][j]);
+        Estimate::of(self.name(), problem, &known.beta(), &covariance, known.degrees_of_freedom)
+    }
+}
+
 #[test]
 fn an_iterating_estimator_from_outside_obeys_the_laws() {
     estimator_laws::check(&Huber).unwrap();
@@ -182,6 +209,17 @@ fn an_estimator_from_outside_identifies_and_names_what_it_lacks() {
         (predicted - DVector::from_column_slice(&clean)).norm()
     };
     assert!(error(&Huber) < 0.5 * error(&OrdinaryLeastSquares), "{} {}", error(&Huber), error(&OrdinaryLeastSquares));
+    // Numbers become the estimate that they are of; what fails says so in its own words.
+    let wls = EstimatorKind::Wls.estimator().estimate(&problem).unwrap();
+    let found = Foreign { fails: false }.estimate(&problem).unwrap();
+    assert_eq!((found.estimator.as_str(), found.beta(), found.names()), ("foreign", wls.beta(), wls.names()));
+    let t = student_quantile(0.975, wls.degrees_of_freedom);
+    for (own, known) in found.base.iter().zip(&wls.base) {
+        assert!((own.std / known.std - 1.0).abs() < 1e-12, "{own:?} {known:?}");
+        assert!((own.ci95[1] - own.value - t * own.std).abs() < 1e-9 * own.std, "{own:?}");
+    }
+    let error = Foreign { fails: true }.estimate(&problem).unwrap_err();
+    assert_eq!(error.as_external().unwrap().to_string(), "the other program has no licence");
     let lacking = Instruments.estimate(&problem).unwrap_err();
     assert_eq!(lacking, EstimationError::Missing { estimator: "instruments".to_owned(), part: ProblemPart::Robot });
 }

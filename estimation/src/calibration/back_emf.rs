@@ -15,7 +15,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{CalibrationError, Measured};
+use super::error::CalibrationError;
+use super::measured::Measured;
 use crate::experiment::{Recording, Transmission};
 use crate::linalg::{LeastSquares, LeastSquaresError};
 use crate::model::{EffortInterface, JointKind, MotorCircuit, Robot};

@@ -14,7 +14,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{CalibrationError, Measured};
+use super::error::CalibrationError;
+use super::measured::Measured;
 use crate::experiment::Recording;
 use crate::linalg::LeastSquares;
 use crate::model::Robot;

@@ -32,7 +32,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{CalibrationError, Measured};
+use super::error::CalibrationError;
+use super::measured::Measured;
 use crate::experiment::Transmission;
 use crate::linalg::LeastSquares;
 use crate::model::{JointKind, Robot, smooth_sign};

@@ -2,7 +2,7 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, Dyn};
 
-use super::Mistake;
+use super::mistake::Mistake;
 use crate::base::{BaseError, Method, reduce};
 use crate::linalg::transpose_product;
 use crate::model::term::{COULOMB, VISCOUS};

@@ -2,8 +2,8 @@
 
 use nalgebra::Vector3;
 
-use super::Mistake;
 use super::evidence::{DEGREE, Instants, Model};
+use super::mistake::Mistake;
 use super::slope::Slopes;
 use crate::base::BaseError;
 use crate::model::{Columns, Robot, StandardParameters};

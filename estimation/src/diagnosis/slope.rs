@@ -8,8 +8,8 @@
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::Mistake;
 use super::evidence::{Instants, rms};
+use super::mistake::Mistake;
 use crate::dynamics::Dynamics;
 use crate::model::{Robot, StandardParameters};
 

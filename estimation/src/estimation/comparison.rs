@@ -4,7 +4,8 @@
 //! z = (β_b − β_a) / √(std_a² + std_b²)          standard normal where both are right and independent
 //! ```
 
-use super::{Estimate, EstimationError};
+use super::error::EstimationError;
+use super::estimate::Estimate;
 
 /// One base parameter in two estimates.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -10,7 +10,8 @@
 use crate::model::term::Sign;
 use nalgebra::DVector;
 
-use super::{EstimationError, Finding};
+use super::error::EstimationError;
+use super::finding::Finding;
 use crate::base::BaseReduction;
 use crate::linalg::{LeastSquares, product};
 use crate::model::StandardParameters;

@@ -17,7 +17,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{EstimationError, EstimationProblem, Instruments, Observation};
+use super::error::EstimationError;
+use super::instruments::Instruments;
+use super::observation::Observation;
+use super::problem::EstimationProblem;
 use crate::linalg::{LeastSquares, product};
 use crate::model::term::PriorOf;
 use crate::model::{DeclaredUncertainty, ParameterKind, Robot};

@@ -18,8 +18,13 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::EstimationError;
+use super::factorisation::Factorisation;
+use super::identification::Identification;
+use super::observation::Observation;
+use super::residual::residual_noise;
 use super::ridge::Shrunk;
-use super::{EstimationError, Factorisation, Identification, Observation, Termination, residual_noise};
+use super::termination::Termination;
 use crate::estimation::linear_fit::LinearFit;
 use crate::linalg::{LeastSquares, LeastSquaresError, product, transpose_product};
 use crate::signal::Samples;

@@ -22,10 +22,14 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::EstimationError;
+use super::estimate::Estimate;
+use super::estimator::Estimator;
+use super::finding::Finding;
+use super::law::{EstimatorLaw, LawException};
 use super::linear_fit::LinearFit;
-use super::{
-    Estimate, EstimationError, EstimationProblem, Estimator, EstimatorLaw, Finding, LawException, Termination,
-};
+use super::problem::EstimationProblem;
+use super::termination::Termination;
 use crate::linalg::LeastSquares;
 use crate::statistics::student_quantile;
 

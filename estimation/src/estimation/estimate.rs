@@ -5,7 +5,10 @@ use std::collections::BTreeMap;
 use nalgebra::{Cholesky, DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::{EstimationError, Finding, Termination, load_friction};
+use super::error::EstimationError;
+use super::finding::Finding;
+use super::load_friction;
+use super::termination::Termination;
 use crate::base::BaseReduction;
 use crate::model::term::Sign;
 use crate::model::{Columns, ParameterId, Robot};

@@ -2,7 +2,10 @@
 
 use std::fmt;
 
-use super::{Estimate, EstimationError, EstimationProblem, LawException};
+use super::error::EstimationError;
+use super::estimate::Estimate;
+use super::law::LawException;
+use super::problem::EstimationProblem;
 
 /// A rule that turns measurements into parameters.
 ///

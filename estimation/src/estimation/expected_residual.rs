@@ -9,8 +9,11 @@
 
 use nalgebra::DMatrix;
 
+use super::error::EstimationError;
 use super::instruments::COLUMNS;
-use super::{EstimationError, EstimationProblem, Instruments, Observation};
+use super::instruments::Instruments;
+use super::observation::Observation;
+use super::problem::EstimationProblem;
 use crate::linalg::LeastSquares;
 use crate::linalg::product::add_product;
 use crate::signal::NoiseModel;

@@ -18,8 +18,9 @@ use std::sync::OnceLock;
 use nalgebra::{DMatrix, DVector};
 
 use super::discrepancy::Discrepancy;
+use super::error::EstimationError;
+use super::observation::Observation;
 use super::residual::{ResidualScale, scatter_noise};
-use super::{EstimationError, Observation};
 use crate::linalg::product::add_product;
 use crate::linalg::{BlockWhitening, LeastSquares, LeastSquaresError, RowFactor, transpose_product};
 use crate::signal::Samples;

@@ -28,10 +28,13 @@
 //! separate", SIAM J. Numer. Anal. 10(2), 1973; L. Kaufman, "A variable projection method for solving separable nonlinear least squares
 //! problems", BIT 15, 1975, for the derivative that leaves out how β moves.
 
+use super::error::EstimationError;
+use super::observation::Observation;
 use super::selection::{HeldOutChange, TermEvidence, Verdict, change_between};
 use super::speed_columns::SpeedColumns;
 use super::speed_search::{Search, SpeedValue, change};
-use super::{EstimationError, Observation, Termination, load_fit, load_friction};
+use super::termination::Termination;
+use super::{load_fit, load_friction};
 use crate::base::BaseReduction;
 use crate::model::term::ShapeParameter;
 use crate::model::{Columns, Robot};

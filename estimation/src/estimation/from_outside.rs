@@ -2,9 +2,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::EstimationError;
 use super::estimate::Estimate;
+use super::estimate::IntervalBasis;
 use super::linear_fit::LinearFit;
-use super::{EstimationError, EstimationProblem, IntervalBasis, Termination};
+use super::problem::EstimationProblem;
+use super::termination::Termination;
 use crate::linalg::LeastSquares;
 
 impl Estimate {

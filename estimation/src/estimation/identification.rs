@@ -8,14 +8,21 @@ use std::sync::Arc;
 
 use nalgebra::DVector;
 
+use super::closed_loop::{ClosedLoop, ClosedLoopError};
+use super::error::EstimationError;
+use super::estimate::Estimate;
+use super::estimator::Estimator;
+use super::factorisation::Factorisation;
+use super::finding::Finding;
 use super::friction_speed::FrictionSpeeds;
 use super::linear_fit::LinearFit;
+use super::load_fit::observe;
 use super::observation::LEAST_SHARE;
+use super::observation::Observation;
+use super::prediction::{Validation, validate};
+use super::problem::EstimationProblem;
 use super::termination::Termination;
-use super::{
-    ClosedLoop, ClosedLoopError, Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, Finding,
-    Observation, Validation, load_fit, load_friction, observe, validate,
-};
+use super::{load_fit, load_friction};
 use crate::base::{BaseReduction, Method, reduce};
 use crate::dynamics::States;
 use crate::model::term::ShapeParameter;

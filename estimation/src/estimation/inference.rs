@@ -14,15 +14,21 @@
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
+use super::completion::complete;
 use super::declared;
+use super::error::EstimationError;
+use super::estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 use super::expected_residual::ExpectedResidual;
+use super::factorisation::Factorisation;
+use super::finding::Finding;
 use super::instruments::COLUMNS;
+use super::instruments::Instruments;
+use super::observation::Observation;
 use super::poorly_determined::poorly_determined;
+use super::problem::EstimationProblem;
 use super::residual::{ResidualScale, neighbour_correlation};
-use super::{
-    BaseEstimate, Estimate, EstimationError, EstimationProblem, Factorisation, Finding, Instruments, IntervalBasis,
-    Observation, StandardEstimate, Termination, complete, residual_noise, scatter_noise,
-};
+use super::residual::{residual_noise, scatter_noise};
+use super::termination::Termination;
 use crate::linalg::{LeastSquares, product};
 use crate::signal::NoiseModel;
 use crate::statistics::student_quantile;

@@ -8,7 +8,8 @@ use std::ops::Range;
 
 use nalgebra::DMatrix;
 
-use super::{EstimationError, Observation};
+use super::error::EstimationError;
+use super::observation::Observation;
 use crate::linalg::BlockWhitening;
 use crate::linalg::product::transposed_product;
 

@@ -1,13 +1,24 @@
 //! The list of estimators.
 
-use super::{
-    ClosedLoopInputError, ClosedLoopOutputError, ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary,
-    ConsistentReweighted, ConsistentWeighted, DirectInverseIdentification, EntropicPrior, EssentialParameters,
-    Estimate, EstimationError, EstimationProblem, Estimator, EuclideanPrior, ExtendedKalmanFilter,
-    InstrumentalVariables, LawException, MaximumLikelihood, MmEstimator, OrdinaryLeastSquares, ParticleFilter,
-    PullbackPrior, ReweightedCauchy, ReweightedHuber, ReweightedTukey, RidgeRegression, TotalLeastSquares,
-    WeightedLeastSquares,
+use super::closed_loop::{
+    ClosedLoopInputError, ClosedLoopOutputError, DirectInverseIdentification, InstrumentalVariables,
 };
+use super::error::EstimationError;
+use super::essential::EssentialParameters;
+use super::estimate::Estimate;
+use super::estimator::Estimator;
+use super::law::LawException;
+use super::motion::{MaximumLikelihood, TotalLeastSquares};
+use super::ordinary::OrdinaryLeastSquares;
+use super::physical::{
+    ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
+    EntropicPrior, EuclideanPrior, PullbackPrior,
+};
+use super::problem::EstimationProblem;
+use super::recursive::{ExtendedKalmanFilter, ParticleFilter};
+use super::ridge::RidgeRegression;
+use super::robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey};
+use super::weighted::WeightedLeastSquares;
 
 /// Makes the enum, and everything that enumerates it, from one list.
 macro_rules! estimators {

@@ -1,9 +1,14 @@
 //! The linear fit that other estimators begin with: ordinary or weighted, with the noise behind its error bars.
 
-use super::{
-    Estimate, EstimationError, EstimationProblem, Factorisation, Inference, Instruments, IntervalBasis, Observation,
-    Termination, residual_noise, scatter_noise,
-};
+use super::error::EstimationError;
+use super::estimate::{Estimate, IntervalBasis};
+use super::factorisation::Factorisation;
+use super::inference::Inference;
+use super::instruments::Instruments;
+use super::observation::Observation;
+use super::problem::EstimationProblem;
+use super::residual::{residual_noise, scatter_noise};
+use super::termination::Termination;
 use crate::linalg::{BlockWhitening, LeastSquares};
 use crate::signal::NoiseModel;
 

@@ -13,8 +13,10 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::EstimationError;
+use super::factorisation::Factorisation;
 use super::linear_fit::LinearFit;
-use super::{EstimationError, Factorisation, Observation};
+use super::observation::Observation;
 use crate::base::BaseReduction;
 use crate::model::{ParameterId, Robot};
 use crate::regressor::JointTorqueRegressor;

@@ -10,7 +10,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::EstimationError;
+use super::error::EstimationError;
 use crate::base::BaseReduction;
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;

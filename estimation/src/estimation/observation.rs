@@ -5,7 +5,8 @@ use std::collections::BTreeMap;
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{EstimationError, load_friction};
+use super::error::EstimationError;
+use super::load_friction;
 use crate::base::{BaseReduction, Category};
 use crate::linalg::LeastSquaresError;
 use crate::linalg::product::add_product;

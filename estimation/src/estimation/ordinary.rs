@@ -15,8 +15,12 @@
 //! International Journal of Robotics Research 5(3), 1986; Å. Björck, *Numerical Methods for Least Squares Problems*, SIAM, 1996, for
 //! the solution by orthogonal factors.
 
+use super::error::EstimationError;
+use super::estimate::Estimate;
+use super::estimator::Estimator;
 use super::linear_fit::LinearFit;
-use super::{Estimate, EstimationError, EstimationProblem, Estimator, Termination};
+use super::problem::EstimationProblem;
+use super::termination::Termination;
 
 /// Ordinary least squares on the base columns.
 #[derive(Clone, Copy, Debug, Default)]

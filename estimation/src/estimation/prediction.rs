@@ -1,7 +1,8 @@
 //! Torque prediction by an estimate, and its validation.
 
+use super::error::EstimationError;
+use super::estimate::Estimate;
 use super::residual::joint_rms;
-use super::{Estimate, EstimationError};
 use crate::dynamics::{Dynamics, States};
 use crate::model::{Robot, StandardParameters};
 use crate::regressor::JointTorqueRegressor;

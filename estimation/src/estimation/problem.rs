@@ -2,7 +2,11 @@
 
 use std::borrow::Cow;
 
-use super::{ClosedLoop, ClosedLoopError, EstimationError, Factorisation, Observation, ProblemPart, Termination};
+use super::closed_loop::{ClosedLoop, ClosedLoopError};
+use super::error::{EstimationError, ProblemPart};
+use super::factorisation::Factorisation;
+use super::observation::Observation;
+use super::termination::Termination;
 use crate::model::{Robot, StandardParameters};
 use crate::observer::{Observer, Progress, Unobserved, Work};
 use crate::signal::Samples;

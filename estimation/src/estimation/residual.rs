@@ -2,7 +2,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Observation;
+use super::observation::Observation;
 use crate::linalg::BlockWhitening;
 use crate::signal::{LagProducts, NoiseModel};
 

@@ -2,8 +2,9 @@
 
 use nalgebra::DMatrix;
 
+use super::estimate::Estimate;
+use super::finding::Finding;
 use super::poorly_determined::poorly_determined;
-use super::{Estimate, Finding};
 use crate::statistics::student_quantile;
 
 impl Estimate {

@@ -14,8 +14,12 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::EstimationError;
+use super::estimate::Estimate;
+use super::estimator::Estimator;
 use super::linear_fit::LinearFit;
-use super::{Estimate, EstimationError, EstimationProblem, Estimator, Termination};
+use super::problem::EstimationProblem;
+use super::termination::Termination;
 use crate::linalg::LeastSquares;
 
 /// Weighted least squares with a penalty on large parameters.

@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::Observation;
+use super::observation::Observation;
 use crate::model::term::{Scale, ShapeParameter, Shapes, Term, TermBlock};
 use crate::model::{ParameterId, Robot};
 use crate::signal::Samples;

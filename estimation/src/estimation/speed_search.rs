@@ -5,9 +5,13 @@ use std::ops::ControlFlow;
 
 use nalgebra::{DMatrix, DVector, QR};
 
+use super::error::EstimationError;
+use super::factorisation::Factorisation;
 use super::linear_fit::LinearFit;
+use super::observation::Observation;
+use super::problem::EstimationProblem;
 use super::speed_columns::SpeedColumns;
-use super::{EstimationError, EstimationProblem, Factorisation, Observation, Termination};
+use super::termination::Termination;
 use crate::linalg::{BlockWhitening, LeastSquares};
 use crate::observer::{Observer, Progress, Work};
 use crate::signal::Samples;

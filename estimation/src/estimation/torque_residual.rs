@@ -10,7 +10,9 @@
 //! Shares are given twice: over all samples, and over those in blocks that were equations, which leave out where a joint
 //! hardly moves or a channel was at fault.
 
-use super::{Estimate, EstimationError, Model, predict};
+use super::error::EstimationError;
+use super::estimate::Estimate;
+use super::prediction::{Model, predict};
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::{Butterworth, Samples};
 

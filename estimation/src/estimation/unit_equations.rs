@@ -6,8 +6,9 @@
 
 use nalgebra::{DMatrix, DVector};
 
+use super::error::EstimationError;
 use super::linear_fit::LinearFit;
-use super::{EstimationError, Observation};
+use super::observation::Observation;
 
 /// Equations `z = h γ + ν` with cov ν = 1.
 pub(super) struct UnitEquations {

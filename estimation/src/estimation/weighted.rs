@@ -16,8 +16,12 @@
 //! C. Ganseman, D. B. Tükel, J. De Schutter, H. Van Brussel, "Optimal robot excitation and identification", IEEE Trans. Robotics and
 //! Automation 13(5), 1997, for Σ from the scatter over periods.
 
+use super::error::EstimationError;
+use super::estimate::Estimate;
+use super::estimator::Estimator;
 use super::linear_fit::LinearFit;
-use super::{Estimate, EstimationError, EstimationProblem, Estimator, Termination};
+use super::problem::EstimationProblem;
+use super::termination::Termination;
 
 /// Least squares weighted with the inverse noise covariance of each sample.
 #[derive(Clone, Copy, Debug, Default)]

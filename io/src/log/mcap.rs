@@ -3,7 +3,6 @@
 use std::path::Path;
 
 use armid::remedy::{Remedy, Setting, Task};
-
 use armid_cdr::JointState;
 
 use super::joint_log::Log;

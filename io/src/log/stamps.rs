@@ -8,7 +8,6 @@
 use std::ops::Range;
 
 use armid::remedy::{Remedy, Setting};
-
 use serde::Serialize;
 
 /// Largest relative difference from the mean step in an even log.

@@ -4,6 +4,8 @@ use std::fs::{self, FileType};
 use std::io;
 use std::path::{Path, PathBuf};
 
+use armid::remedy::{Remedy, Setting};
+
 use crate::error::Error;
 
 /// So many links are followed: as many as Linux does.
@@ -21,7 +23,8 @@ pub fn regular_file(path: &Path) -> Result<PathBuf, Error> {
         Ok(there) if !there.is_file() => {
             let message =
                 format!("{} is {}, expected a regular file or a new one", path.display(), kind(there.file_type()));
-            Err(Error::new(message).help("-o - writes to standard output, where a command writes one text"))
+            let help = Remedy::set(Setting::Output, "-").say(" writes to standard output, where one text is written");
+            Err(Error::new(message).help(help))
         }
         Ok(_) => followed(path),
         // A link may lead to a file that is to be made.

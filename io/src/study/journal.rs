@@ -8,6 +8,8 @@ use std::io::{BufRead, BufReader, Seek, SeekFrom, Write};
 use std::path::{Path, PathBuf};
 use std::time::{Duration, Instant};
 
+use armid::remedy::{Remedy, Setting};
+
 use super::LineChain;
 use super::journal_text::{Extent, Header, Reader, piece_of, read};
 use super::piece::Piece;
@@ -212,7 +214,8 @@ fn free_name(folder: &Path) -> Result<PathBuf, Error> {
     let mut names = std::iter::once(Journal::BEFORE.to_owned()).chain(numbered).map(|name| folder.join(name));
     names.find(|path| path.symlink_metadata().is_err()).ok_or_else(|| {
         let message = format!("{} holds 1000 journals of interrupted studies, expected fewer", folder.display());
-        Error::new(message).help("move them away, or choose another folder with -o")
+        Error::new(message)
+            .help(Remedy::from("move them away, or choose another folder with ").setting(Setting::Output))
     })
 }
 
@@ -226,7 +229,8 @@ fn lock(path: &Path) -> Result<File, Error> {
     match file.try_lock() {
         Err(TryLockError::WouldBlock) => {
             let message = format!("{} is being written by another study", path.display());
-            Err(Error::new(message).help("wait for it, or choose another folder with -o"))
+            Err(Error::new(message)
+                .help(Remedy::from("wait for it, or choose another folder with ").setting(Setting::Output)))
         }
         // A file system without locks is no reason not to work.
         Ok(()) | Err(TryLockError::Error(_)) => Ok(file),

@@ -3,10 +3,16 @@
 
 use std::sync::Arc;
 
+use super::arm::{DivergenceError, Ending, Sink};
+use super::command_table::CommandTable;
 use super::effects::{ClockSlips, SampleClock};
-use super::{
-    CommandTable, DivergenceError, Ending, JointLoop, Layout, Phase, PlantError, RawSample, Rest, Sink, Tracking,
-};
+use super::joint_loop::JointLoop;
+use super::layout::Layout;
+use super::phase::Phase;
+use super::plant::PlantError;
+use super::raw_sample::RawSample;
+use super::tracking::Tracking;
+use super::trip::Rest;
 use crate::model::Robot;
 
 /// The true state behind one sample, for tests, scoring and bounds; no sensor sees it. All slices have length n.

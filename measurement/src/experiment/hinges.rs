@@ -3,7 +3,7 @@
 use crate::model::term::ROTOR;
 use nalgebra::{DMatrix, Vector3};
 
-use super::{Plant, PlantError};
+use super::plant::{Plant, PlantError};
 use crate::model::{DhConvention, DhRow, Drive, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters};
 use crate::spatial::{Inertia, Placement};
 use crate::trajectory::{FourierJoint, FourierTrajectory};

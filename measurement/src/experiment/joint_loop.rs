@@ -4,11 +4,14 @@
 //! The one loop of the project: a [`super::Cycle`] closes it along a plan, with the effects of an arm where it has some; a
 //! robot controller closes it around any command.
 
+use super::controller::JointPid;
 use super::effects::{ActualArm, ActualDrives};
 use super::motor_load::MotorLoad;
 use super::motors::Motors;
+use super::sensing::Sensing;
 use super::sensing::Sensors;
-use super::{JointPid, Sensing, ServoError, Transmission};
+use super::servo_error::ServoError;
+use super::transmission::Transmission;
 use crate::model::{Drive, EffortInterface, Robot, StandardParameters};
 use crate::seed::Seed;
 

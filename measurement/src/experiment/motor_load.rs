@@ -2,7 +2,8 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{ServoError, Transmission};
+use super::servo_error::ServoError;
+use super::transmission::Transmission;
 use crate::dynamics::Dynamics;
 use crate::model::term::{COULOMB, VISCOUS};
 use crate::model::{Robot, StandardParameters};

@@ -2,14 +2,21 @@
 
 use std::sync::Arc;
 
+use super::arm::{Arm, ArmError, Ending, Sink};
+use super::command_table::CommandTable;
 use super::cycle::CycleSpec;
+use super::cycle::{Cycle, Next, TrueState};
+use super::effects::ActualArm;
+use super::joint_loop::JointLoop;
 use super::motor_load::MotorLoad;
 use super::motors::Motors;
+use super::plan::ExperimentPlan;
+use super::plant::Plant;
+use super::recording::Recording;
+use super::sensing::Sensing;
 use super::sensing::Sensors;
-use super::{
-    ActualArm, Arm, ArmError, CommandTable, Cycle, Ending, ExperimentPlan, JointLoop, Next, Plant, Recording, Sensing,
-    ServoError, Sink, Tracking, TrueState,
-};
+use super::servo_error::ServoError;
+use super::tracking::Tracking;
 use crate::model::{Drive, Robot, StandardParameters};
 use crate::seed::{RunNoise, Seed};
 

@@ -14,10 +14,15 @@
 
 use std::ops::Range;
 
+use super::butterworth::Butterworth;
+use super::cutoff::find_cutoff;
+use super::differences::differences;
+use super::error::SignalError;
 use super::error::check_finite;
 use super::periodic::{column, effort_units, put_column, used_blocks};
+use super::processing::{Derivatives, Processing, TorqueFilter};
+use super::samples::Samples;
 use super::torque::{map_rows, torque_map};
-use super::{Butterworth, Derivatives, Processing, Samples, SignalError, TorqueFilter, differences, find_cutoff};
 use crate::dynamics::States;
 use crate::model::{EffortInterface, Robot};
 

@@ -11,7 +11,7 @@
 //!
 //! Reference: A. V. Oppenheim, R. W. Schafer, *Discrete-Time Signal Processing*, 3rd ed., 2010, sec. 7.2.
 
-use super::SignalError;
+use super::error::SignalError;
 
 /// `y = b0 x + b1 x₋₁ + b2 x₋₂ − a1 y₋₁ − a2 y₋₂`
 #[derive(Clone, Copy, Debug, PartialEq)]

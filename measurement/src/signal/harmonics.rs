@@ -12,7 +12,7 @@
 
 use nalgebra::Complex;
 
-use super::FourierTransform;
+use super::fourier_transform::FourierTransform;
 
 /// Which harmonics of the measured positions are kept.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -1,7 +1,11 @@
 //! The derivative of the acceleration.
 
+use super::differences::{differences, differences_periodic};
+use super::fourier_transform::FourierTransform;
+use super::harmonics::HarmonicSeries;
 use super::periodic::{column, put_column};
-use super::{Derivatives, FourierTransform, HarmonicSeries, Samples, differences, differences_periodic};
+use super::processing::Derivatives;
+use super::samples::Samples;
 
 impl Samples {
     /// `q⃛` at every sample, N × n row-major, rad/s³ (m/s³), by the route that velocity and acceleration came by: through the

@@ -9,7 +9,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::FourierTransform;
+use super::fourier_transform::FourierTransform;
 use super::fourier_transform::smooth_length;
 use crate::linalg::product::transposed_product;
 

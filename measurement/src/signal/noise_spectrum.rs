@@ -8,7 +8,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::FourierTransform;
+use super::fourier_transform::FourierTransform;
 use super::fourier_transform::smooth_length;
 
 /// Lag covariances as spectra, for series of one length.

@@ -11,7 +11,7 @@
 
 use nalgebra::DMatrix;
 
-use super::SignalError;
+use super::error::SignalError;
 use super::error::check_finite;
 
 /// Whole periods of a record, back to back: `q` and `effort` are (P·N) × n, row-major.

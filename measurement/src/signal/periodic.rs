@@ -1,11 +1,16 @@
 //! Periods of raw samples to one period of processed ones.
 
+use super::butterworth::Butterworth;
+use super::differences::differences_periodic;
+use super::error::SignalError;
+use super::fourier_transform::FourierTransform;
+use super::harmonics::{Bandwidth, HarmonicSeries};
+use super::noise::NoiseModel;
+use super::period_average::{PeriodAverage, PeriodicRecord};
+use super::processing::{Derivatives, Processing, TorqueFilter};
+use super::samples::Samples;
 use super::scatter::ScatterSpectrum;
 use super::torque::{map_rows, torque_map};
-use super::{
-    Bandwidth, Butterworth, Derivatives, FourierTransform, HarmonicSeries, NoiseModel, PeriodAverage, PeriodicRecord,
-    Processing, Samples, SignalError, TorqueFilter, differences_periodic,
-};
 use crate::dynamics::States;
 use crate::model::{EffortInterface, Robot};
 

@@ -14,7 +14,8 @@
 //! Filtering torque as well makes it worse there, where the Coulomb columns were not filtered alike. 125 to 500 equations a period
 //! are equally good; at 1000 the noise of the acceleration shows, and coverage falls to 84 %.
 
-use super::{Bandwidth, SignalError};
+use super::error::SignalError;
+use super::harmonics::Bandwidth;
 
 /// How velocity and acceleration are found.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, Default, serde::Serialize, serde::Deserialize)]

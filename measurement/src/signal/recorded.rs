@@ -1,6 +1,10 @@
 //! A recording to samples.
 
-use super::{PeriodicRecord, Processing, Samples, SignalError, process_periods};
+use super::error::SignalError;
+use super::period_average::PeriodicRecord;
+use super::periodic::process_periods;
+use super::processing::Processing;
+use super::samples::Samples;
 use crate::experiment::Recording;
 use crate::model::Robot;
 

@@ -3,7 +3,12 @@
 use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
-use super::{Butterworth, Derivatives, FourierTransform, HarmonicSeries, NoiseModel, Processing, SignalError};
+use super::butterworth::Butterworth;
+use super::error::SignalError;
+use super::fourier_transform::FourierTransform;
+use super::harmonics::HarmonicSeries;
+use super::noise::NoiseModel;
+use super::processing::{Derivatives, Processing};
 use crate::dynamics::States;
 use crate::provenance::Provenance;
 

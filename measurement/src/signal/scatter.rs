@@ -9,7 +9,7 @@
 
 use nalgebra::{Complex, DMatrix};
 
-use super::FourierTransform;
+use super::fourier_transform::FourierTransform;
 
 /// Cross spectra of the deviations of single periods from their average.
 #[derive(Clone, Debug)]

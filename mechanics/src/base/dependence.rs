@@ -12,10 +12,11 @@
 //! its natural size. Which columns those are is decided here, once for all methods, on states that depend on nothing but
 //! the robot: the methods say what the structure reveals, this says what of it can be seen.
 
+use super::error::BaseError;
 use super::geometry::Geometry;
 use super::nearly_dependent::NearlyDependent;
+use super::reduction::BaseReduction;
 use super::scaled_stack::scaled_stack;
-use super::{BaseError, BaseReduction};
 use crate::linalg::{LeftToRight, RankTolerance};
 use crate::model::term::ROTOR;
 use crate::model::{Columns, Robot};

@@ -1,6 +1,6 @@
 //! Why a reduction cannot be made.
 
-use super::Method;
+use super::method::Method;
 use crate::model::ColumnsError;
 
 /// Why a reduction cannot be made.

@@ -7,7 +7,8 @@
 
 use nalgebra::DMatrix;
 
-use super::{BaseReduction, Method};
+use super::method::Method;
+use super::reduction::BaseReduction;
 use crate::model::term::Structure;
 use crate::model::{ParameterId, ParameterKind};
 

@@ -2,7 +2,8 @@
 
 use nalgebra::DMatrix;
 
-use super::{BaseReduction, Method};
+use super::method::Method;
+use super::reduction::BaseReduction;
 use crate::linalg::{LeftToRight, RankRevealingQr, RankTolerance, RowFactor, normalised_columns};
 use crate::model::ParameterId;
 

@@ -3,8 +3,8 @@
 use nalgebra::Vector3;
 use rand::RngExt;
 
-use super::BaseMotion;
 use super::geometry::Geometry;
+use super::structural::BaseMotion;
 use crate::dynamics::States;
 use crate::model::JointKind;
 use crate::regressor::BaseState;

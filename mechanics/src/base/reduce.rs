@@ -2,10 +2,15 @@
 
 use nalgebra::DMatrix;
 
+use super::error::BaseError;
 use super::geometry::Geometry;
+use super::method::Method;
+use super::radkhah2007::Radkhah2007Sets;
 use super::random_states::LEAST_STATES;
+use super::reduction::BaseReduction;
 use super::scaled_stack::scaled_stack;
-use super::{BaseError, BaseMotion, BaseReduction, Method, Radkhah2007Sets, dependence, structural};
+use super::structural::BaseMotion;
+use super::{dependence, structural};
 use crate::dynamics::States;
 use crate::model::{Columns, ParameterId, Robot};
 use crate::regressor::JointTorqueRegressor;

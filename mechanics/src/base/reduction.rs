@@ -3,7 +3,9 @@
 use nalgebra::{DMatrix, DVector};
 use serde::{Deserialize, Serialize};
 
-use super::{BaseMotion, Method, NearlyDependent};
+use super::method::Method;
+use super::nearly_dependent::NearlyDependent;
+use super::structural::BaseMotion;
 use crate::linalg::{LeftToRight, RankTolerance, product};
 use crate::model::ParameterId;
 

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::BaseError;
+use super::error::BaseError;
 use super::geometry::Geometry;
 use crate::model::ParameterId;
 

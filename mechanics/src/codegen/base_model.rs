@@ -2,7 +2,7 @@
 
 use nalgebra::DVector;
 
-use super::CodegenError;
+use super::error::CodegenError;
 use super::expression::{Expression, Expressions, Id};
 use super::vector::Triple;
 use crate::base::{BaseReduction, Category};

@@ -2,7 +2,7 @@
 
 use std::fmt::Write;
 
-use super::BaseModel;
+use super::base_model::BaseModel;
 use super::expression::{Expression, Id};
 
 /// A language of source code.

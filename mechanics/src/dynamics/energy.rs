@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::Dynamics;
+use super::model::Dynamics;
 use crate::spatial::{Motion, Placement};
 
 /// Energy of an arm, J.

@@ -5,7 +5,8 @@ use nalgebra::{DMatrix, Vector3};
 use super::articulated::{self, ArticulatedJoint};
 use super::composite;
 use super::joint_frames::{JointChain, JointPose, Turns};
-use super::{LinkPose, TermState, TorqueTerms};
+use super::link_pose::LinkPose;
+use super::torque_terms::{TermState, TorqueTerms};
 use crate::model::{Columns, Robot, StandardParameters};
 use crate::spatial::{Force, Inertia, Motion};
 

@@ -2,7 +2,7 @@
 
 use rand::RngExt;
 
-use super::Dynamics;
+use super::model::Dynamics;
 use crate::model::{JointKind, Robot, StandardParameters};
 use crate::seed::Seed;
 

@@ -2,7 +2,7 @@
 
 use nalgebra::DMatrix;
 
-use super::PlacedTerm;
+use super::placed_term::PlacedTerm;
 use crate::model::term::{Shapes, Slope, Term, TermBlock, TermInput};
 use crate::model::{Columns, ParameterId, Robot, StandardParameters};
 

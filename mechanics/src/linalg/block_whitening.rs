@@ -7,7 +7,7 @@
 
 use nalgebra::{Cholesky, DMatrix, Dyn};
 
-use super::LeastSquaresError;
+use super::least_squares::LeastSquaresError;
 
 /// Divides blocks of n rows by the root of their covariance, so that they have unit covariance.
 ///

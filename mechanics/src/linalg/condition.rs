@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::reflection::norm;
-use super::triangular_factor;
+use super::triangular::triangular_factor;
 
 /// Singular values of A (m × n), largest first, through its triangular factor.
 #[must_use]

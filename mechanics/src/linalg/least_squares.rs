@@ -11,7 +11,11 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use super::{RankTolerance, RowFactor, condition, product, solve_upper};
+use super::condition::condition;
+use super::product::product;
+use super::row_factor::RowFactor;
+use super::tolerance::RankTolerance;
+use super::triangular::solve_upper;
 
 /// Why a least-squares problem has no answer.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]

@@ -2,10 +2,10 @@
 
 use nalgebra::DMatrix;
 
-use super::RankTolerance;
 use super::condition::normalised_columns;
-use super::dot;
+use super::dot::dot;
 use super::reflection::{Reflection, norm};
+use super::tolerance::RankTolerance;
 
 /// QR that walks the columns of A from left to right and keeps a column if and only if it is independent of those kept
 /// before it; the others are combinations of the kept ones.

@@ -2,9 +2,9 @@
 
 use nalgebra::DMatrix;
 
-use super::RankTolerance;
 use super::condition::normalised_columns;
 use super::reflection::{Reflection, norm};
+use super::tolerance::RankTolerance;
 
 /// Householder QR with column pivoting of A, its columns scaled to unit length: the column with the longest residual
 /// comes next.

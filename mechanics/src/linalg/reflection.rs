@@ -1,6 +1,6 @@
 //! One Householder reflection.
 
-use super::dot;
+use super::dot::dot;
 
 /// `H = 1 − 2 v vᵀ / (vᵀ v)`, acting on the entries from `start` on.
 pub(super) struct Reflection {

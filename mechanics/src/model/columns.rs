@@ -2,8 +2,10 @@
 
 use std::fmt;
 
+use super::columns_error::ColumnsError;
+use super::parameter_id::{ParameterId, ParameterKind};
+use super::robot::Robot;
 use super::term::{COULOMB, MOTOR_COULOMB, MOTOR_VISCOUS, OFFSET, ROTOR, ShapeParameter, Term, VISCOUS};
-use super::{ColumnsError, ParameterId, ParameterKind, Robot};
 
 /// Terms of one model at most.
 pub const MOST_TERMS: usize = 24;

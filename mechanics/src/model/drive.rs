@@ -2,7 +2,7 @@
 
 use std::collections::BTreeMap;
 
-use super::MotorCircuit;
+use super::motor_circuit::MotorCircuit;
 use super::term::{Scale, ShapeParameter, Shapes, Term};
 
 /// One drive. Everything here is either on a data sheet or measured by an experiment of its own; where it is neither,

@@ -1,6 +1,6 @@
 //! One joint: what it moves along, where it stands, and how far, how fast and how hard it may go.
 
-use super::Drive;
+use super::drive::Drive;
 use crate::spatial::{Force, Motion, Placement};
 use nalgebra::Vector3;
 

@@ -2,7 +2,7 @@
 
 use std::fmt;
 
-use super::JointKind;
+use super::joint::JointKind;
 use super::term::Term;
 
 /// Which quantity a parameter is.

@@ -9,8 +9,10 @@
 use std::fmt;
 use std::ops::{Index, IndexMut};
 
+use super::columns::Columns;
+use super::parameter_id::{ParameterId, ParameterKind};
+use super::robot::Robot;
 use super::term::Term;
-use super::{Columns, ParameterId, ParameterKind, Robot};
 use crate::spatial::Inertia;
 
 /// The coefficients of the torque terms of one joint or motor. One that was never set is zero.

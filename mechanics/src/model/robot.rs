@@ -4,8 +4,13 @@ use nalgebra::{DMatrix, Vector3};
 
 use serde::{Deserialize, Serialize};
 
+use super::declared_uncertainty::DeclaredUncertainty;
+use super::drive::Drive;
+use super::joint::Joint;
+use super::point::NamedPoint;
 use super::robot_error::{RobotError, check_joint, check_points, check_servo, check_surroundings};
-use super::{DeclaredUncertainty, Drive, EffortInterface, Joint, NamedPoint, Obstacle, ServoTuning, Shape};
+use super::servo::{EffortInterface, ServoTuning};
+use super::shape::{Obstacle, Shape};
 use crate::input::size::JOINTS;
 use crate::provenance::sha256;
 use crate::spatial::{Motion, Placement};

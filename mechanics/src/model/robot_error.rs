@@ -2,10 +2,13 @@
 
 use nalgebra::Vector3;
 
-use super::{
-    Capsule, Cuboid, DhConvention, DhRow, Hull, Joint, JointKind, MotorCircuit, NamedPoint, Obstacle, ServoTuning,
-    Shape, Solid,
-};
+use super::capsule::Capsule;
+use super::hull::Hull;
+use super::joint::{DhConvention, DhRow, Joint, JointKind};
+use super::motor_circuit::MotorCircuit;
+use super::point::NamedPoint;
+use super::servo::ServoTuning;
+use super::shape::{Cuboid, Obstacle, Shape, Solid};
 use crate::input::SizeError;
 use crate::spatial::Placement;
 

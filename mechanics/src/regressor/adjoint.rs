@@ -19,8 +19,9 @@
 //! The cost is that of about four evaluations, for any number of columns. A term that depends on the torque that the
 //! links take, `τ_t = Y_links φ_links`, adds its slope by it, times `φ_links`, to the weights of the links' columns.
 
+use super::body::BodyRegressor;
 use super::body::Weights;
-use super::{BodyRegressor, JointTorqueRegressor};
+use super::joint_torque::JointTorqueRegressor;
 use crate::dynamics::TermState;
 use crate::spatial::{Force, Motion, Placement};
 

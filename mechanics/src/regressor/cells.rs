@@ -2,7 +2,8 @@
 
 use pulp::Simd;
 
-use super::{BodyRegressor, JointTorqueRegressor};
+use super::body::BodyRegressor;
+use super::joint_torque::JointTorqueRegressor;
 use crate::dynamics::States;
 use crate::lanes::Wide;
 use crate::spatial::LaneMotion;

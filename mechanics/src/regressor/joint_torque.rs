@@ -4,7 +4,7 @@ use std::ops::Range;
 
 use nalgebra::Vector3;
 
-use super::BodyRegressor;
+use super::body::BodyRegressor;
 use crate::dynamics::{LinkPose, TermState, TorqueTerms};
 use crate::lanes::{Lane, sines_and_cosines};
 use crate::model::{Columns, ColumnsError, ParameterId, Robot, StandardParameters};

@@ -2,7 +2,7 @@
 
 use nalgebra::Vector3;
 
-use super::JointTorqueRegressor;
+use super::joint_torque::JointTorqueRegressor;
 use crate::spatial::Motion;
 
 /// A prescribed state of motion of the base, everything in the frame of the base.

@@ -9,8 +9,8 @@
 use nalgebra::DMatrix;
 use pulp::{Arch, Simd, WithSimd};
 
-use super::JointTorqueRegressor;
 use super::cells::{Cells, TOGETHER, Together};
+use super::joint_torque::JointTorqueRegressor;
 use crate::dynamics::States;
 use crate::lanes::Wide;
 use crate::spatial::{LaneMotion, Motion};

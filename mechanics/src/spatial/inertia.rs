@@ -2,7 +2,7 @@
 
 use nalgebra::{Matrix3, Matrix4, SymmetricEigen, Vector3};
 
-use super::{Force, Motion};
+use super::vectors::{Force, Motion};
 
 /// Inertia of one body about the origin of its frame: mass, first moment, rotational inertia.
 ///

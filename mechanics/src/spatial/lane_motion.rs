@@ -1,6 +1,6 @@
 //! Motions and placements in lanes: what [`Motion`] and [`Placement`](super::Placement) are for one sample, for several at once.
 
-use super::Motion;
+use super::vectors::Motion;
 use crate::lanes::Lane;
 
 /// A vector of each of several samples.

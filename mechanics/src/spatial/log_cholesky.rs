@@ -12,7 +12,7 @@
 
 use nalgebra::Matrix4;
 
-use super::{Inertia, InertiaError, PseudoInertia};
+use super::inertia::{Inertia, InertiaError, PseudoInertia};
 
 /// Log-Cholesky coordinates of a body's inertia: `α, d1, d2, d3, s12, s23, s13, t1, t2, t3`; `t` in m, `d` the
 /// logarithm of a length in m.

@@ -3,7 +3,7 @@
 use nalgebra::{Matrix3, Vector3};
 use serde::{Deserialize, Serialize};
 
-use super::{Force, Motion};
+use super::vectors::{Force, Motion};
 
 /// The pose of a child frame in its parent: `x_parent = R x_child + p`.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]

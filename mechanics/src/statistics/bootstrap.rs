@@ -2,7 +2,8 @@
 
 use rand::RngExt;
 
-use super::{Interval, quantile};
+use super::interval::Interval;
+use super::sample::quantile;
 use crate::seed::{Seed, Stream};
 
 /// Draws of the two-layer bootstrap: designs are drawn with replacement, then runs within each design drawn (A. C. Davison

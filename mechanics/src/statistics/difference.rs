@@ -7,7 +7,10 @@
 //! ```
 //! B. L. Welch, *Biometrika* 34 (1947), 28–35; S. Holm, *Scandinavian Journal of Statistics* 6 (1979), 65–70.
 
-use super::{Interval, f_tail, mean, student_quantile, variance};
+use super::distribution::student_quantile;
+use super::f_distribution::f_tail;
+use super::interval::Interval;
+use super::sample::{mean, variance};
 
 /// The difference of two means, how sure it is, and how surprising it would be where there is none.
 #[derive(Clone, Copy, Debug, PartialEq)]

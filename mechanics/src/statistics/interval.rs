@@ -1,6 +1,7 @@
 //! Intervals at a stated confidence.
 
-use super::{mean, normal_quantile, student_quantile, variance};
+use super::distribution::{normal_quantile, student_quantile};
+use super::sample::{mean, variance};
 
 /// A two-sided interval.
 #[derive(Clone, Copy, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -1,6 +1,8 @@
 //! Correlation of ranks.
 
-use super::{Interval, mean, normal_quantile};
+use super::distribution::normal_quantile;
+use super::interval::Interval;
+use super::sample::mean;
 
 /// Fewest pairs of which a rank correlation has an interval.
 const FEWEST: usize = 4;

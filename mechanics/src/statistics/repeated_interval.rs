@@ -15,7 +15,9 @@
 
 use std::f64::consts::{E, FRAC_1_SQRT_2, PI};
 
-use super::{Interval, mean, normal_quantile, student_quantile, variance};
+use super::distribution::{normal_quantile, student_quantile};
+use super::interval::Interval;
+use super::sample::{mean, variance};
 
 /// How the error is spent over the looks.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -12,7 +12,7 @@
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::{FourierJoint, FourierTrajectory};
+use super::fourier::{FourierJoint, FourierTrajectory};
 
 /// Velocity amplitudes a of joints 1 to 6, rad/s, harmonics 1 to 5.
 const A: [[f64; 5]; 6] = [

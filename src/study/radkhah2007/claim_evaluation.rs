@@ -16,9 +16,15 @@ use crate::signal::Samples;
 use crate::statistics::{
     Interval, mean, quantile, rank_correlation, rank_correlation_interval, root_mean_square, t_interval,
 };
-use crate::study::{
-    DesignMethod, FamilyScore, Findings, Metric, MotionKind, StudyDesign, StudyError, StudySetup, Truth,
-};
+use crate::study::design::StudyDesign;
+use crate::study::error::StudyError;
+use crate::study::evidence::Findings;
+use crate::study::family_plan::DesignMethod;
+use crate::study::family_score::FamilyScore;
+use crate::study::metric::Metric;
+use crate::study::setup::StudySetup;
+use crate::study::truth::Truth;
+use crate::study::validation::MotionKind;
 
 /// Makes an arm with these sensors for one run.
 pub type ArmFactory<'a> = &'a (dyn Fn(&Sensing, RunNoise) -> Result<Box<dyn Arm>, String> + Sync);

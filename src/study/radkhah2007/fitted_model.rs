@@ -9,7 +9,9 @@ use crate::model::Columns;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;
 use crate::statistics::Interval;
-use crate::study::{StudyError, StudySetup, feasible_ranges};
+use crate::study::error::StudyError;
+use crate::study::setup::StudySetup;
+use crate::study::validity::feasible_ranges;
 
 /// Columns that are fitted, with the values that a real arm's parameters can have.
 pub(super) struct FittedModel {

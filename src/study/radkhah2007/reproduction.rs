@@ -1,6 +1,7 @@
 //! What a study stores of the reproduction.
 
-use super::{Claim, TableLine};
+use super::claim::Claim;
+use super::table_two_comparison::TableLine;
 
 /// The claims of `radkhah2007` and its Table II, as evaluated in a study.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]

@@ -1,6 +1,6 @@
 //! Table II of `radkhah2007` beside the truth of the simulation and what armid estimates.
 
-use super::table_two;
+use super::table_two::table_two;
 use crate::base::BaseReduction;
 use crate::model::JointKind;
 use crate::statistics::Interval;

@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::observer::Observer;
+use armid::remedy::{Remedy, Setting};
 use armid::study::{StoppingRule, StudyPlan, StudyPlans};
 use armid_io::Error;
 
@@ -89,7 +90,7 @@ pub fn merge(
     let place = |folder: &Path| folder.canonicalize().ok();
     if let Some(part) = folders.iter().find(|part| place(part).is_some_and(|part| place(output) == Some(part))) {
         let message = format!("the output folder {} is one of the parts, expected another folder", part.display());
-        return Err(Error::mismatch(message).help("choose another folder with -o"));
+        return Err(Error::mismatch(message).help(Remedy::from("choose another folder with ").setting(Setting::Output)));
     }
     let prepared = PreparedStudy::new(plan, beside)?;
     let study = prepared.performance(output, Part::default(), observer);

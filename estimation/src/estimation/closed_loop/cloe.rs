@@ -35,7 +35,7 @@ use crate::estimation::law::LawException;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
-use crate::estimation::residual_noise;
+use crate::estimation::residual::residual_noise;
 use crate::estimation::termination::Termination;
 use crate::linalg::{BlockWhitening, LeastSquares};
 

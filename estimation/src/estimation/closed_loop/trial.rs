@@ -11,7 +11,7 @@ use super::error::ClosedLoopError;
 use super::simulation::{
     ClosedLoop, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode, ClosedLoopSlopes,
 };
-use crate::estimation::complete;
+use crate::estimation::completion::complete;
 use crate::estimation::error::EstimationError;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;

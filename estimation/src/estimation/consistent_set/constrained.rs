@@ -8,7 +8,8 @@ use super::prior::Prior;
 use super::region::Region;
 use super::shape_bounds::ShapeBounds;
 use crate::base::BaseReduction;
-use crate::estimation::{EstimationError, Termination};
+use crate::estimation::error::EstimationError;
+use crate::estimation::termination::Termination;
 use crate::model::StandardParameters;
 
 /// The optimum.

@@ -17,7 +17,7 @@ use nalgebra::{Cholesky, DMatrix, DVector};
 use super::coordinates::{Coordinates, Logarithms};
 use super::prior::{NEAREST, Prior, Weights};
 use super::region::Region;
-use crate::estimation::EstimationError;
+use crate::estimation::error::EstimationError;
 use crate::linalg::{RowFactor, product};
 
 /// Newton steps for one λ: some ten are enough but where links must grow far beyond the guess.

@@ -17,7 +17,7 @@ use nalgebra::DVector;
 use super::newton::{DataTerm, Ending, Minimum, STEPS, minimise, project, unconstrained};
 use super::prior::{NEAREST, Prior, Weights};
 use super::region::Region;
-use crate::estimation::Termination;
+use crate::estimation::termination::Termination;
 
 /// λ grows by this factor from one minimum to the next.
 const GROWTH: f64 = 20.0;

@@ -4,7 +4,7 @@ use nalgebra::{DVector, Matrix4};
 
 use super::shape_bounds::ShapeBounds;
 use crate::base::BaseReduction;
-use crate::estimation::EstimationError;
+use crate::estimation::error::EstimationError;
 use crate::model::term::Sign;
 use crate::model::{ParameterId, ParameterKind, StandardParameters};
 use crate::spatial::{Inertia, PseudoInertia};

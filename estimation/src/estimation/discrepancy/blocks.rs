@@ -7,7 +7,7 @@
 
 use nalgebra::{DMatrix, DVector};
 
-use crate::estimation::Observation;
+use crate::estimation::observation::Observation;
 use crate::signal::{NoiseModel, Samples};
 
 /// At most this many blocks.

@@ -18,7 +18,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::blocks::BlockedEquations;
-use crate::estimation::Observation;
+use crate::estimation::observation::Observation;
 use crate::model::term::{LOAD_FRICTION, Scale, TermInput, VISCOUS};
 
 /// Laws whose size all joints share.

@@ -7,7 +7,8 @@
 //! square of what repeats and no parameter explains.
 
 use super::joint::JointResidual;
-use crate::estimation::{Against, Finding, MisfitPart};
+use crate::estimation::finding::{Finding, MisfitPart};
+use crate::estimation::residual_shape::Against;
 use crate::statistics::{holm_adjusted, mean};
 
 /// Chance that a recording without model error has such a finding at all.

@@ -10,7 +10,7 @@ use nalgebra::{DMatrix, DVector};
 use super::bodies::Body;
 use super::drives::Coefficient;
 use super::equations::NormalEquations;
-use crate::estimation::Termination;
+use crate::estimation::termination::Termination;
 
 /// Steps at most.
 const STEPS: usize = 500;

@@ -10,7 +10,8 @@ use super::bodies::Body;
 use super::equations::NormalEquations;
 use super::minimum::{Divergence, Minimum};
 use super::weight::down_to;
-use crate::estimation::{EstimationError, Termination};
+use crate::estimation::error::EstimationError;
+use crate::estimation::termination::Termination;
 use crate::linalg::product;
 use crate::spatial::Inertia;
 

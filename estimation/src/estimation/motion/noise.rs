@@ -9,7 +9,9 @@
 use nalgebra::{DMatrix, Matrix3};
 
 use crate::dynamics::States;
-use crate::estimation::{EstimationError, EstimationProblem, Observation};
+use crate::estimation::error::EstimationError;
+use crate::estimation::observation::Observation;
+use crate::estimation::problem::EstimationProblem;
 use crate::linalg::BlockWhitening;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;

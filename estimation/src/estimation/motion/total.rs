@@ -17,11 +17,15 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::noise::MotionNoise;
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::{Estimate, IntervalBasis};
+use crate::estimation::estimator::Estimator;
+use crate::estimation::finding::Finding;
+use crate::estimation::inference::Inference;
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::{
-    Estimate, EstimationError, EstimationProblem, Estimator, Finding, Inference, IntervalBasis, Termination,
-    residual_noise,
-};
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::residual::residual_noise;
+use crate::estimation::termination::Termination;
 use crate::linalg::LeastSquares;
 
 /// Iterations at most; they converge cubically.

@@ -14,7 +14,8 @@ use std::ops::RangeInclusive;
 use nalgebra::{Cholesky, DMatrix, DVector};
 
 use crate::base::{BaseReduction, LOAD_UNITS};
-use crate::estimation::{Estimate, EstimationError};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
 use crate::linalg::product;
 use crate::model::term::Structure;
 use crate::statistics::chi_squared_quantile;

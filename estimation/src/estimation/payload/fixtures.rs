@@ -3,7 +3,8 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::base::BaseReduction;
-use crate::estimation::{BaseEstimate, Estimate, IntervalBasis, Termination};
+use crate::estimation::estimate::{BaseEstimate, Estimate, IntervalBasis};
+use crate::estimation::termination::Termination;
 
 /// An estimate with these base parameters and this covariance.
 pub(in crate::estimation) fn estimate_of(

@@ -3,7 +3,9 @@
 use super::body::PayloadBody;
 use super::change::{Change, Fitted};
 use crate::base::{BaseReduction, Category};
-use crate::estimation::{BaseEstimate, Estimate, EstimationError, Termination};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::{BaseEstimate, Estimate};
+use crate::estimation::termination::Termination;
 use crate::model::{JointKind, ParameterKind};
 use crate::statistics::student_quantile;
 

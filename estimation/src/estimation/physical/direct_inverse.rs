@@ -16,8 +16,13 @@ use super::fit::estimate_by_search;
 use super::solution::consistent;
 use crate::estimation::closed_loop::{TorqueSearch, TorqueSlope, torque_search};
 use crate::estimation::consistent_set::Prior;
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::factorisation::Factorisation;
+use crate::estimation::law::LawException;
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, Factorisation, LawException};
+use crate::estimation::problem::EstimationProblem;
 use crate::linalg::LeastSquares;
 
 /// Simulated against measured torque, with every link a possible body.

@@ -13,7 +13,11 @@
 
 use super::fit::{PRIOR_IN_SI, near_nominal};
 use crate::estimation::consistent_set::Prior;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, LawException};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::law::LawException;
+use crate::estimation::problem::EstimationProblem;
 
 /// Ordinary least squares with the entropic distance from a prior.
 #[derive(Clone, Copy, Debug, Default)]

@@ -5,8 +5,12 @@ use nalgebra::{DMatrix, DVector};
 use super::inference::{as_fit, restate};
 use super::solution::{ConsistentFit, consistent};
 use crate::estimation::consistent_set::Prior;
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::law::{EstimatorLaw, LawException};
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, EstimatorLaw, LawException, Termination};
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::termination::Termination;
 use crate::linalg::LeastSquares;
 
 /// A residual is not taken for less than this part of the torque: what lies below is rounding of

@@ -15,7 +15,12 @@ use super::inference::{as_fit, restate};
 use super::solution::consistent;
 use crate::estimation::closed_loop::InstrumentalFit;
 use crate::estimation::consistent_set::Prior;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, LawException, Termination};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::law::LawException;
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::termination::Termination;
 use crate::linalg::LeastSquares;
 
 /// Instrumental variables with every link a possible body.

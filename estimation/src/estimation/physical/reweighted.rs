@@ -17,8 +17,13 @@ use super::fit::STATED_IN_SI;
 use super::inference::restate;
 use super::solution::consistent;
 use crate::estimation::consistent_set::Prior;
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::law::LawException;
+use crate::estimation::problem::EstimationProblem;
 use crate::estimation::robust::{Loss, RobustFit, from_least_squares, robust_estimate, weighted_rows};
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, LawException, Termination};
+use crate::estimation::termination::Termination;
 
 /// Iterations at most.
 const ITERATIONS: usize = 100;

@@ -3,7 +3,9 @@
 use nalgebra::{DMatrix, DVector, Matrix4, Vector3};
 
 use crate::estimation::consistent_set::{ConstrainedFit, Prior, ShapeBounds, constrained_fit, definite_inverse};
-use crate::estimation::{EstimationError, EstimationProblem, Termination};
+use crate::estimation::error::EstimationError;
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::termination::Termination;
 use crate::linalg::LeastSquares;
 use crate::model::StandardParameters;
 use crate::spatial::PseudoInertia;

@@ -14,8 +14,12 @@
 
 use super::fit::{STATED_IN_SI, estimate};
 use crate::estimation::consistent_set::Prior;
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::law::LawException;
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, LawException};
+use crate::estimation::problem::EstimationProblem;
 
 /// Weighted least squares with every link a possible body.
 #[derive(Clone, Copy, Debug, Default)]

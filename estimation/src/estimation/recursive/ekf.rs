@@ -16,7 +16,10 @@ use nalgebra::{DMatrix, DVector};
 
 use super::belief::Belief;
 use super::walk;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::problem::EstimationProblem;
 
 /// The Kalman filter by covariances.
 #[derive(Clone, Copy, Debug, Default)]

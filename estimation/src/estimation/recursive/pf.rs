@@ -22,7 +22,10 @@ use rand_distr::{Distribution, StandardNormal};
 
 use super::belief::Belief;
 use super::walk;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::problem::EstimationProblem;
 use crate::linalg::product;
 use crate::seed::{Seed, Stream};
 

@@ -11,9 +11,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::belief::Belief;
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::inference::solve;
 use crate::estimation::linear_fit::LinearFit;
+use crate::estimation::observation::Observation;
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::termination::Termination;
 use crate::estimation::unit_equations::UnitEquations;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Observation, Termination, solve};
 use crate::linalg::LeastSquares;
 
 /// Parts of the recording that a filter may begin with.

@@ -4,7 +4,11 @@ use nalgebra::{DMatrix, DVector};
 
 use super::shape::{Against, Point, ResidualShape};
 use super::whiteness::{Whiteness, probability};
-use crate::estimation::{Estimate, EstimationError, Factorisation, Observation, residual_noise};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::factorisation::Factorisation;
+use crate::estimation::observation::Observation;
+use crate::estimation::residual::residual_noise;
 use crate::linalg::BlockWhitening;
 use crate::model::{JointKind, Robot};
 use crate::signal::Samples;

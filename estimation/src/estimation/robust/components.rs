@@ -13,7 +13,8 @@
 
 use nalgebra::{DMatrix, DVector, SymmetricEigen};
 
-use crate::estimation::{EstimationError, Observation};
+use crate::estimation::error::EstimationError;
+use crate::estimation::observation::Observation;
 use crate::linalg::{LeastSquares, transpose_product};
 
 /// The part of a row that others explain is taken to leave at least this.

@@ -12,7 +12,10 @@
 use super::inference;
 use super::iteration::from_least_squares;
 use super::loss::Loss;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::problem::EstimationProblem;
 
 /// Least squares in which residuals beyond 1.345 scales count linearly.
 #[derive(Clone, Copy, Debug, Default)]

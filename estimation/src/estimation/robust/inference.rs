@@ -20,10 +20,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::iteration::{RobustFit, weighted_rows};
-use crate::estimation::{
-    Estimate, EstimationError, EstimationProblem, Finding, Inference, Instruments, IntervalBasis, Observation,
-    residual_noise,
-};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::{Estimate, IntervalBasis};
+use crate::estimation::finding::Finding;
+use crate::estimation::inference::Inference;
+use crate::estimation::instruments::Instruments;
+use crate::estimation::observation::Observation;
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::residual::residual_noise;
 use crate::linalg::LeastSquares;
 
 /// Mean slope of the influence that a joint is taken to have at least; below it hardly an equation of the joint counts.

@@ -4,7 +4,10 @@ use nalgebra::DVector;
 
 use super::loss::Loss;
 use super::scale::median_scales;
-use crate::estimation::{EstimationError, EstimationProblem, Observation, Termination};
+use crate::estimation::error::EstimationError;
+use crate::estimation::observation::Observation;
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::termination::Termination;
 use crate::linalg::{LeastSquares, RowFactor};
 
 /// Iterations at most.

@@ -17,7 +17,11 @@ use super::iteration::{Scales, iterate};
 use super::loss::Loss;
 use super::s_estimate;
 use super::scale::m_scales;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, Termination};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::termination::Termination;
 
 /// Tukey's M-estimate from the fit with the smallest M-scale.
 #[derive(Clone, Copy, Debug, Default)]

@@ -17,7 +17,10 @@ use super::components::doubtful_halves;
 use super::iteration::weighted_rows;
 use super::loss::biweight;
 use super::scale::{S_CONSTANT, least_scales, m_scale, median_scales};
-use crate::estimation::{EstimationError, EstimationProblem, Observation, Termination};
+use crate::estimation::error::EstimationError;
+use crate::estimation::observation::Observation;
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::termination::Termination;
 
 /// Equations that starts are compared on, and at least this many for each parameter.
 const START_EQUATIONS: usize = 1500;

@@ -4,7 +4,7 @@
 use nalgebra::DVector;
 
 use super::loss::biweight_loss;
-use crate::estimation::Observation;
+use crate::estimation::observation::Observation;
 use crate::statistics::quantile;
 
 /// Median of |z| for a standard normal z.

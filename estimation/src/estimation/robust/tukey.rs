@@ -13,7 +13,10 @@
 use super::inference;
 use super::iteration::from_least_squares;
 use super::loss::Loss;
-use crate::estimation::{Estimate, EstimationError, EstimationProblem, Estimator};
+use crate::estimation::error::EstimationError;
+use crate::estimation::estimate::Estimate;
+use crate::estimation::estimator::Estimator;
+use crate::estimation::problem::EstimationProblem;
 
 /// Least squares in which residuals beyond 4.685 scales do not count.
 #[derive(Clone, Copy, Debug, Default)]

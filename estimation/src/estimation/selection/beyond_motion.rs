@@ -13,7 +13,8 @@ use nalgebra::DMatrix;
 use serde::{Deserialize, Serialize};
 
 use super::current_lag::LaggedTorque;
-use crate::estimation::{EstimationError, Observation};
+use crate::estimation::error::EstimationError;
+use crate::estimation::observation::Observation;
 use crate::model::term::{CURRENT_LAG, Term, WARM_VISCOUS};
 use crate::model::{ParameterId, ParameterKind, Robot};
 use crate::signal::Samples;

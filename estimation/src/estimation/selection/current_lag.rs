@@ -23,8 +23,10 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::dynamics::States;
+use crate::estimation::error::EstimationError;
+use crate::estimation::factorisation::Factorisation;
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::{EstimationError, Factorisation, Observation};
+use crate::estimation::observation::Observation;
 use crate::model::Robot;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;

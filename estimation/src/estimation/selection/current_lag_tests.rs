@@ -131,20 +131,13 @@ fn analytic_the_column_is_the_change_of_the_motors_torque_with_time() {
 
 #[test]
 fn analytic_lags_are_found_and_other_parameters_are_nearer_beside_them() {
-    let mut supported = 0;
     for (seed, coupled) in [(11, false), (12, true), (13, false)] {
         let (robot, truth) = arm(seed, coupled);
         let lags = [6e-3, 3e-3, -4e-3];
         let samples = recorded(seed, (&robot, &truth), lags);
         let selection = selected(&robot, &samples);
         let evidence = lag_of(&selection);
-        // The F-test sees each lag; an interval over ten parts of what was not fitted may just hold zero.
-        assert!(evidence.f.as_ref().is_some_and(|f| f.p_value < 1e-9), "{seed}: {evidence:?}");
-        assert_ne!(evidence.verdict, Verdict::NotSupported, "{seed}: {evidence:?}");
-        if evidence.verdict != Verdict::Supported {
-            continue;
-        }
-        supported += 1;
+        assert_eq!(evidence.verdict, Verdict::Supported, "{seed}: {evidence:?}");
         let found: Vec<_> = selection.beyond_motion.iter().filter(|one| one.term == "current-lag").collect();
         assert_eq!(found.len(), 3);
         for (one, lag) in found.iter().zip(lags) {
@@ -168,7 +161,6 @@ fn analytic_lags_are_found_and_other_parameters_are_nearer_beside_them() {
         let without = error(estimate.beta());
         assert!(with < 0.5 * without, "{seed}: {with} {without} {}", selection.columns);
     }
-    assert!(supported >= 2, "{supported} of 3");
 }
 
 #[test]

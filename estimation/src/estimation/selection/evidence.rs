@@ -38,7 +38,7 @@ pub struct HeldOutChange {
     pub without: f64,
     /// RMS with it.
     pub with: f64,
-    /// 95 % interval of the change of the squared error over the squared error without the term: geometric mean of ten consecutive parts.
+    /// 95 % interval of the change of the squared error over the squared error without the term, for this motion.
     pub change_ci95: [f64; 2],
 }
 

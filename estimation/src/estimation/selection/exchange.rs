@@ -11,7 +11,8 @@
 
 use super::evidence::{TermEvidence, Verdict};
 use super::search::{Kept, Search, with_word, without, words_of};
-use crate::estimation::{EstimationError, Identification};
+use crate::estimation::error::EstimationError;
+use crate::estimation::identification::Identification;
 use crate::model::Columns;
 use crate::model::term::Term;
 

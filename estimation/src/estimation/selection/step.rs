@@ -6,10 +6,14 @@ use super::beyond_motion::BeyondMotion;
 use super::evidence::{TermEvidence, Verdict};
 use super::prediction_error::Predictions;
 use super::restriction::Restriction;
+use crate::estimation::error::EstimationError;
+use crate::estimation::factorisation::Factorisation;
+use crate::estimation::identification::Identification;
 use crate::estimation::linear_fit::LinearFit;
-use crate::estimation::{
-    EstimationError, EstimationProblem, Factorisation, Identification, Observation, Termination, residual_noise,
-};
+use crate::estimation::observation::Observation;
+use crate::estimation::problem::EstimationProblem;
+use crate::estimation::residual::residual_noise;
+use crate::estimation::termination::Termination;
 use crate::model::ParameterKind;
 use crate::model::term::STRIBECK;
 use crate::signal::Samples;

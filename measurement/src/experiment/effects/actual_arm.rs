@@ -1,12 +1,12 @@
 //! The arm as it is: what its plant is built from, and what the servo adds around the plant.
 
-use super::EffectKind as Kind;
-use super::Effects;
 use super::cable::Strands;
 use super::clock_slips::ClockSlips;
 use super::drive_friction::{DriveFriction, is_displaced};
 use super::eccentricity::Eccentricity;
 use super::elasticity::Spring;
+use super::kind::EffectKind as Kind;
+use super::selection::Effects;
 use super::spikes::Spikes;
 use super::transmission_error::TransmissionError;
 use super::warming::Warming;
@@ -15,7 +15,7 @@ use super::{
     sample_clock, tool,
 };
 use crate::dynamics::Dynamics;
-use crate::experiment::gain_pose;
+use crate::experiment::motor_load::gain_pose;
 use crate::model::term::{
     COULOMB, Carrier, LOAD_FRICTION, MOTOR_COULOMB, MOTOR_LOAD_FRICTION, MOTOR_STRIBECK, MOTOR_VISCOUS,
     MOTOR_WARM_VISCOUS, ROTOR, STRIBECK, Term, VISCOUS, WARM_VISCOUS,

@@ -5,18 +5,18 @@
 //!                                                          └── where the encoder is
 //! ```
 
-use super::EffectKind as Kind;
 use super::actual_arm::{ActualArm, Coupling};
 use super::cable::Strands;
 use super::current_loop::CurrentLoop;
 use super::drive_friction::DriveFriction;
 use super::elasticity::{MotorSide, Spring};
+use super::kind::EffectKind as Kind;
 use super::ripple::Ripple;
 use super::torque_constant;
 use super::transmission_error::TransmissionError;
 use super::uneven_links::UnevenLinks;
 use crate::dynamics::Dynamics;
-use crate::experiment::Transmission;
+use crate::experiment::transmission::Transmission;
 use crate::model::term::ROTOR;
 
 /// The drives of one run.

@@ -2,8 +2,10 @@
 
 use nalgebra::DMatrix;
 
+use super::actual_arm::ActualArm;
 use super::actual_arm::Coupling;
-use super::{ActualArm, EffectKind as Kind, Effects};
+use super::kind::EffectKind as Kind;
+use super::selection::Effects;
 use crate::excitation::{EffectLaw, ExcitationError, ExpectedEffect, ExpectedEffects};
 use crate::model::{DriveParameters, Robot, StandardParameters};
 

@@ -1,6 +1,6 @@
 //! The list of effects: name, unit, two levels, and what each means.
 
-use super::Level;
+use super::level::Level;
 
 /// What one effect is.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -6,7 +6,8 @@ use std::fmt;
 use serde::de::{Deserialize, Deserializer, Error, MapAccess, Visitor};
 use serde::ser::{Serialize, SerializeMap, Serializer};
 
-use super::{EffectKind, Level};
+use super::kind::EffectKind;
+use super::level::Level;
 use crate::seed::Seed;
 
 /// The key of the seed among the effects.

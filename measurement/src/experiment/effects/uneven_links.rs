@@ -11,7 +11,7 @@
 
 use super::transmission_error::{Lead, TransmissionError};
 use crate::dynamics::Dynamics;
-use crate::experiment::Transmission;
+use crate::experiment::transmission::Transmission;
 
 /// Largest gain of the feedback of accelerations.
 const GAIN: f64 = 0.8;

@@ -1,6 +1,6 @@
 //! One coefficient of K, as it is printed.
 
-use super::Symbol;
+use super::symbol::Symbol;
 use crate::model::Robot;
 
 /// A rational factor times powers of letters: `−2·d4²/a2`.

@@ -2,11 +2,12 @@
 
 use rand::RngExt;
 
-use super::Symbol;
+use super::symbol::Symbol;
 use super::symbol::Variable;
 use crate::base::geometry::Geometry;
+use crate::base::reduction::BaseReduction;
 use crate::base::structural;
-use crate::base::{BaseMotion, BaseReduction};
+use crate::base::structural::BaseMotion;
 use crate::model::{DhRow, ParameterId};
 use crate::seed::Seed;
 use crate::spatial::Placement;

@@ -3,11 +3,11 @@
 use crate::model::term::Dimension;
 use std::fmt;
 
+use super::coefficient::{Coefficient, Product};
 use super::family::Family;
 use super::recognise::coefficient;
-use super::{Coefficient, Product};
-use crate::base::BaseReduction;
 use crate::base::geometry::Geometry;
+use crate::base::reduction::BaseReduction;
 use crate::model::{JointKind, ParameterId, ParameterKind, Robot};
 
 /// One base parameter: the parameters that it sums, each with its coefficient, in order.

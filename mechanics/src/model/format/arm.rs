@@ -1,6 +1,6 @@
 //! Which chain of a tree is the arm, where nobody says it.
 
-use super::FormatError;
+use super::error::FormatError;
 use super::tree::{Body, Connection, Tree};
 
 /// Chains and links that a message names at most.

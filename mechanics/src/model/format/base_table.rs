@@ -2,7 +2,7 @@
 
 use serde::Deserialize;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::{Check, Row, roll_pitch_yaw};
 use crate::spatial::Placement;
 

@@ -1,8 +1,8 @@
 //! The serial chain of a tree that is meant.
 
-use super::FormatError;
 use super::arm::{arm_of, listed, quoted_one};
 use super::element::RIGHT_ANGLE;
+use super::error::FormatError;
 use super::tree::{ChainEnds, ImportedModel, SnappedJoint, Tree};
 
 impl Tree<'_> {

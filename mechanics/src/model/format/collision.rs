@@ -8,9 +8,11 @@
 
 use nalgebra::Vector3;
 
-use super::FormatError;
 use super::element::Element;
-use crate::model::{Capsule, Cuboid, Hull, Solid};
+use super::error::FormatError;
+use crate::model::capsule::Capsule;
+use crate::model::hull::Hull;
+use crate::model::shape::{Cuboid, Solid};
 use crate::spatial::Placement;
 
 /// What a collision shape looks like in its own frame, m.

@@ -9,7 +9,7 @@ use nalgebra::DMatrix;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::{Check, Row};
 
 #[derive(Deserialize)]

@@ -4,9 +4,9 @@ use nalgebra::Vector3;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::FormatError;
 use super::base_table::{BaseTable, read_base};
 use super::coupling_table::{CouplingTable, read_coupling};
+use super::error::FormatError;
 use super::joint_tables::{DriveTable, JointTables, LimitsTable};
 use super::point_tables::{PointTable, read_points};
 use super::reading::{Check, Number, Row, STANDARD_GRAVITY, read};
@@ -15,7 +15,10 @@ use super::shape_tables::{
     FloorTable, ObstacleTable, ShapeTable, TouchTable, link_index, read_obstacles, read_shape, read_touch,
 };
 use super::uncertainty_table::{UncertaintyTable, read_uncertainty};
-use crate::model::{DhConvention, DhRow, Drive, EffortInterface, Joint, JointKind, Limits, Robot, RobotSpec};
+use crate::model::drive::Drive;
+use crate::model::joint::{DhConvention, DhRow, Joint, JointKind, Limits};
+use crate::model::robot::{Robot, RobotSpec};
+use crate::model::servo::EffortInterface;
 use crate::spatial::Placement;
 
 #[derive(Deserialize)]

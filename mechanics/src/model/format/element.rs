@@ -5,9 +5,9 @@ use std::ops::Range;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::{Attribute, Document, Node};
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::Check;
-use crate::model::exact_sincos;
+use crate::model::joint::exact_sincos;
 
 /// Elements inside elements at most; far more than any arm has, and few enough for any stack.
 const DEEPEST: usize = 200;

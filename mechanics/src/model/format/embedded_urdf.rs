@@ -12,7 +12,7 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::tree::ChainEnds;
 
 /// What a robot file says of its URDF.

@@ -6,10 +6,13 @@ use std::ops::Range;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::{Check, Number, Row};
 use super::shape_parameters::read_shape_parameters;
-use crate::model::{Drive, EffortInterface, JointKind, Limits, MotorCircuit};
+use crate::model::drive::Drive;
+use crate::model::joint::{JointKind, Limits};
+use crate::model::motor_circuit::MotorCircuit;
+use crate::model::servo::EffortInterface;
 
 #[derive(Default, Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -19,11 +19,12 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Attribute;
 
-use super::FormatError;
 use super::element::{Element, parse_xml, turn_z_to};
+use super::error::FormatError;
 use super::mjcf_settings::{InertiaFromShapes, Settings};
 use super::tree::{Body, ChainEnds, Connection, CoupledRotor, ImportedModel, MovingJoint, Tree, moved};
-use crate::model::{DriveParameters, JointKind, Limits};
+use crate::model::joint::{JointKind, Limits};
+use crate::model::parameters::DriveParameters;
 use crate::spatial::{Inertia, Placement};
 
 /// Elements of a body that say nothing about its motion; shapes count only where a body has no `inertial`.

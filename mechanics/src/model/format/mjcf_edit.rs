@@ -5,13 +5,15 @@
 //! overruled at the joint itself, so that other joints of the class keep theirs. A new inertia is a `fullinertia` in the frame of the body.
 
 use super::element::{Element, parse_xml};
+use super::error::FormatError;
 use super::mjcf::read_tree;
 use super::mjcf_settings::Settings;
 use super::shared_inertias::SharedInertias;
 use super::text_edit::{EditedText, TextEdit, numbers};
-use super::{ChainEnds, FormatError};
+use super::tree::ChainEnds;
+use crate::model::parameters::StandardParameters;
+use crate::model::robot::Robot;
 use crate::model::term::{COULOMB, ROTOR, VISCOUS};
-use crate::model::{Robot, StandardParameters};
 use crate::spatial::Inertia;
 
 /// Puts parameters, and the torque limits of a robot, into the chain that [`parse_mjcf`](super::parse_mjcf) reads.

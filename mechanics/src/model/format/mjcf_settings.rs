@@ -5,10 +5,10 @@ use std::collections::BTreeMap;
 use nalgebra::{Matrix3, Vector3};
 use roxmltree::Attribute;
 
-use super::FormatError;
 use super::element::{Element, sincos, turn_z_to};
+use super::error::FormatError;
 use super::reading::STANDARD_GRAVITY;
-use crate::model::exact_sincos;
+use crate::model::joint::exact_sincos;
 use crate::spatial::Placement;
 
 /// The class of everything that names none.

@@ -4,14 +4,16 @@ use nalgebra::{Matrix3, Vector3};
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::FormatError;
 use super::drive_table::{CIRCUIT, DriveTable, TORQUE_CONSTANT};
+use super::error::FormatError;
 use super::reading::quoted;
 use super::reading::{Check, Number, Row, read};
 use super::relative_uncertainty::{RelativeUncertainty, UncertaintyTable};
 use super::shape_parameters;
 use super::term_keys::read_terms;
-use crate::model::{Drive, DriveParameters, Robot, StandardParameters};
+use crate::model::drive::Drive;
+use crate::model::parameters::{DriveParameters, StandardParameters};
+use crate::model::robot::Robot;
 use crate::spatial::Inertia;
 
 /// Where a group of numbers comes from.

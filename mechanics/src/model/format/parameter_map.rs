@@ -6,11 +6,15 @@ use std::fmt;
 use serde::de::{Deserialize, Deserializer, MapAccess, Visitor};
 use toml::Spanned;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::Check;
 use super::shape_parameters::{self, laws};
+use crate::model::columns::Columns;
+use crate::model::drive::Drive;
+use crate::model::parameter_id::ParameterId;
+use crate::model::parameters::{DriveParameters, StandardParameters};
+use crate::model::robot::Robot;
 use crate::model::term::{ShapeParameter, Term};
-use crate::model::{Columns, Drive, DriveParameters, ParameterId, Robot, StandardParameters};
 
 /// Reads a map of parameter name → value, such as `mcx2 = 0.1` in TOML or `{"mcx2": 0.1}` in JSON, and the robot with the numbers of its laws of
 /// friction that the map states, such as `coulomb_velocity_rad_s2 = 0.05`.

@@ -3,7 +3,9 @@
 use std::fmt::Write;
 
 use super::shape_parameters::laws;
-use crate::model::{Columns, Robot, StandardParameters};
+use crate::model::columns::Columns;
+use crate::model::parameters::StandardParameters;
+use crate::model::robot::Robot;
 
 /// Writes a set of parameters as TOML that [`parse_parameters`](super::parse_parameters) reads back to the last bit, with the numbers of
 /// the robot's laws of friction that they were estimated with.

@@ -10,9 +10,9 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::{Check, Row};
-use crate::model::NamedPoint;
+use crate::model::point::NamedPoint;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -6,8 +6,8 @@ use nalgebra::{Matrix3, Vector3};
 use serde::de::DeserializeOwned;
 use toml::Spanned;
 
-use super::FormatError;
-use crate::model::exact_sincos;
+use super::error::FormatError;
+use crate::model::joint::exact_sincos;
 use crate::spatial::Placement;
 
 /// A number and where it stands.

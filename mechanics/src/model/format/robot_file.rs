@@ -1,11 +1,11 @@
 //! `robot.toml`: kinematics by a Denavit–Hartenberg table or by a URDF, and what the arm has beside them.
 
-use super::FormatError;
 use super::dh_robot::read_dh_robot;
 use super::embedded_urdf::urdf_of;
+use super::error::FormatError;
 use super::robot_model::RobotModel;
 use super::urdf_robot::read_urdf_robot;
-use crate::model::Robot;
+use crate::model::robot::Robot;
 
 /// Reads a `robot.toml`.
 ///

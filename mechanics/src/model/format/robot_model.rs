@@ -1,7 +1,8 @@
 //! What a robot file states.
 
 use super::collision::CollisionShape;
-use crate::model::{Robot, StandardParameters};
+use crate::model::parameters::StandardParameters;
+use crate::model::robot::Robot;
 
 /// A robot, and what its file says of its parameters.
 #[derive(Clone, Debug, PartialEq)]

@@ -6,8 +6,9 @@
 use std::fmt::Write;
 
 use super::tree::{ChainEnds, ImportedModel};
+use crate::model::joint::{Joint, JointKind};
+use crate::model::parameters::DriveParameters;
 use crate::model::term::{COULOMB, OFFSET, ROTOR, Term, VISCOUS};
-use crate::model::{DriveParameters, Joint, JointKind};
 use crate::spatial::Inertia;
 
 /// Column at which comments begin.
@@ -94,7 +95,7 @@ fn write_joint(out: &mut Lines, joint: &Joint, link: &Inertia, drive: &DrivePara
     if limits.velocity.is_infinite() {
         out.gap(by("velocity_deg_s", "velocity_m_s"), "designs and the guard keep below");
     }
-    out.gap(by("acceleration_rad_s2", "acceleration_m_s2"), "designs keep below; they can also be given one for all");
+    out.gap(by("acceleration_rad_s2", "acceleration_m_s2"), "designs keep below; a design can have one for all joints");
     if limits.torque.is_infinite() {
         out.gap(by("torque_nm", "force_n"), "peak: designs keep below");
     }

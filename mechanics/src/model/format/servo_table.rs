@@ -2,10 +2,10 @@
 
 use serde::Deserialize;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::{Check, Number};
 use crate::input::size::RATE_HZ;
-use crate::model::ServoTuning;
+use crate::model::servo::ServoTuning;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -10,10 +10,11 @@ use std::collections::BTreeMap;
 
 use toml::Spanned;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::{Check, Number, quoted};
+use crate::model::columns::Columns;
+use crate::model::parameters::DriveParameters;
 use crate::model::term::{ShapeParameter, Term};
-use crate::model::{Columns, DriveParameters};
 
 const COULOMB_VELOCITY: &str = ShapeParameter::COULOMB_VELOCITY.key;
 

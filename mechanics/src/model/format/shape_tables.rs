@@ -25,9 +25,10 @@
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::{Check, Number, Row, quoted, roll_pitch_yaw};
-use crate::model::{Capsule, Cuboid, Obstacle, Shape, Solid};
+use crate::model::capsule::Capsule;
+use crate::model::shape::{Cuboid, Obstacle, Shape, Solid};
 use crate::spatial::Placement;
 
 #[derive(Deserialize)]

@@ -5,7 +5,7 @@
 //! ```
 //! Bodies that are fixed to the one which the joint moves keep their inertia, and that one gets the rest.
 
-use super::FormatError;
+use super::error::FormatError;
 use super::tree::{Tree, moved};
 use crate::spatial::Inertia;
 

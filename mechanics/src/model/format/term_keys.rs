@@ -1,9 +1,10 @@
 //! Coefficients of torque terms by their keys: in `robot.toml` over a URDF, and in parameter files.
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::{Check, Number};
+use crate::model::parameters::DriveParameters;
+use crate::model::robot::Robot;
 use crate::model::term::{Sign, Term};
-use crate::model::{DriveParameters, Robot};
 
 /// Puts coefficients with the keys of terms into those of one joint; other keys are passed over.
 ///

@@ -2,8 +2,8 @@
 
 use std::ops::Range;
 
-use super::FormatError;
 use super::element::{Element, parse_xml};
+use super::error::FormatError;
 
 /// A text whose numbers were changed.
 #[derive(Clone, Debug, PartialEq, Eq)]

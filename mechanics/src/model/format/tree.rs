@@ -11,12 +11,14 @@ use nalgebra::{DMatrix, Matrix3, RowDVector, Vector3};
 
 use crate::model::term::ROTOR;
 
-use super::FormatError;
 use super::collision::{CollisionShape, Geometry};
+use super::error::FormatError;
 use super::reading::Check;
-use crate::model::{
-    Drive, DriveParameters, EffortInterface, Joint, JointKind, Limits, Robot, RobotSpec, StandardParameters,
-};
+use crate::model::drive::Drive;
+use crate::model::joint::{Joint, JointKind, Limits};
+use crate::model::parameters::{DriveParameters, StandardParameters};
+use crate::model::robot::{Robot, RobotSpec};
+use crate::model::servo::EffortInterface;
 use crate::spatial::{Inertia, Placement};
 
 /// Which serial chain of a tree is meant; what is not given is chosen where there is no choice.

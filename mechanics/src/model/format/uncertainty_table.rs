@@ -4,9 +4,9 @@ use std::collections::BTreeMap;
 
 use toml::Spanned;
 
-use super::FormatError;
+use super::error::FormatError;
 use super::reading::{Check, Number};
-use crate::model::DeclaredUncertainty;
+use crate::model::declared_uncertainty::DeclaredUncertainty;
 
 /// The table as it stands in the file.
 pub(super) type UncertaintyTable = BTreeMap<Spanned<String>, Number>;

@@ -14,12 +14,13 @@ use crate::model::term::{COULOMB, VISCOUS};
 
 use nalgebra::{Matrix3, Vector3};
 
-use super::FormatError;
 use super::collision::{Geometry, read_geometry};
 use super::element::{Element, NearlyRight, parse_xml, sincos, snapped_direction, snapped_sincos, turn_z_to};
+use super::error::FormatError;
 use super::reading::STANDARD_GRAVITY;
 use super::tree::{Body, ChainEnds, Connection, ImportedModel, MovingJoint, Tree, moved};
-use crate::model::{DriveParameters, JointKind, Limits};
+use crate::model::joint::{JointKind, Limits};
+use crate::model::parameters::DriveParameters;
 use crate::spatial::{Inertia, Placement};
 
 /// Reads the serial chain of a URDF.

@@ -8,11 +8,12 @@
 use nalgebra::Vector3;
 
 use super::element::{Element, NearlyRight, parse_xml};
+use super::error::FormatError;
 use super::shared_inertias::SharedInertias;
 use super::text_edit::{EditedText, TextEdit, numbers};
+use super::tree::ChainEnds;
 use super::urdf::{read_origin, read_tree};
-use super::{ChainEnds, FormatError};
-use crate::model::StandardParameters;
+use crate::model::parameters::StandardParameters;
 use crate::model::term::{COULOMB, VISCOUS};
 use crate::spatial::Inertia;
 

@@ -20,10 +20,10 @@ use std::collections::BTreeMap;
 use serde::Deserialize;
 use toml::Spanned;
 
-use super::FormatError;
 use super::base_table::{BaseTable, read_base};
 use super::coupling_table::{CouplingTable, read_coupling};
 use super::embedded_urdf::{EmbeddedTable, urdf_of};
+use super::error::FormatError;
 use super::joint_tables::{DriveTable, JointTables, LimitsTable};
 use super::point_tables::{PointTable, read_points};
 use super::reading::{Check, Number, Row, quoted, read};
@@ -36,7 +36,9 @@ use super::term_keys::{read_terms, term_keys};
 use super::tree::ImportedModel;
 use super::uncertainty_table::{UncertaintyTable, read_uncertainty};
 use super::urdf::parse_urdf;
-use crate::model::{EffortInterface, Joint, Robot};
+use crate::model::joint::Joint;
+use crate::model::robot::Robot;
+use crate::model::servo::EffortInterface;
 
 #[derive(Deserialize)]
 #[serde(deny_unknown_fields)]

@@ -13,7 +13,9 @@ use std::fmt::Write;
 use nalgebra::Matrix3;
 
 use super::tree::moved;
-use crate::model::{Joint, JointKind, Robot, StandardParameters};
+use crate::model::joint::{Joint, JointKind};
+use crate::model::parameters::StandardParameters;
+use crate::model::robot::Robot;
 use crate::spatial::{Inertia, Placement};
 
 /// What is written for a limit that is not stated: URDF asks for a number.

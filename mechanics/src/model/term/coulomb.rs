@@ -5,10 +5,12 @@
 //! ```
 //! The smooth sign with velocity scale `v_s`; the plain sign where `v_s` is 0, which no engine simulates.
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, ShapeParameter, Sign, Structure,
-    TermEntry, TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
 };
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]

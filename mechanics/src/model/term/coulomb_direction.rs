@@ -9,10 +9,12 @@
 //!
 //! Source: P. I. Corke, B. Armstrong-Hélouvry, ICRA 1994, give both directions for every joint of the PUMA 560.
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, ShapeParameter, Shapes, Sign,
-    Structure, TermEntry, TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
 };
+use super::input::{Shapes, TermInput};
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]

@@ -9,10 +9,12 @@
 //! The torque changes with all parameters at once, so that no law of one moment gives this column: the term is in no list, no engine and no file
 //! of parameters has it, and `estimation::select` finds its column.
 
-use super::{
-    ByJoint, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, Sign, Structure, Term, TermEntry, TermInput,
-    TermLaw, ViscousFriction,
-};
+use super::entry::{ByJoint, Dimension, Dissipation, Needs, Place, Prior, PriorOf, Sign, Structure, TermEntry};
+use super::handle::Term;
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
+use super::viscous::ViscousFriction;
 
 /// See the module.
 #[derive(Debug)]

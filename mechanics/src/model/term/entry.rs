@@ -1,6 +1,6 @@
 //! The properties of a term beside its law.
 
-use crate::model::JointKind;
+use crate::model::joint::JointKind;
 
 /// In which coordinate a term acts.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]

@@ -4,9 +4,13 @@ use std::cmp::Ordering;
 use std::fmt;
 use std::hash::{Hash, Hasher};
 
+use super::entry::{Place, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TorqueTerm;
 use super::list::Listed;
-use super::{Place, Slope, Structure, TermEntry, TermInput, TorqueTerm};
-use crate::model::{JointKind, Robot};
+use super::number::Slope;
+use crate::model::joint::JointKind;
+use crate::model::robot::Robot;
 
 /// A term of the model. Two are equal where their symbols are; they are ordered as the list is, those from outside last.
 #[derive(Clone, Copy)]

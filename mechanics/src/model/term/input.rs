@@ -1,6 +1,6 @@
 //! What a torque law may depend on.
 
-use super::{Number, Scale};
+use super::number::{Number, Scale};
 
 /// The largest number of shape parameters of one law.
 pub const MOST_SHAPES: usize = 2;

@@ -6,10 +6,12 @@
 //! `q_0` is the angle at which the spring is at rest, from the robot file; an error of it is an offset. A spring at a
 //! lever, whose torque is a sine of the angle, is another law.
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, ShapeParameter, Sign, Structure,
-    TermEntry, TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
 };
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]

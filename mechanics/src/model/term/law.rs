@@ -2,7 +2,9 @@
 
 use std::fmt;
 
-use super::{Number, Shapes, Slope, Structure, TermBlock, TermEntry, TermInput};
+use super::entry::{Structure, TermEntry};
+use super::input::{Shapes, TermBlock, TermInput};
+use super::number::{Number, Slope};
 
 /// The law of a term as it is written, once for values, slopes and lanes.
 ///

@@ -1,6 +1,8 @@
 //! The list of terms. A new one is its file, its `mod` line, and its line here.
 
-use super::{Runs, Term, TermInput, TermLaw};
+use super::handle::Term;
+use super::input::{Runs, TermInput};
+use super::law::TermLaw;
 
 macro_rules! terms {
     ($($(#[$doc:meta])* $name:ident: $law:ident;)*) => {

@@ -8,10 +8,11 @@
 //! Source: A. C. Bittencourt, S. Gunnarsson, "Static friction in a robot joint", *J. Dyn. Syst. Meas. Control* 134(5), 2012:
 //! Coulomb friction linear in the load, some hundredths of it.
 
-use super::{
-    ByJoint, CoulombFriction, Dimension, Dissipation, Needs, Number, Prior, PriorOf, ShapeParameter, Structure,
-    TermEntry, TermInput, TermLaw,
-};
+use super::coulomb::CoulombFriction;
+use super::entry::{ByJoint, Dimension, Dissipation, Needs, Prior, PriorOf, ShapeParameter, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]

@@ -4,7 +4,11 @@
 //! g = tanh(v / v_s)        φ = Fcm        v the motor's velocity, row of C q̇
 //! ```
 
-use super::{ByJoint, CoulombFriction, Number, Place, TermEntry, TermInput, TermLaw};
+use super::coulomb::CoulombFriction;
+use super::entry::{ByJoint, Place, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]

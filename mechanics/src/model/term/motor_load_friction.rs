@@ -1,6 +1,10 @@
 //! Coulomb friction that grows with the transmitted torque, of a motor that drives several joints.
 
-use super::{ByJoint, LoadFriction, Number, Place, TermEntry, TermInput, TermLaw};
+use super::entry::{ByJoint, Place, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::load_friction::LoadFriction;
+use super::number::Number;
 
 /// The law of [`LoadFriction`] in the motor's coordinate.
 #[derive(Debug)]

@@ -1,6 +1,10 @@
 //! Friction that falls as it starts to move, of a motor that drives several joints.
 
-use super::{ByJoint, Number, Place, Stribeck, TermEntry, TermInput, TermLaw};
+use super::entry::{ByJoint, Place, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
+use super::stribeck::Stribeck;
 
 /// The law of [`Stribeck`] in the motor's coordinate.
 #[derive(Debug)]

@@ -4,7 +4,11 @@
 //! g = v        φ = Fvm        v the motor's velocity, row of C q̇
 //! ```
 
-use super::{ByJoint, Number, Place, TermEntry, TermInput, TermLaw, ViscousFriction};
+use super::entry::{ByJoint, Place, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
+use super::viscous::ViscousFriction;
 
 /// See the module.
 #[derive(Debug)]

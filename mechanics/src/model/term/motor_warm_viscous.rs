@@ -1,6 +1,10 @@
 //! Viscous friction that changes as it warms up, of a motor that drives several joints.
 
-use super::{ByJoint, Number, Place, TermEntry, TermInput, TermLaw, WarmViscousFriction};
+use super::entry::{ByJoint, Place, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
+use super::warm_viscous::WarmViscousFriction;
 
 /// The law of [`WarmViscousFriction`] in the motor's coordinate.
 #[derive(Debug)]

@@ -2,7 +2,7 @@
 
 use std::ops::{Add, Mul, Neg, Sub};
 
-use crate::model::smooth_sign;
+use crate::model::friction::smooth_sign;
 
 /// A positive number that laws divide by: a velocity scale. An engine that shares one evaluation among several runs
 /// multiplies by the reciprocal instead, which it computes once.

@@ -4,10 +4,12 @@
 //! g = 1        φ = Fo
 //! ```
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, Sign, Structure, TermEntry,
-    TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, Sign, Structure, TermEntry,
 };
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]

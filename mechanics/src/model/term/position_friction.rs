@@ -9,10 +9,11 @@
 //! Source: B. Armstrong, "Friction: experimental determination, modeling and compensation", ICRA 1988, for friction of the PUMA that
 //! depends on position.
 
-use super::{
-    ByJoint, CoulombFriction, Dissipation, Number, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry,
-    TermInput, TermLaw,
-};
+use super::coulomb::CoulombFriction;
+use super::entry::{ByJoint, Dissipation, Prior, PriorOf, ShapeParameter, Sign, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// The cosine; see the module.
 #[derive(Debug)]

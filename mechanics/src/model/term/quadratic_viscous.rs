@@ -9,10 +9,11 @@
 //! Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, *Automatica* 30(7), 1994; A. C. Bittencourt, S. Gunnarsson,
 //! *J. Dyn. Syst. Meas. Control* 134(5), 2012, for the bend.
 
-use super::{
-    ByJoint, Dimension, Dissipation, Number, Prior, PriorOf, Sign, Structure, TermEntry, TermInput, TermLaw,
-    ViscousFriction,
-};
+use super::entry::{ByJoint, Dimension, Dissipation, Prior, PriorOf, Sign, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
+use super::viscous::ViscousFriction;
 
 /// See the module.
 #[derive(Debug)]

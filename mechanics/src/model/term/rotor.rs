@@ -6,10 +6,12 @@
 //! By d'Alembert's principle a motor that drives several joints loads each of them. Gyroscopic torque of fast rotors is
 //! left out. Source: W. Khalil, E. Dombre, *Modeling, Identification and Control of Robots*, 2002, sec. 9.4.4.
 
-use super::{
-    ByJoint, Carrier, Dimension, Dissipation, Needs, Number, Place, Prior, PriorOf, Sign, Structure, TermEntry,
-    TermInput, TermLaw,
+use super::entry::{
+    ByJoint, Carrier, Dimension, Dissipation, Needs, Place, Prior, PriorOf, Sign, Structure, TermEntry,
 };
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]

@@ -8,10 +8,11 @@
 //! Source: B. Armstrong-Hélouvry, P. Dupont, C. Canudas de Wit, *Automatica* 30(7), 1994, eq. 6 with exponent 2; `v_S` of
 //! the size that TUM-ICS/BIRDy states for the TX40.
 
-use super::{
-    ByJoint, CoulombFriction, Dissipation, Number, Prior, PriorOf, ShapeParameter, Structure, TermEntry, TermInput,
-    TermLaw,
-};
+use super::coulomb::CoulombFriction;
+use super::entry::{ByJoint, Dissipation, Prior, PriorOf, ShapeParameter, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
 
 /// See the module.
 #[derive(Debug)]

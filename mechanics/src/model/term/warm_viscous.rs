@@ -6,10 +6,11 @@
 //! `w` is the temperature of the gear above that of a cold one, 1 at its rated power. Without a record of temperature
 //! nothing of it shows, and the gear counts as cold.
 
-use super::{
-    ByJoint, Dissipation, Needs, Number, Prior, PriorOf, Sign, Structure, TermEntry, TermInput, TermLaw,
-    ViscousFriction,
-};
+use super::entry::{ByJoint, Dissipation, Needs, Prior, PriorOf, Sign, Structure, TermEntry};
+use super::input::TermInput;
+use super::law::TermLaw;
+use super::number::Number;
+use super::viscous::ViscousFriction;
 
 /// See the module.
 #[derive(Debug)]
