@@ -93,6 +93,7 @@ fn identity_a_validation_and_a_model_file_of_the_library_are_those_of_the_comman
     let log = processed(&log, &settings);
     let settings = ExportSettings { format: Exchange::Mjcf, into: None, file: Some(model.clone().into()) };
     let own = export((&identified, &estimate), log, &settings, &Unobserved).unwrap();
+    assert!(!own.is_sound() && !own.lacking.is_empty());
     assert_eq!(own.text, std::fs::read_to_string(&model).unwrap());
     assert_eq!(serde_json::to_value(&own).unwrap(), written);
 }

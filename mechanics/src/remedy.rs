@@ -13,7 +13,7 @@ macro_rules! names {
         #[non_exhaustive]
         pub enum $kind { $(#[doc = $name] $variant,)* }
 
-        crate::named_variants! { $kind { $($variant: $name),* } }
+        crate::input::named! { $kind { $($variant: $name),* } }
     };
 }
 

@@ -32,6 +32,12 @@ impl EndAt {
         self.seen.lock().unwrap().len().saturating_sub(self.reports + 1)
     }
 
+    /// Evaluations of a design that were reported last.
+    fn evaluations(&self) -> usize {
+        let seen = self.seen.lock().unwrap();
+        seen.iter().rfind(|of| of.work == Work::Evaluations).map_or(0, |of| of.done)
+    }
+
     /// The most samples of a simulation between two reports.
     fn widest_gap(&self) -> usize {
         let seen = self.seen.lock().unwrap();
@@ -65,7 +71,10 @@ fn identity_work_that_is_ended_returns_its_last_iterate_and_stops_there() {
     let loaded = robot::named("planar-2r").unwrap();
     let observer = EndAt::new(5);
     let ended = designed(&loaded, &observer);
-    assert!(ended.interrupted && ended.best.evaluations <= 6 && observer.late() <= 2, "{}", observer.late());
+    // At most the one evaluation that brings the best iterate inside the limits.
+    let (evaluations, asked) = (ended.best.evaluations, observer.evaluations());
+    assert!(ended.interrupted && evaluations <= asked + 1, "{evaluations} evaluations, {asked} when the end was asked");
+    assert!(observer.late() <= 2, "{} reports after the end", observer.late());
 
     let log = log(&loaded);
     let by = |estimators: Vec<EstimatorKind>| IdentifySettings { estimators, ..IdentifySettings::default() };

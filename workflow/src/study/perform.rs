@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
-use armid::study::{StoppingRule, StudyPlan, StudyPlans};
+use armid::study::{StoppingRule, StudyPlan, StudyPlanError, StudyPlans};
 use armid_io::Error;
 
 use super::answer::StudyAnswer;
@@ -65,7 +65,13 @@ fn perform_one(plan: &StudyPlan, settings: &StudySettings, observer: &dyn Observ
 /// Starts of all families until a rule is met, and the study of those that were performed.
 fn perform_until(mut study: Performance<'_>, words: &str, settings: &StudySettings) -> Result<StudyAnswer, Error> {
     let rule: StoppingRule = words.parse().map_err(Error::of)?;
-    rule.families(study.plan()).map_err(Error::of)?;
+    rule.families(study.plan()).map_err(|error| match error {
+        StudyPlanError::Family { found, families, .. } => {
+            let until = Remedy::default().setting(Setting::Until);
+            Error::new(format!("{until} is \"{found}\", expected one of the families: {}", families.join(", ")))
+        }
+        other => Error::of(other),
+    })?;
     let mut work = study.no_work()?;
     study.begin(&mut work, settings.resume)?;
     let Some((looks, work)) = study.perform_until(work, &rule, words)? else {
