@@ -22,10 +22,8 @@ pub fn log_ratios(folder: &Path, pilot: &StudyResult, rule: &StoppingRule) -> Re
     let place = |name: &String| {
         plan.designs.iter().position(|family| family.name == *name).ok_or_else(|| {
             let names: Vec<&str> = plan.designs.iter().map(|family| family.name.as_str()).collect();
-            Error::new(format!(
-                "the stopping rule names \"{name}\", expected one of the families: {}",
-                names.join(", ")
-            ))
+            let until = Remedy::default().setting(Setting::Until);
+            Error::new(format!("{until} is \"{name}\", expected one of the families: {}", names.join(", ")))
         })
     };
     let families = [place(&rule.first)?, place(&rule.second)?];
