@@ -126,7 +126,7 @@ fn counted(sample: usize, place: usize, row: impl Iterator<Item = f64>) -> Vec<f
 
 fn check_states(robot: &Robot, states: &States) -> Result<(), Error> {
     let n = robot.dof();
-    if states.dof != n || states.q.len() % n != 0 {
+    if states.dof != n || !states.q.len().is_multiple_of(n) {
         let message = format!("found {} positions of {} joints, expected rows of {n}", states.q.len(), states.dof);
         return Err(Error::new(message));
     }
