@@ -24,8 +24,8 @@ const STORED: [&str; 7] = [
     "limits-d-optimal",
 ];
 
-/// A tenth of a pixel, by which rounding may move a mark: one unit of the view box.
-const ROUNDING: f64 = 1.0;
+/// How far rounding moves a mark from where two ticks say: half a unit of the view box for each of the three, and a unit is a tenth of a pixel.
+const ROUNDING: f64 = 1.5;
 
 fn folder() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/small")
