@@ -66,7 +66,7 @@ def record(arm, motion, rng, log, warmth=1.0):
 
 class Mass(unittest.TestCase):
     """Logs of 20 s in which joints move by some degrees: the weight of a load is nearly an offset there. The columns lack the friction
-    of the load; in every third run the arm is warmer with it. RUNS=60 for the table of docs/payload.md."""
+    of the load; in every third run the arm is warmer with it. RUNS=60 for many runs."""
 
     RUNS = int(os.environ.get("RUNS", "8"))
 
