@@ -61,7 +61,8 @@ fn designed(loaded: &LoadedRobot, observer: &dyn Observer) -> armid_workflow::de
 }
 
 fn log(loaded: &LoadedRobot) -> ProcessedLog {
-    let plan = ExperimentPlan::new(designed(loaded, &Unobserved).best.trajectory);
+    // Estimators that simulate perform the whole plan at every step.
+    let plan = ExperimentPlan { periods: 2, ..ExperimentPlan::new(designed(loaded, &Unobserved).best.trajectory) };
     let simulated = simulate(loaded, &plan, &SimulationSettings::default(), &Unobserved).unwrap();
     simulated.log().process(loaded.clone(), &LogSettings::default()).unwrap()
 }
