@@ -51,6 +51,12 @@ impl NormalEquations {
         }
     }
 
+    /// By how much rounding may change `½ xᵀ A x − gᵀ x`, whose terms may be far larger than their sum.
+    pub(super) fn rounding(&self, x: &DVector<f64>) -> f64 {
+        let size = x.abs();
+        f64::EPSILON * (size.dot(&(self.information.abs() * &size)) + self.moment.abs().dot(&size))
+    }
+
     /// `Σ (y − W X x)ᵀ Σ⁻¹ (y − W X x)`.
     pub(super) fn misfit(&self, x: &DVector<f64>) -> f64 {
         (self.square - 2.0 * self.moment.dot(x) + x.dot(&(&self.information * x))).max(0.0)

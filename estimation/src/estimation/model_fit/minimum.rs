@@ -15,8 +15,9 @@ use crate::estimation::termination::Termination;
 /// Steps at most.
 const STEPS: usize = 500;
 
-/// δ² at which a search ends, in units of the objective: χ² beyond the optimum.
-const AT_REST: f64 = 1e-9;
+/// δ² at which a search ends, in units of the objective: χ² beyond the optimum. Its root is how far a parameter may be from there, in
+/// standard deviations.
+const AT_REST: f64 = 1e-6;
 
 /// Part of the promised fall that a step must bring, and halvings before it is given up.
 const ARMIJO: f64 = 0.2;
@@ -93,8 +94,8 @@ impl Divergence {
             };
             decrement = -here.gradient.dot(&step);
             // What rounding of the value hides is no way on.
+            let gap = 0.5 * decrement.max(0.0) / (here.value + 0.5 * equations.square).abs().max(1.0);
             if decrement <= AT_REST.max(4.0 * f64::EPSILON * here.value.abs()) {
-                let gap = 0.5 * decrement.max(0.0) / (here.value + 0.5 * equations.square).abs().max(1.0);
                 return ended(x, Termination::Optimal { iterations, gap });
             }
             let mut length = 1.0;
@@ -110,6 +111,9 @@ impl Divergence {
                 length *= 0.5;
             }
             let Some((trial, there)) = next else {
+                if decrement <= equations.rounding(&x) {
+                    return ended(x, Termination::Optimal { iterations, gap });
+                }
                 return ended(x, Termination::Stalled { iterations, last_step: decrement.sqrt() });
             };
             (x, here) = (trial, there);
