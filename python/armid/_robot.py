@@ -599,7 +599,7 @@ class Robot:
         settle: float = 1.0,
         ramp: float = 2.0,
         noise: bool = True,
-        seed: int = 1,
+        seed: int = 0,
         run: int = 0,
         progress: Progress | None = None,
     ) -> Log:
