@@ -36,11 +36,9 @@ const SAME_REST: f64 = 2e-3;
 /// Equations in a cycle of a cut-off that is stated.
 const EQUATIONS_PER_CYCLE: f64 = 4.0;
 
-/// Rate of the equations where the cut-off is found, Hz, at least; [`FOUND_PER_CYCLE`] where that is more. Means over 25 ms take most noise of
-/// the acceleration out of them, and leave out little near reversals.
+/// Rate of the equations where the cut-off is found, Hz. Means over 25 ms take most noise of the acceleration out of them at any cut-off, and
+/// leave out little near reversals.
 const EQUATIONS_HZ: f64 = 40.0;
-/// Equations in a cycle of a cut-off that is found and high: fewer would take the motion out of their means.
-const FOUND_PER_CYCLE: f64 = 2.0;
 
 /// Periods of a log of which the last is held out.
 const PERIODS_FOR_ONE: usize = 5;
@@ -287,7 +285,7 @@ fn low_pass(log: &mut Log, whole: &Log, settings: &LogSettings, common_hz: Optio
     let of = if common_hz.is_some() { "of these logs" } else { "of this log" };
     let series = if settings.measured_velocity { "velocities" } else { "positions" };
     log.origin.remarks.push(format!("low pass of {hz:.1} Hz for the {series}, by the noise {of}"));
-    [hz, EQUATIONS_HZ.max(FOUND_PER_CYCLE * hz)]
+    [hz, EQUATIONS_HZ]
 }
 
 fn record<'a>(log: &'a Log, segments: &'a [usize], settings: &LogSettings) -> AperiodicRecord<'a> {
