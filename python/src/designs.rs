@@ -123,7 +123,7 @@ pub(crate) fn sample<'py>(
 ) -> PyResult<(Bound<'py, PyArray1<f64>>, [Table<'py>; 3])> {
     let trajectory = motion.read(robot).map_err(exception)?;
     let count = rate_hz * trajectory.period_s();
-    if !(rate_hz > 0.0 && count >= 1.0 && count <= MOST_SAMPLES && (count - count.round()).abs() <= 1e-9 * count) {
+    if !(rate_hz > 0.0 && (1.0..=MOST_SAMPLES).contains(&count) && (count - count.round()).abs() <= 1e-9 * count) {
         let period = trajectory.period_s();
         let message = format!(
             "a rate of {rate_hz} Hz gives {count} samples of a period of {period} s, expected a whole number from 1 to \

@@ -9,6 +9,12 @@ use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
 
+/// β, and its covariance row by row where there is one.
+type Answer = (Vec<f64>, Option<Vec<Vec<f64>>>);
+
+/// W, m × b, and y, m.
+type Equations<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
+
 /// A callable `(W, y) → β`, or `→ (β, C)` with the covariance of β.
 #[derive(Clone)]
 pub(crate) struct PythonEstimator(Arc<Callable>);
@@ -36,7 +42,7 @@ impl PythonEstimator {
     }
 
     /// β and, where it gives one, C.
-    fn call<'py>(&self, py: Python<'py>, observation: &Observation) -> PyResult<(Vec<f64>, Option<Vec<Vec<f64>>>)> {
+    fn call<'py>(&self, py: Python<'py>, observation: &Observation) -> PyResult<Answer> {
         let (w, y) = equations(py, observation)?;
         let answer = self.0.function.bind(py).call1((w, y))?;
         let numpy = py.import("numpy")?;
@@ -52,10 +58,7 @@ impl PythonEstimator {
 }
 
 /// The equations: W, m × b, and y, m, without the rows that are none.
-fn equations<'py>(
-    py: Python<'py>,
-    observation: &Observation,
-) -> PyResult<(Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>)> {
+fn equations<'py>(py: Python<'py>, observation: &Observation) -> PyResult<Equations<'py>> {
     let rows: Vec<usize> = (0..observation.y.len()).filter(|&row| observation.used[row]).collect();
     let (w, b) = (&observation.regressor, observation.regressor.ncols());
     let entries = rows.iter().flat_map(|&row| (0..b).map(move |c| w[(row, c)]));
