@@ -163,7 +163,8 @@ mod tests {
 
     #[test]
     fn arrays_that_do_not_belong_together_are_refused_by_their_name() {
-        let faults: [(fn(&mut LogArrays), &str); 6] = [
+        type Fault = (fn(&mut LogArrays), &'static str);
+        let faults: [Fault; 6] = [
             (|a| a.dof = 0, "q has 20 values"),
             (|a| a.dof = 3, "q has 20 values, expected as many for each of 3 joints"),
             (|a| a.qd = Some(vec![0.0; 3]), "qd has 3 values, expected 20"),

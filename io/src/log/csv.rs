@@ -67,8 +67,10 @@ mod tests {
     #[test]
     fn headings_may_count_from_zero_and_a_single_joint_needs_no_number() {
         for between in ["", "_"] {
-            let log =
-                parse(Text::new("r.csv", format!("t,q{0}0,q{0}1,tau{0}0,tau{0}1\n0,1,2,3,4\n1,5,6,7,8\n", between)));
+            let log = parse(Text::new(
+                "r.csv",
+                format!("t,q{between}0,q{between}1,tau{between}0,tau{between}1\n0,1,2,3,4\n1,5,6,7,8\n"),
+            ));
             let log = log.unwrap();
             assert_eq!((log.dof, log.q, log.effort), (2, vec![1.0, 2.0, 5.0, 6.0], vec![3.0, 4.0, 7.0, 8.0]));
         }
