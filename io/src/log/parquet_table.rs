@@ -1,5 +1,6 @@
 //! Parquet as a table: columns of numbers, and lists of as many in every row, whose values become columns of their own.
 
+use std::panic::{AssertUnwindSafe, catch_unwind};
 use std::path::Path;
 
 use armid::provenance::sha256_of_bytes;
@@ -62,9 +63,35 @@ pub(super) fn columns(name: &str, bytes: Vec<u8>) -> Result<Vec<ParquetColumn>, 
         let message = format!("{name} cannot be read as Parquet: {error}");
         Error::new(message).help("plain, snappy, gzip and zstd columns are read: write the file with one of them")
     };
-    let reader = SerializedFileReader::new(bytes::Bytes::from(bytes)).map_err(fault)?;
-    let schema = reader.metadata().file_metadata().schema_descr_ptr();
-    (0..schema.num_columns()).map(|at| column(&reader, at, &schema.column(at)).map_err(fault)).collect()
+    // The library panics where sizes and places in a file contradict each other.
+    let decoded = catch_unwind(AssertUnwindSafe(|| {
+        let size = bytes.len();
+        let reader = SerializedFileReader::new(bytes::Bytes::from(bytes))?;
+        check_places(&reader, size)?;
+        let schema = reader.metadata().file_metadata().schema_descr_ptr();
+        (0..schema.num_columns()).map(|at| column(&reader, at, &schema.column(at))).collect()
+    }));
+    decoded.unwrap_or_else(|_| Err(contradiction())).map_err(fault)
+}
+
+/// Whether every column is inside the file.
+fn check_places(reader: &SerializedFileReader<bytes::Bytes>, size: usize) -> ParquetResult<()> {
+    let chunks = reader.metadata().row_groups().iter().flat_map(|group| group.columns());
+    for chunk in chunks {
+        let first = chunk.dictionary_page_offset().unwrap_or_else(|| chunk.data_page_offset());
+        let end = first.checked_add(chunk.compressed_size());
+        if first < 0
+            || chunk.compressed_size() < 0
+            || end.is_none_or(|end| usize::try_from(end).map_or(true, |end| end > size))
+        {
+            return Err(contradiction());
+        }
+    }
+    Ok(())
+}
+
+fn contradiction() -> ParquetError {
+    ParquetError::General("its sizes and places contradict each other".to_owned())
 }
 
 /// Present values of a column, and the levels of all.
