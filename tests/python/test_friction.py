@@ -112,9 +112,9 @@ class Friction(unittest.TestCase):
 
 
 ARM = """<mujoco><compiler angle="radian"/><option timestep="0.001" gravity="0 0 -9.81"/><worldbody><body name="l1" pos="0 0 0.3">
-<joint name="joint1" axis="0 0 1" armature="0.1" damping="2" frictionloss="3"/><inertial pos="0.02 0.01 0.1" mass="4" diaginertia="0.05 0.05 0.03"/>
-<body name="l2" pos="0 0 0.2"><joint name="joint2" axis="0 1 0" armature="0.1" damping="2" frictionloss="3"/><inertial pos="0 0.02 0.2" mass="3" diaginertia="0.06 0.06 0.01"/>
-<body name="l3" pos="0 0 0.4"><joint name="joint3" axis="0 1 0" armature="0.05" damping="1" frictionloss="2"/><inertial pos="0.02 0 0.15" mass="2" diaginertia="0.02 0.02 0.01"/>
+<joint name="joint1" axis="0 0 1" armature="0.1" damping="2" frictionloss="3" solreffriction="0.002 1"/><inertial pos="0.02 0.01 0.1" mass="4" diaginertia="0.05 0.05 0.03"/>
+<body name="l2" pos="0 0 0.2"><joint name="joint2" axis="0 1 0" armature="0.1" damping="2" frictionloss="3" solreffriction="0.002 1"/><inertial pos="0 0.02 0.2" mass="3" diaginertia="0.06 0.06 0.01"/>
+<body name="l3" pos="0 0 0.4"><joint name="joint3" axis="0 1 0" armature="0.05" damping="1" frictionloss="2" solreffriction="0.002 1"/><inertial pos="0.02 0 0.15" mass="2" diaginertia="0.02 0.02 0.01"/>
 </body></body></body></worldbody></mujoco>"""
 
 
@@ -149,8 +149,8 @@ class PlainArm(unittest.TestCase):
                 found = identify(log, "--robot", robot, "--select")
                 supported = {term["term"] for term in found["selection"]["terms"] if term["verdict"] == "supported"}
                 self.assertLessEqual({"viscous", "coulomb"}, supported, seed)
-                wrong += [(seed, term) for term in supported - {"rotor", "viscous", "coulomb", "onset"}]
-        # At a level of 5 % for each log.
+                wrong += [(seed, term) for term in supported - {"rotor", "viscous", "coulomb"}]
+        # At a level of 5 % for each log. Friction as soft as MuJoCo's usual one, with a time constant of 20 ms, is an onset and a lag.
         self.assertLessEqual(len(wrong), 1, wrong)
 
 
