@@ -94,8 +94,8 @@ class Peer:
         self.motion = None
         self.received = []
         self.sent = 0
-        # Others that act in every cycle of the controller; when the arm was last seen to move.
-        self.servers, self.moved_at = [], None
+        # Others that act in every cycle of the controller; when the arm was last seen to move; the latest cycle.
+        self.servers, self.moved_at, self.late_s = [], None, 0.0
         self.open = True
         self.domain = Domain(domain, LOOPBACK)
         self.participant = DomainParticipant(domain)
@@ -141,6 +141,7 @@ class Peer:
             self.sent += 1
             k += 1
             ahead = began + k / RATE_HZ - time.monotonic()
+            self.late_s = max(self.late_s, -ahead)
             if ahead > 0:
                 time.sleep(ahead)
 

@@ -41,6 +41,8 @@ robot_request = ""
 patience_s = 20.0
 lead_s = 0.3
 """
+# A controller that stood still for longer than this may well be called silent (the guard's bound for an answer is 0.5 s).
+STOOD_STILL_S = 0.2
 
 
 class SecondRun(unittest.TestCase):
@@ -78,10 +80,24 @@ class SecondRun(unittest.TestCase):
         out, errors = process.communicate(timeout=120)
         return process.returncode, json.loads(out) if out else {}, errors
 
+    def judged(self, step):
+        """Performs a step; once more, twice at most, where it fails while the controller itself stood still."""
+        for _ in range(2):
+            self.peer.late_s = 0.0
+            try:
+                return step()
+            except AssertionError:
+                if self.peer.late_s < STOOD_STILL_S:
+                    raise
+        return step()
+
     def completes(self, experiment, *speed):
-        status, done, errors = self.end(self.start(experiment, *speed))
-        self.assertEqual((status, done.get("ending")), (0, "completed"), f"{done.get('detail')}{errors}")
-        return done
+        def step():
+            status, done, errors = self.end(self.start(experiment, *speed))
+            self.assertEqual((status, done.get("ending")), (0, "completed"), f"{done.get('detail')}{errors}")
+            return done
+
+        return self.judged(step)
 
     def moving(self, process):
         """Waits until the arm has moved for a while."""
@@ -97,25 +113,31 @@ class SecondRun(unittest.TestCase):
         time.sleep(0.7)
         self.assertEqual(self.peer.moved_at, moved)
 
+    def trips(self, run):
+        process = self.start(*run)
+        self.moving(process)
+        self.server.abort = True
+        status, done, errors = self.end(process)
+        self.assertEqual((status, done["trip"]["name"], done["rest"]["outcome"]), (1, "robot-stopped", "confirmed"), errors)
+        self.stays()
+
+    def is_interrupted(self, run):
+        process = self.start(*run)
+        self.moving(process)
+        process.send_signal(signal.SIGINT)
+        status, done, errors = self.end(process)
+        self.assertEqual((status, done["rest"]["outcome"]), (130, "confirmed"), errors)
+        self.stays()
+
     def runs_after_each_ending(self, history):
         self.serve(history=history)
         # A tenth of the speed: 2 s a period.
         slow = (self.experiment(0.2), "--speed", "10%")
         self.completes(*slow)
         # After one that was completed: one that trips.
-        process = self.start(*slow)
-        self.moving(process)
-        self.server.abort = True
-        status, done, errors = self.end(process)
-        self.assertEqual((status, done["trip"]["name"], done["rest"]["outcome"]), (1, "robot-stopped", "confirmed"), errors)
-        self.stays()
+        self.judged(lambda: self.trips(slow))
         # After one that tripped: one that is interrupted.
-        process = self.start(*slow)
-        self.moving(process)
-        process.send_signal(signal.SIGINT)
-        status, done, errors = self.end(process)
-        self.assertEqual((status, done["rest"]["outcome"]), (130, "confirmed"), errors)
-        self.stays()
+        self.judged(lambda: self.is_interrupted(slow))
         # After one that was interrupted: one that is killed. Its last piece ends at rest within the horizon.
         process = self.start(*slow)
         self.moving(process)
@@ -141,12 +163,16 @@ class SecondRun(unittest.TestCase):
     def test_a_refused_goal_is_a_trip_and_nothing_moves(self):
         self.serve()
         slow = (self.experiment(0.2), "--speed", "10%")
-        for refusals in (1, 2, 10):
+
+        def is_refused(refusals):
             self.server.refused, self.server.refusals = 0, refusals
             status, done, errors = self.end(self.start(*slow))
             self.assertEqual((status, done["trip"]["name"], done["rest"]["outcome"]), (1, "robot-stopped", "confirmed"), errors)
             self.assertIn("horizon_s = 0", done["trip"]["reason"])
             self.assertIsNone(self.peer.moved_at, f"{refusals} refusals")
+
+        for refusals in (1, 2, 10):
+            self.judged(lambda refusals=refusals: is_refused(refusals))
 
 
 if __name__ == "__main__":
