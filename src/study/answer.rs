@@ -232,7 +232,8 @@ mod tests {
         let families = ["condition", "d-optimal", "random", "table-one"].map(|name| score(name, Some(1.0))).to_vec();
         let comparisons = vec![pair, third(["condition", "random"], Some(0)), third(["condition", "table-one"], None)];
         let told = study(vec![scenario("only", families, comparisons)], &[]).answer().remove(0);
-        let others = " Significantly worse: random 2.00 [1.33, 4.00]. Not significantly different: table-one 2.00 [1.33, 4.00].";
+        let others =
+            " Significantly worse: random 2.00 [1.33, 4.00]. Not significantly different: table-one 2.00 [1.33, 4.00].";
         assert_eq!(told, format!("{disagree}{others}"));
     }
 
