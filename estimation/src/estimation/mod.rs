@@ -63,9 +63,8 @@ mod weighted;
 mod tests;
 
 pub use closed_loop::{
-    ClosedLoop, ClosedLoopError, ClosedLoopFactory, ClosedLoopInputError, ClosedLoopInterval, ClosedLoopIntervals,
-    ClosedLoopMotion, ClosedLoopNode, ClosedLoopOutputError, ClosedLoopSlopes, DirectInverseIdentification,
-    InstrumentalVariables, closed_loop_of,
+    ClosedLoop, ClosedLoopError, ClosedLoopFactory, ClosedLoopInputError, ClosedLoopMotion, ClosedLoopOutputError,
+    ClosedLoopSlopes, DirectInverseIdentification, InstrumentalVariables, closed_loop_of,
 };
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};

@@ -9,8 +9,8 @@
 //!
 //! Combinations that positions do not show, such as the offsets that an integral in the servo takes up, keep the value and the
 //! interval that weighted least squares gives them by torque; a finding names them. Where an arm with the parameters of weighted least
-//! squares runs away the search begins by multiple shooting, in intervals too short for that; where it cannot be simulated at all it
-//! begins with nominal parameters, which these combinations keep. Findings say both.
+//! squares runs away, or cannot be simulated, the search begins with nominal parameters, which these combinations keep; the finding
+//! says so.
 //!
 //! Assumes servo, reference and start known and the model complete. Fails where the encoders' zeros are off by more than the
 //! servo's errors, and where the motion runs away from every start at hand; it finds the minimum beside its start.
@@ -22,8 +22,7 @@ use nalgebra::{DMatrix, DVector};
 
 use super::descent::{Descent, Linearised};
 use super::hidden::Hidden;
-use super::shooting::Output;
-use super::starting_point::{Descended, descend};
+use super::starting_point::{StartingPoint, starting_point};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, IntervalBasis};
@@ -81,9 +80,8 @@ impl Estimator for ClosedLoopOutputError {
             let around = descent.solve(&rest.linearised, 0.0)?;
             Ok::<_, EstimationError>((rest, around, weights, hidden))
         };
-        let output = Some(Output::Positions);
-        let Descended { rest, is_nominal, finding, .. } =
-            descend(&trial, torque.fit.solution(), output, &linearise, |start| Ok((round(start)?.0, ())))?;
+        let StartingPoint { beta, found, is_nominal } = starting_point(&trial, torque.fit.solution(), linearise)?;
+        let (rest, ..) = round((beta, found))?;
         let (rest, fit, weights, hidden) = round((rest.beta, rest.linearised))?;
         let b = rest.beta.len();
         let at_rest = |information: DMatrix<f64>| {
@@ -116,7 +114,6 @@ impl Estimator for ClosedLoopOutputError {
         estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
         estimate.interval_basis = IntervalBasis::Residual;
         estimate.findings.extend(hidden.finding(observation, is_nominal));
-        estimate.findings.extend(finding);
         Ok(estimate.with_covariance(&(of_positions.covariance_matrix() + hidden.covariance())))
     }
 

@@ -19,7 +19,6 @@ mod error;
 mod hidden;
 mod instrumental_fit;
 mod iv;
-mod shooting;
 mod simulation;
 mod starting_point;
 mod torque_error;
@@ -31,8 +30,5 @@ pub use didim::DirectInverseIdentification;
 pub use error::ClosedLoopError;
 pub(super) use instrumental_fit::InstrumentalFit;
 pub use iv::InstrumentalVariables;
-pub use simulation::{
-    ClosedLoop, ClosedLoopFactory, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode,
-    ClosedLoopSlopes, closed_loop_of,
-};
+pub use simulation::{ClosedLoop, ClosedLoopFactory, ClosedLoopMotion, ClosedLoopSlopes, closed_loop_of};
 pub(super) use torque_error::{TorqueSearch, TorqueSlope, search as torque_search};
