@@ -434,7 +434,8 @@ fn an_estimator_states_its_equation_its_assumptions_when_it_fails_and_its_source
             }
         }
     }
-    assert!(estimators >= 24, "found {estimators} files with an estimator");
+    // Those of one equation, by several losses or priors, share a file.
+    assert!(estimators >= 19, "found {estimators} files with an estimator");
     assert_none(&faults);
 }
 

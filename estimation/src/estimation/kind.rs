@@ -12,12 +12,11 @@ use super::motion::{MaximumLikelihood, TotalLeastSquares};
 use super::ordinary::OrdinaryLeastSquares;
 use super::physical::{
     ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
-    EntropicPrior, EuclideanPrior, PullbackPrior,
 };
 use super::problem::EstimationProblem;
 use super::recursive::{ExtendedKalmanFilter, ParticleFilter};
 use super::ridge::RidgeRegression;
-use super::robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey};
+use super::robust::{MmEstimator, Reweighted};
 use super::weighted::WeightedLeastSquares;
 
 /// Makes the enum, and everything that enumerates it, from one list.
@@ -56,11 +55,11 @@ estimators! {
     /// Least squares weighted with the noise of each joint: `radkhah2007` eq. 6.
     Wls => WeightedLeastSquares,
     /// Huber's M-estimate.
-    IrlsHuber => ReweightedHuber,
+    IrlsHuber => Reweighted::HUBER,
     /// Tukey's biweight M-estimate.
-    IrlsTukey => ReweightedTukey,
+    IrlsTukey => Reweighted::TUKEY,
     /// The M-estimate of Cauchy's distribution.
-    IrlsCauchy => ReweightedCauchy,
+    IrlsCauchy => Reweighted::CAUCHY,
     /// The MM-estimate.
     Mm => MmEstimator,
     /// Generalised total least squares.
@@ -84,7 +83,7 @@ estimators! {
     /// The Gaussian particle filter.
     Pf => ParticleFilter,
     /// Ordinary least squares over physically consistent sets.
-    PcOls => ConsistentOrdinary,
+    PcOls => ConsistentOrdinary::ALONE,
     /// Weighted least squares over physically consistent sets.
     PcWls => ConsistentWeighted,
     /// Huber's M-estimate over physically consistent sets.
@@ -94,11 +93,11 @@ estimators! {
     /// Direct and inverse dynamic identification over physically consistent sets.
     PcDidim => ConsistentDirectInverse,
     /// Least squares over physically consistent sets near a prior, by the Euclidean distance.
-    PcOlsEuclidean => EuclideanPrior,
+    PcOlsEuclidean => ConsistentOrdinary::EUCLIDEAN,
     /// The same by the entropic distance.
-    PcOlsEntropic => EntropicPrior,
+    PcOlsEntropic => ConsistentOrdinary::ENTROPIC,
     /// The same by the entropic distance's curvature at the prior.
-    PcOlsPullback => PullbackPrior,
+    PcOlsPullback => ConsistentOrdinary::PULLBACK,
 }
 
 impl EstimatorKind {

@@ -89,7 +89,6 @@ pub use ordinary::OrdinaryLeastSquares;
 pub use payload::{NegativeMass, NegativeMassCause, Payload, PayloadBody, PayloadParameter, PayloadValue, payload};
 pub use physical::{
     ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
-    EntropicPrior, EuclideanPrior, PullbackPrior,
 };
 pub use prediction::{Model, Validation, predict, validate};
 pub use problem::EstimationProblem;
@@ -97,7 +96,7 @@ pub use recursive::{ExtendedKalmanFilter, ParticleFilter};
 pub use residual::{residual_noise, scatter_noise};
 pub use residual_shape::{Against, JointTrace, ResidualShape, ResidualTrends, Trend, Whiteness};
 pub use ridge::RidgeRegression;
-pub use robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey};
+pub use robust::{MmEstimator, Reweighted};
 pub use selection::{
     BeyondMotion, FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, candidate_terms, select,
 };

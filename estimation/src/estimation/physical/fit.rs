@@ -32,26 +32,6 @@ pub(super) const PRIOR_IN_SI: &[LawException] = &[
     },
 ];
 
-/// Ordinary least squares, held to what is consistent.
-pub(super) fn ordinary(
-    estimator: &str,
-    problem: &EstimationProblem<'_>,
-    prior: Prior,
-) -> Result<Estimate, EstimationError> {
-    let equations = problem.factorised()?;
-    estimate(estimator, &problem.with_factorisation(&equations), &LinearFit::ordinary(&equations)?, prior)
-}
-
-/// The same near the nominal set.
-pub(super) fn near_nominal(
-    estimator: &str,
-    problem: &EstimationProblem<'_>,
-    prior: Prior,
-) -> Result<Estimate, EstimationError> {
-    problem.nominal_for(estimator)?;
-    ordinary(estimator, problem, prior)
-}
-
 /// The estimate of a linear fit, held to what is consistent.
 pub(super) fn estimate(
     estimator: &str,

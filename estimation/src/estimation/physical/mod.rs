@@ -21,22 +21,16 @@
 //! T. Lee, P. M. Wensing, F. C. Park (2020), for the priors.
 
 mod direct_inverse;
-mod entropic;
-mod euclidean;
 mod fit;
 mod inference;
 mod instrumental;
 mod ordinary;
-mod pullback;
 mod reweighted;
 mod solution;
 mod weighted;
 
 pub use direct_inverse::ConsistentDirectInverse;
-pub use entropic::EntropicPrior;
-pub use euclidean::EuclideanPrior;
 pub use instrumental::ConsistentInstrumental;
 pub use ordinary::ConsistentOrdinary;
-pub use pullback::PullbackPrior;
 pub use reweighted::ConsistentReweighted;
 pub use weighted::ConsistentWeighted;
