@@ -18,13 +18,13 @@ use crate::linalg::LeastSquares;
 const ROUNDING: f64 = 1e-9;
 
 /// Laws that a statement in SI does not obey.
-pub(super) const STATED_IN_SI: &[LawException] = &[LawException {
+pub(in crate::estimation) const STATED_IN_SI: &[LawException] = &[LawException {
     law: EstimatorLaw::ParameterUnits,
     reason: "what a body can have is stated in SI: columns in other units are those of other bodies",
 }];
 
 /// Laws that a prior in SI does not obey.
-pub(super) const PRIOR_IN_SI: &[LawException] = &[
+pub(in crate::estimation) const PRIOR_IN_SI: &[LawException] = &[
     LawException { law: EstimatorLaw::ParameterUnits, reason: "it needs a nominal set, which is stated in SI" },
     LawException {
         law: EstimatorLaw::TorqueUnits,

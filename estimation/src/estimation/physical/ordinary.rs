@@ -25,59 +25,19 @@
 //! P. M. Wensing, F. C. Park, "Geometric robot dynamic identification: a convex programming approach", IEEE Trans. Robotics 36(2), 2020,
 //! section IV, for the priors.
 
-use super::fit::{PRIOR_IN_SI, STATED_IN_SI, estimate};
+use super::fit;
 use crate::estimation::consistent_set::Prior;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
-use crate::estimation::law::LawException;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::problem::EstimationProblem;
 
 /// Ordinary least squares with every link a possible body.
-#[derive(Clone, Copy, Debug)]
-pub struct ConsistentOrdinary(Prior);
-
-impl ConsistentOrdinary {
-    /// Without a prior.
-    pub const ALONE: Self = Self(Prior::None);
-    /// With the Euclidean distance from the nominal set.
-    pub const EUCLIDEAN: Self = Self(Prior::Euclidean);
-    /// With the entropic distance from the nominal set.
-    pub const ENTROPIC: Self = Self(Prior::Entropic);
-    /// With the constant pullback distance from the nominal set.
-    pub const PULLBACK: Self = Self(Prior::Pullback);
-}
-
-impl Estimator for ConsistentOrdinary {
-    fn name(&self) -> &'static str {
-        match self.0 {
-            Prior::None => "pc-ols",
-            Prior::Euclidean => "pc-ols-euclidean",
-            Prior::Entropic => "pc-ols-entropic",
-            Prior::Pullback => "pc-ols-pullback",
-        }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>, prior: Prior) -> Result<Estimate, EstimationError> {
+    if prior != Prior::None {
+        problem.nominal_for(name)?;
     }
-
-    fn summary(&self) -> &'static str {
-        match self.0 {
-            Prior::None => "ordinary least squares over physically consistent sets",
-            Prior::Euclidean => "consistent least squares near the nominal set, by the Euclidean distance in SI",
-            Prior::Entropic => "consistent least squares near the nominal set, by the entropic distance",
-            Prior::Pullback => "consistent least squares near the nominal set, by the constant pullback distance",
-        }
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        if self.0 != Prior::None {
-            problem.nominal_for(self.name())?;
-        }
-        let equations = problem.factorised()?;
-        let linear = LinearFit::ordinary(&equations)?;
-        estimate(self.name(), &problem.with_factorisation(&equations), &linear, self.0)
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        if self.0 == Prior::None { STATED_IN_SI } else { PRIOR_IN_SI }
-    }
+    let equations = problem.factorised()?;
+    let linear = LinearFit::ordinary(&equations)?;
+    fit::estimate(name, &problem.with_factorisation(&equations), &linear, prior)
 }

@@ -13,13 +13,11 @@ mod components;
 mod inference;
 mod iteration;
 mod loss;
-mod mm;
-mod reweighted;
+pub(super) mod mm;
+pub(super) mod reweighted;
 mod s_estimate;
 mod scale;
 
 pub(super) use inference::estimate as robust_estimate;
 pub(super) use iteration::{RobustFit, from_least_squares, weighted_rows};
 pub(super) use loss::Loss;
-pub use mm::MmEstimator;
-pub use reweighted::Reweighted;

@@ -21,43 +21,12 @@ use super::iteration::from_least_squares;
 use super::loss::Loss;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
 use crate::estimation::problem::EstimationProblem;
 
 /// Least squares in which far residuals count less, by one loss.
-#[derive(Clone, Copy, Debug)]
-pub struct Reweighted(Loss);
-
-impl Reweighted {
-    /// Residuals beyond 1.345 scales count linearly.
-    pub const HUBER: Self = Self(Loss::Huber);
-    /// Residuals beyond 4.685 scales do not count.
-    pub const TUKEY: Self = Self(Loss::Tukey);
-    /// Maximum likelihood of noise with the tails of a Cauchy distribution, 2.385 scales wide.
-    pub const CAUCHY: Self = Self(Loss::Cauchy);
-}
-
-impl Estimator for Reweighted {
-    fn name(&self) -> &'static str {
-        match self.0 {
-            Loss::Huber => "irls-huber",
-            Loss::Tukey => "irls-tukey",
-            Loss::Cauchy => "irls-cauchy",
-        }
-    }
-
-    fn summary(&self) -> &'static str {
-        match self.0 {
-            Loss::Huber => "residuals beyond 1.345 robust standard deviations count linearly (Huber)",
-            Loss::Tukey => "residuals beyond 4.685 robust standard deviations do not count (Tukey)",
-            Loss::Cauchy => "maximum likelihood for noise with the tails of a Cauchy distribution",
-        }
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let equations = problem.factorised()?;
-        let problem = problem.with_factorisation(&equations);
-        let start = equations.least_squares()?.solution();
-        inference::estimate(self.name(), &problem, &from_least_squares(&problem, start, self.0)?)
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>, loss: Loss) -> Result<Estimate, EstimationError> {
+    let equations = problem.factorised()?;
+    let problem = problem.with_factorisation(&equations);
+    let start = equations.least_squares()?.solution();
+    inference::estimate(name, &problem, &from_least_squares(&problem, start, loss)?)
 }
