@@ -262,7 +262,7 @@ class Estimate:
 
         Parameters
         ----------
-        to : "urdf", "mjcf", "toml", "json", "c" or "rust"
+        to : "urdf", "mjcf", "toml", "json", "isaac", "python", "c" or "rust"
             A model of all parameters, fitted to the log of the estimate, or source code in base parameters.
         path : path, optional
             Where it is written.

@@ -149,7 +149,8 @@ pub(crate) fn export(
     path: Option<PathBuf>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Written> {
-    const FORMATS: [Exchange; 4] = [Exchange::Urdf, Exchange::Mjcf, Exchange::Toml, Exchange::Json];
+    const FORMATS: [Exchange; 6] =
+        [Exchange::Urdf, Exchange::Mjcf, Exchange::Toml, Exchange::Json, Exchange::Isaac, Exchange::Python];
     let made = Made::parse(file).map_err(exception)?;
     estimate::check_robot(&made.estimate, &made.name, &robot.loaded).map_err(exception)?;
     if let Some(language) = [Language::C, Language::Rust].into_iter().find(|language| language.name() == to) {
@@ -161,7 +162,9 @@ pub(crate) fn export(
         return Ok((source.text, answer, fault));
     }
     let Some(format) = FORMATS.into_iter().find(|format| format.name() == to) else {
-        return Err(unexpected(format!("to is \"{to}\", expected one of urdf, mjcf, toml, json, c, rust")));
+        return Err(unexpected(format!(
+            "to is \"{to}\", expected one of urdf, mjcf, toml, json, isaac, python, c, rust"
+        )));
     };
     if into.is_some() && !matches!(format, Exchange::Urdf | Exchange::Mjcf) {
         return Err(unexpected(format!("into is for urdf and mjcf, found {to}")));

@@ -34,6 +34,11 @@ c and rust are source code of inverse dynamics, gravity torque and mass matrix i
 as estimated, with the operations that they need and no others; it needs a compiler alone, and no log.
 Its operations are compared with the regressor times the estimate.
 
+isaac and python are files of Python for simulators. isaac, beside the MJCF of the same estimate, has
+the actuators of Isaac Lab: rotor inertia, friction and limits of each joint, for gains of yours.
+python has an MJCF without friction, and a class that applies the friction of every identified law in
+each step of MuJoCo, which has viscous and dry friction alone.
+
 Examples:
   armid export E.json --to urdf -o a460.urdf
   armid export E.json --to c -o a460.c
@@ -72,11 +77,13 @@ enum Target {
 }
 
 impl Target {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 8] = [
         Self::Model(Exchange::Urdf),
         Self::Model(Exchange::Mjcf),
         Self::Model(Exchange::Toml),
         Self::Model(Exchange::Json),
+        Self::Model(Exchange::Isaac),
+        Self::Model(Exchange::Python),
         Self::Source(Language::C),
         Self::Source(Language::Rust),
     ];
