@@ -7,8 +7,8 @@ use armid::conformance::estimator_laws;
 use armid::dynamics::Dynamics;
 use armid::estimation::{
     Estimate, EstimationError, EstimationProblem, Estimator, EstimatorKind, EstimatorLaw, Inference,
-    Instruments as InstrumentRows, IntervalBasis, LawException, Observation, OrdinaryLeastSquares, ProblemPart,
-    Termination, residual_noise, scatter_noise, solve,
+    Instruments as InstrumentRows, IntervalBasis, LawException, Observation, ProblemPart, Termination, residual_noise,
+    scatter_noise, solve,
 };
 use armid::linalg::LeastSquares;
 use armid::model::format::{parse_nominal, parse_robot};
@@ -208,7 +208,7 @@ fn an_estimator_from_outside_identifies_and_names_what_it_lacks() {
         let predicted = &observation.regressor * beta;
         (predicted - DVector::from_column_slice(&clean)).norm()
     };
-    assert!(error(&Huber) < 0.5 * error(&OrdinaryLeastSquares), "{} {}", error(&Huber), error(&OrdinaryLeastSquares));
+    assert!(error(&Huber) < 0.5 * error(&EstimatorKind::Ols), "{} {}", error(&Huber), error(&EstimatorKind::Ols));
     // Numbers become the estimate that they are of; what fails says so in its own words.
     let wls = EstimatorKind::Wls.estimator().estimate(&problem).unwrap();
     let found = Foreign { fails: false }.estimate(&problem).unwrap();

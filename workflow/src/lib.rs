@@ -44,6 +44,7 @@ mod drive_gains;
 mod dynamics;
 pub mod export;
 pub mod identification;
+mod log_source;
 pub mod numbers;
 mod payload;
 mod reduction;
@@ -55,6 +56,7 @@ mod validation;
 
 pub use drive_gains::{DriveGainsAnswer, drive_gains};
 pub use dynamics::{DynamicsAnswer, Quantity, dynamics, parameters_of, regressor};
+pub use log_source::{LogSource, NamedLogs};
 pub use payload::{PayloadAnswer, PayloadSide, columns_of, payload};
 pub use reduction::{ReductionAnswer, ReductionSettings, reduce};
 pub use set_points::{PointFormat, SetPoints};

@@ -37,7 +37,6 @@ const fn rank(finding: &Finding) -> usize {
         Finding::MotionTakenAsExact => 16,
         Finding::DurbinWuHausman { .. } => 17,
         Finding::HiddenFromPositions { .. } => 18,
-        Finding::MultipleShooting { .. } => 19,
     }
 }
 
