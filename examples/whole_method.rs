@@ -16,7 +16,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     let loaded = robot::named("planar-2r")?;
     // What the arm does along a trajectory inside all limits of the robot.
     let measured = |seed| {
-        let goal = DesignGoal::Arm(CriterionKind::DOptimal);
+        let goal = DesignGoal::Arm(CriterionKind::DOptimal.into());
         let settings = DesignSettings { seed, starts: 1, ..DesignSettings::new(goal) };
         let designed = design(&loaded, &settings, &Unobserved)?.ok_or("nobody ended the search")?;
         let plan = ExperimentPlan::new(designed.best.trajectory);
