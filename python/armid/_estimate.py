@@ -91,6 +91,8 @@ class Estimate:
     ['value', 'std', 'low', 'high', 'unit', 'expression']
     >>> estimate.export("urdf").startswith("<?xml")
     True
+    >>> estimate.validate(robot.simulate(design, periods=4, run=1)).passed
+    True
     >>> pickle.loads(pickle.dumps(estimate)) == estimate
     True
     """
