@@ -25,7 +25,7 @@
 //! use armid_workflow::{SimulationSettings, simulate};
 //!
 //! let loaded = robot::named("planar-2r")?;
-//! let goal = DesignGoal::Arm(CriterionKind::DOptimal);
+//! let goal = DesignGoal::Arm(CriterionKind::DOptimal.into());
 //! let settings = DesignSettings { starts: 1, evaluations: 20, baseline: false, ..DesignSettings::new(goal) };
 //! let designed = design(&loaded, &settings, &Unobserved)?.ok_or("nobody ended the search")?;
 //! let plan = ExperimentPlan::new(designed.best.trajectory);
