@@ -1,12 +1,40 @@
 from collections.abc import Callable, Mapping, Sequence
-from typing import Any
+from typing import Any, final
 
 from ._arrays import Floats
+
+__all__ = [
+    "Log",
+    "Robot",
+    "__version__",
+    "design",
+    "draw",
+    "export",
+    "forward_dynamics",
+    "gram",
+    "identify",
+    "inverse_dynamics",
+    "is_table",
+    "mass_matrix",
+    "payload",
+    "predict",
+    "reduce",
+    "regressor",
+    "report",
+    "sample",
+    "simulate",
+    "student",
+    "study",
+    "torque",
+    "validate",
+    "write_mcap",
+]
 
 __version__: str
 
 _Progress = Callable[[int, int, str], object] | None
 
+@final
 class Robot:
     @staticmethod
     def load(name: str, base_link: str | None = None, tip_link: str | None = None) -> Robot: ...
@@ -21,6 +49,7 @@ class Robot:
     def parameters(self, columns: str) -> list[tuple[str, str]]: ...
     def nominal(self, columns: str) -> Floats: ...
 
+@final
 class Log:
     @staticmethod
     def read(paths: Sequence[str], mapping: str | None, rate_hz: float | None, robot: Robot | None) -> Log: ...
