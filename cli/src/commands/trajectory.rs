@@ -31,6 +31,9 @@ Examples:
 
 /// Write a motion for the controller of any robot
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Example:
+  armid trajectory sample T.toml --robot arm.urdf --rate 500 -o points.csv")]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     what: What,
