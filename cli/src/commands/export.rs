@@ -8,11 +8,12 @@ use armid_io::estimate::{self, check_robot};
 use armid_io::inputs::RobotSource;
 use armid_io::robot::ChainSource;
 use armid_io::{Error, Inputs, LoadedRobot, Text};
+use armid_workflow::LogSource;
 use armid_workflow::export::{Exchange, ExportSettings, export, export_source};
 use miette::Result;
 
 use crate::answers::model_file::{model_file_text, source_text};
-use crate::arguments::{ChainArguments, LogArguments, one_of};
+use crate::arguments::{ChainArguments, one_of};
 use crate::terminal::{Answer, Console, Destination, Ending, Watch, report_folder};
 
 const AFTER_HELP: &str = "\
@@ -127,8 +128,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let (written, json, words, sound) = match arguments.to {
         Target::Model(format) => {
             let into = arguments.into.as_deref().map(|path| template(path, format, &loaded)).transpose()?;
-            let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
-            let (log, _) = again.again(&text, &arguments.log)?;
+            let (robot, chain) = (arguments.robot.clone(), arguments.chain.ends());
+            let (log, _) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &arguments.log)?;
             let settings = ExportSettings { format, into, file };
             let answer = export((&estimate, &text.name), log, &settings, &Watch::new(console))?;
             (answer.text.clone(), serde_json::to_value(&answer), model_file_text(&answer), answer.is_sound())
