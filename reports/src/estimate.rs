@@ -103,8 +103,9 @@ pub fn estimate_document(input: &EstimateInput) -> Result<Document, DocumentErro
     Ok(document.provenance("armid", env!("CARGO_PKG_VERSION")))
 }
 
-fn torque(input: &EstimateInput) -> Result<Section, DocumentError> {
-    let panels = input.traces.iter().take(PANELS).map(|trace| TimePanel {
+/// Measured and predicted torque of some joints; `of` says which rows, `unit` is that of the torque.
+pub fn torque_figure(traces: &[TorqueTrace], of: &str, unit: &str, bandwidth_hz: f64) -> TimeSeriesFigure {
+    let panels = traces.iter().take(PANELS).map(|trace| TimePanel {
         title: trace.joint.clone(),
         lines: vec![
             Line::new("measured", GroupStyle::nth(0), trace.times.clone(), trace.measured.clone()),
@@ -112,16 +113,20 @@ fn torque(input: &EstimateInput) -> Result<Section, DocumentError> {
         ],
         limits: Vec::new(),
     });
-    let figure = TimeSeriesFigure {
+    TimeSeriesFigure {
         heading: Heading::new("torque", "Measured and predicted torque")
-            .subtitle(format!("{}, below {} Hz", input.traces_of, input.bandwidth_hz))
+            .subtitle(format!("{of}, below {bandwidth_hz} Hz"))
             .caption("Both passed the same low pass. Where only one line shows, both are the same."),
         time: Axis::linear("time", "s"),
-        value: Axis::linear("torque", input.unit.clone()),
+        value: Axis::linear("torque", unit),
         columns: 2,
         same_range: false,
         panels: panels.collect(),
-    };
+    }
+}
+
+fn torque(input: &EstimateInput) -> Result<Section, DocumentError> {
+    let figure = torque_figure(&input.traces, &input.traces_of, &input.unit, input.bandwidth_hz);
     Section::new("Torque").figure(&figure)
 }
 

@@ -55,7 +55,7 @@ impl StudySetup {
 
     /// The information of experiments with these designs, per torque row of one more of the same length; `None` of none.
     pub(super) fn collected(&self, designs: &[StudyDesign]) -> Result<Option<DMatrix<f64>>, StudyError> {
-        let problem = self.problem(CriterionKind::DOptimal, 1)?;
+        let problem = self.problem(CriterionKind::DOptimal.into(), 1)?;
         let mut sum: Option<DMatrix<f64>> = None;
         for design in designs {
             let m = problem.information(&design.trajectory)?;
