@@ -288,6 +288,9 @@ mod tests {
         assert_eq!(block(10_000, 250, 5.0), Ok(40));
         assert_eq!(block(10_000, 240, 5.0), Ok(50));
         assert_eq!(block(100, 250, 5.0), Ok(1));
+        // Ten equations do not hold five harmonics, eleven do.
+        assert!(matches!(block(1000, 10, 5.0), Err(SignalError::Decimation { found: 10, least: 11, .. })));
+        assert_eq!(block(1100, 11, 5.0), Ok(100));
         assert!(matches!(block(10_007, 250, 5.0), Err(SignalError::Decimation { found: 1, .. })));
     }
 }
