@@ -17,7 +17,7 @@ fn main() -> Result<(), Box<dyn Error>> {
     // What the arm does along a trajectory inside all limits of the robot.
     let measured = |seed| {
         let settings =
-            DesignSettings { seed, starts: 1, ..DesignSettings::new(DesignGoal::Arm(CriterionKind::DOptimal)) };
+            DesignSettings { seed, starts: 1, ..DesignSettings::new(DesignGoal::Arm(CriterionKind::DOptimal.into())) };
         let designed = design(&loaded, &settings, &Unobserved)?.ok_or("nobody ended the search")?;
         let plan = ExperimentPlan::new(designed.best.trajectory);
         let log = simulate(&loaded, &plan, &SimulationSettings::default(), &Unobserved)?.log();

@@ -18,7 +18,7 @@ use armid::seed::Seed;
 use armid::signal::Samples;
 use armid::statistics::student_quantile;
 use armid::study::radkhah2007::table_one;
-use armid::study::{StudyPlan, StudySetup, Truth, truth_text};
+use armid::study::{OwnMethods, StudyPlan, StudySetup, Truth, truth_text};
 use nalgebra::{DMatrix, DVector};
 
 /// Huber's M-estimator (P. J. Huber, *Robust Statistics*, 1981, sec. 7.8): residuals beyond `K` standard deviations of the
@@ -270,7 +270,8 @@ fn an_estimator_from_outside_takes_part_in_a_study() {
     let mut plan = StudyPlan::from_toml(PLAN).unwrap();
     plan.identification.estimators.push("huber".to_owned());
     assert!(StudySetup::new(plan.clone(), robot.clone(), nominal.clone(), &truth).is_err());
-    let setup = StudySetup::with_estimators(plan, robot.clone(), nominal, &truth, &[Arc::new(Huber)]).unwrap();
+    let own = OwnMethods { estimators: vec![Arc::new(Huber)], criteria: Vec::new() };
+    let setup = StudySetup::with_methods(plan, robot.clone(), nominal, &truth, own).unwrap();
     let states = table_one::corrected().sample(100);
     let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).expect("columns of motion");
     let tau = regressor.stack(&states) * truth.vector(&robot, Columns::RIGID);

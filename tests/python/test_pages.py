@@ -74,6 +74,13 @@ class Pages(unittest.TestCase):
                 if os.environ.get("WRITE"):
                     page.write_text(text, encoding="utf-8")
 
+    def test_the_figure_of_base_parameters_is_what_reduce_says(self):
+        folder = ROOT / "docs/concepts"
+        drawn = subprocess.run(
+            ["python3", folder / "base_parameters.py"], env={**os.environ, "ARMID": str(ARMID)}, check=True, capture_output=True, text=True
+        )
+        self.assertEqual(drawn.stdout, (folder / "base-parameters.svg").read_text(encoding="utf-8"))
+
 
 if __name__ == "__main__":
     unittest.main()
