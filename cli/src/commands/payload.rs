@@ -61,7 +61,7 @@ fn of_logs(
     estimator: EstimatorKind,
 ) -> Result<(PayloadSide, Option<LoadedRobot>), Error> {
     let remembered = other.and_then(|other| other.inputs.as_ref());
-    let (mut prepared, inputs) = log.process(paths, remembered, HeldOut::Nothing, None)?;
+    let (mut prepared, inputs) = log.process(paths, remembered, HeldOut::Nothing)?;
     match other {
         Some(other) => prepared.take_shape(&other.estimate, &other.name)?,
         None if prepared.has_no_periods() => {

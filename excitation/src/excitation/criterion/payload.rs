@@ -126,6 +126,7 @@ mod tests {
         let expected = -libm::log(of_load.determinant());
         let value = criterion.evaluate(&m, None).value;
         assert!((value - expected).abs() < 1e-8 * expected.abs(), "{value} {expected}");
+        assert!(criterion.report(value) == -value && criterion.is_larger_better());
     }
 
     #[test]
