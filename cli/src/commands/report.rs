@@ -12,7 +12,7 @@ use miette::Result;
 use serde_json::json;
 
 use crate::arguments::{ChainArguments, LogArguments};
-use crate::terminal::{Answer, Console, Ending};
+use crate::terminal::{Answer, Console, Ending, Watch};
 
 const AFTER_HELP: &str = "\
 Everything that the report of a study shows is stored by `armid study`; this redraws it and computes
@@ -93,7 +93,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let estimate = estimate::parse(&text)?;
             let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
             let (log, inputs) = again.again(&text, &[])?;
-            pages.push(write_estimate_report(&output, (&estimate, &text.name), &log, &inputs)?);
+            pages.push(write_estimate_report(&output, (&estimate, &text.name), &log, &inputs, &Watch::new(console))?);
             continue;
         }
         if !folder.is_dir() {

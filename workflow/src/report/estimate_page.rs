@@ -3,6 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::estimation::{Against, Estimate, ResidualTrends, TorqueResidual, TorqueSeries};
+use armid::observer::{Observer, Work};
 use armid::signal::Samples;
 use armid_io::{Error, Inputs, ProcessedLog};
 use armid_reports::{
@@ -10,6 +11,7 @@ use armid_reports::{
 };
 
 use super::page::write_document;
+use crate::counter::Counter;
 use crate::identification::grouped;
 use crate::numbers::percent;
 
@@ -22,15 +24,20 @@ const GOOD: f64 = 0.1;
 /// Draws the page of an estimate, which errors call `name`, from the logs that it was made from; returns the page.
 ///
 /// # Errors
-/// [`Error`] where the estimate is of another robot or of other parameters, or the page cannot be written.
+/// [`Error`] where the estimate is of another robot or of other parameters, or the page cannot be written; of
+/// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work, before anything is written.
 pub fn write_estimate_report(
     folder: &Path,
     (estimate, name): (&Estimate, &str),
     log: &ProcessedLog,
     inputs: &Inputs,
+    observer: &dyn Observer,
 ) -> Result<PathBuf, Error> {
     let page = Page { estimate, prepared: log, name };
-    write_document(folder, estimate_document(&page.input(inputs)?))
+    let steps = Counter::new(observer, Work::Steps, 4);
+    let input = page.input(inputs, &steps)?;
+    steps.begin(name)?;
+    write_document(folder, estimate_document(&input))
 }
 
 struct Page<'a> {
@@ -40,12 +47,14 @@ struct Page<'a> {
 }
 
 impl Page<'_> {
-    fn input(&self, inputs: &Inputs) -> Result<EstimateInput, Error> {
+    fn input(&self, inputs: &Inputs, steps: &Counter<'_>) -> Result<EstimateInput, Error> {
+        steps.begin(self.name)?;
         let (used, held_out) = self.prepared.residual(self.estimate, self.name)?;
         let expressions = self.prepared.expressions(self.estimate, self.name)?;
         let joints = self.prepared.joint_names();
         let aside = !self.prepared.held_out.is_empty();
         let parts = if aside { &self.prepared.held_out[..1] } else { &self.prepared.parts[..1] };
+        steps.begin(self.name)?;
         let series = self.prepared.series(self.estimate, self.name, parts)?;
         let traces = (0..joints.len()).map(|i| trace(&joints[i], i, &parts[0], &series[0])).collect();
         let mut shares = vec![in_percent("used rows", &used, true), in_percent("all rows", &used, false)];
@@ -61,6 +70,7 @@ impl Page<'_> {
         let mut provenance = vec![("robot file, SHA-256".to_owned(), inputs.robot.sha256.clone())];
         provenance.extend(inputs.files.iter().map(|file| (file.path.clone(), file.sha256.clone())));
         provenance.extend(inputs.mapping.clone().map(|mapping| ("mapping".to_owned(), mapping)));
+        steps.begin(self.name)?;
         let trends = self.prepared.residual_trends(self.estimate, self.name)?;
         let diagnostics = diagnostics(&trends, &joints);
         Ok(EstimateInput {

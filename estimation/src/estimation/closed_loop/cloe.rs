@@ -114,6 +114,7 @@ impl Estimator for ClosedLoopOutputError {
         }
         .estimate()?;
         estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
+        estimate.motor_errors.clone_from(&of_positions.motor_errors);
         estimate.interval_basis = IntervalBasis::Residual;
         estimate.findings.extend(hidden.finding(observation, is_nominal));
         estimate.findings.extend(finding);
