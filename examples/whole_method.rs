@@ -16,8 +16,8 @@ fn main() -> Result<(), Box<dyn Error>> {
     let loaded = robot::named("planar-2r")?;
     // What the arm does along a trajectory inside all limits of the robot.
     let measured = |seed| {
-        let goal = DesignGoal::Arm(CriterionKind::DOptimal);
-        let settings = DesignSettings { seed, starts: 1, ..DesignSettings::new(goal) };
+        let settings =
+            DesignSettings { seed, starts: 1, ..DesignSettings::new(DesignGoal::Arm(CriterionKind::DOptimal.into())) };
         let designed = design(&loaded, &settings, &Unobserved)?.ok_or("nobody ended the search")?;
         let plan = ExperimentPlan::new(designed.best.trajectory);
         let log = simulate(&loaded, &plan, &SimulationSettings::default(), &Unobserved)?.log();

@@ -4,7 +4,7 @@
     python3 benches/peers/growth.py            writes benches/growth/: README.md, figures, growth.json
 
 Needs no library. The benchmark `growth` measures one core; studies of Table I's trajectory are timed as processes, with one thread
-and with two. What the page says about the figures stands in `growth_words.md` beside this script.
+and with two. The words of the page are in `growth_words.md` next to this script.
 """
 
 import argparse
@@ -86,9 +86,10 @@ def power(points):
 
 
 def page(found, machine):
-    out = ["# How cost grows", "", "`python3 benches/peers/growth.py` measures everything here and writes this page. One core where nothing else is said; the",
-           "chains of more or fewer joints are random, with columns of links, rotors and friction; six joints where joints do not vary.", "",
-           "; ".join(f"{key}: {value if not isinstance(value, list) else ', '.join(value)}" for key, value in machine.items()) + ".", ""]
+    out = ["# How cost grows", "", "Cost grows about linearly with samples and runs, and with at most about the third power of the joints.", "",
+           "`python3 benches/peers/growth.py` measures everything here and writes this page. Figures are for one core if nothing else is said.",
+           "Chains of more or fewer joints are random, with columns of links, rotors and friction. Other figures are for six joints.", "",
+           "| machine | |", "|---|---|", *(f"| {key} | {value if not isinstance(value, list) else ', '.join(value)} |" for key, value in machine.items()), ""]
     words = dict(part.split("\n", 1) for part in (HERE / "growth_words.md").read_text().split("\n## ")[1:])
     for name, (title, x, unit, slope, scale) in FIGURES.items():
         out += [f"## {title}", "", f"![{title}]({name}.svg)", ""]

@@ -17,6 +17,7 @@ mod error;
 mod float_array;
 mod joint_state;
 mod time;
+mod transforms;
 
 pub use decoder::decode;
 pub use encoder::encode;
@@ -24,3 +25,4 @@ pub use error::CdrError;
 pub use float_array::FloatArray;
 pub use joint_state::JointState;
 pub use time::Time;
+pub use transforms::{Transform, Transforms};

@@ -21,7 +21,7 @@ fn identity_a_design_of_the_library_is_that_of_the_command_byte_for_byte() {
     let out = folder.path().join("T.toml");
     let arguments = ["design", "planar-2r", "--criterion", "d-optimal", "--starts", "2", "--evaluations", "40"];
     let told = json(&armid(arguments.iter().chain(&["--json", "-o", out.to_str().unwrap()])).success());
-    let goal = DesignGoal::Arm(CriterionKind::DOptimal);
+    let goal = DesignGoal::Arm(CriterionKind::DOptimal.into());
     let settings = DesignSettings { starts: 2, evaluations: 40, ..DesignSettings::new(goal) };
     let loaded = armid_io::robot::named("planar-2r").unwrap();
     let answer = design(&loaded, &settings, &Unobserved).unwrap().unwrap();

@@ -14,7 +14,7 @@ Units are SI. Arrays have one row for each sample. Results that need a second lo
 from ._armid import __version__
 from ._design import Design
 from ._errors import ArmidError, ArmidWarning, NotFoundError
-from ._estimate import Estimate, Finding, Payload, Validation
+from ._estimate import Drawing, Estimate, Finding, Payload, Torque, Validation
 from ._log import Log
 from ._robot import Base, Robot
 from ._study import StudyResult, study
@@ -24,6 +24,7 @@ __all__ = [
     "ArmidWarning",
     "Base",
     "Design",
+    "Drawing",
     "Estimate",
     "Finding",
     "Log",
@@ -31,6 +32,7 @@ __all__ = [
     "Payload",
     "Robot",
     "StudyResult",
+    "Torque",
     "Validation",
     "__version__",
     "study",

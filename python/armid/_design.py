@@ -15,7 +15,14 @@ if TYPE_CHECKING:
 
 
 class Design:
-    """A periodic trajectory that excites the parameters of a robot, with the certificate of its limits."""
+    """A periodic trajectory that excites the parameters of a robot, with the certificate of its limits.
+
+    >>> import armid
+    >>> design = armid.Robot.load("planar-2r").design("d-optimal", starts=1, evaluations=20, baseline=False)
+    >>> t, q, qd, qdd = design.sample(100)
+    >>> design.period, len(t), q.shape
+    (10.0, 1000, (1000, 2))
+    """
 
     def __init__(self, toml: str, data: str, robot: Robot) -> None:
         self._toml = toml

@@ -6,7 +6,7 @@ import json
 import os
 from dataclasses import dataclass, field
 from html import escape
-from typing import TYPE_CHECKING, Any
+from typing import TYPE_CHECKING, Any, NamedTuple, overload
 
 import numpy as np
 from numpy.typing import ArrayLike
@@ -17,6 +17,8 @@ from ._errors import ArmidError, warn
 
 if TYPE_CHECKING:
     import pandas
+    import polars
+    from matplotlib.axes import Axes
 
     from ._log import Log, Path
     from ._robot import Logs, Robot
@@ -37,10 +39,62 @@ class Finding:
         return cls(data["text"], data["advice"], numbers)
 
 
+class Torque(NamedTuple):
+    """Torque of N samples of n joints, measured and predicted."""
+
+    t: Floats
+    measured: Floats
+    predicted: Floats
+    is_held_out: bool
+
+
+class Drawing(str):
+    """An SVG, which notebooks show."""
+
+    __slots__ = ()
+
+    def _repr_svg_(self) -> str:
+        return str(self)
+
+    def write(self, path: Path) -> None:
+        """Write it to a file."""
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(self)
+
+
 class Estimate:
     """Base parameters of a robot with their uncertainty: what the command's E.json holds.
 
-    Two estimates are equal where their files are. An estimate is pickled as its file.
+    Two estimates are equal where their files are. An estimate is pickled as its file, without logs that were arrays.
+
+    >>> import armid, numpy as np, pickle, warnings
+    >>> warnings.simplefilter("ignore", armid.ArmidWarning)
+    >>> robot = armid.Robot.load("planar-2r")
+    >>> design = robot.design("d-optimal", starts=1, evaluations=20, baseline=False)
+    >>> log = robot.simulate(design, periods=4)
+    >>> estimate = robot.identify(log)
+    >>> b = len(estimate.names)
+    >>> estimate.values.shape == estimate.std.shape == (b,) and estimate.covariance.shape == (b, b)
+    True
+    >>> estimate.names[0], estimate.units[0], estimate.expressions[0]
+    ('m1', 'kg', 'm1 − Izz1')
+    >>> bool((estimate.interval(0.99)[:, 0] < estimate.interval()[:, 0]).all())
+    True
+    >>> estimate.predict(np.zeros(2), np.zeros(2), np.zeros(2)).shape
+    (2,)
+    >>> t, measured, predicted, is_held_out = estimate.torque()
+    >>> measured.shape == predicted.shape == (len(t), 2)
+    True
+    >>> estimate.plot().startswith("<svg")
+    True
+    >>> list(estimate.to_pandas().columns)
+    ['value', 'std', 'low', 'high', 'unit', 'expression']
+    >>> estimate.export("urdf").startswith("<?xml")
+    True
+    >>> estimate.validate(robot.simulate(design, periods=4, run=1)).passed
+    True
+    >>> pickle.loads(pickle.dumps(estimate)) == estimate
+    True
     """
 
     def __init__(self, text: str, robot: Robot | None = None) -> None:
@@ -262,7 +316,7 @@ class Estimate:
 
         Parameters
         ----------
-        to : "urdf", "mjcf", "toml", "json", "c" or "rust"
+        to : "urdf", "mjcf", "toml", "json", "isaac", "python", "c" or "rust"
             A model of all parameters, fitted to the log of the estimate, or source code in base parameters.
         path : path, optional
             Where it is written.
@@ -292,6 +346,77 @@ class Estimate:
         """Draw a page into a folder: measured and predicted torque, residuals, parameters. Returns its path."""
         return os.fspath(_armid.report(self.robot._robot, self._file(), self._again(logs), os.fspath(folder)))
 
+    def torque(self, logs: Logs | None = None) -> Torque:
+        """Measured torque and what the estimate predicts: of what is held out where anything is, else of the fit's first log.
+
+        Both passed the low pass of the estimate's bandwidth.
+
+        Parameters
+        ----------
+        logs : Log, path, or a list of them, optional
+            As in `export`.
+
+        Returns
+        -------
+        Torque
+            A named tuple: t (N,), s; measured and predicted (N, n), N·m (N); is_held_out.
+        """
+        is_held_out, rate, (measured, predicted) = _armid.torque(self.robot._robot, self._file(), self._again(logs))
+        return Torque(np.arange(len(measured)) / rate, measured, predicted, is_held_out)
+
+    def write_mcap(self, path: Path, logs: Logs | None = None) -> None:
+        """Write the motion of `torque` as MCAP, which Foxglove and Rerun show.
+
+        Topics: ``/robot_description`` and ``/tf`` show the arm; ``/joint_states`` has positions and measured torque,
+        ``/predicted_torque`` and ``/residual`` have theirs as effort, N·m (N).
+
+        Parameters
+        ----------
+        path : path
+            The file.
+        logs : Log, path, or a list of them, optional
+            As in `export`.
+        """
+        _armid.write_mcap(self.robot._robot, self._file(), self._again(logs), os.fspath(path))
+
+    @overload
+    def plot(self, joint: str | None = None, *, ax: None = None, logs: Logs | None = None) -> Drawing: ...
+
+    @overload
+    def plot(self, joint: str | None = None, *, ax: Axes, logs: Logs | None = None) -> Axes: ...
+
+    def plot(self, joint: str | None = None, *, ax: Axes | None = None, logs: Logs | None = None) -> Drawing | Axes:
+        """Draw measured and predicted torque over time.
+
+        Parameters
+        ----------
+        joint : str, optional
+            The joint that is drawn into `ax`; the first by default.
+        ax : axes of matplotlib, optional
+            Where they are drawn. Without, the result is an SVG of all joints, which a notebook shows.
+        logs : Log, path, or a list of them, optional
+            As in `export`.
+
+        Returns
+        -------
+        Drawing or axes
+        """
+        if ax is None:
+            if joint is not None:
+                raise ArmidError("joint is for ax=, expected none: the drawing holds all joints")
+            return Drawing(_armid.draw(self.robot._robot, self._file(), self._again(logs)))
+        joints = self.robot.joints
+        name = joints[0] if joint is None else joint
+        if name not in joints:
+            raise ArmidError(f'joint is "{name}", expected one of {", ".join(joints)}')
+        torque, place = self.torque(logs), joints.index(name)
+        ax.plot(torque.t, torque.measured[:, place], label="measured")
+        ax.plot(torque.t, torque.predicted[:, place], label="predicted")
+        units = self._data.get("units") or [""] * len(joints)
+        ax.set(title=name, xlabel="time (s)", ylabel=f"torque ({units[place]})")
+        ax.legend()
+        return ax
+
     def _read(self, logs: Logs) -> list[_armid.Log]:
         from ._log import Log
 
@@ -314,8 +439,17 @@ class Estimate:
         """The base parameters as a table of pandas, by their names."""
         import pandas
 
+        return pandas.DataFrame(self._columns(), index=pandas.Index(self.names, name="parameter"))
+
+    def to_polars(self) -> polars.DataFrame:
+        """The base parameters as a table of polars, with their names in the column "parameter"."""
+        import polars
+
+        return polars.DataFrame({"parameter": self.names, **self._columns()})
+
+    def _columns(self) -> dict[str, Any]:
         low, high = self.interval().T
-        columns = {
+        return {
             "value": self.values,
             "std": self.std,
             "low": low,
@@ -323,7 +457,6 @@ class Estimate:
             "unit": self.units,
             "expression": self.expressions,
         }
-        return pandas.DataFrame(columns, index=pandas.Index(self.names, name="parameter"))
 
     def verdict(self) -> str:
         """What the estimate is worth, in a sentence."""

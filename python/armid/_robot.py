@@ -5,7 +5,7 @@ from __future__ import annotations
 import json
 import os
 import tempfile
-from collections.abc import Callable, Mapping, Sequence
+from collections.abc import Mapping, Sequence
 from dataclasses import dataclass
 from typing import TYPE_CHECKING, Any, TypedDict, Union, overload
 
@@ -18,14 +18,14 @@ from ._design import Design
 from ._errors import ArmidError, warn
 from ._estimate import Estimate, Payload
 from ._log import Log, Path
-from ._study import Progress
+from ._criterion import Criterion, checked
+from ._study import Own, Progress
 
 if TYPE_CHECKING:
     from typing_extensions import Unpack
 
 ALL = "rigid+rotor+friction"
 
-Own = Callable[[Floats, Floats], Any]
 Logs = Union[Log, Path, Sequence[Union[Log, Path]]]
 Parameters = Union[ArrayLike, Mapping[str, float], None]
 
@@ -185,6 +185,16 @@ class Robot:
         -------
         array (N, n, p) or (n, p)
             N·m (N) per unit of the parameter.
+
+        Raises
+        ------
+        ArmidError
+            Where an array is not of n joints, or a value is not finite.
+
+        >>> import armid, numpy as np
+        >>> robot, zero = armid.Robot.load("planar-2r"), np.zeros((5, 2))
+        >>> robot.regressor(zero, zero, zero, "rigid").shape
+        (5, 2, 20)
         """
         samples, single = rows(q=q, qd=qd, qdd=qdd)
         shape = (len(samples[0]), self.dof, len(self._robot.parameters(columns)))
@@ -213,6 +223,13 @@ class Robot:
         Returns
         -------
         array (p, p), array (p,)
+
+        >>> import armid, numpy as np
+        >>> robot, ones = armid.Robot.load("planar-2r"), np.ones((5, 2))
+        >>> information, moment = robot.gram(ones, ones, ones, ones)
+        >>> y = robot.regressor(ones, ones, ones)
+        >>> np.allclose(information, np.einsum("kia,kib->ab", y, y)) and np.allclose(moment, y.sum(axis=(0, 1)))
+        True
         """
         samples, _ = rows(q=q, qd=qd, qdd=qdd, tau=tau)
         p = len(self._robot.parameters(columns))
@@ -245,6 +262,11 @@ class Robot:
         -------
         array (N, n) or (n,)
             Torque, N·m (N).
+
+        >>> import armid, numpy as np
+        >>> robot, one = armid.Robot.load("planar-2r"), np.ones(2)
+        >>> np.allclose(robot.inverse_dynamics(one, one, one), robot.regressor(one, one, one) @ robot.nominal())
+        True
         """
         samples, single = rows(q=q, qd=qd, qdd=qdd)
         result = output(_room(out, single), samples[0].shape)
@@ -268,6 +290,11 @@ class Robot:
         -------
         array (N, n) or (n,)
             Acceleration, rad/s² (m/s²).
+
+        >>> import armid, numpy as np
+        >>> robot, one = armid.Robot.load("planar-2r"), np.ones(2)
+        >>> np.allclose(robot.forward_dynamics(one, one, robot.inverse_dynamics(one, one, one)), one)
+        True
         """
         samples, single = rows(q=q, qd=qd, tau=tau)
         result = output(_room(out, single), samples[0].shape)
@@ -283,6 +310,11 @@ class Robot:
         -------
         array (N, n, n) or (n, n)
             kg·m² (kg, kg·m).
+
+        >>> import armid, numpy as np
+        >>> matrix = armid.Robot.load("planar-2r").mass_matrix(np.zeros(2))
+        >>> np.array_equal(matrix, matrix.T)
+        True
         """
         (q,), single = rows(q=q)
         result = output(_room(out, single), (*q.shape, self.dof))
@@ -302,6 +334,15 @@ class Robot:
             "structural" by default, which is exact; others are numerical.
         seed : int
             Of the methods that draw states.
+
+        Returns
+        -------
+        Base
+
+        >>> import armid
+        >>> base = armid.Robot.load("planar-2r").reduce("rigid")
+        >>> base.K.shape == (base.rank, len(base.parameters))
+        True
         """
         text, k = _armid.reduce(self._robot, columns, None if on is None else os.fspath(on), method, seed)
         data = json.loads(text)
@@ -392,6 +433,16 @@ class Robot:
         ------
         ArmidError
             Where a log cannot be used, or its motion does not show the parameters.
+
+        >>> import armid, numpy as np, warnings
+        >>> warnings.simplefilter("ignore", armid.ArmidWarning)
+        >>> robot = armid.Robot.load("planar-2r")
+        >>> log = robot.simulate(robot.design("d-optimal", starts=1, evaluations=20, baseline=False), periods=4)
+        >>> def least_squares(W, y):
+        ...     return np.linalg.lstsq(W, y)[0]
+        >>> found = robot.identify(log, ["ols", least_squares])
+        >>> np.allclose(found["least_squares"].values, found["ols"].values)
+        True
         """
         if isinstance(period, str) and period != "auto":
             raise ArmidError(f'period is "{period}", expected seconds, "auto" or None')
@@ -443,7 +494,7 @@ class Robot:
 
     def design(
         self,
-        criterion: str | None = None,
+        criterion: str | Criterion | None = None,
         *,
         payload: tuple[float, Sequence[float]] | None = None,
         columns: str = ALL,
@@ -474,8 +525,10 @@ class Robot:
 
         Parameters
         ----------
-        criterion : str
-            "d-optimal", "i-optimal", "a-optimal", "condition", …: what is minimised.
+        criterion : str or callable
+            "d-optimal", "i-optimal", "a-optimal", "condition", …; or ``f(M)``, which returns the number that is minimised, and
+            the array S (b, b) with d value = tr(S dM). M (b, b) is the information per equation, symmetric and positive
+            definite. S is held against differences of the value once.
         payload : (mass, centre), optional
             In place of a criterion: made for a load on the last link of at most this mass, kg, with this centre, m (3).
         columns : str
@@ -525,10 +578,22 @@ class Robot:
         -------
         Design
             The best inside all limits; where there is none, the nearest to them, and a warning.
+
+        Raises
+        ------
+        ArmidError
+            Where the settings do not fit the robot. What a criterion raises reaches the caller.
+
+        >>> import armid, numpy as np
+        >>> def d_optimal(M):
+        ...     return -np.linalg.slogdet(M)[1], -np.linalg.inv(M)
+        >>> design = armid.Robot.load("planar-2r").design(d_optimal, starts=1, evaluations=20, baseline=False)
+        >>> design.criterion, design.is_feasible
+        ('d_optimal', True)
         """
         paths: list[str] = []
         asked = {
-            "criterion": criterion,
+            "criterion": _criterion(criterion),
             "payload": None if payload is None else (float(payload[0]), [float(x) for x in payload[1]]),
             "columns": columns,
             "period_s": period,
@@ -677,6 +742,15 @@ def _motion(trajectory: Design | Path) -> dict[str, str | None]:
     if isinstance(trajectory, Design):
         return {"name": "the design", "text": trajectory.to_toml()}
     return {"name": os.fspath(trajectory), "text": None}
+
+
+def _criterion(criterion: str | Criterion | None) -> str | tuple[str, Criterion] | None:
+    if criterion is None or isinstance(criterion, str):
+        return criterion
+    if not callable(criterion):
+        raise ArmidError(f"criterion is {type(criterion).__name__}, expected a name or a callable")
+    name = getattr(criterion, "__name__", type(criterion).__name__)
+    return name, checked(name, criterion)
 
 
 def _room(out: Floats | None, single: bool) -> Floats | None:

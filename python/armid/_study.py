@@ -4,11 +4,14 @@ from __future__ import annotations
 
 import json
 import os
-from collections.abc import Callable
+from collections.abc import Callable, Mapping
 from pathlib import Path as FilePath
 from typing import TYPE_CHECKING, Any
 
 from . import _armid
+from ._arrays import Floats
+from ._criterion import Criterion, checked
+from ._errors import ArmidError, warn
 
 if TYPE_CHECKING:
     import pyarrow
@@ -16,6 +19,7 @@ if TYPE_CHECKING:
     from ._log import Path
 
 Progress = Callable[[int, int, str], object]
+Own = Callable[[Floats, Floats], Any]
 
 
 class StudyResult:
@@ -31,10 +35,30 @@ class StudyResult:
         return json.loads(self._text)  # type: ignore[no-any-return]
 
     def rows(self, table: str = "runs") -> pyarrow.Table:
-        """A table of the study by Arrow, which pandas and polars take: "runs" or "parameters". Needs pyarrow."""
+        """A table of the study by Arrow. It has the stream of Arrow's C interface, so that ``polars.DataFrame`` takes it as it is.
+
+        Parameters
+        ----------
+        table : str
+            "runs", a row for each run and estimator, or "parameters", a row for each base parameter of each of these.
+
+        Returns
+        -------
+        pyarrow.Table
+            Needs pyarrow.
+
+        Raises
+        ------
+        ArmidError
+            Where the study has no such table.
+        """
         import pyarrow.parquet
 
-        return pyarrow.parquet.read_table(self.folder / f"{table}.parquet")
+        path = self.folder / f"{table}.parquet"
+        if not path.is_file():
+            found = ", ".join(sorted(file.stem for file in self.folder.glob("*.parquet"))) or "none"
+            raise ArmidError(f'table is "{table}", expected one of the study: {found}')
+        return pyarrow.parquet.read_table(path)
 
     def report(self) -> FilePath:
         """The page."""
@@ -51,6 +75,8 @@ def study(
     resume: bool = False,
     threads: int = 0,
     until: str | None = None,
+    estimators: Mapping[str, Own] | None = None,
+    criteria: Mapping[str, Criterion] | None = None,
     progress: Progress | None = None,
 ) -> StudyResult:
     """Perform a study: designs, experiments on simulated arms, estimates, scores.
@@ -67,6 +93,11 @@ def study(
         Threads; all cores by default.
     until : str, optional
         End where an interval is narrow enough: ``"ratio(condition, d-optimal).prediction < 5 %"``.
+    estimators : mapping of names to callables, optional
+        Estimators of your own, as in `Robot.identify`; the plan names them beside those of the list. A run in which one raises
+        counts as a run without an estimate, and a warning says what it raised.
+    criteria : mapping of names to callables, optional
+        Criteria of your own, as in `Robot.design`, for the designs of the plan.
     progress : callable, optional
         Is called as ``progress(done, total, what)``.
 
@@ -74,6 +105,18 @@ def study(
     ------
     ArmidError
         Where the plan cannot be performed, or the folder holds another study.
+
+    >>> import armid, tempfile
+    >>> with tempfile.TemporaryDirectory() as folder:
+    ...     armid.study("nowhere", folder)  # doctest: +IGNORE_EXCEPTION_DETAIL
+    Traceback (most recent call last):
+    ...
+    armid.NotFoundError: study "nowhere" is neither a bundled study, nor a folder, nor a file
     """
-    text = _armid.study(os.fspath(plan), os.fspath(out), resume, threads, until, progress)
+    own = [(name, checked(name, of)) for name, of in (criteria or {}).items()]
+    text, raised = _armid.study(
+        os.fspath(plan), os.fspath(out), resume, threads, until, list((estimators or {}).items()), own, progress
+    )
+    if raised is not None:
+        warn(f"an estimator raised in at least one run: {raised}")
     return StudyResult(out, text)

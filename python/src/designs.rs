@@ -1,5 +1,7 @@
 //! Designs of trajectories.
 
+use std::ops::ControlFlow;
+
 use armid::excitation::{CriterionKind, LimitSettings};
 use armid::trajectory::Family;
 use armid_io::Error;
@@ -7,6 +9,8 @@ use armid_workflow::design::{DesignGoal, DesignSettings, HeaviestLoad, design as
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 
+use crate::callable::Method;
+use crate::criterion::PythonCriterion;
 use crate::fault::{exception, unexpected};
 use crate::robot::Robot;
 use crate::simulation::{Motion, effects};
@@ -16,7 +20,7 @@ use crate::watch::{Leaves, watched};
 #[derive(FromPyObject)]
 #[pyo3(from_item_all)]
 pub(crate) struct Asked {
-    criterion: Option<String>,
+    criterion: Option<Method>,
     /// Mass, kg, and centre, m.
     payload: Option<(f64, [f64; 3])>,
     columns: String,
@@ -44,31 +48,37 @@ pub(crate) struct Asked {
 }
 
 impl Asked {
-    fn goal(&self) -> PyResult<DesignGoal> {
-        match (&self.criterion, self.payload) {
-            (Some(name), None) => {
-                let names = || CriterionKind::ALL.map(CriterionKind::name).join(", ");
-                CriterionKind::parse(name)
-                    .map(DesignGoal::Arm)
-                    .ok_or_else(|| unexpected(format!("criterion is \"{name}\", expected one of {}", names())))
+    /// What it is made for, and the criterion where that is of Python.
+    fn goal(&mut self) -> PyResult<(DesignGoal, Option<PythonCriterion>)> {
+        match (self.criterion.take(), self.payload) {
+            (Some(Method::Own(name, function)), None) => {
+                let own = PythonCriterion::new(name, function);
+                Ok((DesignGoal::Arm(own.shared()), Some(own)))
             }
-            (None, Some((mass_kg, centre_m))) => Ok(DesignGoal::Load(HeaviestLoad { mass_kg, centre_m })),
+            (Some(Method::Listed(name)), None) => {
+                let names = || CriterionKind::ALL.map(CriterionKind::name).join(", ");
+                CriterionKind::parse(&name).map(|kind| (DesignGoal::Arm(kind.into()), None)).ok_or_else(|| {
+                    unexpected(format!("criterion is \"{name}\", expected a callable, or one of {}", names()))
+                })
+            }
+            (None, Some((mass_kg, centre_m))) => Ok((DesignGoal::Load(HeaviestLoad { mass_kg, centre_m }), None)),
             _ => Err(unexpected("expected either criterion= or payload=")),
         }
     }
 
-    fn settings(self, robot: &Robot) -> PyResult<DesignSettings> {
+    fn settings(mut self, robot: &Robot) -> PyResult<(DesignSettings, Option<PythonCriterion>)> {
         let names = || Family::ALL.map(Family::name).join(", ");
         let family = Family::parse(&self.family)
             .ok_or_else(|| unexpected(format!("family is \"{}\", expected one of {}", self.family, names())))?;
-        let usual = DesignSettings::new(self.goal()?);
+        let (goal, own) = self.goal()?;
+        let usual = DesignSettings::new(goal);
         let limits = LimitSettings {
             margin_deg: self.margin_deg,
             confidence: self.confidence,
             ramp_s: self.ramp_s,
             clearance_m: self.clearance_m,
         };
-        Ok(DesignSettings {
+        let settings = DesignSettings {
             columns: robot.columns(&self.columns)?,
             period_s: self.period_s,
             family,
@@ -89,7 +99,8 @@ impl Asked {
             periods: self.periods,
             baseline: self.baseline,
             ..usual
-        })
+        };
+        Ok((settings, own))
     }
 }
 
@@ -101,13 +112,21 @@ pub(crate) fn design(
     asked: Asked,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<(String, String)> {
-    let (settings, loaded) = (asked.settings(robot)?, robot.loaded.clone());
+    let (settings, own) = asked.settings(robot)?;
+    let (loaded, criterion) = (robot.loaded.clone(), own.clone());
     let answer = watched(py, progress, Leaves::Nothing, move |observer| {
-        let answer = designed(&loaded, &settings, observer)?;
+        let ended = |progress| match &criterion {
+            Some(own) if own.has_raised() => ControlFlow::Break(()),
+            _ => observer.observe(progress),
+        };
+        let answer = designed(&loaded, &settings, &ended)?;
         let answer = answer.ok_or_else(|| Error::new("the search was ended before its first design"))?;
         Ok((answer.toml(), serde_json::to_string(&answer).map_err(Error::of)?))
     })?;
-    answer.map_err(exception)
+    match own.and_then(|own| own.raised()) {
+        Some(raised) => Err(raised),
+        None => answer.map_err(exception),
+    }
 }
 
 /// Samples of a motion, N × n.

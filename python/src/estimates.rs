@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::codegen::Language;
-use armid::estimation::{Estimate, EstimatorKind, predict as predicted};
+use armid::estimation::{Estimate, EstimatorKind, TorqueSeries, predict as predicted};
 use armid::model::Columns;
 use armid::model::format::ChainEnds;
 use armid::observer::Observer;
@@ -12,9 +12,9 @@ use armid_io::log::{HeldOut, find};
 use armid_io::robot::ChainSource;
 use armid_io::{Error, Inputs, LogSettings, ProcessedLog, Text, estimate};
 use armid_workflow::export::{Exchange, ExportSettings, export as exported, export_source};
-use armid_workflow::report::write_estimate_report;
+use armid_workflow::report::{TorqueComparison, write_estimate_report};
 use armid_workflow::{PayloadSide, columns_of, payload as payload_of, validate as validated};
-use numpy::PyReadwriteArrayDyn;
+use numpy::{PyArray1, PyArray2, PyArrayMethods, PyReadwriteArrayDyn};
 use pyo3::prelude::*;
 
 use crate::arrays::{Rows, output, states};
@@ -156,7 +156,8 @@ pub(crate) fn export(
     path: Option<PathBuf>,
     progress: Option<Py<PyAny>>,
 ) -> PyResult<Written> {
-    const FORMATS: [Exchange; 4] = [Exchange::Urdf, Exchange::Mjcf, Exchange::Toml, Exchange::Json];
+    const FORMATS: [Exchange; 6] =
+        [Exchange::Urdf, Exchange::Mjcf, Exchange::Toml, Exchange::Json, Exchange::Isaac, Exchange::Python];
     let made = Made::parse(file).map_err(exception)?;
     estimate::check_robot(&made.estimate, &made.name, &robot.loaded).map_err(exception)?;
     if let Some(language) = [Language::C, Language::Rust].into_iter().find(|language| language.name() == to) {
@@ -168,7 +169,9 @@ pub(crate) fn export(
         return Ok((source.text, answer, fault));
     }
     let Some(format) = FORMATS.into_iter().find(|format| format.name() == to) else {
-        return Err(unexpected(format!("to is \"{to}\", expected one of urdf, mjcf, toml, json, c, rust")));
+        return Err(unexpected(format!(
+            "to is \"{to}\", expected one of urdf, mjcf, toml, json, isaac, python, c, rust"
+        )));
     };
     if into.is_some() && !matches!(format, Exchange::Urdf | Exchange::Mjcf) {
         return Err(unexpected(format!("into is for urdf and mjcf, found {to}")));
@@ -185,6 +188,65 @@ pub(crate) fn export(
         let file = exported((&made.estimate, &made.name), log, &settings, observer)?;
         let fault = (!file.is_sound()).then(|| file.prediction.sentence(&file.name));
         Ok((file.text.clone(), serde_json::to_string(&file).map_err(Error::of)?, fault))
+    })?;
+    answer.map_err(exception)
+}
+
+/// Whether the rows are held out, their rate, Hz, and two tables of torque, N × n.
+type Torque<'py> = (bool, f64, [Bound<'py, PyArray2<f64>>; 2]);
+
+/// Measured and predicted torque below the bandwidth of the estimate.
+#[pyfunction]
+pub(crate) fn torque<'py>(
+    py: Python<'py>,
+    robot: &Robot,
+    file: File<'_>,
+    logs: [Vec<PyRef<'_, Log>>; 2],
+) -> PyResult<Torque<'py>> {
+    let n = robot.dof();
+    let (is_held_out, rate_hz, [measured, predicted]) = compared(py, robot, file, logs, |torque| {
+        let TorqueSeries { measured, predicted } = torque.series;
+        Ok((torque.is_held_out, torque.samples.rate_hz, [measured, predicted]))
+    })?;
+    let table = |values: Vec<f64>| {
+        let rows = values.len() / n;
+        PyArray1::from_vec(py, values).reshape([rows, n])
+    };
+    Ok((is_held_out, rate_hz, [table(measured)?, table(predicted)?]))
+}
+
+/// The same as the figure of the page: one SVG element.
+#[pyfunction]
+pub(crate) fn draw(py: Python<'_>, robot: &Robot, file: File<'_>, logs: [Vec<PyRef<'_, Log>>; 2]) -> PyResult<String> {
+    compared(py, robot, file, logs, |torque| torque.svg())
+}
+
+/// A motion of the arm with measured and predicted torque as MCAP, into a file.
+#[pyfunction]
+pub(crate) fn write_mcap(
+    py: Python<'_>,
+    robot: &Robot,
+    file: File<'_>,
+    logs: [Vec<PyRef<'_, Log>>; 2],
+    path: PathBuf,
+) -> PyResult<()> {
+    let loaded = robot.loaded.clone();
+    compared(py, robot, file, logs, move |torque| torque.write_mcap(&path, &loaded.robot))
+}
+
+/// What a function makes of measured and predicted torque.
+fn compared<T: Send + 'static>(
+    py: Python<'_>,
+    robot: &Robot,
+    file: File<'_>,
+    logs: [Vec<PyRef<'_, Log>>; 2],
+    of: impl FnOnce(TorqueComparison<'_>) -> Result<T, Error> + Send + 'static,
+) -> PyResult<T> {
+    let made = Made::parse(file).map_err(exception)?;
+    let (robot, logs) = (robot.clone(), kept(logs));
+    let answer = watched(py, None, Leaves::Nothing, move |_| {
+        let (log, _) = made.log(&robot, &logs)?;
+        of(TorqueComparison::of((&made.estimate, &made.name), &log)?)
     })?;
     answer.map_err(exception)
 }

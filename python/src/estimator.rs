@@ -1,13 +1,14 @@
 //! An estimator that is written in Python.
 
-use std::fmt;
-use std::sync::{Arc, Mutex, PoisonError};
+use std::sync::Arc;
 
 use armid::estimation::{Estimate, EstimationError, EstimationProblem, Estimator, EstimatorKind, Observation};
 use nalgebra::{DMatrix, DVector};
 use numpy::{PyArray1, PyArray2, PyArrayMethods};
 use pyo3::prelude::*;
 use pyo3::types::PyTuple;
+
+use crate::callable::{Callable, numbers};
 
 /// β, and its covariance row by row where there is one.
 type Answer = (Vec<f64>, Option<Vec<Vec<f64>>>);
@@ -16,19 +17,12 @@ type Answer = (Vec<f64>, Option<Vec<Vec<f64>>>);
 type Equations<'py> = (Bound<'py, PyArray2<f64>>, Bound<'py, PyArray1<f64>>);
 
 /// A callable `(W, y) → β`, or `→ (β, C)` with the covariance of β.
-#[derive(Clone)]
+#[derive(Clone, Debug)]
 pub(crate) struct PythonEstimator(Arc<Callable>);
-
-struct Callable {
-    name: String,
-    function: Py<PyAny>,
-    /// What it raised, until somebody takes it.
-    raised: Mutex<Option<PyErr>>,
-}
 
 impl PythonEstimator {
     pub(crate) fn new(name: String, function: Py<PyAny>) -> Self {
-        Self(Arc::new(Callable { name, function, raised: Mutex::new(None) }))
+        Self(Arc::new(Callable::new(name, function)))
     }
 
     /// As one of several estimators.
@@ -38,22 +32,20 @@ impl PythonEstimator {
 
     /// The exception that it raised.
     pub(crate) fn raised(&self) -> Option<PyErr> {
-        self.0.raised.lock().unwrap_or_else(PoisonError::into_inner).take()
+        self.0.raised()
     }
 
     /// β and, where it gives one, C.
-    fn call<'py>(&self, py: Python<'py>, observation: &Observation) -> PyResult<Answer> {
+    fn call(&self, py: Python<'_>, observation: &Observation) -> PyResult<Answer> {
         let (w, y) = equations(py, observation)?;
         let answer = self.0.function.bind(py).call1((w, y))?;
-        let numpy = py.import("numpy")?;
-        let numbers = |value: Bound<'py, PyAny>| numpy.call_method1("asarray", (value, "float64"));
         if let Ok(pair) = answer.cast::<PyTuple>()
             && pair.len() == 2
         {
             let [beta, covariance] = [pair.get_item(0)?, pair.get_item(1)?];
-            return Ok((numbers(beta)?.extract()?, Some(numbers(covariance)?.extract()?)));
+            return Ok((numbers(&beta)?.extract()?, Some(numbers(&covariance)?.extract()?)));
         }
-        Ok((numbers(answer)?.extract()?, None))
+        Ok((numbers(&answer)?.extract()?, None))
     }
 }
 
@@ -64,12 +56,6 @@ fn equations<'py>(py: Python<'py>, observation: &Observation) -> PyResult<Equati
     let entries = rows.iter().flat_map(|&row| (0..b).map(move |c| w[(row, c)]));
     let w = PyArray1::from_iter(py, entries).reshape([rows.len(), b])?;
     Ok((w, PyArray1::from_iter(py, rows.iter().map(|&row| observation.y[row]))))
-}
-
-impl fmt::Debug for PythonEstimator {
-    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
-        f.debug_tuple("PythonEstimator").field(&self.0.name).finish()
-    }
 }
 
 impl Estimator for PythonEstimator {
@@ -84,7 +70,7 @@ impl Estimator for PythonEstimator {
     fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
         let (beta, covariance) = Python::attach(|py| self.call(py, problem.observation)).map_err(|raised| {
             let said = raised.to_string();
-            *self.0.raised.lock().unwrap_or_else(PoisonError::into_inner) = Some(raised);
+            self.0.keep(raised);
             EstimationError::external(said)
         })?;
         let ordinary = EstimatorKind::Ols.estimator().estimate(problem)?;

@@ -11,6 +11,7 @@ use armid_workflow::identification::{IdentifySettings, identify as identified};
 use pyo3::prelude::*;
 use serde_json::Value;
 
+use crate::callable::Method;
 use crate::estimator::PythonEstimator;
 use crate::fault::{exception, raised, unexpected};
 use crate::log::{Log, effort};
@@ -104,13 +105,6 @@ pub(crate) fn samples(robot: &Robot, logs: Vec<armid_io::Log>, settings: &LogSet
     Ok(processed)
 }
 
-/// An estimator: a name of the list, or a name and a callable.
-#[derive(FromPyObject)]
-pub(crate) enum Asked {
-    Listed(String),
-    Own(String, Py<PyAny>),
-}
-
 /// The columns that terms are selected from.
 fn candidates(text: &str) -> PyResult<Columns> {
     if text == "all" {
@@ -127,7 +121,7 @@ fn candidates(text: &str) -> PyResult<Columns> {
 #[pyo3(from_item_all)]
 pub(crate) struct Wanted {
     columns: String,
-    estimators: Vec<Asked>,
+    estimators: Vec<Method>,
     select: Option<String>,
     onset_speed: Option<bool>,
     stribeck_speed: bool,
@@ -155,14 +149,14 @@ pub(crate) fn identify(
     let (mut estimators, mut own) = (Vec::new(), Vec::new());
     for asked in wanted.estimators {
         match asked {
-            Asked::Listed(name) => {
+            Method::Listed(name) => {
                 let names = || EstimatorKind::ALL.iter().map(Estimator::name).collect::<Vec<_>>().join(", ");
                 let kind = EstimatorKind::parse(&name);
                 estimators.push(kind.ok_or_else(|| {
                     unexpected(format!("estimator is \"{name}\", expected a callable, or one of {}", names()))
                 })?);
             }
-            Asked::Own(name, function) => own.push(PythonEstimator::new(name, function)),
+            Method::Own(name, function) => own.push(PythonEstimator::new(name, function)),
         }
     }
     let settings_of = IdentifySettings {

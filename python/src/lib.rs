@@ -4,6 +4,8 @@
 //! use are Python, in `python/armid/`; they make arrays contiguous and words out of answers. No mathematics is here.
 
 mod arrays;
+mod callable;
+mod criterion;
 mod designs;
 mod dynamics;
 mod estimates;
@@ -36,7 +38,7 @@ mod _armid {
     #[pymodule_export]
     use crate::dynamics::{forward_dynamics, gram, inverse_dynamics, mass_matrix, regressor};
     #[pymodule_export]
-    use crate::estimates::{export, payload, predict, report, student, validate};
+    use crate::estimates::{draw, export, payload, predict, report, student, torque, validate, write_mcap};
     #[pymodule_export]
     use crate::identification::identify;
     #[pymodule_export]

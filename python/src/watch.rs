@@ -14,8 +14,10 @@ use crate::fault::unexpected;
 
 /// How often signals are taken.
 const TICK: Duration = Duration::from_millis(20);
-/// How long work that computes alone is waited for once it is to end. What it would still return is lost in any case.
-const PATIENCE: Duration = Duration::from_millis(100);
+/// How long work that computes alone is waited for once it is to end: with [`TICK`] below the 0.2 s in which a call is to return.
+/// Steps of designs end within it. One step of an estimator that simulates can take seconds, and nothing ends a step: its thread is
+/// left to end alone. What it would still return is lost in any case.
+const PATIENCE: Duration = Duration::from_millis(150);
 /// Stack of the thread, bytes: that of a program's own.
 const STACK: usize = 8 << 20;
 

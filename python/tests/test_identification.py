@@ -4,8 +4,14 @@ import pickle
 import warnings
 
 import armid
+import matplotlib
 import numpy as np
 import pytest
+from matplotlib import pyplot
+from mcap.reader import make_reader
+from mcap_ros2.decoder import DecoderFactory
+
+matplotlib.use("agg")
 
 pytestmark = pytest.mark.filterwarnings("ignore::armid.ArmidWarning")
 
@@ -172,3 +178,49 @@ def test_logs_that_cannot_be_used_are_refused(robot, log, tmp_path):
             call()
         assert isinstance(missing.value, armid.ArmidError)
     assert 'did you mean "crs-a460"' in str(pytest.raises(armid.ArmidError, armid.Robot.load, "crs-a461").value)
+
+
+def test_identity_torque_is_that_of_the_page_however_it_is_shown(robot, log, estimate, tmp_path):
+    torque = estimate.torque()
+    rows = len(torque.t)
+    assert torque.measured.shape == torque.predicted.shape == (rows, 2) and not torque.is_held_out
+    difference = torque.measured - torque.predicted
+    share = np.sqrt((difference**2).sum() / (torque.measured**2).sum())
+    assert abs(share - estimate.unexplained()["total"]) < 1e-2 * share
+    drawing = estimate.plot()
+    assert drawing._repr_svg_().startswith("<svg") and "elbow" in drawing
+    estimate.report(tmp_path / "page")
+    drawing.write(tmp_path / "torque.svg")
+    assert (tmp_path / "torque.svg").read_text() == (tmp_path / "page" / "torque.svg").read_text()
+    figure, axes = pyplot.subplots()
+    assert estimate.plot("elbow", ax=axes) is axes and axes.get_title() == "elbow"
+    measured, predicted = (line.get_ydata() for line in axes.lines)
+    assert np.array_equal(measured, torque.measured[:, 1]) and np.array_equal(predicted, torque.predicted[:, 1])
+    pyplot.close(figure)
+    for wrong in (lambda: estimate.plot("knee", ax=axes), lambda: estimate.plot("elbow")):
+        with pytest.raises(armid.ArmidError, match="joint is"):
+            wrong()
+    table = estimate.to_polars()
+    assert table["parameter"].to_list() == estimate.names and table["std"].to_list() == estimate.std.tolist()
+
+
+def test_identity_a_viewer_sees_the_motion_and_both_torques(robot, estimate, tmp_path):
+    estimate.write_mcap(tmp_path / "view.mcap")
+    torque = estimate.torque()
+    with open(tmp_path / "view.mcap", "rb") as file:
+        reader = make_reader(file, validate_crcs=True, decoder_factories=[DecoderFactory()])
+        messages = {}
+        for _, channel, message, decoded in reader.iter_decoded_messages():
+            messages.setdefault(channel.topic, []).append((message.log_time, decoded))
+    assert set(messages) == {"/robot_description", "/tf", "/joint_states", "/predicted_torque", "/residual"}
+    topics = ("/joint_states", "/predicted_torque", "/residual")
+    efforts = {topic: np.array([decoded.effort for _, decoded in messages[topic]]) for topic in topics}
+    assert np.array_equal(efforts["/joint_states"], torque.measured)
+    assert np.array_equal(efforts["/predicted_torque"], torque.predicted)
+    assert np.array_equal(efforts["/residual"], torque.measured - torque.predicted)
+    ((_, description),) = messages["/robot_description"]
+    assert description.data.startswith("<?xml") and "<cylinder" in description.data
+    times = np.array([time for time, _ in messages["/tf"]])
+    assert (np.diff(times) >= 20_000_000).all() and messages["/tf"][0][1].transforms[0].child_frame_id == "link1"
+    with pytest.raises(armid.ArmidError, match="cannot be written"):
+        estimate.write_mcap(tmp_path / "nowhere" / "view.mcap" / "")

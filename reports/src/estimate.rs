@@ -103,8 +103,9 @@ pub fn estimate_document(input: &EstimateInput) -> Result<Document, DocumentErro
     Ok(document.provenance("armid", env!("CARGO_PKG_VERSION")))
 }
 
-fn torque(input: &EstimateInput) -> Result<Section, DocumentError> {
-    let panels = input.traces.iter().take(PANELS).map(|trace| TimePanel {
+/// Measured and predicted torque of some joints; `of` says which rows, `unit` is that of the torque.
+pub fn torque_figure(traces: &[TorqueTrace], of: &str, unit: &str, bandwidth_hz: f64) -> TimeSeriesFigure {
+    let panels = traces.iter().take(PANELS).map(|trace| TimePanel {
         title: trace.joint.clone(),
         lines: vec![
             Line::new("measured", GroupStyle::nth(0), trace.times.clone(), trace.measured.clone()),
@@ -112,16 +113,20 @@ fn torque(input: &EstimateInput) -> Result<Section, DocumentError> {
         ],
         limits: Vec::new(),
     });
-    let figure = TimeSeriesFigure {
+    TimeSeriesFigure {
         heading: Heading::new("torque", "Measured and predicted torque")
-            .subtitle(format!("{}, below {} Hz", input.traces_of, input.bandwidth_hz))
+            .subtitle(format!("{of}, below {bandwidth_hz} Hz"))
             .caption("Both passed the same low pass. Where only one line shows, both are the same."),
         time: Axis::linear("time", "s"),
-        value: Axis::linear("torque", input.unit.clone()),
+        value: Axis::linear("torque", unit),
         columns: 2,
         same_range: false,
         panels: panels.collect(),
-    };
+    }
+}
+
+fn torque(input: &EstimateInput) -> Result<Section, DocumentError> {
+    let figure = torque_figure(&input.traces, &input.traces_of, &input.unit, input.bandwidth_hz);
     Section::new("Torque").figure(&figure)
 }
 
@@ -166,79 +171,4 @@ fn parameters(input: &EstimateInput) -> Section {
         ])
     });
     Section::new("Parameters").table(table)
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-    use crate::residual::ResidualTrace;
-
-    #[test]
-    fn a_page_holds_every_part() {
-        let trace = TorqueTrace {
-            joint: "elbow".into(),
-            times: vec![0.0, 1.0, 2.0],
-            measured: vec![1.0, 2.0, 1.5],
-            predicted: vec![1.1, 1.9, 1.5],
-        };
-        let residual = ResidualTrace {
-            joint: "elbow".into(),
-            times: vec![0.0, 1.0, 2.0],
-            residual: vec![-0.1, 0.1, 0.0],
-            velocity: vec![0.0, 1.0, -1.0],
-            load: vec![2.0, 1.0, 3.0],
-            position: vec![0.5, 0.25, 0.125],
-            lags: vec![1.0, 2.0],
-            autocorrelation: vec![0.5, -0.25],
-            white_within: 0.4,
-        };
-        let sentences = |of: &str| vec![format!("elbow: first of {of}."), format!("wrist: second of {of}.")];
-        let diagnostics = ResidualDiagnostics {
-            traces: vec![residual],
-            over_time: sentences("time"),
-            over_speed: sentences("speed"),
-            over_load: sentences("load"),
-            over_position: sentences("position"),
-            whiteness: sentences("lags"),
-        };
-        let input = EstimateInput {
-            robot: "arm".into(),
-            subtitle: "wls".into(),
-            verdict: vec!["The model **explains** it.".into()],
-            joints: vec!["elbow".into()],
-            unit: "N·m".into(),
-            bandwidth_hz: 20.0,
-            shares: vec![ResidualShares { label: "used rows".into(), joints: vec![Some(5.0)], total: Some(5.0) }],
-            traces: vec![trace],
-            traces_of: "used rows".into(),
-            diagnostics,
-            parameters: vec![ParameterRow {
-                name: "Izz1".into(),
-                expression: "Izz1 + Ia1".into(),
-                value: 1.25,
-                std: 0.01,
-                interval: [1.23, 1.27],
-                unit: "kg·m²".into(),
-            }],
-            left_out: Vec::new(),
-            findings: vec!["the noise is taken from the residual".into()],
-            provenance: vec![("log".into(), "a.csv".into())],
-        };
-        let html = estimate_document(&input).unwrap().html().unwrap();
-        for part in ["Izz1 + Ia1", "<strong>explains</strong>", "the noise is taken", "a.csv"] {
-            assert!(html.contains(part), "{part}");
-        }
-        // Each figure with its sentence below it, and those of other joints after that.
-        for (title, of) in [
-            ("Residual over time", "time"),
-            ("Residual over speed", "speed"),
-            ("Residual over load", "load"),
-            ("Residual over position", "position"),
-            ("Autocorrelation of the residual", "lags"),
-        ] {
-            let at = |part: &str| html.rfind(part).unwrap_or_else(|| panic!("{part}"));
-            let (first, second) = (format!("elbow: first of {of}."), format!("<li>wrist: second of {of}.</li>"));
-            assert!(html.find(title).unwrap() < at(&first) && at(&first) < at(&second), "{title}");
-        }
-    }
 }

@@ -59,7 +59,7 @@ pub use document::{Block, Cell, Column, Document, RenderedFigure, Section, Table
 pub use drawing::axis::{Axis, Scale};
 pub use drawing::rows::{Band, Level};
 pub use error::{DocumentError, FigureError};
-pub use estimate::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, estimate_document};
+pub use estimate::{EstimateInput, ParameterRow, ResidualShares, TorqueTrace, estimate_document, torque_figure};
 pub use figures::*;
 pub use heading::Heading;
 pub use residual::{ResidualDiagnostics, ResidualTrace};

@@ -1,9 +1,8 @@
 //! The page of one small stored study: its text and one figure of each kind byte for byte, and marks where the stored numbers are.
 #![allow(clippy::unwrap_used, reason = "a test that cannot go on fails")]
 
-use std::path::{Path, PathBuf};
+mod golden;
 
-use armid::provenance::sha256;
 use armid::statistics::Interval;
 use armid::study::{
     CriterionRatios, Examples, FamilyScore, HarmonicsPlan, Metric, ReportInput, RobotsSummary, StudyResult,
@@ -12,6 +11,7 @@ use armid_reports::{
     Axis, Bar, BarFigure, BarRow, Document, Figure, Group, Heading, Level, Section, criteria_figure, robots_document,
     study_document,
 };
+use golden::{assert_golden, folder, text_of};
 
 /// Figures whose SVG is stored: one of each kind.
 const STORED: [&str; 7] = [
@@ -27,43 +27,11 @@ const STORED: [&str; 7] = [
 /// How far rounding moves a mark from where two ticks say: half a unit of the view box for each of the three, and a unit is a tenth of a pixel.
 const ROUNDING: f64 = 1.5;
 
-fn folder() -> PathBuf {
-    Path::new(env!("CARGO_MANIFEST_DIR")).join("tests/small")
-}
-
 fn input() -> ReportInput {
     let text = |name: &str| std::fs::read_to_string(folder().join(name)).unwrap();
     let result: StudyResult = serde_json::from_str(&text("summary.json")).unwrap();
     let examples: Examples = serde_json::from_str(&text("examples.json")).unwrap();
     ReportInput { result, examples }
-}
-
-/// Holds a text against its golden file, or writes that where `WRITE` is set.
-fn assert_golden(name: &str, found: &str) {
-    let path = folder().join(name);
-    if std::env::var_os("WRITE").is_some() {
-        std::fs::write(&path, found).unwrap();
-    }
-    let expected = std::fs::read_to_string(&path).unwrap_or_else(|_| panic!("{name} is missing: run with WRITE=1"));
-    let place = found.lines().zip(expected.lines()).find(|(found, expected)| found != expected);
-    assert!(found == expected, "{name} differs, found and expected: {place:?}; WRITE=1 writes it again");
-}
-
-/// The text of a page: cells and paragraphs between bars, and the SHA-256 of each figure.
-fn text_of(document: &Document) -> String {
-    let (mut page, mut text) = (document.html().unwrap(), String::new());
-    for (name, svg) in document.svg_files().unwrap() {
-        page = page.replacen(svg, &format!("{name} {}", sha256(svg)), 1);
-    }
-    let body = page.split_once("</style>").unwrap().1;
-    for part in body.split('<') {
-        let inner = part.split_once('>').map_or(part, |(_, inner)| inner);
-        text.push_str(inner);
-        if !inner.is_empty() && !inner.ends_with('\n') {
-            text.push('|');
-        }
-    }
-    text
 }
 
 fn svg(document: &Document, name: &str) -> String {

@@ -40,8 +40,8 @@ const COVERAGE: [f64; 2] = [0.88, 0.99];
 ///
 /// ```
 /// use armid::conformance::estimator_laws;
-/// use armid::estimation::OrdinaryLeastSquares;
-/// estimator_laws::check(&OrdinaryLeastSquares)?;
+/// use armid::estimation::EstimatorKind;
+/// estimator_laws::check(&EstimatorKind::Ols)?;
 /// # Ok::<(), armid::conformance::LawError>(())
 /// ```
 ///
@@ -313,16 +313,16 @@ fn same(law: EstimatorLaw, first: &Estimate, second: &Estimate, factor: impl Fn(
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::estimation::{EstimatorKind, OrdinaryLeastSquares, WeightedLeastSquares};
+    use crate::estimation::EstimatorKind;
 
     #[test]
     fn laws_of_ordinary_least_squares() {
-        check(&OrdinaryLeastSquares).unwrap();
+        check(&EstimatorKind::Ols).unwrap();
     }
 
     #[test]
     fn laws_of_weighted_least_squares() {
-        check(&WeightedLeastSquares).unwrap();
+        check(&EstimatorKind::Wls).unwrap();
     }
 
     #[test]
@@ -370,7 +370,7 @@ mod tests {
         }
 
         fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-            let mut estimate = OrdinaryLeastSquares.estimate(problem)?;
+            let mut estimate = EstimatorKind::Ols.estimate(problem)?;
             (self.0)(&mut estimate);
             Ok(estimate)
         }

@@ -100,9 +100,18 @@ fn ranked(ranking: &Ranking) -> Vec<String> {
         format!("{} {:.2}{interval}", criterion_in_words(&c.first), c.difference)
     };
     let list = |all: &[&Comparison]| all.iter().map(relative).collect::<Vec<_>>().join(", ");
-    let (worse, open): (Vec<&Comparison>, Vec<&Comparison>) = ranking.others.iter().partition(|c| c.better.is_some());
+    let others = |is_one: &dyn Fn(&str) -> bool| -> Vec<&Comparison> {
+        ranking.others.iter().filter(|c| c.better.as_deref().is_some_and(is_one)).collect()
+    };
+    // Means are of all designs, the test may be of pairs alone: the two can disagree.
+    let (worse, better) = (others(&|family| family == ranking.best), others(&|family| family != ranking.best));
+    let open: Vec<&Comparison> = ranking.others.iter().filter(|c| c.better.is_none()).collect();
     let best = capitalised(&name);
-    let first = match (&worse[..], &open[..]) {
+    let mut first = match (&worse[..], &open[..]) {
+        _ if !better.is_empty() => format!(
+            "**Mean and paired test disagree.** {best} designs have the smallest mean torque error. In pairs, others are significantly better: {}.",
+            list(&better)
+        ),
         ([], open) => format!(
             "**No difference in torque error is significant.** The smallest error is that of {name} designs; relative to it: {}.",
             list(open)
@@ -110,12 +119,16 @@ fn ranked(ranking: &Ranking) -> Vec<String> {
         (worse, []) => {
             format!("**{best} designs predict torque best.** Torque errors relative to theirs: {}.", list(worse))
         }
-        (worse, open) => format!(
-            "**{best} designs have the smallest torque error.** Relative to theirs: {}. Not significantly different: {}.",
-            list(worse),
-            list(open)
-        ),
+        (worse, _) => {
+            format!("**{best} designs have the smallest torque error.** Relative to theirs: {}.", list(worse))
+        }
     };
+    if !better.is_empty() && !worse.is_empty() {
+        first.push_str(&format!(" Significantly worse: {}.", list(&worse)));
+    }
+    if !open.is_empty() && !(better.is_empty() && worse.is_empty()) {
+        first.push_str(&format!(" Not significantly different: {}.", list(&open)));
+    }
     let contrary: Vec<String> = ranking
         .contrary
         .iter()
@@ -206,6 +219,22 @@ mod tests {
             open[0],
             "**No difference in torque error is significant.** The smallest error is that of condition number designs; relative to it: D-optimal 2.00 [0.80, 4.00]."
         );
+    }
+
+    #[test]
+    fn analytic_a_criterion_that_is_better_in_pairs_is_not_called_worse() {
+        // The condition number has the smaller mean of all designs; of those that share their start it has the larger error.
+        let pair = compared(PREDICTION, PAIR, [1.25, 2.0, 2.5], Some(1));
+        let told = of_two([1.0, 1.1], vec![pair.clone()]).remove(0);
+        let disagree = "**Mean and paired test disagree.** Condition number designs have the smallest mean torque error. In pairs, others are significantly better: D-optimal 0.50 [0.40, 0.80].";
+        assert_eq!(told, disagree);
+        let third = |pair, better| compared(PREDICTION, pair, [0.25, 0.5, 0.75], better);
+        let families = ["condition", "d-optimal", "random", "table-one"].map(|name| score(name, Some(1.0))).to_vec();
+        let comparisons = vec![pair, third(["condition", "random"], Some(0)), third(["condition", "table-one"], None)];
+        let told = study(vec![scenario("only", families, comparisons)], &[]).answer().remove(0);
+        let others =
+            " Significantly worse: random 2.00 [1.33, 4.00]. Not significantly different: table-one 2.00 [1.33, 4.00].";
+        assert_eq!(told, format!("{disagree}{others}"));
     }
 
     #[test]

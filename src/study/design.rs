@@ -1,5 +1,7 @@
 //! The designs of a study: one trajectory per family and start, with its certificate and how it was found.
 
+use std::sync::Arc;
+
 use super::error::StudyError;
 use super::family_plan::{DesignMethod, HarmonicsPlan};
 use super::plan_error;
@@ -8,8 +10,8 @@ use super::setup::StudySetup;
 use super::shared_start::SharedStart;
 use super::variance_reduction::VarianceReduction;
 use crate::excitation::{
-    Certificate, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace, ExcitationError,
-    HistoryPoint, Termination, design, random_design,
+    Certificate, Criterion, CriterionKind, Design, DesignBudget, DesignLimits, DesignProblem, DesignSpace,
+    ExcitationError, HistoryPoint, Termination, design, random_design,
 };
 use crate::observer::{Observer, Unobserved};
 use crate::trajectory::{Family, PeriodicTrajectory};
@@ -23,8 +25,8 @@ pub struct StudyDesign {
     pub start: usize,
     /// The trajectory.
     pub trajectory: PeriodicTrajectory,
-    /// The criterion that it was optimised for or chosen by; `None` for a fixed trajectory.
-    pub criterion: Option<CriterionKind>,
+    /// Name of the criterion that it was optimised for or chosen by; `None` for a fixed trajectory.
+    pub criterion: Option<String>,
     /// Its criterion values and its use of each limit.
     pub certificate: Certificate,
     /// Evaluations of the criterion that were spent.
@@ -55,19 +57,20 @@ impl StudyDesign {
     /// The value by which the design was made, smaller is better; the condition number of a fixed trajectory. Of a
     /// criterion that a certificate does not state, that of the optimiser.
     pub fn own_value(&self) -> f64 {
-        let criterion = self.criterion.unwrap_or(CriterionKind::Condition);
-        let stated = self.values().iter().find(|(value, _)| *value == criterion.name()).map(|(_, value)| *value);
-        let found =
-            || self.history.last().map(|last| if criterion.is_larger_better() { -last.value } else { last.value });
+        let criterion = self.criterion.as_deref().unwrap_or(CriterionKind::Condition.name());
+        let stated = self.values().iter().find(|(value, _)| *value == criterion).map(|(_, value)| *value);
+        // What comes from outside is reported as it is minimised.
+        let is_larger_better = CriterionKind::parse(criterion).is_some_and(CriterionKind::is_larger_better);
+        let found = || self.history.last().map(|last| if is_larger_better { -last.value } else { last.value });
         stated.or_else(found).unwrap_or(f64::INFINITY)
     }
 
-    fn of(family: usize, start: usize, criterion: CriterionKind, design: Design) -> Self {
+    fn of(family: usize, start: usize, design: Design) -> Self {
         Self {
             family,
             start,
             trajectory: design.trajectory,
-            criterion: Some(criterion),
+            criterion: Some(design.criterion),
             certificate: design.certificate,
             evaluations: design.evaluations,
             iterations: design.iterations,
@@ -133,12 +136,12 @@ impl StudySetup {
             DesignMethod::Optimised => {
                 let problem = self.problem_of(family, before)?;
                 let made = design(problem.watched_by(observer), seed, index)?;
-                Ok(StudyDesign::of(family, start, plan.criterion()?, made))
+                Ok(StudyDesign::of(family, start, made))
             }
             DesignMethod::Random => {
                 let problem = self.problem_of(family, before)?;
                 let made = random_design(problem.watched_by(observer), seed, index)?;
-                Ok(StudyDesign::of(family, start, plan.criterion()?, made))
+                Ok(StudyDesign::of(family, start, made))
             }
             DesignMethod::Repeated => {
                 let made = before.last().expect("the plan has been checked").clone();
@@ -146,7 +149,7 @@ impl StudySetup {
             }
             DesignMethod::TableOne => {
                 let trajectory = table_one::corrected().into();
-                let certificate = Certificate::of(&self.problem(CriterionKind::Condition, 1)?, &trajectory)?;
+                let certificate = Certificate::of(&self.problem(CriterionKind::Condition.into(), 1)?, &trajectory)?;
                 Ok(StudyDesign {
                     family,
                     start,
@@ -165,7 +168,9 @@ impl StudySetup {
     /// The design problem of a family whose experiment follows those of the designs `before`.
     fn problem_of(&self, family: usize, before: &[StudyDesign]) -> Result<DesignProblem, StudyError> {
         let plan = &self.plan.designs[family];
-        let mut problem = self.problem(plan.criterion()?, plan.evaluations)?;
+        let criterion = plan.criterion(&self.own)?;
+        let expects_effects = criterion.expects_effects();
+        let mut problem = self.problem(criterion, plan.evaluations)?;
         let harmonics = match &plan.harmonics {
             Some(HarmonicsPlan::Every(harmonics)) => vec![*harmonics; self.robot.dof()],
             Some(HarmonicsPlan::Each(harmonics)) => harmonics.clone(),
@@ -181,7 +186,7 @@ impl StudySetup {
             space = space.with_frozen(index, *place)?;
         }
         problem.set_space(space)?;
-        if plan.criterion()? == CriterionKind::ModelError {
+        if expects_effects {
             let expected = plan.expected_effects().expected(&self.robot, &self.nominal);
             problem.set_expected(expected.map_err(|fault| plan_error::expected(&fault))?)?;
         }
@@ -195,7 +200,7 @@ impl StudySetup {
     /// sensors, the torque of the nominal parameters.
     pub(super) fn problem(
         &self,
-        criterion: CriterionKind,
+        criterion: Arc<dyn Criterion>,
         evaluations: usize,
     ) -> Result<DesignProblem, ExcitationError> {
         let sigma = (0..self.robot.dof()).map(|j| self.noise[(j, j)].sqrt()).collect();

@@ -223,7 +223,7 @@ mod tests {
     /// Two families of 6 designs × 20 runs, b = 3, white errors of standard deviation 1 and 2, honest intervals.
     fn findings() -> Findings {
         let truths = [DVector::from_vec(vec![1.0, -2.0, 0.0])];
-        let units = DVector::from_element(3, 1.0);
+        let units = DVector::from_element(3, 4.0);
         let families = ["narrow".to_owned(), "wide".to_owned()];
         let bounds = [[1.0; 3], [2.0; 3]];
         let values: Vec<[(&str, f64); 1]> = (0..12).map(|d| [("scale", bounds[d / 6][0])]).collect();
@@ -314,6 +314,8 @@ mod tests {
         let findings = findings();
         let wide = &findings.families[1];
         assert_eq!((wide.runs, wide.failures, wide.designs), (120, 1, 6));
+        // The bound, 2, in units of 4.
+        assert_eq!(wide.bound_in_units, Some(0.5));
         // 360 independent intervals at 95 %: 92 to 98 % but for a chance of 1 %.
         assert!((0.92..=0.98).contains(&wide.coverage), "{}", wide.coverage);
         for parameter in &wide.parameters {

@@ -55,7 +55,7 @@ impl StudySetup {
 
     /// The information of experiments with these designs, per torque row of one more of the same length; `None` of none.
     pub(super) fn collected(&self, designs: &[StudyDesign]) -> Result<Option<DMatrix<f64>>, StudyError> {
-        let problem = self.problem(CriterionKind::DOptimal, 1)?;
+        let problem = self.problem(CriterionKind::DOptimal.into(), 1)?;
         let mut sum: Option<DMatrix<f64>> = None;
         for design in designs {
             let m = problem.information(&design.trajectory)?;
@@ -183,7 +183,11 @@ fn together(estimates: &[&Estimate]) -> Result<ScoredEstimate, &'static str> {
 mod tests {
     use super::*;
     use crate::estimation::{BaseEstimate, IntervalBasis, Termination};
+    use crate::excitation::radkhah2007_start;
     use crate::seed::Seed;
+    use crate::study::truth::Truth;
+    use crate::study::truth_files::truth_text;
+    use crate::trajectory::PeriodicTrajectory;
     use rand::RngExt;
 
     fn estimate(beta: &DVector<f64>, covariance: &DMatrix<f64>) -> Estimate {
@@ -238,6 +242,21 @@ mod tests {
             assert!((found.beta[i] - beta[i]).abs() < 1e-10 * std.max(beta[i].abs()));
             assert!((found.std[i] / std - 1.0).abs() < 1e-10);
             assert!((found.half_width[i] / std - 2.0).abs() < 1e-9);
+        }
+    }
+
+    #[test]
+    fn identity_the_same_experiment_twice_has_the_bound_of_one_over_the_root_of_two() {
+        let mut plan = StudyPlan::from_toml(include_str!("../../experiments/01-criteria/study.toml")).unwrap();
+        (plan.validation.trajectories, plan.validation.samples) = (1, 10);
+        let robot = crate::chains::crs_a460();
+        let truth = Truth::from_toml(truth_text("crs-a460").unwrap(), &robot).unwrap();
+        let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(7), 0).unwrap();
+        let exact = PeriodicTrajectory::from(start).sample(200);
+        let setup = StudySetup::new(plan, robot, crate::chains::crs_a460_nominal(), &truth).unwrap();
+        let twice = setup.bound_of_sequence(&[exact.clone(), exact.clone()]);
+        for (one, twice) in setup.bound(&exact).into_iter().zip(twice) {
+            assert!((one / twice / 2.0_f64.sqrt() - 1.0).abs() < 1e-9, "{one} {twice}");
         }
     }
 }

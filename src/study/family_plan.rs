@@ -1,9 +1,11 @@
 //! One family of designs of a study: how they are made, and where they are sought.
 
 use std::collections::BTreeMap;
+use std::sync::Arc;
 
+use super::own_methods::OwnMethods;
 use super::plan_error::{StudyPlanError, name};
-use crate::excitation::CriterionKind;
+use crate::excitation::Criterion;
 use crate::experiment::Effects;
 use crate::trajectory::Family;
 
@@ -76,14 +78,12 @@ pub struct FamilyPlan {
 }
 
 impl FamilyPlan {
-    /// The criterion of an optimised or random family.
+    /// The criterion of an optimised or random family: of those from outside, or of the list.
     ///
     /// # Errors
     /// [`StudyPlanError::Name`] where it is absent or unknown.
-    pub fn criterion(&self) -> Result<CriterionKind, StudyPlanError> {
-        let found = self.criterion.as_deref().unwrap_or("");
-        CriterionKind::parse(found)
-            .ok_or_else(|| name("design.criterion", found, CriterionKind::ALL.iter().map(|c| c.name())))
+    pub fn criterion(&self, own: &OwnMethods) -> Result<Arc<dyn Criterion>, StudyPlanError> {
+        own.criterion(self.criterion.as_deref().unwrap_or(""))
     }
 
     /// The effects that its designs expect.

@@ -4,10 +4,11 @@ use std::sync::Arc;
 
 use super::family_plan::{DesignMethod, FamilyPlan};
 use super::grid::GridPlan;
+use super::own_methods::OwnMethods;
 use super::plan_error::{StudyPlanError, family_name, name, number};
 use super::random_truth::RandomTruths;
 use super::variance_reduction::VarianceReduction;
-use crate::estimation::{Estimator, EstimatorKind};
+use crate::estimation::Estimator;
 use crate::experiment::{Effects, ExpectedEffectError};
 use crate::model::{Columns, DeclaredUncertainty, ReferenceUnits};
 use crate::seed::Seed;
@@ -128,14 +129,14 @@ impl StudyPlan {
     /// # Errors
     /// [`StudyPlanError`] with the key, what was found and what was expected.
     pub fn check(&self) -> Result<(), StudyPlanError> {
-        self.check_with(&[])
+        self.check_with(&OwnMethods::default())
     }
 
-    /// The same where the plan may also name the estimators `own`, which come from outside.
+    /// The same where the plan may also name methods from outside.
     ///
     /// # Errors
     /// As [`StudyPlan::check`].
-    pub fn check_with(&self, own: &[Arc<dyn Estimator>]) -> Result<(), StudyPlanError> {
+    pub fn check_with(&self, own: &OwnMethods) -> Result<(), StudyPlanError> {
         self.check_robot()?;
         self.columns()?;
         if self.identification.estimators.is_empty() {
@@ -206,7 +207,7 @@ impl StudyPlan {
             }
             match family.method {
                 DesignMethod::Optimised | DesignMethod::Random => {
-                    family.criterion()?;
+                    family.criterion(own)?;
                     if let Some((found, _)) =
                         family.expected.iter().find(|(kind, _)| !Effects::EXPECTABLE.contains(kind))
                     {
@@ -308,16 +309,8 @@ impl StudyPlan {
     ///
     /// # Errors
     /// [`StudyPlanError::Name`].
-    pub fn estimators(&self, own: &[Arc<dyn Estimator>]) -> Result<Vec<Arc<dyn Estimator>>, StudyPlanError> {
-        let names = own.iter().map(|e| e.name()).chain(EstimatorKind::ALL.iter().map(|e| e.name()));
-        let names: Vec<&str> = names.collect();
-        let named = |found: &String| {
-            let outside = own.iter().find(|estimator| estimator.name() == found).cloned();
-            outside
-                .or_else(|| Some(Arc::new(EstimatorKind::parse(found)?) as Arc<dyn Estimator>))
-                .ok_or_else(|| name("identification.estimators", found, names.iter().copied()))
-        };
-        self.identification.estimators.iter().map(named).collect()
+    pub fn estimators(&self, own: &OwnMethods) -> Result<Vec<Arc<dyn Estimator>>, StudyPlanError> {
+        self.identification.estimators.iter().map(|found| own.estimator(found)).collect()
     }
 
     /// Sets the runs of each design, and scales those of families that have a number of their own.

@@ -9,7 +9,8 @@ use super::metric::Metric;
 pub struct Ranking {
     /// The family with the smallest geometric mean.
     pub best: String,
-    /// Torque error of each family that it was compared with over its own.
+    /// Torque error of each family that it was compared with over its own. One of them may be significantly better: the comparison is of pairs
+    /// where designs share their start, the mean of all designs.
     pub others: Vec<Comparison>,
     /// Scores in which families are significantly better than it, each over its own score.
     pub contrary: Vec<(Metric, Vec<Comparison>)>,

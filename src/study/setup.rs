@@ -17,6 +17,7 @@ use super::error::StudyError;
 use super::evidence::{DesignRow, Evidence, Findings};
 use super::measured_motion::MeasuredMotions;
 use super::outcome::{Outcome, ScoredEstimate};
+use super::own_methods::OwnMethods;
 use super::performed::Performed;
 use super::plan::StudyPlan;
 use super::plan_error::StudyPlanError;
@@ -55,6 +56,7 @@ pub struct StudySetup {
     truths: Vec<Truth>,
     scorer: Scorer,
     estimators: Vec<Arc<dyn Estimator>>,
+    pub(super) own: OwnMethods,
     closed_loops: Option<ClosedLoopFactory>,
     processing: Processing,
     validation: ValidationMotions,
@@ -72,22 +74,21 @@ impl StudySetup {
     /// # Errors
     /// [`StudyError`] where the plan, the robot or the validation motions do not allow it.
     pub fn new(plan: StudyPlan, robot: Robot, nominal: StandardParameters, truth: &Truth) -> Result<Self, StudyError> {
-        Self::with_estimators(plan, robot, nominal, truth, &[])
+        Self::with_methods(plan, robot, nominal, truth, OwnMethods::default())
     }
 
-    /// The same with estimators from outside, which the plan may name beside those of
-    /// [`EstimatorKind`](crate::estimation::EstimatorKind).
+    /// The same with methods from outside, which the plan may name.
     ///
     /// # Errors
     /// As [`StudySetup::new`].
-    pub fn with_estimators(
+    pub fn with_methods(
         plan: StudyPlan,
         robot: Robot,
         nominal: StandardParameters,
         truth: &Truth,
-        own: &[Arc<dyn Estimator>],
+        own: OwnMethods,
     ) -> Result<Self, StudyError> {
-        plan.check_with(own)?;
+        plan.check_with(&own)?;
         let declared = if plan.uncertainty.is_none() { robot.uncertainty().clone() } else { plan.uncertainty.clone() };
         let robot = robot.with_uncertainty(declared);
         let columns = plan.columns()?;
@@ -104,7 +105,8 @@ impl StudySetup {
         };
         Ok(Self {
             noise: torque_covariance(&robot),
-            estimators: plan.estimators(own)?,
+            estimators: plan.estimators(&own)?,
+            own,
             closed_loops: None,
             plan,
             robot,
@@ -132,6 +134,11 @@ impl StudySetup {
     /// The robot.
     pub const fn robot(&self) -> &Robot {
         &self.robot
+    }
+
+    /// The methods from outside.
+    pub const fn own_methods(&self) -> &OwnMethods {
+        &self.own
     }
 
     /// The reduction to base parameters.

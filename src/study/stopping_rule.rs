@@ -190,6 +190,9 @@ mod tests {
         assert!(rule.families(&plan).is_ok());
         let other = StoppingRule { first: "nobody".to_owned(), ..rule.clone() };
         assert!(other.families(&plan).unwrap_err().to_string().contains("`until` is \"nobody\""));
+        let drawn = |count| StudyPlan { truths: Some(crate::study::RandomTruths::of(count)), ..plan.clone() };
+        assert!(rule.families(&drawn(1)).is_ok());
+        assert!(rule.families(&drawn(2)).unwrap_err().to_string().contains("truths.count"));
         let mut few = plan.clone();
         few.designs.iter_mut().for_each(|family| family.starts = family.starts.min(3));
         assert!(rule.families(&few).unwrap_err().to_string().contains("at least 4"));

@@ -176,3 +176,14 @@ impl Examples {
         Ok(())
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn an_index_is_below_its_count() {
+        assert!(below("a design", 2, 3).is_ok());
+        assert!(below("a design", 3, 3).unwrap_err().to_string().contains('3'));
+    }
+}

@@ -1,5 +1,6 @@
 //! What one `study.toml` describes: a study on one robot, or the same study on each of several.
 
+use super::own_methods::OwnMethods;
 use super::plan::StudyPlan;
 use super::plan_error::{StudyPlanError, name, number};
 use crate::input::check_file_name;
@@ -23,6 +24,14 @@ impl StudyPlans {
     /// [`FormatError`] with line and column where the text is not TOML, has a key too many or too few, or asks for
     /// something that does not exist.
     pub fn from_toml(text: &str) -> Result<Self, FormatError> {
+        Self::from_toml_with(text, &OwnMethods::default())
+    }
+
+    /// The same where the text may also name methods from outside.
+    ///
+    /// # Errors
+    /// As [`StudyPlans::from_toml`].
+    pub fn from_toml_with(text: &str, own: &OwnMethods) -> Result<Self, FormatError> {
         let mut plan: StudyPlan = toml::from_str(text).map_err(|fault| FormatError::of_toml(text, &fault))?;
         for grid in std::mem::take(&mut plan.grid) {
             plan.designs.extend(grid.designs());
@@ -31,11 +40,11 @@ impl StudyPlans {
         let robots = std::mem::take(&mut plan.robots);
         if robots.is_empty() {
             let plan = plan.on(&plan.robot);
-            plan.check().map_err(|fault| fault.in_text(text))?;
+            plan.check_with(own).map_err(|fault| fault.in_text(text))?;
             return Ok(Self::One(Box::new(plan)));
         }
         let plans: Vec<StudyPlan> = robots.iter().map(|robot| plan.on(robot)).collect();
-        let faults: Vec<Option<StudyPlanError>> = plans.iter().map(|plan| plan.check().err()).collect();
+        let faults: Vec<Option<StudyPlanError>> = plans.iter().map(|plan| plan.check_with(own).err()).collect();
         if let Some((plan, fault)) = plans.iter().zip(&faults).find_map(|(plan, fault)| Some((plan, fault.as_ref()?))) {
             let mut error = fault.in_text(text);
             // What is wrong on one robot alone is so by the families that it has.

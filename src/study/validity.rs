@@ -193,6 +193,14 @@ mod tests {
         assert!((of(9).maximum(&[ball]) - 4.0).abs() < 1e-9);
         // Ixy = −∫ x y ρ: its largest value on the ball is r²/2, at x = −y.
         assert!((of(5).maximum(&[ball]) - 2.0).abs() < 1e-9);
+        // Iyz = −∫ y z ρ likewise.
+        assert!((of(8).maximum(&[ball]) - 2.0).abs() < 1e-9);
+        // (d·x)² + d·x is largest at 2 d, which no start is near.
+        let d = Vector3::new(1.0, 2.0, 3.0).normalize();
+        let off_axis = Quadratic { constant: 0.0, linear: d, square: d * d.transpose() };
+        assert!((off_axis.maximum(&[ball]) - 6.0).abs() < 1e-6);
+        // Starts lie on all sides: their mean is the centre.
+        assert!(starts(&ball).sum::<Vector3<f64>>().norm() < 1e-12);
         let rod = Capsule { from: Vector3::zeros(), to: Vector3::new(3.0, 0.0, 0.0), radius: 0.5 };
         assert!((of(1).maximum(&[rod]) - 3.5).abs() < 1e-9);
         assert!((of(1).negated().maximum(&[rod]) - 0.5).abs() < 1e-9);

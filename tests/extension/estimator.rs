@@ -7,8 +7,8 @@ use armid::conformance::estimator_laws;
 use armid::dynamics::Dynamics;
 use armid::estimation::{
     Estimate, EstimationError, EstimationProblem, Estimator, EstimatorKind, EstimatorLaw, Inference,
-    Instruments as InstrumentRows, IntervalBasis, LawException, Observation, OrdinaryLeastSquares, ProblemPart,
-    Termination, residual_noise, scatter_noise, solve,
+    Instruments as InstrumentRows, IntervalBasis, LawException, Observation, ProblemPart, Termination, residual_noise,
+    scatter_noise, solve,
 };
 use armid::linalg::LeastSquares;
 use armid::model::format::{parse_nominal, parse_robot};
@@ -18,7 +18,7 @@ use armid::seed::Seed;
 use armid::signal::Samples;
 use armid::statistics::student_quantile;
 use armid::study::radkhah2007::table_one;
-use armid::study::{StudyPlan, StudySetup, Truth, truth_text};
+use armid::study::{OwnMethods, StudyPlan, StudySetup, Truth, truth_text};
 use nalgebra::{DMatrix, DVector};
 
 /// Huber's M-estimator (P. J. Huber, *Robust Statistics*, 1981, sec. 7.8): residuals beyond `K` standard deviations of the
@@ -208,7 +208,7 @@ fn an_estimator_from_outside_identifies_and_names_what_it_lacks() {
         let predicted = &observation.regressor * beta;
         (predicted - DVector::from_column_slice(&clean)).norm()
     };
-    assert!(error(&Huber) < 0.5 * error(&OrdinaryLeastSquares), "{} {}", error(&Huber), error(&OrdinaryLeastSquares));
+    assert!(error(&Huber) < 0.5 * error(&EstimatorKind::Ols), "{} {}", error(&Huber), error(&EstimatorKind::Ols));
     // Numbers become the estimate that they are of; what fails says so in its own words.
     let wls = EstimatorKind::Wls.estimator().estimate(&problem).unwrap();
     let found = Foreign { fails: false }.estimate(&problem).unwrap();
@@ -270,7 +270,8 @@ fn an_estimator_from_outside_takes_part_in_a_study() {
     let mut plan = StudyPlan::from_toml(PLAN).unwrap();
     plan.identification.estimators.push("huber".to_owned());
     assert!(StudySetup::new(plan.clone(), robot.clone(), nominal.clone(), &truth).is_err());
-    let setup = StudySetup::with_estimators(plan, robot.clone(), nominal, &truth, &[Arc::new(Huber)]).unwrap();
+    let own = OwnMethods { estimators: vec![Arc::new(Huber)], criteria: Vec::new() };
+    let setup = StudySetup::with_methods(plan, robot.clone(), nominal, &truth, own).unwrap();
     let states = table_one::corrected().sample(100);
     let regressor = JointTorqueRegressor::new(&robot, Columns::RIGID).expect("columns of motion");
     let tau = regressor.stack(&states) * truth.vector(&robot, Columns::RIGID);

@@ -9,6 +9,7 @@ import unittest
 from pathlib import Path
 
 import numpy as np
+import pinocchio
 from mcap.reader import make_reader
 from mcap.writer import CompressionType
 from mcap_ros2.decoder import DecoderFactory
@@ -106,6 +107,28 @@ class Recording(unittest.TestCase):
             # The servo follows within 2 degrees.
             for commanded, measured in zip(command.position, self.rows[10 * k][1:7], strict=True):
                 self.assertLess(abs(commanded - measured), 0.035)
+
+    def test_viewers_get_the_arm_and_the_poses_of_its_links(self):
+        """The poses against those that Pinocchio finds by the URDF in the recording."""
+        with self.mcap.open("rb") as file:
+            reader = make_reader(file, decoder_factories=[DecoderFactory()])
+            found = [message.decoded_message for message in
+                     reader.iter_decoded_messages(topics=["/robot_description", "/tf"])]
+        description, poses = found[0].data, found[1:]
+        self.assertEqual(len(poses), -(-len(self.rows) // 20))
+        self.assertIn("<cylinder", description)
+        model = pinocchio.buildModelFromXML(description)
+        data = model.createData()
+        for k in range(0, len(poses), 37):
+            pinocchio.framesForwardKinematics(model, data, np.array(self.rows[20 * k][1:7]))
+            place = pinocchio.SE3.Identity()
+            for transform, parent in zip(poses[k].transforms, ["base", *(f"link{i}" for i in range(1, 6))], strict=True):
+                self.assertEqual(transform.header.frame_id, parent)
+                at, turned = transform.transform.translation, transform.transform.rotation
+                quaternion = pinocchio.Quaternion(np.array([turned.x, turned.y, turned.z, turned.w]))
+                place = place * pinocchio.SE3(quaternion, np.array([at.x, at.y, at.z]))
+                expected = data.oMf[model.getFrameId(transform.child_frame_id)]
+                self.assertTrue(place.isApprox(expected, 1e-9), f"{k}: {transform.child_frame_id}")
 
     def test_metadata_says_what_was_recorded(self):
         with self.mcap.open("rb") as file:

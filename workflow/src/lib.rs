@@ -5,7 +5,7 @@
 //! | evaluate the equations of motion | [`dynamics()`], [`regressor`] |
 //! | find the base parameters | [`reduce`] |
 //! | simulate a loaded robot | [`simulated_arm`], [`simulate`] |
-//! | design a trajectory | [`design::design`] |
+//! | design a trajectory, write its set-points | [`design::design`], [`SetPoints`] |
 //! | identify a log | [`identification::identify`] |
 //! | predict another log | [`validate`], [`validate_model`] |
 //! | write a model or source code | [`export::export`], [`export::export_source`] |
@@ -25,7 +25,7 @@
 //! use armid_workflow::{SimulationSettings, simulate};
 //!
 //! let loaded = robot::named("planar-2r")?;
-//! let goal = DesignGoal::Arm(CriterionKind::DOptimal);
+//! let goal = DesignGoal::Arm(CriterionKind::DOptimal.into());
 //! let settings = DesignSettings { starts: 1, evaluations: 20, baseline: false, ..DesignSettings::new(goal) };
 //! let designed = design(&loaded, &settings, &Unobserved)?.ok_or("nobody ended the search")?;
 //! let plan = ExperimentPlan::new(designed.best.trajectory);
@@ -44,17 +44,21 @@ mod drive_gains;
 mod dynamics;
 pub mod export;
 pub mod identification;
+mod log_source;
 pub mod numbers;
 mod payload;
 mod reduction;
 pub mod report;
+mod set_points;
 mod simulation;
 pub mod study;
 mod validation;
 
 pub use drive_gains::{DriveGainsAnswer, drive_gains};
 pub use dynamics::{DynamicsAnswer, Quantity, dynamics, parameters_of, regressor};
+pub use log_source::{LogSource, NamedLogs};
 pub use payload::{PayloadAnswer, PayloadSide, columns_of, payload};
 pub use reduction::{ReductionAnswer, ReductionSettings, reduce};
+pub use set_points::{PointFormat, SetPoints};
 pub use simulation::{Simulated, SimulationSettings, simulate, simulated_arm};
 pub use validation::{ValidationAnswer, ValidationVerdict, validate, validate_model};

@@ -25,7 +25,7 @@ pub struct SimulationSettings {
     pub effects: Effects,
     /// The sensors.
     pub sensing: Sensing,
-    /// Seed of their noise.
+    /// Seed of their noise; 0 unless it is stated, as in an experiment file.
     pub seed: u64,
     /// Number of the run, which has noise of its own.
     pub run: u64,
@@ -33,7 +33,7 @@ pub struct SimulationSettings {
 
 impl Default for SimulationSettings {
     fn default() -> Self {
-        Self { engine: Engine::Analytic, effects: Effects::none(), sensing: Sensing::default(), seed: 1, run: 0 }
+        Self { engine: Engine::Analytic, effects: Effects::none(), sensing: Sensing::default(), seed: 0, run: 0 }
     }
 }
 

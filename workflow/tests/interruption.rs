@@ -59,7 +59,7 @@ impl Observer for EndAt {
 }
 
 fn designed(loaded: &LoadedRobot, observer: &dyn Observer) -> armid_workflow::design::DesignAnswer {
-    let goal = DesignGoal::Arm(CriterionKind::DOptimal);
+    let goal = DesignGoal::Arm(CriterionKind::DOptimal.into());
     let settings = DesignSettings { starts: 1, evaluations: 60, baseline: false, ..DesignSettings::new(goal) };
     design(loaded, &settings, observer).unwrap().unwrap()
 }

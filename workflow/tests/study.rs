@@ -7,6 +7,7 @@ use std::ops::ControlFlow;
 use std::path::Path;
 
 use armid::observer::{Progress, Unobserved, Work};
+use armid::study::OwnMethods;
 use armid_io::study::load_plans;
 use armid_workflow::study::{StudyAnswer, StudySettings, perform};
 
@@ -74,7 +75,7 @@ fn identity_a_study_that_was_ended_goes_on_to_the_same_results() {
     let folder = tempfile::tempdir().unwrap();
     let file = folder.path().join("study.toml");
     std::fs::write(&file, PLAN).unwrap();
-    let (plans, _) = load_plans(file.to_str().unwrap(), &["analytic"]).unwrap();
+    let (plans, _) = load_plans(file.to_str().unwrap(), &["analytic"], &OwnMethods::default()).unwrap();
     let into = |name: &str| StudySettings { output: folder.path().join(name), threads: 2, ..StudySettings::default() };
 
     let StudyAnswer::Whole(whole) = perform(&plans, &into("whole"), &Unobserved).unwrap() else { panic!("whole") };

@@ -1,19 +1,15 @@
 //! Which logs, of which robot, and how they become samples: what `identify` and `validate` share.
 
-use std::path::{Path, PathBuf};
+use std::path::PathBuf;
 
 use armid::estimation::DEFAULT_BANDWIDTH_HZ;
 use armid::model::EffortInterface;
-use armid::provenance::sha256;
 use armid::signal::{Derivatives, Processing};
-use armid_io::inputs::RobotSource;
-use armid_io::log::{FoundLogs, HeldOut, find, is_joint_states, is_table, process_all};
-use armid_io::{Error, Inputs, LoadedRobot, LogSettings, ProcessedLog, Text};
+use armid_io::log::{FoundLogs, HeldOut};
+use armid_io::{Error, Inputs, LoadedRobot, LogSettings, ProcessedLog};
+use armid_workflow::LogSource;
 
 use super::{ChainArguments, one_of};
-
-/// What helps where an estimate names a robot file that is not there.
-const WHERE_IT_IS: &str = "--robot ROBOT of `armid identify`, `validate`, `report` and `export` says where it is now";
 
 /// The period of a motion, as it is stated.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -85,11 +81,6 @@ pub(crate) struct LogArguments {
 }
 
 impl LogArguments {
-    /// Nothing but the robot, where it is another than what is remembered.
-    pub(crate) fn of_robot(robot: Option<String>, chain: ChainArguments) -> Self {
-        Self { robot, chain, ..Self::default() }
-    }
-
     /// A model file, whose chain is the one that is asked for.
     pub(crate) fn model(&self, name: &str) -> Result<LoadedRobot, Error> {
         self.chain.load(name)
@@ -101,81 +92,19 @@ impl LogArguments {
         self
     }
 
-    /// Reads logs and processes them. What was not said is as `remembered` has it: what an estimate was made with; `exactly`
-    /// are settings that hold in any case.
+    /// Reads logs and processes them. What was not said is as `remembered` has it: what an estimate was made with.
     pub(crate) fn process(
         &self,
         paths: &[PathBuf],
         remembered: Option<&Inputs>,
         held_out: HeldOut,
-        exactly: Option<&LogSettings>,
     ) -> Result<(ProcessedLog, Inputs), Error> {
-        // What an estimate records of tables is of tables, and of joint states of joint states.
-        let alike = remembered.filter(|inputs| {
-            let were_states = !inputs.logs.is_empty() && inputs.logs.iter().all(|log| is_joint_states(Path::new(log)));
-            // What a table of TOML says is not overruled where no other log is beside it.
-            let is_alike = if were_states { is_joint_states } else { is_table };
-            let is_toml = |path: &PathBuf| path.extension().is_some_and(|ending| ending == "toml");
-            paths.iter().all(|path| is_alike(path) || (!were_states && is_toml(path))) && !paths.iter().all(is_toml)
-        });
-        let mapping = self.map.clone().or_else(|| alike.and_then(|inputs| inputs.mapping.clone()));
-        let rate_hz = self.rate.or_else(|| alike.and_then(|inputs| inputs.rate_hz));
-        let arm = self.named_robot(paths, remembered)?;
-        let robot = arm.as_ref().map(|loaded| &loaded.robot);
-        let found = find(paths, mapping.as_deref(), rate_hz, robot, remembered.is_some())?;
-        self.refuse_mapping_of_recordings(&found)?;
-        let (robot, source) = self.robot(&found, remembered)?;
-        let settings = match exactly {
-            Some(settings) => settings.clone(),
-            None => self.settings(&found, remembered, held_out)?,
-        };
-        let names_itself = found.logs.iter().any(|log| log.recording.is_none());
-        let files = found.logs.iter().flat_map(|log| log.origin.files.clone()).collect();
-        let mapping =
-            mapping.filter(|_| names_itself).or_else(|| found.logs.iter().find_map(|log| log.origin.mapping.clone()));
-        let mut prepared = process_all(found.logs, &robot, &settings)?;
-        prepared.closed_loops = Some(armid_sim::closed_loop);
-        let rate_hz = rate_hz.filter(|_| names_itself);
-        let logs = paths.iter().map(|path| path.display().to_string()).collect();
-        Ok((prepared, Inputs { robot: source, logs, held_out_log: None, files, mapping, rate_hz, settings }))
-    }
-
-    /// The logs that an estimate was made from, read and processed again, with what it held out; and what it was made from. `moved` is
-    /// where the logs are now, if anything.
-    pub(crate) fn again(&self, estimate: &Text, moved: &[PathBuf]) -> Result<(ProcessedLog, Inputs), Error> {
-        let Some(inputs) = Inputs::of_estimate(estimate)? else {
-            let message = format!("{} does not state which logs it was made from", estimate.name);
-            return Err(Error::new(message).help("identify again, with -o"));
-        };
-        let base_link = self.chain.base_link.clone().or_else(|| inputs.robot.base_link.clone());
-        let tip_link = self.chain.tip_link.clone().or_else(|| inputs.robot.tip_link.clone());
-        let arguments = Self::of_robot(self.robot.clone(), ChainArguments { base_link, tip_link });
-        let settings = &inputs.settings;
-        let read = |logs: &[PathBuf]| arguments.process(logs, Some(&inputs), settings.held_out, Some(settings));
-        let logs = if moved.is_empty() { inputs.logs.iter().map(PathBuf::from).collect() } else { moved.to_vec() };
-        let (mut prepared, now) = read(&logs)?;
-        inputs.check_files(&now.files, &estimate.name)?;
-        inputs.check_robot(&prepared.robot, &estimate.name)?;
-        if let Some(other) = &inputs.held_out_log {
-            prepared.hold_out(&read(&[PathBuf::from(other)])?.0);
-        }
-        Ok((prepared, inputs))
-    }
-
-    /// The robot whose joints are looked for in joint states, where it is named outside of them.
-    fn named_robot(&self, paths: &[PathBuf], remembered: Option<&Inputs>) -> Result<Option<LoadedRobot>, Error> {
-        if !paths.iter().any(|path| is_joint_states(path)) {
-            return Ok(None);
-        }
-        if let Some(name) = &self.robot {
-            return self.chain.load(name).map(Some);
-        }
-        // A recording may hold its robot: that of the estimate need not be there.
-        Ok(remembered.and_then(|inputs| {
-            let RobotSource { name, base_link, tip_link, .. } = &inputs.robot;
-            let chain = ChainArguments { base_link: base_link.clone(), tip_link: tip_link.clone() };
-            chain.load(name.as_deref()?).ok()
-        }))
+        let (robot, mapping) = (self.robot.clone(), self.map.clone());
+        let source = LogSource { robot, chain: self.chain.ends(), mapping, rate_hz: self.rate };
+        let named = source.find(paths, remembered)?;
+        self.refuse_mapping_of_recordings(&named.found)?;
+        let settings = self.settings(&named.found, remembered, held_out)?;
+        named.process(settings)
     }
 
     /// A recording of armid's own says itself what it holds.
@@ -188,42 +117,6 @@ impl LogArguments {
         };
         let message = format!("{} is a recording of `armid run`, which states {states}, found {option}", log.name);
         Err(Error::mismatch(message).help(format!("leave out {option}: it is of logs of other tools")))
-    }
-
-    /// The robot, and what it was called.
-    fn robot(&self, found: &FoundLogs, remembered: Option<&Inputs>) -> Result<(LoadedRobot, RobotSource), Error> {
-        let said = self.robot.clone().or_else(|| found.robot.clone());
-        let of = |name: Option<String>, loaded: &LoadedRobot, chain: &ChainArguments| RobotSource {
-            name,
-            sha256: sha256(&loaded.text.content),
-            base_link: chain.base_link.clone(),
-            tip_link: chain.tip_link.clone(),
-        };
-        if let Some(name) = said {
-            let loaded = self.chain.load(&name)?;
-            let source = of(Some(name), &loaded, &self.chain);
-            return Ok((loaded, source));
-        }
-        if let Some(log) = found.logs.iter().find(|log| log.robot.is_some()) {
-            let loaded = log.robot()?;
-            let source = of(None, &loaded, &self.chain);
-            return Ok((loaded, source));
-        }
-        match remembered.map(|inputs| &inputs.robot) {
-            Some(RobotSource { name: Some(name), base_link, tip_link, .. }) => {
-                let chain = ChainArguments { base_link: base_link.clone(), tip_link: tip_link.clone() };
-                let loaded = chain.load(name).map_err(|error| error.of_an_estimate("the estimate", WHERE_IT_IS))?;
-                let source = of(Some(name.clone()), &loaded, &chain);
-                Ok((loaded, source))
-            }
-            _ => {
-                let name = found.logs.first().map_or("the log", |log| log.name.as_str());
-                let message = format!("{name} does not name its robot, expected --robot ROBOT");
-                Err(Error::new(message).help(
-                    "`armid robot` lists the bundled ones; `armid init arm.urdf` makes a robot file of one's own",
-                ))
-            }
-        }
     }
 
     fn settings(

@@ -32,6 +32,11 @@ impl RobotArguments {
 impl ChainArguments {
     /// The robot that is called so.
     pub(crate) fn load(&self, name: &str) -> Result<LoadedRobot, Error> {
-        robot::load(name, &ChainEnds { base: self.base_link.clone(), tip: self.tip_link.clone() }, None)
+        robot::load(name, &self.ends(), None)
+    }
+
+    /// The links at which it begins and ends.
+    pub(crate) fn ends(&self) -> ChainEnds {
+        ChainEnds { base: self.base_link.clone(), tip: self.tip_link.clone() }
     }
 }

@@ -4,7 +4,7 @@ use miette::Result;
 
 use super::{
     agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, init, monitor, reduce,
-    report, robot, run, study, validate,
+    report, robot, run, study, trajectory, validate,
 };
 use crate::terminal::{Console, Ending, Writes};
 
@@ -17,6 +17,7 @@ pub(crate) enum Command {
     Reduce(reduce::Arguments),
     Dynamics(dynamics::Arguments),
     Design(design::Arguments),
+    Trajectory(trajectory::Arguments),
     Run(run::Arguments),
     Calibrate(calibrate::Arguments),
     Monitor(monitor::Arguments),
@@ -43,7 +44,7 @@ impl Command {
             | Self::Controller(_)
             | Self::Doctor(_)
             | Self::Completions(_) => Writes::Answer,
-            Self::Design(_) | Self::Export(_) => Writes::Text,
+            Self::Design(_) | Self::Trajectory(_) | Self::Export(_) => Writes::Text,
             Self::Run(_) => Writes::Recording,
             Self::Calibrate(_) => Writes::Several,
             Self::Agree(_) | Self::Init(_) | Self::Study(_) | Self::Report(_) => Writes::Folder,
@@ -61,6 +62,7 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Reduce(arguments) => reduce::run(&arguments, console),
         Command::Dynamics(arguments) => dynamics::run(&arguments, console),
         Command::Design(arguments) => design::run(&arguments, console),
+        Command::Trajectory(arguments) => trajectory::run(&arguments, console),
         Command::Calibrate(arguments) => calibrate::run(&arguments, console),
         Command::Run(arguments) => run::run(&arguments, console),
         Command::Monitor(arguments) => monitor::run(&arguments, console),

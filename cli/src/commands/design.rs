@@ -154,7 +154,7 @@ impl Arguments {
         let goal = match self.criterion {
             Some(kind) => {
                 self.check_use(kind)?;
-                DesignGoal::Arm(kind)
+                DesignGoal::Arm(kind.into())
             }
             None => DesignGoal::Load(self.payload.heaviest()?),
         };

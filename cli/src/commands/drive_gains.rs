@@ -20,8 +20,8 @@ pub(super) fn run(
     load: &Inertia,
     console: &Console,
 ) -> Result<Ending> {
-    let (without, inputs) = log.process(without, None, HeldOut::Nothing, None)?;
-    let (with, inputs_with) = log.process(with, Some(&inputs), HeldOut::Nothing, None)?;
+    let (without, inputs) = log.process(without, None, HeldOut::Nothing)?;
+    let (with, inputs_with) = log.process(with, Some(&inputs), HeldOut::Nothing)?;
     let answer = drive_gains((without, inputs), (&with, inputs_with), columns, load, &Watch::new(console))?;
     let json = serde_json::to_value(&answer).map_err(Error::of)?;
     console.deliver_json(&Answer { text: DriveGainsText(&answer).text(), json })?;

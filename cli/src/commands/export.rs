@@ -8,11 +8,12 @@ use armid_io::estimate::{self, check_robot};
 use armid_io::inputs::RobotSource;
 use armid_io::robot::ChainSource;
 use armid_io::{Error, Inputs, LoadedRobot, Text};
+use armid_workflow::LogSource;
 use armid_workflow::export::{Exchange, ExportSettings, export, export_source};
 use miette::Result;
 
 use crate::answers::model_file::{model_file_text, source_text};
-use crate::arguments::{ChainArguments, LogArguments, one_of};
+use crate::arguments::{ChainArguments, one_of};
 use crate::terminal::{Answer, Console, Destination, Ending, Watch, report_folder};
 
 const AFTER_HELP: &str = "\
@@ -32,6 +33,11 @@ with few digits stay as they are in the file; the answer says by how much its to
 c and rust are source code of inverse dynamics, gravity torque and mass matrix in the base parameters
 as estimated, with the operations that they need and no others; it needs a compiler alone, and no log.
 Its operations are compared with the regressor times the estimate.
+
+isaac and python are files of Python for simulators. isaac, beside the MJCF of the same estimate, has
+the actuators of Isaac Lab: rotor inertia, friction and limits of each joint, for gains of yours.
+python has an MJCF without friction, and a class that applies the friction of every identified law in
+each step of MuJoCo, which has viscous and dry friction alone.
 
 Examples:
   armid export E.json --to urdf -o a460.urdf
@@ -71,11 +77,13 @@ enum Target {
 }
 
 impl Target {
-    const ALL: [Self; 6] = [
+    const ALL: [Self; 8] = [
         Self::Model(Exchange::Urdf),
         Self::Model(Exchange::Mjcf),
         Self::Model(Exchange::Toml),
         Self::Model(Exchange::Json),
+        Self::Model(Exchange::Isaac),
+        Self::Model(Exchange::Python),
         Self::Source(Language::C),
         Self::Source(Language::Rust),
     ];
@@ -120,8 +128,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let (written, json, words, sound) = match arguments.to {
         Target::Model(format) => {
             let into = arguments.into.as_deref().map(|path| template(path, format, &loaded)).transpose()?;
-            let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
-            let (log, _) = again.again(&text, &arguments.log)?;
+            let (robot, chain) = (arguments.robot.clone(), arguments.chain.ends());
+            let (log, _) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &arguments.log)?;
             let settings = ExportSettings { format, into, file };
             let answer = export((&estimate, &text.name), log, &settings, &Watch::new(console))?;
             (answer.text.clone(), serde_json::to_value(&answer), model_file_text(&answer), answer.is_sound())

@@ -60,7 +60,7 @@ fn of_logs(
     console: &Console,
 ) -> Result<(PayloadSide, Option<LoadedRobot>), Error> {
     let remembered = other.and_then(|other| other.inputs.as_ref());
-    let (mut prepared, inputs) = log.process(paths, remembered, HeldOut::Nothing, None)?;
+    let (mut prepared, inputs) = log.process(paths, remembered, HeldOut::Nothing)?;
     let side = PayloadSide::of_log((&mut prepared, Some(inputs)), sought, other, &Watch::new(console))?;
     Ok((side, Some(prepared.robot)))
 }

@@ -5,13 +5,14 @@ use std::path::{Path, PathBuf};
 use armid::study::CriterionRatios;
 use armid_io::study::{read_ratios, read_robots, read_study};
 use armid_io::{Error, Text, estimate};
+use armid_workflow::LogSource;
 use armid_workflow::report::{
     ComparisonAnswer, write_comparison, write_criteria, write_estimate_report, write_report, write_robots_report,
 };
 use miette::Result;
 use serde_json::json;
 
-use crate::arguments::{ChainArguments, LogArguments};
+use crate::arguments::ChainArguments;
 use crate::terminal::{Answer, Console, Ending, Watch};
 
 const AFTER_HELP: &str = "\
@@ -91,8 +92,8 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let output = output.unwrap_or_else(|| Path::new("reports").join(stem));
             let text = Text::read(folder)?;
             let estimate = estimate::parse(&text)?;
-            let again = LogArguments::of_robot(arguments.robot.clone(), arguments.chain.clone());
-            let (log, inputs) = again.again(&text, &[])?;
+            let (robot, chain) = (arguments.robot.clone(), arguments.chain.ends());
+            let (log, inputs) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &[])?;
             pages.push(write_estimate_report(&output, (&estimate, &text.name), &log, &inputs, &Watch::new(console))?);
             continue;
         }

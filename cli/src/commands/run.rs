@@ -264,12 +264,13 @@ fn perform(
     let mut notes = notes(experiment);
     notes.insert("speed".to_owned(), speed.part().to_string());
     notes.insert("motion".to_owned(), motion);
+    let robot = &experiment.planned.robot.robot;
     let mut sink: Box<dyn FileSink + '_> = match part {
         _ if is_csv(path) => Box::new(CsvSink::new(path, on_sample).stopping_when(interrupt::asked)),
-        None => Box::new(McapSink::new(path, notes, on_sample).stopping_when(interrupt::asked)),
+        None => Box::new(McapSink::new(path, notes, on_sample).showing(robot).stopping_when(interrupt::asked)),
         Some(part) => {
             notes.insert("sessions".to_owned(), part.sessions(experiment.planned.plan.periods));
-            let sink = McapSink::new(path, notes, on_sample).resuming(part.continuation.samples());
+            let sink = McapSink::new(path, notes, on_sample).showing(robot).resuming(part.continuation.samples());
             Box::new(sink.stopping_when(interrupt::asked))
         }
     };

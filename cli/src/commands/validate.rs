@@ -51,12 +51,12 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let (answer, log) = if text.content.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
         // A model file is its own robot unless another one reads the log.
         let model = arguments.log.model(name)?;
-        let (log, _) = arguments.log.clone().with_robot(name).process(&arguments.logs, None, HeldOut::Nothing, None)?;
+        let (log, _) = arguments.log.clone().with_robot(name).process(&arguments.logs, None, HeldOut::Nothing)?;
         (validate_model((&model, name), &log, limit, &watch)?, log)
     } else {
         let estimates = estimate::parse_all(&text)?;
         let inputs = Inputs::of_estimate(&text)?;
-        let (log, now) = arguments.log.process(&arguments.logs, inputs.as_ref(), HeldOut::Nothing, None)?;
+        let (log, now) = arguments.log.process(&arguments.logs, inputs.as_ref(), HeldOut::Nothing)?;
         let inputs = [inputs.as_ref(), Some(&now)];
         (validate((&estimates, name), &log, inputs, limit, &watch)?, log)
     };

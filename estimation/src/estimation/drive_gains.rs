@@ -14,7 +14,7 @@
 //! maximum likelihood for normal noise.
 //!
 //! References: M. Gautier, S. Briot, "Global identification of joint drive gains and dynamic parameters of robots", Journal of Dynamic
-//! Systems, Measurement, and Control 136(5), 2014; J. Swevers and others as in [`super::MaximumLikelihood`] for noise of one side only.
+//! Systems, Measurement, and Control 136(5), 2014; J. Swevers and others as in `ml` for noise of one side only.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -52,7 +52,7 @@ pub enum GainMethod {
     /// The noise of the measured torque alone, where it is.
     #[serde(rename = "tls")]
     Total,
-    /// Weighted, and everything drawn towards zero as by [`super::RidgeRegression`].
+    /// Weighted, and everything drawn towards zero as by `ridge`.
     #[serde(rename = "ridge")]
     Ridge,
 }

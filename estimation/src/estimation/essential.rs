@@ -24,7 +24,6 @@ use nalgebra::{DMatrix, DVector};
 
 use super::error::EstimationError;
 use super::estimate::Estimate;
-use super::estimator::Estimator;
 use super::finding::Finding;
 use super::law::{EstimatorLaw, LawException};
 use super::linear_fit::LinearFit;
@@ -33,59 +32,42 @@ use super::termination::Termination;
 use crate::linalg::LeastSquares;
 use crate::statistics::student_quantile;
 
-const EXCEPTIONS: &[LawException] = &[LawException {
+pub(super) const EXCEPTIONS: &[LawException] = &[LawException {
     law: EstimatorLaw::Recovery,
     reason: "a parameter smaller than the stated noise is left out, although its equations may be exact",
 }];
 
 /// Weighted least squares of the parameters that the data tell from zero.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct EssentialParameters;
-
-impl Estimator for EssentialParameters {
-    fn name(&self) -> &'static str {
-        "essential"
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let equations = problem.factorised()?;
+    let problem = problem.with_factorisation(&equations);
+    let linear = LinearFit::weighted(&equations)?;
+    let full = linear.estimate(name, &problem, &linear.fit, Termination::Direct)?;
+    let t = student_quantile(0.975, full.degrees_of_freedom);
+    let selection = select(full.beta(), full.covariance_matrix(), t);
+    let b = full.base.len();
+    let fit = LeastSquares::from_factors(
+        selection.beta,
+        [linear.fit.inverse_information(), DMatrix::identity(b, b)],
+        linear.fit.condition(),
+        linear.fit.condition_scaled(),
+    )?;
+    let mut estimate = linear.estimate(name, &problem, &fit, Termination::Direct)?;
+    estimate = estimate.with_covariance(&full.covariance_matrix());
+    estimate.degrees_of_freedom = full.degrees_of_freedom;
+    estimate.interval_basis = full.interval_basis;
+    for (p, known) in estimate.base.iter_mut().zip(&full.base) {
+        p.ci95 = [known.ci95[0].min(p.value), known.ci95[1].max(p.value)];
     }
-
-    fn summary(&self) -> &'static str {
-        "weighted least squares without the parameters that the data do not tell from zero"
+    let left_out = |name: &String| full.base.iter().zip(&selection.kept).any(|(p, kept)| !kept && p.name == *name);
+    estimate
+        .findings
+        .retain(|finding| !matches!(finding, Finding::PoorlyDetermined { parameter, .. } if left_out(parameter)));
+    for (p, _) in full.base.iter().zip(&selection.kept).filter(|(_, kept)| !**kept) {
+        let (parameter, unit) = (p.name.clone(), p.unit.clone());
+        estimate.findings.push(Finding::LeftOut { parameter, value: p.value, std: p.std, unit });
     }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let equations = problem.factorised()?;
-        let problem = problem.with_factorisation(&equations);
-        let linear = LinearFit::weighted(&equations)?;
-        let full = linear.estimate(self.name(), &problem, &linear.fit, Termination::Direct)?;
-        let t = student_quantile(0.975, full.degrees_of_freedom);
-        let selection = select(full.beta(), full.covariance_matrix(), t);
-        let b = full.base.len();
-        let fit = LeastSquares::from_factors(
-            selection.beta,
-            [linear.fit.inverse_information(), DMatrix::identity(b, b)],
-            linear.fit.condition(),
-            linear.fit.condition_scaled(),
-        )?;
-        let mut estimate = linear.estimate(self.name(), &problem, &fit, Termination::Direct)?;
-        estimate = estimate.with_covariance(&full.covariance_matrix());
-        estimate.degrees_of_freedom = full.degrees_of_freedom;
-        estimate.interval_basis = full.interval_basis;
-        for (p, known) in estimate.base.iter_mut().zip(&full.base) {
-            p.ci95 = [known.ci95[0].min(p.value), known.ci95[1].max(p.value)];
-        }
-        let left_out = |name: &String| full.base.iter().zip(&selection.kept).any(|(p, kept)| !kept && p.name == *name);
-        estimate
-            .findings
-            .retain(|finding| !matches!(finding, Finding::PoorlyDetermined { parameter, .. } if left_out(parameter)));
-        for (p, _) in full.base.iter().zip(&selection.kept).filter(|(_, kept)| !**kept) {
-            let (parameter, unit) = (p.name.clone(), p.unit.clone());
-            estimate.findings.push(Finding::LeftOut { parameter, value: p.value, std: p.std, unit });
-        }
-        Ok(estimate)
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        EXCEPTIONS
-    }
+    Ok(estimate)
 }
 
 struct Selection {

@@ -63,15 +63,13 @@ mod weighted;
 mod tests;
 
 pub use closed_loop::{
-    ClosedLoop, ClosedLoopError, ClosedLoopFactory, ClosedLoopInputError, ClosedLoopInterval, ClosedLoopIntervals,
-    ClosedLoopMotion, ClosedLoopNode, ClosedLoopOutputError, ClosedLoopSlopes, DirectInverseIdentification,
-    InstrumentalVariables, closed_loop_of,
+    ClosedLoop, ClosedLoopError, ClosedLoopFactory, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion,
+    ClosedLoopNode, ClosedLoopSlopes, closed_loop_of,
 };
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};
 pub use drive_gains::{DriveGain, DriveGains, GainMethod, drive_gains, gain_equations, moved_by_gains};
 pub use error::{EstimationError, ExternalError, ProblemPart};
-pub use essential::EssentialParameters;
 pub use estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
 pub use estimator::Estimator;
 pub use factorisation::Factorisation;
@@ -84,21 +82,12 @@ pub use kind::EstimatorKind;
 pub use law::{EstimatorLaw, LawException};
 pub use load_fit::observe;
 pub use model_fit::{BodyOrigin, ModelFit, ModelGuess, PriorWeight, fit_model};
-pub use motion::{MaximumLikelihood, TotalLeastSquares};
 pub use observation::Observation;
-pub use ordinary::OrdinaryLeastSquares;
 pub use payload::{NegativeMass, NegativeMassCause, Payload, PayloadBody, PayloadParameter, PayloadValue, payload};
-pub use physical::{
-    ConsistentDirectInverse, ConsistentInstrumental, ConsistentOrdinary, ConsistentReweighted, ConsistentWeighted,
-    EntropicPrior, EuclideanPrior, PullbackPrior,
-};
 pub use prediction::{Model, Validation, predict, validate};
 pub use problem::EstimationProblem;
-pub use recursive::{ExtendedKalmanFilter, ParticleFilter};
 pub use residual::{residual_noise, scatter_noise};
 pub use residual_shape::{Against, JointTrace, ResidualShape, ResidualTrends, Trend, Whiteness};
-pub use ridge::RidgeRegression;
-pub use robust::{MmEstimator, ReweightedCauchy, ReweightedHuber, ReweightedTukey};
 pub use selection::{
     BeyondMotion, FTest, HeldOutChange, HeldOutData, Selection, TermEvidence, Verdict, candidate_terms, select,
 };
@@ -106,4 +95,3 @@ pub use speed_search::SpeedValue;
 pub use stiff_loop::StiffLoop;
 pub use termination::Termination;
 pub use torque_residual::{DEFAULT_BANDWIDTH_HZ, RowShares, TorqueResidual, TorqueSeries};
-pub use weighted::WeightedLeastSquares;

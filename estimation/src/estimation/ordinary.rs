@@ -17,27 +17,13 @@
 
 use super::error::EstimationError;
 use super::estimate::Estimate;
-use super::estimator::Estimator;
 use super::linear_fit::LinearFit;
 use super::problem::EstimationProblem;
 use super::termination::Termination;
 
 /// Ordinary least squares on the base columns.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct OrdinaryLeastSquares;
-
-impl Estimator for OrdinaryLeastSquares {
-    fn name(&self) -> &'static str {
-        "ols"
-    }
-
-    fn summary(&self) -> &'static str {
-        "ordinary least squares: every joint's residual counts the same"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let equations = problem.factorised()?;
-        let linear = LinearFit::ordinary(&equations)?;
-        linear.estimate(self.name(), &problem.with_factorisation(&equations), &linear.fit, Termination::Direct)
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let equations = problem.factorised()?;
+    let linear = LinearFit::ordinary(&equations)?;
+    linear.estimate(name, &problem.with_factorisation(&equations), &linear.fit, Termination::Direct)
 }

@@ -16,42 +16,27 @@ use nalgebra::{DMatrix, DVector};
 
 use super::error::EstimationError;
 use super::estimate::Estimate;
-use super::estimator::Estimator;
 use super::linear_fit::LinearFit;
 use super::problem::EstimationProblem;
 use super::termination::Termination;
 use crate::linalg::LeastSquares;
 
 /// Weighted least squares with a penalty on large parameters.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct RidgeRegression;
-
-impl Estimator for RidgeRegression {
-    fn name(&self) -> &'static str {
-        "ridge"
-    }
-
-    fn summary(&self) -> &'static str {
-        "weighted least squares that draws what the motion hardly shows towards zero"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let (observation, equations) = (problem.observation, problem.factorised()?);
-        let problem = problem.with_factorisation(&equations);
-        let linear = LinearFit::weighted(&equations)?;
-        let shrunk =
-            Shrunk::of(&linear.fit, linear.residual_variance(observation)?).ok_or(EstimationError::NotDefinite)?;
-        let b = shrunk.beta.len();
-        let fit = LeastSquares::from_factors(
-            shrunk.beta,
-            [shrunk.inverse, DMatrix::identity(b, b)],
-            linear.fit.condition(),
-            linear.fit.condition_scaled(),
-        )?;
-        let estimate = linear.estimate(self.name(), &problem, &fit, Termination::Direct)?;
-        let covariance = estimate.covariance_matrix() + &shrunk.bias * shrunk.bias.transpose();
-        Ok(estimate.with_covariance(&covariance))
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let (observation, equations) = (problem.observation, problem.factorised()?);
+    let problem = problem.with_factorisation(&equations);
+    let linear = LinearFit::weighted(&equations)?;
+    let shrunk = Shrunk::of(&linear.fit, linear.residual_variance(observation)?).ok_or(EstimationError::NotDefinite)?;
+    let b = shrunk.beta.len();
+    let fit = LeastSquares::from_factors(
+        shrunk.beta,
+        [shrunk.inverse, DMatrix::identity(b, b)],
+        linear.fit.condition(),
+        linear.fit.condition_scaled(),
+    )?;
+    let estimate = linear.estimate(name, &problem, &fit, Termination::Direct)?;
+    let covariance = estimate.covariance_matrix() + &shrunk.bias * shrunk.bias.transpose();
+    Ok(estimate.with_covariance(&covariance))
 }
 
 /// The solution with its penalty.

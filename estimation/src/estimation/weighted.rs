@@ -18,27 +18,13 @@
 
 use super::error::EstimationError;
 use super::estimate::Estimate;
-use super::estimator::Estimator;
 use super::linear_fit::LinearFit;
 use super::problem::EstimationProblem;
 use super::termination::Termination;
 
 /// Least squares weighted with the inverse noise covariance of each sample.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct WeightedLeastSquares;
-
-impl Estimator for WeightedLeastSquares {
-    fn name(&self) -> &'static str {
-        "wls"
-    }
-
-    fn summary(&self) -> &'static str {
-        "least squares weighted with the measured noise of each joint"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let equations = problem.factorised()?;
-        let linear = LinearFit::weighted(&equations)?;
-        linear.estimate(self.name(), &problem.with_factorisation(&equations), &linear.fit, Termination::Direct)
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let equations = problem.factorised()?;
+    let linear = LinearFit::weighted(&equations)?;
+    linear.estimate(name, &problem.with_factorisation(&equations), &linear.fit, Termination::Direct)
 }

@@ -23,7 +23,8 @@ impl Certificate {
         let table =
             toml::to_string(&Out { certificate: self }).expect("names, numbers and lists of them have a TOML form");
         format!(
-            "{}\n# Value of the criteria and use of the limits; a run verifies it again.\n{table}",
+            "# Units: s, rad, rad/s (m, m/s for a prismatic joint).\n# {}\n{}\n# Value of the criteria and use of the limits; a run verifies it again.\n{table}",
+            trajectory.formula(),
             trajectory.to_toml()
         )
     }

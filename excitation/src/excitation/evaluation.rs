@@ -166,3 +166,20 @@ fn held(mut states: States, frozen: &[Option<f64>]) -> States {
     }
     states
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chains;
+
+    #[test]
+    fn identity_frozen_joints_stand_still_and_others_move_as_before() {
+        let motions = EvaluationMotions::usual(&chains::planar_2r()).unwrap();
+        let free = motions.motions()[0].sample(5);
+        let held = held(free.clone(), &[None, Some(0.25)]);
+        for k in 0..5 {
+            assert_eq!((held.q(k)[0], held.qd(k)[0], held.qdd(k)[0]), (free.q(k)[0], free.qd(k)[0], free.qdd(k)[0]));
+            assert_eq!((held.q(k)[1], held.qd(k)[1], held.qdd(k)[1]), (0.25, 0.0, 0.0));
+        }
+    }
+}

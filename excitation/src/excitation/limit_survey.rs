@@ -49,22 +49,30 @@ impl WorstLimitUse {
     }
 }
 
-impl WorstLimitUse {
-    /// Of one kind of limit; `None` where nothing has such a limit, and for clearances, which are distances.
-    pub const fn of(&self, kind: LimitKind) -> Option<f64> {
-        match kind {
-            LimitKind::Position => Some(self.position),
-            LimitKind::Velocity => Some(self.velocity),
-            LimitKind::Acceleration => Some(self.acceleration),
-            LimitKind::Jerk => self.jerk,
-            LimitKind::Torque => self.torque,
-            LimitKind::TorqueRms => self.torque_rms,
-            LimitKind::Current => self.current,
-            LimitKind::CurrentRms => self.current_rms,
-            LimitKind::Clearance => None,
+/// The field of each kind of limit.
+macro_rules! by_kind {
+    ($uses:ty, $value:ty) => {
+        impl $uses {
+            /// Of one kind of limit; `None` where nothing has such a limit, and for clearances, which are distances.
+            pub const fn of(&self, kind: LimitKind) -> Option<$value> {
+                match kind {
+                    LimitKind::Position => Some(self.position),
+                    LimitKind::Velocity => Some(self.velocity),
+                    LimitKind::Acceleration => Some(self.acceleration),
+                    LimitKind::Jerk => self.jerk,
+                    LimitKind::Torque => self.torque,
+                    LimitKind::TorqueRms => self.torque_rms,
+                    LimitKind::Current => self.current,
+                    LimitKind::CurrentRms => self.current_rms,
+                    LimitKind::Clearance => None,
+                }
+            }
         }
-    }
+    };
 }
+
+by_kind!(WorstLimitUse, f64);
+by_kind!(WorstCases, WorstUse);
 
 /// Where each kind of limit is used most. Times below zero are on the ramp in, those beyond the period on the ramp out.
 #[derive(Clone, Debug, PartialEq, serde::Serialize, serde::Deserialize)]
@@ -87,24 +95,6 @@ pub struct WorstCases {
     pub current_rms: Option<WorstUse>,
     /// What comes nearest to what.
     pub clearance: Option<WorstClearance>,
-}
-
-impl WorstCases {
-    /// Where one kind of limit is used most; `None` where nothing has such a limit, and for clearances, which are
-    /// distances between two bodies ([`Self::clearance`]).
-    pub const fn of(&self, kind: LimitKind) -> Option<WorstUse> {
-        match kind {
-            LimitKind::Position => Some(self.position),
-            LimitKind::Velocity => Some(self.velocity),
-            LimitKind::Acceleration => Some(self.acceleration),
-            LimitKind::Jerk => self.jerk,
-            LimitKind::Torque => self.torque,
-            LimitKind::TorqueRms => self.torque_rms,
-            LimitKind::Current => self.current,
-            LimitKind::CurrentRms => self.current_rms,
-            LimitKind::Clearance => None,
-        }
-    }
 }
 
 /// The largest use of every limit.

@@ -173,4 +173,17 @@ mod tests {
             assert!(uses.iter().any(|&ratio| ratio > START_USE - 1e-9), "{uses:?}");
         }
     }
+
+    #[test]
+    fn analytic_starts_of_joints_with_one_limit_are_centred_within_half_a_turn_of_it() {
+        for (low, high) in [(-0.5, f64::INFINITY), (f64::NEG_INFINITY, 0.5)] {
+            let robot = chains::crs_a460().with_joints(|joint| joint.limits.position = (low, high)).unwrap();
+            let start = radkhah2007_start(&robot, 10.0, 5, Seed::new(4), 0).unwrap();
+            for j in 0..robot.dof() {
+                let position = start.position(j);
+                let (room_below, room_above) = (position.minimum().value - low, high - position.maximum().value);
+                assert!((0.0..=std::f64::consts::PI).contains(&room_below.min(room_above)), "{j}");
+            }
+        }
+    }
 }

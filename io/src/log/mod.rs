@@ -11,6 +11,7 @@
 //! What something else recorded is brought onto an even grid, in segments without a break; what is left out on the way is
 //! counted in its [`Origin`].
 
+mod aperiodic_log;
 mod arrangement;
 mod arrays;
 mod at_joints;
@@ -29,6 +30,10 @@ mod joint_names;
 mod lerobot;
 mod log_file;
 mod log_format;
+mod log_identification;
+mod log_prediction;
+mod log_report;
+mod low_pass;
 mod mapping;
 mod mcap;
 mod mcap_contents;
@@ -36,6 +41,7 @@ mod mcap_records;
 mod npy;
 mod origin;
 mod parquet_table;
+mod periodic_log;
 mod processed_log;
 mod processing;
 mod raw_log;
@@ -48,8 +54,10 @@ mod stamps;
 mod state_rows;
 mod state_table;
 mod states;
+mod suspicions;
 mod topics;
 mod unusable;
+mod used_part;
 
 pub use arrays::{ArrayTime, LogArrays};
 pub use channels::{ChannelFault, ChannelState};
@@ -59,11 +67,12 @@ pub use foreign_csv::parse as parse_tables;
 pub use gaps::Gaps;
 pub use joint_log::{Log, RecordedRobot, Segment};
 pub use log_file::LogFile;
+pub use log_report::LogReport;
 pub use mapping::{ColumnMap, Mapping, Quantity, Unit};
 pub use mcap::parse as parse_mcap;
 pub(crate) use mcap_records::Records;
 pub use origin::{FileHash, Origin};
-pub use processed_log::{LogReport, ProcessedLog};
+pub use processed_log::ProcessedLog;
 pub use processing::process_all;
 pub use settings::{HeldOut, LogSettings};
 pub use stamps::Timing;

@@ -2,46 +2,24 @@
 
 use armid::diagnosis::standing_joints;
 use armid::input::size::PERIOD_SAMPLES;
-use armid::model::{EffortInterface, Robot};
+use armid::model::EffortInterface;
 use armid::remedy::{Remedy, Setting};
-use armid::signal::{
-    AperiodicRecord, PeriodicRecord, Processing, Samples, SignalError, process, process_aperiodic, process_periods,
-    recurrence,
-};
+use armid::signal::{Samples, SignalError, process};
 
+use super::aperiodic_log::{aperiodic, low_pass};
 use super::arrangement::arranged;
 use super::gaps::Gaps;
 use super::joint_log::Log;
-use super::processed_log::{LogReport, ProcessedLog};
+use super::log_report::LogReport;
+use super::periodic_log::periodic;
+use super::processed_log::ProcessedLog;
 use super::settings::LogSettings;
+use super::used_part::{nothing_left, part_that_repeats, refuse_cuts};
 use crate::error::Error;
 use crate::robot::LoadedRobot;
 
-/// What there is to do about a period that does not fit.
-fn no_period() -> Remedy {
-    Remedy::from("with ").to(Setting::Period, "none").say(" the log is taken as a motion without periods")
-}
-
-/// Words, and the settings that cut a log.
-pub(super) fn by_cuts(words: &str) -> Remedy {
-    Remedy::from(words).setting(Setting::From).say(" and ").setting(Setting::Until)
-}
-
-/// Samples by which the last of the periods that are found in an even log may be off a whole number.
-const LARGEST_SHIFT: f64 = 0.5;
-
 /// Places of a resting joint that are this near are one, rad or m.
 const SAME_REST: f64 = 2e-3;
-
-/// Equations in a cycle of a cut-off that is stated.
-const EQUATIONS_PER_CYCLE: f64 = 4.0;
-
-/// Rate of the equations where the cut-off is found, Hz. Means over 25 ms take most noise of the acceleration out of them at any cut-off, and
-/// leave out little near reversals.
-const EQUATIONS_HZ: f64 = 40.0;
-
-/// Periods of a log of which the last is held out.
-const PERIODS_FOR_ONE: usize = 5;
 
 impl Log {
     /// Samples of a robot: joints in its order, values at its joints, periods with missing samples left out, periods
@@ -145,23 +123,6 @@ fn share_rests(logs: &mut [ProcessedLog], n: usize) {
     }
 }
 
-/// A recording of armid's own says itself what counts.
-fn refuse_cuts(log: &Log, settings: &LogSettings) -> Result<(), Error> {
-    if let Some(period) = settings.period_s {
-        let message = format!("{} states its own period, found a period of {period} s", log.name);
-        return Err(Error::new(message).help(Remedy::from("leave out ").setting(Setting::Period)));
-    }
-    if settings.from_s != 0.0 || settings.until_s.is_some() {
-        let message = format!("{} states its recorded part, found times to begin or to end at", log.name);
-        return Err(Error::new(message).help(by_cuts("leave out ")));
-    }
-    if settings.measured_velocity {
-        let help = Remedy::from("leave out ").setting(Setting::MeasuredVelocity);
-        return Err(Error::new(format!("{} holds no measured velocities", log.name)).help(help));
-    }
-    Ok(())
-}
-
 /// Samples that are used, and those that are held out.
 fn foreign(
     log: &mut Log,
@@ -212,201 +173,4 @@ fn foreign(
             Ok((samples(&used)?, if aside.is_empty() { None } else { Some(samples(&aside)?) }))
         }
     }
-}
-
-/// The period, and the part in which it repeats, of what settings leave of a log: as they are stated, or as they are found in it, which is remarked upon.
-fn part_that_repeats(log: &mut Log, whole: Log, settings: &LogSettings) -> (Option<f64>, Log) {
-    let states_part = settings.from_s > 0.0 || settings.until_s.is_some();
-    let states_all = settings.period_s.is_some() && states_part;
-    let [segment] = whole.segments[..] else { return (settings.period_s, whole) };
-    if !settings.finds_period || states_all || settings.measured_velocity {
-        return (settings.period_s, whole);
-    }
-    let rate_hz = whole.rate_hz;
-    let Some(found) = recurrence(&whole.q, whole.dof, settings.period_s.map(|period_s| period_s * rate_hz)) else {
-        return (settings.period_s, whole);
-    };
-    let mut samples = found.period_samples;
-    // Uneven logs are brought onto a grid that the period fits; the samples of even ones stay.
-    if settings.period_s.is_none() && log.origin.timing.as_ref().is_none_or(|timing| timing.even) {
-        samples = samples.round();
-        if (samples - found.period_samples).abs() * found.periods as f64 > LARGEST_SHIFT {
-            return (None, whole);
-        }
-    }
-    let (period_s, from_s) = (samples / rate_hz, segment.start_s + found.first as f64 / rate_hz);
-    let periods = found.periods;
-    log.origin.remarks.push(match settings.period_s {
-        Some(_) => format!("{periods} periods of {period_s:.1} s found, from {from_s:.1} s"),
-        None => format!("{period_s:.1} s period found, {periods} of them from {from_s:.1} s"),
-    });
-    // A grid of another step may need the sample behind the last.
-    let end = (found.first + (periods as f64 * samples).ceil() as usize + 1).min(segment.samples);
-    (Some(period_s), whole.pieces(|_, _| (found.first, end)))
-}
-
-/// The times to begin and to end at leave no sample.
-fn nothing_left(log: &Log, settings: &LogSettings) -> Error {
-    let end =
-        log.segments.last().map_or(0.0, |last| last.start_s + last.samples.saturating_sub(1) as f64 / log.rate_hz);
-    let asked = Remedy::set(Setting::From, settings.from_s.to_string());
-    let asked = match settings.until_s {
-        Some(until) => asked.say(" ").to(Setting::Until, until.to_string()),
-        None => asked,
-    };
-    let message = format!("{asked} leaves nothing of {}, which spans 0 to {end:.3} s", log.name);
-    Error::new(message).help("both count in seconds from the first sample of the log, whatever its stamps are")
-}
-
-/// What there is to do about a cut-off frequency that the rate of a log does not allow.
-fn below_nyquist(error: &SignalError, log: &Log) -> Option<Remedy> {
-    let SignalError::Cutoff { nyquist, .. } = error else { return None };
-    // Two digits, rounded down, so that it stays below.
-    let wanted = 0.8 * nyquist;
-    let digit = 10_f64.powi(wanted.log10().floor() as i32 - 1);
-    let wanted = (wanted / digit).floor() * digit;
-    let (wanted, rate_hz) = ((wanted * 1e6).round() / 1e6, (log.rate_hz * 1e3).round() / 1e3);
-    let help = Remedy::set(Setting::CutoffHz, wanted.to_string());
-    let help = help.say(format!(" is one that a log of {rate_hz} Hz allows"));
-    Some(if log.rate_hz < 5.0 {
-        help.say("; are the stamps milliseconds? then ").to(Setting::Map, "t=… ms, …").say(" says so")
-    } else {
-        help
-    })
-}
-
-/// Cut-off and rate of the equations of a log without periods, Hz. A cut-off that is found in it, or in several, is remarked upon.
-fn low_pass(log: &mut Log, whole: &Log, settings: &LogSettings, common_hz: Option<f64>) -> [f64; 2] {
-    if let Some(hz) = settings.processing.cutoff_hz {
-        return [hz, EQUATIONS_PER_CYCLE * hz];
-    }
-    let segments: Vec<usize> = whole.segments.iter().map(|segment| segment.samples).collect();
-    let hz = common_hz.unwrap_or_else(|| record(whole, &segments, settings).find_cutoff());
-    let of = if common_hz.is_some() { "of these logs" } else { "of this log" };
-    let series = if settings.measured_velocity { "velocities" } else { "positions" };
-    log.origin.remarks.push(format!("low pass of {hz:.1} Hz for the {series}, by the noise {of}"));
-    [hz, EQUATIONS_HZ]
-}
-
-fn record<'a>(log: &'a Log, segments: &'a [usize], settings: &LogSettings) -> AperiodicRecord<'a> {
-    AperiodicRecord {
-        qd: log.qd.as_deref().filter(|_| settings.measured_velocity),
-        segments,
-        excluded: &log.excluded,
-        ..AperiodicRecord::new(log.dof, log.rate_hz, &log.q, &log.effort)
-    }
-}
-
-/// Samples of a part of a log.
-fn aperiodic(
-    log: &Log,
-    robot: &Robot,
-    settings: &LogSettings,
-    [cutoff_hz, rate_hz]: [f64; 2],
-) -> Result<Samples, Error> {
-    let processing = &Processing { cutoff_hz: Some(cutoff_hz), ..settings.processing.clone() };
-    let segments: Vec<usize> = log.segments.iter().map(|segment| segment.samples).collect();
-    let record = record(log, &segments, settings);
-    let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
-    let thinned = rate_hz.min(log.rate_hz);
-    let fault = |error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log));
-    let samples = process_aperiodic(&record, robot, unit, thinned, processing).map_err(fault)?;
-    let Some(link_q) = &log.link_q else { return Ok(samples) };
-    let record = AperiodicRecord { q: link_q, qd: None, ..record };
-    let of_links = process_aperiodic(&record, robot, unit, thinned, processing).map_err(fault)?;
-    Ok(samples.with_link_positions(&of_links))
-}
-
-fn periodic(
-    log: &Log,
-    robot: &Robot,
-    settings: &LogSettings,
-    period: f64,
-    share: f64,
-) -> Result<(Samples, Option<Samples>), Error> {
-    if settings.measured_velocity {
-        let message = format!("{}: velocities of a motion with a period come from its positions", log.name);
-        return Err(Error::new(message).help(
-            Remedy::from("leave out ").setting(Setting::MeasuredVelocity).say(", or ").setting(Setting::Period),
-        ));
-    }
-    let even = log.origin.timing.as_ref().is_none_or(|timing| timing.even);
-    let log = &if even {
-        log.pieces(|segment, _| (0, segment.samples))
-    } else {
-        log.resampled((period * log.rate_hz).round().max(1.0) / period)
-    };
-    let whole = period * log.rate_hz;
-    let period_samples = whole.round();
-    PERIOD_SAMPLES.check("number of samples of a period", period_samples)?;
-    if !(period_samples >= 8.0 && (whole - period_samples).abs() < 1e-3) {
-        let message = format!(
-            "a period of {period} s is {whole:.3} samples at the {} Hz of {}, expected a whole number of at least 8",
-            log.rate_hz, log.name
-        );
-        return Err(Error::new(message).help(no_period()));
-    }
-    let period_samples = period_samples as usize;
-    let mut starts = Vec::new();
-    let mut before = 0;
-    let begin = log.segments.first().map_or(0.0, |segment| segment.start_s);
-    for segment in &log.segments {
-        // Periods are counted from the beginning of the log: those that a break cuts are left out.
-        let phase = ((segment.start_s - begin) * log.rate_hz).round() as usize;
-        let mut first = (period_samples - phase % period_samples) % period_samples;
-        while first + period_samples <= segment.samples {
-            starts.push(before + first);
-            first += period_samples;
-        }
-        before += segment.samples;
-    }
-    if starts.is_empty() {
-        let message = format!(
-            "{} holds {:.3} s after those that are skipped, expected at least one period of {period} s",
-            log.name,
-            log.len() as f64 / log.rate_hz
-        );
-        return Err(Error::new(message).help(no_period()));
-    }
-    let aside = if settings.held_out.is_share() {
-        (share * starts.len() as f64).round() as usize
-    } else if share > 0.0 {
-        // Whoever states no period gets a number for the prediction all the same.
-        (starts.len() / PERIODS_FOR_ONE).max(usize::from(settings.period_s.is_none()))
-    } else {
-        0
-    };
-    let (used, aside) = starts.split_at(starts.len() - aside.min(starts.len() - 1));
-    let average = |starts: &[usize]| average(log, robot, settings, starts, period_samples);
-    Ok((average(used)?, if aside.is_empty() { None } else { Some(average(aside)?) }))
-}
-
-/// The average of the periods that begin at these samples.
-fn average(log: &Log, robot: &Robot, settings: &LogSettings, starts: &[usize], count: usize) -> Result<Samples, Error> {
-    let n = log.dof;
-    let pick = |table: &[f64]| -> Vec<f64> {
-        starts.iter().flat_map(|&first| table[first * n..(first + count) * n].iter().copied()).collect()
-    };
-    let (q, effort) = (pick(&log.q), pick(&log.effort));
-    let record = PeriodicRecord { dof: n, rate_hz: log.rate_hz, period_samples: count, q: &q, effort: &effort };
-    let unit = log.effort_unit.unwrap_or_else(|| robot.effort());
-    let process = |record: &PeriodicRecord<'_>| {
-        process_periods(record, robot, unit, 0.0, &settings.processing)
-            .map_err(|error| Error::new(format!("{}: {error}", log.name)).maybe_help(below_nyquist(&error, log)))
-    };
-    let mut samples = process(&record)?;
-    if let Some(link_q) = log.link_q.as_deref().map(pick) {
-        samples = samples.with_link_positions(&process(&PeriodicRecord { q: &link_q, ..record })?);
-    }
-    if !log.excluded.is_empty() {
-        // What was at fault in one period is in the average.
-        let block = samples.block;
-        for (at, (used, slow)) in samples.used.iter_mut().zip(&mut samples.slow).enumerate() {
-            let (m, i) = (at / n, at % n);
-            let at_fault = |first: usize| (m * block..(m + 1) * block).any(|k| log.excluded[(first + k) * n + i]);
-            let sound = !starts.iter().any(|&first| at_fault(first));
-            (*used, *slow) = (*used && sound, *slow && sound);
-        }
-    }
-    Ok(samples)
 }

@@ -4,7 +4,7 @@
 
 use super::joint_log::Log;
 use super::processed_log::ProcessedLog;
-use super::processing::by_cuts;
+use super::used_part::by_cuts;
 use crate::error::Error;
 
 /// A sample this many times farther from the middle than 99 of 100 are is wild.

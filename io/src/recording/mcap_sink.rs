@@ -6,6 +6,7 @@
 //! | `/motor_voltage` | `std_msgs/msg/Float64MultiArray` in CDR: V, in the order of the joints, every sample; only where recorded |
 //! | `/link_positions` | the same: rad (m) by encoders behind the transmissions, every sample; only where there are some |
 //! | `/joint_commands` | the commanded position, at most 100 times a second |
+//! | `/robot_description`, `/tf` | the arm as URDF and the poses of its links, where a robot is shown |
 //! | metadata `armid` | robot and its file, joints, rate, unit of effort, trajectory, phases, provenance, experiment |
 //! | in it, `sessions` | where the experiment was cut short and continued: the periods of each session |
 //! | metadata `armid/ending` | how the experiment ended, what guard and link saw; absent where the file was cut off |
@@ -18,10 +19,11 @@ use std::io::BufWriter;
 use std::path::{Path, PathBuf};
 
 use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
-use armid::model::EffortInterface;
+use armid::model::{EffortInterface, Robot};
 use armid_cdr::{FloatArray, JointState, Time};
 use mcap::records::{MessageHeader, Metadata};
 
+use super::arm_view::{ArmView, Fault};
 use super::part::{create, create_draft};
 use super::{FileSink, part_of};
 use crate::error::Error;
@@ -50,6 +52,7 @@ pub struct McapSink<'a> {
     part: PathBuf,
     /// What the file is called until the samples that it must not lose are in it, and how many those are.
     draft: Option<(PathBuf, usize)>,
+    robot: Option<&'a Robot>,
     notes: BTreeMap<String, String>,
     open: Option<Open>,
     fault: Option<Error>,
@@ -67,6 +70,7 @@ struct Open {
     /// Made with the first sample that has positions of the links.
     links: Option<u16>,
     commands: u16,
+    view: Option<ArmView>,
     joints: Vec<String>,
     command_every: usize,
     chunk_samples: usize,
@@ -81,6 +85,7 @@ impl<'a> McapSink<'a> {
             path: path.to_path_buf(),
             part: part_of(path),
             draft: None,
+            robot: None,
             notes,
             open: None,
             fault: None,
@@ -93,6 +98,12 @@ impl<'a> McapSink<'a> {
     #[must_use]
     pub fn stopping_when(self, asked: fn() -> bool) -> Self {
         Self { asked_to_stop: asked, ..self }
+    }
+
+    /// The same sink, whose recording also shows the robot in viewers.
+    #[must_use]
+    pub fn showing(self, robot: &'a Robot) -> Self {
+        Self { robot: Some(robot), ..self }
     }
 
     /// The same sink for an experiment that goes on: what was recorded before stays `R.mcap.part` until its first
@@ -154,16 +165,13 @@ impl<'a> McapSink<'a> {
             Some((draft, _)) => create_draft(draft)?,
         };
         let same = file.try_clone().map_err(|error| cannot_write(&self.part, &error))?;
-        let options = mcap::WriteOptions::new()
-            .profile("ros2")
-            .library(concat!("armid ", env!("CARGO_PKG_VERSION")))
-            .compression(None);
-        let start = || -> mcap::McapResult<Open> {
-            let mut writer = options.create(BufWriter::new(file))?;
+        let start = || -> Result<Open, Fault> {
+            let mut writer = options().create(BufWriter::new(file))?;
             writer.write_metadata(&Metadata { name: METADATA.to_owned(), metadata: self.metadata(recording) })?;
             let schema = writer.add_schema(JointState::NAME, "ros2msg", JointState::DEFINITION.as_bytes())?;
             let states = writer.add_channel(schema, STATES, "cdr", &BTreeMap::new())?;
             let commands = writer.add_channel(schema, COMMANDS, "cdr", &BTreeMap::new())?;
+            let view = self.robot.map(|robot| ArmView::begin(&mut writer, robot, recording.rate_hz)).transpose()?;
             writer.flush()?;
             Ok(Open {
                 writer,
@@ -172,6 +180,7 @@ impl<'a> McapSink<'a> {
                 voltage: None,
                 links: None,
                 commands,
+                view,
                 joints: recording.joints.clone(),
                 command_every: (recording.rate_hz / COMMAND_RATE_HZ).ceil().max(1.0) as usize,
                 chunk_samples: (recording.rate_hz * CHUNK_S).ceil().max(1.0) as usize,
@@ -201,6 +210,11 @@ impl<'a> McapSink<'a> {
         .chain(self.notes.clone())
         .collect()
     }
+}
+
+/// How armid writes MCAP.
+pub(super) fn options() -> mcap::WriteOptions {
+    mcap::WriteOptions::new().profile("ros2").library(concat!("armid ", env!("CARGO_PKG_VERSION"))).compression(None)
 }
 
 const fn effort_unit(recording: &Recording) -> &'static str {
@@ -271,6 +285,9 @@ impl Open {
         if sample.index.is_multiple_of(self.command_every) {
             let command = JointState { position: sample.command.to_vec(), effort: Vec::new(), ..state };
             self.message(self.commands, sample.index / self.command_every, stamp_ns, &command.encode()?)?;
+        }
+        if let Some(view) = &self.view {
+            view.show(&mut self.writer, sample.index, stamp, sample.q)?;
         }
         self.samples += 1;
         if self.samples.is_multiple_of(self.chunk_samples) {

@@ -4,12 +4,14 @@
 //! complete. A part that is there is never
 //! written over: it can be continued.
 
+mod arm_view;
 mod csv_sink;
 mod file_sink;
 mod mcap_sink;
 mod notes;
 mod part;
 mod sink_thread;
+mod torque_view;
 
 pub use csv_sink::CsvSink;
 pub use file_sink::FileSink;
@@ -18,3 +20,4 @@ pub(crate) use mcap_sink::{ENDING, LINKS, METADATA, STATES, VOLTAGE};
 pub use notes::Notes;
 pub use part::{check_at_rest, check_free, part_of};
 pub use sink_thread::beside;
+pub use torque_view::TorqueView;

@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use armid::study::{RobotResult, RobotsSummary, StudyPlan, StudyPlans};
+use armid::study::{OwnMethods, RobotResult, RobotsSummary, StudyPlan, StudyPlans};
 
 use super::Journal;
 use super::robots::read_robots;
@@ -15,17 +15,19 @@ const ROWS: &str = "runs.parquet";
 const SUMMARY: &str = "summary.json";
 
 /// Refuses a folder with the results of another plan. Results of this plan's first starts, as `--until` stores them, are its
-/// own. The journal of an interrupted study is no result: a new study keeps it under another name.
+/// own. `own` are the methods from outside that the plan may name. The journal of an interrupted study is no result: a new study
+/// keeps it under another name.
 ///
 /// # Errors
 /// [`Error`] where the folder holds results of another plan or without a plan, or another plan that nobody performed there.
-pub fn check_output(folder: &Path, plan: &StudyPlan) -> Result<(), Error> {
+pub fn check_output(folder: &Path, plan: &StudyPlan, own: &OwnMethods) -> Result<(), Error> {
     let holds = |name: &str| folder.join(name).exists();
     let has_results = holds(SUMMARY) || holds(ROWS);
     if !has_results && (!holds(PLAN) || holds(Journal::NAME)) {
         return Ok(());
     }
-    let stored = Text::read(&folder.join(PLAN)).ok().and_then(|text| StudyPlans::from_toml(&text.content).ok());
+    let stored =
+        Text::read(&folder.join(PLAN)).ok().and_then(|text| StudyPlans::from_toml_with(&text.content, own).ok());
     if let Some(StudyPlans::One(stored)) = stored {
         let starts = stored.designs.iter().map(|family| family.starts).max().unwrap_or(0);
         let text = plan_text(&stored)?;

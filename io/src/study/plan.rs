@@ -3,7 +3,7 @@
 use std::path::{Path, PathBuf};
 
 use armid::model::format::ChainEnds;
-use armid::study::{StudyPlan, StudyPlans};
+use armid::study::{OwnMethods, StudyPlan, StudyPlans};
 
 use crate::bundled_experiments;
 use crate::error::{Error, ErrorKind};
@@ -19,7 +19,7 @@ const FILE: &str = "study.toml";
 /// # Errors
 /// [`Error`] where there is no such study, its file is not as a study is written, or it is one on several robots.
 pub fn load(name: &str, engines: &[&'static str]) -> Result<(StudyPlan, Option<PathBuf>), Error> {
-    let (plans, folder) = load_all(name, engines)?;
+    let (plans, folder) = load_all(name, engines, &OwnMethods::default())?;
     match plans {
         StudyPlans::One(plan) => Ok((*plan, folder)),
         StudyPlans::OnRobots(plans) => {
@@ -31,11 +31,15 @@ pub fn load(name: &str, engines: &[&'static str]) -> Result<(StudyPlan, Option<P
     }
 }
 
-/// The same of a study on one robot or on several; each robot of several is there.
+/// The same of a study on one robot or on several, which may name methods from outside; each robot of several is there.
 ///
 /// # Errors
 /// As [`load`], and where a robot of several cannot be loaded.
-pub fn load_all(name: &str, engines: &[&'static str]) -> Result<(StudyPlans, Option<PathBuf>), Error> {
+pub fn load_all(
+    name: &str,
+    engines: &[&'static str],
+    own: &OwnMethods,
+) -> Result<(StudyPlans, Option<PathBuf>), Error> {
     let path = Path::new(name);
     let (text, folder) = if path.is_dir() {
         (Text::read(&path.join(FILE))?, Some(path.to_path_buf()))
@@ -50,7 +54,7 @@ pub fn load_all(name: &str, engines: &[&'static str]) -> Result<(StudyPlans, Opt
             }
         }
     };
-    let plans = StudyPlans::from_toml(&text.content).map_err(|error| Error::of_format(&text, &error))?;
+    let plans = StudyPlans::from_toml_with(&text.content, own).map_err(|error| Error::of_format(&text, &error))?;
     for plan in plans.plans() {
         plan.check_engines(engines).map_err(|error| Error::of_format(&text, &error.in_text(&text.content)))?;
     }

@@ -260,6 +260,7 @@ mod tests {
         assert!(found.periods == 5 && found.first.abs_diff(1300) < 30, "{found:?}");
         let stated = recurrence(&record(10.0, 6.0, 1e-5, 2e-3), 3, Some(1000.0)).expect("the part");
         assert_eq!((stated.first, stated.periods, stated.period_samples), (found.first, 5, 1000.0));
+        assert_eq!(recurrence(&record(10.0, 6.0, 1e-5, 2e-3), 3, Some(0.2)), None);
     }
 
     #[test]

@@ -68,5 +68,8 @@ mod tests {
         let interval = t_interval(&values, 0.95).unwrap();
         let half = 2.776 * (2.5_f64 / 5.0).sqrt();
         assert!((interval.high - (3.0 + half)).abs() < 5e-4 && (interval.low - (3.0 - half)).abs() < 5e-4);
+        // Of two values it has one degree of freedom: 12.706.
+        assert!((t_interval(&[1.0, 3.0], 0.95).unwrap().high - 14.706).abs() < 5e-4);
+        assert_eq!(t_interval(&[1.0], 0.95), None);
     }
 }

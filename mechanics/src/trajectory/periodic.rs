@@ -104,6 +104,24 @@ impl PeriodicTrajectory {
         self.motion().highest_hz()
     }
 
+    /// What the numbers of its file mean, for a reader of it; T is the period, t from 0 to T.
+    pub const fn formula(&self) -> &'static str {
+        match self {
+            Self::Fourier(_) => "q(t) = q0 + Σ_l a_l/(ω l) sin(ω l t) − b_l/(ω l) cos(ω l t), ω = 2π/T",
+            Self::FourierQuintic(_) => {
+                "q(t) = F(t) − T Σa_l A(u) − T² ω Σ(l b_l) B(u), u = t/T, A = u − 10u³ + 15u⁴ − 6u⁵, B = u²(1 − u)²/2, \
+                 F = q0 + Σ_l a_l/(ω l) sin(ω l t) − b_l/(ω l) cos(ω l t), ω = 2π/T"
+            }
+            Self::BSpline(_) => {
+                "q(t) = Σ_k c_k N(K t/T − k), repeated with period K; N the cardinal B-spline of this degree"
+            }
+            Self::ConstantSpeed(_) => {
+                "q̇ = v_k for a stretch, then v_k + (v_{k+1} − v_k)(10s³ − 15s⁴ + 6s⁵) over change_s, s from 0 to 1"
+            }
+            Self::Custom(_) => "a law of the program's own",
+        }
+    }
+
     /// `count` samples of one period, at `t_k = k T / count`.
     pub fn sample(&self, count: usize) -> States {
         self.motion().sample(count)

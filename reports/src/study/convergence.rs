@@ -1,5 +1,7 @@
 //! How the optimiser got there.
 
+use std::collections::BTreeSet;
+
 use armid::excitation::CriterionKind;
 use armid::study::{ReportInput, StudyDesign, criterion_in_words};
 
@@ -11,10 +13,17 @@ const CURVES: usize = 200;
 
 pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
     let result = &input.result;
-    let panels: Vec<ConvergencePanel> = CriterionKind::ALL
-        .into_iter()
+    let listed: Vec<&str> = CriterionKind::ALL.iter().map(|kind| kind.name()).collect();
+    // Those from outside come last.
+    let own = result.designs.iter().filter_map(|design| design.criterion.as_deref());
+    let own: BTreeSet<&str> = own.filter(|name| !listed.contains(name)).collect();
+    let panels: Vec<ConvergencePanel> = listed
+        .iter()
+        .copied()
+        .chain(own)
         .filter_map(|criterion| {
-            let searched = |design: &&StudyDesign| design.criterion == Some(criterion) && design.history.len() > 1;
+            let searched =
+                |design: &&StudyDesign| design.criterion.as_deref() == Some(criterion) && design.history.len() > 1;
             let mut designs: Vec<&StudyDesign> = result.designs.iter().filter(searched).collect();
             if designs.len() > CURVES {
                 // The first starts of every family.
@@ -22,8 +31,7 @@ pub(super) fn section(input: &ReportInput) -> Result<Section, DocumentError> {
                 designs.truncate(CURVES);
             }
             let curves: Vec<Curve> = designs.into_iter().map(|design| curve(input, design)).collect();
-            (!curves.is_empty())
-                .then(|| convergence_panel(criterion.name().to_owned(), value_axis(criterion.name()), curves))
+            (!curves.is_empty()).then(|| convergence_panel(criterion.to_owned(), value_axis(criterion), curves))
         })
         .collect();
     let section = Section::new("Convergence of the designs");

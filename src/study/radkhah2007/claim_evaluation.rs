@@ -362,10 +362,8 @@ fn iterations_claim(setup: &StudySetup, designs: &[StudyDesign]) -> Claim {
         .iter()
         .filter(|design| setup.plan.designs[design.family].method == DesignMethod::Optimised)
         .filter_map(|design| {
-            let of = |value: f64| match design.criterion {
-                Some(CriterionKind::DOptimal) => value,
-                _ => -libm::log(value),
-            };
+            let is_d_optimal = design.criterion.as_deref() == Some(CriterionKind::DOptimal.name());
+            let of = |value: f64| if is_d_optimal { value } else { -libm::log(value) };
             let first = of(design.history.first()?.value);
             let third = of(design.history.get(ITERATIONS)?.value);
             let last = design.history.iter().map(|p| of(p.value)).fold(f64::NEG_INFINITY, f64::max);

@@ -36,8 +36,8 @@ pub fn design(
     let seconds = began.elapsed().as_secs_f64();
     let Some(best) = best_of(&designs).or_else(|| nearest_of(&designs)).cloned() else { return Ok(None) };
     let gain = Gain::of(&problem, &best, settings.prior.len()).map_err(Error::of)?;
-    let load = match settings.goal {
-        DesignGoal::Load(load) => Some(load),
+    let load = match &settings.goal {
+        DesignGoal::Load(load) => Some(*load),
         DesignGoal::Arm(_) => None,
     };
     Ok(Some(DesignAnswer {

@@ -4,9 +4,7 @@ use std::sync::Arc;
 
 use armid::base::{Method, reduce};
 use armid::excitation::criterion::PayloadOptimal;
-use armid::excitation::{
-    Criterion, CriterionKind, DesignBudget, DesignLimits, DesignProblem, DesignSpace, EvaluationMotions,
-};
+use armid::excitation::{Criterion, DesignBudget, DesignLimits, DesignProblem, DesignSpace, EvaluationMotions};
 use armid::experiment::Effects;
 use armid::input::size::{DESIGNS, HARMONICS, PERIOD_S};
 use armid::model::{Columns, Robot};
@@ -24,10 +22,10 @@ pub(super) fn problem(loaded: &LoadedRobot, settings: &DesignSettings) -> Result
     let nominal = loaded.guess();
     let mut limits =
         DesignLimits::of(&robot, nominal, loaded.uncertainty.as_ref(), &settings.limits).map_err(Error::of)?;
-    if let DesignGoal::Load(load) = settings.goal {
+    if let DesignGoal::Load(load) = &settings.goal {
         limits = limits.with_payload(load.body()?);
     }
-    let criterion = criterion(settings.goal, &robot, settings.columns)?;
+    let criterion = criterion(&settings.goal, &robot, settings.columns)?;
     let mut problem = DesignProblem::new(robot, settings.columns, criterion, limits).map_err(Error::of)?;
     problem.set_space(space(settings, problem.robot())?).map_err(Error::of)?;
     let budget = DesignBudget::new(settings.evaluations).map_err(Error::of)?;
@@ -37,8 +35,8 @@ pub(super) fn problem(loaded: &LoadedRobot, settings: &DesignSettings) -> Result
     if settings.weighted || (is_of_load && effort_noise(problem.robot()).is_ok()) {
         problem.set_noise(effort_noise(problem.robot())?).map_err(Error::of)?;
     }
-    if let DesignGoal::Arm(kind) = settings.goal {
-        declare_use(kind, settings, loaded, &mut problem)?;
+    if let DesignGoal::Arm(criterion) = &settings.goal {
+        declare_use(&**criterion, settings, loaded, &mut problem)?;
     }
     if !settings.prior.is_empty() {
         let criterion = problem.objective().criterion();
@@ -85,9 +83,9 @@ fn space(settings: &DesignSettings, robot: &Robot) -> Result<DesignSpace, Error>
     Ok(space)
 }
 
-/// What is minimised: a criterion of the list, or that of a load.
-fn criterion(goal: DesignGoal, robot: &Robot, columns: Columns) -> Result<Arc<dyn Criterion>, Error> {
-    let DesignGoal::Arm(kind) = goal else {
+/// What is minimised: the criterion of the goal, or that of a load.
+fn criterion(goal: &DesignGoal, robot: &Robot, columns: Columns) -> Result<Arc<dyn Criterion>, Error> {
+    let DesignGoal::Arm(criterion) = goal else {
         let base = reduce(robot, columns, Method::Structural, Seed::new(0))
             .map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
         return match PayloadOptimal::of(&base) {
@@ -98,25 +96,25 @@ fn criterion(goal: DesignGoal, robot: &Robot, columns: Columns) -> Result<Arc<dy
             }
         };
     };
-    Ok(kind.into())
+    Ok(Arc::clone(criterion))
 }
 
 /// What the estimate is for, and what is expected of the arm.
 fn declare_use(
-    kind: CriterionKind,
+    criterion: &dyn Criterion,
     settings: &DesignSettings,
     loaded: &LoadedRobot,
     problem: &mut DesignProblem,
 ) -> Result<(), Error> {
-    let is_model_error = kind == CriterionKind::ModelError;
+    let is_model_error = criterion.expects_effects();
     let refused = |found: &str, expected: &str| -> Result<(), Error> {
-        Err(Error::new(format!("{found} with criterion {}, expected {expected}", kind.name())))
+        Err(Error::new(format!("{found} with criterion {}, expected {expected}", criterion.name())))
     };
     if !settings.expected.is_none() && !is_model_error {
         return refused("expected effects", "model-error");
     }
     if !settings.predict.is_empty() {
-        if !kind.criterion().asks_for_prediction() {
+        if !criterion.asks_for_prediction() {
             return refused("motions to predict", "i-optimal or model-error");
         }
         let named = settings.predict.iter();

@@ -1,8 +1,9 @@
 //! What a design is asked for.
 
 use std::path::PathBuf;
+use std::sync::Arc;
 
-use armid::excitation::{CriterionKind, DEFAULT_EVALUATIONS, LimitSettings};
+use armid::excitation::{Criterion, DEFAULT_EVALUATIONS, LimitSettings};
 use armid::experiment::Effects;
 use armid::model::{Columns, Obstacle, Robot};
 use armid::spatial::Inertia;
@@ -14,10 +15,10 @@ use armid_io::{Error, LoadedRobot};
 const GYRATION: f64 = 0.05;
 
 /// What a design is made for.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Debug)]
 pub enum DesignGoal {
-    /// The parameters of the arm, by a criterion.
-    Arm(CriterionKind),
+    /// The parameters of the arm, by a criterion of the list or one's own.
+    Arm(Arc<dyn Criterion>),
     /// The ten parameters of a load on the last link.
     Load(HeaviestLoad),
 }

@@ -15,6 +15,8 @@ use armid_io::{Error, LoadedRobot};
 use serde::Serialize;
 use serde_json::{Map, Value};
 
+use super::python_file;
+
 /// States on which what was read back is compared.
 const STATES: usize = 200;
 
@@ -33,15 +35,22 @@ pub enum Exchange {
     Toml,
     /// A map of names to values, with every term.
     Json,
+    /// Settings of the actuators in Isaac Lab, in Python, beside an MJCF.
+    Isaac,
+    /// An MJCF without friction, and friction of every law for a simulator's step, in Python.
+    Python,
 }
 
-armid::input::named! { Exchange { Urdf: "urdf", Mjcf: "mjcf", Toml: "toml", Json: "json" } }
+armid::input::named! {
+    Exchange { Urdf: "urdf", Mjcf: "mjcf", Toml: "toml", Json: "json", Isaac: "isaac", Python: "python" }
+}
 
 impl Exchange {
     /// How files of this format end.
     pub const fn extension(self) -> &'static str {
         match self {
             Self::Mjcf => "xml",
+            Self::Isaac | Self::Python => "py",
             other => other.name(),
         }
     }
@@ -51,19 +60,19 @@ impl Exchange {
         let friction = Columns::RIGID.with(VISCOUS).with(COULOMB);
         match self {
             Self::Urdf => friction,
-            Self::Mjcf => friction.with(ROTOR),
-            Self::Toml | Self::Json => estimated,
+            Self::Mjcf | Self::Isaac => friction.with(ROTOR),
+            Self::Toml | Self::Json | Self::Python => estimated,
         }
     }
 
-    /// The robot with the laws of friction that a reader of the file has: URDF and MJCF have a plain sign.
+    /// The robot with the laws of friction that a reader of the file has: URDF, MJCF and Isaac Lab have a plain sign.
     pub(super) fn robot(self, robot: &Robot) -> Result<Robot, Error> {
         match self {
-            Self::Urdf | Self::Mjcf => {
+            Self::Urdf | Self::Mjcf | Self::Isaac => {
                 let plain = robot.clone().with_joints(|joint| joint.drive.coulomb_velocity = 0.0);
                 plain.map_err(Error::of)
             }
-            Self::Toml | Self::Json => Ok(robot.clone()),
+            Self::Toml | Self::Json | Self::Python => Ok(robot.clone()),
         }
     }
 
@@ -72,8 +81,8 @@ impl Exchange {
         match self {
             Self::Urdf => loaded.urdf.as_ref(),
             // A tendon that stands for a coupled motor is written anew.
-            Self::Mjcf => loaded.mjcf.as_ref().filter(|_| loaded.robot.coupling().is_none()),
-            Self::Toml | Self::Json => None,
+            Self::Mjcf | Self::Python => loaded.mjcf.as_ref().filter(|_| loaded.robot.coupling().is_none()),
+            Self::Toml | Self::Json | Self::Isaac => None,
         }
     }
 
@@ -86,11 +95,20 @@ impl Exchange {
         parameters: &StandardParameters,
         header: &str,
     ) -> Result<(String, Vec<String>), Error> {
+        if self == Self::Python {
+            let mut bodies = parameters.clone();
+            for drive in &mut bodies.drives {
+                *drive = drive.only(|term| term == ROTOR);
+            }
+            let (mjcf, remarks) = Self::Mjcf.write(robot, template, &bodies, "")?;
+            let map = parameter_map(robot, parameters);
+            return Ok((python_file::write(self, robot, parameters, (&map, &mjcf), header)?, remarks));
+        }
         if let Some(source) = template {
             let named = |fault: FormatError| Error::new(format!("{}: {fault}", source.text.name));
             let edited = match self {
                 Self::Mjcf => edit_mjcf(&source.text.content, &source.ends, robot, parameters),
-                Self::Urdf | Self::Toml | Self::Json => edit_urdf(&source.text.content, &source.ends, parameters),
+                _ => edit_urdf(&source.text.content, &source.ends, parameters),
             };
             let EditedText { text, mut remarks } = edited.map_err(named)?;
             let gravity = self.model(&text, &source.ends).map(|model| model.robot.gravity());
@@ -103,12 +121,9 @@ impl Exchange {
             Self::Urdf => write_urdf(robot, parameters, header),
             Self::Mjcf => armid_sim::mjcf_for_exchange(robot, parameters, header).map_err(Error::of)?,
             Self::Toml => write_parameters(robot, parameters, header),
-            Self::Json => {
-                let ids = Columns::RIGID_ROTOR_FRICTION.and_those_of(parameters).parameters(robot);
-                let laws = law_map(robot, parameters).into_iter().map(|(name, value)| (name, value.into()));
-                let map: Map<String, Value> =
-                    ids.into_iter().map(|id| (id.to_string(), parameters.get(id).into())).chain(laws).collect();
-                pretty(&Value::Object(map))
+            Self::Json => parameter_map(robot, parameters),
+            Self::Isaac | Self::Python => {
+                python_file::write(self, robot, parameters, (&parameter_map(robot, parameters), ""), header)?
             }
         };
         Ok((text, Vec::new()))
@@ -136,9 +151,28 @@ impl Exchange {
             Self::Toml => parse_parameters(text, robot, true)
                 .map(|file| (robot.clone().with_drives(file.motors), file.parameters)),
             Self::Json => parse_parameter_map(text, robot).map(|(parameters, robot)| (robot, parameters)),
+            Self::Isaac => {
+                parse_parameter_map(python_file::parameters(text), robot).map(|(parameters, robot)| (robot, parameters))
+            }
+            Self::Python => {
+                let (read, mut found) = Self::Mjcf.read(python_file::mjcf(text), robot, template)?;
+                parse_parameter_map(python_file::parameters(text), robot).map(|(parameters, own)| {
+                    found.drives = parameters.drives;
+                    (read.with_drives(own.joints().iter().map(|joint| joint.drive.clone()).collect()), found)
+                })
+            }
         };
         read.map_err(|fault| Error::new(format!("the file does not read back: {}", fault.message)))
     }
+}
+
+/// Every parameter and every number of a law of friction by its name, as a JSON object.
+fn parameter_map(robot: &Robot, parameters: &StandardParameters) -> String {
+    let ids = Columns::RIGID_ROTOR_FRICTION.and_those_of(parameters).parameters(robot);
+    let laws = law_map(robot, parameters).into_iter().map(|(name, value)| (name, value.into()));
+    let map: Map<String, Value> =
+        ids.into_iter().map(|id| (id.to_string(), parameters.get(id).into())).chain(laws).collect();
+    pretty(&Value::Object(map))
 }
 
 /// What a file says when it is read back.

@@ -3,6 +3,7 @@
 mod exchange;
 mod model_file;
 mod model_prediction;
+mod python_file;
 mod snapping;
 mod source;
 

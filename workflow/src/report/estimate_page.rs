@@ -3,14 +3,17 @@
 use std::path::{Path, PathBuf};
 
 use armid::estimation::{Against, Estimate, ResidualTrends, TorqueResidual, TorqueSeries};
+use armid::model::Robot;
 use armid::observer::{Observer, Work};
 use armid::signal::Samples;
+use armid_io::recording::TorqueView;
 use armid_io::{Error, Inputs, ProcessedLog};
 use armid_reports::{
-    EstimateInput, ParameterRow, ResidualDiagnostics, ResidualShares, ResidualTrace, TorqueTrace, estimate_document,
+    DocumentError, EstimateInput, Figure, ParameterRow, ResidualDiagnostics, ResidualShares, ResidualTrace,
+    TorqueTrace, estimate_document, torque_figure,
 };
 
-use super::page::write_document;
+use super::page::{cannot_be_drawn, write_document};
 use crate::counter::Counter;
 use crate::identification::grouped;
 use crate::numbers::percent;
@@ -40,6 +43,69 @@ pub fn write_estimate_report(
     write_document(folder, estimate_document(&input))
 }
 
+/// Measured and predicted torque of an estimate, which errors call `name`: on what is held out where anything is, else on the first
+/// log of the fit.
+#[derive(Clone, Debug)]
+pub struct TorqueComparison<'a> {
+    /// The rows.
+    pub samples: &'a Samples,
+    /// Both torques of every row, below the bandwidth.
+    pub series: TorqueSeries,
+    /// Whether these rows are held out.
+    pub is_held_out: bool,
+    joints: Vec<String>,
+    unit: &'a str,
+    bandwidth_hz: f64,
+}
+
+impl<'a> TorqueComparison<'a> {
+    /// The torques of an estimate and of the logs that it was made from.
+    ///
+    /// # Errors
+    /// [`Error`] where the estimate is of another robot or of other parameters.
+    pub fn of((estimate, name): (&'a Estimate, &str), log: &'a ProcessedLog) -> Result<Self, Error> {
+        let is_held_out = !log.held_out.is_empty();
+        let parts = if is_held_out { &log.held_out[..1] } else { &log.parts[..1] };
+        Ok(Self {
+            samples: &parts[0],
+            series: log.series(estimate, name, parts)?.remove(0),
+            is_held_out,
+            joints: log.joint_names(),
+            unit: estimate.units.first().map_or("", String::as_str),
+            bandwidth_hz: log.settings.bandwidth_hz.min(0.4 * parts[0].rate_hz),
+        })
+    }
+
+    fn traces(&self) -> Vec<TorqueTrace> {
+        let joints = self.joints.iter().enumerate();
+        joints.map(|(i, joint)| trace(joint, i, self.samples, &self.series)).collect()
+    }
+
+    /// Which rows these are.
+    const fn rows(&self) -> &'static str {
+        if self.is_held_out { "held out, not used for the fit" } else { "used for the fit" }
+    }
+
+    /// Writes a motion of the arm with both torques as MCAP, which Foxglove and Rerun show.
+    ///
+    /// # Errors
+    /// [`Error`] where it cannot be written.
+    pub fn write_mcap(&self, path: &Path, robot: &Robot) -> Result<(), Error> {
+        let (q, rate_hz) = (&self.samples.states.q, self.samples.rate_hz);
+        let TorqueSeries { measured, predicted } = &self.series;
+        TorqueView { robot, rate_hz, q, measured, predicted }.write(path)
+    }
+
+    /// The figure of the page as one SVG element.
+    ///
+    /// # Errors
+    /// [`Error`] where it cannot be drawn.
+    pub fn svg(&self) -> Result<String, Error> {
+        let figure = torque_figure(&self.traces(), self.rows(), self.unit, self.bandwidth_hz);
+        figure.svg().map_err(DocumentError::from).map_err(cannot_be_drawn)
+    }
+}
+
 struct Page<'a> {
     estimate: &'a Estimate,
     prepared: &'a ProcessedLog,
@@ -52,11 +118,8 @@ impl Page<'_> {
         let (used, held_out) = self.prepared.residual(self.estimate, self.name)?;
         let expressions = self.prepared.expressions(self.estimate, self.name)?;
         let joints = self.prepared.joint_names();
-        let aside = !self.prepared.held_out.is_empty();
-        let parts = if aside { &self.prepared.held_out[..1] } else { &self.prepared.parts[..1] };
         steps.begin(self.name)?;
-        let series = self.prepared.series(self.estimate, self.name, parts)?;
-        let traces = (0..joints.len()).map(|i| trace(&joints[i], i, &parts[0], &series[0])).collect();
+        let torque = TorqueComparison::of((self.estimate, self.name), self.prepared)?;
         let mut shares = vec![in_percent("used rows", &used, true), in_percent("all rows", &used, false)];
         shares.extend(held_out.as_ref().map(|residual| in_percent("held out", residual, false)));
         let parameters = self.estimate.base.iter().zip(expressions).map(|(parameter, expression)| ParameterRow {
@@ -84,11 +147,11 @@ impl Page<'_> {
             ),
             verdict: self.verdict(&used, held_out.as_ref()),
             joints,
-            unit: self.estimate.units.first().cloned().unwrap_or_default(),
+            unit: torque.unit.to_owned(),
             bandwidth_hz: used.bandwidth_hz,
             shares,
-            traces,
-            traces_of: if aside { "held out, not used for the fit".into() } else { "used for the fit".into() },
+            traces: torque.traces(),
+            traces_of: torque.rows().to_owned(),
             diagnostics,
             parameters: parameters.collect(),
             left_out: self.prepared.reports.iter().flat_map(|report| report.origin.sentences()).collect(),

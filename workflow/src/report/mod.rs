@@ -6,5 +6,5 @@ mod page;
 mod study_page;
 
 pub use comparison::{ComparisonAnswer, write_comparison};
-pub use estimate_page::write_estimate_report;
+pub use estimate_page::{TorqueComparison, write_estimate_report};
 pub use study_page::{write_criteria, write_report, write_robots_report};

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
-use armid::study::{StoppingRule, StudyPlan, StudyPlanError, StudyPlans};
+use armid::study::{OwnMethods, StoppingRule, StudyPlan, StudyPlanError, StudyPlans};
 use armid_io::Error;
 
 use super::answer::StudyAnswer;
@@ -35,7 +35,7 @@ pub fn perform(plans: &StudyPlans, settings: &StudySettings, observer: &dyn Obse
 }
 
 fn perform_one(plan: &StudyPlan, settings: &StudySettings, observer: &dyn Observer) -> Result<StudyAnswer, Error> {
-    let prepared = PreparedStudy::new(plan.clone(), settings.beside.as_deref())?;
+    let prepared = PreparedStudy::new(plan.clone(), settings.beside.as_deref(), &settings.own)?;
     let study = prepared.performance(&settings.output, settings.part, observer);
     if let Some(words) = &settings.until {
         return perform_until(study, words, settings);
@@ -77,7 +77,8 @@ fn perform_until(mut study: Performance<'_>, words: &str, settings: &StudySettin
     let Some((looks, work)) = study.perform_until(work, &rule, words)? else {
         return Ok(interrupted(&settings.output));
     };
-    let performed = PreparedStudy::new(study.plan().first_starts(looks.starts()), settings.beside.as_deref())?;
+    let first = study.plan().first_starts(looks.starts());
+    let performed = PreparedStudy::new(first, settings.beside.as_deref(), &settings.own)?;
     let first = performed.performance(&settings.output, Part::default(), study.observer);
     Ok(StudyAnswer::Whole(Box::new(first.sum_up_first(&study, work, looks)?)))
 }
@@ -98,7 +99,7 @@ pub fn merge(
         let message = format!("the output folder {} is one of the parts, expected another folder", part.display());
         return Err(Error::mismatch(message).help(Remedy::from("choose another folder with ").setting(Setting::Output)));
     }
-    let prepared = PreparedStudy::new(plan, beside)?;
+    let prepared = PreparedStudy::new(plan, beside, &OwnMethods::default())?;
     let study = prepared.performance(output, Part::default(), observer);
     let mut work = study.with_work_from(folders)?;
     let missing = study.missing(&work);

@@ -82,7 +82,7 @@ impl Performance<'_> {
 
     /// Is the output folder free for this study?
     pub(super) fn check_output(&self) -> Result<(), Error> {
-        check_output(self.output, self.plan())
+        check_output(self.output, self.plan(), self.setup.own_methods())
     }
 
     /// Begins the journal in the output folder, or goes on with it; the plan stands beside it.

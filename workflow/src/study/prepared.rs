@@ -6,7 +6,7 @@ use std::sync::{Arc, Mutex};
 use armid::experiment::Sensing;
 use armid::model::format::ChainEnds;
 use armid::observer::Observer;
-use armid::study::{StudyPlan, StudySetup};
+use armid::study::{OwnMethods, StudyPlan, StudySetup};
 use armid_io::study::check_output;
 use armid_io::{Error, robot};
 use armid_sim::{Engine, SimulatedArm};
@@ -24,11 +24,12 @@ pub struct PreparedStudy {
 }
 
 impl PreparedStudy {
-    /// Everything that a study needs before its first design. Relative paths of the plan begin at `beside`.
+    /// Everything that a study needs before its first design. Relative paths of the plan begin at `beside`; it may name the methods
+    /// `own`.
     ///
     /// # Errors
     /// [`Error`] where the robot cannot be read, the study does not fit it, or one of its arms cannot be built.
-    pub fn new(plan: StudyPlan, beside: Option<&Path>) -> Result<Self, Error> {
+    pub fn new(plan: StudyPlan, beside: Option<&Path>, own: &OwnMethods) -> Result<Self, Error> {
         let loaded = robot::load(&plan.robot, &ChainEnds::default(), beside)?;
         let arms = plan
             .conditions()
@@ -42,7 +43,8 @@ impl PreparedStudy {
             })
             .collect::<Result<Vec<_>, Error>>()?;
         let first = &arms[0];
-        let setup = StudySetup::new(plan, first.robot().clone(), first.nominal().clone(), first.truth());
+        let setup =
+            StudySetup::with_methods(plan, first.robot().clone(), first.nominal().clone(), first.truth(), own.clone());
         let setup = setup.map_err(Error::of)?.with_closed_loops(armid_sim::closed_loop);
         Ok(Self { setup, arms, robot_text: loaded.text.content })
     }
@@ -57,7 +59,7 @@ impl PreparedStudy {
     /// # Errors
     /// [`Error`] where it holds another one.
     pub fn check_output(&self, folder: &Path) -> Result<(), Error> {
-        check_output(folder, self.plan())
+        check_output(folder, self.plan(), self.setup.own_methods())
     }
 
     pub(super) fn performance<'a>(

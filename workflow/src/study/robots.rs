@@ -24,7 +24,8 @@ pub(super) fn perform(
     let studies = plans
         .iter()
         .map(|plan| {
-            Ok((PreparedStudy::new(plan.clone(), settings.beside.as_deref())?, output.join(plan.robot_folder())))
+            let prepared = PreparedStudy::new(plan.clone(), settings.beside.as_deref(), &settings.own)?;
+            Ok((prepared, output.join(plan.robot_folder())))
         })
         .collect::<Result<Vec<_>, Error>>()?;
     for (prepared, folder) in &studies {

@@ -2,6 +2,8 @@
 
 use std::path::PathBuf;
 
+use armid::study::OwnMethods;
+
 use super::part::Part;
 
 /// How a study is performed.
@@ -19,6 +21,8 @@ pub struct StudySettings {
     pub part: Part,
     /// Folders that hold the designs of a part with runs alone.
     pub designs_from: Vec<PathBuf>,
+    /// Methods from outside that the plan names.
+    pub own: OwnMethods,
     /// The interval at which it may end, as [`StoppingRule`](armid::study::StoppingRule) reads it.
     pub until: Option<String>,
 }

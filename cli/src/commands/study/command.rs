@@ -99,6 +99,7 @@ fn perform(arguments: &Arguments, console: &Console) -> Result<Ending> {
         part: Part { stage: arguments.stage, shard: arguments.shard },
         designs_from: arguments.designs_from.clone(),
         until: arguments.until.clone(),
+        ..StudySettings::default()
     };
     show(&study::perform(&request.plans, &settings, &Watch::new(console))?, console)
 }

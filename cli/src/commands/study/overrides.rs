@@ -1,6 +1,6 @@
 //! Which study, and what stands in place of its plan's values.
 
-use armid::study::RandomTruths;
+use armid::study::{OwnMethods, RandomTruths};
 use armid_io::Error;
 use armid_io::study::load_plans;
 use armid_sim::Engine;
@@ -34,7 +34,7 @@ pub(crate) struct Overrides {
 impl Overrides {
     /// The study that is asked for.
     pub(crate) fn request(&self, study: &str) -> Result<Request> {
-        let (mut plans, beside) = load_plans(study, &Engine::ALL.map(Engine::name))?;
+        let (mut plans, beside) = load_plans(study, &Engine::ALL.map(Engine::name), &OwnMethods::default())?;
         for plan in plans.plans_mut() {
             if let Some(runs) = self.runs {
                 plan.scale_runs(runs as usize);

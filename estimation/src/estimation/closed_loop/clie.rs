@@ -14,31 +14,12 @@
 //! errors with sensitivities; Q. Leboutet et al., "Inertial parameter identification in robotics: a survey", Applied Sciences
 //! 11(9), 2021, for the input error of a robot's closed loop.
 
-use super::torque_error::{TorqueSlope, estimate};
+use super::torque_error::{self, TorqueSlope};
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
-use crate::estimation::law::LawException;
 use crate::estimation::problem::EstimationProblem;
 
 /// Simulated against measured torque, with the exact slope of the simulation.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ClosedLoopInputError;
-
-impl Estimator for ClosedLoopInputError {
-    fn name(&self) -> &'static str {
-        "clie"
-    }
-
-    fn summary(&self) -> &'static str {
-        "measured against simulated torque of the closed loop, by the simulation's exact slope"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        estimate(self.name(), problem, TorqueSlope::Exact)
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        LawException::OF_SIMULATION
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    torque_error::estimate(name, problem, TorqueSlope::Exact)
 }

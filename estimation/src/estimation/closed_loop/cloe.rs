@@ -27,11 +27,9 @@ use super::starting_point::{Descended, descend};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, IntervalBasis};
-use crate::estimation::estimator::Estimator;
 use crate::estimation::factorisation::Factorisation;
 use crate::estimation::inference::Inference;
 use crate::estimation::instruments::Instruments;
-use crate::estimation::law::LawException;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
@@ -46,84 +44,66 @@ const RISE: f64 = 1e-9;
 const LEAST_SHARE: f64 = 1e-6;
 
 /// Simulated against measured positions, with the exact slope of the simulation.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ClosedLoopOutputError;
-
-impl Estimator for ClosedLoopOutputError {
-    fn name(&self) -> &'static str {
-        "cloe"
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let trial = Trial::of(name, problem)?;
+    let (observation, equations) = (problem.observation, problem.factorised()?);
+    let problem = problem.with_factorisation(&equations);
+    let torque = LinearFit::weighted(&equations)?;
+    // The equations of this estimator: positions, whose noise is that of their residual.
+    let positions = Observation { y: trial.positions(), noise: None, torque_covariance: None, ..observation.clone() };
+    let linearise = |beta: &DVector<f64>| {
+        let (motion, slopes) = trial.slopes(beta)?;
+        Ok(Linearised { residual: trial.position_error(&motion), jacobian: slopes.q })
+    };
+    let by_torque = torque.estimate(name, &problem, &torque.fit, Termination::Direct)?.covariance_matrix();
+    let round = |at: (DVector<f64>, Linearised)| {
+        let weights = residual_weights(&positions, &at)?;
+        let hidden = Hidden::at(&at.1.jacobian, &positions, &weights, by_torque.clone())?;
+        let held = hidden.held();
+        let descent =
+            Descent { problem: &problem, observation: &positions, weights: &weights, rise: RISE, held, onto: None };
+        let rest = descent.follow(at, &linearise)?;
+        let around = descent.solve(&rest.linearised, 0.0)?;
+        Ok::<_, EstimationError>((rest, around, weights, hidden))
+    };
+    let output = Some(Output::Positions);
+    let Descended { rest, is_nominal, finding, .. } =
+        descend(&trial, torque.fit.solution(), output, &linearise, |start| Ok((round(start)?.0, ())))?;
+    let (rest, fit, weights, hidden) = round((rest.beta, rest.linearised))?;
+    let b = rest.beta.len();
+    let at_rest = |information: DMatrix<f64>| {
+        let factors = [information, DMatrix::identity(b, b)];
+        LeastSquares::from_factors(rest.beta.clone(), factors, fit.condition(), fit.condition_scaled())
+    };
+    let around = rest.linearised.equations(&positions, &rest.beta);
+    let around_equations = Factorisation::new(&around)?;
+    let around_problem = EstimationProblem { observation: &around, nominal: None, robot: None, ..problem }
+        .with_factorisation(&around_equations);
+    let linear = LinearFit {
+        fit: at_rest(fit.inverse_information())?,
+        weights: Some(weights),
+        noise: residual_noise(&around, &around.residual(&rest.beta)),
+        basis: IntervalBasis::Residual,
+    };
+    let of_positions = linear.estimate(name, &around_problem, &linear.fit, rest.termination)?;
+    // The same parameters beside measured torque.
+    let beside = at_rest(torque.fit.inverse_information())?;
+    let mut estimate = Inference {
+        estimator: name,
+        problem: &problem,
+        fit: &beside,
+        instruments: torque.weights.as_ref().map_or(Instruments::Regressor, Instruments::Weighted),
+        noise: &torque.noise,
+        basis: torque.basis,
+        termination: rest.termination,
     }
-
-    fn summary(&self) -> &'static str {
-        "measured against simulated positions of the closed loop, by the simulation's exact slope"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let trial = Trial::of(self.name(), problem)?;
-        let (observation, equations) = (problem.observation, problem.factorised()?);
-        let problem = problem.with_factorisation(&equations);
-        let torque = LinearFit::weighted(&equations)?;
-        // The equations of this estimator: positions, whose noise is that of their residual.
-        let positions =
-            Observation { y: trial.positions(), noise: None, torque_covariance: None, ..observation.clone() };
-        let linearise = |beta: &DVector<f64>| {
-            let (motion, slopes) = trial.slopes(beta)?;
-            Ok(Linearised { residual: trial.position_error(&motion), jacobian: slopes.q })
-        };
-        let by_torque = torque.estimate(self.name(), &problem, &torque.fit, Termination::Direct)?.covariance_matrix();
-        let round = |at: (DVector<f64>, Linearised)| {
-            let weights = residual_weights(&positions, &at)?;
-            let hidden = Hidden::at(&at.1.jacobian, &positions, &weights, by_torque.clone())?;
-            let held = hidden.held();
-            let descent =
-                Descent { problem: &problem, observation: &positions, weights: &weights, rise: RISE, held, onto: None };
-            let rest = descent.follow(at, &linearise)?;
-            let around = descent.solve(&rest.linearised, 0.0)?;
-            Ok::<_, EstimationError>((rest, around, weights, hidden))
-        };
-        let output = Some(Output::Positions);
-        let Descended { rest, is_nominal, finding, .. } =
-            descend(&trial, torque.fit.solution(), output, &linearise, |start| Ok((round(start)?.0, ())))?;
-        let (rest, fit, weights, hidden) = round((rest.beta, rest.linearised))?;
-        let b = rest.beta.len();
-        let at_rest = |information: DMatrix<f64>| {
-            let factors = [information, DMatrix::identity(b, b)];
-            LeastSquares::from_factors(rest.beta.clone(), factors, fit.condition(), fit.condition_scaled())
-        };
-        let around = rest.linearised.equations(&positions, &rest.beta);
-        let around_equations = Factorisation::new(&around)?;
-        let around_problem = EstimationProblem { observation: &around, nominal: None, robot: None, ..problem }
-            .with_factorisation(&around_equations);
-        let linear = LinearFit {
-            fit: at_rest(fit.inverse_information())?,
-            weights: Some(weights),
-            noise: residual_noise(&around, &around.residual(&rest.beta)),
-            basis: IntervalBasis::Residual,
-        };
-        let of_positions = linear.estimate(self.name(), &around_problem, &linear.fit, rest.termination)?;
-        // The same parameters beside measured torque.
-        let beside = at_rest(torque.fit.inverse_information())?;
-        let mut estimate = Inference {
-            estimator: self.name(),
-            problem: &problem,
-            fit: &beside,
-            instruments: torque.weights.as_ref().map_or(Instruments::Regressor, Instruments::Weighted),
-            noise: &torque.noise,
-            basis: torque.basis,
-            termination: rest.termination,
-        }
-        .estimate()?;
-        estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
-        estimate.motor_errors.clone_from(&of_positions.motor_errors);
-        estimate.interval_basis = IntervalBasis::Residual;
-        estimate.findings.extend(hidden.finding(observation, is_nominal));
-        estimate.findings.extend(finding);
-        Ok(estimate.with_covariance(&(of_positions.covariance_matrix() + hidden.covariance())))
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        LawException::OF_POSITIONS
-    }
+    .estimate()?;
+    estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
+    estimate.motor_errors.clone_from(&of_positions.motor_errors);
+    estimate.interval_basis = IntervalBasis::Residual;
+    estimate.findings.extend(hidden.finding(observation, is_nominal));
+    estimate.findings.extend(finding);
+    Ok(estimate.with_covariance(&(of_positions.covariance_matrix() + hidden.covariance())))
 }
 
 /// Weights by the residual at a trial point, correlation between joints left out: what the model misses is in it too.

@@ -16,31 +16,12 @@
 //! Source: M. Gautier, A. Janot, P.-O. Vandanjon, "A new closed-loop output error method for parameter identification of robot
 //! dynamics", IEEE Trans. Control Systems Technology 21(2), 2013.
 
-use super::torque_error::{TorqueSlope, estimate};
+use super::torque_error::{self, TorqueSlope};
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
-use crate::estimation::law::LawException;
 use crate::estimation::problem::EstimationProblem;
 
 /// Simulated against measured torque, with the regressor along the simulated motion for its slope.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct DirectInverseIdentification;
-
-impl Estimator for DirectInverseIdentification {
-    fn name(&self) -> &'static str {
-        "didim"
-    }
-
-    fn summary(&self) -> &'static str {
-        "measured against simulated torque of the closed loop, by the regressor along the simulated motion"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        estimate(self.name(), problem, TorqueSlope::Regressor)
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        LawException::OF_SIMULATION
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    torque_error::estimate(name, problem, TorqueSlope::Regressor)
 }

@@ -18,31 +18,12 @@
 use super::instrumental_fit::InstrumentalFit;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
-use crate::estimation::law::LawException;
 use crate::estimation::problem::EstimationProblem;
 
 /// Instrumental variables with the regressor along the simulated motion as instruments.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct InstrumentalVariables;
-
-impl Estimator for InstrumentalVariables {
-    fn name(&self) -> &'static str {
-        "iv"
-    }
-
-    fn summary(&self) -> &'static str {
-        "instrumental variables: the regressor along the simulated motion as instruments"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let equations = problem.factorised()?;
-        let problem = problem.with_factorisation(&equations);
-        let found = InstrumentalFit::found(self.name(), &problem, None)?;
-        found.estimate(self.name(), &problem, &found.fit, found.termination)
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        LawException::OF_SIMULATION
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let equations = problem.factorised()?;
+    let problem = problem.with_factorisation(&equations);
+    let found = InstrumentalFit::found(name, &problem, None)?;
+    found.estimate(name, &problem, &found.fit, found.termination)
 }

@@ -10,27 +10,23 @@
 //! whose motion runs away, is a rejected step. A search begins at weighted least squares, unless the problem holds a
 //! [start](crate::estimation::EstimationProblem::start).
 
-mod clie;
-mod cloe;
+pub(super) mod clie;
+pub(super) mod cloe;
 mod descent;
-mod didim;
+pub(super) mod didim;
 mod endogeneity;
 mod error;
 mod hidden;
 mod instrumental_fit;
-mod iv;
+pub(super) mod iv;
 mod shooting;
 mod simulation;
 mod starting_point;
 mod torque_error;
 mod trial;
 
-pub use clie::ClosedLoopInputError;
-pub use cloe::ClosedLoopOutputError;
-pub use didim::DirectInverseIdentification;
 pub use error::ClosedLoopError;
 pub(super) use instrumental_fit::InstrumentalFit;
-pub use iv::InstrumentalVariables;
 pub use simulation::{
     ClosedLoop, ClosedLoopFactory, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode,
     ClosedLoopSlopes, closed_loop_of,

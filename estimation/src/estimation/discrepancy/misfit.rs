@@ -75,7 +75,7 @@ struct Part {
     mean_square: f64,
 }
 
-/// `None` where there are fewer used blocks than parts.
+/// `None` where no block is used.
 fn worst_part(squares: &[Option<f64>], values: &[f64]) -> Option<Part> {
     let mut used: Vec<(f64, f64)> =
         values.iter().zip(squares).filter_map(|(value, square)| Some((value.abs(), (*square)?))).collect();
@@ -87,4 +87,21 @@ fn worst_part(squares: &[Option<f64>], values: &[f64]) -> Option<Part> {
         Some(Part { range: [first.0, last.0], mean_square: mean(&squares) })
     });
     parts.max_by(|a, b| a.mean_square.total_cmp(&b.mean_square))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn analytic_the_worst_fifth_of_the_values_is_found_and_unused_blocks_are_left_out() {
+        // Values 20 to 1, of which 18 and 5 are not used: 12 to 15 are the fourth fifth of the others.
+        let values: Vec<f64> = (0..20).map(|k| f64::from(20 - k)).collect();
+        let square = |value: f64| if (12.0..=15.0).contains(&value) { 9.0 } else { 1.0 };
+        let squares: Vec<Option<f64>> =
+            values.iter().map(|&value| (value != 5.0 && value != 18.0).then(|| square(value))).collect();
+        let worst = worst_part(&squares, &values).unwrap();
+        assert_eq!((worst.range, worst.mean_square), ([12.0, 15.0], 9.0));
+        assert!(worst_part(&[None], &[1.0]).is_none());
+    }
 }

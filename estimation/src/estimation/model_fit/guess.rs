@@ -172,3 +172,40 @@ fn rod_of_link(robot: &Robot, index: usize) -> Inertia {
     let short = (SHORTEST - length).max(0.0);
     PseudoInertia(rod(&from, &to, SLENDERNESS * length.max(SHORTEST), short)).inertia()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::chains::planar_2r;
+
+    #[test]
+    fn analytic_a_rod_has_the_moments_of_a_solid_cylinder() {
+        let (radius, length) = (0.1, 0.5);
+        let body = PseudoInertia(rod(&Vector3::zeros(), &Vector3::new(0.3, 0.0, 0.0), radius, 0.2)).inertia();
+        let mass = DENSITY * std::f64::consts::PI * radius * radius * length;
+        let about_centre = mass * (radius * radius / 4.0 + length * length / 12.0);
+        let expected = [mass, 0.15 * mass, 0.5 * mass * radius * radius, about_centre + 0.15 * 0.15 * mass];
+        let found = [body.mass, body.first_moment.x, body.rotational[(0, 0)], body.rotational[(2, 2)]];
+        for (found, expected) in found.into_iter().zip(expected) {
+            assert!((found / expected - 1.0).abs() < 1e-12, "{found} {expected}");
+        }
+    }
+
+    #[test]
+    fn analytic_a_link_is_a_rod_to_the_next_joint_and_the_last_one_half_as_long_as_that_before() {
+        let robot = planar_2r()
+            .with_joints(|joint| {
+                joint.dh = None;
+                (joint.before, joint.after) = (Placement::translation(0.3, 0.0, 0.4), Placement::identity());
+            })
+            .unwrap();
+        let links = [(0.5, Vector3::new(0.15, 0.0, 0.2)), (0.25, Vector3::new(0.0, 0.0, 0.125))];
+        for (index, (length, centre)) in links.into_iter().enumerate() {
+            let body = rod_of_link(&robot, index);
+            let radius = SLENDERNESS * length;
+            let mass = DENSITY * std::f64::consts::PI * radius * radius * length;
+            assert!((body.mass / mass - 1.0).abs() < 1e-12, "{} {mass}", body.mass);
+            assert!((body.first_moment / body.mass - centre).norm() < 1e-12);
+        }
+    }
+}

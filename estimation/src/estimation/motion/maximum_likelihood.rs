@@ -20,7 +20,6 @@ use nalgebra::{DMatrix, DVector};
 use super::noise::MotionNoise;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, IntervalBasis};
-use crate::estimation::estimator::Estimator;
 use crate::estimation::finding::Finding;
 use crate::estimation::inference::Inference;
 use crate::estimation::instruments::Instruments;
@@ -38,63 +37,50 @@ const ITERATIONS: usize = 60;
 const AT_REST: f64 = 1e-9;
 
 /// Parameters and motion of the largest likelihood.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct MaximumLikelihood;
-
-impl Estimator for MaximumLikelihood {
-    fn name(&self) -> &'static str {
-        "ml"
-    }
-
-    fn summary(&self) -> &'static str {
-        "maximum likelihood of parameters and motion, with the noise of both"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let (observation, equations) = (problem.observation, problem.factorised()?);
-        let problem = problem.with_factorisation(&equations);
-        let linear = LinearFit::weighted(&equations)?;
-        let (Some(motion), Some(noise)) = (MotionNoise::of(&problem), observation.noise.as_ref()) else {
-            let mut estimate = linear.estimate(self.name(), &problem, &linear.fit, Termination::Direct)?;
-            estimate.findings.push(Finding::MotionTakenAsExact);
-            return Ok(estimate);
-        };
-        let mut search = Search {
-            observation,
-            motion: &motion,
-            covariance: noise.covariance(),
-            corrections: vec![DVector::zeros(observation.y.len()); 3],
-        };
-        let mut beta = linear.fit.solution().clone();
-        let mut last_step = f64::INFINITY;
-        let mut step = search.step(&beta)?;
-        let mut termination = None;
-        for iterations in 1..=ITERATIONS {
-            last_step = step.size_of(&(step.fit.solution() - &beta));
-            beta = step.fit.solution().clone();
-            if last_step <= AT_REST {
-                termination = Some(Termination::Converged { iterations, last_step });
-                break;
-            }
-            termination = problem.ended_after(iterations, ITERATIONS);
-            if termination.is_some() {
-                break;
-            }
-            step = search.step(&beta)?;
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let (observation, equations) = (problem.observation, problem.factorised()?);
+    let problem = problem.with_factorisation(&equations);
+    let linear = LinearFit::weighted(&equations)?;
+    let (Some(motion), Some(noise)) = (MotionNoise::of(&problem), observation.noise.as_ref()) else {
+        let mut estimate = linear.estimate(name, &problem, &linear.fit, Termination::Direct)?;
+        estimate.findings.push(Finding::MotionTakenAsExact);
+        return Ok(estimate);
+    };
+    let mut search = Search {
+        observation,
+        motion: &motion,
+        covariance: noise.covariance(),
+        corrections: vec![DVector::zeros(observation.y.len()); 3],
+    };
+    let mut beta = linear.fit.solution().clone();
+    let mut last_step = f64::INFINITY;
+    let mut step = search.step(&beta)?;
+    let mut termination = None;
+    for iterations in 1..=ITERATIONS {
+        last_step = step.size_of(&(step.fit.solution() - &beta));
+        beta = step.fit.solution().clone();
+        if last_step <= AT_REST {
+            termination = Some(Termination::Converged { iterations, last_step });
+            break;
         }
-        let termination = termination.unwrap_or(Termination::IterationLimit { iterations: ITERATIONS, last_step });
-        let residual = residual_noise(observation, &step.residual);
-        Inference {
-            estimator: self.name(),
-            problem: &problem,
-            fit: &step.fit,
-            instruments: Instruments::Rows(&step.instruments),
-            noise: &residual,
-            basis: IntervalBasis::Residual,
-            termination,
+        termination = problem.ended_after(iterations, ITERATIONS);
+        if termination.is_some() {
+            break;
         }
-        .with_residual_noise(observation)
+        step = search.step(&beta)?;
     }
+    let termination = termination.unwrap_or(Termination::IterationLimit { iterations: ITERATIONS, last_step });
+    let residual = residual_noise(observation, &step.residual);
+    Inference {
+        estimator: name,
+        problem: &problem,
+        fit: &step.fit,
+        instruments: Instruments::Rows(&step.instruments),
+        noise: &residual,
+        basis: IntervalBasis::Residual,
+        termination,
+    }
+    .with_residual_noise(observation)
 }
 
 /// The motion as it is estimated so far.

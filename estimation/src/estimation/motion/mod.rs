@@ -6,9 +6,6 @@
 //! Least squares takes W(x̂) for W(x). Products of errors with themselves, C = Σ ΔWᵀPΔW, then add to the
 //! information A and draw the parameters towards zero, however long the recording.
 
-mod maximum_likelihood;
+pub(super) mod maximum_likelihood;
 mod noise;
-mod total;
-
-pub use maximum_likelihood::MaximumLikelihood;
-pub use total::TotalLeastSquares;
+pub(super) mod total;

@@ -19,7 +19,6 @@ use nalgebra::{DMatrix, DVector};
 use super::noise::MotionNoise;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, IntervalBasis};
-use crate::estimation::estimator::Estimator;
 use crate::estimation::finding::Finding;
 use crate::estimation::inference::Inference;
 use crate::estimation::linear_fit::LinearFit;
@@ -35,51 +34,38 @@ const ITERATIONS: usize = 50;
 const FOUND: f64 = 1e-13;
 
 /// Least squares with the noise of torque and of motion.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct TotalLeastSquares;
-
-impl Estimator for TotalLeastSquares {
-    fn name(&self) -> &'static str {
-        "tls"
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let (observation, equations) = (problem.observation, problem.factorised()?);
+    let problem = problem.with_factorisation(&equations);
+    let linear = LinearFit::weighted(&equations)?;
+    let (Some(motion), Some(weights)) = (MotionNoise::of(&problem), &linear.weights) else {
+        let mut estimate = linear.estimate(name, &problem, &linear.fit, Termination::Direct)?;
+        estimate.findings.push(Finding::MotionTakenAsExact);
+        return Ok(estimate);
+    };
+    let errors = motion.error_products(observation, weights)?;
+    let count = observation.equations();
+    let freedom = count.saturating_sub(linear.fit.solution().len()).max(1) as f64;
+    let rest = linear.residual_variance(observation)? * freedom;
+    let total = Total::of(&linear.fit, &errors, rest, count as f64).ok_or(EstimationError::NotDefinite)?;
+    let b = total.beta.len();
+    let fit = LeastSquares::from_factors(
+        total.beta,
+        [total.inverse, DMatrix::identity(b, b)],
+        linear.fit.condition(),
+        linear.fit.condition_scaled(),
+    )?;
+    let noise = residual_noise(observation, &observation.residual(fit.solution()));
+    Inference {
+        estimator: name,
+        problem: &problem,
+        fit: &fit,
+        instruments: linear.instruments(),
+        noise: &noise,
+        basis: IntervalBasis::Residual,
+        termination: total.termination,
     }
-
-    fn summary(&self) -> &'static str {
-        "generalised total least squares: the noise of torque and of motion"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let (observation, equations) = (problem.observation, problem.factorised()?);
-        let problem = problem.with_factorisation(&equations);
-        let linear = LinearFit::weighted(&equations)?;
-        let (Some(motion), Some(weights)) = (MotionNoise::of(&problem), &linear.weights) else {
-            let mut estimate = linear.estimate(self.name(), &problem, &linear.fit, Termination::Direct)?;
-            estimate.findings.push(Finding::MotionTakenAsExact);
-            return Ok(estimate);
-        };
-        let errors = motion.error_products(observation, weights)?;
-        let count = observation.equations();
-        let freedom = count.saturating_sub(linear.fit.solution().len()).max(1) as f64;
-        let rest = linear.residual_variance(observation)? * freedom;
-        let total = Total::of(&linear.fit, &errors, rest, count as f64).ok_or(EstimationError::NotDefinite)?;
-        let b = total.beta.len();
-        let fit = LeastSquares::from_factors(
-            total.beta,
-            [total.inverse, DMatrix::identity(b, b)],
-            linear.fit.condition(),
-            linear.fit.condition_scaled(),
-        )?;
-        let noise = residual_noise(observation, &observation.residual(fit.solution()));
-        Inference {
-            estimator: self.name(),
-            problem: &problem,
-            fit: &fit,
-            instruments: linear.instruments(),
-            noise: &noise,
-            basis: IntervalBasis::Residual,
-            termination: total.termination,
-        }
-        .with_residual_noise(observation)
-    }
+    .with_residual_noise(observation)
 }
 
 /// The solution of the eigenvalue problem.

@@ -18,37 +18,17 @@ use crate::estimation::closed_loop::{TorqueSearch, TorqueSlope, torque_search};
 use crate::estimation::consistent_set::Prior;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
 use crate::estimation::factorisation::Factorisation;
-use crate::estimation::law::LawException;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::problem::EstimationProblem;
 use crate::linalg::LeastSquares;
 
 /// Simulated against measured torque, with every link a possible body.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ConsistentDirectInverse;
-
-impl Estimator for ConsistentDirectInverse {
-    fn name(&self) -> &'static str {
-        "pc-didim"
-    }
-
-    fn summary(&self) -> &'static str {
-        "measured against simulated torque of the closed loop, over physically consistent sets"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let onto = |fit: &LeastSquares| Ok(consistent(problem, fit, 1.0, Prior::None)?.beta);
-        let TorqueSearch { around, weights, rest, .. } =
-            torque_search(self.name(), problem, TorqueSlope::Regressor, Some(&onto))?;
-        let equations = Factorisation::new(&around)?;
-        let linear = LinearFit::with_weights(&equations, weights)?;
-        let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
-        estimate_by_search(self.name(), &problem, &linear, rest.termination)
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        LawException::OF_SIMULATION
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let onto = |fit: &LeastSquares| Ok(consistent(problem, fit, 1.0, Prior::None)?.beta);
+    let TorqueSearch { around, weights, rest, .. } = torque_search(name, problem, TorqueSlope::Regressor, Some(&onto))?;
+    let equations = Factorisation::new(&around)?;
+    let linear = LinearFit::with_weights(&equations, weights)?;
+    let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
+    estimate_by_search(name, &problem, &linear, rest.termination)
 }

@@ -18,39 +18,19 @@ use crate::linalg::LeastSquares;
 const ROUNDING: f64 = 1e-9;
 
 /// Laws that a statement in SI does not obey.
-pub(super) const STATED_IN_SI: &[LawException] = &[LawException {
+pub(in crate::estimation) const STATED_IN_SI: &[LawException] = &[LawException {
     law: EstimatorLaw::ParameterUnits,
     reason: "what a body can have is stated in SI: columns in other units are those of other bodies",
 }];
 
 /// Laws that a prior in SI does not obey.
-pub(super) const PRIOR_IN_SI: &[LawException] = &[
+pub(in crate::estimation) const PRIOR_IN_SI: &[LawException] = &[
     LawException { law: EstimatorLaw::ParameterUnits, reason: "it needs a nominal set, which is stated in SI" },
     LawException {
         law: EstimatorLaw::TorqueUnits,
         reason: "the prior is stated in SI, and weighs against torque in SI",
     },
 ];
-
-/// Ordinary least squares, held to what is consistent.
-pub(super) fn ordinary(
-    estimator: &str,
-    problem: &EstimationProblem<'_>,
-    prior: Prior,
-) -> Result<Estimate, EstimationError> {
-    let equations = problem.factorised()?;
-    estimate(estimator, &problem.with_factorisation(&equations), &LinearFit::ordinary(&equations)?, prior)
-}
-
-/// The same near the nominal set.
-pub(super) fn near_nominal(
-    estimator: &str,
-    problem: &EstimationProblem<'_>,
-    prior: Prior,
-) -> Result<Estimate, EstimationError> {
-    problem.nominal_for(estimator)?;
-    ordinary(estimator, problem, prior)
-}
 
 /// The estimate of a linear fit, held to what is consistent.
 pub(super) fn estimate(

@@ -17,39 +17,20 @@ use crate::estimation::closed_loop::InstrumentalFit;
 use crate::estimation::consistent_set::Prior;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
-use crate::estimation::law::LawException;
 use crate::estimation::problem::EstimationProblem;
 use crate::estimation::termination::Termination;
 use crate::linalg::LeastSquares;
 
 /// Instrumental variables with every link a possible body.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ConsistentInstrumental;
-
-impl Estimator for ConsistentInstrumental {
-    fn name(&self) -> &'static str {
-        "pc-iv"
-    }
-
-    fn summary(&self) -> &'static str {
-        "instrumental variables over physically consistent sets"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let equations = problem.factorised()?;
-        let problem = problem.with_factorisation(&equations);
-        // Weights are 1/σ²: the noise is their unit.
-        let nearest = |fit: &LeastSquares| consistent(&problem, fit, 1.0, Prior::None);
-        let found = InstrumentalFit::found(self.name(), &problem, Some(&|fit| Ok(nearest(fit)?.beta)))?;
-        let fit = nearest(&found.in_own_covariance()?)?;
-        let termination = found.termination.with_last_step(fit.termination);
-        let plain = found.estimate(self.name(), &problem, &found.fit, Termination::Direct)?;
-        let held = found.estimate(self.name(), &problem, &as_fit(&found.fit, &fit)?, termination)?;
-        restate(&problem, &plain, held, &fit)
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        LawException::OF_SIMULATION
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let equations = problem.factorised()?;
+    let problem = problem.with_factorisation(&equations);
+    // Weights are 1/σ²: the noise is their unit.
+    let nearest = |fit: &LeastSquares| consistent(&problem, fit, 1.0, Prior::None);
+    let found = InstrumentalFit::found(name, &problem, Some(&|fit| Ok(nearest(fit)?.beta)))?;
+    let fit = nearest(&found.in_own_covariance()?)?;
+    let termination = found.termination.with_last_step(fit.termination);
+    let plain = found.estimate(name, &problem, &found.fit, Termination::Direct)?;
+    let held = found.estimate(name, &problem, &as_fit(&found.fit, &fit)?, termination)?;
+    restate(&problem, &plain, held, &fit)
 }

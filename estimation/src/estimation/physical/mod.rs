@@ -20,23 +20,13 @@
 //! inequality approach", International Journal of Robotics Research 33(6), 2014; P. M. Wensing, S. Kim, J.-J. Slotine (2018);
 //! T. Lee, P. M. Wensing, F. C. Park (2020), for the priors.
 
-mod direct_inverse;
-mod entropic;
-mod euclidean;
+pub(super) mod direct_inverse;
 mod fit;
 mod inference;
-mod instrumental;
-mod ordinary;
-mod pullback;
-mod reweighted;
+pub(super) mod instrumental;
+pub(super) mod ordinary;
+pub(super) mod reweighted;
 mod solution;
-mod weighted;
+pub(super) mod weighted;
 
-pub use direct_inverse::ConsistentDirectInverse;
-pub use entropic::EntropicPrior;
-pub use euclidean::EuclideanPrior;
-pub use instrumental::ConsistentInstrumental;
-pub use ordinary::ConsistentOrdinary;
-pub use pullback::PullbackPrior;
-pub use reweighted::ConsistentReweighted;
-pub use weighted::ConsistentWeighted;
+pub(super) use fit::{PRIOR_IN_SI, STATED_IN_SI};

@@ -13,14 +13,11 @@
 //! J. R. Guadarrama-Olvera, G. Cheng, "Inertial parameter identification in robotics: a survey", Applied Sciences 11(9), 2021, for the
 //! estimators that combine the two.
 
-use super::fit::STATED_IN_SI;
 use super::inference::restate;
 use super::solution::consistent;
 use crate::estimation::consistent_set::Prior;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
-use crate::estimation::law::LawException;
 use crate::estimation::problem::EstimationProblem;
 use crate::estimation::robust::{Loss, RobustFit, from_least_squares, robust_estimate, weighted_rows};
 use crate::estimation::termination::Termination;
@@ -32,50 +29,33 @@ const ITERATIONS: usize = 100;
 const AT_REST: f64 = 1e-6;
 
 /// Huber's M-estimate with every link a possible body.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ConsistentReweighted;
-
-impl Estimator for ConsistentReweighted {
-    fn name(&self) -> &'static str {
-        "pc-irls"
-    }
-
-    fn summary(&self) -> &'static str {
-        "Huber's M-estimate over physically consistent sets"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let (observation, equations) = (problem.observation, problem.factorised()?);
-        let problem = problem.with_factorisation(&equations);
-        let mut robust = from_least_squares(&problem, equations.least_squares()?.solution(), Loss::Huber)?;
-        let mut iterations = 0;
-        loop {
-            iterations += 1;
-            // Weights are 1/s² times at most one: the noise is their unit.
-            let plain = weighted_rows(observation, &robust.weights(observation))?;
-            let fit = consistent(&problem, &plain, 1.0, Prior::None)?;
-            let before = robust.scaled_residual(observation);
-            let next = RobustFit::at(observation, Loss::Huber, fit.beta.clone(), fit.termination);
-            let moved = (next.scaled_residual(observation) - before).norm() / (observation.equations() as f64).sqrt();
-            robust = next;
-            let ended = moved <= AT_REST;
-            let interrupted = problem.ended_after(iterations, ITERATIONS);
-            if ended || interrupted.is_some() || iterations == ITERATIONS || !fit.termination.was_successful() {
-                robust.termination = match fit.termination {
-                    Termination::Optimal { .. } if ended => Termination::Converged { iterations, last_step: moved },
-                    Termination::Optimal { .. } => {
-                        interrupted.unwrap_or(Termination::IterationLimit { iterations, last_step: moved })
-                    }
-                    other => other,
-                };
-                let held = robust_estimate(self.name(), &problem, &robust)?;
-                let own = RobustFit { beta: plain.solution().clone(), ..robust };
-                return restate(&problem, &robust_estimate(self.name(), &problem, &own)?, held, &fit);
-            }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let (observation, equations) = (problem.observation, problem.factorised()?);
+    let problem = problem.with_factorisation(&equations);
+    let mut robust = from_least_squares(&problem, equations.least_squares()?.solution(), Loss::Huber)?;
+    let mut iterations = 0;
+    loop {
+        iterations += 1;
+        // Weights are 1/s² times at most one: the noise is their unit.
+        let plain = weighted_rows(observation, &robust.weights(observation))?;
+        let fit = consistent(&problem, &plain, 1.0, Prior::None)?;
+        let before = robust.scaled_residual(observation);
+        let next = RobustFit::at(observation, Loss::Huber, fit.beta.clone(), fit.termination);
+        let moved = (next.scaled_residual(observation) - before).norm() / (observation.equations() as f64).sqrt();
+        robust = next;
+        let ended = moved <= AT_REST;
+        let interrupted = problem.ended_after(iterations, ITERATIONS);
+        if ended || interrupted.is_some() || iterations == ITERATIONS || !fit.termination.was_successful() {
+            robust.termination = match fit.termination {
+                Termination::Optimal { .. } if ended => Termination::Converged { iterations, last_step: moved },
+                Termination::Optimal { .. } => {
+                    interrupted.unwrap_or(Termination::IterationLimit { iterations, last_step: moved })
+                }
+                other => other,
+            };
+            let held = robust_estimate(name, &problem, &robust)?;
+            let own = RobustFit { beta: plain.solution().clone(), ..robust };
+            return restate(&problem, &robust_estimate(name, &problem, &own)?, held, &fit);
         }
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        STATED_IN_SI
     }
 }

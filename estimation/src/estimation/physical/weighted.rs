@@ -12,36 +12,17 @@
 //! approach", International Journal of Robotics Research 33(6), 2014; P. M. Wensing, S. Kim, J.-J. Slotine, "Linear matrix inequalities for
 //! physically consistent inertial parameter identification", IEEE Robotics and Automation Letters 3(1), 2018, for pseudo-inertias.
 
-use super::fit::{STATED_IN_SI, estimate};
+use super::fit;
 use crate::estimation::consistent_set::Prior;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
-use crate::estimation::law::LawException;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::problem::EstimationProblem;
 
 /// Weighted least squares with every link a possible body.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ConsistentWeighted;
-
-impl Estimator for ConsistentWeighted {
-    fn name(&self) -> &'static str {
-        "pc-wls"
-    }
-
-    fn summary(&self) -> &'static str {
-        "weighted least squares over physically consistent sets"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let equations = problem.factorised()?;
-        let problem = problem.with_factorisation(&equations);
-        let linear = LinearFit::weighted(&equations)?;
-        estimate(self.name(), &problem, &linear, Prior::None)
-    }
-
-    fn exceptions(&self) -> &[LawException] {
-        STATED_IN_SI
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let equations = problem.factorised()?;
+    let problem = problem.with_factorisation(&equations);
+    let linear = LinearFit::weighted(&equations)?;
+    fit::estimate(name, &problem, &linear, Prior::None)
 }

@@ -18,25 +18,11 @@ use super::belief::Belief;
 use super::walk;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
 use crate::estimation::problem::EstimationProblem;
 
 /// The Kalman filter by covariances.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ExtendedKalmanFilter;
-
-impl Estimator for ExtendedKalmanFilter {
-    fn name(&self) -> &'static str {
-        "ekf"
-    }
-
-    fn summary(&self) -> &'static str {
-        "Kalman filter of parameters that walk at random"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        walk::estimate::<Covariance>(self.name(), problem)
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    walk::estimate::<Covariance>(name, problem)
 }
 
 /// Mean and covariance.

@@ -12,9 +12,6 @@
 //! ones it is weighted least squares with more to choose.
 
 mod belief;
-mod ekf;
-mod pf;
+pub(super) mod ekf;
+pub(super) mod pf;
 mod walk;
-
-pub use ekf::ExtendedKalmanFilter;
-pub use pf::ParticleFilter;

@@ -24,7 +24,6 @@ use super::belief::Belief;
 use super::walk;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
 use crate::estimation::problem::EstimationProblem;
 use crate::linalg::product;
 use crate::seed::{Seed, Stream};
@@ -46,21 +45,8 @@ const PARTS: usize = 1000;
 const SEED: Seed = Seed::new(2003);
 
 /// The Gaussian particle filter.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct ParticleFilter;
-
-impl Estimator for ParticleFilter {
-    fn name(&self) -> &'static str {
-        "pf"
-    }
-
-    fn summary(&self) -> &'static str {
-        "Gaussian particle filter of parameters that walk at random"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        walk::estimate::<Particles>(self.name(), problem)
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    walk::estimate::<Particles>(name, problem)
 }
 
 /// Points with weights.

@@ -19,32 +19,18 @@ use super::s_estimate;
 use super::scale::m_scales;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
-use crate::estimation::estimator::Estimator;
 use crate::estimation::problem::EstimationProblem;
 use crate::estimation::termination::Termination;
 
 /// Tukey's M-estimate from the fit with the smallest M-scale.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct MmEstimator;
-
-impl Estimator for MmEstimator {
-    fn name(&self) -> &'static str {
-        "mm"
-    }
-
-    fn summary(&self) -> &'static str {
-        "a fit of the better half of the equations, then Tukey's weights: withstands wrong states too"
-    }
-
-    fn estimate(&self, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
-        let (observation, equations) = (problem.observation, problem.factorised()?);
-        let problem = problem.with_factorisation(&equations);
-        let start = s_estimate::search(&problem, equations.least_squares()?.solution())?;
-        let scales = m_scales(observation, &observation.residual(&start.beta));
-        let mut robust = iterate(&problem, start.beta, Loss::Tukey, Scales::Fixed(scales))?;
-        robust.termination = both(start.termination, robust.termination);
-        inference::estimate(self.name(), &problem, &robust)
-    }
+pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Estimate, EstimationError> {
+    let (observation, equations) = (problem.observation, problem.factorised()?);
+    let problem = problem.with_factorisation(&equations);
+    let start = s_estimate::search(&problem, equations.least_squares()?.solution())?;
+    let scales = m_scales(observation, &observation.residual(&start.beta));
+    let mut robust = iterate(&problem, start.beta, Loss::Tukey, Scales::Fixed(scales))?;
+    robust.termination = both(start.termination, robust.termination);
+    inference::estimate(name, &problem, &robust)
 }
 
 /// The end of two iterations, one after the other.

@@ -9,21 +9,15 @@
 //! References: P. J. Huber, E. M. Ronchetti, *Robust Statistics*, 2nd ed., Wiley, 2009, ch. 7; R. A. Maronna et al., *Robust
 //! Statistics: Theory and Methods*, 2nd ed., Wiley, 2019, ch. 4 and 5.
 
-mod cauchy;
 mod components;
-mod huber;
 mod inference;
 mod iteration;
 mod loss;
-mod mm;
+pub(super) mod mm;
+pub(super) mod reweighted;
 mod s_estimate;
 mod scale;
-mod tukey;
 
-pub use cauchy::ReweightedCauchy;
-pub use huber::ReweightedHuber;
 pub(super) use inference::estimate as robust_estimate;
 pub(super) use iteration::{RobustFit, from_least_squares, weighted_rows};
 pub(super) use loss::Loss;
-pub use mm::MmEstimator;
-pub use tukey::ReweightedTukey;

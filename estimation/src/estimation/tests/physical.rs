@@ -158,6 +158,7 @@ fn the_exceptions_are_what_they_say() {
     for kind in NEAR_A_PRIOR {
         let problem = EstimationProblem::new(&case.observation);
         let expected = EstimationError::Missing { estimator: kind.name().to_owned(), part: ProblemPart::Nominal };
+        assert!(expected.to_string().contains("a nominal set of parameters"), "{expected}");
         assert_eq!(kind.estimator().estimate(&problem).unwrap_err(), expected);
         // Torque in mN·m weighs a thousand times against it: the estimate is not a thousand times as large.
         let mut scaled = case.observation.clone();

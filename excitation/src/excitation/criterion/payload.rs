@@ -103,6 +103,7 @@ mod tests {
         let expected = libm::log(covariance.determinant()) - 10.0 * std::f64::consts::LN_2;
         let value = criterion.evaluate(&m, None).value;
         assert!((value - expected).abs() < 1e-8 * expected.abs(), "{value} {expected}");
+        assert!(criterion.report(value) == -value && criterion.is_larger_better());
     }
 
     #[test]

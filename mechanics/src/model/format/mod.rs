@@ -81,4 +81,4 @@ pub use text_edit::{EditedText, note};
 pub use tree::{ChainEnds, ImportedModel, SnappedJoint};
 pub use urdf::{parse_urdf, parse_urdf_as_written};
 pub use urdf_edit::edit_urdf;
-pub use urdf_writer::write_urdf;
+pub use urdf_writer::{write_urdf, write_urdf_to_view};

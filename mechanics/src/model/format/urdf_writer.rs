@@ -10,16 +10,20 @@
 use crate::model::term::{COULOMB, VISCOUS};
 use std::fmt::Write;
 
-use nalgebra::Matrix3;
+use nalgebra::{Matrix3, Vector3};
 
 use super::tree::moved;
+use crate::model::capsule::Capsule;
 use crate::model::joint::{Joint, JointKind};
 use crate::model::parameters::StandardParameters;
 use crate::model::robot::Robot;
+use crate::model::shape::{Cuboid, Solid};
 use crate::spatial::{Inertia, Placement};
 
 /// What is written for a limit that is not stated: URDF asks for a number.
 const NO_LIMIT: f64 = 1e9;
+/// Radius of the rods that stand for links of unknown shape, m.
+const ROD: f64 = 0.02;
 
 /// Writes a robot with these parameters as URDF that [`parse_urdf`](super::parse_urdf) reads, and other tools too.
 /// `header` stands on top as a comment.
@@ -34,17 +38,45 @@ const NO_LIMIT: f64 = 1e9;
 /// assert_eq!(parse_urdf(&text, &ChainEnds::default()).unwrap().robot.dof(), 6);
 /// ```
 pub fn write_urdf(robot: &Robot, parameters: &StandardParameters, header: &str) -> String {
+    written(robot, parameters, header, &|_, _| String::new())
+}
+
+/// The same for viewers, with the bodies of collision checks as what one sees; of a robot without any, a rod from joint to joint.
+pub fn write_urdf_to_view(robot: &Robot, parameters: &StandardParameters, header: &str) -> String {
+    let joints = robot.joints();
+    written(robot, parameters, header, &|link, frame| {
+        let bodies = robot.shapes().iter().filter(|shape| shape.link == link);
+        let mut drawn: String = bodies.map(|shape| visual(&shape.solid, frame)).collect();
+        if robot.shapes().is_empty() {
+            let end = joints.get(link).map_or(frame.translation, |next| frame.compose(&next.before).translation);
+            drawn += &rod(&Capsule { from: Vector3::zeros(), to: end, radius: ROD }, &Placement::identity());
+        }
+        drawn
+    })
+}
+
+/// What a link looks like, by its number and by the pose of its frame in that of the URDF.
+type Visuals<'a> = dyn Fn(usize, &Placement) -> String + 'a;
+
+fn written(robot: &Robot, parameters: &StandardParameters, header: &str, visuals: &Visuals<'_>) -> String {
     let mut out = "<?xml version=\"1.0\"?>\n<!--\n".to_owned();
     // Writing to a String cannot fail.
     for line in header.lines() {
         let _ = writeln!(out, "  {}", commented(line));
     }
-    let _ = write!(out, "-->\n<robot name=\"{}\">\n  <link name=\"base\"/>\n", escaped(robot.name()));
+    let seen = visuals(0, robot.base());
+    let base = if seen.is_empty() {
+        "<link name=\"base\"/>".to_owned()
+    } else {
+        format!("<link name=\"base\">\n{seen}  </link>")
+    };
+    let _ = write!(out, "-->\n<robot name=\"{}\">\n  {base}\n", escaped(robot.name()));
     let (mut parent, mut end) = ("base".to_owned(), *robot.base());
     for (index, joint) in robot.joints().iter().enumerate() {
         let name = format!("link{}", index + 1);
         write_joint(&mut out, joint, &parent, &name, &end.compose(&joint.before), parameters, index);
-        write_link(&mut out, &name, &moved(&parameters.links[index], &joint.after));
+        let seen = visuals(index + 1, &joint.after);
+        write_link(&mut out, &name, &moved(&parameters.links[index], &joint.after), &seen);
         (parent, end) = (name, joint.after);
     }
     let _ = write!(
@@ -94,14 +126,14 @@ fn write_joint(
     );
 }
 
-fn write_link(out: &mut String, name: &str, link: &Inertia) {
+fn write_link(out: &mut String, name: &str, link: &Inertia, visuals: &str) {
     let com = link.com().unwrap_or_default();
     let i = link.about_com();
     let _ = write!(
         out,
         "  <link name=\"{name}\">\n    <inertial>\n      <origin xyz=\"{:?} {:?} {:?}\" rpy=\"0 0 0\"/>\n      \
          <mass value=\"{:?}\"/>\n      <inertia ixx=\"{:?}\" ixy=\"{:?}\" ixz=\"{:?}\" iyy=\"{:?}\" iyz=\"{:?}\" \
-         izz=\"{:?}\"/>\n    </inertial>\n  </link>\n",
+         izz=\"{:?}\"/>\n    </inertial>\n{visuals}  </link>\n",
         com.x,
         com.y,
         com.z,
@@ -113,6 +145,44 @@ fn write_link(out: &mut String, name: &str, link: &Inertia) {
         i[(1, 2)],
         i[(2, 2)]
     );
+}
+
+/// A body as it is seen, in a frame in which that of its link has this pose.
+fn visual(solid: &Solid, frame: &Placement) -> String {
+    match solid {
+        Solid::Cuboid(Cuboid { placement, half }) => {
+            let size = 2.0 * half;
+            let geometry = format!("<box size=\"{:?} {:?} {:?}\"/>", size.x, size.y, size.z);
+            shown(&frame.compose(placement), &geometry)
+        }
+        Solid::Capsule(_) | Solid::Hull(_) => rod(&solid.enclosing_capsule(), frame),
+    }
+}
+
+/// A cylinder between two balls.
+fn rod(&Capsule { from, to, radius }: &Capsule, frame: &Placement) -> String {
+    let ball = |at: Vector3<f64>| {
+        shown(
+            &frame.compose(&Placement { rotation: Matrix3::identity(), translation: at }),
+            &format!("<sphere radius=\"{radius:?}\"/>"),
+        )
+    };
+    let along = to - from;
+    let length = along.norm();
+    if length == 0.0 {
+        return ball(from);
+    }
+    // A frame whose z axis is that of the cylinder; x is across the coordinate axis that is least along it.
+    let z = along / length;
+    let x = Vector3::ith(z.iamin(), 1.0).cross(&z).normalize();
+    let rotation = Matrix3::from_columns(&[x, z.cross(&x), z]);
+    let middle = Placement { rotation, translation: 0.5 * (from + to) };
+    let cylinder = shown(&frame.compose(&middle), &format!("<cylinder radius=\"{radius:?}\" length=\"{length:?}\"/>"));
+    format!("{}{cylinder}{}", ball(from), ball(to))
+}
+
+fn shown(place: &Placement, geometry: &str) -> String {
+    format!("    <visual>\n      {}\n      <geometry>{geometry}</geometry>\n    </visual>\n", origin(place))
 }
 
 fn escaped(name: &str) -> String {

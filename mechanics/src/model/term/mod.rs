@@ -20,11 +20,7 @@ mod joint_spring;
 mod law;
 mod list;
 mod load_friction;
-mod motor_coulomb;
-mod motor_load_friction;
-mod motor_stribeck;
-mod motor_viscous;
-mod motor_warm_viscous;
+mod motor;
 mod number;
 mod offset;
 mod position_friction;
@@ -46,11 +42,9 @@ pub use joint_spring::JointSpring;
 pub use law::{TermLaw, TorqueTerm};
 pub use list::*;
 pub use load_friction::LoadFriction;
-pub use motor_coulomb::MotorCoulombFriction;
-pub use motor_load_friction::MotorLoadFriction;
-pub use motor_stribeck::MotorStribeck;
-pub use motor_viscous::MotorViscousFriction;
-pub use motor_warm_viscous::MotorWarmViscousFriction;
+pub use motor::{
+    MotorCoulombFriction, MotorLoadFriction, MotorStribeck, MotorViscousFriction, MotorWarmViscousFriction,
+};
 pub use number::{Number, Scale, Slope};
 pub use offset::Offset;
 pub use position_friction::{PositionCosine, PositionSine};

@@ -1,0 +1,162 @@
+//! What estimates and models predict of logs.
+
+use armid::calibration::{TransmissionStiffness, transmission_stiffness};
+use armid::estimation::{
+    Estimate, EstimationError, Identification, Model, ResidualTrends, TorqueResidual, TorqueSeries, Validation, predict,
+};
+use armid::model::Columns;
+use armid::regressor::JointTorqueRegressor;
+use armid::remedy::{Remedy, Setting, Task};
+use armid::signal::Samples;
+
+use super::processed_log::ProcessedLog;
+use crate::error::Error;
+
+/// An error of an estimate or of a model that is called `name`.
+fn named(name: &str) -> impl Fn(EstimationError) -> Error {
+    move |error| Error::mismatch(format!("{name}: {error}"))
+}
+
+impl ProcessedLog {
+    /// Gives the robot the shape parameters of friction that an estimate was made with. `name` is what errors call the estimate.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn take_shape(&mut self, estimate: &Estimate, name: &str) -> Result<(), Error> {
+        let robot = estimate.robot(&self.robot.robot, self.columns_of(estimate, name)?);
+        self.robot.robot = robot.map_err(named(name))?;
+        Ok(())
+    }
+
+    /// Compares what an estimate predicts with these logs. `name` is what errors call the estimate.
+    ///
+    /// # Errors
+    /// [`Error`] where the estimate is of another robot or of other parameters.
+    pub fn validate(&self, estimate: &Estimate, name: &str) -> Result<Validation, Error> {
+        let columns = self.columns_of(estimate, name)?;
+        let identification = Identification::new(&self.robot.robot, columns);
+        identification.and_then(|of| of.validate(estimate, &self.samples)).map_err(named(name))
+    }
+
+    /// Compares what a model predicts with these logs. `name` is what errors call its file.
+    ///
+    /// # Errors
+    /// As [`Self::model_residual`].
+    pub fn validate_model(&self, model: &Model<'_>, name: &str) -> Result<Validation, Error> {
+        Validation::of_model(model, &self.samples).map_err(named(name))
+    }
+
+    /// How much of the measured torque an estimate leaves unexplained, at the bandwidth of the settings: in what is used,
+    /// and in what is held out where anything is.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn residual(&self, estimate: &Estimate, name: &str) -> Result<(TorqueResidual, Option<TorqueResidual>), Error> {
+        let (regressor, hz) = (self.regressor_of(estimate, name)?, self.settings.bandwidth_hz);
+        self.in_both(|parts| TorqueResidual::new(estimate, &regressor, parts, hz).map_err(named(name)))
+    }
+
+    /// The same of a model that was read from a file, which errors call `name`.
+    ///
+    /// # Errors
+    /// [`Error`] where it is of another arm.
+    pub fn model_residual(
+        &self,
+        model: &Model<'_>,
+        name: &str,
+    ) -> Result<(TorqueResidual, Option<TorqueResidual>), Error> {
+        self.in_both(|parts| TorqueResidual::of_model(model, parts, self.settings.bandwidth_hz).map_err(named(name)))
+    }
+
+    /// Of what is used, and of what is held out where anything is.
+    fn in_both<T>(&self, of: impl Fn(&[Samples]) -> Result<T, Error>) -> Result<(T, Option<T>), Error> {
+        let held_out = if self.held_out.is_empty() { None } else { Some(of(&self.held_out)?) };
+        Ok((of(&self.parts)?, held_out))
+    }
+
+    /// Measured and predicted torque of each log, and of what is held out, below the bandwidth of the settings.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn series(&self, estimate: &Estimate, name: &str, parts: &[Samples]) -> Result<Vec<TorqueSeries>, Error> {
+        let regressor = self.regressor_of(estimate, name)?;
+        let of = |samples: &Samples| {
+            let bandwidth = self.settings.bandwidth_hz.min(0.4 * samples.rate_hz);
+            TorqueSeries::new(estimate, &regressor, samples, bandwidth).map_err(named(name))
+        };
+        parts.iter().map(of).collect()
+    }
+
+    /// The stiffness of every transmission, by what an estimate predicts; `None` where the logs hold no positions of the links. `name` is what errors
+    /// call the estimate.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn transmissions(&self, estimate: &Estimate, name: &str) -> Result<Option<Vec<TransmissionStiffness>>, Error> {
+        if self.samples.link_q.is_none() {
+            return Ok(None);
+        }
+        let robot = &self.robot.robot;
+        let regressor = self.regressor_of(estimate, name)?;
+        let modelled = predict(estimate, &regressor, &self.samples.states).map_err(named(name))?;
+        let found = transmission_stiffness(robot, &self.samples, &modelled);
+        found.map(Some).map_err(|error| Error::new(format!("{}: {error}", self.name())))
+    }
+
+    /// What the residual of an estimate shows on the equations that it was made from.
+    ///
+    /// # Errors
+    /// As [`Self::validate`].
+    pub fn residual_trends(&self, estimate: &Estimate, name: &str) -> Result<ResidualTrends, Error> {
+        let columns = self.columns_of(estimate, name)?;
+        let robot = estimate.robot(&self.robot.robot, columns).map_err(named(name))?;
+        let observation = self.identification_of(&robot, columns).and_then(|of| of.observation(&self.samples));
+        let observation = observation.map_err(|error| self.unestimated(&error))?;
+        ResidualTrends::new(&robot, &observation, &self.samples, estimate).map_err(named(name))
+    }
+
+    /// What each base parameter of an estimate stands for, in its order.
+    ///
+    /// # Errors
+    /// [`Error`] where the estimate is of another robot or of other parameters.
+    pub fn expressions(&self, estimate: &Estimate, name: &str) -> Result<Vec<String>, Error> {
+        let columns = self.columns_of(estimate, name)?;
+        let robot = &self.robot.robot;
+        let identification = self.identification(columns);
+        let identification =
+            identification.map_err(|error| Error::new(format!("robot \"{}\": {error}", robot.name())))?;
+        let base = identification.base();
+        let (names, expressions) = (base.names(), base.expressions(robot));
+        estimate
+            .base
+            .iter()
+            .map(|parameter| {
+                let at = names.iter().position(|name| *name == parameter.name);
+                at.map(|at| expressions[at].clone()).ok_or_else(|| {
+                    let message =
+                        format!("{name}: \"{}\" is not a base parameter of \"{}\"", parameter.name, robot.name());
+                    Error::mismatch(message)
+                })
+            })
+            .collect()
+    }
+
+    /// By which an estimate predicts.
+    fn regressor_of(&self, estimate: &Estimate, name: &str) -> Result<JointTorqueRegressor, Error> {
+        let found = estimate.regressor(&self.robot.robot, self.columns_of(estimate, name)?);
+        found.map_err(named(name))
+    }
+
+    fn columns_of(&self, estimate: &Estimate, name: &str) -> Result<Columns, Error> {
+        let robot = &self.robot.robot;
+        if estimate.robot != robot.name() {
+            let message = format!("{name} is of robot \"{}\", expected \"{}\"", estimate.robot, robot.name());
+            let help = Remedy::task(Task::Identify, "LOG").with(Setting::Output, "E.json");
+            return Err(Error::mismatch(message).help(help.say(" makes an estimate of this robot")));
+        }
+        Columns::parse(&estimate.columns).ok_or_else(|| {
+            let names = Columns::ALL.map(|columns| columns.to_string()).join(", ");
+            Error::new(format!("{name}: columns is \"{}\", expected one of {names}", estimate.columns))
+        })
+    }
+}
