@@ -58,8 +58,8 @@ pub(crate) fn left_out(prepared: &ProcessedLog) -> String {
         let slow = 100.0 * prepared.settings.processing.reversal_fraction;
         if report.equations.iter().any(|count| *count < report.blocks) {
             let sentence = format!(
-                "{}: left out of the fit, where a joint is slower than {slow} % of its top speed, a channel is at fault or the \
-                 filter has an edge: {} of the rows of its joints",
+                "{}: left out of the fit, where a joint turns round or is slower than {slow} % of its top speed, a channel is \
+                 at fault or the filter has an edge: {} of the rows of its joints",
                 report.name,
                 shares.join(", ")
             );

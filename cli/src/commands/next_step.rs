@@ -12,6 +12,9 @@ impl Command {
             Self::Reduce(_) => "`armid robot ROBOT` checks the robot alone, `armid reduce --help` shows examples",
             Self::Dynamics(_) => "`armid robot ROBOT` checks the robot alone, `armid dynamics --help` shows examples",
             Self::Design(_) => "`armid robot ROBOT` checks the robot alone, `armid design --help` shows examples",
+            Self::Trajectory(_) => {
+                "`armid design ROBOT --criterion d-optimal -o T.toml` makes a trajectory, `armid trajectory sample --help` shows examples"
+            }
             Self::Run(_) => {
                 "`armid init ROBOT` makes an experiment to begin with, `armid doctor` says which arms are here"
             }

@@ -155,6 +155,13 @@ pub enum Finding {
         /// Whether they keep nominal values, since an arm with those of weighted least squares could not be simulated.
         nominal: bool,
     },
+    /// The search began by multiple shooting, since the motion of weighted least squares, or of the nominal set, runs away.
+    MultipleShooting {
+        /// Intervals of the motion.
+        intervals: usize,
+        /// Largest gap between two of them at its end, over the spread of that number along the motion.
+        gap: f64,
+    },
     /// The iteration did not come to its result: the values are those of its last step.
     Unfinished {
         /// How it ended.
@@ -253,6 +260,10 @@ impl Finding {
             }
             Self::Unfinished { .. } => {
                 "do not use these values: take another estimator, or leave out terms that the data hardly show"
+            }
+            Self::MultipleShooting { .. } => {
+                "the estimate is that of the whole motion all the same; an arm with the parameters of `wls` runs away: look for a \
+                 sign, a unit or a torque constant first"
             }
             Self::Impossible { .. } => "identify with selected terms: that looks for the term that the model lacks",
             Self::InconsistentLink { .. } | Self::NegativeDrive { .. } => {
@@ -359,6 +370,10 @@ impl fmt::Display for Finding {
                 }
             ),
             Self::Unfinished { termination } => write!(f, "the search {termination}"),
+            Self::MultipleShooting { intervals, gap } => write!(
+                f,
+                "the search began by multiple shooting over {intervals} intervals, whose gaps it closed to {gap:.0e} of the motion"
+            ),
             Self::Impossible { parameters } => write!(
                 f,
                 "{} below zero by more than 3 standard deviations, as of no arm: errors of the model, whose intervals are withheld",

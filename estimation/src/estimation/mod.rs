@@ -63,7 +63,8 @@ mod weighted;
 mod tests;
 
 pub use closed_loop::{
-    ClosedLoop, ClosedLoopError, ClosedLoopFactory, ClosedLoopMotion, ClosedLoopSlopes, closed_loop_of,
+    ClosedLoop, ClosedLoopError, ClosedLoopFactory, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion,
+    ClosedLoopNode, ClosedLoopSlopes, closed_loop_of,
 };
 pub use comparison::{ComparedParameter, Comparison, compare};
 pub use completion::{Completion, complete};

@@ -44,7 +44,12 @@ pub(super) fn aperiodic(
     settings: &LogSettings,
     [cutoff_hz, rate_hz]: [f64; 2],
 ) -> Result<Samples, Error> {
-    let processing = &Processing { cutoff_hz: Some(cutoff_hz), ..settings.processing.clone() };
+    // A cut-off that is stated leaves the rows as they are: so is a fit repeated that was made elsewhere.
+    let reversal_cycles = match settings.processing.cutoff_hz {
+        Some(_) => 0.0,
+        None => settings.processing.reversal_cycles,
+    };
+    let processing = &Processing { cutoff_hz: Some(cutoff_hz), reversal_cycles, ..settings.processing.clone() };
     let segments: Vec<usize> = log.segments.iter().map(|segment| segment.samples).collect();
     let record = record(log, &segments, settings);
     let unit = log.effort_unit.unwrap_or_else(|| robot.effort());

@@ -98,6 +98,26 @@ impl JointPid {
         self.fresh = true;
     }
 
+    /// What is remembered from step to step: last errors, their filtered rates, integrals; n each.
+    pub(super) fn memory(&self) -> [&[f64]; 3] {
+        [&self.last_error, &self.rate, &self.integral]
+    }
+
+    /// Goes on from what was remembered elsewhere, as [`JointPid::memory`] gives it.
+    pub(super) fn recall(&mut self, [last_error, rate, integral]: [&[f64]; 3]) {
+        self.last_error.copy_from_slice(last_error);
+        self.rate.copy_from_slice(rate);
+        self.integral.copy_from_slice(integral);
+        self.fresh = false;
+    }
+
+    /// Adds these motor torques to the integrals, N·m; n.
+    pub(super) fn add_to_integrals(&mut self, torque: &[f64]) {
+        for (integral, torque) in self.integral.iter_mut().zip(torque) {
+            *integral += torque;
+        }
+    }
+
     /// One servo step: commanded and measured motor coordinates (rad) in, motor currents (A) out, n each. Returns
     /// whether a current is at its limit.
     pub fn step(&mut self, command: &[f64], measured: &[f64], current: &mut [f64]) -> bool {

@@ -136,6 +136,29 @@ impl JointLoop {
         self.fresh = true;
     }
 
+    /// What the servo remembers from step to step, in motor coordinates: last errors (rad), their filtered rates (rad/s) and
+    /// integrals (N·m), 3n.
+    pub fn memory(&self) -> Vec<f64> {
+        self.controller.memory().concat()
+    }
+
+    /// Goes on with this memory (3n), as if the servo had come to it.
+    ///
+    /// # Panics
+    /// If it is of another number of joints.
+    pub fn recall(&mut self, memory: &[f64]) {
+        let n = self.tau.len();
+        assert_eq!(memory.len(), 3 * n, "three numbers for each motor");
+        self.controller.recall([&memory[..n], &memory[n..2 * n], &memory[2 * n..]]);
+        self.fresh = true;
+    }
+
+    /// Adds to the integrals so much of joint torque, N·m (N); n.
+    pub fn add_torque(&mut self, joint_torque: &[f64]) {
+        self.transmission.motor_torque(joint_torque, &mut self.torque_motor);
+        self.controller.add_to_integrals(&self.torque_motor);
+    }
+
     /// Steps of the plant in a servo step, of equal length: one, unless effects of the drives need more.
     pub(super) fn parts(&self) -> usize {
         self.drives.as_ref().map_or(1, |drives| drives.parts())

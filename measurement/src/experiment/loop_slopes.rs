@@ -27,6 +27,24 @@ impl LoopSlopes {
         Self { directions, fresh: true, last_error: zero(), rate: zero(), integral: zero(), motor: zero(), tau: zero() }
     }
 
+    /// Derivatives of [`JointLoop::memory`], 3n × d by rows.
+    pub fn memory(&self) -> Vec<f64> {
+        [&self.last_error[..], &self.rate, &self.integral].concat()
+    }
+
+    /// Goes on where [`JointLoop::recall`] does, with these derivatives of that memory (3n × d by rows).
+    ///
+    /// # Panics
+    /// If they are of another number of joints or parameters.
+    pub fn recall(&mut self, memory: &[f64]) {
+        let size = self.tau.len();
+        assert_eq!(memory.len(), 3 * size, "three rows for each motor");
+        self.last_error.copy_from_slice(&memory[..size]);
+        self.rate.copy_from_slice(&memory[size..2 * size]);
+        self.integral.copy_from_slice(&memory[2 * size..]);
+        self.fresh = false;
+    }
+
     /// Follows the step that `joints` has just taken; `q` and `qd` are the derivatives of joint coordinates and velocities at
     /// that step, n × d.
     pub fn step(&mut self, joints: &JointLoop, q: &[f64], qd: &[f64]) {

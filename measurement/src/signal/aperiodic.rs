@@ -144,8 +144,7 @@ fn leave_out_edges(used: &mut [bool], segments: &[Range<usize>], [block, n]: [us
 /// cut-off is the one that is stated, or that [`AperiodicRecord::find_cutoff`] finds.
 ///
 /// Blocks take noise of the acceleration out of the regressor: its mean over a block is a difference of two velocities. With shorter
-/// blocks inertias come out too small, and with a lower cut-off too large. With those of the command, 1 % of the known values of arms in MuJoCo
-/// are more than three standard deviations off (`tests/python/test_cutoff.py`).
+/// blocks inertias come out too small, and with a lower cut-off too large.
 ///
 /// # Errors
 /// [`SignalError`] where the record is malformed, shorter than 8 samples, or a setting does not fit it.
@@ -204,7 +203,9 @@ pub fn process_aperiodic(
             keep(&mut excluded, &kept, n);
         }
     }
-    let moves = used_blocks(&states, block, processing.reversal_fraction);
+    let cycles = if processing.reversal_fraction > 0.0 { processing.reversal_cycles } else { 0.0 };
+    let reach = cycles / cutoff_hz * record.rate_hz;
+    let moves = used_blocks(&states, block, processing.reversal_fraction, reach.ceil() as usize);
     let mut usable = vec![true; moves.len()];
     leave_out_edges(&mut usable, &kept, [block, n], EDGE_CYCLES / cutoff_hz * record.rate_hz);
     for (block, rows) in usable.chunks_exact_mut(n).zip(excluded.chunks(n * block)) {
@@ -265,6 +266,34 @@ mod tests {
                 assert!((states.qd(k)[j] - libm::sin(at(k, j))).abs() < 1e-6);
                 assert!((states.qdd(k)[j] - w * libm::cos(at(k, j))).abs() < 3e-4 * w, "{k}: {}", states.qdd(k)[j]);
             }
+        }
+    }
+
+    #[test]
+    fn analytic_the_low_pass_keeps_all_but_two_percent_of_a_step_beyond_the_reach() {
+        let cutoff_hz = 5.0;
+        let filter = Butterworth::new(Processing::default().filter_order, cutoff_hz, RATE_HZ).unwrap();
+        let step: Vec<f64> = (0..COUNT).map(|k| if k < COUNT / 2 { 0.0 } else { 1.0 }).collect();
+        let filtered = filter.zero_phase_reflected(&step);
+        let cycles = Processing::default().reversal_cycles;
+        let reach = (cycles / cutoff_hz * RATE_HZ).ceil() as usize;
+        let lost = |k: &usize| (step[*k] - filtered[*k]).abs();
+        let beyond = (COUNT / 2 + reach..COUNT).map(|k| lost(&k)).fold(0.0, f64::max);
+        let nearer = (COUNT / 2 + reach / 2..COUNT / 2 + reach).map(|k| lost(&k)).fold(0.0, f64::max);
+        assert!(beyond < 0.021 && nearer > 0.06, "{beyond} {nearer}");
+        // A joint that turns round every second, between two samples.
+        let half = 0.5 / RATE_HZ;
+        let at = |k: usize| k as f64 / RATE_HZ + half;
+        let q: Vec<f64> = (0..2 * COUNT).map(|row| libm::cos(std::f64::consts::PI * at(row / 2))).collect();
+        let effort = vec![0.0; 2 * COUNT];
+        let processing = Processing { cutoff_hz: Some(cutoff_hz), ..Processing::default() };
+        let record = AperiodicRecord::new(2, RATE_HZ, &q, &effort);
+        let samples =
+            process_aperiodic(&record, &hinges::coupled(), EffortInterface::Torque, RATE_HZ / 4.0, &processing)
+                .unwrap();
+        for (m, used) in samples.used.iter().step_by(2).enumerate().filter(|(m, _)| (12..88).contains(m)) {
+            let nearest = (4 * m..4 * m + 4).map(|k| (at(k) - at(k).round()).abs()).fold(1.0, f64::min);
+            assert_eq!(*used, nearest > cycles / cutoff_hz, "{m}");
         }
     }
 

@@ -63,7 +63,7 @@ pub fn process_periods(
         let count = (blocks * (average.periods - 1)) as f64;
         NoiseModel::adaptive(|l| scatter.lag(l, blocks), blocks / 4, true, count).scaled(1.0 / average.periods as f64)
     });
-    let used = used_blocks(&states, block, processing.reversal_fraction);
+    let used = used_blocks(&states, block, processing.reversal_fraction, 0);
     Ok(Samples {
         slow: used.iter().map(|used| !used).collect(),
         used,
@@ -99,8 +99,8 @@ fn block(len: usize, count: usize, highest: f64) -> Result<usize, SignalError> {
 }
 
 /// Which blocks are an equation of which joint, M × n: those in which the joint is never slower than `fraction` of its
-/// top speed.
-pub(super) fn used_blocks(states: &States, block: usize, fraction: f64) -> Vec<bool> {
+/// top speed. With a `reach`, those of which no sample is within as many samples of one where the joint is slower or turns round.
+pub(super) fn used_blocks(states: &States, block: usize, fraction: f64, reach: usize) -> Vec<bool> {
     let n = states.dof;
     let mut slowest = vec![0.0; n];
     for qd in states.qd.chunks_exact(n) {
@@ -112,10 +112,15 @@ pub(super) fn used_blocks(states: &States, block: usize, fraction: f64) -> Vec<b
         *top *= fraction;
     }
     let mut used = vec![true; states.len() / block * n];
-    for (used, rows) in used.chunks_exact_mut(n).zip(states.qd.chunks_exact(n * block)) {
-        for qd in rows.chunks_exact(n) {
-            for ((used, qd), slowest) in used.iter_mut().zip(qd).zip(&slowest) {
-                *used &= qd.abs() >= *slowest;
+    for k in 0..states.len() {
+        for (i, (qd, slowest)) in states.qd(k).iter().zip(&slowest).enumerate() {
+            let turns = reach > 0 && k > 0 && states.qd(k - 1)[i] * qd < 0.0;
+            if turns || qd.abs() < *slowest {
+                for m in k.saturating_sub(reach) / block..=(k + reach) / block {
+                    if let Some(used) = used.get_mut(m * n + i) {
+                        *used = false;
+                    }
+                }
             }
         }
     }
@@ -270,9 +275,12 @@ mod tests {
             states.push(&[0.0, 0.0], &[qd, 1.0], &[0.0, 0.0]);
         }
         // Joint 1 passes through zero between samples 5 and 6, in the second block of four; joint 2 never stops.
-        let used = used_blocks(&states, 4, 0.05);
+        let used = used_blocks(&states, 4, 0.05, 0);
         assert_eq!(used, [true, true, false, true, true, true]);
-        assert!(used_blocks(&states, 4, 0.0).iter().all(|&used| used));
+        assert!(used_blocks(&states, 4, 0.0, 0).iter().all(|&used| used));
+        // Samples 4 to 7 are within one of it, and 3 to 8 within two.
+        assert_eq!(used_blocks(&states, 4, 0.0, 1), used);
+        assert_eq!(used_blocks(&states, 4, 0.0, 2), [false, true, false, true, false, true]);
     }
 
     #[test]

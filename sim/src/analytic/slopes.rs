@@ -21,6 +21,8 @@ use super::plant::{AnalyticError, AnalyticPlant};
 pub(crate) trait SlopedArm {
     /// Puts it at rest at `q`, whatever the parameters.
     fn reset(&mut self, q: &[f64]);
+    /// Puts it into a state (n each) that moves with these derivatives (n × d each).
+    fn begin(&mut self, state: (&[f64], &[f64]), slopes: (&[f64], &[f64]));
     /// Joint coordinates and velocities.
     fn state(&self) -> (&[f64], &[f64]);
     /// Their derivatives, n × d each.
@@ -29,7 +31,8 @@ pub(crate) trait SlopedArm {
     fn step(&mut self, tau: &[f64], by: &[f64], dt: f64) -> Result<(), PlantError>;
 }
 
-/// The arm with these parameters, and derivatives by d of them.
+/// The arm with these parameters, and derivatives by some of them and `beside` numbers that its equations do not hold, such as
+/// those of the state that it begins in: d of both together, in that order.
 ///
 /// # Errors
 /// As [`AnalyticPlant::new`]; [`AnalyticError::Derivative`] for a parameter by which none can be taken.
@@ -37,6 +40,7 @@ pub(crate) fn sloped_arm(
     robot: &Robot,
     parameters: &StandardParameters,
     by: &[ParameterId],
+    beside: usize,
 ) -> Result<Box<dyn SlopedArm>, AnalyticError> {
     // All checks are those of the plant.
     let dof = AnalyticPlant::new(robot, parameters)?.dof();
@@ -49,7 +53,7 @@ pub(crate) fn sloped_arm(
         found.ok_or_else(|| AnalyticError::Derivative { parameter: id.to_string() })
     };
     let kept: Vec<usize> = by.iter().map(column).collect::<Result<_, _>>()?;
-    let spec = (robot, parameters, regressor, kept);
+    let spec = (robot, parameters, regressor, kept, beside);
     let arm: Box<dyn SlopedArm> = match dof {
         1 => Box::new(Sloped::<1, 2>::new(spec)),
         2 => Box::new(Sloped::<2, 4>::new(spec)),
@@ -85,9 +89,15 @@ struct Sloped<const N: usize, const K: usize> {
 
 impl<const N: usize, const K: usize> Sloped<N, K> {
     fn new(
-        (robot, parameters, regressor, kept): (&Robot, &StandardParameters, JointTorqueRegressor, Vec<usize>),
+        (robot, parameters, regressor, kept, beside): (
+            &Robot,
+            &StandardParameters,
+            JointTorqueRegressor,
+            Vec<usize>,
+            usize,
+        ),
     ) -> Self {
-        let directions = kept.len();
+        let directions = kept.len() + beside;
         let zero = || vec![0.0; N * directions];
         Self {
             chain: Chain::new(robot, parameters),
@@ -226,6 +236,13 @@ impl<const N: usize, const K: usize> SlopedArm for Sloped<N, K> {
         self.state.q.copy_from_slice(q);
         self.q.fill(0.0);
         self.v.fill(0.0);
+    }
+
+    fn begin(&mut self, state: (&[f64], &[f64]), slopes: (&[f64], &[f64])) {
+        self.state.q.copy_from_slice(state.0);
+        self.state.v.copy_from_slice(state.1);
+        self.q.copy_from_slice(slopes.0);
+        self.v.copy_from_slice(slopes.1);
     }
 
     fn state(&self) -> (&[f64], &[f64]) {

@@ -6,6 +6,7 @@
 //! The loop is that of [`armid::experiment::Servo`] with ideal sensors: the same controller, limits, phases and start.
 
 mod bodies;
+mod intervals;
 mod period_mean;
 mod simulated_loop;
 mod walk;

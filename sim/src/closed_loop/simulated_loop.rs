@@ -3,7 +3,10 @@
 use std::sync::{Arc, OnceLock};
 
 use armid::dynamics::States;
-use armid::estimation::{ClosedLoop, ClosedLoopError, ClosedLoopMotion, ClosedLoopSlopes};
+use armid::estimation::{
+    ClosedLoop, ClosedLoopError, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode,
+    ClosedLoopSlopes,
+};
 use armid::experiment::{ArmError, CommandTable, ExperimentPlan, JointLoop, Sensing};
 use armid::model::{ParameterId, Robot, StandardParameters};
 use armid::observer::Observer;
@@ -11,8 +14,9 @@ use armid::seed::Seed;
 use nalgebra::DMatrix;
 
 use super::bodies::{Body, SlopedBody};
+use super::intervals::{self, Walker};
 use super::period_mean::Period;
-use super::walk::{Motion, mean_period};
+use super::walk::{Motion, go_on, mean_period};
 use crate::AnalyticPlant;
 use crate::analytic::sloped_arm;
 
@@ -148,7 +152,7 @@ impl ClosedLoop for SimulatedLoop {
     ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError> {
         let (n, d) = (self.robot.dof(), by.len());
         let body = || -> Result<Box<dyn Body>, ClosedLoopError> {
-            let arm = sloped_arm(&self.robot, parameters, by).map_err(|fault| unsimulable(&fault))?;
+            let arm = sloped_arm(&self.robot, parameters, by, 0).map_err(|fault| unsimulable(&fault))?;
             Ok(Box::new(SlopedBody::new(arm, n, d)))
         };
         let mut periods = self.periods(parameters, body, block, observer)?;
@@ -158,5 +162,58 @@ impl ClosedLoop for SimulatedLoop {
         };
         let slopes = ClosedLoopSlopes { q: slopes(4), tau: slopes(5) };
         Ok((self.joined(&mut periods), slopes))
+    }
+
+    fn in_intervals(&self) -> Option<&dyn ClosedLoopIntervals> {
+        Some(self)
+    }
+}
+
+impl ClosedLoopIntervals for SimulatedLoop {
+    fn nodes(&self, states: &States, tau: &[f64], block: usize, apart: usize) -> Vec<ClosedLoopNode> {
+        let mut first = 0;
+        let mut nodes = Vec::new();
+        for motion in self.motions() {
+            nodes.extend(intervals::nodes(motion, self.joints.clone(), (states, tau, first), block, apart));
+            first += motion.layout.period_samples;
+        }
+        nodes
+    }
+
+    fn intervals(
+        &self,
+        parameters: &StandardParameters,
+        by: &[ParameterId],
+        block: usize,
+        nodes: &[ClosedLoopNode],
+        observer: &dyn Observer,
+    ) -> Result<Vec<ClosedLoopInterval>, ClosedLoopError> {
+        let state = nodes.first().map_or(0, |node| node.state.len());
+        let mut walker = Walker {
+            robot: &self.robot,
+            plant: self.plant(parameters)?,
+            arm: sloped_arm(&self.robot, parameters, by, state).map_err(|fault| unsimulable(&fault))?,
+            joints: self.joints.clone(),
+            parameters: by.len(),
+        };
+        let mut motions = self.motions().iter();
+        let (mut motion, mut first, mut next) = (motions.next(), 0, 0);
+        let mut found = Vec::with_capacity(nodes.len());
+        for (k, node) in nodes.iter().enumerate() {
+            if k == 0 || !node.follows {
+                // The recording whose blocks these are.
+                while let Some(own) = motion {
+                    next = first + own.layout.period_samples / block;
+                    if node.blocks.start < next {
+                        break;
+                    }
+                    (motion, first) = (motions.next(), next);
+                }
+            }
+            let missing = ClosedLoopError::Samples { found: next * block, expected: node.blocks.end * block };
+            go_on(observer, 10 * k, 10 * nodes.len())?;
+            found.push(walker.interval(motion.ok_or(missing)?, (node, first), block)?);
+        }
+        Ok(found)
     }
 }

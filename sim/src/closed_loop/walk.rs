@@ -18,6 +18,13 @@ pub(super) struct Motion {
     pub(super) per_sample: usize,
 }
 
+impl Motion {
+    /// Commanded joint coordinates at a servo step after a sample of a recorded period.
+    pub(super) fn command(&self, sample: usize, step: usize) -> &[f64] {
+        self.table.row((self.layout.span(Phase::Record).start + sample) * self.per_sample + step)
+    }
+}
+
 /// Positions, velocities, accelerations and torque of the mean recorded period (N × n each), then the tables of `body`, sums
 /// over blocks of `block` samples.
 ///
@@ -93,7 +100,7 @@ pub(super) fn mean_period(
 ///
 /// # Errors
 /// [`ClosedLoopError::Interrupted`].
-fn go_on(observer: &dyn Observer, done: usize, total: usize) -> Result<(), ClosedLoopError> {
+pub(super) fn go_on(observer: &dyn Observer, done: usize, total: usize) -> Result<(), ClosedLoopError> {
     let asks = done.is_multiple_of(10);
     match asks && observer.observe(Progress { work: Work::Samples, done, total }).is_break() {
         true => Err(ClosedLoopError::Interrupted),
@@ -102,7 +109,7 @@ fn go_on(observer: &dyn Observer, done: usize, total: usize) -> Result<(), Close
 }
 
 /// As the servo of an arm finds it: a speed of ten times its limit.
-fn runaway(robot: &Robot, q: &[f64], qd: &[f64]) -> Option<DivergenceError> {
+pub(super) fn runaway(robot: &Robot, q: &[f64], qd: &[f64]) -> Option<DivergenceError> {
     if let Some(fault) = PlantError::of_state(q, qd) {
         return Some(DivergenceError::Plant(fault));
     }

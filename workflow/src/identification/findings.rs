@@ -37,6 +37,7 @@ const fn rank(finding: &Finding) -> usize {
         Finding::MotionTakenAsExact => 16,
         Finding::DurbinWuHausman { .. } => 17,
         Finding::HiddenFromPositions { .. } => 18,
+        Finding::MultipleShooting { .. } => 19,
     }
 }
 

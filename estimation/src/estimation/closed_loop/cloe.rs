@@ -9,8 +9,8 @@
 //!
 //! Combinations that positions do not show, such as the offsets that an integral in the servo takes up, keep the value and the
 //! interval that weighted least squares gives them by torque; a finding names them. Where an arm with the parameters of weighted least
-//! squares runs away, or cannot be simulated, the search begins with nominal parameters, which these combinations keep; the finding
-//! says so.
+//! squares runs away the search begins by multiple shooting, in intervals too short for that; where it cannot be simulated at all it
+//! begins with nominal parameters, which these combinations keep. Findings say both.
 //!
 //! Assumes servo, reference and start known and the model complete. Fails where the encoders' zeros are off by more than the
 //! servo's errors, and where the motion runs away from every start at hand; it finds the minimum beside its start.
@@ -22,7 +22,8 @@ use nalgebra::{DMatrix, DVector};
 
 use super::descent::{Descent, Linearised};
 use super::hidden::Hidden;
-use super::starting_point::{StartingPoint, starting_point};
+use super::shooting::Output;
+use super::starting_point::{Descended, descend};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::{Estimate, IntervalBasis};
@@ -65,8 +66,9 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
         let around = descent.solve(&rest.linearised, 0.0)?;
         Ok::<_, EstimationError>((rest, around, weights, hidden))
     };
-    let StartingPoint { beta, found, is_nominal } = starting_point(&trial, torque.fit.solution(), linearise)?;
-    let (rest, ..) = round((beta, found))?;
+    let output = Some(Output::Positions);
+    let Descended { rest, is_nominal, finding, .. } =
+        descend(&trial, torque.fit.solution(), output, &linearise, |start| Ok((round(start)?.0, ())))?;
     let (rest, fit, weights, hidden) = round((rest.beta, rest.linearised))?;
     let b = rest.beta.len();
     let at_rest = |information: DMatrix<f64>| {
@@ -99,6 +101,7 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
     estimate.interval_basis = IntervalBasis::Residual;
     estimate.findings.extend(hidden.finding(observation, is_nominal));
+    estimate.findings.extend(finding);
     Ok(estimate.with_covariance(&(of_positions.covariance_matrix() + hidden.covariance())))
 }
 

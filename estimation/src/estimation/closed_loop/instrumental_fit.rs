@@ -60,7 +60,7 @@ impl InstrumentalFit {
             None => linear.fit.solution().clone(),
         };
         let StartingPoint { mut beta, found: mut motion, .. } =
-            starting_point(&trial, &first, |beta| trial.motion(beta))?;
+            starting_point(&trial, &first, None, |beta| trial.motion(beta))?;
         let mut iterations = 0;
         let (white_z, fit, termination) = loop {
             iterations += 1;

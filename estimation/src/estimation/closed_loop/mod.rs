@@ -19,6 +19,7 @@ mod error;
 mod hidden;
 mod instrumental_fit;
 pub(super) mod iv;
+mod shooting;
 mod simulation;
 mod starting_point;
 mod torque_error;
@@ -26,5 +27,8 @@ mod trial;
 
 pub use error::ClosedLoopError;
 pub(super) use instrumental_fit::InstrumentalFit;
-pub use simulation::{ClosedLoop, ClosedLoopFactory, ClosedLoopMotion, ClosedLoopSlopes, closed_loop_of};
+pub use simulation::{
+    ClosedLoop, ClosedLoopFactory, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode,
+    ClosedLoopSlopes, closed_loop_of,
+};
 pub(super) use torque_error::{TorqueSearch, TorqueSlope, search as torque_search};

@@ -1,9 +1,10 @@
 //! The arm under its known servo, simulated for any parameters.
 
 use std::fmt;
+use std::ops::Range;
 use std::sync::Arc;
 
-use nalgebra::DMatrix;
+use nalgebra::{DMatrix, DVector};
 
 use super::error::ClosedLoopError;
 use crate::dynamics::States;
@@ -66,6 +67,58 @@ pub trait ClosedLoop: fmt::Debug + Send + Sync {
         block: usize,
         observer: &dyn Observer,
     ) -> Result<(ClosedLoopMotion, ClosedLoopSlopes), ClosedLoopError>;
+
+    /// The same loop in intervals, for multiple shooting; `None` where it can begin from rest alone.
+    fn in_intervals(&self) -> Option<&dyn ClosedLoopIntervals> {
+        None
+    }
+}
+
+/// Where an interval of the closed loop begins.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedLoopNode {
+    /// Blocks of samples that the interval covers, counted over all recordings; the node lies one sample before them.
+    pub blocks: Range<usize>,
+    /// Whether the interval before ends here; it is of another recording, or there is none, where not.
+    pub follows: bool,
+    /// Positions, velocities, then what the servo remembers: s numbers, groups of n.
+    pub state: DVector<f64>,
+}
+
+/// The closed loop from one node to the next, with its derivatives by d parameters and the s numbers of the node's state, in
+/// that order.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ClosedLoopInterval {
+    /// Means of positions and of torque over blocks, n·m each.
+    pub q: Vec<f64>,
+    /// As [`ClosedLoopMotion::tau`].
+    pub tau: Vec<f64>,
+    /// Their derivatives, (n·m) × (d + s) each.
+    pub slopes: ClosedLoopSlopes,
+    /// The state one sample before the interval ends, s.
+    pub end: DVector<f64>,
+    /// Its derivatives, s × (d + s).
+    pub end_slopes: DMatrix<f64>,
+}
+
+/// A closed loop that can begin in any state.
+pub trait ClosedLoopIntervals {
+    /// Nodes so many blocks of `block` samples apart, along `states`, where the motors exert the mean of `tau`
+    /// (N × n, row-major), whatever the parameters. The first block of each recording is in no interval.
+    fn nodes(&self, states: &States, tau: &[f64], block: usize, apart: usize) -> Vec<ClosedLoopNode>;
+
+    /// The motion from each of these nodes.
+    ///
+    /// # Errors
+    /// As [`ClosedLoop::motion`], with the time at which an interval runs away.
+    fn intervals(
+        &self,
+        parameters: &StandardParameters,
+        by: &[ParameterId],
+        block: usize,
+        nodes: &[ClosedLoopNode],
+        observer: &dyn Observer,
+    ) -> Result<Vec<ClosedLoopInterval>, ClosedLoopError>;
 }
 
 /// Makes the closed loop of a robot with gains for nominal parameters along the motions of some plans.

@@ -3,11 +3,13 @@
 use nalgebra::DMatrix;
 
 use super::descent::{Descent, Linearised, Onto, Rest};
-use super::starting_point::starting_point;
+use super::shooting::Output;
+use super::starting_point::{Descended, descend};
 use super::trial::Trial;
 use crate::estimation::error::EstimationError;
 use crate::estimation::estimate::Estimate;
 use crate::estimation::factorisation::Factorisation;
+use crate::estimation::finding::Finding;
 use crate::estimation::linear_fit::LinearFit;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
@@ -40,6 +42,8 @@ pub(in crate::estimation) struct TorqueSearch {
     /// Their weights.
     pub(in crate::estimation) weights: BlockWhitening,
     pub(in crate::estimation) rest: Rest,
+    /// What is to be said of where the search began.
+    pub(super) finding: Option<Finding>,
 }
 
 /// The estimate where `min ‖y − τ_s(β)‖_Σ`.
@@ -48,11 +52,13 @@ pub(super) fn estimate(
     problem: &EstimationProblem<'_>,
     slope: TorqueSlope,
 ) -> Result<Estimate, EstimationError> {
-    let TorqueSearch { around, weights, rest } = search(estimator, problem, slope, None)?;
+    let TorqueSearch { around, weights, rest, finding } = search(estimator, problem, slope, None)?;
     let equations = Factorisation::new(&around)?;
     let linear = LinearFit::with_weights(&equations, weights)?;
     let problem = EstimationProblem { observation: &around, ..*problem }.with_factorisation(&equations);
-    linear.estimate(estimator, &problem, &rest.fit(linear.fit.clone())?, rest.termination)
+    let mut estimate = linear.estimate(estimator, &problem, &rest.fit(linear.fit.clone())?, rest.termination)?;
+    estimate.findings.extend(finding);
+    Ok(estimate)
 }
 
 /// `min ‖y − τ_s(β)‖_Σ`, over a set where there is one, from the weighted linear fit, or from what [`starting_point`] finds where
@@ -85,20 +91,27 @@ pub(in crate::estimation) fn search(
         Some(onto) => onto(&linear.fit)?,
         None => linear.fit.solution().clone(),
     };
-    let start = starting_point(&trial, &first, linearise)?;
-    let weights = match &linear.weights {
-        // The noise that was measured.
-        Some(weights) if observation.noise.is_some() => weights.clone(),
-        // The residual of the simulated torque, which errors of the measured motion are not in.
-        _ => {
-            let around = start.found.equations(observation, &start.beta);
-            let around = Factorisation::new(&around)?;
-            around.residual_weights(around.least_squares()?.solution())?
-        }
+    // Intervals need the exact slope, and would end outside of a set.
+    let output = match (slope, onto) {
+        (TorqueSlope::Exact, None) => Some(Output::Torque),
+        (TorqueSlope::Exact | TorqueSlope::Regressor, _) => None,
     };
     let held = DMatrix::zeros(0, first.len());
-    let descent = Descent { problem, observation, weights: &weights, rise: slope.rise(), held, onto };
-    let rest = descent.follow((start.beta, start.found), &linearise)?;
+    let follow = |start: (nalgebra::DVector<f64>, Linearised)| {
+        let weights = match &linear.weights {
+            // The noise that was measured.
+            Some(weights) if observation.noise.is_some() => weights.clone(),
+            // The residual of the simulated torque, which errors of the measured motion are not in.
+            _ => {
+                let around = start.1.equations(observation, &start.0);
+                let around = Factorisation::new(&around)?;
+                around.residual_weights(around.least_squares()?.solution())?
+            }
+        };
+        let descent = Descent { problem, observation, weights: &weights, rise: slope.rise(), held: held.clone(), onto };
+        Ok((descent.follow(start, &linearise)?, weights))
+    };
+    let Descended { rest, beside: weights, finding, .. } = descend(&trial, &first, output, &linearise, follow)?;
     let around = rest.linearised.equations(observation, &rest.beta);
-    Ok(TorqueSearch { around, weights, rest })
+    Ok(TorqueSearch { around, weights, rest, finding })
 }

@@ -8,11 +8,14 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::error::ClosedLoopError;
-use super::simulation::{ClosedLoop, ClosedLoopMotion, ClosedLoopSlopes};
+use super::simulation::{
+    ClosedLoop, ClosedLoopInterval, ClosedLoopIntervals, ClosedLoopMotion, ClosedLoopNode, ClosedLoopSlopes,
+};
 use crate::estimation::completion::complete;
 use crate::estimation::error::EstimationError;
 use crate::estimation::observation::Observation;
 use crate::estimation::problem::EstimationProblem;
+use crate::linalg::product;
 use crate::model::{ParameterId, Robot, StandardParameters};
 use crate::observer::Observer;
 use crate::regressor::JointTorqueRegressor;
@@ -45,6 +48,16 @@ impl<'a> Trial<'a> {
         })
     }
 
+    /// The equations.
+    pub(super) fn observation(&self) -> &'a Observation {
+        self.observation
+    }
+
+    /// The loop in intervals, where it can begin in any state.
+    pub(super) fn in_intervals(&self) -> Option<&'a dyn ClosedLoopIntervals> {
+        self.closed_loop.in_intervals()
+    }
+
     /// Where a search begins: at the start that was given, else at `fit`; at the nominal set where that cannot be simulated.
     pub(super) fn beginnings(&self, fit: DVector<f64>) -> [DVector<f64>; 2] {
         let beta =
@@ -66,6 +79,31 @@ impl<'a> Trial<'a> {
             self.blank(matrix);
         }
         Ok((self.checked(motion)?, slopes))
+    }
+
+    /// Nodes so many blocks apart along the measured motion, where motors exert the torque that β makes of it.
+    pub(super) fn nodes(
+        &self,
+        intervals: &dyn ClosedLoopIntervals,
+        beta: &DVector<f64>,
+        apart: usize,
+    ) -> Vec<ClosedLoopNode> {
+        let states = &self.samples.states;
+        let w = self.regressor.stack_means(states, &self.observation.base.kept, 1);
+        let tau = product(&w, &DMatrix::from_column_slice(beta.len(), 1, beta.as_slice()));
+        intervals.nodes(states, tau.as_slice(), self.samples.block, apart)
+    }
+
+    /// The intervals from these nodes at β.
+    pub(super) fn intervals(
+        &self,
+        intervals: &dyn ClosedLoopIntervals,
+        beta: &DVector<f64>,
+        nodes: &[ClosedLoopNode],
+    ) -> Result<Vec<ClosedLoopInterval>, EstimationError> {
+        let parameters = self.parameters(beta)?;
+        let found = intervals.intervals(&parameters, &self.by(), self.samples.block, nodes, self.observer);
+        found.map_err(|reason| self.failed(reason))
     }
 
     /// Parameters by which derivatives are taken: ∂φ/∂β = Kᵀ(KKᵀ)⁻¹ moves torque as the kept ones alone do.
