@@ -6,7 +6,9 @@ use std::time::{SystemTime, UNIX_EPOCH};
 
 use armid::experiment::{Effects, Plant, Sensing};
 use armid::seed::Seed;
-use armid_hardware::computer::{Fault as ControllerFault, Progress, Replacement, RobotController, ServeOptions, serve};
+use armid_hardware::computer::{
+    Fault as ControllerFault, Progress, Replacement, RobotController, ServeOptions, Watchdog, serve,
+};
 use armid_hardware::link::LinkSettings;
 use armid_io::Error as Fault;
 use armid_sim::{Engine, SimulatedArm};
@@ -71,6 +73,9 @@ pub(crate) struct Arguments {
     /// Initial positions, rad (m), in place of zero
     #[arg(long, value_name = "Q1,…", value_delimiter = ',', allow_hyphen_values = true)]
     pose: Option<Vec<f64>>,
+    /// The arm is not homed: it reports so and does not move
+    #[arg(long)]
+    not_homed: bool,
     /// How a running motion is replaced by another, as in versions of joint_trajectory_controller
     #[arg(long, default_value = "at-once", value_parser = one_of(&Replacement::ALL, Replacement::name))]
     replacement: Replacement,
@@ -89,6 +94,12 @@ pub(crate) struct Arguments {
     /// Seed of the sensors' noise
     #[arg(long, value_name = "K", default_value_t = 0)]
     seed: u64,
+    /// Age of the newest set-point at which a moving arm is brought to rest
+    #[arg(long, value_name = "MS", default_value_t = 20.0)]
+    hold_ms: f64,
+    /// Age of the newest set-point at which the motors of a moving arm are switched off
+    #[arg(long, value_name = "MS", default_value_t = 100.0)]
+    disable_ms: f64,
 }
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
@@ -107,11 +118,14 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let rate = arguments.rate.unwrap_or(simulated.robot().servo().rate_hz);
     let clock = (rate, i64::try_from(now).unwrap_or(0));
     let seed = (Seed::new(arguments.seed), 0);
+    let watchdog = Watchdog { hold_s: 1e-3 * arguments.hold_ms, disable_s: 1e-3 * arguments.disable_ms };
     let mut controller =
         RobotController::new(simulated.robot(), simulated.nominal(), plant, &Sensing::default(), seed, clock)
             .map_err(|error| fault(&error))?
             .with_fault(arguments.fault)
-            .with_replacement(arguments.replacement);
+            .with_homed(!arguments.not_homed)
+            .with_replacement(arguments.replacement)
+            .with_watchdog(watchdog);
     if !simulated.truth().motors.is_empty() {
         controller = controller.with_motors(&simulated.truth().motors);
     }

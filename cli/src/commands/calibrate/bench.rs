@@ -2,10 +2,9 @@
 
 use std::path::{Path, PathBuf};
 
-use armid::calibration::Measured;
 use armid::experiment::Recording;
 use armid::input::check_file_name;
-use armid::model::{Joint, Robot};
+use armid::model::Robot;
 use armid::trajectory::{ConstantSpeedTrajectory, PeriodicTrajectory};
 use armid_io::output::pretty;
 use armid_io::recording::{FileSink, McapSink, check_free};
@@ -19,7 +18,7 @@ use crate::arguments::{RobotArguments, one_of};
 use crate::arms::{self, Experiment};
 use crate::commands::run::notes;
 use crate::interrupt;
-use crate::terminal::{Console, Table, report_folder};
+use crate::terminal::{Console, report_folder};
 
 /// Which joint, how fast, on which arm.
 #[derive(Debug, clap::Args)]
@@ -35,9 +34,15 @@ pub(super) struct BenchArguments {
     /// Range of the joint; 80 % of its limits by default
     #[arg(long, value_delimiter = ',', value_name = "LOW,HIGH", allow_hyphen_values = true)]
     range_deg: Option<Vec<f64>>,
+    /// Positions of the other joints; zero by default
+    #[arg(long, value_delimiter = ',', value_name = "DEG,…", allow_hyphen_values = true)]
+    pose_deg: Option<Vec<f64>>,
     /// Recorded periods
     #[arg(long, default_value_t = 5)]
     periods: usize,
+    /// Samples per second
+    #[arg(long, default_value_t = 1000.0)]
+    rate_hz: f64,
     /// Seed of every random number
     #[arg(long, default_value_t = 0)]
     seed: u64,
@@ -125,7 +130,8 @@ impl BenchArguments {
             }
         }
         text.push_str(&format!(
-            "trajectory = {beside:?}\nrate_hz = 1000.0\nperiods = {}\nseed = {}\narm = \"{}\"\n",
+            "trajectory = {beside:?}\nrate_hz = {:?}\nperiods = {}\nseed = {}\narm = \"{}\"\n",
+            self.rate_hz,
             self.periods,
             self.seed,
             self.arm.name()
@@ -153,9 +159,18 @@ impl BenchArguments {
             }
             _ => (-1.5, 1.5),
         };
-        // The other joints stand at zero, or at the limit next to it.
-        let at_zero = |joint: &Joint| 0.0_f64.clamp(joint.limits.position.0, joint.limits.position.1);
-        let pose: Vec<f64> = robot.joints().iter().map(at_zero).collect();
+        let pose: Vec<f64> = match &self.pose_deg {
+            Some(pose) if pose.len() == robot.dof() => pose.iter().map(si).collect(),
+            Some(pose) => {
+                let message = format!("--pose-deg has {} angles, expected {}", pose.len(), robot.dof());
+                return Err(Error::new(message).into());
+            }
+            None => robot
+                .joints()
+                .iter()
+                .map(|joint| 0.0_f64.clamp(joint.limits.position.0, joint.limits.position.1))
+                .collect(),
+        };
         let top = if limits.velocity.is_finite() { limits.velocity } else { 1.0 };
         let mut speeds: Vec<f64> = self.speeds.iter().map(|share| share * top).collect();
         speeds.sort_by(f64::total_cmp);
@@ -214,17 +229,6 @@ impl Bench {
     pub(super) fn list(&self) -> String {
         self.written.iter().map(|path| format!("  {}\n", path.display())).collect()
     }
-}
-
-/// What was measured, each with its decimals and its unit.
-pub(super) fn measured_table(rows: &[(&str, Option<Measured>, usize, &str)]) -> Table {
-    let mut table = Table::of(" | #value | #std | #95 % interval | # | unit");
-    for &(name, value, decimals, unit) in rows {
-        let Some(Measured { value, std, ci95: [low, high] }) = value else { continue };
-        let [value, std, low, high] = [value, std, low, high].map(|x| format!("{x:.decimals$}"));
-        table.row([name.to_owned(), value, std, low, high, unit.to_owned()]);
-    }
-    table
 }
 
 /// A joint by its name, or by its number from one; from zero.

@@ -45,6 +45,9 @@ pub(super) struct Arguments {
     /// Its centre of mass in the frame of the last link (at the flange, z outwards)
     #[arg(long, value_delimiter = ',', value_name = "X,Y,Z", required = true, allow_hyphen_values = true)]
     centre_m: Vec<f64>,
+    /// Its moments of inertia about its centre, along those axes
+    #[arg(long, value_delimiter = ',', value_name = "XX,YY,ZZ", default_value = "0,0,0")]
+    inertia_kg_m2: Vec<f64>,
     /// The recording without the payload
     #[arg(long, value_name = "A.mcap", requires = "loaded")]
     unloaded: Option<PathBuf>,
@@ -115,13 +118,18 @@ pub(super) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
 impl Arguments {
     /// The payload about the origin of the last link's frame.
     fn load(&self) -> Result<Inertia> {
-        let &[x, y, z] = self.centre_m.as_slice() else {
-            return Err(Error::new(format!("--centre-m has {} numbers, expected 3", self.centre_m.len())).into());
-        };
-        if !(self.mass_kg.is_finite() && self.mass_kg > 0.0) || [x, y, z].iter().any(|x| !x.is_finite()) {
+        for (option, numbers) in [("--centre-m", &self.centre_m), ("--inertia-kg-m2", &self.inertia_kg_m2)] {
+            if numbers.len() != 3 {
+                return Err(Error::new(format!("{option} has {} numbers, expected 3", numbers.len())).into());
+            }
+        }
+        let [x, y, z] = [self.centre_m[0], self.centre_m[1], self.centre_m[2]];
+        let numbers = || self.centre_m.iter().chain(&self.inertia_kg_m2);
+        if !(self.mass_kg.is_finite() && self.mass_kg > 0.0) || numbers().any(|x| !x.is_finite()) {
             return Err(Error::new("the payload needs a mass above zero and finite numbers").into());
         }
-        Ok(payload(self.mass_kg, [x, y, z], [0.0; 3]))
+        let inertia = [self.inertia_kg_m2[0], self.inertia_kg_m2[1], self.inertia_kg_m2[2]];
+        Ok(payload(self.mass_kg, [x, y, z], inertia))
     }
 
     /// Samples of a simulated experiment, with the payload on the last link where there is one.

@@ -6,8 +6,8 @@ use armid_reports::{Axis, GroupStyle, Heading, Reference, ScatterFigure, Scatter
 use miette::Result;
 use serde_json::json;
 
-use super::bench::{Bench, BenchArguments, measured_table};
-use crate::terminal::{Answer, Console, Ending};
+use super::bench::{Bench, BenchArguments};
+use crate::terminal::{Answer, Console, Ending, Table};
 
 const AFTER_HELP: &str = "\
 The back-EMF of a motor is its voltage less what resistance, inductance and brushes take; against
@@ -88,12 +88,20 @@ fn entry(joint: &str, found: &BackEmf) -> String {
 }
 
 fn text(found: &BackEmf, bench: &Bench, assumed: f64) -> String {
-    let table = measured_table(&[
+    let mut table = Table::of(" | #value | #std | #95 % interval | # | unit");
+    let rows = [
         ("torque constant", Some(found.torque_constant), 6, "N·m/A"),
         ("resistance", found.resistance, 4, "Ω"),
         ("inductance", Some(found.inductance.scaled(1e3)), 3, "mH"),
         ("brush drop", Some(found.brush_drop), 4, "V"),
-    ]);
+    ];
+    for (name, value, decimals, unit) in rows {
+        if let Some(value) = value {
+            let [v, s, low, high] =
+                [value.value, value.std, value.ci95[0], value.ci95[1]].map(|x| format!("{x:.decimals$}"));
+            table.row([name.to_owned(), v, s, low, high, unit.to_owned()]);
+        }
+    }
     format!(
         "{} \"{}\": back-EMF in {} windows of 50 ms, mean of {} periods; robot file: {assumed} N·m/A\n\n{}",
         bench.loaded.robot.name(),
