@@ -38,6 +38,8 @@ BRAKING_S = {10: 0.2, 100: 0.5}
 LONGEST_S = {10: HORIZON_S, 100: 0.9}
 # Slack of a bound for the step in which it ends.
 STEP_S = 0.05
+# A silence between two states, which come every 2 ms, after which a stream may ask for more current than the drives have, ms.
+LATE_MS = 5.0
 # One at a time records what is sent again.
 RECORDING = threading.Lock()
 
@@ -46,12 +48,16 @@ class Broken(Exception):
     """A run did not end as it must."""
 
 
-class Found:
-    """What a run showed; times in ms from the fault, by the log."""
+class Late(Broken):
+    """A stream tripped by its current because this machine held set-points back: nothing was shown about armid."""
 
-    def __init__(self, trip="", bound_ms=None, request_ms=None, rest_ms=None, confirmed=False):
+
+class Found:
+    """What a run showed; times in ms from the fault, by the log; the longest silence between two states of a run that completed."""
+
+    def __init__(self, trip="", bound_ms=None, request_ms=None, rest_ms=None, confirmed=False, silence_ms=None):
         self.trip, self.bound_ms, self.request_ms, self.rest_ms = trip, bound_ms, request_ms, rest_ms
-        self.confirmed = confirmed
+        self.confirmed, self.silence_ms = confirmed, silence_ms
 
 
 def motion_s(options):
@@ -112,6 +118,12 @@ def outcome(done):
         return f"exit {done.returncode}, {said['ending']} {said['detail']}"
     except ValueError:
         return f"exit {done.returncode}, {done.stderr.strip()}"
+
+
+def silence_ms(said):
+    """Longest time without a state, by armid's clock; of a first run, of its steps."""
+    parts = said.get("steps", [said])
+    return 1e3 * max(part["stamps"]["longest_silence_s"] for part in parts)
 
 
 def interrupt_thread(pid):
@@ -272,6 +284,7 @@ class Run:
             process.kill()
         status = {"completed": 0, "tripped": 1, "interrupted": 130, "killed": -signal.SIGKILL}[self.row.before]
         if process.returncode != status:
+            self.excuse(said.decode())
             raise Broken(f"the run before: exit {process.returncode}, expected {status}: {said.decode()[-600:]}")
         # What was killed may have handed a piece over.
         time.sleep(LONGEST_S[self.options.speed])
@@ -432,14 +445,25 @@ class Run:
             raise Broken("nothing was sent again")
         self.struck_s = self.log.now()
 
+    def excuse(self, text):
+        """Raises `Late` where a stream that must complete tripped by its current, at rest, and states came late."""
+        with contextlib.suppress(ValueError):
+            said, _ = json.JSONDecoder().raw_decode(text[text.index("{"):])
+            trip, late_ms = said["trip"], silence_ms(said)
+            if self.mode == STREAMED and trip and trip["name"] == "current-clamp" and late_ms > LATE_MS:
+                if trip["rest"]["outcome"] != "confirmed":
+                    raise Broken(f"expected rest to be confirmed: {said['detail']}")
+                raise Late(f"no state for {late_ms:.1f} ms: {trip['reason']}")
+
     def judge(self, done):
         """What the run showed, or how it is broken."""
         rows = self.log.rows()
         times = moved(rows)
         if not self.name or self.row.unharmed:
             if done.returncode != 0:
+                self.excuse(done.stdout)
                 raise Broken(f"expected the run to complete: {outcome(done)}")
-            return Found("completed")
+            return Found("completed", silence_ms=silence_ms(json.loads(done.stdout)))
         if self.name in ("search", "refused-goals") and times:
             raise Broken(f"commanded to move at t = {times[0]} s, expected nothing to move")
         if self.name == "search":
@@ -577,4 +601,4 @@ class Run:
         return 1e3 * (acted - since)
 
 
-__all__ = ["Broken", "Found", "Run", "Unfit", "motion_s"]
+__all__ = ["Broken", "Found", "Late", "Run", "Unfit", "motion_s"]

@@ -278,9 +278,9 @@ mod tests {
         let used = used_blocks(&states, 4, 0.05, 0);
         assert_eq!(used, [true, true, false, true, true, true]);
         assert!(used_blocks(&states, 4, 0.0, 0).iter().all(|&used| used));
-        // Samples 4 to 7 are within one of it, and 3 to 8 within two.
+        // Sample 6 is the first behind the reversal: 5 to 7 are within one of it, 4 to 8 within two.
         assert_eq!(used_blocks(&states, 4, 0.0, 1), used);
-        assert_eq!(used_blocks(&states, 4, 0.0, 2), [false, true, false, true, false, true]);
+        assert_eq!(used_blocks(&states, 4, 0.0, 2), [true, true, false, true, false, true]);
     }
 
     #[test]
