@@ -114,12 +114,16 @@ fn alone() {
             let samples = noisy(&robot, &nominal, count, &mut rng);
             let all = best(20, || regressor.stack(&samples.states)) / count as f64;
             let kept = best(20, || regressor.stack_means(&samples.states, &base.kept, 1)) / count as f64;
+            let ones = vec![1.0; robot.dof()];
+            let gram = best(20, || regressor.gram(&samples.states, &base.kept, &samples.tau, &ones)) / count as f64;
             println!(
-                "{columns}: stack of {count} samples, per sample: {:.0} ns all {} columns, {:.0} ns the {} of the base",
+                "{columns}: stack of {count} samples, per sample: {:.0} ns all {} columns, {:.0} ns the {} of the base, \
+                 {:.0} ns their normal equations",
                 all * 1e9,
                 regressor.cols(),
                 kept * 1e9,
-                base.rank()
+                base.rank(),
+                gram * 1e9
             );
         }
         let identification = Identification::new(&robot, columns).expect("a bundled robot has a base");

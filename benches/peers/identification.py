@@ -5,7 +5,7 @@ CRS A460, 10,000 random samples, torque with noise of a different size on each j
 to ordinary and weighted least squares with standard deviations. The weights are the covariance of the ordinary residual.
 
 The peer: one call of Pinocchio's compiled regressor per sample, one matrix product onto the base columns, NumPy's QR and
-matrix products, one BLAS thread. The noise is taken for white, which asks less than armid does: it measures the lags as well.
+matrix products, one BLAS thread; and the same with normal equations, by Cholesky, in place of the QR. The noise is taken for white, which asks less than armid does: it measures the lags as well.
 Sides take turns; the fastest of each counts. Both must find the same parameters.
 """
 
@@ -35,7 +35,19 @@ def draw(model, data, change):
     return q, v, a, tau + noise
 
 
-def identify(model, data, columns, q, v, a, tau):
+def by_qr(w, y):
+    ortho, r = np.linalg.qr(w)
+    inverse = np.linalg.inv(r)
+    return inverse @ (ortho.T @ y), inverse @ inverse.T
+
+
+def by_normal_equations(w, y):
+    root = np.linalg.inv(np.linalg.cholesky(w.T @ w))
+    inverse = root.T @ root
+    return inverse @ (w.T @ y), inverse
+
+
+def identify(model, data, columns, q, v, a, tau, fit=by_qr):
     began = time.perf_counter()
     stack = np.empty((6 * SAMPLES, 60))
     for k in range(SAMPLES):
@@ -44,11 +56,6 @@ def identify(model, data, columns, q, v, a, tau):
     stacked = time.perf_counter() - began
     y = tau.reshape(-1)
     b, left = w.shape[1], 1 - w.shape[1] / w.shape[0]
-
-    def fit(w, y):
-        ortho, r = np.linalg.qr(w)
-        inverse = np.linalg.inv(r)
-        return inverse @ (ortho.T @ y), inverse @ inverse.T
 
     def spread(beta):
         r = (y - w @ beta).reshape(-1, 6)
@@ -86,7 +93,7 @@ def main():
     states = draw(model, data, change)
     with tempfile.NamedTemporaryFile(suffix=".f64") as file:
         np.hstack(states).astype("<f8").tofile(file.name)
-        own, own_stack, peer, peer_stack = [], [], [], []
+        own, own_stack, peer, peer_stack, normal = [], [], [], [], []
         for _ in range(arguments.turns):
             run = subprocess.run([arguments.bench, "--states", file.name], capture_output=True, text=True, check=True)
             found = json.loads(run.stdout)
@@ -95,10 +102,11 @@ def main():
             own.append(found["seconds"])
             own_stack.append(found["stack_seconds"])
             peer.append(seconds)
+            normal.append(identify(model, data, columns, *states, fit=by_normal_equations)[0])
             peer_stack.append(stacked)
     agree(found, expected)
     print(f"states to OLS and WLS with intervals: armid {1e3 * min(own):.1f} ms, NumPy + Pinocchio {1e3 * min(peer):.1f} ms, "
-          f"ratio {min(own) / min(peer):.3f}")
+          f"ratio {min(own) / min(peer):.3f}; with normal equations {1e3 * min(normal):.1f} ms, ratio {min(own) / min(normal):.3f}")
     print(f"stacked base columns: armid {1e9 * min(own_stack) / SAMPLES:.0f} ns a sample, "
           f"Pinocchio from Python {1e9 * min(peer_stack) / SAMPLES:.0f} ns")
 

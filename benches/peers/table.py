@@ -131,22 +131,24 @@ def fits(programs, quiet, turns, folder):
     states = identification.draw(model, data, change)
     path = Path(folder) / "states.f64"
     np.hstack(states).astype("<f8").tofile(path)
-    own, peer, answers = Program([programs["identification"], "--states", path], quiet), [], {}
+    own, peer, normal, answers = Program([programs["identification"], "--states", path], quiet), [], [], {}
 
     def of_peer():
         columns = columns_of(change, json.loads(own.texts[0])["names"])
         seconds, _, found = identification.identify(model, data, columns, *states)
         peer.append(seconds)
+        normal.append(identification.identify(model, data, columns, *states, fit=identification.by_normal_equations)[0])
         answers.update(found)
 
     in_turn(turns, own, of_peer)
     identification.agree(json.loads(own.texts[-1]), answers)
     long, reduction = Program([programs["identification"], "--aperiodic"], quiet), Program([programs["reduction"]], quiet)
     in_turn(1, long, reduction)
-    return {"identify": 1e3 * min(json.loads(text)["seconds"] for text in own.texts), "numpy": 1e3 * min(peer),
+    return {"identify": 1e3 * min(json.loads(text)["seconds"] for text in own.texts), "numpy": 1e3 * min(peer), "numpy normal": 1e3 * min(normal),
             "million": long.least(r"1000000 samples without a period, WLS: ([0-9.]+) s"),
             "million MB": long.least(r"1000000 samples .* most memory so far (\d+) kB") / 1024,
-            "paper 40": reduction.least(r"(?m)^ +40 +([0-9.]+)")}
+            "paper 40": reduction.least(r"(?m)^ +40 +([0-9.]+)"),
+            **{f"texts {joints}": reduction.least(rf"(?m)^ +{joints} +(?:[0-9.]+ +){{3}}([0-9.]+)") for joints in (40, 80)}}
 
 
 def study_run(programs, quiet, turns, folder):

@@ -1,6 +1,8 @@
 //! `sensor_msgs/msg/JointState`.
 
-use serde::{Deserialize, Serialize};
+use std::sync::Arc;
+
+use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
 use super::{CdrError, Time, decode, encode};
 
@@ -8,7 +10,7 @@ use super::{CdrError, Time, decode, encode};
 ///
 /// ```
 /// use armid_cdr::{JointState, Time};
-/// let state = JointState { stamp: Time { sec: 3, nanosec: 5 }, name: vec!["elbow".into()], ..JointState::default() };
+/// let state = JointState { stamp: Time { sec: 3, nanosec: 5 }, name: ["elbow".into()].into(), ..JointState::default() };
 /// assert_eq!(JointState::decode(&state.encode()?)?, state);
 /// # Ok::<(), armid_cdr::CdrError>(())
 /// ```
@@ -18,8 +20,9 @@ pub struct JointState {
     pub stamp: Time,
     /// Frame that the data are in; mostly empty.
     pub frame_id: String,
-    /// Names of the joints.
-    pub name: Vec<String>,
+    /// Names of the joints; messages that have the same may hold them together.
+    #[serde(serialize_with = "serialize_names", deserialize_with = "deserialize_names")]
+    pub name: Arc<[String]>,
     /// Positions, rad (m).
     pub position: Vec<f64>,
     /// Velocities, rad/s (m/s).
@@ -64,6 +67,23 @@ uint32 nanosec
     pub fn decode(bytes: &[u8]) -> Result<Self, CdrError> {
         decode(bytes)
     }
+
+    /// Holds the names together with the message `before` where it has the same.
+    #[must_use]
+    pub fn sharing_names(mut self, before: Option<&Self>) -> Self {
+        if let Some(before) = before.filter(|before| before.name == self.name) {
+            self.name = Arc::clone(&before.name);
+        }
+        self
+    }
+}
+
+fn serialize_names<S: Serializer>(names: &[String], serializer: S) -> Result<S::Ok, S::Error> {
+    names.serialize(serializer)
+}
+
+fn deserialize_names<'de, D: Deserializer<'de>>(deserializer: D) -> Result<Arc<[String]>, D::Error> {
+    Vec::deserialize(deserializer).map(Arc::from)
 }
 
 #[cfg(test)]
@@ -74,7 +94,7 @@ mod tests {
         JointState {
             stamp: Time { sec: 3, nanosec: 5 },
             frame_id: String::new(),
-            name: vec!["a".into(), "elbow".into()],
+            name: ["a".into(), "elbow".into()].into(),
             position: vec![0.25, -1.0],
             velocity: Vec::new(),
             effort: vec![f64::MIN_POSITIVE, 2.0],
@@ -129,6 +149,9 @@ mod tests {
         bytes.extend(0.25_f64.to_be_bytes());
         bytes.extend([0, 0, 0, 0, 0, 0, 0, 0]);
         let found = JointState::decode(&bytes).unwrap();
-        assert_eq!((found.stamp.ns(), found.name, found.position), (3_000_000_005, vec!["a".to_owned()], vec![0.25]));
+        assert_eq!(
+            (found.stamp.ns(), found.name, found.position),
+            (3_000_000_005, ["a".to_owned()].into(), vec![0.25])
+        );
     }
 }

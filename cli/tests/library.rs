@@ -58,7 +58,7 @@ fn identity_the_file_of_an_estimate_is_the_answer_of_the_library() {
     let estimators = vec![EstimatorKind::Ols, EstimatorKind::Wls];
     let settings = IdentifySettings { estimators, ..IdentifySettings::default() };
     let answer = identify(processed, Some(inputs), &settings, &Unobserved).unwrap();
-    assert!(answer.is_sound() && !answer.was_interrupted());
+    assert!(answer.is_sound() && !answer.interrupted);
     assert_eq!(serde_json::to_value(&answer).unwrap(), written);
 }
 
@@ -82,7 +82,13 @@ fn identity_a_validation_and_a_model_file_of_the_library_are_those_of_the_comman
     };
     let settings = LogSettings::default();
     let identified = armid_io::estimate::read(estimate.as_ref()).unwrap();
-    let own = validate((std::slice::from_ref(&identified), &estimate), &processed(&other, &settings), [None; 2], 0.1);
+    let own = validate(
+        (std::slice::from_ref(&identified), &estimate),
+        &processed(&other, &settings),
+        [None; 2],
+        0.1,
+        &Unobserved,
+    );
     let own = own.unwrap();
     assert!(own.passed());
     let mut own = serde_json::to_value(own).unwrap();

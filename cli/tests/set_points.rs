@@ -5,7 +5,7 @@ mod support;
 use support::{armid, json, stderr, stdout, temporary, write};
 
 /// One harmonic: q = 0.3 + 0.4/ω sin ωt − 0.2/ω cos ωt, ω = 2π/2 s.
-const MOTION: &str = "period_s = 2.0\n[[joint]]\nname = \"swing\"\na = [0.4]\nb = [0.2]\nq0 = 0.3\n";
+const MOTION: &str = "period_s = 2.0\nharmonics = 1\n[[joint]]\nname = \"swing\"\na = [0.4]\nb = [0.2]\nq0 = 0.3\n";
 
 fn rows(text: &str) -> Vec<Vec<f64>> {
     text.lines().skip(1).map(|line| line.split(',').map(|field| field.parse().expect("a number")).collect()).collect()
@@ -81,7 +81,7 @@ fn bad_input_says_what_the_arm_or_the_format_cannot() {
     assert!(program.ends_with("  stopj(2)\nend\n"));
     let joints = ["waist", "shoulder", "elbow", "wrist_roll", "wrist_pitch", "tool_roll"];
     let fast = joints.map(|name| format!("[[joint]]\nname = \"{name}\"\na = [30.0]\nb = [0.0]\nq0 = 0.0\n")).concat();
-    let fast = write(folder.path(), "fast.toml", &format!("period_s = 2.0\n{fast}"));
+    let fast = write(folder.path(), "fast.toml", &format!("period_s = 2.0\nharmonics = 1\n{fast}"));
     let refused = ["trajectory", "sample", &fast, "--rate", "500", "--robot", "crs-a460", "-o", "-"];
     let refused = stderr(&armid(refused).failure().code(2));
     assert!(refused.contains("waist") && refused.contains("limit"), "{refused}");

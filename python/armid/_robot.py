@@ -710,12 +710,17 @@ class Robot:
             warn(ending)
         return Log(log)
 
-    def payload(self, without: Estimate, with_: Estimate) -> Payload:
-        """Find what the last link carries, from an estimate of the arm without it and one with it.
+    def payload(self, without: Estimate | Logs, with_: Estimate | Logs, progress: Progress | None = None) -> Payload:
+        """Find what the last link carries, from the arm without it and with it: logs, or estimates of the same columns.
 
-        Both must be of the same columns. Compare logs of the same motion, recorded on one day.
+        Compare logs of the same motion, recorded on one day. Logs beside an estimate are processed as its own were; both sides have the
+        speeds of friction of one.
         """
-        text = _armid.payload(self._robot, ("the estimate without", without._text), ("that with", with_._text))
+
+        def side(one: Estimate | Logs, name: str) -> tuple[str, str] | list[_armid.Log]:
+            return (name, one._text) if isinstance(one, Estimate) else self._logs(one)
+
+        text = _armid.payload(self._robot, side(without, "the estimate without"), side(with_, "that with"), progress)
         payload = Payload(text)
         if payload.data["negative_mass"] is not None:
             warn("the mass is below zero: more than a load changed between the logs, or they are exchanged")

@@ -3,7 +3,6 @@
 //! Results go into arrays that Python made, so that a result which does not fit into memory is Python's `MemoryError`.
 
 use armid::dynamics::Dynamics;
-use armid::linalg::Gram;
 use armid::model::StandardParameters;
 use armid::regressor::JointTorqueRegressor;
 use numpy::{PyReadonlyArray1, PyReadwriteArrayDyn, PyUntypedArrayMethods};
@@ -60,14 +59,7 @@ pub(crate) fn regressor(
     let out = output(&mut out, &[states.len(), n, p])?;
     py.detach(|| {
         let all: Vec<usize> = (0..p).collect();
-        regressor.stack_in_parts(&states, &all, 1, |part| {
-            let rows = &mut out[part.first * n * p..(part.first + part.count) * n * p];
-            for c in 0..p {
-                for (row, value) in rows.chunks_exact_mut(p).zip(part.column(c)) {
-                    row[c] = *value;
-                }
-            }
-        });
+        regressor.stack_rows_into(&states, &all, out);
     });
     Ok(())
 }
@@ -103,13 +95,7 @@ pub(crate) fn gram(
     let moment = output(&mut moment, &[p])?;
     py.detach(|| {
         let all: Vec<usize> = (0..p).collect();
-        let (mut gram, mut row) = (Gram::new(p), vec![0.0; p]);
-        regressor.stack_in_parts(&states, &all, 1, |part| {
-            for r in 0..part.count * n {
-                row.iter_mut().enumerate().for_each(|(c, entry)| *entry = part.column(c)[r]);
-                gram.add_row(&row, tau[part.first * n + r], weights[r % n]);
-            }
-        });
+        let gram = regressor.gram(&states, &all, tau, &weights);
         information.copy_from_slice(gram.information().as_slice());
         moment.copy_from_slice(gram.moment().as_slice());
     });

@@ -3,8 +3,10 @@
 use std::path::{Path, PathBuf};
 
 use armid::codegen::Language;
-use armid::estimation::{Estimate, TorqueSeries, predict as predicted};
+use armid::estimation::{Estimate, EstimatorKind, TorqueSeries, predict as predicted};
+use armid::model::Columns;
 use armid::model::format::ChainEnds;
+use armid::observer::Observer;
 use armid::statistics::student_quantile;
 use armid_io::log::{HeldOut, find};
 use armid_io::robot::ChainSource;
@@ -70,6 +72,22 @@ impl Made {
     }
 }
 
+/// How other logs are processed: as those of an estimate were, with its period where they state none.
+fn as_before(before: LogSettings, logs: &[Log], part_s: (Option<f64>, Option<f64>)) -> LogSettings {
+    let is_foreign = logs.iter().any(|log| log.log.recording.is_none());
+    let stated = logs.iter().find_map(|log| log.period_s);
+    let is_remembered = stated.is_none() && is_foreign && before.period_s.is_some();
+    let from_s = part_s.0.or_else(|| logs.iter().find_map(|log| log.part_s.0));
+    LogSettings {
+        period_s: if is_remembered { before.period_s } else { stated },
+        from_s: from_s.unwrap_or(if is_remembered { before.from_s } else { 0.0 }),
+        until_s: part_s.1.or_else(|| logs.iter().find_map(|log| log.part_s.1)),
+        held_out: HeldOut::Nothing,
+        measured_velocity: is_foreign && before.measured_velocity,
+        ..before
+    }
+}
+
 /// Logs that a thread may keep.
 fn kept(logs: [Vec<PyRef<'_, Log>>; 2]) -> [Vec<Log>; 2] {
     logs.map(|logs| logs.iter().map(|log| Log::clone(log)).collect())
@@ -111,23 +129,12 @@ pub(crate) fn validate(
 ) -> PyResult<String> {
     let made = Made::parse(file).map_err(exception)?;
     let (robot, [logs, _]) = (robot.clone(), kept([logs, Vec::new()]));
-    let answer = watched(py, None, Leaves::Nothing, move |_| {
+    let answer = watched(py, None, Leaves::Nothing, move |observer| {
         let before = made.inputs.as_ref().map(|inputs| inputs.settings.clone()).unwrap_or_default();
-        let is_foreign = logs.iter().any(|log| log.log.recording.is_none());
-        let stated = logs.iter().find_map(|log| log.period_s);
-        let is_remembered = stated.is_none() && is_foreign && before.period_s.is_some();
-        let from_s = part_s.0.or_else(|| logs.iter().find_map(|log| log.part_s.0));
-        let settings = LogSettings {
-            period_s: if is_remembered { before.period_s } else { stated },
-            from_s: from_s.unwrap_or(if is_remembered { before.from_s } else { 0.0 }),
-            until_s: part_s.1.or_else(|| logs.iter().find_map(|log| log.part_s.1)),
-            held_out: HeldOut::Nothing,
-            measured_velocity: is_foreign && before.measured_velocity,
-            ..before
-        };
+        let settings = as_before(before, &logs, part_s);
         let (log, now) = processed(&robot, &logs, &settings)?;
         let estimates = std::slice::from_ref(&made.estimate);
-        let answer = validated((estimates, &made.name), &log, [made.inputs.as_ref(), Some(&now)], limit)?;
+        let answer = validated((estimates, &made.name), &log, [made.inputs.as_ref(), Some(&now)], limit, observer)?;
         serde_json::to_string(&answer).map_err(Error::of)
     })?;
     answer.map_err(exception)
@@ -255,24 +262,77 @@ pub(crate) fn report(
 ) -> PyResult<PathBuf> {
     let made = Made::parse(file).map_err(exception)?;
     let (robot, logs) = (robot.clone(), kept(logs));
-    let page = watched(py, None, Leaves::Files, move |_| {
+    let page = watched(py, None, Leaves::Files, move |observer| {
         let (log, inputs) = made.log(&robot, &logs)?;
-        write_estimate_report(&folder, (&made.estimate, &made.name), &log, inputs)
+        write_estimate_report(&folder, (&made.estimate, &made.name), &log, inputs, observer)
     })?;
     page.map_err(exception)
 }
 
-/// The load by which two estimates of one arm differ, as the command's answer.
+/// The arm without its load or with it: the file of an estimate, or logs.
+#[derive(FromPyObject)]
+pub(crate) enum Side<'py> {
+    Estimate(String, String),
+    Logs(Vec<PyRef<'py, Log>>),
+}
+
+/// The same, which a thread may keep.
+enum Kept {
+    Estimate(PayloadSide),
+    Logs(Vec<Log>),
+}
+
+impl Kept {
+    fn of(side: Side<'_>) -> Result<Self, Error> {
+        Ok(match side {
+            Side::Estimate(name, text) => {
+                let Made { estimate, name, inputs } = Made::parse((&name, &text))?;
+                Self::Estimate(PayloadSide { estimate, name, inputs })
+            }
+            Side::Logs(logs) => Self::Logs(logs.iter().map(|log| Log::clone(log)).collect()),
+        })
+    }
+
+    /// The estimate; of logs processed as those of the other side were, with its columns and its speeds of friction.
+    fn made(self, robot: &Robot, other: Option<&PayloadSide>, observer: &dyn Observer) -> Result<PayloadSide, Error> {
+        let logs = match self {
+            Self::Estimate(side) => return Ok(side),
+            Self::Logs(logs) => logs,
+        };
+        let usual = LogSettings { finds_period: true, ..LogSettings::default() };
+        let before = other.and_then(|other| other.inputs.as_ref()).map_or(usual, |inputs| inputs.settings.clone());
+        let columns = match other {
+            Some(other) => columns_of(&other.estimate, &other.name)?,
+            None => Columns::RIGID_ROTOR_FRICTION,
+        };
+        let (mut log, inputs) = processed(robot, &logs, &as_before(before, &logs, (None, None)))?;
+        PayloadSide::of_log((&mut log, Some(inputs)), (columns, EstimatorKind::Wls), other, observer)
+    }
+}
+
+/// The load by which an arm with it differs from the same arm without, as the command's answer.
 #[pyfunction]
-pub(crate) fn payload(py: Python<'_>, robot: &Robot, without: File<'_>, with: File<'_>) -> PyResult<String> {
-    let side = |file| -> Result<PayloadSide, Error> {
-        let Made { estimate, name, inputs } = Made::parse(file)?;
-        Ok(PayloadSide { estimate, name, inputs })
-    };
-    let answer = py.detach(|| {
-        let answer = payload_of(&robot.loaded, side(without)?, side(with)?)?;
-        serde_json::to_string(&answer).map_err(Error::of)
-    });
+pub(crate) fn payload(
+    py: Python<'_>,
+    robot: &Robot,
+    without: Side<'_>,
+    with: Side<'_>,
+    progress: Option<Py<PyAny>>,
+) -> PyResult<String> {
+    let (without, with) = (Kept::of(without).map_err(exception)?, Kept::of(with).map_err(exception)?);
+    let robot = robot.clone();
+    let answer = watched(py, progress, Leaves::Nothing, move |observer| {
+        let (without, with) = match with {
+            // An estimate is what the logs of the other side go by.
+            Kept::Estimate(with) => (without.made(&robot, Some(&with), observer)?, with),
+            logs @ Kept::Logs(_) => {
+                let without = without.made(&robot, None, observer)?;
+                let with = logs.made(&robot, Some(&without), observer)?;
+                (without, with)
+            }
+        };
+        serde_json::to_string(&payload_of(&robot.loaded, without, with)?).map_err(Error::of)
+    })?;
     answer.map_err(exception)
 }
 

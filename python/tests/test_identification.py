@@ -59,6 +59,11 @@ def test_identity_the_load_that_was_put_on_is_found():
     assert abs(payload.mass - mass) < 5 * shown["m"]["std"]
     assert np.allclose(payload.centre, [x, 0.0, z], atol=0.01) and payload.inertia.shape == (3, 3)
     assert pickle.loads(pickle.dumps(payload)).data == payload.data
+    # The logs themselves, on one side or on both, are identified alike.
+    logs = [exact(robot, "table-one", one) for one in (phi, carried)]
+    beside = robot.payload(without, logs[1])
+    assert np.allclose(beside.mass, payload.mass, rtol=1e-9)
+    assert abs(robot.payload(*logs).mass - mass) < 5 * shown["m"]["std"]
     rigid = robot.identify(exact(robot, "table-one", phi), **of, columns="rigid+rotor")
     with pytest.raises(armid.ArmidError):
         robot.payload(without, rigid)

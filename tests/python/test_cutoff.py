@@ -1,5 +1,5 @@
-"""Arms of other makers in MuJoCo under a PD servo, without periods: with the low pass that armid chooses, known values are off by little more
-than their deviations say."""
+"""Arms of other makers in MuJoCo under a PD servo, without periods: with the low pass that armid chooses, known values are off as their
+deviations say."""
 
 import json
 import tempfile
@@ -96,18 +96,21 @@ class Log:
 
 
 class Cutoff(unittest.TestCase):
-    def test_every_known_value_is_within_its_deviations(self):
-        off, count = [], 0
+    def test_known_values_are_off_as_their_deviations_say(self):
+        errors = {}
         with tempfile.TemporaryDirectory() as folder:
             for file in ARMS:
                 for seed in range(SEEDS):
-                    scaled = self.deviations(Log(ROBOTS / file, seed), Path(folder))
-                    count += len(scaled)
-                    off += [(file, seed, name, round(by, 1)) for name, by in scaled.items() if abs(by) > 3]
-        # Of normal errors 0.27 % are beyond 3 deviations. Here 1.0 % are, since noise of the acceleration is no part of the deviations: they are
-        # some 15 % too small.
-        self.assertLessEqual(len(off), 0.015 * count, f"{off} of {count}")
-        self.assertLess(max([abs(by) for *_, by in off], default=0), 5, off)
+                    for name, by in self.deviations(Log(ROBOTS / file, seed), Path(folder)).items():
+                        errors.setdefault((file, name), []).append(by)
+        count, size = sum(map(len, errors.values())), lambda by: np.max(np.abs(by))
+        off = {of: np.round(by, 1) for of, by in errors.items() if size(by) > 3}
+        # Of normal errors 0.27 % are beyond 3 deviations: of 1,760 at most 11 in 99 of 100 tests.
+        self.assertLessEqual(sum(np.sum(np.abs(by) > 3) for by in off.values()), 11, f"{off} of {count}")
+        self.assertLess(max(map(size, off.values()), default=0), 4.5, off)
+        # The mean of ten errors shows a bias of a deviation.
+        biased = {of: round(sum(by) / len(by), 2) for of, by in errors.items() if abs(sum(by)) > 3 * len(by)**0.5}
+        self.assertLessEqual(len(biased), 3, biased)
 
     def deviations(self, made, folder):
         log, n = folder / "log.csv", range(1, made.model.nv + 1)

@@ -4,6 +4,7 @@ use std::ops::ControlFlow;
 use std::sync::atomic::{AtomicBool, AtomicUsize, Ordering};
 
 use armid::observer::{Observer, Progress, Work};
+use armid_io::Error;
 
 /// Counts finished pieces.
 pub(crate) struct Counter<'a> {
@@ -23,6 +24,16 @@ impl<'a> Counter<'a> {
     pub(crate) fn add(&self) {
         self.done.fetch_add(1, Ordering::Relaxed);
         let _ = self.goes_on();
+    }
+
+    /// Begins the next piece, the one before being finished.
+    ///
+    /// # Errors
+    /// [`Error`] of [`armid_io::ErrorKind::Interrupted`], which calls the work `name`, where the observer ends it.
+    pub(crate) fn begin(&self, name: &str) -> Result<(), Error> {
+        let goes_on = self.goes_on();
+        self.done.fetch_add(1, Ordering::Relaxed);
+        if goes_on { Ok(()) } else { Err(Error::interrupted(name)) }
     }
 
     /// Tells how far the work is; does it go on?

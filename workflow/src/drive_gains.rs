@@ -5,7 +5,7 @@ use armid::estimation::{
     drive_gains as drive_gains_of, moved_by_gains,
 };
 use armid::model::{Columns, Robot};
-use armid::observer::Unobserved;
+use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting, Task};
 use armid::spatial::Inertia;
 use armid_io::{Error, Inputs, ProcessedLog};
@@ -48,16 +48,17 @@ pub struct DriveGainsAnswer {
 ///
 /// # Errors
 /// [`Error`] where the logs hold torques, are one recording or state unlike constants, where several motors drive a joint, or where
-/// the equations have no answer.
+/// the equations have no answer; of [`armid_io::ErrorKind::Interrupted`] where the observer ended the search for the onset of friction.
 pub fn drive_gains(
     (mut without, inputs): (ProcessedLog, Inputs),
     (with, inputs_with): (&ProcessedLog, Inputs),
     columns: Columns,
     load: &Inertia,
+    observer: &dyn Observer,
 ) -> Result<DriveGainsAnswer, Error> {
     let constants = constants([&without, with], [&inputs, &inputs_with])?;
     if without.has_no_periods() {
-        without.find_onset(columns, &Unobserved)?;
+        without.find_onset(columns, observer)?;
     }
     let observations = without.gain_equations(with, columns, load)?;
     let named =

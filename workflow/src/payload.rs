@@ -1,12 +1,13 @@
 //! What does the last link carry?
 
 use armid::base::{Method, reduce};
-use armid::estimation::{Estimate, Payload, payload as payload_of};
+use armid::estimation::{Estimate, EstimatorKind, Payload, Termination, payload as payload_of};
 use armid::model::{Columns, Robot};
+use armid::observer::Observer;
 use armid::remedy::{Remedy, Task};
 use armid::seed::Seed;
 use armid_io::estimate::check_robot;
-use armid_io::{Error, Inputs, LoadedRobot};
+use armid_io::{Error, Inputs, LoadedRobot, ProcessedLog};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
 
@@ -19,6 +20,34 @@ pub struct PayloadSide {
     pub name: String,
     /// What it was made from, where that is known.
     pub inputs: Option<Inputs>,
+}
+
+impl PayloadSide {
+    /// By a log, with the speeds of friction of the other side where that is there already. Else they are found where the log has no periods,
+    /// and become those of its robot.
+    ///
+    /// # Errors
+    /// [`Error`] where the log does not show every parameter, or the other side is of another robot; of
+    /// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work.
+    pub fn of_log(
+        (log, inputs): (&mut ProcessedLog, Option<Inputs>),
+        (columns, estimator): (Columns, EstimatorKind),
+        other: Option<&Self>,
+        observer: &dyn Observer,
+    ) -> Result<Self, Error> {
+        match other {
+            Some(other) => log.take_shape(&other.estimate, &other.name)?,
+            None if log.has_no_periods() => {
+                log.find_onset(columns, observer)?;
+            }
+            None => {}
+        }
+        let name = log.name();
+        let mut estimates = log.identify_watched(columns, &[estimator.estimator()], observer)?;
+        let ended = |of: &Estimate| matches!(of.termination, Termination::Interrupted { .. });
+        let estimate = estimates.pop().filter(|of| !ended(of)).ok_or_else(|| Error::interrupted(&name))?;
+        Ok(Self { estimate, name, inputs })
+    }
 }
 
 /// A load, and everything that is said of it. It serialises to the keys of the command's answer.

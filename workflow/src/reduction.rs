@@ -42,6 +42,8 @@ pub struct ReductionAnswer {
     pub columns: Columns,
     /// The base parameters.
     pub base: BaseReduction,
+    /// Each as a formula in the robot's lengths.
+    pub expressions: Vec<String>,
     /// The motion that they are of.
     pub trajectory: Option<String>,
     /// What was read of the robot otherwise than it is written, and columns that no torque sensor tells apart.
@@ -74,6 +76,7 @@ pub fn reduce(loaded: &LoadedRobot, settings: &ReductionSettings) -> Result<Redu
         robot: robot.clone(),
         columns: *columns,
         findings: findings.collect(),
+        expressions: base.expressions(robot),
         base,
         trajectory: trajectory.clone(),
     })
@@ -82,7 +85,7 @@ pub fn reduce(loaded: &LoadedRobot, settings: &ReductionSettings) -> Result<Redu
 impl Serialize for ReductionAnswer {
     fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
         let base = &self.base;
-        let (names, expressions) = (base.names(), base.expressions(&self.robot));
+        let (names, expressions) = (base.names(), &self.expressions);
         let parameters = base.parameters.iter().zip(&base.categories);
         let row = |row: usize| {
             let term = |(id, coefficient): (armid::model::ParameterId, f64)| json!({ "parameter": id.to_string(), "coefficient": coefficient });

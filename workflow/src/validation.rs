@@ -1,9 +1,12 @@
 //! How well does an estimate predict the torque of another log?
 
 use armid::estimation::{Estimate, Model, TorqueResidual, Validation};
+use armid::observer::{Observer, Work};
 use armid_io::log::LogReport;
 use armid_io::{Error, Inputs, LoadedRobot, ProcessedLog};
 use serde::{Serialize, Serializer};
+
+use crate::counter::Counter;
 
 /// What an estimate or a model predicts of a log. It serialises to the keys of the command's answer.
 #[derive(Clone, Debug, Serialize)]
@@ -78,12 +81,14 @@ impl Serialize for ValidationAnswer {
 /// a log of the fit is remarked upon, and the robot's file is to be the same.
 ///
 /// # Errors
-/// [`Error`] where the limit is not above zero, or an estimate is of another robot or of other parameters.
+/// [`Error`] where the limit is not above zero, or an estimate is of another robot or of other parameters; of
+/// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work.
 pub fn validate(
     (estimates, name): (&[Estimate], &str),
     log: &ProcessedLog,
     inputs: [Option<&Inputs>; 2],
     limit: f64,
+    observer: &dyn Observer,
 ) -> Result<ValidationAnswer, Error> {
     check_limit(limit)?;
     let mut remarks = Vec::new();
@@ -99,8 +104,12 @@ pub fn validate(
             before.check_robot(&log.robot, name)?;
         }
     }
+    let steps = Counter::new(observer, Work::Steps, 2 * estimates.len());
     let verdict = |estimate: &Estimate| {
-        let found = (log.validate(estimate, name)?, log.residual(estimate, name)?.0);
+        steps.begin(name)?;
+        let validation = log.validate(estimate, name)?;
+        steps.begin(name)?;
+        let found = (validation, log.residual(estimate, name)?.0);
         let verdict = ValidationVerdict::new(&estimate.estimator, log, found, limit);
         Ok::<_, Error>(ValidationVerdict { remarks: remarks.clone(), ..verdict })
     };
@@ -110,18 +119,24 @@ pub fn validate(
 /// The same of a model file, by its own inertias, damping, friction and armature. `name` is what errors call it.
 ///
 /// # Errors
-/// [`Error`] where the limit is not above zero, the file states no inertias, or it is of another arm.
+/// [`Error`] where the limit is not above zero, the file states no inertias, or it is of another arm; of
+/// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work.
 pub fn validate_model(
     (model, name): (&LoadedRobot, &str),
     log: &ProcessedLog,
     limit: f64,
+    observer: &dyn Observer,
 ) -> Result<ValidationAnswer, Error> {
     check_limit(limit)?;
     let Some(parameters) = &model.own else {
         return Err(Error::new(format!("{name} states no inertias, expected a URDF or MJCF that does")));
     };
     let of = Model { robot: &model.robot, parameters };
-    let found = (log.validate_model(&of, name)?, log.model_residual(&of, name)?.0);
+    let steps = Counter::new(observer, Work::Steps, 2);
+    steps.begin(name)?;
+    let validation = log.validate_model(&of, name)?;
+    steps.begin(name)?;
+    let found = (validation, log.model_residual(&of, name)?.0);
     let verdict = ValidationVerdict::new(name, log, found, limit);
     Ok(ValidationAnswer { verdicts: vec![ValidationVerdict { remarks: model.remarks.clone(), ..verdict }] })
 }

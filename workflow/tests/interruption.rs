@@ -9,12 +9,16 @@ use std::sync::Mutex;
 use armid::estimation::{EstimatorKind, Termination, candidate_terms};
 use armid::excitation::CriterionKind;
 use armid::experiment::ExperimentPlan;
-use armid::model::Columns;
+use armid::model::{Columns, EffortInterface};
 use armid::observer::{Observer, Progress, Unobserved, Work};
-use armid_io::{ErrorKind, LoadedRobot, LogSettings, ProcessedLog, robot};
+use armid_io::inputs::RobotSource;
+use armid_io::log::{ArrayTime, LogArrays};
+use armid_io::{ErrorKind, Inputs, LoadedRobot, Log, LogSettings, ProcessedLog, robot};
 use armid_workflow::design::{DesignGoal, DesignSettings, design};
+use armid_workflow::export::{Exchange, ExportSettings, export};
 use armid_workflow::identification::{IdentifySettings, identify};
-use armid_workflow::{SimulationSettings, simulate};
+use armid_workflow::report::write_estimate_report;
+use armid_workflow::{PayloadSide, SimulationSettings, simulate, validate};
 
 /// Ends the work at so many reports, and keeps all of them.
 struct EndAt {
@@ -83,14 +87,14 @@ fn identity_work_that_is_ended_returns_its_last_iterate_and_stops_there() {
     for estimator in all.into_iter().chain([EstimatorKind::IrlsTukey, EstimatorKind::Mm, EstimatorKind::Ekf]) {
         let whole = EndAt::new(usize::MAX);
         let complete = identify(log.clone(), None, &by(vec![estimator]), &whole).unwrap();
-        assert!(!complete.was_interrupted() && whole.widest_gap() <= 10, "{}", estimator.name());
+        assert!(!complete.interrupted && whole.widest_gap() <= 10, "{}", estimator.name());
         let reports = whole.seen.lock().unwrap().len();
         assert!(reports > 2, "{} reports {reports} times", estimator.name());
         for at in [0, reports / 2] {
             let observer = EndAt::new(at);
             let answer = identify(log.clone(), None, &by(vec![estimator]), &observer).unwrap();
             let estimate = &answer.estimates[0].estimate;
-            assert!(answer.was_interrupted(), "{} at {at}: {:?}", estimator.name(), estimate.termination);
+            assert!(answer.interrupted, "{} at {at}: {:?}", estimator.name(), estimate.termination);
             assert!(estimate.base.iter().all(|parameter| parameter.value.is_finite()), "{}", estimator.name());
             // Each part of an estimator asks once more before it returns.
             assert!(observer.late() <= 8, "{} goes on for {} reports", estimator.name(), observer.late());
@@ -112,6 +116,64 @@ fn identity_work_that_is_ended_returns_its_last_iterate_and_stops_there() {
         let error = identify(log.clone(), None, &select, &observer).unwrap_err();
         assert!(error.kind() == ErrorKind::Interrupted && observer.late() <= 1, "{error}, {}", observer.late());
     }
+}
+
+/// The same motion as a log of another tool that has no periods.
+fn foreign(log: &ProcessedLog) -> ProcessedLog {
+    let samples = &log.samples;
+    let arrays = LogArrays {
+        name: "foreign".to_owned(),
+        joints: None,
+        dof: samples.dof(),
+        time: ArrayTime::Rate(samples.rate_hz),
+        q: samples.states.q.clone(),
+        qd: None,
+        link_q: None,
+        effort: samples.tau.clone(),
+        effort_unit: Some(EffortInterface::Torque),
+    };
+    Log::from_arrays(arrays).unwrap().process(log.robot.clone(), &LogSettings::default()).unwrap()
+}
+
+/// Ends the work at its first reports, and holds that it then has no result and goes on for no other.
+fn has_no_result<T>(what: &str, ends: usize, work: impl Fn(&dyn Observer) -> Result<T, armid_io::Error>) {
+    assert!(work(&Unobserved).is_ok(), "{what}");
+    for at in 0..ends {
+        let observer = EndAt::new(at);
+        let Err(error) = work(&observer) else { panic!("{what} at {at}") };
+        assert!(error.kind() == ErrorKind::Interrupted && observer.late() == 0, "{what} at {at}: {error}");
+    }
+}
+
+#[test]
+fn identity_what_has_no_iterate_to_return_ends_with_an_error() {
+    let loaded = robot::named("planar-2r").unwrap();
+    let log = log(&loaded);
+    let inputs = Inputs {
+        robot: RobotSource { name: None, sha256: String::new(), base_link: None, tip_link: None },
+        logs: Vec::new(),
+        held_out_log: None,
+        files: Vec::new(),
+        mapping: None,
+        rate_hz: None,
+        settings: LogSettings::default(),
+    };
+    let answer = identify(log.clone(), None, &IdentifySettings::default(), &Unobserved).unwrap();
+    let estimate = (&answer.estimates[0].estimate, "the estimate");
+    let settings = ExportSettings { format: Exchange::Mjcf, into: None, file: None };
+    has_no_result("the fit of a model", 4, |observer| export(estimate, log.clone(), &settings, observer));
+    let estimates = (std::slice::from_ref(estimate.0), estimate.1);
+    has_no_result("a validation", 2, |observer| validate(estimates, &log, [None; 2], 0.1, observer));
+    let folder = tempfile::tempdir().unwrap();
+    let page = |observer: &dyn Observer| write_estimate_report(folder.path(), estimate, &log, &inputs, observer);
+    has_no_result("a page", 4, page);
+    // The onset of friction is looked for in logs without periods.
+    let foreign = foreign(&log);
+    assert!(foreign.has_no_periods());
+    let sought = (Columns::RIGID_ROTOR_FRICTION, EstimatorKind::Wls);
+    has_no_result("the log of a load", 2, |observer| {
+        PayloadSide::of_log((&mut foreign.clone(), None), sought, None, observer)
+    });
 }
 
 #[test]

@@ -4,7 +4,7 @@ use std::fmt::Write;
 use std::path::PathBuf;
 
 use armid::experiment::{Ending, Phase, Tracking};
-use armid::model::{JointKind, Robot};
+use armid::model::{EffortInterface, JointKind, Robot};
 use armid_hardware::guard::{GuardRecord, Trip};
 use serde_json::{Value, json};
 
@@ -177,9 +177,11 @@ fn not_followed(experiment: &Experiment, tracking: &Tracking) -> Vec<String> {
         .collect()
 }
 
-/// How the servo followed while it counted.
+/// How the servo followed while it counted; motor currents of a robot that reports them.
 fn followed(robot: &Robot, tracking: &Tracking) -> Table {
-    let mut table = Table::of("joint | #error RMS | #peak | #effort peak | #of rating | #current peak | #of limit");
+    let currents = robot.effort() == EffortInterface::Current;
+    let more = if currents { " | #current peak | #of limit" } else { "" };
+    let mut table = Table::of(&format!("joint | #error RMS | #peak | #effort peak | #of rating{more}"));
     for (i, joint) in robot.joints().iter().enumerate() {
         let error = |value: f64| match joint.kind {
             JointKind::Revolute => format!("{} mdeg", number(1e3 * value.to_degrees())),
@@ -188,15 +190,18 @@ fn followed(robot: &Robot, tracking: &Tracking) -> Table {
         let share = |value: f64, limit: f64| {
             if limit.is_finite() { format!("{:.0} %", 100.0 * value / limit) } else { String::new() }
         };
-        table.row([
+        let mut cells = vec![
             joint.name.clone(),
             error(tracking.rms_error[i]),
             error(tracking.peak_error[i]),
             format!("{} {}", number(tracking.peak_effort[i]), joint.kind.effort_unit()),
             share(tracking.peak_effort[i], joint.limits.torque),
-            format!("{} A", number(tracking.peak_current[i])),
-            share(tracking.peak_current[i], joint.drive.current_limit),
-        ]);
+        ];
+        if currents {
+            let peak = tracking.peak_current[i];
+            cells.extend([format!("{} A", number(peak)), share(peak, joint.drive.current_limit)]);
+        }
+        table.row(cells);
     }
     table
 }

@@ -11,7 +11,7 @@ use miette::Result;
 
 use crate::answers::drive_gains::DriveGainsText;
 use crate::arguments::LogArguments;
-use crate::terminal::{Answer, Console, Ending};
+use crate::terminal::{Answer, Console, Ending, Watch};
 
 pub(super) fn run(
     [without, with]: [&[PathBuf]; 2],
@@ -22,7 +22,7 @@ pub(super) fn run(
 ) -> Result<Ending> {
     let (without, inputs) = log.process(without, None, HeldOut::Nothing)?;
     let (with, inputs_with) = log.process(with, Some(&inputs), HeldOut::Nothing)?;
-    let answer = drive_gains((without, inputs), (&with, inputs_with), columns, load)?;
+    let answer = drive_gains((without, inputs), (&with, inputs_with), columns, load, &Watch::new(console))?;
     let json = serde_json::to_value(&answer).map_err(Error::of)?;
     console.deliver_json(&Answer { text: DriveGainsText(&answer).text(), json })?;
     Ok(if answer.is_sound() { Ending::Done } else { Ending::Negative })

@@ -184,7 +184,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     text += &answer.speeds.as_ref().map(|speeds| speeds_text(speeds, robot, true)).unwrap_or_default();
     text += &answer.transmissions.as_deref().map(transmission_text).unwrap_or_default();
     console.deliver_json(&Answer { text, json })?;
-    Ok(match answer.was_interrupted() {
+    Ok(match answer.interrupted {
         true => Ending::Interrupted,
         false if answer.is_sound() => Ending::Done,
         false => Ending::Negative,

@@ -4,7 +4,6 @@ use std::path::{Path, PathBuf};
 
 use armid::estimation::EstimatorKind;
 use armid::model::Columns;
-use armid::observer::Unobserved;
 use armid_io::log::HeldOut;
 use armid_io::{Error, Inputs, LoadedRobot, Text, estimate};
 use armid_workflow::{PayloadSide, columns_of, payload};
@@ -12,7 +11,7 @@ use miette::Result;
 
 use crate::answers::payload::text;
 use crate::arguments::LogArguments;
-use crate::terminal::{Answer, Console, Ending};
+use crate::terminal::{Answer, Console, Ending, Watch};
 
 /// The logs of the arm without and with its load.
 pub(super) struct PayloadLogs<'a> {
@@ -32,11 +31,11 @@ pub(super) fn run(
     };
     let (without, robot) = match logs.without {
         [one] if one.extension().is_some_and(|extension| extension == "json") => (of_estimate(one)?, None),
-        several => of_logs(logs.log, several, None, columns, *estimator)?,
+        several => of_logs(logs.log, several, None, (columns, *estimator), console)?,
     };
     // Robot, mapping and processing are those of the estimate where nothing else is said.
     let columns = columns_of(&without.estimate, &without.name)?;
-    let (with, again) = of_logs(logs.log, logs.with, Some(&without), columns, *estimator)?;
+    let (with, again) = of_logs(logs.log, logs.with, Some(&without), (columns, *estimator), console)?;
     let loaded = again.or(robot).ok_or_else(|| Error::new("no robot is named, expected --robot ROBOT"))?;
     let answer = payload(&loaded, without, with)?;
     let json = serde_json::to_value(&answer).map_err(Error::of)?;
@@ -57,19 +56,11 @@ fn of_logs(
     log: &LogArguments,
     paths: &[PathBuf],
     other: Option<&PayloadSide>,
-    columns: Columns,
-    estimator: EstimatorKind,
+    sought: (Columns, EstimatorKind),
+    console: &Console,
 ) -> Result<(PayloadSide, Option<LoadedRobot>), Error> {
     let remembered = other.and_then(|other| other.inputs.as_ref());
     let (mut prepared, inputs) = log.process(paths, remembered, HeldOut::Nothing)?;
-    match other {
-        Some(other) => prepared.take_shape(&other.estimate, &other.name)?,
-        None if prepared.has_no_periods() => {
-            prepared.find_onset(columns, &Unobserved)?;
-        }
-        None => {}
-    }
-    let estimate = prepared.identify(columns, estimator)?;
-    let name = prepared.name();
-    Ok((PayloadSide { estimate, name, inputs: Some(inputs) }, Some(prepared.robot)))
+    let side = PayloadSide::of_log((&mut prepared, Some(inputs)), sought, other, &Watch::new(console))?;
+    Ok((side, Some(prepared.robot)))
 }

@@ -59,8 +59,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     Ok(Ending::Done)
 }
 
-fn text(ReductionAnswer { robot, columns, base, trajectory, findings }: &ReductionAnswer) -> String {
-    let expressions = base.expressions(robot);
+fn text(ReductionAnswer { robot, columns, base, expressions, trajectory, findings }: &ReductionAnswer) -> String {
     let mut text = format!(
         "{}: {} base parameters of {} ({})\nmethod {}, base {}{}\n\n",
         robot.name(),

@@ -13,7 +13,7 @@ use miette::Result;
 use serde_json::json;
 
 use crate::arguments::ChainArguments;
-use crate::terminal::{Answer, Console, Ending};
+use crate::terminal::{Answer, Console, Ending, Watch};
 
 const AFTER_HELP: &str = "\
 Everything that the report of a study shows is stored by `armid study`; this redraws it and computes
@@ -94,7 +94,7 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
             let estimate = estimate::parse(&text)?;
             let (robot, chain) = (arguments.robot.clone(), arguments.chain.ends());
             let (log, inputs) = LogSource { robot, chain, ..LogSource::default() }.again(&text, &[])?;
-            pages.push(write_estimate_report(&output, (&estimate, &text.name), &log, &inputs)?);
+            pages.push(write_estimate_report(&output, (&estimate, &text.name), &log, &inputs, &Watch::new(console))?);
             continue;
         }
         if !folder.is_dir() {

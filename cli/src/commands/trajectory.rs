@@ -15,9 +15,9 @@ use crate::arms::Speed;
 use crate::terminal::{Answer, Console, Ending, Table, number, report_folder};
 
 const AFTER_HELP: &str = "\
-FILE is an experiment, or a trajectory alone. The motion of an experiment begins and ends at rest, and
-its limits of position, speed and acceleration are checked. A trajectory alone gets --settle, --ramp
-and --periods; --robot names the arm whose limits it must keep.
+FILE is an experiment, or a trajectory alone. The motion of an experiment begins and ends at rest.
+Its limits of position, speed and acceleration are checked. A trajectory alone gets --settle, --ramp
+and --periods, and --robot names the arm whose limits it must keep.
 
   csv               t,q1..qn,qd1..qdn,qdd1..qddn in s, rad, rad/s, rad/s² (m)
   joint-trajectory  trajectory_msgs/JointTrajectory of ROS 2, as JSON, which is YAML too
@@ -31,6 +31,9 @@ Examples:
 
 /// Write a motion for the controller of any robot
 #[derive(Debug, clap::Args)]
+#[command(after_help = "\
+Example:
+  armid trajectory sample T.toml --robot arm.urdf --rate 500 -o points.csv")]
 pub(crate) struct Arguments {
     #[command(subcommand)]
     what: What,
@@ -126,7 +129,7 @@ fn words(points: &SetPoints, robot: Option<&str>) -> String {
         number(points.period_s),
         number(points.periodic_from_s)
     );
-    let mut table = Table::of("joint | #begins at | #largest speed | #largest acceleration");
+    let mut table = Table::of("joint | #begins at, rad (m) | #largest speed, rad/s | #largest acceleration, rad/s²");
     for ((joint, start), [_, speed, acceleration]) in points.joints.iter().zip(&points.rows[0]).zip(&points.largest) {
         table.row([joint.clone(), number(*start), number(*speed), number(*acceleration)]);
     }

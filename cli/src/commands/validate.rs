@@ -12,7 +12,7 @@ use miette::Result;
 use crate::answers::estimate::left_out;
 use crate::answers::findings::paragraph;
 use crate::arguments::LogArguments;
-use crate::terminal::{Answer, Console, Ending, Table};
+use crate::terminal::{Answer, Console, Ending, Table, Watch};
 
 const AFTER_HELP: &str = "\
 The verdict is `passed` (exit 0) where every joint's difference, as a share of its measured
@@ -47,18 +47,18 @@ pub(crate) struct Arguments {
 
 pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     let text = Text::read(&arguments.estimate)?;
-    let (name, limit) = (&text.name, arguments.limit);
+    let (name, limit, watch) = (&text.name, arguments.limit, Watch::new(console));
     let (answer, log) = if text.content.trim_start_matches('\u{feff}').trim_start().starts_with('<') {
         // A model file is its own robot unless another one reads the log.
         let model = arguments.log.model(name)?;
         let (log, _) = arguments.log.clone().with_robot(name).process(&arguments.logs, None, HeldOut::Nothing)?;
-        (validate_model((&model, name), &log, limit)?, log)
+        (validate_model((&model, name), &log, limit, &watch)?, log)
     } else {
         let estimates = estimate::parse_all(&text)?;
         let inputs = Inputs::of_estimate(&text)?;
         let (log, now) = arguments.log.process(&arguments.logs, inputs.as_ref(), HeldOut::Nothing)?;
         let inputs = [inputs.as_ref(), Some(&now)];
-        (validate((&estimates, name), &log, inputs, limit)?, log)
+        (validate((&estimates, name), &log, inputs, limit, &watch)?, log)
     };
     let text = answer.verdicts.iter().map(|verdict| verdict_text(verdict, &log)).collect();
     console.answer(&Answer { text, json: serde_json::to_value(&answer).map_err(Error::of)? })?;

@@ -25,24 +25,34 @@ use crate::linalg::{LeastSquares, product};
 use crate::model::term::PriorOf;
 use crate::model::{DeclaredUncertainty, ParameterKind, Robot};
 
-/// The covariance of β̂ by what the robot of the problem declares, b × b; `None` where it declares nothing.
-pub(super) fn covariance(
+/// What the robot of a problem declares, in β̂.
+pub(super) struct Declared {
+    /// cov β̂ by all of it, b × b.
+    pub(super) covariance: DMatrix<f64>,
+    /// The shifts of β̂ by one standard deviation of each quantity of the motors, b × as many: they are the same in every log.
+    pub(super) of_motors: DMatrix<f64>,
+}
+
+/// What the robot of the problem declares; `None` where it declares nothing.
+pub(super) fn declared(
     problem: &EstimationProblem<'_>,
     fit: &LeastSquares,
     instruments: Instruments<'_>,
-) -> Result<Option<DMatrix<f64>>, EstimationError> {
+) -> Result<Option<Declared>, EstimationError> {
     let (observation, Some(robot)) = (problem.observation, problem.robot) else { return Ok(None) };
     let declared = robot.uncertainty();
     if declared.is_none() || robot.dof() != observation.dof {
         return Ok(None);
     }
     let mut columns = of_motors(problem, robot, declared)?;
+    let motors = columns.len();
     columns.extend(coefficients(declared, observation, fit.solution()));
     if columns.is_empty() {
         return Ok(None);
     }
-    let reached = instruments.transposed_product(observation, &DMatrix::from_columns(&columns))?;
-    Ok(Some(fit.sandwich(&product(&reached, &reached.transpose()))))
+    let shifts = fit.moved_by(&instruments.transposed_product(observation, &DMatrix::from_columns(&columns))?);
+    let covariance = product(&shifts, &shifts.transpose());
+    Ok(Some(Declared { covariance, of_motors: shifts.columns(0, motors).into_owned() }))
 }
 
 /// Torque by one standard deviation of the torque constant of each motor, and of its lag behind the current.

@@ -39,6 +39,11 @@ pub struct BaseEstimate {
     pub declared_std: f64,
 }
 
+/// A matrix row by row, as a file has it.
+pub(super) fn rows_of(matrix: &DMatrix<f64>) -> Vec<Vec<f64>> {
+    matrix.row_iter().map(|row| row.iter().copied().collect()).collect()
+}
+
 #[allow(clippy::trivially_copy_pass_by_ref, reason = "serde passes a reference")]
 fn is_zero(std: &f64) -> bool {
     *std == 0.0
@@ -84,6 +89,10 @@ pub struct Estimate {
     pub base: Vec<BaseEstimate>,
     /// Covariance of β̂, b rows of b.
     pub covariance: Vec<Vec<f64>>,
+    /// What one standard deviation of each declared quantity of the motors adds to β̂, b rows: torque constant and lag, motor by motor. It
+    /// is part of the covariance, and the same error in every log of the arm. Empty where none is declared.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub motor_errors: Vec<Vec<f64>>,
     /// A full set of standard parameters φ with `K φ = β̂`, where one was asked for.
     pub standard: Option<Vec<StandardEstimate>>,
     /// Whether that set is physically consistent.
@@ -126,6 +135,8 @@ impl Estimate {
         let sizes = [("covariance", self.covariance.len(), b)]
             .into_iter()
             .chain(self.covariance.iter().map(|row| ("a row of covariance", row.len(), b)))
+            .chain((!self.motor_errors.is_empty()).then_some(("motor_errors", self.motor_errors.len(), b)))
+            .chain(self.motor_errors.iter().map(|row| ("a row of motor_errors", row.len(), self.motor_errors[0].len())))
             .chain([("residual_rms", self.residual_rms.len(), n), ("noise_std", self.noise_std.len(), n)]);
         if let Some((what, found, expected)) = sizes.into_iter().find(|(_, found, expected)| found != expected) {
             return Err(format!("{what} has {found} entries, expected {expected} for {b} parameters and {n} joints"));
@@ -241,6 +252,12 @@ impl Estimate {
         let scaled = DMatrix::from_fn(b, b, |i, j| 0.5 * (covariance[(i, j)] + covariance[(j, i)]) / (std[i] * std[j]));
         let inverse = Cholesky::new(scaled)?.inverse();
         Some(DMatrix::from_fn(b, b, |i, j| inverse[(i, j)] / (std[i] * std[j])))
+    }
+
+    /// [`Self::motor_errors`] as a matrix, b × as many; without columns where none is declared.
+    pub fn motor_errors_matrix(&self) -> DMatrix<f64> {
+        let columns = self.motor_errors.first().map_or(0, Vec::len);
+        DMatrix::from_fn(self.base.len(), columns, |i, j| self.motor_errors[i][j])
     }
 
     /// Covariance of β̂, b × b.

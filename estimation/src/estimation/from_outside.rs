@@ -55,6 +55,7 @@ impl Estimate {
         )?;
         let estimate = linear.estimate(estimator, problem, &fit, Termination::Direct)?;
         let basis = IntervalBasis::Residual;
-        Ok(Self { degrees_of_freedom, interval_basis: basis, ..estimate }.with_covariance(covariance))
+        let of_outside = Self { degrees_of_freedom, interval_basis: basis, motor_errors: Vec::new(), ..estimate };
+        Ok(of_outside.with_covariance(covariance))
     }
 }

@@ -10,14 +10,14 @@
 //! joint is much larger than the scatter explains, C is taken from the residual with its correlation in time: that sees what
 //! joints say against each other, as under wrong torque constants. What single joints show of a torque that no parameter of
 //! theirs explains is added as a [`discrepancy`](super::discrepancy), where the states of the equations are known. What leaves no
-//! trace in any residual is added as far as the robot file declares it ([`declared`]).
+//! trace in any residual is added as far as the robot file declares it ([`declared`](super::declared)).
 
 use nalgebra::{Cholesky, DMatrix, DVector, SymmetricEigen};
 
 use super::completion::complete;
-use super::declared;
+use super::declared::declared;
 use super::error::EstimationError;
-use super::estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate};
+use super::estimate::{BaseEstimate, Estimate, IntervalBasis, StandardEstimate, rows_of};
 use super::expected_residual::ExpectedResidual;
 use super::factorisation::Factorisation;
 use super::finding::Finding;
@@ -126,9 +126,9 @@ impl Inference<'_> {
             }
             beyond.extend(misfit);
         }
-        let declared = declared::covariance(self.problem, self.fit, self.instruments)?;
+        let declared = declared(self.problem, self.fit, self.instruments)?;
         if let Some(declared) = &declared {
-            covariance += declared;
+            covariance += &declared.covariance;
         }
         let t = student_quantile(0.975, freedom);
         let base: Vec<BaseEstimate> = observation
@@ -139,7 +139,7 @@ impl Inference<'_> {
             .map(|(j, name)| {
                 let (value, std) = (beta[j], covariance[(j, j)].max(0.0).sqrt());
                 let unit = observation.parameter_units[j].clone();
-                let declared_std = declared.as_ref().map_or(0.0, |of| of[(j, j)].max(0.0).sqrt());
+                let declared_std = declared.as_ref().map_or(0.0, |of| of.covariance[(j, j)].max(0.0).sqrt());
                 BaseEstimate { name, value, std, ci95: [value - t * std, value + t * std], unit, declared_std }
             })
             .collect();
@@ -156,13 +156,18 @@ impl Inference<'_> {
         if let Some(completion) = &completion {
             findings.extend(completion.findings.iter().cloned());
         }
-        let b = base.len();
         let estimate = Estimate {
             estimator: self.estimator.to_owned(),
             robot: observation.robot.clone(),
             columns: observation.columns.to_string(),
             shape: observation.shape.clone(),
-            covariance: (0..b).map(|i| covariance.row(i).iter().copied().collect()).collect(),
+            covariance: rows_of(&covariance),
+            motor_errors: declared
+                .map(|of| of.of_motors)
+                .filter(|of| of.ncols() > 0)
+                .as_ref()
+                .map(rows_of)
+                .unwrap_or_default(),
             consistent: completion.as_ref().map(|c| c.findings.is_empty()),
             standard: completion.map(|c| {
                 let values = observation.base.parameters.iter();

@@ -8,6 +8,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use super::observation::Observation;
+use crate::linalg::dot;
 use crate::model::term::{Scale, ShapeParameter, Shapes, Term, TermBlock};
 use crate::model::{ParameterId, Robot};
 use crate::signal::Samples;
@@ -194,8 +195,4 @@ impl SpeedColumn {
 fn loads(robot: &Robot, observation: &Observation, samples: &Samples) -> Vec<f64> {
     let (regressor, states) = (observation.joint_regressor(robot), &samples.states);
     (0..states.len()).flat_map(|k| regressor.load_at(states.q(k), states.qd(k), states.qdd(k))).collect()
-}
-
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
 }

@@ -116,13 +116,13 @@ impl Plan {
     fn of(name: &str, messages: &[Message], reading: &StateReading<'_>) -> Result<Self, Error> {
         let Some(first) = messages.first() else { return Err(Error::new(format!("{name} holds no joint states"))) };
         let found: BTreeSet<&str> =
-            messages.iter().flat_map(|message| &message.state.name).map(String::as_str).collect();
+            messages.iter().flat_map(|message| message.state.name.iter()).map(String::as_str).collect();
         if let Some(mapping) = reading.mapping.filter(|mapping| !mapping.columns.is_empty()) {
             return Self::of_mapping(name, mapping, &found);
         }
         let (in_log, prefix) = match reading.robot {
             Some(robot) => names_in_log(name, robot, &found)?,
-            None => (first.state.name.clone(), None),
+            None => (first.state.name.to_vec(), None),
         };
         let joints = match reading.robot {
             Some(robot) => robot.joints().iter().map(|joint| joint.name.clone()).collect(),
@@ -222,7 +222,7 @@ mod tests {
             recorded_ns: k,
             state: JointState {
                 stamp: Time::from_ns(k * 1_000_000).unwrap(),
-                name: vec!["a".to_owned(), "b".to_owned()],
+                name: ["a".to_owned(), "b".to_owned()].into(),
                 position: vec![k as f64, 0.5],
                 effort: vec![7.0, f64::NAN],
                 ..JointState::default()

@@ -7,7 +7,7 @@ use armid::input::size::{RECORDING_BYTES, TEXT_BYTES};
 use super::joint_log::Log;
 use super::origin::FileHash;
 use super::topics::{StateReading, Topics};
-use super::{gzip, lerobot, mcap, npy, parquet_table, sqlite, states};
+use super::{gzip, lerobot, mcap, mcap_contents, npy, parquet_table, sqlite, states};
 use crate::error::{Error, ErrorKind};
 use crate::table::LogTable;
 use crate::text::{Text, read_bytes};
@@ -38,7 +38,7 @@ pub(super) enum Reader {
 #[derive(Clone, Copy, Debug)]
 pub(super) struct StatesReader {
     /// Reads a file as a log of its own.
-    pub(super) log: fn(&Path, &[u8], &StateReading<'_>) -> Result<Log, Error>,
+    pub(super) log: fn(&Path, Vec<u8>, &StateReading<'_>) -> Result<Log, Error>,
     /// Reads its joint states by topic, as one of several files.
     pub(super) topics: fn(&Path, &[u8]) -> Result<Topics, Error>,
 }
@@ -52,8 +52,12 @@ impl LogFormat {
             suffixes: &[".mcap", ".mcap.part"],
             reader: Reader::States(StatesReader {
                 log: |path, bytes, reading| {
-                    let mut log = mcap::parse_as(path, bytes, reading)?;
-                    log.origin.files = vec![FileHash::of(path, bytes)];
+                    let hash = FileHash::of(path, &bytes);
+                    let contents = mcap_contents::contents(&path.display().to_string(), &bytes)?;
+                    // What they hold takes as much memory again.
+                    drop(bytes);
+                    let mut log = mcap::log(path, contents, reading)?;
+                    log.origin.files = vec![hash];
                     Ok(log)
                 },
                 topics: |path, bytes| mcap::topics(&path.display().to_string(), bytes),
@@ -66,7 +70,7 @@ impl LogFormat {
             reader: Reader::States(StatesReader {
                 log: |path, bytes, reading| {
                     let name = path.display().to_string();
-                    states::log(&name, vec![(FileHash::of(path, bytes), sqlite::topics(path)?)], reading)
+                    states::log(&name, vec![(FileHash::of(path, &bytes), sqlite::topics(path)?)], reading)
                 },
                 topics: |path, _| sqlite::topics(path),
             }),

@@ -156,10 +156,16 @@ impl ProcessedLog {
     /// friction laws of its file.
     ///
     /// # Errors
-    /// [`Error`] as [`fit_model`] has them.
-    pub fn fit_model(&self, robot: &Robot, columns: Columns, guess: &ModelGuess) -> Result<ModelFit, Error> {
+    /// [`Error`] as [`fit_model`] has them; of [`crate::ErrorKind::Interrupted`] where the observer ended it.
+    pub fn fit_model(
+        &self,
+        robot: &Robot,
+        columns: Columns,
+        guess: &ModelGuess,
+        observer: &dyn Observer,
+    ) -> Result<ModelFit, Error> {
         let samples = self.samples.clone().with_slow_blocks();
-        fit_model(robot, columns, &samples, guess).map_err(|error| self.unestimated(&error))
+        fit_model(robot, columns, &samples, guess, observer).map_err(|error| self.unestimated(&error))
     }
 
     /// What is estimated: the robot's base, or where joints stand still or their torque is left out, the base that the equations reveal.

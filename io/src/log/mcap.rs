@@ -6,7 +6,7 @@ use armid::remedy::{Remedy, Setting, Task};
 use armid_cdr::JointState;
 
 use super::joint_log::Log;
-use super::mcap_contents::contents;
+use super::mcap_contents::{Contents, contents};
 use super::topics::{StateReading, Topics};
 use super::{foreign, recorded};
 use crate::error::Error;
@@ -18,16 +18,15 @@ use crate::recording::STATES;
 /// # Errors
 /// [`Error`] where the bytes are no MCAP, are damaged or cut off, or hold no joint states.
 pub fn parse(path: &Path, bytes: &[u8]) -> Result<Log, Error> {
-    parse_as(path, bytes, &StateReading::default())
+    log(path, contents(&path.display().to_string(), bytes)?, &StateReading::default())
 }
 
-/// The same, where it is known what is looked for in joint states of other tools.
+/// The same of what a file holds, where it is known what is looked for in joint states of other tools.
 ///
 /// # Errors
 /// As [`parse`].
-pub(super) fn parse_as(path: &Path, bytes: &[u8], reading: &StateReading<'_>) -> Result<Log, Error> {
+pub(super) fn log(path: &Path, mut contents: Contents, reading: &StateReading<'_>) -> Result<Log, Error> {
     let name = path.display().to_string();
-    let mut contents = contents(&name, bytes)?;
     let mut messages = Vec::new();
     if contents.metadata.is_none() {
         messages = reading.one_topic(&name, contents.topics())?;

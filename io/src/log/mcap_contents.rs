@@ -100,7 +100,10 @@ pub(super) fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
             Ok(Record::Message { header, data }) if contents.others.contains_key(&header.channel_id) => {
                 let (topic, states) = contents.others.entry(header.channel_id).or_default();
                 match JointState::decode(&data) {
-                    Ok(state) => states.push(Message { recorded_ns: time_ns(header.log_time), state }),
+                    Ok(state) => {
+                        let state = state.sharing_names(states.last().map(|last| &last.state));
+                        states.push(Message { recorded_ns: time_ns(header.log_time), state });
+                    }
                     Err(error) => {
                         let message = format!("{name}: message {} on {topic}: {error}", states.len() + 1);
                         undecodable.get_or_insert_with(|| Error::new(message));
@@ -111,7 +114,7 @@ pub(super) fn contents(name: &str, bytes: &[u8]) -> Result<Contents, Error> {
                 let number = contents.states.len() + 1;
                 match JointState::decode(&data) {
                     Ok(state) => {
-                        contents.states.push(state);
+                        contents.states.push(state.sharing_names(contents.states.last()));
                         contents.recorded_ns.push(time_ns(header.log_time));
                     }
                     Err(error) => {

@@ -34,7 +34,7 @@ impl Log {
         }
         let bytes = read_bytes(path, &RECORDING_BYTES)?;
         if let Some(Reader::States(reader)) = LogFormat::of(path, &bytes)?.map(|format| format.reader) {
-            return (reader.log)(path, &bytes, reading);
+            return (reader.log)(path, bytes, reading);
         }
         Self::of_table(path, bytes)
     }

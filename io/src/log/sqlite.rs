@@ -96,6 +96,7 @@ pub(super) fn topics(path: &Path) -> Result<Topics, Error> {
             let (recorded_ns, number) = (row.get(1).map_err(fault)?, row.get(2).map_err(fault)?);
             let state = JointState::decode(data)
                 .map_err(|error| Error::new(format!("{name}: message {number} on {topic}: {error}")))?;
+            let state = state.sharing_names(messages.last().map(|(_, last): &(i64, Message)| &last.state));
             messages.push((number, Message { recorded_ns, state }));
         }
         messages.sort_by_key(|(number, message)| (message.recorded_ns, *number));
@@ -151,7 +152,7 @@ mod tests {
         JointState {
             stamp: Time { sec: k, nanosec: 5 },
             frame_id: String::new(),
-            name: vec!["a".to_owned()],
+            name: ["a".to_owned()].into(),
             position: vec![f64::from(k)],
             velocity: Vec::new(),
             effort: vec![1.5],

@@ -17,6 +17,7 @@ use std::collections::BTreeMap;
 use std::fs::File;
 use std::io::BufWriter;
 use std::path::{Path, PathBuf};
+use std::sync::Arc;
 
 use armid::experiment::{Ending, Flow, RawSample, Recording, Sink};
 use armid::model::{EffortInterface, Robot};
@@ -71,7 +72,7 @@ struct Open {
     links: Option<u16>,
     commands: u16,
     view: Option<ArmView>,
-    joints: Vec<String>,
+    joints: Arc<[String]>,
     command_every: usize,
     chunk_samples: usize,
     samples: usize,
@@ -181,7 +182,7 @@ impl<'a> McapSink<'a> {
                 links: None,
                 commands,
                 view,
-                joints: recording.joints.clone(),
+                joints: recording.joints.as_slice().into(),
                 command_every: (recording.rate_hz / COMMAND_RATE_HZ).ceil().max(1.0) as usize,
                 chunk_samples: (recording.rate_hz * CHUNK_S).ceil().max(1.0) as usize,
                 samples: 0,
@@ -270,7 +271,7 @@ impl Open {
         let state = JointState {
             stamp,
             frame_id: String::new(),
-            name: self.joints.clone(),
+            name: Arc::clone(&self.joints),
             position: sample.q.to_vec(),
             velocity: Vec::new(),
             effort: sample.effort.to_vec(),

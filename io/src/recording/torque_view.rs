@@ -12,6 +12,7 @@
 use std::collections::BTreeMap;
 use std::io::Cursor;
 use std::path::Path;
+use std::sync::Arc;
 
 use armid::model::Robot;
 use armid_cdr::{JointState, Time};
@@ -57,7 +58,7 @@ impl TorqueView<'_> {
         let mut channel = |topic| writer.add_channel(schema, topic, "cdr", &BTreeMap::new());
         let channels = [channel(STATES)?, channel("/predicted_torque")?, channel("/residual")?];
         let n = self.robot.dof();
-        let name: Vec<String> = self.robot.joints().iter().map(|joint| joint.name.clone()).collect();
+        let name: Arc<[String]> = self.robot.joints().iter().map(|joint| joint.name.clone()).collect();
         let rows = self.q.chunks_exact(n).zip(self.measured.chunks_exact(n)).zip(self.predicted.chunks_exact(n));
         for (k, ((q, measured), predicted)) in rows.enumerate() {
             let stamp = Time::from_s(k as f64 / self.rate_hz)?;
@@ -67,7 +68,7 @@ impl TorqueView<'_> {
             for (channel_id, (position, effort)) in channels.into_iter().zip(states) {
                 let state = JointState {
                     stamp,
-                    name: name.clone(),
+                    name: Arc::clone(&name),
                     position: position.to_vec(),
                     effort,
                     ..JointState::default()

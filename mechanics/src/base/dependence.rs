@@ -17,7 +17,7 @@ use super::geometry::Geometry;
 use super::nearly_dependent::NearlyDependent;
 use super::reduction::BaseReduction;
 use super::scaled_stack::scaled_stack;
-use crate::linalg::{LeftToRight, RankTolerance};
+use crate::linalg::{LeftToRight, RankTolerance, RowFactor};
 use crate::model::term::ROTOR;
 use crate::model::{Columns, Robot};
 use crate::regressor::JointTorqueRegressor;
@@ -41,7 +41,11 @@ pub(super) fn leave_out(
     let states = geometry.random_states(geometry.state_count(parameters.len()), &mut rng);
     let w = JointTorqueRegressor::new(robot, inertial)?.stack(&states);
     let w = scaled_stack(geometry, &parameters, w)?;
-    let seen = LeftToRight::new(&w, RankTolerance { zero: NEARLY_DEPENDENT, independent: NEARLY_DEPENDENT });
+    // A triangular factor has the dependencies of its matrix, in a third of the rows.
+    let mut factor = RowFactor::new(w.ncols());
+    factor.add(w.nrows(), |row, column| w[(row, column)]);
+    let seen =
+        LeftToRight::new(&factor.finish(), RankTolerance { zero: NEARLY_DEPENDENT, independent: NEARLY_DEPENDENT });
     let visible: Vec<usize> = seen.kept.iter().map(|&column| places[column]).collect();
     let left_out = |column: &&usize| places.contains(*column) && !visible.contains(*column);
     if structural.kept.iter().filter(|column| places.contains(*column)).eq(&visible) {

@@ -35,7 +35,7 @@ pub use load::LOAD_UNITS;
 pub use method::Method;
 pub use nearly_dependent::NearlyDependent;
 pub use radkhah2007::Radkhah2007Sets;
-pub use reduce::{reduce, reduce_moving_base, reduce_on, reduce_with_base, structural_base};
+pub use reduce::{reduce, reduce_on, reduce_with_base, structural_base};
 pub use reduction::{BaseReduction, Category};
 pub use structural::BaseMotion;
 

@@ -64,20 +64,11 @@ pub fn structural_base(
     reduce_on(robot, columns, method, &states)
 }
 
-/// The rigid base parameters of a robot whose base is carried about in all six directions, by one QR on random states.
-///
-/// On the A460 the rank is 42, not the 45 that `radkhah2007` hopes for: `m1` and `mcy1` stay invisible, and `Ixx1` and
-/// `Izz1` show only as a difference.
-///
-/// # Errors
-/// [`BaseError::NotFinite`] if the robot's geometry is not finite.
-pub fn reduce_moving_base(robot: &Robot, seed: Seed) -> Result<BaseReduction, BaseError> {
-    reduce_with_base(robot, Columns::RIGID, BaseMotion::Free, Method::Qr, seed)
-}
-
 /// The base parameters of a robot whose base moves in a known way.
 ///
-/// The joints' efforts are measured, the force that moves the base is not. Gravity turns as the base does.
+/// The joints' efforts are measured, the force that moves the base is not. Gravity turns as the base does. On the A460 with a base that
+/// moves in all six directions the rank is 42, not the 45 that `radkhah2007` hopes for: `m1` and `mcy1` stay invisible, and `Ixx1` and
+/// `Izz1` show only as a difference.
 ///
 /// # Errors
 /// As [`reduce`].

@@ -3,6 +3,7 @@
 use nalgebra::DMatrix;
 
 use super::placed_term::PlacedTerm;
+use crate::linalg::dot;
 use crate::model::term::{Shapes, Slope, Term, TermBlock, TermInput};
 use crate::model::{Columns, ParameterId, Robot, StandardParameters};
 
@@ -369,10 +370,4 @@ impl TorqueTerms {
     fn direction(&self, bank: &Bank, index: usize, joint: usize) -> f64 {
         if bank.through_coupling { self.coupling_row(index)[joint] } else { f64::from(u8::from(index == joint)) }
     }
-}
-
-/// `a · b`, summed from zero in order.
-#[inline]
-fn dot(a: &[f64], b: &[f64]) -> f64 {
-    a.iter().zip(b).fold(0.0, |sum, (a, b)| sum + a * b)
 }

@@ -36,7 +36,7 @@ macro_rules! limits {
 }
 
 limits! {
-    JOINTS: 40, "", "joints of a robot", "the reduction to base parameters takes seconds with 40 joints and minutes with 100";
+    JOINTS: 100, "", "joints of a robot", "the reduction to base parameters takes seconds with 100 joints and minutes with several hundred";
     LINKS: 5_000, "", "links in a URDF or bodies in an MJCF",
         "chains are searched link by link, in a time that grows with the square of their number";
     HARMONICS: 200, "", "harmonics or knots of one joint",
@@ -60,7 +60,7 @@ limits! {
     TEXT_BYTES: 1 << 30, " bytes", "a text file", "it is held in memory, and its values with it";
     RECORDING_BYTES: 16 << 30, " bytes", "a recording or a journal", "it is held in memory, and its samples with it";
     LINE_BYTES: 1 << 16, " bytes", "one line of a CSV", "a thousand columns with all their digits are shorter";
-    COLUMNS: 1_000, "", "columns of a CSV", "a robot of 40 joints has at most 161 columns, and each heading is compared with each";
+    COLUMNS: 1_000, "", "columns of a CSV", "a robot of 100 joints has at most 401 columns, and each heading is compared with each";
     MESH_BYTES: 1 << 28, " bytes", "the file of a collision mesh", "it is held in memory, and only the hull of its points counts";
     MESH_POINTS: 5_000_000, "", "points of a collision mesh", "each is looked at when the hull is made";
     COLLISION_SHAPES: 500, "", "collision shapes of a robot", "the distance of each from each is watched along the whole motion";

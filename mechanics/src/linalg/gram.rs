@@ -31,6 +31,11 @@ impl Gram {
         Self { upper: DMatrix::zeros(columns, columns), moment: DVector::zeros(columns), energy: 0.0, rows: 0 }
     }
 
+    /// These sums over so many rows; of `WᵀW` the upper triangle, zeros below.
+    pub(crate) const fn from_sums(upper: DMatrix<f64>, moment: DVector<f64>, energy: f64, rows: usize) -> Self {
+        Self { upper, moment, energy, rows }
+    }
+
     /// Adds one row `w` (b) with its measurement `y` and the factor `weight` (1/σ²).
     ///
     /// # Panics

@@ -178,6 +178,11 @@ impl LeastSquares {
         product(&self.left, &self.right.transpose())
     }
 
+    /// `A⁻¹ V` for V of b rows: how far β̂ moves where `V = Bᵀ δy`.
+    pub fn moved_by(&self, v: &DMatrix<f64>) -> DMatrix<f64> {
+        product(&self.left, &product(&self.right.transpose(), v))
+    }
+
     /// `A⁻¹ V A⁻ᵀ` for a symmetric V (b × b): the covariance of β̂ where `V = Bᵀ (cov y) B`.
     pub fn sandwich(&self, v: &DMatrix<f64>) -> DMatrix<f64> {
         let middle = product(&product(&self.right.transpose(), v), &self.right);

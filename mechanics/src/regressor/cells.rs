@@ -14,7 +14,7 @@ pub(super) const TOGETHER: usize = 8;
 /// A number of each block, in a cache line of its own, so that no access touches two.
 #[derive(Clone, Copy)]
 #[repr(align(64))]
-struct Line([f64; TOGETHER]);
+pub(super) struct Line(pub(super) [f64; TOGETHER]);
 
 /// Sums of the blocks that are worked on, one place for each joint and wanted column.
 pub(super) struct Cells<'a> {
@@ -146,6 +146,24 @@ impl Cells<'_> {
             let scale = 1.0 / block as f64;
             for cell in &self.touched {
                 self.sums[cell.index].0.iter_mut().for_each(|sum| *sum *= scale);
+            }
+        }
+    }
+
+    /// Joint, place of the column and sums of everything that is not zero for every state.
+    #[inline(always)]
+    pub(super) fn each(&self, mut visit: impl FnMut(usize, usize, &Line)) {
+        for cell in &self.touched {
+            visit(cell.joint, cell.place, &self.sums[cell.index]);
+        }
+    }
+
+    /// Writes the sums of `count` blocks into rows of W, n × wanted of each block after the other.
+    #[inline(always)]
+    pub(super) fn write_in_rows(&self, blocks: &mut [f64], count: usize) {
+        for (lane, block) in blocks.chunks_exact_mut(self.sums.len()).enumerate().take(count) {
+            for (to, sum) in block.iter_mut().zip(&self.sums) {
+                *to = sum.0[lane];
             }
         }
     }

@@ -17,6 +17,7 @@
 mod adjoint;
 mod body;
 mod cells;
+mod gram;
 mod joint_torque;
 mod moving_base;
 mod stack;

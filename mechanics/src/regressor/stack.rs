@@ -87,9 +87,45 @@ impl JointTorqueRegressor {
         );
     }
 
+    /// These columns of all samples in the order of C: entry of joint i and column j at sample k in `out[(k n + i) c + j]`, for c columns.
+    /// Bit by bit what [`Self::stack`] gives, in memory of the caller.
+    ///
+    /// # Panics
+    /// As [`Self::stack_means`], or if `out` is not N·n·c long.
+    pub fn stack_rows_into(&self, states: &States, columns: &[usize], out: &mut [f64]) {
+        let (n, p, sample) = (self.rows(), self.cols(), self.rows() * columns.len());
+        assert_eq!(states.dof, n, "states of {} joints, expected {n}", states.dof);
+        assert_eq!(out.len(), states.len() * sample, "one place for each entry");
+        if sample == 0 {
+            return;
+        }
+        if self.links.is_empty() {
+            return self.stack_by(
+                states,
+                columns,
+                1,
+                #[inline(always)]
+                |cells, first, count| cells.write_in_rows(&mut out[first * sample..], count),
+            );
+        }
+        let mut rows = vec![0.0; n * p];
+        for (k, out) in out.chunks_exact_mut(sample).enumerate() {
+            self.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut rows);
+            for (to, row) in out.chunks_exact_mut(columns.len()).zip(rows.chunks_exact(p)) {
+                to.iter_mut().zip(columns).for_each(|(to, &column)| *to = row[column]);
+            }
+        }
+    }
+
     /// The sums of a few blocks after the other, for `put(cells, first, count)`.
     #[inline]
-    fn stack_by(&self, states: &States, columns: &[usize], block: usize, put: impl FnMut(&Cells<'_>, usize, usize)) {
+    pub(super) fn stack_by(
+        &self,
+        states: &States,
+        columns: &[usize],
+        block: usize,
+        put: impl FnMut(&Cells<'_>, usize, usize),
+    ) {
         Arch::new().dispatch(Stack { cells: Cells::new(self, columns), states, block, put });
     }
 
@@ -189,6 +225,7 @@ mod tests {
     use super::*;
     use crate::chains::{self, ChainRecipe};
     use crate::model::Columns;
+    use crate::model::term::LOAD_FRICTION;
     use crate::seed::Seed;
 
     fn states(dof: usize, count: usize, run: u64) -> States {
@@ -223,6 +260,9 @@ mod tests {
             let mut again = DMatrix::repeat(w.nrows(), p, f64::NAN);
             regressor.stack_means_into(&states, &all, 1, &mut again);
             assert_eq!(again, w);
+            let mut rows = vec![f64::NAN; w.len()];
+            regressor.stack_rows_into(&states, &all, &mut rows);
+            assert_eq!(DMatrix::from_row_slice(w.nrows(), p, &rows), w);
             let (mut narrow, mut parts) = (DMatrix::zeros(w.nrows(), p), DMatrix::zeros(w.nrows(), p));
             let (rows, columns) = (w.nrows(), narrow.as_mut_slice());
             let put = |cells: &Cells<'_>, first: usize, count| cells.write(columns, rows, first * dof, count);
@@ -244,11 +284,15 @@ mod tests {
             let (robot, parameters) = recipe.draw(&mut Seed::new(14).stream("chains", 0));
             let states = states(5, 71, 1);
             let free = JointTorqueRegressor::new(&robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
-            let loaded = JointTorqueRegressor::with_load(&robot, Columns::RIGID_ROTOR_FRICTION, &parameters);
+            let columns = Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION);
+            let loaded = JointTorqueRegressor::with_load(&robot, columns, &parameters);
             for regressor in [free, loaded] {
                 let columns: Vec<usize> = (0..regressor.cols()).filter(|c| c % 3 != 1).collect();
                 let (w, means) = (regressor.stack(&states), regressor.stack_means(&states, &columns, 7));
                 assert_eq!(means.shape(), (50, columns.len()));
+                let mut rows = vec![f64::NAN; w.nrows() * columns.len()];
+                regressor.stack_rows_into(&states, &columns, &mut rows);
+                assert_eq!(DMatrix::from_row_slice(w.nrows(), columns.len(), &rows), w.select_columns(&columns));
                 let mut blocks = 0;
                 regressor.stack_in_parts(&states, &columns, 7, |part| {
                     assert_eq!(part.first, blocks);

@@ -102,7 +102,7 @@ impl Exchange {
             }
             let (mjcf, remarks) = Self::Mjcf.write(robot, template, &bodies, "")?;
             let map = parameter_map(robot, parameters);
-            return Ok((python_file::write(self, robot, parameters, (&map, &mjcf), header)?, remarks));
+            return Ok((python_file::write(self.name(), robot, parameters, (&map, Some(&mjcf)), header)?, remarks));
         }
         if let Some(source) = template {
             let named = |fault: FormatError| Error::new(format!("{}: {fault}", source.text.name));
@@ -123,7 +123,7 @@ impl Exchange {
             Self::Toml => write_parameters(robot, parameters, header),
             Self::Json => parameter_map(robot, parameters),
             Self::Isaac | Self::Python => {
-                python_file::write(self, robot, parameters, (&parameter_map(robot, parameters), ""), header)?
+                python_file::write(self.name(), robot, parameters, (&parameter_map(robot, parameters), None), header)?
             }
         };
         Ok((text, Vec::new()))

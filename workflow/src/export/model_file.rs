@@ -6,7 +6,7 @@ use armid::estimation::{BodyOrigin, Estimate, EstimatorKind, Model, ModelFit, Mo
 use armid::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
 use armid::observer::{Observer, Progress, Work};
 use armid_io::robot::ChainSource;
-use armid_io::{Error, LoadedRobot, ProcessedLog};
+use armid_io::{Error, ErrorKind, LoadedRobot, ProcessedLog};
 use serde::Serialize;
 
 use super::exchange::{Exchange, Reloaded};
@@ -135,10 +135,11 @@ struct Intervals {
 }
 
 /// Fits the model that a file of another tool can hold to the log of an estimate, which errors call `name`, and writes the file. An
-/// observer may end the comparison with terms that the format lacks: what was compared by then is kept.
+/// observer may end the fit, or the comparison with terms that the format lacks: what was compared by then is kept.
 ///
 /// # Errors
-/// [`Error`] where the estimate is of another robot, no model of these terms explains the log, or the file does not read back.
+/// [`Error`] where the estimate is of another robot, no model of these terms explains the log, or the file does not read back; of
+/// [`ErrorKind::Interrupted`] where the observer ended the fit.
 pub fn export(
     (estimate, name): (&Estimate, &str),
     mut log: ProcessedLog,
@@ -154,7 +155,7 @@ pub fn export(
     let own = estimate.robot(&loaded.robot, estimated).map_err(named)?;
     let (robot, columns) = (format.robot(&own)?, format.columns(estimated));
     let guess = guess(loaded);
-    let fit = log.fit_model(&robot, columns, &guess)?;
+    let fit = log.fit_model(&robot, columns, &guess, observer)?;
     let template = settings.into.as_ref().or_else(|| format.template(loaded));
     let file_name = settings.name();
     // First without the number that the file is to say of itself.
@@ -254,7 +255,10 @@ impl Fitted<'_> {
             if observer.observe(Progress { work: Work::Steps, done, total }).is_break() {
                 break;
             }
-            let fit = log.fit_model(robot, columns, guess)?;
+            let fit = match log.fit_model(robot, columns, guess, observer) {
+                Err(error) if error.kind() == ErrorKind::Interrupted => break,
+                fit => fit?,
+            };
             found.push(self.compared(log, what, &Model { robot, parameters: &fit.parameters })?);
         }
         found.sort_by(|a, b| a.error_with_it.total_cmp(&b.error_with_it));
@@ -324,11 +328,11 @@ impl Intervals {
 /// The error with which a URDF or an MJCF of a log would predict it, by its model before it is written.
 ///
 /// # Errors
-/// [`Error`] where no model of the format's terms explains the log.
-pub fn prediction_of(format: Exchange, log: &ProcessedLog) -> Result<PredictionError, Error> {
+/// [`Error`] where no model of the format's terms explains the log, or the observer ended the fit.
+pub fn prediction_of(format: Exchange, log: &ProcessedLog, observer: &dyn Observer) -> Result<PredictionError, Error> {
     let loaded = &log.robot;
     let robot = format.robot(&loaded.robot)?;
-    let fit = log.fit_model(&robot, format.columns(Columns::RIGID), &guess(loaded))?;
+    let fit = log.fit_model(&robot, format.columns(Columns::RIGID), &guess(loaded), observer)?;
     let model = Model { robot: &robot, parameters: &fit.parameters };
     Ok(PredictionError::of(&log.model_residual(&model, format.name())?))
 }

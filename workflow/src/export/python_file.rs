@@ -5,8 +5,6 @@
 use armid::model::{Joint, Limits, ParameterId, ParameterKind, Robot, StandardParameters};
 use armid_io::Error;
 
-use super::exchange::Exchange;
-
 /// Joint friction of every identified law, for a simulator's step.
 const FRICTION: &str = include_str!("friction.py");
 
@@ -22,15 +20,16 @@ const CLOSING: &str = "\n\n";
 const MJCF: &str = "MJCF = r'''";
 const MJCF_END: &str = "'''";
 
-/// The file's text; `map` is the JSON object of the parameters, `mjcf` the arm without friction, where the file has it.
+/// The file's text, for a simulator with this `name`; `map` is the JSON object of the parameters, `mjcf` the arm without friction,
+/// for a file that applies it.
 ///
 /// # Errors
 /// [`Error`] where a parameter acts through a term that the file has no code for.
 pub(super) fn write(
-    format: Exchange,
+    name: &str,
     robot: &Robot,
     parameters: &StandardParameters,
-    (map, mjcf): (&str, &str),
+    (map, mjcf): (&str, Option<&str>),
     header: &str,
 ) -> Result<String, Error> {
     for (index, drive) in parameters.drives.iter().enumerate() {
@@ -38,7 +37,7 @@ pub(super) fn write(
             if value != 0.0 && !LAWS.contains(&term.entry().symbol) {
                 let id = ParameterId { kind: ParameterKind::Term(term), index };
                 let what = term.entry().meaning;
-                return Err(Error::new(format!("{} has no place for {id}, {what}", format.name())));
+                return Err(Error::new(format!("{name} has no place for {id}, {what}")));
             }
         }
     }
@@ -50,19 +49,20 @@ pub(super) fn write(
         };
         robot.joints().iter().map(literal).collect::<Vec<_>>().join(", ")
     };
-    let mjcf = match format {
-        Exchange::Python => format!("# The arm without friction.\n{MJCF}{}{MJCF_END}\n", mjcf.replace(MJCF_END, "\"")),
-        _ => String::new(),
+    let code = match mjcf {
+        Some(mjcf) => {
+            format!("# The arm without friction.\n{MJCF}{}{MJCF_END}\n{FRICTION}", mjcf.replace(MJCF_END, "\""))
+        }
+        None => ISAAC.to_owned(),
     };
     Ok(format!(
         "\"\"\"{}\"\"\"\n\n# Joints, in the order of every list; a parameter's number counts from 1.\nJOINTS = {names:?}\n\
          # Largest torque, N·m (N), and speed, rad/s (m/s); None where the robot file states none.\nEFFORT = [{}]\nVELOCITY = [{}]\n\
-         # SI units; inertias about the origin of each link's frame.\n{OPENING}{}{CLOSING}{mjcf}{}",
+         # SI units; inertias about the origin of each link's frame.\n{OPENING}{}{CLOSING}{code}",
         header.replace('\\', "/").replace('"', "'"),
         limit(|limits| limits.torque),
         limit(|limits| limits.velocity),
         map.trim_end(),
-        if format == Exchange::Isaac { ISAAC } else { FRICTION },
     ))
 }
 

@@ -2,7 +2,7 @@
 
 use armid::calibration::TransmissionStiffness;
 use armid::diagnosis::Suspicion;
-use armid::estimation::{Estimate, FrictionSpeeds, Selection, Termination, TorqueResidual};
+use armid::estimation::{Estimate, FrictionSpeeds, Selection, TorqueResidual};
 use armid_io::{Inputs, ProcessedLog};
 use serde::{Serialize, Serializer};
 use serde_json::{Value, json};
@@ -31,6 +31,8 @@ pub struct IdentifyAnswer {
     pub speeds: Option<FrictionSpeeds>,
     /// Stiffness of the transmissions, where both their ends are measured.
     pub transmissions: Option<Vec<TransmissionStiffness>>,
+    /// Whether an observer ended an estimator before it was at rest, or what follows: a verdict then lacks what model files predict.
+    pub interrupted: bool,
 }
 
 /// One estimate, and what it leaves unexplained.
@@ -49,11 +51,6 @@ pub struct Identified {
 }
 
 impl IdentifyAnswer {
-    /// Did an observer end an estimator before it was at rest?
-    pub fn was_interrupted(&self) -> bool {
-        self.estimates.iter().any(|one| matches!(one.estimate.termination, Termination::Interrupted { .. }))
-    }
-
     /// Did every search end as it should, and does nothing speak against the log?
     pub fn is_sound(&self) -> bool {
         let mut used = self.onset.iter().filter(|onset| onset.predict_better()).chain(&self.speeds);

@@ -10,6 +10,7 @@ use armid_sim::closed_loop;
 
 use super::answer::{Identified, IdentifyAnswer};
 use super::verdict::{FileError, Verdict};
+use crate::counter::Latch;
 
 /// What errors call an estimate that is in no file.
 const NAME: &str = "the estimate";
@@ -89,7 +90,10 @@ pub fn identify(
     let estimates = log.identify_watched(columns, &estimators, observer)?;
     // What was ended returns at once.
     let ended = estimates.iter().any(|one| matches!(one.termination, Termination::Interrupted { .. }));
-    let (suspicions, files) = if ended { Default::default() } else { (log.suspicions(columns)?, FileError::all(&log)) };
+    let latch = Latch::new(observer);
+    let (suspicions, files) =
+        if ended { Default::default() } else { (log.suspicions(columns)?, FileError::all(&log, &latch)) };
+    let interrupted = ended || latch.has_ended();
     let identified = |estimate: Estimate| {
         let (used, held_out) = log.residual(&estimate, NAME)?;
         let verdict = Verdict::new(&estimate, (&used, held_out.as_ref()), (&log, &suspicions), &files);
@@ -100,7 +104,7 @@ pub fn identify(
         Some(first) => log.transmissions(&first.estimate, NAME)?,
         None => None,
     };
-    Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions })
+    Ok(IdentifyAnswer { log, inputs, estimates, suspicions, selection, onset, speeds, transmissions, interrupted })
 }
 
 /// Those of these columns beside which the onset of Coulomb friction is looked for before terms are selected.

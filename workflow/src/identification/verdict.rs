@@ -2,6 +2,7 @@
 
 use armid::diagnosis::Suspicion;
 use armid::estimation::{Against, Estimate, Finding, TorqueResidual, Trend};
+use armid::observer::Observer;
 use armid::remedy::{Remedy, Setting};
 use armid_io::ProcessedLog;
 use serde::Serialize;
@@ -58,8 +59,8 @@ pub struct FileError {
 
 impl FileError {
     /// Those of a URDF and an MJCF; nothing of a format in which no model of the log can be made.
-    pub(super) fn all(log: &ProcessedLog) -> Vec<Self> {
-        let of = |to| Some(Self { to, total: prediction_of(to, log).ok()?.shown() });
+    pub(super) fn all(log: &ProcessedLog, observer: &dyn Observer) -> Vec<Self> {
+        let of = |to| Some(Self { to, total: prediction_of(to, log, observer).ok()?.shown() });
         [Exchange::Urdf, Exchange::Mjcf].into_iter().filter_map(of).collect()
     }
 }

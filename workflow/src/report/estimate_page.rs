@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use armid::estimation::{Against, Estimate, ResidualTrends, TorqueResidual, TorqueSeries};
 use armid::model::Robot;
+use armid::observer::{Observer, Work};
 use armid::signal::Samples;
 use armid_io::recording::TorqueView;
 use armid_io::{Error, Inputs, ProcessedLog};
@@ -13,6 +14,7 @@ use armid_reports::{
 };
 
 use super::page::{cannot_be_drawn, write_document};
+use crate::counter::Counter;
 use crate::identification::grouped;
 use crate::numbers::percent;
 
@@ -25,15 +27,20 @@ const GOOD: f64 = 0.1;
 /// Draws the page of an estimate, which errors call `name`, from the logs that it was made from; returns the page.
 ///
 /// # Errors
-/// [`Error`] where the estimate is of another robot or of other parameters, or the page cannot be written.
+/// [`Error`] where the estimate is of another robot or of other parameters, or the page cannot be written; of
+/// [`armid_io::ErrorKind::Interrupted`] where the observer ended the work, before anything is written.
 pub fn write_estimate_report(
     folder: &Path,
     (estimate, name): (&Estimate, &str),
     log: &ProcessedLog,
     inputs: &Inputs,
+    observer: &dyn Observer,
 ) -> Result<PathBuf, Error> {
     let page = Page { estimate, prepared: log, name };
-    write_document(folder, estimate_document(&page.input(inputs)?))
+    let steps = Counter::new(observer, Work::Steps, 4);
+    let input = page.input(inputs, &steps)?;
+    steps.begin(name)?;
+    write_document(folder, estimate_document(&input))
 }
 
 /// Measured and predicted torque of an estimate, which errors call `name`: on what is held out where anything is, else on the first
@@ -106,10 +113,12 @@ struct Page<'a> {
 }
 
 impl Page<'_> {
-    fn input(&self, inputs: &Inputs) -> Result<EstimateInput, Error> {
+    fn input(&self, inputs: &Inputs, steps: &Counter<'_>) -> Result<EstimateInput, Error> {
+        steps.begin(self.name)?;
         let (used, held_out) = self.prepared.residual(self.estimate, self.name)?;
         let expressions = self.prepared.expressions(self.estimate, self.name)?;
         let joints = self.prepared.joint_names();
+        steps.begin(self.name)?;
         let torque = TorqueComparison::of((self.estimate, self.name), self.prepared)?;
         let mut shares = vec![in_percent("used rows", &used, true), in_percent("all rows", &used, false)];
         shares.extend(held_out.as_ref().map(|residual| in_percent("held out", residual, false)));
@@ -124,6 +133,7 @@ impl Page<'_> {
         let mut provenance = vec![("robot file, SHA-256".to_owned(), inputs.robot.sha256.clone())];
         provenance.extend(inputs.files.iter().map(|file| (file.path.clone(), file.sha256.clone())));
         provenance.extend(inputs.mapping.clone().map(|mapping| ("mapping".to_owned(), mapping)));
+        steps.begin(self.name)?;
         let trends = self.prepared.residual_trends(self.estimate, self.name)?;
         let diagnostics = diagnostics(&trends, &joints);
         Ok(EstimateInput {

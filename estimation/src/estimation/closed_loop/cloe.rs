@@ -99,6 +99,7 @@ pub(crate) fn estimate(name: &str, problem: &EstimationProblem<'_>) -> Result<Es
     }
     .estimate()?;
     estimate.degrees_of_freedom = of_positions.degrees_of_freedom;
+    estimate.motor_errors.clone_from(&of_positions.motor_errors);
     estimate.interval_basis = IntervalBasis::Residual;
     estimate.findings.extend(hidden.finding(observation, is_nominal));
     estimate.findings.extend(finding);

@@ -11,6 +11,7 @@ use super::weight::{BLOCKS, PriorWeight, down_to};
 use crate::estimation::error::EstimationError;
 use crate::estimation::termination::Termination;
 use crate::model::{Columns, ParameterId, ParameterKind, Robot, StandardParameters};
+use crate::observer::Observer;
 use crate::regressor::JointTorqueRegressor;
 use crate::signal::Samples;
 
@@ -38,20 +39,22 @@ pub struct ModelFit {
 }
 
 /// Fits the parameters of `columns` to the equations of a log, near a guess. Friction of the load is that of the links of the fit before,
-/// from the guess on, until it rests.
+/// from the guess on, until it rests. The observer sees every search for the weight, and may end the fit, which then has no result.
 ///
 /// # Errors
 /// [`EstimationError::Count`] where robot, samples and guess are not of the same joints, [`EstimationError::NothingActs`] where there is
 /// no equation, [`EstimationError::NotDefinite`] where a body of the guess is none, [`EstimationError::Columns`] where a column depends
-/// on what no recording has.
+/// on what no recording has, [`EstimationError::Interrupted`] where the observer ended it.
 pub fn fit_model(
     robot: &Robot,
     columns: Columns,
     samples: &Samples,
     guess: &ModelGuess,
+    observer: &dyn Observer,
 ) -> Result<ModelFit, EstimationError> {
     columns.check_estimable()?;
-    let mut fit = fit_under(&guess.parameters, robot, columns, samples, guess)?;
+    let under = |links: &StandardParameters| fit_under(links, robot, columns, samples, guess, observer);
+    let mut fit = under(&guess.parameters)?;
     let of_load: Vec<_> = columns.terms().filter(|term| term.entry().needs.load).collect();
     for round in 0..=ROUNDS {
         let coefficients = |fit: &ModelFit| -> Vec<f64> {
@@ -61,7 +64,7 @@ pub fn fit_model(
         if of_load.is_empty() {
             break;
         }
-        let next = fit_under(&fit.parameters, robot, columns, samples, guess)?;
+        let next = under(&fit.parameters)?;
         let (before, after) = (coefficients(&fit), coefficients(&next));
         let change = before.iter().zip(&after).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
         fit = next;
@@ -82,6 +85,7 @@ fn fit_under(
     columns: Columns,
     samples: &Samples,
     guess: &ModelGuess,
+    observer: &dyn Observer,
 ) -> Result<ModelFit, EstimationError> {
     let log = LogEquations::of(links, robot, columns, samples, guess)?;
     let scale = |mean: &f64| 1.0 / mean.max(f64::MIN_POSITIVE);
@@ -94,7 +98,7 @@ fn fit_under(
     let weights: Vec<f64> =
         residual.iter().zip(&torque).map(|(residual, torque)| scale(&residual.max(floor * torque))).collect();
     let blocks = log.blocks(&weights);
-    let weight = PriorWeight::chosen(&blocks, &log.prior);
+    let weight = PriorWeight::chosen(&blocks, &log.prior, observer)?;
     let Minimum { x, termination } = log.prior.descend(&NormalEquations::sum(&blocks), down_to(weight.taken));
     Ok(ModelFit { parameters: log.parameters(&x, &guess.parameters), weight, joint_weights: weights, termination })
 }

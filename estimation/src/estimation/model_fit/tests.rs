@@ -12,6 +12,7 @@ use crate::dynamics::{Dynamics, States};
 use crate::estimation::{Model, Termination};
 use crate::model::term::{COULOMB, LOAD_FRICTION, OFFSET, ROTOR, VISCOUS};
 use crate::model::{Columns, DriveParameters, Robot, StandardParameters};
+use crate::observer::Unobserved;
 use crate::seed::Seed;
 use crate::signal::Samples;
 use crate::spatial::Inertia;
@@ -86,7 +87,7 @@ fn error(robot: &Robot, parameters: &StandardParameters, samples: &Samples) -> f
 }
 
 fn fitted(robot: &Robot, columns: Columns, samples: &Samples, stated: &StandardParameters) -> ModelFit {
-    let fit = fit_model(robot, columns, samples, &ModelGuess::new(robot, Some(stated), &[])).unwrap();
+    let fit = fit_model(robot, columns, samples, &ModelGuess::new(robot, Some(stated), &[]), &Unobserved).unwrap();
     assert!(matches!(fit.termination, Termination::Optimal { .. }), "{:?}", fit.termination);
     fit
 }

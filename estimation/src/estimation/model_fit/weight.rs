@@ -10,6 +10,8 @@ use nalgebra::DVector;
 
 use super::equations::NormalEquations;
 use super::minimum::Divergence;
+use crate::estimation::error::EstimationError;
+use crate::observer::{Observer, Progress, Work};
 
 /// Blocks of the log, one after the other.
 pub(super) const BLOCKS: usize = 5;
@@ -40,14 +42,21 @@ pub struct PriorWeight {
 
 impl PriorWeight {
     /// By cross-validation over the blocks.
-    pub(super) fn chosen(blocks: &[NormalEquations], prior: &Divergence) -> Self {
+    pub(super) fn chosen(
+        blocks: &[NormalEquations],
+        prior: &Divergence,
+        observer: &dyn Observer,
+    ) -> Result<Self, EstimationError> {
         let all = NormalEquations::sum(blocks);
         let weights: Vec<f64> = down_to(0.0).collect();
         let centre = prior.centre(all.moment.len());
         let mut starts: Vec<DVector<f64>> = vec![centre; blocks.len()];
         let others: Vec<NormalEquations> = blocks.iter().map(|block| all.without(block)).collect();
         let mut errors = Vec::with_capacity(weights.len());
-        for &w in &weights {
+        for (done, &w) in weights.iter().enumerate() {
+            if observer.observe(Progress { work: Work::Steps, done, total: weights.len() }).is_break() {
+                return Err(EstimationError::Interrupted);
+            }
             let mut of_blocks = Vec::with_capacity(blocks.len());
             for ((block, others), start) in blocks.iter().zip(&others).zip(&mut starts) {
                 *start = prior.minimise(others, w, start).x;
@@ -63,7 +72,7 @@ impl PriorWeight {
         });
         let square = all.square.max(f64::MIN_POSITIVE);
         let tried = weights.iter().zip(&sums).map(|(&w, sum)| (w, (sum / square).sqrt())).collect();
-        Self { taken: weights[taken.unwrap_or(best)], least: weights[best], tried }
+        Ok(Self { taken: weights[taken.unwrap_or(best)], least: weights[best], tried })
     }
 }
 

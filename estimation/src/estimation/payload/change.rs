@@ -5,6 +5,9 @@
 //! −2 ln L(s_F, s_O) = ν ln w² + χ²/w² + ln det V + ln det KᵀV⁻¹K
 //! θ̂ = E[θ(s)]        cov θ̂ = E[w² (KᵀV⁻¹K)⁻¹] + cov θ(s)        over s_F, s_O in proportion to L
 //! ```
+//! C is the sum of both covariances less what one declared error of a motor does to both estimates alike: D₀ D₁ᵀ and its transpose, with
+//! D its shifts of β̂.
+//!
 //! x are coefficients of friction, and r at offsets the residual of their joint, means of both logs. L is the restricted likelihood, over θ
 //! and, where the estimates scatter more than they say, over w. ν counts the rows less those that θ takes. With means over s in place of the
 //! likeliest s, intervals know that few joints say how much changed.
@@ -79,7 +82,12 @@ impl Change {
                 Some(Structure::Viscous | Structure::Function { .. }) => friction[row] = mean(row),
             }
         }
-        let covariance = with.covariance_matrix() + without.covariance_matrix();
+        let mut covariance = with.covariance_matrix() + without.covariance_matrix();
+        let [first, second] = [without, with].map(Estimate::motor_errors_matrix);
+        if first.ncols() == second.ncols() {
+            let shared = product(&first, &second.transpose());
+            covariance -= &shared + shared.transpose();
+        }
         Self { values: with.beta() - without.beta(), covariance, friction, offsets }
     }
 

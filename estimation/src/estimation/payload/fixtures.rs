@@ -3,7 +3,7 @@
 use nalgebra::{DMatrix, DVector};
 
 use crate::base::BaseReduction;
-use crate::estimation::estimate::{BaseEstimate, Estimate, IntervalBasis};
+use crate::estimation::estimate::{BaseEstimate, Estimate, IntervalBasis, rows_of};
 use crate::estimation::termination::Termination;
 
 /// An estimate with these base parameters and this covariance.
@@ -23,7 +23,8 @@ pub(in crate::estimation) fn estimate_of(
         columns: "rigid".to_owned(),
         shape: Vec::new(),
         base: base.names().into_iter().enumerate().map(of).collect(),
-        covariance: covariance.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        covariance: rows_of(covariance),
+        motor_errors: Vec::new(),
         standard: None,
         consistent: None,
         residual_rms: Vec::new(),

@@ -4,7 +4,7 @@ use super::body::PayloadBody;
 use super::change::{Change, Fitted};
 use crate::base::{BaseReduction, Category};
 use crate::estimation::error::EstimationError;
-use crate::estimation::estimate::{BaseEstimate, Estimate};
+use crate::estimation::estimate::{BaseEstimate, Estimate, rows_of};
 use crate::estimation::termination::Termination;
 use crate::model::{JointKind, ParameterKind};
 use crate::statistics::student_quantile;
@@ -174,7 +174,8 @@ fn estimate(of: &Estimate, load: &BaseReduction, fitted: &Fitted, freedom: f64) 
     Estimate {
         columns: "rigid".to_owned(),
         base: load.names().into_iter().enumerate().map(parameter).collect(),
-        covariance: fitted.covariance.row_iter().map(|row| row.iter().copied().collect()).collect(),
+        covariance: rows_of(&fitted.covariance),
+        motor_errors: Vec::new(),
         standard: None,
         consistent: None,
         degrees_of_freedom: freedom,

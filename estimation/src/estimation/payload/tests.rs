@@ -1,5 +1,7 @@
 //! A load that is known, from estimates and from simulated logs.
 
+use std::collections::BTreeMap;
+
 use nalgebra::{DMatrix, DVector};
 use rand::{Rng, RngExt};
 use rand_distr::{Distribution, StandardNormal};
@@ -7,12 +9,12 @@ use rand_distr::{Distribution, StandardNormal};
 use super::fixtures::estimate_of;
 use super::{NegativeMassCause, Payload, payload};
 use crate::base::{BaseReduction, LOAD_UNITS, Method, reduce};
-use crate::chains::{ChainRecipe, crs_a460, crs_a460_nominal, planar_2r, random_inertia};
+use crate::chains::{ChainRecipe, crs_a460, crs_a460_nominal, planar_2r, random_inertia, random_state};
 use crate::dynamics::{Dynamics, States};
 use crate::estimation::{Estimate, EstimationError, EstimatorKind, Identification};
 use crate::linalg::LeastSquares;
 use crate::model::term::{COULOMB, LOAD_FRICTION, OFFSET, ROTOR, ShapeParameter, VISCOUS};
-use crate::model::{Columns, Robot, StandardParameters};
+use crate::model::{Columns, DeclaredUncertainty, Robot, StandardParameters};
 use crate::seed::Seed;
 use crate::signal::Samples;
 use crate::spatial::Inertia;
@@ -192,6 +194,45 @@ fn identity_what_both_logs_share_is_as_in_the_joint_fit_of_all_equations() {
         let std = inverse[(b + j, b + j)].sqrt();
         assert!((one.value - theta[j]).abs() < 1e-9 * std, "{}: {} {}", one.name, one.value, theta[j]);
         assert!((one.std / (std * found.widened_by) - 1.0).abs() < 1e-9, "{}: {} {std}", one.name, one.std);
+    }
+}
+
+/// A single joint without friction, which would tell the errors of two logs apart: a torque constant that is off by 3 % scales all that is
+/// estimated, and so the load by 3 %, whatever the arm weighs.
+#[test]
+fn analytic_a_declared_torque_constant_scales_the_load_alone() {
+    const STD: f64 = 0.03;
+    let mut rng = Seed::new(41).stream("one joint", 0);
+    let (robot, parameters) = ChainRecipe { prismatic: 0.0, ..ChainRecipe::new(1) }.draw(&mut rng);
+    let parameters = parameters.links_alone();
+    let declared = DeclaredUncertainty::new(BTreeMap::from([("torque_constant".to_owned(), STD)])).unwrap();
+    let robot = robot.with_uncertainty(declared);
+    let identification = Identification::new(&robot, Columns::RIGID).unwrap();
+    let load = Inertia::with_gyration(0.02 * parameters.links[0].mass, [0.03, -0.02, 0.06], 0.04);
+    let mut estimate = |parameters: &StandardParameters| {
+        let (mut states, mut tau) = (States::new(1), Vec::new());
+        for _ in 0..500 {
+            let (q, qd, qdd) = random_state(&mut rng, 1);
+            let mut one = [0.0];
+            Dynamics::new(&robot, parameters).inverse(&q, &qd, &qdd, &mut one);
+            let z: f64 = StandardNormal.sample(&mut rng);
+            tau.push(one[0] + 1e-6 * z);
+            states.push(&q, &qd, &qdd);
+        }
+        let samples = Samples::exact(states, tau, vec!["N·m".to_owned()], 100.0);
+        identification.estimate(&samples, EstimatorKind::Wls.estimator()).unwrap()
+    };
+    let (without, with) = (estimate(&parameters), estimate(&loaded(&parameters, &load)));
+    let found = payload(identification.base(), &without, &with).unwrap();
+    // Of two constants, one for each log, the arm's own parameters would count.
+    let alone = |estimate: &Estimate| Estimate { motor_errors: Vec::new(), ..estimate.clone() };
+    let apart = payload(identification.base(), &alone(&without), &alone(&with)).unwrap();
+    assert!(found.combinations.base.len() >= 2);
+    for (row, (one, two)) in found.combinations.base.iter().zip(&apart.combinations.base).enumerate() {
+        let of_arm = libm::hypot(without.base[row].value, with.base[row].value);
+        for (std, size) in [(one.std, one.value.abs()), (two.std, of_arm)] {
+            assert!((std / (STD * size) - 1.0).abs() < 0.01, "{}: {std} of {size}", one.name);
+        }
     }
 }
 

@@ -21,7 +21,7 @@ use super::solution::ConsistentFit;
 use crate::base::BaseReduction;
 use crate::estimation::consistent_set::definite_inverse;
 use crate::estimation::error::EstimationError;
-use crate::estimation::estimate::{Estimate, StandardEstimate};
+use crate::estimation::estimate::{Estimate, StandardEstimate, rows_of};
 use crate::estimation::finding::Finding;
 use crate::estimation::problem::EstimationProblem;
 use crate::linalg::LeastSquares;
@@ -56,6 +56,7 @@ pub(super) fn restate(
             let gain = spread * whole;
             let rest = DMatrix::identity(gain.nrows(), gain.ncols()) - &gain;
             let both = &gain * &covariance * gain.transpose() + &rest * spread * rest.transpose();
+            estimate.motor_errors = rows_of(&(&gain * estimate.motor_errors_matrix()));
             estimate = estimate.with_covariance(&both);
         }
         None => {

@@ -164,7 +164,7 @@ mod tests {
         };
         let along = turned([1.0, -1.0, 0.0, 1.0, -1.0]);
         let at = |t: f64| turned([1.0 + t, 1.0 - t, 3.0, 9.0 + t, 9.0 - t]);
-        for kind in CriterionKind::ALL.into_iter().filter(|kind| !kind.is_smooth()) {
+        for kind in CriterionKind::ALL.into_iter().filter(|kind| kind.criterion().smoothed(1.0).is_some()) {
             let gradient = |criterion: &dyn Criterion, t: f64| {
                 let mut s = DMatrix::zeros(5, 5);
                 criterion.evaluate(&at(t), Some(&mut s));

@@ -67,11 +67,6 @@ impl CriterionKind {
         criterion.smoothed(sharpness).unwrap_or(criterion)
     }
 
-    /// Whether it is smooth wherever M is positive definite.
-    pub fn is_smooth(self) -> bool {
-        self.criterion().smoothed(1.0).is_none()
-    }
-
     /// Whether it is one of the information, as [`Criterion::is_weighted`].
     pub fn is_weighted(self) -> bool {
         self.criterion().is_weighted()

@@ -33,15 +33,12 @@ pub(super) fn functionals(geometry: &Geometry, parameters: &[ParameterId]) -> Ve
         let terms = parameters.iter().enumerate().filter_map(|(column, id)| Some((column, id.kind.term()?, id.index)));
         terms.map(|(column, term, index)| (column, term, index, geometry.structure(term, index)))
     };
+    let viscous = terms().filter(|(.., structure)| *structure == Structure::Viscous);
+    let viscous: Vec<_> = viscous.map(|(column, term, index, _)| (column, direction(term, index))).collect();
     let mut rows = Vec::new();
     for i in 0..n {
         for j in i..n {
-            let mut row = vec![0.0; parameters.len()];
-            for (column, term, index, _) in terms().filter(|(.., structure)| *structure == Structure::Viscous) {
-                let d = direction(term, index);
-                row[column] = d[i] * d[j];
-            }
-            rows.push(row);
+            push_row(&mut rows, parameters.len(), viscous.iter().map(|(column, d)| (*column, d[i] * d[j])));
         }
     }
     let mut groups: Vec<Group> = Vec::new();
@@ -57,14 +54,22 @@ pub(super) fn functionals(geometry: &Geometry, parameters: &[ParameterId]) -> Ve
     }
     for group in groups {
         for i in 0..n {
-            let mut row = vec![0.0; parameters.len()];
-            for (column, d) in &group.members {
-                row[*column] = d[i];
-            }
-            rows.push(row);
+            push_row(&mut rows, parameters.len(), group.members.iter().map(|(column, d)| (*column, d[i])));
         }
     }
     rows
+}
+
+/// Adds the row with these entries, unless all are zero.
+fn push_row(rows: &mut Vec<Vec<f64>>, width: usize, entries: impl Iterator<Item = (usize, f64)>) {
+    let mut row = Vec::new();
+    for (column, entry) in entries.filter(|&(_, entry)| entry != 0.0) {
+        row.resize(width, 0.0);
+        row[column] = entry;
+    }
+    if !row.is_empty() {
+        rows.push(row);
+    }
 }
 
 /// What a function is applied to: `d/s` for each of its scales, or the direction of `d` where the scale is zero.

@@ -5,7 +5,7 @@ use nalgebra::{DMatrix, Vector3};
 use super::functions;
 use super::harmonics::{Functional, Harmonics, inner_product};
 use super::motion::{Attainable, BaseMotion};
-use super::span::{basis, echelon};
+use super::span::{EchelonRows, basis};
 use crate::base::geometry::Geometry;
 use crate::base::method::Method;
 use crate::base::reduction::BaseReduction;
@@ -30,21 +30,25 @@ pub(in crate::base) fn reduce(geometry: &Geometry, parameters: &[ParameterId], m
 
     // ½ V₀ᵀ I[ρ_0(q)] V₀ with V₀ the base's own motion: its slope in q is torque, its constant part is not.
     let directions = motion.directions();
-    let mut rows: Vec<Vec<f64>> = Vec::new();
+    let mut fresh = Vec::new();
     for (a, v) in directions.iter().enumerate() {
         for w in &directions[a..] {
-            rows.push(row_at(width, 0, &inner_product(v, w)));
+            fresh.push(row_at(width, 0, &inner_product(v, w)));
         }
     }
+    let mut rows = EchelonRows::default();
+    rows.add(&fresh, width);
     let mut attainable = Attainable::at_base(geometry, motion);
     for j in 0..geometry.dof() {
         let axis = axis(geometry, j);
         attainable = attainable.beyond(geometry, j, &axis);
-        rows = carry_over(geometry, j, &rows, width);
+        // What has its pivot among the terms may lose it to the next link.
+        let mut fresh = rows.split_off(TEN * (geometry.dof() + 1));
+        fresh.extend(carry_over(geometry, j, &mut rows, width));
         for (labels, v) in attainable.iter() {
             let mut row = row_at(width, j + 1, &inner_product(&v, &axis));
             let (gravity, joints) = labels.split_last().expect("there is a label for gravity");
-            for (i, &label) in joints.iter().enumerate() {
+            for (i, &label) in joints.iter().enumerate().filter(|(_, label)| **label != 0.0) {
                 for &(column, k, _) in terms.iter().filter(|&&(_, _, structure)| structure == Structure::Inertia) {
                     row[column] += label * coupling[(k, i)] * coupling[(k, j)];
                 }
@@ -52,21 +56,20 @@ pub(in crate::base) fn reduce(geometry: &Geometry, parameters: &[ParameterId], m
             for &(column, k, _) in terms.iter().filter(|&&(_, _, structure)| structure == Structure::Constant) {
                 row[column] += if k == j { *gravity } else { 0.0 };
             }
-            rows.push(row);
+            fresh.push(row);
         }
-        rows = basis(&rows, width);
+        rows.add(&fresh, width);
     }
+    let mut fresh = rows.split_off(TEN * (geometry.dof() + 1));
     for functional in functions::functionals(geometry, parameters) {
         let mut row = vec![0.0; TEN];
         row.extend(functional);
-        rows.push(row);
+        fresh.push(row);
     }
-    let form = echelon(&rows, width);
-    let revealed: Vec<usize> = (0..form.rank()).filter(|&row| form.kept[row] >= TEN).collect();
-    let kept = revealed.iter().map(|&row| form.kept[row] - TEN).collect();
-    let k = DMatrix::from_fn(revealed.len(), parameters.len(), |row, column| {
-        form.coefficients[(revealed[row], TEN + column)]
-    });
+    rows.add(&fresh, width);
+    let revealed: Vec<(usize, Vec<f64>)> = rows.finish().filter(|&(pivot, _)| pivot >= TEN).collect();
+    let kept = revealed.iter().map(|&(pivot, _)| pivot - TEN).collect();
+    let k = DMatrix::from_fn(revealed.len(), parameters.len(), |row, column| revealed[row].1[TEN + column]);
     BaseReduction::from_echelon(parameters, kept, k, Method::Structural)
         .with_units(&geometry.units(parameters))
         .with_base_motion(motion)
@@ -83,20 +86,20 @@ fn axis(geometry: &Geometry, j: usize) -> Motion {
 }
 
 /// Functionals of everything from link j on (`slot` j holds their value on it) as functionals of what lies beyond
-/// joint j: the constant part goes on with the row, each moving part starts a row of its own.
-fn carry_over(geometry: &Geometry, j: usize, rows: &[Vec<f64>], width: usize) -> Vec<Vec<f64>> {
+/// joint j: the constant part goes on with the row; each moving part is a row of its own, which is returned. The parts of a
+/// basis of the values on link j span those of all rows.
+fn carry_over(geometry: &Geometry, j: usize, rows: &mut EchelonRows, width: usize) -> Vec<Vec<f64>> {
     let harmonics = Harmonics::of(geometry.kinds[j], &geometry.before[j], &geometry.after[j]);
-    let mut carried = Vec::new();
-    for row in rows {
-        let r = Functional::from_column_slice(&row[TEN * j..TEN * (j + 1)]);
-        for part in harmonics.moving_parts(&r) {
-            carried.push(row_at(width, j + 1, &part));
-        }
-        let mut row = row.clone();
-        row[TEN * (j + 1)..TEN * (j + 2)].copy_from_slice(harmonics.constant_part(&r).as_slice());
-        carried.push(row);
+    let (on_link, beyond) = (TEN * j..TEN * (j + 1), TEN * (j + 1)..TEN * (j + 2));
+    let values: Vec<Vec<f64>> = rows.iter().map(|row| row[on_link.clone()].to_vec()).collect();
+    for row in rows.iter_mut() {
+        let constant = harmonics.constant_part(&Functional::from_column_slice(&row[on_link.clone()]));
+        row[beyond.clone()].copy_from_slice(constant.as_slice());
     }
-    carried
+    let values = basis(&values, TEN);
+    let values: Vec<Functional> = values.iter().map(|value| Functional::from_column_slice(value)).collect();
+    let parts = values.iter().flat_map(|value| harmonics.moving_parts(value));
+    parts.map(|part| row_at(width, j + 1, &part)).collect()
 }
 
 /// A row that is zero but for one link; slot 0 is the base.

@@ -5,7 +5,7 @@ use rand::RngExt;
 
 use super::chains::{a460, bundled_robots, parts, random_chains, relengthened};
 use crate::base::{BaseReduction, Method, reduce, structural_base};
-use crate::chains::planar_2r;
+use crate::chains::{ChainRecipe, planar_2r};
 use crate::linalg::product;
 use crate::model::{Columns, Robot};
 use crate::regressor::JointTorqueRegressor;
@@ -33,6 +33,16 @@ fn identity_three_methods_agree_on_random_chains() {
     for (robot, columns) in random_chains(210) {
         let [paper, qr, structural] = three(&robot, columns);
         assert_same(&paper, &structural, &robot);
+        assert_same(&qr, &structural, &robot);
+    }
+}
+
+#[test]
+fn identity_recursion_and_qr_agree_on_long_chains() {
+    for (run, dof) in [(0, 16), (1, 24)] {
+        let (robot, _) = ChainRecipe::new(dof).draw(&mut Seed::new(6).stream("long chains", run));
+        let [structural, qr] = [Method::Structural, Method::Qr]
+            .map(|method| structural_base(&robot, Columns::RIGID_ROTOR, method, Seed::new(3)).unwrap());
         assert_same(&qr, &structural, &robot);
     }
 }
