@@ -111,7 +111,7 @@ def test_set_points_of_a_design_are_its_motion(robot, design, tmp_path):
 
 def test_designs_and_experiments_that_cannot_be_are_refused(robot, design):
     for call, said in [
-        (lambda: robot.design("best"), 'criterion is "best", expected one of'),
+        (lambda: robot.design("best"), 'criterion is "best", expected a callable, or one of'),
         (lambda: robot.design(), "expected either criterion= or payload="),
         (lambda: robot.design("condition", starts=0), "the number of starts is 0"),
         (lambda: robot.design("condition", frozen={"knee": 0.0}), 'the joint to hold still is "knee"'),
