@@ -222,5 +222,5 @@ def test_identity_a_viewer_sees_the_motion_and_both_torques(robot, estimate, tmp
     assert description.data.startswith("<?xml") and "<cylinder" in description.data
     times = np.array([time for time, _ in messages["/tf"]])
     assert (np.diff(times) >= 20_000_000).all() and messages["/tf"][0][1].transforms[0].child_frame_id == "link1"
-    with pytest.raises(armid.ArmidError, match="cannot be written"):
-        estimate.write_mcap(tmp_path / "nowhere" / "view.mcap" / "")
+    with pytest.raises(armid.ArmidError):
+        estimate.write_mcap(tmp_path)

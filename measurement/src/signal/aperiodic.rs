@@ -281,10 +281,11 @@ mod tests {
         let beyond = (COUNT / 2 + reach..COUNT).map(|k| lost(&k)).fold(0.0, f64::max);
         let nearer = (COUNT / 2 + reach / 2..COUNT / 2 + reach).map(|k| lost(&k)).fold(0.0, f64::max);
         assert!(beyond < 0.021 && nearer > 0.06, "{beyond} {nearer}");
-        // A joint that turns round every second, between two samples.
+        // Joints that turn round every second, between two samples, half a second after each other.
         let half = 0.5 / RATE_HZ;
         let at = |k: usize| k as f64 / RATE_HZ + half;
-        let q: Vec<f64> = (0..2 * COUNT).map(|row| libm::cos(std::f64::consts::PI * at(row / 2))).collect();
+        let q = (0..COUNT).flat_map(|k| [0.0, 0.5].map(|late| libm::cos(std::f64::consts::PI * (at(k) - late))));
+        let q: Vec<f64> = q.collect();
         let effort = vec![0.0; 2 * COUNT];
         let processing = Processing { cutoff_hz: Some(cutoff_hz), ..Processing::default() };
         let record = AperiodicRecord::new(2, RATE_HZ, &q, &effort);

@@ -99,7 +99,8 @@ fn block(len: usize, count: usize, highest: f64) -> Result<usize, SignalError> {
 }
 
 /// Which blocks are an equation of which joint, M × n: those in which the joint is never slower than `fraction` of its
-/// top speed. With a `reach`, those of which no sample is within as many samples of one where the joint is slower or turns round.
+/// top speed. With a `reach`, those of which no sample is within as many samples of one where the joint is slower or turns round. Blocks in
+/// which that would take more than half of the joints stay: where joints turn round together, no others show what these show.
 pub(super) fn used_blocks(states: &States, block: usize, fraction: f64, reach: usize) -> Vec<bool> {
     let n = states.dof;
     let mut slowest = vec![0.0; n];
@@ -111,17 +112,30 @@ pub(super) fn used_blocks(states: &States, block: usize, fraction: f64, reach: u
     for top in &mut slowest {
         *top *= fraction;
     }
-    let mut used = vec![true; states.len() / block * n];
-    for k in 0..states.len() {
-        for (i, (qd, slowest)) in states.qd(k).iter().zip(&slowest).enumerate() {
-            let turns = reach > 0 && k > 0 && states.qd(k - 1)[i] * qd < 0.0;
-            if turns || qd.abs() < *slowest {
-                for m in k.saturating_sub(reach) / block..=(k + reach) / block {
-                    if let Some(used) = used.get_mut(m * n + i) {
-                        *used = false;
+    let farther_than = |reach: usize| {
+        let mut used = vec![true; states.len() / block * n];
+        for k in 0..states.len() {
+            for (i, (qd, slowest)) in states.qd(k).iter().zip(&slowest).enumerate() {
+                let turns = reach > 0 && k > 0 && states.qd(k - 1)[i] * qd < 0.0;
+                if turns || qd.abs() < *slowest {
+                    for m in k.saturating_sub(reach) / block..=(k + reach) / block {
+                        if let Some(used) = used.get_mut(m * n + i) {
+                            *used = false;
+                        }
                     }
                 }
             }
+        }
+        used
+    };
+    let moves = farther_than(0);
+    if reach == 0 {
+        return moves;
+    }
+    let mut used = farther_than(reach);
+    for (used, moves) in used.chunks_exact_mut(n).zip(moves.chunks_exact(n)) {
+        if 2 * used.iter().filter(|used| !**used).count() > n {
+            used.copy_from_slice(moves);
         }
     }
     used
@@ -281,6 +295,11 @@ mod tests {
         // Sample 6 is the first behind the reversal: 5 to 7 are within one of it, 4 to 8 within two.
         assert_eq!(used_blocks(&states, 4, 0.0, 1), used);
         assert_eq!(used_blocks(&states, 4, 0.0, 2), [true, true, false, true, false, true]);
+        // Both turn round together.
+        let mut together = States::new(2);
+        (0..12).map(|k| f64::from(k) - 5.8).for_each(|qd| together.push(&[0.0, 0.0], &[qd, qd], &[0.0, 0.0]));
+        let moves = [true, true, false, false, true, true];
+        assert_eq!(used_blocks(&together, 4, 0.05, 2), moves);
     }
 
     #[test]

@@ -73,7 +73,8 @@ pub struct Processing {
     pub reversal_fraction: f64,
     /// Equations without periods that are nearer than so many periods of the cut-off to a sample where their joint is that slow, or turns round,
     /// are none either. There the acceleration steps with friction and the torque does not: of a step the low pass still loses 7 % after half a
-    /// period, and at most 2 % after 3/4 of one, the default. Friction and inertias would answer for it. A `reversal_fraction` of 0 keeps all.
+    /// period, and at most 2 % after 3/4 of one, the default. Friction and inertias would answer for it. A `reversal_fraction` of 0 keeps all,
+    /// and blocks near a reversal of more than half of the joints stay.
     #[serde(default = "usual_reach")]
     pub reversal_cycles: f64,
 }

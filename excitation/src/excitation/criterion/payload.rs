@@ -2,37 +2,46 @@
 
 use nalgebra::DMatrix;
 
-use super::definition::{Criterion, Score, fill_symmetric, singular};
+use super::definition::{Criterion, Score, fill_symmetric};
 use crate::base::{BaseReduction, LOAD_UNITS};
 
-/// `−ln det(Kᵀ M K)`, with K the columns of the last link that the base shows, each in the natural unit of its parameter.
-///
-/// Two logs of the motion, without the load and with it, share the parameters β of the arm, its friction and offsets among them:
+/// `−ln det(Kᵀ S K)` with S the information on the base parameters of links and rotors, friction and offsets being estimated
+/// with them and not asked for:
 ///
 /// ```text
-/// y₀ = W β + e₀,  y₁ = W (β + K θ) + e₁        information on (β, θ): [ 2M    MK   ]
-///                                                                    [ KᵀM   KᵀMK ]
-/// on θ, β being estimated: Kᵀ M K − Kᵀ M (2M)⁻¹ M K = ½ Kᵀ M K
-/// d value = tr(S dM)        S = −K (Kᵀ M K)⁻¹ Kᵀ
+/// M = [ M_RR  M_RF ]      S = M_RR − M_RF M_FF⁻¹ M_FR = ((M⁻¹)_RR)⁻¹      R: links and rotors, F: the others
+///     [ M_FR  M_FF ]      β_R changes by K θ
+/// d value = tr(S_M dM)    S_M = −Vᵀ (Kᵀ S K)⁻¹ V                          V = Kᵀ [ 1  −M_RF M_FF⁻¹ ]
 /// ```
-/// This is what the estimate of a load makes of both logs, but for what friction and offsets change between them. K is zero in their rows:
-/// the log without the load tells them from its weight.
+/// `Kᵀ S K` is the information on θ of a log with the load where the links and rotors of the arm are known. Where they come from a log
+/// of the same motion without the load, it is half of it, `Kᵀ (2 (M⁻¹)_RR)⁻¹ K`: the design is the same. K are the
+/// columns of the last link that the base shows, each in the natural unit of its parameter.
 ///
 /// Reference: A. C. Atkinson, A. N. Donev, R. D. Tobias, *Optimum Experimental Designs, with SAS*, 2007, section 10.3 (D_S-optimality).
 #[derive(Clone, Debug)]
 pub struct PayloadOptimal {
-    /// K, b × rank.
+    /// Places of links and rotors in the base, and of the others.
+    rows: [Vec<usize>; 2],
+    /// K, R × rank.
     k: DMatrix<f64>,
 }
 
 impl PayloadOptimal {
     /// For designs on this base; `None` where it shows nothing of a load.
     pub fn of(base: &BaseReduction) -> Option<Self> {
-        let (columns, shown) = (base.columns_of_last_link(), base.of_load().kept);
-        let k =
-            DMatrix::from_fn(base.rank(), shown.len(), |i, j| base.k[(i, columns[shown[j]])] * LOAD_UNITS[shown[j]]);
-        (!shown.is_empty()).then_some(Self { k })
+        let (rows, columns) = (base.inertial_rows(), base.columns_of_last_link());
+        let shown = base.of_load().kept;
+        let others = (0..base.rank()).filter(|row| !rows.contains(row)).collect();
+        let k = DMatrix::from_fn(rows.len(), shown.len(), |i, j| {
+            base.k[(rows[i], columns[shown[j]])] * LOAD_UNITS[shown[j]]
+        });
+        (!shown.is_empty()).then_some(Self { rows: [rows, others], k })
     }
+}
+
+/// The part of a matrix with these rows and columns.
+fn part(m: &DMatrix<f64>, rows: &[usize], columns: &[usize]) -> DMatrix<f64> {
+    DMatrix::from_fn(rows.len(), columns.len(), |i, j| m[(rows[i], columns[j])])
 }
 
 impl Criterion for PayloadOptimal {
@@ -40,13 +49,32 @@ impl Criterion for PayloadOptimal {
         "payload"
     }
 
-    fn evaluate(&self, m: &DMatrix<f64>, sensitivity: Option<&mut DMatrix<f64>>) -> Score {
+    fn evaluate(&self, m: &DMatrix<f64>, mut sensitivity: Option<&mut DMatrix<f64>>) -> Score {
+        if let Some(s) = &mut sensitivity {
+            s.fill(0.0);
+        }
+        let [links, others] = &self.rows;
         // No estimate without full rank.
-        let information = m.clone().cholesky().and_then(|_| self.k.tr_mul(&(m * &self.k)).cholesky());
-        let Some(information) = information else { return singular(sensitivity) };
+        let (Some(_), Some(factor)) = (m.clone().cholesky(), part(m, others, others).cholesky()) else {
+            return Score::exact(f64::INFINITY);
+        };
+        // B = M_RF M_FF⁻¹, transposed.
+        let across = part(m, others, links);
+        let b = factor.solve(&across);
+        let s = part(m, links, links) - across.tr_mul(&b);
+        let Some(information) = self.k.tr_mul(&(s * &self.k)).cholesky() else {
+            return Score::exact(f64::INFINITY);
+        };
         let value = -2.0 * information.l_dirty().diagonal().iter().map(|l| libm::log(*l)).sum::<f64>();
         if let Some(out) = sensitivity {
-            fill_symmetric(out, &(&self.k * information.inverse() * self.k.transpose()), 1.0);
+            // Vᵀ, b × rank.
+            let mut v = DMatrix::zeros(m.nrows(), self.k.ncols());
+            let on_others = &b * &self.k;
+            for j in 0..self.k.ncols() {
+                links.iter().enumerate().for_each(|(i, &row)| v[(row, j)] = self.k[(i, j)]);
+                others.iter().enumerate().for_each(|(i, &row)| v[(row, j)] = -on_others[(i, j)]);
+            }
+            fill_symmetric(out, &(&v * information.inverse() * v.transpose()), 1.0);
         }
         Score::exact(value)
     }
@@ -86,21 +114,16 @@ mod tests {
         w.tr_mul(&w) / (4 * size) as f64
     }
 
-    /// From the joint information of both logs, b + r unknowns, and the covariance of θ that it has.
+    /// The inverse of the block of the inverse: the covariance of the estimate, without any Schur complement.
     #[test]
-    fn identity_the_value_is_that_of_the_load_by_both_logs() {
+    fn identity_the_value_is_that_of_the_covariance_of_links_and_rotors() {
         let (base, criterion) = criterion();
-        let (m, k, b) = (information(base.rank(), 0), &criterion.k, base.rank());
-        assert_eq!(k.ncols(), 10);
-        let inertial = base.inertial_rows();
-        assert!((0..b).filter(|row| !inertial.contains(row)).all(|row| k.row(row).norm() == 0.0));
-        let mut joint = DMatrix::zeros(b + 10, b + 10);
-        joint.view_mut((0, 0), (b, b)).copy_from(&(&m * 2.0));
-        joint.view_mut((0, b), (b, 10)).copy_from(&(&m * k));
-        joint.view_mut((b, 0), (10, b)).copy_from(&k.tr_mul(&m));
-        joint.view_mut((b, b), (10, 10)).copy_from(&k.tr_mul(&(&m * k)));
-        let covariance = joint.lu().try_inverse().unwrap().view((b, b), (10, 10)).into_owned();
-        let expected = libm::log(covariance.determinant()) - 10.0 * std::f64::consts::LN_2;
+        let m = information(base.rank(), 0);
+        let rows = base.inertial_rows();
+        let covariance = part(&m.clone().try_inverse().unwrap(), &rows, &rows);
+        let of_load = criterion.k.tr_mul(&(covariance.try_inverse().unwrap() * &criterion.k));
+        assert_eq!(of_load.nrows(), 10);
+        let expected = -libm::log(of_load.determinant());
         let value = criterion.evaluate(&m, None).value;
         assert!((value - expected).abs() < 1e-8 * expected.abs(), "{value} {expected}");
         assert!(criterion.report(value) == -value && criterion.is_larger_better());
