@@ -216,7 +216,7 @@ mod tests {
                 }
                 let wanted: Vec<usize> = (0..regressor.cols()).filter(|column| column % 7 != 3).collect();
                 let torque: Vec<f64> = (0..dof * count).map(|row| libm::sin((row * row) as f64)).collect();
-                let weights: Vec<f64> = (0..dof).map(|joint| joint as f64 / 2.0).collect();
+                let weights: Vec<f64> = (0..dof).map(|joint| (joint + 1) as f64 / 2.0).collect();
                 let gram = regressor.gram(&states, &wanted, &torque, &weights);
                 let mut w = regressor.stack_means(&states, &wanted, 1);
                 let mut y = DVector::from_vec(torque);
