@@ -278,7 +278,7 @@ pub(crate) enum Side<'py> {
 
 /// The same, which a thread may keep.
 enum Kept {
-    Estimate(PayloadSide),
+    Estimate(Box<PayloadSide>),
     Logs(Vec<Log>),
 }
 
@@ -287,7 +287,7 @@ impl Kept {
         Ok(match side {
             Side::Estimate(name, text) => {
                 let Made { estimate, name, inputs } = Made::parse((&name, &text))?;
-                Self::Estimate(PayloadSide { estimate, name, inputs })
+                Self::Estimate(Box::new(PayloadSide { estimate, name, inputs }))
             }
             Side::Logs(logs) => Self::Logs(logs.iter().map(|log| Log::clone(log)).collect()),
         })
@@ -296,7 +296,7 @@ impl Kept {
     /// The estimate; of logs processed as those of the other side were, with its columns and its speeds of friction.
     fn made(self, robot: &Robot, other: Option<&PayloadSide>, observer: &dyn Observer) -> Result<PayloadSide, Error> {
         let logs = match self {
-            Self::Estimate(side) => return Ok(side),
+            Self::Estimate(side) => return Ok(*side),
             Self::Logs(logs) => logs,
         };
         let usual = LogSettings { finds_period: true, ..LogSettings::default() };
@@ -324,7 +324,7 @@ pub(crate) fn payload(
     let answer = watched(py, progress, Leaves::Nothing, move |observer| {
         let (without, with) = match with {
             // An estimate is what the logs of the other side go by.
-            Kept::Estimate(with) => (without.made(&robot, Some(&with), observer)?, with),
+            Kept::Estimate(with) => (without.made(&robot, Some(&with), observer)?, *with),
             logs @ Kept::Logs(_) => {
                 let without = without.made(&robot, None, observer)?;
                 let with = logs.made(&robot, Some(&without), observer)?;

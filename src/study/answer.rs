@@ -126,7 +126,7 @@ fn ranked(ranking: &Ranking) -> Vec<String> {
     if !better.is_empty() && !worse.is_empty() {
         first.push_str(&format!(" Significantly worse: {}.", list(&worse)));
     }
-    if !open.is_empty() && !(better.is_empty() && worse.is_empty()) {
+    if !(open.is_empty() || better.is_empty() && worse.is_empty()) {
         first.push_str(&format!(" Not significantly different: {}.", list(&open)));
     }
     let contrary: Vec<String> = ranking
