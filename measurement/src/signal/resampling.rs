@@ -142,6 +142,10 @@ mod tests {
         let even = resample(&t, &rows, 2, 2.0, 6, Interpolation::Cubic);
         assert_eq!(even, [0.0, 5.0, 0.5, 5.0, 1.0, 5.0, 1.5, 5.0, 2.0, 5.0, 2.0, 5.0]);
         assert_eq!(resample(&[], &[], 2, 2.0, 6, Interpolation::Lines), Vec::<f64>::new());
+        // t² at uneven times, to its end.
+        for (k, x) in resample(&[0.0, 1.0, 3.0], &[0.0, 1.0, 9.0], 1, 2.0, 7, Interpolation::Cubic).iter().enumerate() {
+            assert!((x - 0.25 * (k * k) as f64).abs() < 1e-14, "{k}: {x}");
+        }
         assert_eq!(resample(&[0.0, 2.0], &[1.0, 5.0], 1, 2.0, 3, Interpolation::Cubic), [1.0, 2.0, 3.0]);
         assert_eq!(resample(&[1.0], &[7.0], 1, 2.0, 2, Interpolation::Cubic), [7.0, 7.0]);
     }

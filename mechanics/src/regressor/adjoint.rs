@@ -159,12 +159,14 @@ impl JointTorqueRegressor {
 mod tests {
     use super::*;
     use crate::chains::{self, ChainRecipe};
-    use crate::model::{Columns, Robot};
+    use crate::model::term::LOAD_FRICTION;
+    use crate::model::{Columns, Robot, StandardParameters};
     use crate::seed::Seed;
     use rand::RngExt;
 
     struct Case {
         robot: Robot,
+        parameters: StandardParameters,
         state: [Vec<f64>; 3],
         g: Vec<f64>,
     }
@@ -175,10 +177,10 @@ mod tests {
             let mut rng = Seed::new(21).stream("adjoint", run);
             let dof = 1 + usize::try_from(run % 8).unwrap();
             let recipe = ChainRecipe { coupled: run % 2 == 0, tilted: run % 3 == 0, ..ChainRecipe::new(dof) };
-            let (robot, _) = recipe.draw(&mut rng);
+            let (robot, parameters) = recipe.draw(&mut rng);
             let (q, qd, qdd) = chains::random_state(&mut rng, dof);
             let g = (0..dof * columns.parameters(&robot).len()).map(|_| rng.random_range(-1.0..1.0)).collect();
-            Case { robot, state: [q, qd, qdd], g }
+            Case { robot, parameters, state: [q, qd, qdd], g }
         })
     }
 
@@ -192,8 +194,11 @@ mod tests {
 
     #[test]
     fn identity_gradient_is_central_differences_of_the_regressor() {
-        for case in cases(Columns::RIGID_ROTOR_FRICTION) {
-            let regressor = JointTorqueRegressor::new(&case.robot, Columns::RIGID_ROTOR_FRICTION).unwrap();
+        let free = Columns::RIGID_ROTOR_FRICTION;
+        for (columns, case) in
+            [free, free.with(LOAD_FRICTION)].into_iter().flat_map(|c| cases(c).map(move |case| (c, case)))
+        {
+            let regressor = JointTorqueRegressor::with_load(&case.robot, columns, &case.parameters);
             let found = gradient(&regressor, &case.state, &case.g);
             let mut y = vec![0.0; case.g.len()];
             let mut value = |state: &[Vec<f64>; 3]| -> f64 {

@@ -189,3 +189,23 @@ impl BodyRegressor {
         k
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn identity_the_matrix_times_the_parameters_is_the_wrench() {
+        let v = Motion::new(Vector3::new(0.1, 0.2, 0.3), Vector3::new(0.4, 0.5, 0.6));
+        let a = Motion::new(Vector3::new(-1.0, 2.0, 0.5), Vector3::new(0.7, -0.3, 9.0));
+        let body = BodyRegressor::new(&v, &a);
+        for c in 0..10 {
+            let phi = std::array::from_fn(|k| if k == c { 1.0 } else { 0.0 });
+            let (wrench, column) = (body.wrench(&phi), body.matrix().column(c).into_owned());
+            assert_eq!(
+                (column.fixed_rows::<3>(0).into_owned(), column.fixed_rows::<3>(3).into_owned()),
+                (wrench.ang, wrench.lin)
+            );
+        }
+    }
+}

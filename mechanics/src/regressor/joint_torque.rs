@@ -264,6 +264,7 @@ mod tests {
     use super::*;
     use crate::chains::{self, ChainRecipe};
     use crate::dynamics::{Dynamics, States};
+    use crate::model::term::LOAD_FRICTION;
     use crate::seed::Seed;
 
     #[test]
@@ -312,6 +313,22 @@ mod tests {
                     assert!((torque[k * dof + i] - tau[i]).abs() < 1e-13 * size, "chain {run}, joint {i}");
                 }
             }
+        }
+    }
+
+    #[test]
+    fn identity_the_load_is_the_torque_of_the_links_alone() {
+        let mut rng = Seed::new(15).stream("chains", 0);
+        let (robot, parameters) = ChainRecipe::new(6).draw(&mut rng);
+        let columns = Columns::RIGID_ROTOR_FRICTION.with(LOAD_FRICTION);
+        let (q, qd, qdd) = chains::random_state(&mut rng, 6);
+        let mut states = States::new(6);
+        states.push(&q, &qd, &qdd);
+        let links = JointTorqueRegressor::new(&robot, Columns::RIGID).unwrap();
+        let expected = links.stack(&states) * parameters.vector(&robot, Columns::RIGID);
+        let found = JointTorqueRegressor::with_load(&robot, columns, &parameters).load_at(&q, &qd, &qdd);
+        for (found, expected) in found.iter().zip(expected.iter()) {
+            assert!((found - expected).abs() < 1e-12 * expected.abs().max(1.0), "{found} {expected}");
         }
     }
 }

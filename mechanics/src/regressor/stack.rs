@@ -290,6 +290,12 @@ mod tests {
                 let columns: Vec<usize> = (0..regressor.cols()).filter(|c| c % 3 != 1).collect();
                 let (w, means) = (regressor.stack(&states), regressor.stack_means(&states, &columns, 7));
                 assert_eq!(means.shape(), (50, columns.len()));
+                let p = regressor.cols();
+                let mut y = vec![0.0; 5 * p];
+                for k in 0..states.len() {
+                    regressor.evaluate(states.q(k), states.qd(k), states.qdd(k), &mut y);
+                    assert_eq!(w.rows(5 * k, 5).transpose().as_slice(), y);
+                }
                 let mut rows = vec![f64::NAN; w.nrows() * columns.len()];
                 regressor.stack_rows_into(&states, &columns, &mut rows);
                 assert_eq!(DMatrix::from_row_slice(w.nrows(), columns.len(), &rows), w.select_columns(&columns));
