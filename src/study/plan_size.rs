@@ -54,7 +54,7 @@ impl StudyPlan {
 
 #[cfg(test)]
 mod tests {
-    use crate::study::StudyPlan;
+    use crate::study::{RandomTruths, StudyPlan};
 
     const PLAN: &str = include_str!("../../experiments/01-criteria/study.toml");
 
@@ -91,5 +91,15 @@ mod tests {
         let mut twice = plan;
         twice.designs[1].name = twice.designs[0].name.clone();
         assert!(twice.check().unwrap_err().to_string().contains("twice"));
+    }
+
+    #[test]
+    fn spreads_of_truths_are_from_zero_to_one() {
+        let with = |mass_spread| {
+            let truths = Some(RandomTruths { mass_spread, ..RandomTruths::of(2) });
+            StudyPlan { truths, ..StudyPlan::from_toml(PLAN).unwrap() }.check()
+        };
+        assert!(with(0.3).is_ok());
+        assert!(with(1.1).unwrap_err().to_string().contains("truths.mass_spread is 1.1"));
     }
 }
