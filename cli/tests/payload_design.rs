@@ -63,7 +63,8 @@ fn compare(folder: &Path, robot: &str) -> [Vec<f64>; 2] {
         let robot = folder.join(robot);
         let robot =
             if robot.is_file() { robot.to_str().expect("as it was written").to_owned() } else { "crs-a460".to_owned() };
-        let usual = ["--starts", "3", "--evaluations", "400", "--no-baseline", "--json", "-o", &out];
+        // Searches that come to rest: of those of 400 evaluations on the A460 the last digits of a computation decide where they end.
+        let usual = ["--starts", "3", "--evaluations", "1000", "--no-baseline", "--json", "-o", &out];
         json(&armid(["design", &robot].iter().chain(aim).chain(&usual)).success())
     };
     let weighted: &[&str] = if robot == "crs-a460" { &["--weighted"] } else { &[] };
@@ -87,10 +88,8 @@ fn a_design_for_a_load_on_the_a460_narrows_its_intervals() {
     let folder = temporary();
     let found = compare(folder.path(), "crs-a460");
     let narrower = found[0].iter().zip(&found[1]).filter(|(general, made)| made < general).count();
-    // D-optimal in the ten together, which says nothing of the mass alone: by seed and effort of the search it is 1.13 to 1.34 times as
-    // wide, and the mean of the ten 0.77 to 1.05 (docs/payload.md).
     let widest = found[0].iter().zip(&found[1]).map(|(general, made)| made / general).fold(0.0, f64::max);
-    assert!(mean_ratio(&found) < 0.9 && narrower >= 9 && widest < 1.25, "{} {found:?}", mean_ratio(&found));
+    assert!(mean_ratio(&found) < 0.85 && narrower >= 9 && widest < 1.1, "{} {found:?}", mean_ratio(&found));
 }
 
 #[test]

@@ -146,6 +146,7 @@ pub(crate) fn identify(
     let cloned = |logs: Vec<PyRef<'_, Log>>| logs.iter().map(|log| Log::clone(log)).collect::<Vec<_>>();
     let (robot, logs, others) = (robot.clone(), cloned(logs), cloned(others));
     let settings = reading.settings(&logs)?;
+    let settings = if wanted.select.is_some() { settings.for_selection() } else { settings };
     let (mut estimators, mut own) = (Vec::new(), Vec::new());
     for asked in wanted.estimators {
         match asked {

@@ -305,7 +305,7 @@ impl StudyPlan {
         columns.map_err(|fault| StudyPlanError::Columns { found: found.clone(), fault })
     }
 
-    /// The estimators that are compared: of those from outside, and of [`EstimatorKind`].
+    /// The estimators that are compared: of those from outside, and of [`EstimatorKind`](crate::estimation::EstimatorKind).
     ///
     /// # Errors
     /// [`StudyPlanError::Name`].

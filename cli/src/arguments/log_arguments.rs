@@ -37,6 +37,9 @@ pub(crate) struct LogArguments {
     robot: Option<String>,
     #[command(flatten)]
     chain: ChainArguments,
+    /// Whether terms are chosen from what the logs show.
+    #[arg(skip)]
+    selects: bool,
     /// What the columns of a table are: "t=time_ms ms, q=joint_[1-6] deg, current=i_[1-6] mA". Keys t, q, qd, tau, current;
     /// headings with [1-6] or [01-06] for the joints, or #2 for the second column, several with / between them (#1/#3/#2),
     /// `-` in the place of a torque that is left out, `file:heading` for files side by side, with * for what those of one log
@@ -92,6 +95,11 @@ impl LogArguments {
         self
     }
 
+    /// The same logs, to choose terms from them.
+    pub(crate) fn for_selection(&self) -> Self {
+        Self { selects: true, ..self.clone() }
+    }
+
     /// Reads logs and processes them. What was not said is as `remembered` has it: what an estimate was made with.
     pub(crate) fn process(
         &self,
@@ -104,7 +112,7 @@ impl LogArguments {
         let named = source.find(paths, remembered)?;
         self.refuse_mapping_of_recordings(&named.found)?;
         let settings = self.settings(&named.found, remembered, held_out)?;
-        named.process(settings)
+        named.process(if self.selects { settings.for_selection() } else { settings })
     }
 
     /// A recording of armid's own says itself what it holds.

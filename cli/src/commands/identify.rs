@@ -157,10 +157,11 @@ pub(crate) fn run(arguments: &Arguments, console: &Console) -> Result<Ending> {
     }
     let among = arguments.select.as_deref().map(candidates).transpose()?;
     let (held_out, other) = arguments.held_out()?;
-    let (mut prepared, mut inputs) = arguments.log.process(&arguments.logs, None, held_out)?;
+    let of_logs = if among.is_some() { &arguments.log.for_selection() } else { &arguments.log };
+    let (mut prepared, mut inputs) = of_logs.process(&arguments.logs, None, held_out)?;
     if let Some(other) = other {
         inputs.held_out_log = Some(other.display().to_string());
-        let (others, _) = arguments.log.process(&[other], Some(&inputs), HeldOut::Nothing)?;
+        let (others, _) = of_logs.process(&[other], Some(&inputs), HeldOut::Nothing)?;
         prepared.hold_out(&others);
     }
     if let Some(path) = &arguments.start {
