@@ -365,7 +365,7 @@ class Estimate:
         return Torque(np.arange(len(measured)) / rate, measured, predicted, is_held_out)
 
     def write_mcap(self, path: Path, logs: Logs | None = None) -> None:
-        """Write the motion of `torque` as MCAP, which Foxglove and Rerun show.
+        """Write the motion of `torque` as MCAP, with description and poses of the arm for a viewer.
 
         Topics: ``/robot_description`` and ``/tf`` show the arm; ``/joint_states`` has positions and measured torque,
         ``/predicted_torque`` and ``/residual`` have theirs as effort, N·m (N).

@@ -106,7 +106,7 @@ validation
 
 # %% [markdown]
 # ## 6. The model for your tools
-# The numbers go into a copy of your URDF. The MCAP shows the arm in Foxglove or Rerun, with measured and predicted torque.
+# The numbers go into a copy of your URDF. The MCAP holds the arm's description, poses, and measured and predicted torque, for a viewer such as Foxglove.
 
 # %%
 identified = estimate.export("urdf", folder / "identified.urdf", into=folder / "arm.urdf")

@@ -86,7 +86,7 @@ impl<'a> TorqueComparison<'a> {
         if self.is_held_out { "held out, not used for the fit" } else { "used for the fit" }
     }
 
-    /// Writes a motion of the arm with both torques as MCAP, which Foxglove and Rerun show.
+    /// Writes a motion of the arm with both torques as MCAP, with description and poses of the arm for a viewer.
     ///
     /// # Errors
     /// [`Error`] where it cannot be written.
