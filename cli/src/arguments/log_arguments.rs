@@ -40,7 +40,8 @@ pub(crate) struct LogArguments {
     /// Whether terms are chosen from what the logs show.
     #[arg(skip)]
     selects: bool,
-    /// What the columns of a table are: "t=time_ms ms, q=joint_[1-6] deg, current=i_[1-6] mA". Keys t, q, qd, tau, current;
+    /// What the columns of a table are: "t=time_ms ms, q=joint_[1-6] deg, current=i_[1-6] mA". Keys t, q, qd, tau, current,
+    /// q_link, q_cmd (commands of servos with kp= and kd=, and delay_ms=: torque is kp (q_cmd − q) − kd qd);
     /// headings with [1-6] or [01-06] for the joints, or #2 for the second column, several with / between them (#1/#3/#2),
     /// `-` in the place of a torque that is left out, `file:heading` for files side by side, with * for what those of one log
     /// share; then unit, motor, gear=, sign=, offset_deg=, constant= (N·m/A), rated= (of %), values of each joint with / between
