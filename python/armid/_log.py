@@ -101,7 +101,7 @@ class Log:
             Gains of the servos that follow `q_cmd`, N·m/rad (N/m) and N·m·s/rad (N·s/m). They are needed with it, and make torques of it:
             ``kp (q_cmd(t - delay) - q) - kd qd``. A servo at its limit has another torque: make its rows NaN.
         delay : float
-            Time after which a command acts, s.
+            Time after which a command acts, s. A servo that holds each command until the next acts half a row late on average.
         t : array (N,)
             Time of each row, s; or `rate`.
         rate : float

@@ -71,19 +71,24 @@ class Commands(unittest.TestCase):
 
     def test_commands_reveal_what_measured_torque_does(self):
         gains = "/".join(map(str, KP)), "/".join(map(str, KD))
-        of_commands = f"t=t, q=q[1-3], q_cmd=goal[1-3] deg kp={gains[0]} kd={gains[1]} delay_ms={1e3 * DELAY * STEP:g}"
-        found, measured = self.identified(of_commands, "C.json"), self.identified("t=t, q=q[1-3], tau=tau[1-3]", "M.json")
+        of_commands = f"t=t, q=q[1-3], q_cmd=goal[1-3] deg kp={gains[0]} kd={gains[1]} delay_ms="
+        measured = self.identified("t=t, q=q[1-3], tau=tau[1-3]", "M.json")
+        found = self.identified(f"{of_commands}{1e3 * DELAY * STEP:g}", "C.json")
         for one, other in zip(found["base"], measured["base"]):
             self.assertEqual(one["name"], other["name"])
             self.assertLess(abs(one["value"] - other["value"]), 3 * max(one["std"], other["std"]), one["name"])
-        # First moments in closed form: the third link, and the second with the third at its end.
-        known = {"mcx3": 0.15 * TRUE[2], "mcz3": 0.02 * TRUE[2], "mcx2": 0.2 * TRUE[1] + 0.4 * TRUE[2]}
-        for one in found["base"]:
-            self.assertLess(abs(one["value"] - known.pop(one["name"], one["value"])), 4 * one["std"], one)
-        self.assertEqual(known, {})
         # Forces that MuJoCo's actuators had on a motion that the fit has not seen.
         done = armid("validate", self.folder / "C.json", self.folder / "other.csv", "--map", "t=t, q=q[1-3], tau=tau[1-3]", "--json")
         self.assertEqual(done.returncode, 0, done.stderr[:800] + done.stdout[:800])
+
+        # Each command is held for a step, so that the forces at its beginning are not their means: half a step more is the delay.
+        found = self.identified(f"{of_commands}{1e3 * (DELAY + 0.5) * STEP:g}", "H.json")
+        known = {f"Fv{k + 1}": value for k, value in enumerate(DAMPING)} | {f"Fc{k + 1}": value for k, value in enumerate(FRICTION)}
+        # First moments in closed form: the third link, and the second with the third at its end.
+        known |= {"mcx3": 0.15 * TRUE[2], "mcz3": 0.02 * TRUE[2], "mcx2": 0.2 * TRUE[1] + 0.4 * TRUE[2]}
+        for one in found["base"]:
+            self.assertLess(abs(one["value"] - known.pop(one["name"], one["value"])), 4 * one["std"], one)
+        self.assertEqual(known, {})
 
     def test_a_mapping_of_commands_needs_the_gains(self):
         done = armid("identify", self.folder / "log.csv", "--robot", self.folder / "arm.xml", "--map", "t=t, q=q[1-3], q_cmd=goal[1-3] deg")

@@ -17,7 +17,7 @@ pub struct Servo {
     pub kp: Vec<f64>,
     /// Torque per speed, N·m·s/rad (N·s/m), n.
     pub kd: Vec<f64>,
-    /// Time by which the servo acts after its command, s.
+    /// Time by which the servo acts after its command, s. One that holds each command until the next acts half a row late on average.
     pub delay_s: f64,
 }
 
