@@ -54,7 +54,7 @@ pub(crate) struct Arguments {
     /// Family of trajectories
     #[arg(long, default_value = "fourier", value_parser = one_of(&Family::ALL, Family::name))]
     family: Family,
-    /// Harmonics of all joints or of each; splines: 2 N + 1 knots
+    /// Harmonics of all joints, or of each (splines: 2N+1 knots)
     #[arg(long, value_name = "N", default_value = "5", value_delimiter = ',')]
     harmonics: Vec<usize>,
     /// Joint that stays at this position, rad

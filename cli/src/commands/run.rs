@@ -89,7 +89,7 @@ pub(crate) struct Arguments {
     guarding: GuardArguments,
     #[command(flatten)]
     meshes: MeshArguments,
-    /// Panic after so many states: what a defect of armid itself does to an arm, in builds for tests alone
+    /// Panic after so many states, in builds for tests
     #[cfg(debug_assertions)]
     #[arg(long, value_name = "STATES", hide = true)]
     panic_after: Option<usize>,
