@@ -21,7 +21,7 @@ use crate::terminal::{Answer, Console, Ending, Table, Watch};
 
 const AFTER_HELP: &str = "\
 A log is a recording of `armid run`, ROS 2 joint states, a table, or a TOML with a [log] table. Headings \
-t,q1..qn and tau1..taun or current1..currentn need no --map (`armid help map`). The last fifth of a third- \
+t,q1..qn and tau1..taun or current1..currentn need no --map (`armid help map`). The last fifth of a third-\
 party log is kept for validation. A mistake in the log is named with its correction, and the exit status is \
 1.
 
