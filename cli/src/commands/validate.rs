@@ -28,7 +28,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// The estimate, a JSON file of `armid identify`, or a model: a URDF or MJCF
+    /// An estimate (JSON of `armid identify`), or a URDF or MJCF
     estimate: PathBuf,
     /// The logs: MCAP, tables, or TOML files with a [log] table
     #[arg(required = true, value_name = "LOG")]
