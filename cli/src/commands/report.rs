@@ -33,7 +33,7 @@ Examples:
 #[derive(Debug, clap::Args)]
 #[command(after_help = AFTER_HELP)]
 pub(crate) struct Arguments {
-    /// Folders that `armid study` wrote, files of `armid identify`, or with --figure its numbers
+    /// Folders of `armid study`, files of `armid identify`, or figure numbers
     #[arg(required_unless_present = "compare", value_name = "DIR|FILE")]
     folders: Vec<PathBuf>,
     /// Compare two estimates: JSON files of `identify`, or folders
