@@ -4,7 +4,7 @@ use miette::Result;
 
 use super::{
     agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, init, monitor, reduce,
-    report, robot, run, study, trajectory, validate,
+    report, robot, run, study, topic, trajectory, validate,
 };
 use crate::terminal::{Console, Ending, Writes};
 
@@ -29,6 +29,8 @@ pub(crate) enum Command {
     Controller(controller::Arguments),
     Doctor(doctor::Arguments),
     Completions(completions::Arguments),
+    #[command(flatten)]
+    Topic(topic::Topic),
 }
 
 impl Command {
@@ -43,7 +45,8 @@ impl Command {
             | Self::Validate(_)
             | Self::Controller(_)
             | Self::Doctor(_)
-            | Self::Completions(_) => Writes::Answer,
+            | Self::Completions(_)
+            | Self::Topic(_) => Writes::Answer,
             Self::Design(_) | Self::Trajectory(_) | Self::Export(_) => Writes::Text,
             Self::Run(_) => Writes::Recording,
             Self::Calibrate(_) => Writes::Several,
@@ -74,5 +77,6 @@ pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
         Command::Controller(arguments) => controller::run(&arguments, console),
         Command::Doctor(arguments) => doctor::run(&arguments, console),
         Command::Completions(arguments) => completions::run(&arguments, console),
+        Command::Topic(topic) => topic::run(&topic, console),
     }
 }

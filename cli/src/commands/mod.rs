@@ -22,6 +22,7 @@ mod robot;
 mod run;
 mod validate;
 mod study;
+mod topic;
 mod trajectory;
 
 pub(crate) use command::{Command, carry_out};

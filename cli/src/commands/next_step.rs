@@ -38,6 +38,7 @@ impl Command {
             }
             Self::Doctor(_) => "`armid doctor --help` says what is looked at",
             Self::Completions(_) => "`armid completions --help` lists the shells",
+            Self::Topic(_) => "`armid --help` lists the commands",
         }
     }
 }
