@@ -18,14 +18,18 @@ DAMPING, FRICTION = [1.2, 0.8, 0.4], [0.9, 0.7, 0.3]
 GUESSED, TRUE = [4.0, 3.0, 1.5], [4.0, 3.6, 1.9]
 
 
-def arm(masses):
+# A ball on the last body: mass, kg, and place, m.
+LOAD, PLACE, INERTIA = 1.5, 0.3, 5e-4
+
+
+def arm(masses, load=""):
     """Three joints with position actuators."""
     def body(name, place, axis, length, mass, k, inner=""):
         return f'''<body name="{name}" pos="{place}"><joint name="j{k + 1}" axis="{axis}" range="-2.6 2.6" armature="0.05"
 damping="{DAMPING[k]}" frictionloss="{FRICTION[k]}"/><inertial pos="{length / 2} 0.01 0.02" mass="{mass}"
 diaginertia="{0.002 * mass} {0.02 * mass} {0.02 * mass}"/>{inner}</body>'''
 
-    third = body("fore", "0.4 0 0", "0 1 0", 0.3, masses[2], 2)
+    third = body("fore", "0.4 0 0", "0 1 0", 0.3, masses[2], 2, load)
     second = body("upper", "0 0 0.2", "0 1 0", 0.4, masses[1], 1, third)
     first = body("column", "0 0 0.3", "0 0 1", 0.1, masses[0], 0, second)
     motors = "".join(f'<position name="m{k + 1}" joint="j{k + 1}" kp="{KP[k]}" kv="{KD[k]}"/>' for k in range(3))
@@ -34,10 +38,10 @@ diaginertia="{0.002 * mass} {0.02 * mass} {0.02 * mass}"/>{inner}</body>'''
 <worldbody>{first}</worldbody><actuator>{motors}</actuator><sensor>{sensors}</sensor></mujoco>'''
 
 
-def log(seed, file):
+def log(seed, file, load=""):
     """A table of commands, positions as encoders count them, and the forces of MuJoCo's actuators; a command acts `DELAY` steps later."""
     rng = np.random.default_rng(seed)
-    model = mujoco.MjModel.from_xml_string(arm(TRUE))
+    model = mujoco.MjModel.from_xml_string(arm(TRUE, load))
     t = np.arange(round(SECONDS / STEP)) * STEP
     w, phase = 2 * np.pi * rng.uniform(0.1, 1.0, (3, 5, 1)), rng.uniform(0, 2 * np.pi, (3, 5, 1))
     command = (0.25 * np.sin(w * t + phase)).sum(1).T + [0.0, 0.3, 0.5]
@@ -89,6 +93,38 @@ class Commands(unittest.TestCase):
         for one in found["base"]:
             self.assertLess(abs(one["value"] - known.pop(one["name"], one["value"])), 4 * one["std"], one)
         self.assertEqual(known, {})
+
+    def test_a_delay_that_is_not_stated_is_the_lag_that_is_found(self):
+        gains = f"kp={'/'.join(map(str, KP))} kd={'/'.join(map(str, KD))}"
+        mapping = f"t=t, q=q[1-3], q_cmd=goal[1-3] deg {gains}"
+        done = armid("identify", self.folder / "log.csv", "--robot", self.folder / "arm.xml", "--map", mapping, "--select", "--json")
+        found = json.loads(done.stdout)["selection"]["beyond_motion"]
+        self.assertEqual([(lag["parameter"], lag["term"]) for lag in found], [(f"Tl{k}", "current-lag") for k in (1, 2, 3)])
+        # The law is of first order in the lag, so that a twentieth of it is left..
+        lag_ms = 1e3 * np.mean([lag["value"] for lag in found])
+        self.assertLess(abs(lag_ms / (1e3 * (DELAY + 0.5) * STEP) - 1), 0.06)
+
+    def test_a_known_load_shows_the_gains_of_the_servos(self):
+        ball = f'<body pos="{PLACE} 0 0"><inertial pos="0 0 0" mass="{LOAD}" diaginertia="{INERTIA} {INERTIA} {INERTIA}"/></body>'
+        log(3, self.folder / "loaded.csv", ball)
+        stated = [0.8 * KP[0], 1.25 * KP[1], KP[2]]
+        mapping = f"t=t, q=q[1-3], q_cmd=goal[1-3] deg kp={'/'.join(map(str, stated))} kd=0 delay_ms={1e3 * (DELAY + 0.5) * STEP}"
+        load = ["--payload-mass", LOAD, "--payload-centre", f"{PLACE},0,0", "--payload-inertia", ",".join([str(INERTIA)] * 3)]
+        sides = ["--without", self.folder / "log.csv", "--with", self.folder / "loaded.csv", "--robot", self.folder / "arm.xml"]
+        done = armid("identify", "--drive-gains", *sides, *load, "--map", mapping, "--columns", "rigid+rotor+viscous+coulomb", "--json")
+        self.assertEqual(done.returncode, 0, done.stderr[:800])
+        answer = json.loads(done.stdout)
+        for joint, kp, known in zip(answer["joints"], stated, KP):
+            found = joint["by"]["tls"]["kp_nm_rad"]
+            self.assertEqual(joint["stated_nm_rad"], kp)
+            self.assertLess(abs(found["value"] - known), 4 * found["std"], joint)
+            self.assertLess(found["std"], 0.05 * known)
+        self.assertEqual(answer["wrong"], ["j1", "j2"])
+        self.assertTrue(answer["corrected"].startswith("kp="))
+        # Damping is part of viscous friction then: it would be scaled as the stiffness is.
+        done = armid("identify", "--drive-gains", *sides, *load, "--map", mapping.replace("kd=0", "kd=1"))
+        self.assertEqual(done.returncode, 2)
+        self.assertIn("states kd, expected kd=0", done.stderr)
 
     def test_a_mapping_of_commands_needs_the_gains(self):
         done = armid("identify", self.folder / "log.csv", "--robot", self.folder / "arm.xml", "--map", "t=t, q=q[1-3], q_cmd=goal[1-3] deg")

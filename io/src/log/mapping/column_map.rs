@@ -136,7 +136,7 @@ impl ColumnMap {
         if is_command && (map.kp.is_none() || map.kd.is_none()) {
             return Err(format!(
                 "{key}: torque is kp (q_cmd − q) − kd qd, expected the gains of the servo: kp=… (N·m/rad) and kd=… (N·m·s/rad), 0 \
-                 where it has none"
+                 where it has none; without a known gain or load, twice the gains and twice the inertias move alike"
             ));
         }
         if (map.unit == Some(Unit::Percent)) != map.rated.is_some() {
