@@ -80,7 +80,7 @@ impl Servo {
             let (before, next) = (t(from), t((from + 1).min(rows - 1)));
             let weight = if self.delay_s == 0.0 || next <= before { 0.0 } else { (at - before) / (next - before) };
             let from = if self.delay_s == 0.0 { row } else { from };
-            for joint in 0..n {
+            for (joint, kp) in self.kp.iter().enumerate() {
                 let known = |row: usize| command[row * n + joint];
                 let commanded = match weight {
                     0.0 => known(from),
@@ -88,7 +88,7 @@ impl Servo {
                     weight => known(from) + weight * (known(from + 1) - known(from)),
                 };
                 let reached = q[row * n + joint] + offset.get(joint).copied().unwrap_or(0.0);
-                torque.push(self.kp[joint] * (commanded - reached));
+                torque.push(kp * (commanded - reached));
             }
         }
         torque
@@ -108,8 +108,7 @@ pub(super) fn velocities(q: &[f64], n: usize, rate_hz: f64) -> Vec<f64> {
                 (1.., 1..) => 0.5 * (x(row + 1) - x(row - 1)),
                 (0, 2..) => 0.5 * (4.0 * x(1) - 3.0 * x(0) - x(2)),
                 (2.., 0) => 0.5 * (3.0 * x(row) - 4.0 * x(row - 1) + x(row - 2)),
-                (0, 1) => x(1) - x(0),
-                (1, 0) => x(1) - x(0),
+                (0, 1) | (1, 0) => x(1) - x(0),
                 _ => 0.0,
             };
             velocities.push(slope * rate_hz);
