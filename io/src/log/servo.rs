@@ -77,7 +77,8 @@ impl Servo {
             while from + 1 < rows && t(from + 1) <= at {
                 from += 1;
             }
-            let (before, next) = (t(from), t((from + 1).min(rows - 1)));
+            let after = (from + 1).min(rows - 1);
+            let (before, next) = (t(from), t(after));
             let weight = if self.delay_s == 0.0 || next <= before { 0.0 } else { (at - before) / (next - before) };
             let from = if self.delay_s == 0.0 { row } else { from };
             for (joint, kp) in self.kp.iter().enumerate() {
@@ -85,7 +86,7 @@ impl Servo {
                 let commanded = match weight {
                     0.0 => known(from),
                     weight if weight < 0.0 => f64::NAN,
-                    weight => known(from) + weight * (known(from + 1) - known(from)),
+                    weight => known(from) + weight * (known(after) - known(from)),
                 };
                 let reached = q[row * n + joint] + offset.get(joint).copied().unwrap_or(0.0);
                 torque.push(kp * (commanded - reached));
