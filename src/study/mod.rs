@@ -5,6 +5,7 @@
 //! ```
 //! This module comes after every module that identifies, so that none of them can name the [`Truth`].
 
+mod advice;
 mod agreement;
 mod answer;
 mod effect_sensitivity;
@@ -66,6 +67,7 @@ mod variance_reduction;
 mod volume;
 
 pub use crate::model::ReferenceUnits;
+pub use advice::{AdvicePlan, DriveKind, Purpose};
 pub use agreement::Agreement;
 pub use bound::{cramer_rao_std, torque_covariance};
 pub use comparison::Comparison;

@@ -3,8 +3,8 @@
 use miette::Result;
 
 use super::{
-    agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, init, monitor, reduce,
-    report, robot, run, study, topic, trajectory, validate,
+    advise, agree, calibrate, completions, controller, design, doctor, dynamics, export, identify, init, monitor,
+    reduce, report, robot, run, study, topic, trajectory, validate,
 };
 use crate::terminal::{Console, Ending, Writes};
 
@@ -13,6 +13,7 @@ use crate::terminal::{Console, Ending, Writes};
 pub(crate) enum Command {
     Robot(robot::Arguments),
     Init(init::Arguments),
+    Advise(advise::Arguments),
     Agree(agree::Arguments),
     Reduce(reduce::Arguments),
     Dynamics(dynamics::Arguments),
@@ -50,7 +51,7 @@ impl Command {
             Self::Design(_) | Self::Trajectory(_) | Self::Export(_) => Writes::Text,
             Self::Run(_) => Writes::Recording,
             Self::Calibrate(_) => Writes::Several,
-            Self::Agree(_) | Self::Init(_) | Self::Study(_) | Self::Report(_) => Writes::Folder,
+            Self::Advise(_) | Self::Agree(_) | Self::Init(_) | Self::Study(_) | Self::Report(_) => Writes::Folder,
         }
     }
 }
@@ -59,6 +60,7 @@ impl Command {
 pub(crate) fn carry_out(command: Command, console: &Console) -> Result<Ending> {
     let console = &console.writing(command.writes())?;
     match command {
+        Command::Advise(arguments) => advise::run(&arguments, console),
         Command::Agree(arguments) => agree::run(&arguments, console),
         Command::Robot(arguments) => robot::run(&arguments, console),
         Command::Init(arguments) => init::run(&arguments, console),

@@ -1,5 +1,6 @@
 //! The commands, one file each.
 
+mod advise;
 mod agree;
 mod calibrate;
 mod command;
