@@ -17,6 +17,7 @@ Quantities:
   qd         velocities
   tau        torques, or forces
   current    motor currents
+  q_cmd      commanded positions of servos without torque, with their gains
 
 Columns:
   joint_[1-6]       headings with a number for each joint; [01-06] with leading zeros
@@ -32,6 +33,8 @@ Units and scales, of all joints or a list with / between them:
   offset_deg=0/90   zero positions
   constant=0.05     torque constants of currents, N·m/A
   rated=2.1         rated torques of values in %
+  kp=40 kd=1        gains of servos: torque is kp (q_cmd - q) - kd qd
+  delay_ms=4        time after which a command acts
 
 For ROS 2 joint states the names of joints replace the headings, without t.
 topic=/arm/joint_states chooses a topic.";
